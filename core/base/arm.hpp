@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// An arm as its drawing describes it: standard (distal) Denavit-Hartenberg rows, limits, couplings.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/fixed_vector.hpp"
+
+namespace armsig {
+
+inline constexpr std::size_t kMaxJoints = 8;
+inline constexpr std::size_t kMaxFrames = kMaxJoints + 1;
+
+enum class JointType : std::uint8_t { kRevolute, kPrismatic };
+
+// One value per joint, base to tip: radians for a revolute joint, metres for a prismatic one.
+using JointVector = FixedVector<double, kMaxJoints>;
+
+// One row of the standard Denavit-Hartenberg model, (2) of the paper:
+//   A = Rot(z, theta) Trans(0, 0, d) Trans(a, 0, 0) Rot(x, alpha).
+// The joint reading is added to theta of a revolute joint, to d of a prismatic one, as in (20).
+struct DhJoint {
+  JointType type = JointType::kRevolute;
+  double theta_rad = 0;
+  double d_m = 0;
+  double a_m = 0;
+  double alpha_rad = 0;
+};
+
+// Limits of the joint reading, radians or metres.
+struct JointLimits {
+  double lower = 0;
+  double upper = 0;
+};
+
+// The effective reading of `joint` is its reading plus ratio times the reading of `from` (indices
+// from 0).
+struct JointCoupling {
+  std::size_t joint = 0;
+  std::size_t from = 0;
+  double ratio = 0;
+};
+
+struct Arm {
+  FixedVector<DhJoint, kMaxJoints> joints;
+  FixedVector<JointLimits, kMaxJoints> limits;  // as many as joints
+  FixedVector<JointCoupling, kMaxJoints> couplings;
+};
+
+}  // namespace armsig

@@ -1,0 +1,20 @@
+# Compile settings that every target of the project shares, and those of code that also runs on the controller.
+
+add_library(armsig_warnings INTERFACE)
+target_compile_options(armsig_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wdouble-promotion -Wold-style-cast
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wformat=2 -Wimplicit-fallthrough -Wundef)
+if(ARMSIG_SANITIZE)
+  target_compile_options(armsig_warnings INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(armsig_warnings INTERFACE -fsanitize=address,undefined)
+endif()
+
+# armsig_controller_library(name sources...): code that must also run on bare metal:
+# no exceptions, no RTTI, and no implicit use of a heap.
+function(armsig_controller_library name)
+  add_library(${name} STATIC ${ARGN})
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
+  target_link_libraries(${name} PRIVATE armsig_warnings)
+endfunction()
