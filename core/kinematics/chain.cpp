@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "core/kinematics/chain.hpp"
+
+#include <cmath>
+
+#include "core/base/check.hpp"
+
+namespace armsig::kinematics {
+namespace {
+
+// Axes within 60 degrees of parallel have their frame moved. Sliding to the height of the previous
+// frame then costs at most a doubling of length, and where the axes are nearer to perpendicular
+// than this the common normal is never far.
+constexpr double kLeastCosine = 0.5;
+
+}  // namespace
+
+Chain make_chain(const FixedVector<DhJoint, kMaxJoints>& rows,
+                 const FixedVector<JointLimits, kMaxJoints>& limits) {
+  ARMSIG_CHECK(!rows.empty());
+  ARMSIG_CHECK(limits.empty() || limits.size() == rows.size());
+  Chain chain;
+  chain.joint_count = rows.size();
+  chain.limits = limits;
+  double slide = 0;  // of frame i - 1 along its z axis
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const DhJoint& row = rows[i];
+    const double c = std::cos(row.alpha_rad);
+    const double s = std::sin(row.alpha_rad);
+    const double d = row.d_m - slide;
+    const bool last = i + 1 == rows.size();
+    slide = !last && std::abs(c) > kLeastCosine ? -std::copysign(d, c * d) : 0;
+    // Rot(z, theta) Trans(a, 0, d) Rot(x, alpha) Trans(0, 0, slide), with the slide moved to the
+    // left of Rot(x, alpha). The slide is +-d, not d / cos(alpha): then d + slide cos(alpha) is
+    // d (1 - |cos(alpha)|), which keeps its digits however large d is.
+    const double half_sine = c > 0 ? std::sin(0.5 * row.alpha_rad) : std::cos(0.5 * row.alpha_rad);
+    chain.theta[i] = row.theta_rad;
+    chain.x[i] = row.a_m;
+    chain.y[i] = -slide * s;
+    chain.z[i] = slide == 0 ? d : 2 * d * half_sine * half_sine;
+    chain.cos_alpha[i] = c;
+    chain.sin_alpha[i] = s;
+    chain.revolute[i] = row.type == JointType::kRevolute;
+    chain.has_prismatic = chain.has_prismatic || !chain.revolute[i];
+    if (!limits.empty()) ARMSIG_CHECK(limits[i].lower <= limits[i].upper);
+  }
+  return chain;
+}
+
+ChainT<float> to_single(const Chain& chain) {
+  ChainT<float> single;
+  for (std::size_t i = 0; i < chain.joint_count; ++i) {
+    single.theta[i] =
+        static_cast<float>(std::remainder(chain.theta[i], 2 * 3.14159265358979323846));
+    single.x[i] = static_cast<float>(chain.x[i]);
+    single.y[i] = static_cast<float>(chain.y[i]);
+    single.z[i] = static_cast<float>(chain.z[i]);
+    single.cos_alpha[i] = static_cast<float>(chain.cos_alpha[i]);
+    single.sin_alpha[i] = static_cast<float>(chain.sin_alpha[i]);
+  }
+  single.revolute = chain.revolute;
+  single.joint_count = chain.joint_count;
+  single.has_prismatic = chain.has_prismatic;
+  single.limits = chain.limits;
+  return single;
+}
+
+}  // namespace armsig::kinematics

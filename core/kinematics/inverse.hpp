@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// Inverse of the identified model (21) for any arm, with bounded work: the joint readings that
+// bring frame n to a pose, near a seed (ALGORITHMS, section 4).
+//
+// Arms with six joints or more meet all six dimensions of the pose; with more than six, the
+// solution nearest to the seed is taken (1 rad counts as 1 m). Arms with fewer meet the position
+// first and the orientation as far as the position allows; which dimensions can be met is stated.
+#pragma once
+
+#include <cstdint>
+
+#include "core/kinematics/forward.hpp"
+
+namespace armsig::kinematics {
+
+enum class Verdict : std::uint8_t {
+  kConverged,     // the pose is met
+  kDegraded,      // the pose is met, near a singularity: small motions may need large joint motions
+  kOutOfReach,    // no reading near the seed brings the arm nearer to the pose
+  kJointLimit,    // nearer only by leaving the joint limits
+  kStepLimit,     // nearer only by a larger change of a reading than options.max_step
+  kNotConverged,  // the iterations were used up
+};
+
+struct InverseOptions {
+  // An order below the 1e-9 that is promised, so that another computation of the error agrees.
+  double position_tolerance_m = 1e-10;
+  double rotation_tolerance_rad = 1e-10;
+  int max_iterations = 100;
+  // A solution whose regularity (see InverseSolution) is below this is kDegraded.
+  double degraded_below = 1e-3;
+  bool respect_limits = true;  // those of the chain, if it has any
+  // Largest change of each reading from the seed, for one tick: velocity limit times period. Empty:
+  // none.
+  JointVector max_step;
+};
+
+struct InverseSolution {
+  // Always finite, inside the joint limits, and within max_step of the seed (a seed outside the
+  // limits moves towards them by at most max_step).
+  JointVector q;
+  Verdict verdict = Verdict::kNotConverged;
+  int iterations = 0;  // evaluations of the chain
+  double position_error_m = 0;
+  double rotation_error_rad = 0;
+  // 0 at a singularity, 1 at best: how independently the joints move frame n.
+  double regularity = 1;
+  // Dimensions of the pose that the joints can change from here: position, and orientation without
+  // disturbing the position. 3 and 3 for a six-joint arm away from singularities.
+  int position_dimensions = 3;
+  int rotation_dimensions = 3;
+};
+
+// `seed` has as many readings as the chain has joints (the present reading in the servo tick).
+// A pose that is not met is a verdict, not an error; q is then the nearest that was found.
+// Errors: kNotFinite if the pose or the seed holds a NaN or an infinity.
+[[nodiscard]] Result<InverseSolution> inverse(const Chain& chain, const Pose& X_0n,
+                                              const JointVector& seed,
+                                              const InverseOptions& options = {});
+
+}  // namespace armsig::kinematics
