@@ -12,7 +12,8 @@ constexpr int kCandidates = 96;
 constexpr double kShrink = 0.8;
 constexpr int kShrinkSteps = 11;  // 0.8^11 is just under a tenth
 
-// The n-th number of the van der Corput sequence of a base: even coverage of (0, 1) without a random generator.
+// The n-th number of the van der Corput sequence of a base: even coverage of (0, 1) without a
+// random generator.
 double van_der_corput(int n, int base) {
   double value = 0;
   double digit_weight = 1;
@@ -53,8 +54,8 @@ struct Trial {
   double largest_step = std::numeric_limits<double>::infinity();  // between neighbouring vertices
 };
 
-// Walks the grid centred at the tool pose of `centre`, aligned with frame 0; an infinite step where a vertex can't be
-// reached. The largest joint step says how far from singular the walk stays.
+// Walks the grid centred at the tool pose of `centre`, aligned with frame 0; an infinite step where
+// a vertex can't be reached. The largest joint step says how far from singular the walk stays.
 Trial try_placement(const ToolModel& drawing, const Grid& grid, const JointVector& centre) {
   Trial trial;
   const Result<Pose> X_0C = tool_pose(drawing, centre);

@@ -6,7 +6,8 @@
 namespace armsig::evaluation {
 namespace {
 
-// The workspace frame as `model` believes it to be: from its own forward kinematics at the taught readings.
+// The workspace frame as `model` believes it to be: from its own forward kinematics at the taught
+// readings.
 struct TaughtWorkspace {
   Pose X_0W;
   Matrix3 R_0T;  // orientation at the first taught point
@@ -30,17 +31,14 @@ Result<GridReadings> touch_grid(const ToolModel& model, const ToolModel& truth,
   const Pose X_W0 = real.X_0W.inverse();
 
   GridReadings readings;
-  readings.p_W.resize(grid.vertex_count());
-  readings.turn_rad.resize(grid.vertex_count());
   VertexWalk walk(grid, placement.taught[0]);
   while (walk.next()) {
     const Pose X_0T{believed.R_0T, believed.X_0W * walk.vertex()};
     ARMSIG_TRY(q, joints_for_tool_pose(model, X_0T, walk.seed()));
     walk.reached(q);
     ARMSIG_TRY(actual, tool_pose(truth, q));
-    readings.p_W[walk.index()] = X_W0 * actual.p;
-    readings.turn_rad[walk.index()] =
-        X_W0.R * rotation_vector(actual.R * real.R_0T.transpose());
+    readings.p_W.push_back(X_W0 * actual.p);
+    readings.turn_rad.push_back(X_W0.R * rotation_vector(actual.R * real.R_0T.transpose()));
   }
   return readings;
 }

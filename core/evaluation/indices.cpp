@@ -90,10 +90,9 @@ Indices indices(const Grid& grid, const GridReadings& readings) {
               result.normal_deviation_m, largest_normal_distance(line, lines[axis], readings.p_W));
         }
         for (std::size_t a = 0; a < 3; ++a) {
-          result.perpendicular_deviation_rad =
-              std::max(result.perpendicular_deviation_rad,
-                       deviation_from_perpendicular(lines[a].direction,
-                                                    lines[(a + 1) % 3].direction));
+          result.perpendicular_deviation_rad = std::max(
+              result.perpendicular_deviation_rad,
+              deviation_from_perpendicular(lines[a].direction, lines[(a + 1) % 3].direction));
         }
       }
     }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The four indices of Table 3 on grids whose deviations are known.
-#include "core/evaluation/indices.hpp"
-
 #include <cmath>
 #include <functional>
 
 #include <gtest/gtest.h>
+
+#include "core/evaluation/indices.hpp"
 
 namespace armsig::evaluation {
 namespace {
@@ -58,9 +58,8 @@ TEST(Indices, radial_deviation_is_the_largest_distance_from_the_desired_location
 
 TEST(Indices, perpendicular_deviation_is_the_angle_of_shear) {
   const double shear = 2e-3;
-  const auto readings = readings_of([&](const Vector3& p) {
-    return Vector3(p.x() + shear * p.z(), p.y(), p.z());
-  });
+  const auto readings =
+      readings_of([&](const Vector3& p) { return Vector3(p.x() + shear * p.z(), p.y(), p.z()); });
   EXPECT_NEAR(indices(kGrid, readings).perpendicular_deviation_rad, std::atan(shear), 1e-12);
 }
 
