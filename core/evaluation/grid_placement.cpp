@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/low_discrepancy.hpp"
 #include "core/evaluation/tool_pose.hpp"
 
 namespace armsig::evaluation {
@@ -11,18 +12,6 @@ namespace {
 constexpr int kCandidates = 96;
 constexpr double kShrink = 0.8;
 constexpr int kShrinkSteps = 11;  // 0.8^11 is just under a tenth
-
-// The n-th number of the van der Corput sequence of a base: even coverage of (0, 1) without a
-// random generator.
-double van_der_corput(int n, int base) {
-  double value = 0;
-  double digit_weight = 1;
-  for (; n > 0; n /= base) {
-    digit_weight /= base;
-    value += digit_weight * (n % base);
-  }
-  return value;
-}
 
 // Candidate 0 is the middle of the limits; the others fill them evenly (Halton sequence).
 JointVector candidate(const ToolModel& drawing, int n) {
