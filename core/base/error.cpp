@@ -13,6 +13,8 @@ std::string_view describe(Error error) {
       return "the iteration did not converge within its bound";
     case Error::kSingular:
       return "the equations have no unique solution";
+    case Error::kNotPositive:
+      return "a length or a sigma that must be positive is not";
     case Error::kTooFewReceivers:
       return "fewer than three receivers heard the target";
     case Error::kReceiversCollinear:

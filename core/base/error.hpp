@@ -18,6 +18,7 @@ enum class Error : std::uint8_t {
   kCapacityExceeded,  // more items than the fixed capacity holds
   kNotConverged,      // an iteration used up its bound
   kSingular,          // equations without a unique solution
+  kNotPositive,       // a length or a sigma that must be positive is not
   // Measurement.
   kTooFewReceivers,     // fewer than three receivers, or fewer than three heard the target
   kReceiversCollinear,  // the receivers stand on one line
