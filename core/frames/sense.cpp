@@ -7,15 +7,20 @@
 namespace armsig::frames {
 namespace {
 
+// A refusal must be sure: reversed or mirrored axes have to match twice as well as drawn ones.
+// Wrong zeros can look like reversed joints, but seldom as closely as that.
+constexpr double kRefusalShare = 0.5;
+
 using JointSet = unsigned;  // bit i: joint i
 
 bool contains(JointSet set, std::size_t joint) { return ((set >> joint) & 1U) != 0; }
 
 double angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-bool is_match(const Alignment& alignment, const AxisLines& drawn) {
-  return alignment.worst_angle_rad() <= kMatchAngle_rad &&
-         alignment.worst_distance_m() <= kMatchFraction * arm_size(drawn);
+// `share` of the bounds of a match.
+bool is_match(const Alignment& alignment, const AxisLines& drawn, double share) {
+  return alignment.worst_angle_rad() <= share * kMatchAngle_rad &&
+         alignment.worst_distance_m() <= share * kMatchFraction * arm_size(drawn);
 }
 
 // False where no rotation can bring every direction within the bound: the angle between two axes is
@@ -25,14 +30,14 @@ bool may_match(const AxisLines& drawn, const AxisLines& found) {
     for (std::size_t j = 0; j < i; ++j) {
       const double drawn_rad = angle(drawn[i].direction, drawn[j].direction);
       const double found_rad = angle(found[i].direction, found[j].direction);
-      if (std::abs(drawn_rad - found_rad) > 2 * kMatchAngle_rad) return false;
+      if (std::abs(drawn_rad - found_rad) > 2 * kRefusalShare * kMatchAngle_rad) return false;
     }
   }
   return true;
 }
 
-bool match(const AxisLines& drawn, const AxisLines& found) {
-  return may_match(drawn, found) && is_match(align(found, drawn), drawn);
+bool explains(const AxisLines& drawn, const AxisLines& found) {
+  return may_match(drawn, found) && is_match(align(found, drawn), drawn, kRefusalShare);
 }
 
 bool matches_with_reversed(const Arm& nominal, const JointVector& configuration,
@@ -44,8 +49,8 @@ bool matches_with_reversed(const Arm& nominal, const JointVector& configuration,
     found[i].direction = -found[i].direction;
     negated[i] = -negated[i];
   }
-  return match(axis_lines(nominal, negated), found) ||
-         match(axis_lines(nominal, configuration), found);
+  return explains(axis_lines(nominal, negated), found) ||
+         explains(axis_lines(nominal, configuration), found);
 }
 
 // Reflection of all positions through a point; any other reflection is this one and a rotation. The
@@ -72,7 +77,7 @@ SenseCheck check_sense(const Arm& nominal, const JointVector& configuration,
   check.reversed.resize(n, false);
   check.angle_rad = as_drawn.worst_angle_rad();
   check.distance_m = as_drawn.worst_distance_m();
-  if (is_match(as_drawn, drawn)) return check;
+  if (is_match(as_drawn, drawn, 1.0)) return check;
 
   const JointSet all = (1U << n) - 1U;
   for (int count = 1; count <= static_cast<int>(n); ++count) {
@@ -83,7 +88,7 @@ SenseCheck check_sense(const Arm& nominal, const JointVector& configuration,
       for (std::size_t i = 0; i < n; ++i) check.reversed[i] = contains(reversed, i);
       return check;
     }
-    if (count == 1 && match(drawn, reflected(identified))) {
+    if (count == 1 && explains(drawn, reflected(identified))) {
       check.verdict = SenseVerdict::kSensorMirrored;
       return check;
     }

@@ -11,7 +11,9 @@
 namespace armsig::frames {
 
 // A match: every direction within 20 degrees, every line within 20 % of the size of the arm. Wide,
-// because the zero of a real encoder may be some tens of degrees from the drawing's.
+// because the zero of a real encoder may be some tens of degrees from the drawing's. To refuse an
+// arm, the axes with joints reversed must match twice as well: with all zeros wrong by up to 60
+// degrees, none of the known arms was then refused in 100 trials each.
 inline constexpr double kMatchAngle_rad = radians(20.0);
 inline constexpr double kMatchFraction = 0.2;
 
@@ -30,10 +32,14 @@ struct SenseCheck {
 };
 
 // Compares the drawing with the identified axes (in any frame). A joint that counts backwards is
-// looked for both with the drawing at minus its reading (the reading is negated as a whole) and at
-// the reading as it is (negated about the signature configuration). Where one reversed joint and a
-// mirrored sensor explain the axes alike (a prismatic joint across parallel axes), the joint is
-// named. Preconditions: one reading and one identified line a joint, of the drawing's types.
+// looked for both with the drawing at minus its reading (negated as a whole) and at the reading as
+// it is (negated about the signature configuration).
+//
+// What the axes alone cannot tell apart: one reversed joint and a mirrored sensor, where the arm is
+// symmetric (SCARA: the prismatic joint is named); a reversed joint, and a zero of the joint before
+// it that is half a turn from the drawing's (the reversed joint is named).
+//
+// Preconditions: one reading and one identified line a joint, of the drawing's types.
 [[nodiscard]] SenseCheck check_sense(const Arm& nominal, const JointVector& configuration,
                                      const AxisLines& identified);
 

@@ -28,13 +28,13 @@ enum class Branch : std::uint8_t { kPositiveAlpha, kNegativeAlpha, kPositiveA, k
 
 // Axes with |sin alpha| below this are made parallel.
 //
-// A tool one metre away pays up to 2 |sin alpha| metres for making its axes parallel (the joint on
-// the far side of the axis). Keeping them as they are puts the common normal 1 / |sin alpha| metres
-// away, where doubles lie eps / |sin alpha| apart and the pseudo Denavit-Hartenberg product rounds
-// a few times. The two costs meet at sqrt(c eps) with c about 2: there, and only there, the product
-// is wrong by up to 4e-8 m per metre; at |sin alpha| >= 1e-6 it is right to 1e-9 m, below 5e-10
-// too. The chain of core/kinematics/s_model_chain.hpp has no such gap.
-inline constexpr double kParallelSine = 2e-8;
+// Making them parallel turns a tool by up to 2 |sin alpha|, and moves it as much per metre (worst
+// half a turn of the joint away). Keeping them puts the common normal 1 / |sin alpha| metres away,
+// where d and b are rounded: the pseudo Denavit-Hartenberg product is then wrong by up to about
+// 3.4e-16 / |sin alpha| per metre. The costs meet here, at 2.6e-8 m per metre, and nowhere is the
+// product worse; it is right to 1e-9 m below 5e-10 and from 4e-7 on. The link frames themselves
+// (core/kinematics/s_model_chain.hpp) are right throughout.
+inline constexpr double kParallelSine = 1.3e-8;
 
 // Axes that are parallel and closer than this are one axis: beta = 0 and a = 0 instead of the
 // direction of a rounding error.
