@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/check.hpp"
+#include "core/base/pose.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -41,6 +42,7 @@ Chain make_chain(const FixedVector<DhJoint, kMaxJoints>& rows,
     chain.cos_alpha[i] = c;
     chain.sin_alpha[i] = s;
     chain.revolute[i] = row.type == JointType::kRevolute;
+    chain.revolute_bits[i] = chain.revolute[i] ? -1 : 0;
     chain.has_prismatic = chain.has_prismatic || !chain.revolute[i];
     if (!limits.empty()) ARMSIG_CHECK(limits[i].lower <= limits[i].upper);
   }
@@ -50,12 +52,12 @@ Chain make_chain(const FixedVector<DhJoint, kMaxJoints>& rows,
 ChainT<float> to_single(const Chain& chain) {
   ChainT<float> single;
   for (std::size_t i = 0; i < chain.joint_count; ++i) {
-    single.theta[i] =
-        static_cast<float>(std::remainder(chain.theta[i], 2 * 3.14159265358979323846));
+    single.theta[i] = static_cast<float>(std::remainder(chain.theta[i], 2 * kPi));
     single.x[i] = static_cast<float>(chain.x[i]);
     single.y[i] = static_cast<float>(chain.y[i]);
     single.z[i] = static_cast<float>(chain.z[i]);
     single.cos_alpha[i] = static_cast<float>(chain.cos_alpha[i]);
+    single.revolute_bits[i] = chain.revolute[i] ? -1 : 0;
     single.sin_alpha[i] = static_cast<float>(chain.sin_alpha[i]);
   }
   single.revolute = chain.revolute;

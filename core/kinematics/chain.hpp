@@ -12,21 +12,37 @@
 #include <cstddef>
 
 #include "core/base/arm.hpp"
+#include "core/kinematics/lanes.hpp"
 
 namespace armsig::kinematics {
+
+// A constant written out as often as a register has lanes, so that the kernel need not spread it.
+template <typename Scalar>
+struct Spread {
+  alignas(sizeof(Pack<Scalar>)) std::array<Scalar, Lanes<Scalar>::kCount> copies;
+
+  Spread& operator=(Scalar value) {
+    copies.fill(value);
+    return *this;
+  }
+  // NOLINTNEXTLINE(google-explicit-constructor): reads like the number that it is
+  operator Scalar() const { return copies[0]; }
+};
 
 // Constants per joint, base to tip; lengths in metres, angles in radians. Entries beyond
 // joint_count are zero.
 template <typename Scalar>
 struct ChainT {
-  using Lanes = std::array<Scalar, kMaxJoints>;
+  using Constants = std::array<Spread<Scalar>, kMaxJoints>;
 
-  alignas(32) Lanes theta{};  // added to the reading of a revolute joint
-  alignas(32) Lanes x{};      // translation of the link after Rot(z, theta)
-  Lanes y{};
-  alignas(32) Lanes z{};  // the reading of a prismatic joint is added to it
-  Lanes cos_alpha{};
-  Lanes sin_alpha{};
+  alignas(32) std::array<Scalar, kMaxJoints> theta{};  // added to the reading of a revolute joint
+  // All bits set for a revolute joint, none for a prismatic one: masks readings at no cost.
+  alignas(32) std::array<typename Lanes<Scalar>::Integer, kMaxJoints> revolute_bits{};
+  Constants x{};  // translation of the link after Rot(z, theta)
+  Constants y{};
+  Constants z{};  // the reading of a prismatic joint is added to it
+  Constants cos_alpha{};
+  Constants sin_alpha{};
   std::array<bool, kMaxJoints> revolute{};
   std::size_t joint_count = 0;
   bool has_prismatic = false;

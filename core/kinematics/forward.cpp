@@ -1,71 +1,57 @@
 // SPDX-License-Identifier: MIT
 #include "core/kinematics/forward.hpp"
 
-#include <cmath>
-
-#include "core/base/check.hpp"
+#include "core/kinematics/forward_kernel.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
+// Written where the caller wants it, so that nothing is initialised twice.
 template <typename Scalar>
-Result<PoseAndJacobianT<Scalar>> evaluate(const ChainT<Scalar>& chain,
-                                          const FixedVector<Scalar, kMaxJoints>& q) {
-  using Vector = Eigen::Matrix<Scalar, 3, 1>;
+[[gnu::always_inline]] inline Result<PoseT<Scalar>> stored(const Frame<Scalar>& frame) {
+  Result<PoseT<Scalar>> result;
+  frame.store_pose(*result);
+  return result;
+}
+
+template <typename Scalar>
+[[gnu::always_inline]] inline Result<PoseT<Scalar>> pose(const ChainT<Scalar>& chain,
+                                                         const ReadingsT<Scalar>& q) {
   ARMSIG_CHECK(q.size() == chain.joint_count);
-  PoseAndJacobianT<Scalar> result;
-  result.joint_count = chain.joint_count;
-  PoseT<Scalar>& X = result.X_0n;
-  Eigen::Matrix<Scalar, 3, kMaxJoints> p_0;
-  for (std::size_t i = 0; i < chain.joint_count; ++i) {
-    if (!std::isfinite(q[i])) return std::unexpected(Error::kNotFinite);
-    const auto column = static_cast<Eigen::Index>(i);
-    p_0.col(column) = X.p;
-    result.J.col(column).template tail<3>() = X.R.col(2);
-    const Scalar theta = chain.theta[i] + (chain.revolute[i] ? q[i] : Scalar(0));
-    const Scalar c = std::cos(theta);
-    const Scalar s = std::sin(theta);
-    const Vector x = c * X.R.col(0) + s * X.R.col(1);
-    const Vector y = c * X.R.col(1) - s * X.R.col(0);
-    const Vector z = X.R.col(2);
-    X.p +=
-        chain.x[i] * x + chain.y[i] * y + (chain.z[i] + (chain.revolute[i] ? Scalar(0) : q[i])) * z;
-    X.R.col(0) = x;
-    X.R.col(1) = chain.cos_alpha[i] * y + chain.sin_alpha[i] * z;
-    X.R.col(2) = chain.cos_alpha[i] * z - chain.sin_alpha[i] * y;
+  JointTerms<Scalar> terms;
+  if (!joint_terms(chain, q.data(), terms)) [[unlikely]] {
+    return std::unexpected(Error::kNotFinite);
   }
-  for (std::size_t i = 0; i < chain.joint_count; ++i) {
-    auto column = result.J.col(static_cast<Eigen::Index>(i));
-    const Vector axis = column.template tail<3>();
-    if (chain.revolute[i]) {
-      column.template head<3>() = axis.cross(X.p - p_0.col(static_cast<Eigen::Index>(i)));
-    } else {
-      column.template head<3>() = axis;
-      column.template tail<3>().setZero();
-    }
-  }
+  Frame<Scalar> frame;
+  NoAxes none;
+  frame.advance_all(chain, terms, none);
+  return stored(frame);
+}
+
+template <typename Scalar>
+[[gnu::always_inline]] inline Result<PoseAndJacobianT<Scalar>> pose_and_jacobian(
+    const ChainT<Scalar>& chain, const ReadingsT<Scalar>& q) {
+  ARMSIG_CHECK(q.size() == chain.joint_count);
+  Result<PoseAndJacobianT<Scalar>> result;
+  if (!joint_columns(chain, q.data(), *result)) result = std::unexpected(Error::kNotFinite);
   return result;
 }
 
 }  // namespace
 
-Result<Pose> forward(const Chain& chain, const JointVector& q) {
-  ARMSIG_TRY(result, evaluate(chain, q));
-  return result.X_0n;
-}
+Result<Pose> forward(const Chain& chain, const JointVector& q) { return pose(chain, q); }
 
 Result<PoseT<float>> forward(const ChainT<float>& chain, const ReadingsT<float>& q) {
-  ARMSIG_TRY(result, evaluate(chain, q));
-  return result.X_0n;
+  return pose(chain, q);
 }
 
 Result<PoseAndJacobian> forward_with_jacobian(const Chain& chain, const JointVector& q) {
-  return evaluate(chain, q);
+  return pose_and_jacobian(chain, q);
 }
 
 Result<PoseAndJacobianT<float>> forward_with_jacobian(const ChainT<float>& chain,
                                                       const ReadingsT<float>& q) {
-  return evaluate(chain, q);
+  return pose_and_jacobian(chain, q);
 }
 
 }  // namespace armsig::kinematics

@@ -5,8 +5,27 @@
 
 #include "core/base/check.hpp"
 #include "core/kinematics/damped_inverse.hpp"
+#include "core/kinematics/newton.hpp"
 
 namespace armsig::kinematics {
+namespace {
+
+bool inside_limits(const Chain& chain, const InverseSolution& solution, const JointVector& seed,
+                   const InverseOptions& options) {
+  if (options.respect_limits && !chain.limits.empty()) {
+    for (std::size_t i = 0; i < seed.size(); ++i) {
+      if (solution.q[i] < chain.limits[i].lower || solution.q[i] > chain.limits[i].upper) {
+        return false;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < options.max_step.size(); ++i) {
+    if (std::abs(solution.q[i] - seed[i]) > options.max_step[i]) return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 Result<InverseSolution> inverse(const Chain& chain, const Pose& X_0n, const JointVector& seed,
                                 const InverseOptions& options) {
@@ -15,6 +34,10 @@ Result<InverseSolution> inverse(const Chain& chain, const Pose& X_0n, const Join
   bool finite = X_0n.R.allFinite() && X_0n.p.allFinite();
   for (const double reading : seed) finite = finite && std::isfinite(reading);
   if (!finite) return std::unexpected(Error::kNotFinite);
+  if (chain.joint_count == 6) {
+    const auto solution = newton_inverse(chain, X_0n, seed, options);
+    if (solution && inside_limits(chain, *solution, seed, options)) return *solution;
+  }
   return damped_inverse(chain, X_0n, seed, seed, options);
 }
 

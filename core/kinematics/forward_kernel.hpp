@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+// The product (1) for the servo tick: one pass over the joints, no 4 x 4 matrices.
+//
+// Multiplying a frame by Rot(z, theta) Trans(x, y, z) Rot(x, alpha) works on each row of [R p] by
+// itself. The kernel therefore carries as many rows as a register holds, written once for packs and
+// for single numbers.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "core/base/check.hpp"
+#include "core/kinematics/forward.hpp"
+#include "core/kinematics/sine_cosine.hpp"
+
+namespace armsig::kinematics {
+
+// What depends on the readings: sine and cosine of each joint angle, and the height of each link
+// along the joint axis.
+template <typename Scalar>
+struct JointTerms {
+  alignas(32) std::array<Scalar, kMaxJoints> sine;
+  alignas(32) std::array<Scalar, kMaxJoints> cosine;
+  std::array<Spread<Scalar>, kMaxJoints> height;  // set where the chain has a prismatic joint
+  const Spread<Scalar>* z;
+};
+
+// A constant as V: all lanes of a pack, or the number itself.
+template <typename V, typename Scalar>
+[[nodiscard]] [[gnu::always_inline]] inline V as(const Spread<Scalar>& constant) {
+  return load<V>(constant.copies.data());
+}
+
+// Rows of a frame: columns x, y, z of R and p, each V holding one or several rows.
+template <typename V>
+struct FrameRows {
+  V x, y, z, p;
+
+  // This frame times link i.
+  template <typename Scalar>
+  [[gnu::always_inline]] void advance(const ChainT<Scalar>& chain, const JointTerms<Scalar>& terms,
+                                      std::size_t i) {
+    const V turned_x = terms.cosine[i] * x + terms.sine[i] * y;
+    const V turned_y = terms.cosine[i] * y - terms.sine[i] * x;
+    p += as<V>(terms.z[i]) * z;
+    p += as<V>(chain.x[i]) * turned_x;
+    p += as<V>(chain.y[i]) * turned_y;
+    x = turned_x;
+    y = as<V>(chain.cos_alpha[i]) * turned_y + as<V>(chain.sin_alpha[i]) * z;
+    z = as<V>(chain.cos_alpha[i]) * z - as<V>(chain.sin_alpha[i]) * turned_y;
+  }
+};
+
+// The z axis and the origin of the frames before each joint: the lines that the joints turn about.
+// Four numbers each, the fourth without meaning.
+template <typename Scalar>
+struct JointAxes {
+  alignas(32) std::array<std::array<Scalar, 4>, kMaxJoints> axis;
+  alignas(32) std::array<std::array<Scalar, 4>, kMaxJoints> origin;
+};
+
+// Keeps nothing where only frame n is wanted.
+struct NoAxes {};
+
+// A whole frame [R p], frame 0 at first: one pack with a spare lane where a register holds three
+// rows, else a pack of two rows and a single one.
+template <typename Scalar, bool kOnePack = (Lanes<Scalar>::kCount >= 4)>
+struct Frame;
+
+template <typename Scalar>
+struct Frame<Scalar, true> {
+  using V = Pack<Scalar>;
+  FrameRows<V> rows{V{1, 0, 0, 0}, V{0, 1, 0, 0}, V{0, 0, 1, 0}, V{0, 0, 0, 0}};
+
+  // Frame n. The usual six joints are unrolled where nothing else is wanted.
+  template <typename Axes>
+  [[gnu::always_inline]] void advance_all(const ChainT<Scalar>& chain,
+                                          const JointTerms<Scalar>& terms, Axes& axes) {
+    if constexpr (std::is_same_v<Axes, NoAxes>) {
+      if (chain.joint_count == 6) [[likely]] {
+#pragma GCC unroll 6
+        for (std::size_t i = 0; i < 6; ++i) rows.advance(chain, terms, i);
+        return;
+      }
+    }
+    for (std::size_t i = 0; i < chain.joint_count; ++i) {
+      if constexpr (!std::is_same_v<Axes, NoAxes>) {
+        store(axes.axis[i].data(), rows.z);
+        store(axes.origin[i].data(), rows.p);
+      }
+      rows.advance(chain, terms, i);
+    }
+  }
+  [[gnu::always_inline]] void store_pose(PoseT<Scalar>& X) const {
+    store(X.R.data(), rows.x);
+    store(X.R.data() + 3, rows.y);
+    store_three(X.R.data() + 6, rows.z);
+    store_three(X.p.data(), rows.p);
+  }
+
+ private:
+  [[gnu::always_inline]] static void store_three(Scalar* to, const V& v) {
+    store(to, __builtin_shufflevector(v, v, 0, 1));
+    to[2] = v[2];
+  }
+};
+
+template <typename Scalar>
+struct Frame<Scalar, false> {
+  using V = Pack<Scalar>;
+  FrameRows<V> rows01{V{1, 0}, V{0, 1}, V{0, 0}, V{0, 0}};
+  FrameRows<Scalar> row2{0, 0, 1, 0};
+
+  // Frame n, one pack of rows after the other: both at once need more registers than there are.
+  template <typename Axes>
+  [[gnu::always_inline]] void advance_all(const ChainT<Scalar>& chain,
+                                          const JointTerms<Scalar>& terms, Axes& axes) {
+    constexpr bool kStore = !std::is_same_v<Axes, NoAxes>;
+    for (std::size_t i = 0; i < chain.joint_count; ++i) {
+      if constexpr (kStore) store(axes.axis[i].data(), rows01.z);
+      if constexpr (kStore) store(axes.origin[i].data(), rows01.p);
+      rows01.advance(chain, terms, i);
+    }
+    for (std::size_t i = 0; i < chain.joint_count; ++i) {
+      if constexpr (kStore) axes.axis[i][2] = row2.z;
+      if constexpr (kStore) axes.origin[i][2] = row2.p;
+      row2.advance(chain, terms, i);
+    }
+  }
+  void store_pose(PoseT<Scalar>& X) const {
+    store_column(X.R.data(), rows01.x, row2.x);
+    store_column(X.R.data() + 3, rows01.y, row2.y);
+    store_column(X.R.data() + 6, rows01.z, row2.z);
+    store_column(X.p.data(), rows01.p, row2.p);
+  }
+
+ private:
+  static void store_column(Scalar* to, const V& rows01, Scalar row2) {
+    store(to, rows01);
+    to[2] = row2;
+  }
+};
+
+// Where the chain has a prismatic joint: its reading lengthens the link. False if a reading is not
+// finite.
+template <typename Scalar>
+[[gnu::noinline]] bool prismatic_heights(const ChainT<Scalar>& chain, const Scalar* q,
+                                         JointTerms<Scalar>& terms) {
+  for (std::size_t i = 0; i < chain.joint_count; ++i) {
+    if (!std::isfinite(q[i])) return false;
+    terms.height[i] = chain.z[i] + (chain.revolute[i] ? Scalar(0) : q[i]);
+  }
+  return true;
+}
+
+// Angles beyond the reach of the polynomials are left to the library. False if a reading is not
+// finite.
+template <typename Scalar>
+[[gnu::noinline, gnu::cold]] bool large_angles(const ChainT<Scalar>& chain, const Scalar* q,
+                                               JointTerms<Scalar>& terms) {
+  for (std::size_t i = 0; i < chain.joint_count; ++i) {
+    if (!std::isfinite(q[i])) return false;
+    const double angle =
+        static_cast<double>(chain.theta[i]) + (chain.revolute[i] ? static_cast<double>(q[i]) : 0.0);
+    terms.sine[i] = static_cast<Scalar>(std::sin(angle));
+    terms.cosine[i] = static_cast<Scalar>(std::cos(angle));
+  }
+  return true;
+}
+
+// One pack of joints from joint j on. Returns a mask of the angles that are neither too large nor
+// NaN.
+template <typename Scalar>
+[[nodiscard]] [[gnu::always_inline]] inline PackMask<Scalar> pack_terms(const ChainT<Scalar>& chain,
+                                                                        const Scalar* q,
+                                                                        JointTerms<Scalar>& terms,
+                                                                        std::size_t j) {
+  using V = Pack<Scalar>;
+  using Bits = PackMask<Scalar>;
+  constexpr auto kNoSign = std::numeric_limits<typename Lanes<Scalar>::Integer>::max();
+  // The mask clears prismatic readings and whatever stands beyond the last joint.
+  const Bits bits = load<Bits>(q + j) & load<Bits>(chain.revolute_bits.data() + j);
+  const V angle = bits_as<V>(bits) + load<V>(chain.theta.data() + j);
+  V sine;
+  V cosine;
+  sine_cosine<Scalar>(angle, sine, cosine);
+  store(terms.sine.data() + j, sine);
+  store(terms.cosine.data() + j, cosine);
+  return (bits_as<V>(bits_as<Bits>(angle) & kNoSign) <= SineCosineConstants<Scalar>::kLargestAngle);
+}
+
+// Sines, cosines and heights at readings q (room for kMaxJoints numbers). False if one is not
+// finite.
+template <typename Scalar>
+[[nodiscard]] [[gnu::always_inline]] inline bool joint_terms(const ChainT<Scalar>& chain,
+                                                             const Scalar* q,
+                                                             JointTerms<Scalar>& terms) {
+  constexpr std::size_t kCount = Lanes<Scalar>::kCount;
+  terms.z = chain.z.data();
+  if (chain.has_prismatic) [[unlikely]] {
+    if (!prismatic_heights(chain, q, terms)) return false;
+    terms.z = terms.height.data();
+  }
+  PackMask<Scalar> in_reach = pack_terms(chain, q, terms, 0);
+  if constexpr (2 * kCount == kMaxJoints) {
+    // Both packs at once: their work overlaps, and the constants are loaded once.
+    in_reach &= pack_terms(chain, q, terms, kCount);
+  } else {
+    for (std::size_t j = kCount; j < chain.joint_count; j += kCount) {
+      in_reach &= pack_terms(chain, q, terms, j);
+    }
+  }
+  if (!all(in_reach)) [[unlikely]]
+    return large_angles(chain, q, terms);
+  return true;
+}
+
+// Linear velocity of the point p_0 per unit of joint i's rate. The axis of joint i is the z axis of
+// frame i - 1, and any point on it will do, so the moved frames of the chain serve as they are.
+template <typename Scalar>
+[[nodiscard]] [[gnu::always_inline]] inline Eigen::Matrix<Scalar, 3, 1> linear_column(
+    const JointAxes<Scalar>& axes, const Eigen::Matrix<Scalar, 3, 1>& p_0, std::size_t i) {
+  using Vector = Eigen::Map<const Eigen::Matrix<Scalar, 3, 1>>;
+  const Vector axis(axes.axis[i].data());
+  const Vector origin(axes.origin[i].data());
+  return axis.cross(p_0 - origin);
+}
+
+// Pose and geometric Jacobian; false if a reading is not finite.
+template <typename Scalar>
+[[nodiscard]] inline bool joint_columns(const ChainT<Scalar>& chain, const Scalar* q,
+                                        PoseAndJacobianT<Scalar>& result) {
+  JointTerms<Scalar> terms;
+  if (!joint_terms(chain, q, terms)) return false;
+  JointAxes<Scalar> axes;
+  Frame<Scalar> frame;
+  frame.advance_all(chain, terms, axes);
+  frame.store_pose(result.X_0n);
+  result.joint_count = chain.joint_count;
+  for (std::size_t i = 0; i < chain.joint_count; ++i) {
+    auto column = result.J.col(static_cast<Eigen::Index>(i));
+    const Eigen::Map<const Eigen::Matrix<Scalar, 3, 1>> axis(axes.axis[i].data());
+    if (chain.revolute[i]) [[likely]] {
+      column.template head<3>() = linear_column(axes, result.X_0n.p, i);
+      column.template tail<3>() = axis;
+    } else {
+      column.template head<3>() = axis;
+      column.template tail<3>().setZero();
+    }
+  }
+  return true;
+}
+
+}  // namespace armsig::kinematics

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// Small vectors of numbers that the processor handles at once (GCC's vector extension: the compiler
+// maps them to SSE2, AVX2, NEON or scalars, whatever the build is for).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+#include "core/base/arm.hpp"
+
+namespace armsig::kinematics {
+
+// Pack: the numbers of one register. Mask: integers of the same width, all ones or all zeros.
+template <typename Scalar>
+struct Lanes;
+
+template <>
+struct Lanes<double> {
+#ifdef __AVX2__
+  static constexpr std::size_t kCount = 4;
+#else
+  static constexpr std::size_t kCount = 2;
+#endif
+  using Integer = std::int64_t;
+  using Pack [[gnu::vector_size(kCount * sizeof(double))]] = double;
+  using Mask [[gnu::vector_size(kCount * sizeof(double))]] = Integer;
+};
+
+template <>
+struct Lanes<float> {
+  static constexpr std::size_t kCount = 4;
+  using Integer = std::int32_t;
+  using Pack [[gnu::vector_size(kCount * sizeof(float))]] = float;
+  using Mask [[gnu::vector_size(kCount * sizeof(float))]] = Integer;
+};
+
+template <typename Scalar>
+using Pack = typename Lanes<Scalar>::Pack;
+template <typename Scalar>
+using PackMask = typename Lanes<Scalar>::Mask;
+
+// The bits of `from` as a `To`; also for packs.
+template <typename To, typename From>
+[[nodiscard]] inline To bits_as(const From& from) {
+  static_assert(sizeof(To) == sizeof(From));
+  To to;
+  std::memcpy(&to, &from, sizeof(to));
+  return to;
+}
+
+template <typename V, typename T>
+[[nodiscard]] inline V load(const T* from) {
+  V pack;
+  std::memcpy(&pack, from, sizeof(pack));
+  return pack;
+}
+
+template <typename V, typename T>
+inline void store(T* to, const V& pack) {
+  std::memcpy(to, &pack, sizeof(pack));
+}
+
+// Whether every lane of `mask` is set.
+template <typename Mask>
+[[nodiscard]] inline bool all(const Mask& mask) {
+#ifdef __SSE2__
+  if constexpr (sizeof(Mask) == sizeof(__m128i)) {
+    return _mm_movemask_epi8(bits_as<__m128i>(mask)) == 0xffff;
+  }
+#endif
+#ifdef __AVX2__
+  if constexpr (sizeof(Mask) == sizeof(__m256i)) {
+    return _mm256_movemask_epi8(bits_as<__m256i>(mask)) == -1;
+  }
+#endif
+  bool result = true;
+  for (std::size_t i = 0; i < sizeof(Mask) / sizeof(mask[0]); ++i) result = result && mask[i] != 0;
+  return result;
+}
+
+}  // namespace armsig::kinematics

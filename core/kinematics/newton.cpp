@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "core/kinematics/newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/kinematics/forward_kernel.hpp"
+
+namespace armsig::kinematics {
+namespace {
+
+constexpr int kLargestIterations = 8;
+// Least relative volume of the two 3 x 3 blocks. Newton from half a degree away converges well
+// above it; nearer to a singularity damping takes over.
+constexpr double kLeastVolume = 0.01;
+constexpr double kLargestError = 0.5;  // rad or m: beyond, the step may lead to another branch
+
+// The Jacobian in blocks, wrist (joints 4 to 6) and arm (joints 1 to 3):
+//   [A B] [dq_arm  ]   [position error]
+//   [C D] [dq_wrist] = [rotation error].
+// D holds three unit axes, so its inverse is three cross products; what remains for the arm is the
+// Schur complement S = A - B D^-1 C: the velocity of the point that the wrist turns about. Exact
+// for any six axes, spherical wrist or not.
+class BlockSolver {
+ public:
+  // False near a singularity.
+  [[nodiscard]] bool factor(const Chain& chain, const JointAxes<double>& axes,
+                            const Vector3& p_0n) {
+    const Vector3 z4 = axis(axes, 3);
+    const Vector3 z5 = axis(axes, 4);
+    const Vector3 z6 = axis(axes, 5);
+    d_row4_ = z5.cross(z6);
+    d_row5_ = z6.cross(z4);
+    d_row6_ = z4.cross(z5);
+    const double wrist = z4.dot(d_row4_);
+    if (!(std::abs(wrist) > kLeastVolume)) return false;
+    const double inverse = 1.0 / wrist;
+    d_row4_ *= inverse;
+    d_row5_ *= inverse;
+    d_row6_ *= inverse;
+    b4_ = linear_column(axes, p_0n, 3);
+    b5_ = linear_column(axes, p_0n, 4);
+    b6_ = linear_column(axes, p_0n, 5);
+    Vector3* s[] = {&s1_, &s2_, &s3_};
+    Vector3* g[] = {&g1_, &g2_, &g3_};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3 z = axis(axes, i);
+      if (chain.revolute[i]) [[likely]] {
+        *g[i] = Vector3(d_row4_.dot(z), d_row5_.dot(z), d_row6_.dot(z));
+        *s[i] =
+            linear_column(axes, p_0n, i) - (g[i]->x() * b4_ + g[i]->y() * b5_ + g[i]->z() * b6_);
+      } else {
+        g[i]->setZero();
+        *s[i] = z;
+      }
+    }
+    s_row1_ = s2_.cross(s3_);
+    s_row2_ = s3_.cross(s1_);
+    s_row3_ = s1_.cross(s2_);
+    const double arm = s1_.dot(s_row1_);
+    const double sizes = s1_.squaredNorm() * s2_.squaredNorm() * s3_.squaredNorm();
+    if (!(arm * arm > kLeastVolume * kLeastVolume * sizes)) return false;
+    inverse_arm_ = 1.0 / arm;
+    regularity_squared_ = std::min(wrist * wrist, arm * arm / sizes);
+    return true;
+  }
+
+  // The step that removes the error to first order; added to q.
+  void add_step(const Vector3& position_error, const Vector3& rotation_error, double* q) {
+    const Vector3 g(d_row4_.dot(rotation_error), d_row5_.dot(rotation_error),
+                    d_row6_.dot(rotation_error));
+    const Vector3 b = position_error - (g.x() * b4_ + g.y() * b5_ + g.z() * b6_);
+    const double dq1 = s_row1_.dot(b) * inverse_arm_;
+    const double dq2 = s_row2_.dot(b) * inverse_arm_;
+    const double dq3 = s_row3_.dot(b) * inverse_arm_;
+    const Vector3 wrist = g - dq1 * g1_ - dq2 * g2_ - dq3 * g3_;
+    q[0] += dq1;
+    q[1] += dq2;
+    q[2] += dq3;
+    q[3] += wrist.x();
+    q[4] += wrist.y();
+    q[5] += wrist.z();
+    step_squared_ = dq1 * dq1 + dq2 * dq2 + dq3 * dq3 + wrist.squaredNorm();
+  }
+
+  [[nodiscard]] double step_squared() const { return step_squared_; }
+  [[nodiscard]] double regularity() const { return std::sqrt(regularity_squared_); }
+
+ private:
+  static Vector3 axis(const JointAxes<double>& axes, std::size_t i) {
+    return Eigen::Map<const Vector3>(axes.axis[i].data());
+  }
+
+  Vector3 d_row4_, d_row5_, d_row6_;  // rows of D^-1
+  Vector3 b4_, b5_, b6_;              // columns of B
+  Vector3 g1_, g2_, g3_;              // columns of D^-1 C
+  Vector3 s1_, s2_, s3_;              // columns of S
+  Vector3 s_row1_, s_row2_, s_row3_;  // rows of the adjoint of S
+  double inverse_arm_ = 0;
+  double regularity_squared_ = 0;
+  double step_squared_ = 0;
+};
+
+}  // namespace
+
+std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_0n,
+                                              const JointVector& seed,
+                                              const InverseOptions& options) {
+  BlockSolver solver;
+  JointTerms<double> terms;
+  JointAxes<double> axes;
+  Pose X;
+  InverseSolution solution;
+  solution.q = seed;
+  double* q = solution.q.data();
+  const double position_goal = options.position_tolerance_m * options.position_tolerance_m;
+  const double rotation_goal = options.rotation_tolerance_rad * options.rotation_tolerance_rad;
+  bool factored = false;
+  for (int k = 1; k <= kLargestIterations; ++k) {
+    if (!joint_terms(chain, q, terms)) return std::nullopt;
+    Frame<double> frame;
+    frame.advance_all(chain, terms, axes);
+    frame.store_pose(X);
+    const Vector3 position_error = X_0n.p - X.p;
+    // Sine of the angle times the axis, to third order the rotation vector.
+    const Vector3 rotation_error =
+        0.5 * (X.R.col(0).cross(X_0n.R.col(0)) + X.R.col(1).cross(X_0n.R.col(1)) +
+               X.R.col(2).cross(X_0n.R.col(2)));
+    const double position = position_error.squaredNorm();
+    const double rotation = rotation_error.squaredNorm();
+    if (position <= position_goal && rotation <= rotation_goal) {
+      if (!factored && !solver.factor(chain, axes, X.p)) return std::nullopt;
+      solution.verdict = Verdict::kConverged;
+      solution.iterations = k;
+      solution.position_error_m = std::sqrt(position);
+      solution.rotation_error_rad = std::sqrt(rotation);
+      solution.regularity = solver.regularity();
+      if (solution.regularity < options.degraded_below) return std::nullopt;
+      return solution;
+    }
+    const double error = position + rotation;
+    if (!(error < kLargestError * kLargestError)) return std::nullopt;
+    // Once error times last step is below the goal, the last factors do as well as new ones.
+    if (!factored ||
+        error * solver.step_squared() > 0.04 * std::min(position_goal, rotation_goal)) {
+      if (!solver.factor(chain, axes, X.p)) return std::nullopt;
+      factored = true;
+    }
+    solver.add_step(position_error, rotation_error, q);
+  }
+  return std::nullopt;
+}
+
+}  // namespace armsig::kinematics
