@@ -107,7 +107,7 @@ void expect_same(const Signature& a, const Signature& b) {
 
 TEST(SignatureFile, gives_back_every_bit_of_random_signatures) {
   RandomRecord random(7);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int trial = 0; trial < 64; ++trial) {
     const SignatureRecord written = random.make(static_cast<std::size_t>(1 + trial % 8));
     const auto read = parse_signature(text_of(written), "S.yaml");
     ASSERT_TRUE(read) << render(read.error());
@@ -176,7 +176,8 @@ TEST(SignatureFile, refuses_a_changed_last_digit_of_any_number) {
   const std::regex number(R"(\d\.\d{10,}(?=[,\]}\n e]))");
   std::size_t count = 0;
   for (std::sregex_iterator it(text.begin(), text.end(), number), end; it != end; ++it) {
-    if (++count % 20 != 0) continue;
+    ++count;
+    if (count % 60 != 0) continue;
     std::string changed = text;
     // A digit before the last, so that the number is surely another double.
     const auto at = static_cast<std::size_t>(it->position()) + it->str().size() - 3;
@@ -218,8 +219,8 @@ TEST(SignatureFile, refuses_another_version) {
 
 TEST(SignatureFile, refuses_another_first_key) {
   const std::string message = message_of(
-      forged(text_of(a_record()), "armsig: signature/1\n(arm: .*\n)", "$01armsig: signature/1\n"));
-  EXPECT_NE(message.find("the first key is \"arm\""), std::string::npos) << message;
+      forged(text_of(a_record()), "armsig: signature/1\n(name: .*\n)", "$01armsig: signature/1\n"));
+  EXPECT_NE(message.find("the first key is \"name\""), std::string::npos) << message;
 }
 
 TEST(SignatureFile, refuses_pseudo_dh_that_disagrees_with_the_frames) {

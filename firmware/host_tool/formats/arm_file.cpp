@@ -88,7 +88,7 @@ Read<JointType> read_joint_type(const YamlMap& map) {
   ARMSIG_TRY(node, map.require("type"));
   if (node->text == "revolute") return JointType::kRevolute;
   if (node->text == "prismatic") return JointType::kPrismatic;
-  return problem_at(*node, fmt::format("type of {}: {}", map.name(), quoted(node->text)),
+  return problem_at(*node, fmt::format("type of {}: {}", map.name(), in_quotes(node->text)),
                     "revolute or prismatic");
 }
 

@@ -83,7 +83,7 @@ Read<void> check_seal(const YamlNode& document) {
   return problem_at(
       *crc,
       fmt::format("the content does not match its crc32 (it has {}, the file says {})", computed,
-                  quoted(crc->text)),
+                  in_quotes(crc->text)),
       "the file as armsig wrote it; it was changed or damaged");
 }
 

@@ -126,25 +126,25 @@ std::unexpected<Problem> CsvTable::unknown_column(std::string_view name,
     const bool has_unit = !units_of(quantity.dimension).empty();
     const std::string expected = any_of(names_of(quantity.name, quantity.dimension));
     if (has_unit && name == quantity.name) {
-      return at(position, fmt::format("column {} has no unit", quoted(name)), expected);
+      return at(position, fmt::format("column {} has no unit", in_quotes(name)), expected);
     }
     if (has_unit && name.starts_with(quantity.name + "_")) {
       const std::string note = quantity.note.empty() ? "" : ", and " + quantity.note;
-      return at(position, fmt::format("column {} has another unit{}", quoted(name), note),
+      return at(position, fmt::format("column {} has another unit{}", in_quotes(name), note),
                 expected);
     }
   }
   const auto joints = std::ranges::count_if(
       quantities_, [](const Quantity& quantity) { return looks_like_a_joint(quantity.name); });
   if (joints > 0 && looks_like_a_joint(name)) {
-    return at(
-        position,
-        fmt::format("column {} is for a joint outside the arm, which has {}", quoted(name), joints),
-        fmt::format("q1 to q{}", joints));
+    return at(position,
+              fmt::format("column {} is for a joint outside the arm, which has {}", in_quotes(name),
+                          joints),
+              fmt::format("q1 to q{}", joints));
   }
   const std::vector<std::string> names = all_names(quantities_);
   const std::string meant = nearest(name, names);
-  return at(position, fmt::format("unknown column {}", quoted(name)),
+  return at(position, fmt::format("unknown column {}", in_quotes(name)),
             meant.empty() ? "names separated by commas, out of " + any_of(names) : meant);
 }
 
@@ -175,10 +175,11 @@ Read<void> CsvTable::read_header() {
     ARMSIG_TRY(column, column_named(fields.text(), fields.position()));
     const auto earlier = std::ranges::find(columns_, column.quantity, &Column::quantity);
     if (earlier != columns_.end()) {
-      return at(fields.position(),
-                fmt::format("column {} gives {} a second time (first as {})", quoted(column.name),
-                            quantities_[column.quantity].name, quoted(earlier->name)),
-                "each column once");
+      return at(
+          fields.position(),
+          fmt::format("column {} gives {} a second time (first as {})", in_quotes(column.name),
+                      quantities_[column.quantity].name, in_quotes(earlier->name)),
+          "each column once");
     }
     columns_.push_back(std::move(column));
   }
@@ -203,7 +204,7 @@ Read<void> CsvTable::parse_field(std::string_view text, const Column& column,
   if (column.dimension == Dimension::kInteger) {
     const auto integer = parse_integer(text);
     if (!integer) {
-      return at(position, fmt::format("{}: {} is not an integer", column.name, quoted(text)),
+      return at(position, fmt::format("{}: {} is not an integer", column.name, in_quotes(text)),
                 "an integer");
     }
     value = *integer;
@@ -236,7 +237,7 @@ Read<bool> CsvTable::next() {
   if (fields.next()) {
     return at(
         fields.position(),
-        fmt::format("{} follows the last of {} fields", quoted(fields.text()), columns_.size()),
+        fmt::format("{} follows the last of {} fields", in_quotes(fields.text()), columns_.size()),
         "the end of the row");
   }
   return true;

@@ -115,7 +115,8 @@ Read<void> MeasurementReader::read_target(MeasurementRow& row) const {
     const auto range_m = present(table_.value(r_ + j));
     if (range_m && !(*range_m > 0)) {
       return table_.problem(
-          r_ + j, fmt::format("range r{}: {} is not positive", j + 1, quoted(table_.field(r_ + j))),
+          r_ + j,
+          fmt::format("range r{}: {} is not positive", j + 1, in_quotes(table_.field(r_ + j))),
           "a distance above 0, or nothing where the receiver heard nothing");
     }
     row.ranges_m.push_back(range_m);
@@ -157,7 +158,7 @@ Read<bool> MeasurementReader::next(MeasurementRow& row) {
   row.sigma_m = present(table_.value(sigma_));
   if (row.sigma_m && !(*row.sigma_m > 0)) {
     return table_.problem(sigma_,
-                          fmt::format("sigma: {} is not positive", quoted(table_.field(sigma_))),
+                          fmt::format("sigma: {} is not positive", in_quotes(table_.field(sigma_))),
                           "a standard deviation above 0, or nothing");
   }
   return true;

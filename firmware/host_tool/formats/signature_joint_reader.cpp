@@ -23,7 +23,7 @@ Read<bool> read_flag(const YamlMap& map, std::string_view key) {
   ARMSIG_TRY(node, map.require(key));
   if (node->text == "true") return true;
   if (node->text == "false") return false;
-  return problem_at(*node, fmt::format("{}: {}", key, quoted(node->text)), "true or false");
+  return problem_at(*node, fmt::format("{}: {}", key, in_quotes(node->text)), "true or false");
 }
 
 Read<std::size_t> read_count(const YamlMap& map, std::string_view key) {

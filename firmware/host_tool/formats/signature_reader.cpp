@@ -89,7 +89,7 @@ Read<void> read_targets(const YamlMap& root, Signature& signature) {
 
 // What says where the signature comes from.
 Read<void> read_origin(const YamlMap& root, SignatureRecord& record) {
-  ARMSIG_TRY(arm_name, root.text("arm"));
+  ARMSIG_TRY(arm_name, root.text("name"));
   ARMSIG_TRY(serial, root.require("serial"));
   if (serial->kind != YamlNode::Kind::kScalar) {
     return problem_at(*serial, "serial: " + std::string(word_of(serial->kind)),
@@ -98,12 +98,13 @@ Read<void> read_origin(const YamlMap& root, SignatureRecord& record) {
   ARMSIG_TRY(method, root.text("method"));
   constexpr std::array<std::string_view, 4> kMethods{"paper", "encoder", "refined", "exact"};
   if (std::ranges::find(kMethods, method) == kMethods.end()) {
-    return problem_at(*root.find("method"), "method: " + quoted(method),
+    return problem_at(*root.find("method"), "method: " + in_quotes(method),
                       "paper, encoder, refined or exact");
   }
   ARMSIG_TRY(time, root.text("time"));
   if (!is_utc_time(time)) {
-    return problem_at(*root.find("time"), "time: " + quoted(time), "UTC like 1986-04-07T12:00:00Z");
+    return problem_at(*root.find("time"), "time: " + in_quotes(time),
+                      "UTC like 1986-04-07T12:00:00Z");
   }
   ARMSIG_TRY(version, root.text("version"));
   record.arm_name = arm_name;
@@ -150,12 +151,12 @@ Read<SignatureRecord> record_from(const YamlNode& root) {
     return std::unexpected(std::move(tag).error());
   }
   if (root.keys.front().text != "armsig") {
-    return problem_at(root.keys.front(), "the first key is " + quoted(root.keys.front().text),
+    return problem_at(root.keys.front(), "the first key is " + in_quotes(root.keys.front().text),
                       fmt::format("armsig: {}", kSignatureTag));
   }
   if (auto seal = check_seal(root); !seal) return std::unexpected(std::move(seal).error());
   ARMSIG_TRY(map, YamlMap::open(root, "the signature",
-                                {"armsig", "arm", "serial", "method", "time", "version", "air_c",
+                                {"armsig", "name", "serial", "method", "time", "version", "air_c",
                                  "predicted_tool_error_m", "warnings", "base", "joints",
                                  "last_link", "coupling", "targets", "covariance_of", "covariance",
                                  std::string(kCrcKey)}));

@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kHeader =
     "# Arm signature: the actual kinematics of one arm. SI units (metre, radian).\n"
     "# Directions, points and poses are in the sensor frame, at the signature configuration\n"
-    "# (reading_rad, reading_m of each joint). Master: the link frames (axis_direction = z, \n"
+    "# (reading_rad, reading_m of each joint). Master: the link frames (axis_direction = z,\n"
     "# x_direction, y_direction, axis_point_m = origin); s_model and pseudo_dh are derived from "
     "them.\n"
     "# Near parallel axes d_m and theta_offset_rad are large and cancel: compare poses, not them.\n"
@@ -138,7 +138,7 @@ std::string last_link_text(const Pose& X_SL) {
 std::string body_text(const SignatureRecord& record) {
   const Signature& signature = record.signature;
   std::string text =
-      fmt::format("armsig: {}\narm: {}\n", kSignatureTag, yaml_quoted(record.arm_name));
+      fmt::format("armsig: {}\nname: {}\n", kSignatureTag, yaml_quoted(record.arm_name));
   text += fmt::format("serial: {}\nmethod: {}\n", yaml_quoted(record.serial), record.method);
   text +=
       fmt::format("time: {}\nversion: {}\n", yaml_quoted(record.time), yaml_quoted(record.version));

@@ -55,7 +55,7 @@ std::size_t utf8_length(std::string_view text) {
 
 }  // namespace
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   const bool clipped = text.size() > kLongest;
   std::string shown = "\"";
@@ -122,10 +122,10 @@ std::string why_not_a_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (end == word.data() + word.size()) {
-    if (error == std::errc::result_out_of_range) return quoted(text) + " is out of range";
-    if (!std::isfinite(value)) return quoted(text) + " is not a finite number";
+    if (error == std::errc::result_out_of_range) return in_quotes(text) + " is out of range";
+    if (!std::isfinite(value)) return in_quotes(text) + " is not a finite number";
   }
-  return quoted(text) + " is not a number";
+  return in_quotes(text) + " is not a number";
 }
 
 std::optional<int> parse_integer(std::string_view text) {

@@ -10,7 +10,7 @@
 namespace armsig::tool {
 
 // `text` in double quotes, clipped to 40 bytes, bytes that a terminal can't show as \xNN.
-[[nodiscard]] std::string quoted(std::string_view text);
+[[nodiscard]] std::string in_quotes(std::string_view text);
 
 // "a", "a or b", "a, b or c".
 [[nodiscard]] std::string any_of(std::span<const std::string> words);

@@ -14,8 +14,8 @@ namespace armsig::tool {
 
 enum class Dimension { kNone, kInteger, kAngle, kLength, kTemperature };
 
-// value_SI = value * multiply / divide; one of the two factors is 1. A length is divided by 1000,
-// not multiplied by 0.001, so that 149.09 mm is the double next to 0.14909.
+// value_SI = value * multiply / divide; one of the two factors is 1. A length in millimetres is
+// divided by 1000: one rounding; 0.001, which is no double, would make it two.
 struct Unit {
   std::string_view suffix;
   double multiply = 1;

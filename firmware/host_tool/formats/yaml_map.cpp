@@ -14,7 +14,8 @@ namespace {
 
 // What a value looks like in a message: the text itself, or "a map", "a list", "nothing".
 std::string seen(const YamlNode& node) {
-  return node.kind == YamlNode::Kind::kScalar ? quoted(node.text) : std::string(word_of(node.kind));
+  return node.kind == YamlNode::Kind::kScalar ? in_quotes(node.text)
+                                              : std::string(word_of(node.kind));
 }
 
 std::unexpected<Problem> unknown_key(const YamlNode& key, const std::string& map,
@@ -23,11 +24,11 @@ std::unexpected<Problem> unknown_key(const YamlNode& key, const std::string& map
   std::ranges::copy_if(known, std::back_inserter(with_unit),
                        [&](const std::string& name) { return name.starts_with(key.text + "_"); });
   if (!key.text.empty() && !with_unit.empty()) {
-    return problem_at(key, fmt::format("key {} of {} has no unit", quoted(key.text), map),
+    return problem_at(key, fmt::format("key {} of {} has no unit", in_quotes(key.text), map),
                       any_of(with_unit));
   }
   const std::string meant = nearest(key.text, known);
-  return problem_at(key, fmt::format("unknown key {} in {}", quoted(key.text), map),
+  return problem_at(key, fmt::format("unknown key {} in {}", in_quotes(key.text), map),
                     meant.empty() ? any_of(known) : meant);
 }
 
@@ -73,7 +74,10 @@ Read<const std::vector<YamlNode>*> read_list(const YamlNode& node, std::string_v
     return problem_at(node, fmt::format("{}: {}", what, seen(node)), expected);
   }
   if (node.items.size() < lowest || node.items.size() > highest) {
-    return problem_at(node, fmt::format("{}: {} items", what, node.items.size()), expected);
+    return problem_at(
+        node,
+        fmt::format("{}: {} item{}", what, node.items.size(), node.items.size() == 1 ? "" : "s"),
+        expected);
   }
   return &node.items;
 }

@@ -111,9 +111,10 @@ class TreeBuilder final : public YAML::EventHandler {
     }
     const auto earlier = std::ranges::find(map.keys, key.text, &YamlNode::text);
     if (earlier == map.keys.end()) return;
-    refuse(key.line, key.column,
-           fmt::format("key {} is given twice (first in line {})", quoted(key.text), earlier->line),
-           "each key once");
+    refuse(
+        key.line, key.column,
+        fmt::format("key {} is given twice (first in line {})", in_quotes(key.text), earlier->line),
+        "each key once");
   }
 
   YamlNode root_;
@@ -129,7 +130,7 @@ Read<void> check_bytes(std::string_view text) {
   const auto line = std::ranges::count(before, '\n') + 1;
   const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
   return problem_at(static_cast<int>(line), static_cast<int>(*bad - line_start + 1),
-                    "the byte " + quoted(text.substr(*bad, 1)), "UTF-8 text");
+                    "the byte " + in_quotes(text.substr(*bad, 1)), "UTF-8 text");
 }
 
 Read<YamlNode> parse_with_yaml_cpp(std::string_view text) {
