@@ -57,6 +57,8 @@ struct JointFeature {
 
   // Where the target is at joint reading `reading`, in the sensor frame.
   [[nodiscard]] Vector3 target_at(double reading) const;
+  // Its 1-sigma squares and products, by propagation of `covariance`.
+  [[nodiscard]] Matrix3 target_covariance_at(double reading) const;
 };
 
 }  // namespace armsig::features

@@ -22,14 +22,6 @@ Pose joint_transform(const DhJoint& joint, double reading) {
 
 }  // namespace
 
-JointVector effective_readings(const Arm& arm, const JointVector& readings) {
-  ARMSIG_CHECK(readings.size() == arm.joints.size());
-  JointVector effective = readings;
-  for (const JointCoupling& coupling : arm.couplings)
-    effective[coupling.joint] += coupling.ratio * readings[coupling.from];
-  return effective;
-}
-
 Pose link_pose(const SimulatedArm& arm, const JointVector& readings, std::size_t link) {
   ARMSIG_CHECK(link <= arm.arm.joints.size());
   const JointVector effective = effective_readings(arm.arm, readings);

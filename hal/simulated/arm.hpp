@@ -25,9 +25,6 @@ struct SimulatedArm {
   FixedVector<Target, kMaxTargets> targets;
 };
 
-// The readings that move the joints: couplings added (core/base/arm.hpp).
-[[nodiscard]] JointVector effective_readings(const Arm& arm, const JointVector& readings);
-
 // X_SL of link `link` (0 ... n) at the joint readings: X_S0 times the product of (2) of the paper
 // over the joints up to `link`.
 [[nodiscard]] Pose link_pose(const SimulatedArm& arm, const JointVector& readings,

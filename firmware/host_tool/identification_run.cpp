@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/identification_run.hpp"
+
+#include <fmt/core.h>
+
+#include "core/measurement/speed_of_sound.hpp"
+#include "core/measurement/trilateration.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
+
+namespace armsig::tool {
+
+measurement::ReceiverArray receivers_of(const SensorDescription& sensor) {
+  measurement::ReceiverArray array;
+  for (const Vector3& p_S : sensor.receivers_S) array.p_S.push_back(p_S);
+  array.range_sigma_m = sensor.range_sigma_m;
+  array.facing_S = sensor.facing_S.value_or(Vector3::Zero());
+  return array;
+}
+
+IdentificationRun::IdentificationRun(const Arm& nominal, std::optional<SensorDescription> sensor,
+                                     std::string file)
+    : nominal_(nominal),
+      sensor_(std::move(sensor)),
+      file_(file),
+      sweeps_(nominal, std::move(file)) {}
+
+Read<void> IdentificationRun::take(const MeasurementRow& row) {
+  ++counts_.rows;
+  if (row.air_c) {
+    air_sum_c_ += *row.air_c;
+    ++air_count_;
+  }
+  auto found = located(row);
+  if (!found) return std::unexpected(found.error());
+  if (!*found) return {};
+  if (auto problem = sweeps_.add(**found)) return std::unexpected(*problem);
+  return {};
+}
+
+Read<std::optional<LocatedRow>> IdentificationRun::located(const MeasurementRow& row) {
+  LocatedRow result;
+  result.line = row.line;
+  result.sweep = row.sweep;
+  result.target = row.target;
+  result.q = effective_readings(nominal_, row.q);
+  if (!row.ranges_m.empty()) return located_by_ranges(row, result);
+  if (!row.p_S) {
+    ++counts_.missing;
+    return std::nullopt;
+  }
+  result.p_S = *row.p_S;
+  if (row.sigma_m) result.covariance_m2 = Matrix3::Identity() * (*row.sigma_m * *row.sigma_m);
+  return result;
+}
+
+Read<std::optional<LocatedRow>> IdentificationRun::located_by_ranges(const MeasurementRow& row,
+                                                                     LocatedRow result) {
+  const auto line = static_cast<int>(row.line);
+  if (!sensor_) {
+    return std::unexpected(Problem{file_, line, 0, "the rows are ranges to receivers",
+                                   "--sensor with a description of where the receivers stand"});
+  }
+  if (row.ranges_m.size() != sensor_->receivers_S.size()) {
+    return std::unexpected(
+        Problem{file_, line, 0, fmt::format("ranges to {} receivers", row.ranges_m.size()),
+                fmt::format("{}, as the sensor description has", sensor_->receivers_S.size())});
+  }
+  double scale = 1;
+  if (sensor_->calibrated_at_c) {
+    if (!row.air_c) {
+      return std::unexpected(Problem{file_, line, 0, "no air temperature",
+                                     "a column air_c: the sensor's ranges depend on it"});
+    }
+    const auto speed = measurement::speed_of_sound(*row.air_c);
+    const auto assumed = measurement::speed_of_sound(*sensor_->calibrated_at_c);
+    if (!speed || !assumed) {
+      return std::unexpected(Problem{file_, line, 0,
+                                     fmt::format("an air temperature of {} °C", *row.air_c),
+                                     "an air temperature in degrees Celsius"});
+    }
+    scale = *speed / *assumed;
+  }
+  measurement::Ranges ranges;
+  for (const std::optional<double>& range_m : row.ranges_m) {
+    ranges.push_back({.metres = scale * range_m.value_or(0), .valid = range_m.has_value()});
+  }
+  const auto position = measurement::trilaterate(receivers_of(*sensor_), ranges);
+  if (!position) {
+    ++(position.error() == Error::kTooFewReceivers ? counts_.missing : counts_.inconsistent);
+    return std::nullopt;
+  }
+  counts_.excluded_ranges += position->excluded.size();
+  result.p_S = position->p_S;
+  result.covariance_m2 = position->covariance_m2;
+  return result;
+}
+
+Problem IdentificationRun::mirrored(const IdentificationFailure& failure) const {
+  std::string what;
+  if (failure.sense.verdict == frames::SenseVerdict::kSensorMirrored) {
+    what = "the measured arm is the mirror image of the arm description";
+  } else {
+    std::string joints;
+    for (std::size_t j = 0; j < failure.sense.reversed.size(); ++j) {
+      if (failure.sense.reversed[j])
+        joints += fmt::format("{}{}", joints.empty() ? "" : ", ", j + 1);
+    }
+    what = fmt::format(
+        "joint {} turns against the sense of the arm description (an axis is {:.0f}° "
+        "from where the drawing has it)",
+        joints, degrees(failure.refusal.found));
+  }
+  return {file_, 0, 0, what, remedy_in_words(Error::kMirroredSense)};
+}
+
+Read<Identified> IdentificationRun::finish(features::Method method) const {
+  auto swept = sweeps_.finish(method);
+  if (!swept) return std::unexpected(swept.error());
+  const auto signature = identify(swept->features, swept->configuration, nominal_);
+  if (!signature) {
+    const IdentificationFailure& failure = signature.error();
+    if (failure.refusal.error == Error::kMirroredSense) return std::unexpected(mirrored(failure));
+    return std::unexpected(
+        Problem{file_, 0, 0,
+                fmt::format("joint {}: {}", failure.joint + 1, describe(failure.refusal.error)),
+                remedy_in_words(failure.refusal.error)});
+  }
+  Identified identified{
+      .signature = *signature, .counts = counts_, .air_celsius = {}, .warnings = {}};
+  identified.signature.targets = swept->targets;
+  identified.counts.mixed = sweeps_.mixed_rows();
+  if (air_count_ > 0) {
+    identified.air_celsius = air_sum_c_ / static_cast<double>(air_count_);
+  }
+  if (!signature->description_matches) {
+    identified.warnings.emplace_back(
+        "the axes found match those of the arm description in no way; is it the right arm?");
+  }
+  return identified;
+}
+
+}  // namespace armsig::tool
