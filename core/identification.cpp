@@ -44,7 +44,7 @@ std::expected<Signature, IdentificationFailure> identify(
       sense.verdict == frames::SenseVerdict::kSensorMirrored) {
     const auto* first = std::ranges::find(sense.reversed, true);
     const std::size_t joint = first == sense.reversed.end() ? 0 : first - sense.reversed.begin();
-    const Refusal refusal{Error::kMirroredSense, sense.angle_rad, frames::kMatchAngle_rad};
+    const Refusal refusal{Error::kMirroredSense, sense.angle_rad, frames::kMatchAngleRad};
     return std::unexpected(IdentificationFailure{refusal, joint, sense});
   }
   signature.description_matches = sense.verdict == frames::SenseVerdict::kAgrees;

@@ -19,7 +19,7 @@ double angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).
 
 // `share` of the bounds of a match.
 bool is_match(const Alignment& alignment, const AxisLines& drawn, double share) {
-  return alignment.worst_angle_rad() <= share * kMatchAngle_rad &&
+  return alignment.worst_angle_rad() <= share * kMatchAngleRad &&
          alignment.worst_distance_m() <= share * kMatchFraction * arm_size(drawn);
 }
 
@@ -30,7 +30,7 @@ bool may_match(const AxisLines& drawn, const AxisLines& found) {
     for (std::size_t j = 0; j < i; ++j) {
       const double drawn_rad = angle(drawn[i].direction, drawn[j].direction);
       const double found_rad = angle(found[i].direction, found[j].direction);
-      if (std::abs(drawn_rad - found_rad) > 2 * kRefusalShare * kMatchAngle_rad) return false;
+      if (std::abs(drawn_rad - found_rad) > 2 * kRefusalShare * kMatchAngleRad) return false;
     }
   }
   return true;

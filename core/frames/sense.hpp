@@ -14,7 +14,7 @@ namespace armsig::frames {
 // because the zero of a real encoder may be some tens of degrees from the drawing's. To refuse an
 // arm, the axes with joints reversed must match twice as well: with all zeros wrong by up to 60
 // degrees, none of the known arms was then refused in 100 trials each.
-inline constexpr double kMatchAngle_rad = radians(20.0);
+inline constexpr double kMatchAngleRad = radians(20.0);
 inline constexpr double kMatchFraction = 0.2;
 
 enum class SenseVerdict : std::uint8_t {

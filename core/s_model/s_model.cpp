@@ -25,7 +25,7 @@ Parameters from_parallel_axes(const Pose& B, Branch branch) {
   s.alpha_rad = antiparallel ? kPi : 0.0;
   s.d_m = B.p.z();
   const double distance_m = std::hypot(B.p.x(), B.p.y());
-  if (distance_m >= kCoaxialDistance_m) {
+  if (distance_m >= kCoaxialMetres) {
     const bool negative = !asks_for_alpha(branch) && asks_for_negative(branch);
     s.a_m = negative ? -distance_m : distance_m;
     s.beta_rad = negative ? std::atan2(-B.p.y(), -B.p.x()) : std::atan2(B.p.y(), B.p.x());

@@ -38,7 +38,7 @@ inline constexpr double kParallelSine = 1.3e-8;
 
 // Axes that are parallel and closer than this are one axis: beta = 0 and a = 0 instead of the
 // direction of a rounding error.
-inline constexpr double kCoaxialDistance_m = 1e-12;
+inline constexpr double kCoaxialMetres = 1e-12;
 
 // The parameters of B, all angles in (-pi, pi]. Parallel axes get alpha = 0 or pi and b = 0; the
 // tilt that this drops is below kParallelSine.

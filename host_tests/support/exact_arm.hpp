@@ -22,8 +22,8 @@ using LongVector3 = Eigen::Matrix<Long, 3, 1>;
 
 inline PoseT<Long> dh_transform(const DhJoint& row, double reading) {
   const bool revolute = row.type == JointType::kRevolute;
-  const Long theta = static_cast<Long>(row.theta_rad) + (revolute ? reading : 0.0);
-  const Long d = static_cast<Long>(row.d_m) + (revolute ? 0.0 : reading);
+  const Long theta = static_cast<Long>(row.theta_rad) + static_cast<Long>(revolute ? reading : 0.0);
+  const Long d = static_cast<Long>(row.d_m) + static_cast<Long>(revolute ? 0.0 : reading);
   const Long ct = std::cos(theta);
   const Long st = std::sin(theta);
   const Long ca = std::cos(static_cast<Long>(row.alpha_rad));

@@ -13,7 +13,7 @@ namespace {
 using testing::kP;
 using testing::kR;
 
-const Pose kX_AB{rotation_z(2.0) * rotation_x(-1.0), Vector3(1.5, -0.7, 2.2)};
+Pose some_motion() { return {rotation_z(2.0) * rotation_x(-1.0), Vector3(1.5, -0.7, 2.2)}; }
 
 AxisLines moved(const Pose& X_AB, const AxisLines& lines_B) {
   AxisLines lines_A = lines_B;
@@ -26,26 +26,26 @@ AxisLines moved(const Pose& X_AB, const AxisLines& lines_B) {
 
 TEST(Align, finds_the_motion_between_two_copies_of_an_arm) {
   const AxisLines lines_B = axis_lines(testing::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
-  const Alignment alignment = align(moved(kX_AB, lines_B), lines_B);
-  EXPECT_LT((alignment.X_AB.R - kX_AB.R).norm(), 1e-13);
-  EXPECT_LT((alignment.X_AB.p - kX_AB.p).norm(), 1e-13);
+  const Alignment alignment = align(moved(some_motion(), lines_B), lines_B);
+  EXPECT_LT((alignment.X_AB.R - some_motion().R).norm(), 1e-13);
+  EXPECT_LT((alignment.X_AB.p - some_motion().p).norm(), 1e-13);
   EXPECT_LT(alignment.worst_angle_rad(), 1e-13);
   EXPECT_LT(alignment.worst_distance_m(), 1e-13);
 }
 
 TEST(Align, does_not_care_where_on_its_line_a_point_stands) {
   AxisLines lines_B = axis_lines(testing::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
-  const AxisLines lines_A = moved(kX_AB, lines_B);
+  const AxisLines lines_A = moved(some_motion(), lines_B);
   for (AxisLine& line : lines_B) line.point += 0.4 * line.direction;
-  EXPECT_LT((align(lines_A, lines_B).X_AB.p - kX_AB.p).norm(), 1e-13);
+  EXPECT_LT((align(lines_A, lines_B).X_AB.p - some_motion().p).norm(), 1e-13);
 }
 
 TEST(Align, ignores_the_point_of_a_prismatic_joint) {
   AxisLines lines_B = axis_lines(testing::stanford(), {0.3, -0.4, 0.5, 0.2, -0.7, 0.1});
-  const AxisLines lines_A = moved(kX_AB, lines_B);
+  const AxisLines lines_A = moved(some_motion(), lines_B);
   lines_B[2].point += Vector3(5, 6, 7);
   const Alignment alignment = align(lines_A, lines_B);
-  EXPECT_LT((alignment.X_AB.p - kX_AB.p).norm(), 1e-13);
+  EXPECT_LT((alignment.X_AB.p - some_motion().p).norm(), 1e-13);
   EXPECT_EQ(alignment.joints[2].distance_m, 0.0);
 }
 
@@ -62,8 +62,8 @@ TEST(Align, shares_an_error_of_direction_among_the_joints) {
 
 TEST(Align, tells_how_far_each_joint_is_off) {
   const AxisLines lines_B = axis_lines(testing::ur5(), JointVector{0.3, -0.9, 0.9, 0.2, -0.7, 0.1});
-  AxisLines lines_A = moved(kX_AB, lines_B);
-  lines_A[4].direction = (lines_A[4].direction + 1e-3 * kX_AB.R.col(0)).normalized();
+  AxisLines lines_A = moved(some_motion(), lines_B);
+  lines_A[4].direction = (lines_A[4].direction + 1e-3 * some_motion().R.col(0)).normalized();
   const Alignment alignment = align(lines_A, lines_B);
   EXPECT_GT(alignment.joints[4].angle_rad, 3e-4);
   EXPECT_EQ(alignment.worst_angle_rad(), alignment.joints[4].angle_rad);
@@ -96,8 +96,8 @@ TEST(Align, leaves_the_turn_about_a_single_axis_at_the_identity) {
 
 TEST(Align, leaves_the_translation_of_prismatic_joints_at_zero) {
   const AxisLines lines_B{{kP, Vector3::UnitX(), {4, 5, 6}}, {kP, Vector3::UnitY(), {7, 8, 9}}};
-  const Alignment alignment = align(moved(kX_AB, lines_B), lines_B);
-  EXPECT_LT((alignment.X_AB.R - kX_AB.R).norm(), 1e-13);
+  const Alignment alignment = align(moved(some_motion(), lines_B), lines_B);
+  EXPECT_LT((alignment.X_AB.R - some_motion().R).norm(), 1e-13);
   EXPECT_LT(alignment.X_AB.p.norm(), 1e-13);
 }
 
@@ -108,58 +108,64 @@ TEST(Align, traps_when_the_counts_differ) {
 
 // Axes of `arm` in a sensor frame, with some joints turning backwards.
 AxisLines seen(const Arm& arm, const JointVector& q, std::initializer_list<std::size_t> reversed) {
-  AxisLines lines = moved(kX_AB, axis_lines(arm, q));
+  AxisLines lines = moved(some_motion(), axis_lines(arm, q));
   for (const std::size_t joint : reversed) lines[joint].direction *= -1.0;
   return lines;
 }
 
-const JointVector kQ{0.3, -0.4, 0.9, 0.2, -0.7, 0.1};
+JointVector some_readings() { return {0.3, -0.4, 0.9, 0.2, -0.7, 0.1}; }
 
 TEST(CheckSense, accepts_an_arm_against_its_own_drawing) {
-  const SenseCheck check = check_sense(testing::puma560(), kQ, seen(testing::puma560(), kQ, {}));
+  const SenseCheck check = check_sense(testing::puma560(), some_readings(),
+                                       seen(testing::puma560(), some_readings(), {}));
   EXPECT_EQ(check.verdict, SenseVerdict::kAgrees);
   EXPECT_LT(check.angle_rad, 1e-13);
   EXPECT_LT(check.distance_m, 1e-13);
 }
 
 TEST(CheckSense, accepts_zeros_a_dozen_degrees_from_the_drawing) {
-  JointVector q = kQ;
+  JointVector q = some_readings();
   for (double& reading : q) reading += radians(12);
-  EXPECT_EQ(check_sense(testing::puma560(), kQ, seen(testing::puma560(), q, {})).verdict,
-            SenseVerdict::kAgrees);
+  EXPECT_EQ(
+      check_sense(testing::puma560(), some_readings(), seen(testing::puma560(), q, {})).verdict,
+      SenseVerdict::kAgrees);
 }
 
 TEST(CheckSense, names_a_joint_whose_reading_is_negated) {
-  JointVector q = kQ;
+  JointVector q = some_readings();
   q[2] = -q[2];
-  const SenseCheck check = check_sense(testing::puma560(), q, seen(testing::puma560(), kQ, {2}));
+  const SenseCheck check =
+      check_sense(testing::puma560(), q, seen(testing::puma560(), some_readings(), {2}));
   EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(check.reversed[i], i == 2) << i;
 }
 
 TEST(CheckSense, names_a_joint_whose_reading_is_negated_about_the_signature_configuration) {
-  const SenseCheck check = check_sense(testing::puma560(), kQ, seen(testing::puma560(), kQ, {4}));
+  const SenseCheck check = check_sense(testing::puma560(), some_readings(),
+                                       seen(testing::puma560(), some_readings(), {4}));
   EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
   EXPECT_TRUE(check.reversed[4]);
 }
 
 TEST(CheckSense, names_both_of_two_reversed_joints) {
-  JointVector q = kQ;
+  JointVector q = some_readings();
   q[0] = -q[0];
   q[3] = -q[3];
-  const SenseCheck check = check_sense(testing::puma560(), q, seen(testing::puma560(), kQ, {0, 3}));
+  const SenseCheck check =
+      check_sense(testing::puma560(), q, seen(testing::puma560(), some_readings(), {0, 3}));
   EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(check.reversed[i], i == 0 || i == 3) << i;
 }
 
 TEST(CheckSense, names_a_reversed_prismatic_joint) {
-  const SenseCheck check = check_sense(testing::stanford(), kQ, seen(testing::stanford(), kQ, {2}));
+  const SenseCheck check = check_sense(testing::stanford(), some_readings(),
+                                       seen(testing::stanford(), some_readings(), {2}));
   EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
   EXPECT_TRUE(check.reversed[2]);
 }
 
 TEST(CheckSense, recognises_left_handed_sensor_coordinates) {
-  AxisLines lines = seen(testing::stanford(), kQ, {});
+  AxisLines lines = seen(testing::stanford(), some_readings(), {});
   for (AxisLine& line : lines) {
     // x and y exchanged: a point is reflected, a direction of travel too, and the axis of a turn is
     // reflected and reversed.
@@ -167,7 +173,7 @@ TEST(CheckSense, recognises_left_handed_sensor_coordinates) {
     std::swap(line.direction.x(), line.direction.y());
     if (line.type == kR) line.direction *= -1.0;
   }
-  const SenseCheck check = check_sense(testing::stanford(), kQ, lines);
+  const SenseCheck check = check_sense(testing::stanford(), some_readings(), lines);
   EXPECT_EQ(check.verdict, SenseVerdict::kSensorMirrored);
   for (const bool reversed : check.reversed) EXPECT_FALSE(reversed);
 }
@@ -175,8 +181,9 @@ TEST(CheckSense, recognises_left_handed_sensor_coordinates) {
 TEST(CheckSense, has_no_opinion_on_a_drawing_of_another_arm) {
   Arm other = testing::puma560();
   for (DhJoint& row : other.joints) row.alpha_rad += radians(60);
-  EXPECT_EQ(check_sense(testing::puma560(), kQ, seen(other, kQ, {})).verdict,
-            SenseVerdict::kNoMatch);
+  EXPECT_EQ(
+      check_sense(testing::puma560(), some_readings(), seen(other, some_readings(), {})).verdict,
+      SenseVerdict::kNoMatch);
 }
 
 TEST(CheckSense, cannot_tell_the_sense_of_a_single_joint) {

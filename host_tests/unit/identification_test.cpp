@@ -43,11 +43,13 @@ FixedVector<features::JointFeature, kMaxJoints> golden_features() {
   features[2].radial_S = Vector3(-3, 1, 4).cross(Vector3::UnitX()).normalized();
   return features;
 }
-const Arm kGoldenDrawing =
-    testing::arm_of({{kR, 0.4, 0.1, 0.6, 1.0}, {kP, -2.0, 0.3, 0.7, 1.3}, {kR, -1.8, 0.3, 0, 0}});
+Arm golden_drawing() {
+  return testing::arm_of(
+      {{kR, 0.4, 0.1, 0.6, 1.0}, {kP, -2.0, 0.3, 0.7, 1.3}, {kR, -1.8, 0.3, 0, 0}});
+}
 
 TEST(Identify, finds_the_golden_rows_of_three_axes) {
-  const auto signature = identify(golden_features(), {0.4, 0.15, -0.9}, kGoldenDrawing);
+  const auto signature = identify(golden_features(), {0.4, 0.15, -0.9}, golden_drawing());
   ASSERT_TRUE(signature);
   const auto& rows = signature->pseudo_dh;
   EXPECT_NEAR(rows[0].theta_rad, 0.38539816339744831, 2e-15);
@@ -66,7 +68,7 @@ TEST(Identify, finds_the_golden_rows_of_three_axes) {
 
 TEST(Identify, keeps_types_configuration_and_features) {
   const JointVector q{0.4, 0.15, -0.9};
-  const auto signature = identify(golden_features(), q, kGoldenDrawing);
+  const auto signature = identify(golden_features(), q, golden_drawing());
   ASSERT_TRUE(signature);
   EXPECT_EQ(signature->joint_count(), 3U);
   EXPECT_EQ(signature->types[1], kP);
@@ -179,10 +181,10 @@ TEST(Identify, refuses_a_left_handed_sensor) {
 
 TEST(Identify, traps_when_counts_or_types_differ) {
   const auto features = testing::exact_features(puma());
-  EXPECT_DEATH((void)identify({}, {}, Arm{}), "");
-  EXPECT_DEATH((void)identify(features, {0.1}, testing::puma560()), "");
-  EXPECT_DEATH((void)identify(features, puma().q_s, testing::cobra600()), "");
-  EXPECT_DEATH((void)identify(features, puma().q_s, testing::stanford()), "");
+  EXPECT_DEATH(EXPECT_FALSE(identify({}, {}, Arm{})), "");
+  EXPECT_DEATH(EXPECT_FALSE(identify(features, {0.1}, testing::puma560())), "");
+  EXPECT_DEATH(EXPECT_FALSE(identify(features, puma().q_s, testing::cobra600())), "");
+  EXPECT_DEATH(EXPECT_FALSE(identify(features, puma().q_s, testing::stanford())), "");
 }
 
 TEST(DeriveParameters, leaves_the_link_frames_as_they_are) {

@@ -13,11 +13,12 @@ using testing::kP;
 using testing::kR;
 
 // Two rows whose sums are easy to do in the head: (beta, d, a, alpha, gamma, b).
-const FixedVector<s_model::Parameters, kMaxJoints> kTwoRows{{0.5, 1, 10, 0.1, 0.25, 2},
-                                                            {0.75, 4, 20, 0.2, 1.5, 8}};
+FixedVector<s_model::Parameters, kMaxJoints> two_rows() {
+  return {{0.5, 1, 10, 0.1, 0.25, 2}, {0.75, 4, 20, 0.2, 1.5, 8}};
+}
 
 TEST(PseudoDh, a_and_alpha_are_those_of_the_s_model) {  // (11), (12)
-  const auto rows = from_s_model(kTwoRows, {kR, kR}, {0.0, 0.0});
+  const auto rows = from_s_model(two_rows(), {kR, kR}, {0.0, 0.0});
   EXPECT_EQ(rows[0].a_m, 10);
   EXPECT_EQ(rows[0].alpha_rad, 0.1);
   EXPECT_EQ(rows[1].a_m, 20);
@@ -25,28 +26,28 @@ TEST(PseudoDh, a_and_alpha_are_those_of_the_s_model) {  // (11), (12)
 }
 
 TEST(PseudoDh, theta_adds_gamma_of_the_row_before) {  // (9)
-  EXPECT_EQ(from_s_model(kTwoRows, {kR, kR}, {0.0, 0.0})[1].theta_rad, 0.75 + 0.25);
+  EXPECT_EQ(from_s_model(two_rows(), {kR, kR}, {0.0, 0.0})[1].theta_rad, 0.75 + 0.25);
 }
 
 TEST(PseudoDh, d_adds_b_of_the_row_before) {  // (10)
-  EXPECT_EQ(from_s_model(kTwoRows, {kR, kR}, {0.0, 0.0})[1].d_m, 4 + 2);
+  EXPECT_EQ(from_s_model(two_rows(), {kR, kR}, {0.0, 0.0})[1].d_m, 4 + 2);
 }
 
 TEST(PseudoDh, first_row_has_no_row_before_it) {  // (22), (23)
-  const auto rows = from_s_model(kTwoRows, {kR, kR}, {0.0, 0.0});
+  const auto rows = from_s_model(two_rows(), {kR, kR}, {0.0, 0.0});
   EXPECT_EQ(rows[0].theta_rad, 0.5);
   EXPECT_EQ(rows[0].d_m, 1);
 }
 
 TEST(PseudoDh, revolute_offset_is_what_theta_lacks_to_the_reading) {  // (19)
-  const auto rows = from_s_model(kTwoRows, {kR, kR}, {0.25, -0.5});
+  const auto rows = from_s_model(two_rows(), {kR, kR}, {0.25, -0.5});
   EXPECT_EQ(rows[0].theta_rad, 0.25);
   EXPECT_EQ(rows[1].theta_rad, 1.5);
   EXPECT_EQ(rows[1].d_m, 6);
 }
 
 TEST(PseudoDh, prismatic_offset_is_what_d_lacks_to_the_reading) {  // (19), (23)
-  const auto rows = from_s_model(kTwoRows, {kP, kP}, {0.25, -0.5});
+  const auto rows = from_s_model(two_rows(), {kP, kP}, {0.25, -0.5});
   EXPECT_EQ(rows[0].d_m, 0.75);
   EXPECT_EQ(rows[0].theta_rad, 0.5);
   EXPECT_EQ(rows[1].d_m, 6.5);
@@ -54,7 +55,7 @@ TEST(PseudoDh, prismatic_offset_is_what_d_lacks_to_the_reading) {  // (19), (23)
 }
 
 TEST(PseudoDh, offset_of_a_joint_many_turns_from_zero_is_within_a_turn) {
-  const auto rows = from_s_model(kTwoRows, {kR, kR}, {200 * kPi, 0.0});
+  const auto rows = from_s_model(two_rows(), {kR, kR}, {200 * kPi, 0.0});
   EXPECT_NEAR(rows[0].theta_rad, 0.5, 1e-12);
 }
 
@@ -79,8 +80,8 @@ TEST(PseudoDh, product_and_last_frame_give_the_s_model_product_at_the_signature_
 }
 
 TEST(PseudoDh, traps_when_counts_differ) {
-  EXPECT_DEATH((void)from_s_model(kTwoRows, {kR}, {0.0, 0.0}), "");
-  EXPECT_DEATH((void)from_s_model(kTwoRows, {kR, kR}, {0.0}), "");
+  EXPECT_DEATH((void)from_s_model(two_rows(), {kR}, {0.0, 0.0}), "");
+  EXPECT_DEATH((void)from_s_model(two_rows(), {kR, kR}, {0.0}), "");
 }
 
 }  // namespace

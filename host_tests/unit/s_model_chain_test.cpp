@@ -48,7 +48,7 @@ TEST(SModelChain, target_moves_with_its_own_link_and_not_with_the_next) {
             0.1);
 }
 
-TEST(SModelChain, single_precision_is_good_to_a_micrometre_where_d_is_hundreds_of_metres) {
+TEST(SModelChain, single_precision_is_good_to_micrometres_where_d_is_hundreds_of_metres) {
   testing::Random random(51);
   const Arm arm = testing::ur10e_individual_b();
   const Signature signature = signature_of(arm, random.readings(arm, 3, 0), random.pose(2), {});
