@@ -18,6 +18,12 @@ bool is_usable(const features::JointFeature& feature, double reading) {
          std::isfinite(reading);
 }
 
+// Slides and a single turn: which way round such a stage is drawn is a matter of naming its directions, and
+// drawings of stages are careless about it. From two turns on, a reversed one makes another arm.
+bool drawing_binds_the_sense(const FixedVector<JointType, kMaxJoints>& types) {
+  return std::ranges::count(types, JointType::kRevolute) >= 2;
+}
+
 }  // namespace
 
 std::expected<Signature, IdentificationFailure> identify(
@@ -40,8 +46,9 @@ std::expected<Signature, IdentificationFailure> identify(
 
   const frames::SenseCheck sense =
       frames::check_sense(nominal, configuration, frames::axis_lines(signature));
-  if (sense.verdict == frames::SenseVerdict::kJointsReversed ||
-      sense.verdict == frames::SenseVerdict::kSensorMirrored) {
+  const bool turned_over = sense.verdict == frames::SenseVerdict::kJointsReversed ||
+                           sense.verdict == frames::SenseVerdict::kSensorMirrored;
+  if (turned_over && drawing_binds_the_sense(signature.types)) {
     const auto* first = std::ranges::find(sense.reversed, true);
     const std::size_t joint = first == sense.reversed.end() ? 0 : first - sense.reversed.begin();
     const Refusal refusal{Error::kMirroredSense, sense.angle_rad, frames::kMatchAngleRad};

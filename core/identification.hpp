@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The method in reading order: from what the sweeps say about each joint to the arm signature.
 //
-//   ranges -> points             core/measurement
-//   points -> features           core/features      plane, centre, line; one feature a joint
-//   (3.2.1) features -> link frames      core/frames        (15)-(17) link frames -> S-Model
-//   core/s_model       (18), Paul's backward multiplication S-Model -> pseudo-DH core/pseudo_dh
-//   (9)-(12), (19), (22)-(23) pseudo-DH -> poses           core/kinematics    (1), (21)
+//   core/measurement   ranges -> points
+//   core/features      points -> one feature a joint: plane, centre, line      3.2.1, (13)-(14)
+//   core/frames        features -> link frames                                 3.2.2, (15)-(17)
+//   core/s_model       link frames -> S-Model by Paul's backward multiplication   3.2.3, (18)
+//   core/pseudo_dh     S-Model -> pseudo-DH         3.2.4, (9)-(12), (19), (22)-(23)
+//   core/kinematics    pseudo-DH -> poses, in servo                                 (1), (21)
 //
-// identify() runs the middle three; the first two run while the joints sweep, the last one in
-// servo.
+// The first two run while the joints sweep, the last one in servo; identify() runs those between.
 #pragma once
 
 #include <cstddef>
@@ -34,6 +34,8 @@ struct IdentificationFailure {
 // forms of each S-Model row (see s_model::Branch) and says which way the joints should turn; where
 // its axes match in no way, the signature says so in description_matches and is valid none the
 // less. The caller adds the targets.
+//
+// An arm with fewer than two revolute joints is never refused for its sense: the same flag tells.
 //
 // Errors: kNotFinite, a feature or reading is not a finite number, or an axis has no direction;
 // kMirroredSense, with the greatest angle between drawn and identified axes found and allowed:

@@ -134,7 +134,8 @@ Read<Identified> IdentificationRun::finish(features::Method method) const {
   }
   if (!signature->description_matches) {
     identified.warnings.emplace_back(
-        "the axes found match those of the arm description in no way; is it the right arm?");
+        "the axes found do not match those of the arm description: another arm, a joint that turns the "
+        "other way, or zeros far from the drawing's");
   }
   return identified;
 }

@@ -78,14 +78,13 @@ std::string dh_table(const FixedVector<DhJoint, kMaxJoints>& rows) {
 std::string near_parallel_note(const Signature& signature) {
   std::string links;
   for (std::size_t i = 0; i < signature.pseudo_dh.size(); ++i) {
-    if (signature.types[i] == JointType::kRevolute &&
-        std::abs(signature.pseudo_dh[i].d_m) > kLargeOffset_m) {
+    if (std::abs(signature.pseudo_dh[i].d_m) > kLargeOffset_m) {
       links += fmt::format("{}{}", links.empty() ? "" : ", ", i + 1);
     }
   }
   if (links.empty()) return {};
   return fmt::format(
-      "  The d of links {} is large because two axes there are nearly parallel: their common normal\n"
+      "  The d of link {} is large because two axes there are nearly parallel: their common normal\n"
       "  is far away, and a microradian moves it by metres. Only the product of the rows means\n"
       "  something; compare predicted positions, never these parameters.\n",
       links);
