@@ -43,11 +43,11 @@ Read<DemoMethod> judged(const IdentificationRun& run, features::Method method, c
     return std::unexpected(Problem{
         "", 0, 0, fmt::format("the grid can't be touched: {}", describe(grid.error())), ""});
   }
-  return DemoMethod{.signature = identified->signature,
-                    .grid = *grid,
-                    .tool_error_m =
-                        evaluation::rms_tool_error(identified->signature, truth, kToolTarget,
-                                                   Pose{}, drawing.limits, kErrorConfigurations)};
+  return DemoMethod{
+      .signature = identified->signature,
+      .grid = *grid,
+      .tool_error_m = evaluation::rms_tool_error(identified->signature, truth, kToolTarget, Pose{},
+                                                 drawing.limits, kErrorConfigurations)};
 }
 
 }  // namespace
@@ -57,14 +57,15 @@ Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed, cons
   simulated::SimulatedArm built{
       .arm = built_robot(robot), .X_S0 = simulated::demo_base_pose(), .targets = {}};
   const JointVector configuration = middle_of_limits(drawing);
-  mount_targets(built, configuration, plan.target_radius_m);
+  mount_link_targets(built, configuration, plan.target_radius_m);
 
-  const Simulation simulation{.arm = built,
-                              .plan = plan_sweeps(drawing, configuration, plan.arc_rad, plan.points),
-                              .sensor = simulated::demo_sensor(),
-                              .pings = plan.pings,
-                              .mixed_poses = 0,
-                              .seed = noise_seed};
+  const Simulation simulation{
+      .arm = built,
+      .plan = plan_sweeps(drawing, configuration, plan.arc_rad, plan.points),
+      .sensor = simulated::demo_sensor(),
+      .pings = plan.pings,
+      .mixed_poses = 0,
+      .seed = noise_seed};
   IdentificationRun run(drawing, demo_sensor_description(), "");
   Read<void> taken;
   simulate(simulation, [&](const MeasurementRow& row) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/simulation.hpp"
 
+#include <algorithm>
+
 #include "core/identification.hpp"
 #include "core/measurement/ping_median.hpp"
 
@@ -56,8 +58,8 @@ class Sensor {
 
 }  // namespace
 
-void mount_targets(simulated::SimulatedArm& arm, const JointVector& configuration,
-                   double radius_m) {
+void mount_link_targets(simulated::SimulatedArm& arm, const JointVector& configuration,
+                        double radius_m) {
   const Signature bare = signature_of(arm.arm, configuration, arm.X_S0, {});
   for (std::size_t link = 1; link <= bare.joint_count(); ++link) {
     const Vector3 p_S = bare.X_SL[link - 1] * Vector3(radius_m, 0, 0);
@@ -65,6 +67,10 @@ void mount_targets(simulated::SimulatedArm& arm, const JointVector& configuratio
     arm.targets.push_back(
         {.number = static_cast<int>(link), .link = link, .p_L = X_SL.inverse() * p_S});
   }
+}
+
+void mount_hand_target(simulated::SimulatedArm& arm, const Vector3& p_L) {
+  arm.targets.push_back({.number = 1, .link = arm.arm.joints.size(), .p_L = p_L});
 }
 
 Signature truth_of(const simulated::SimulatedArm& arm, const JointVector& configuration) {
@@ -85,6 +91,7 @@ std::size_t row_count(const Simulation& simulation) {
 void simulate(const Simulation& simulation,
               const std::function<void(const MeasurementRow&)>& sink) {
   const Arm& arm = simulation.arm.arm;
+  const auto& targets = simulation.arm.targets;
   Sensor sensor(simulation.sensor, simulation.pings, simulation.seed);
   MeasurementRow row;
   const auto measure = [&](const simulated::Target& target) {
@@ -99,7 +106,7 @@ void simulate(const Simulation& simulation,
     for (std::size_t k = 0; k < sweep.points; ++k) {
       row.q = simulation.plan.configuration;
       row.q[j] = sweep.reading(k);
-      measure(simulation.arm.targets[j]);
+      measure(targets[std::min(j, targets.size() - 1)]);
     }
   }
   simulated::Random random(simulation.seed, kPoseStream);
@@ -109,7 +116,7 @@ void simulate(const Simulation& simulation,
       const auto [lower, upper] = arm.limits[j];
       row.q[j] = random.uniform(lower, upper);
     }
-    measure(simulation.arm.targets.back());
+    measure(targets.back());
   }
 }
 

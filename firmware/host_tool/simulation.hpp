@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A simulated measurement of a simulated arm: targets on its links, sweeps, further poses, the sensor.
+// A simulated measurement of a simulated arm: targets on its links, sweeps, further poses, the
+// sensor.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@ namespace armsig::tool {
 using SimulatedSensor = std::variant<simulated::CartesianConfig, simulated::UltrasonicConfig>;
 
 struct Simulation {
-  simulated::SimulatedArm arm;
+  simulated::SimulatedArm arm;  // with a target for each link, or one on the last
   SweepPlan plan;
   SimulatedSensor sensor;
   std::size_t pings = 1;        // of an ultrasonic sensor, a point; the median counts
@@ -29,9 +30,14 @@ struct Simulation {
   std::uint64_t seed = 1;
 };
 
-// Mounts target i on link i, `radius_m` from the axis of joint i (beside the slide of a prismatic joint), where the
-// arm is in `configuration`.
-void mount_targets(simulated::SimulatedArm& arm, const JointVector& configuration, double radius_m);
+// Mounts target i on link i, `radius_m` from the axis of joint i (beside the slide of a prismatic
+// joint), where the arm is in `configuration`. Each sweep then follows its own target.
+void mount_link_targets(simulated::SimulatedArm& arm, const JointVector& configuration,
+                        double radius_m);
+
+// Mounts one target on the last link, at p_L in its Denavit-Hartenberg frame: all sweeps follow it,
+// as the joints beyond the swept one are held.
+void mount_hand_target(simulated::SimulatedArm& arm, const Vector3& p_L);
 
 // The exact signature of the simulated arm.
 [[nodiscard]] Signature truth_of(const simulated::SimulatedArm& arm,
@@ -41,7 +47,6 @@ void mount_targets(simulated::SimulatedArm& arm, const JointVector& configuratio
 [[nodiscard]] std::size_t row_count(const Simulation& simulation);
 
 // Gives every row, in the order that an arm would be swept in, to `sink`.
-void simulate(const Simulation& simulation,
-              const std::function<void(const MeasurementRow&)>& sink);
+void simulate(const Simulation& simulation, const std::function<void(const MeasurementRow&)>& sink);
 
 }  // namespace armsig::tool

@@ -30,6 +30,7 @@ struct Options : CommonOptions {
   double thermometer_error_c = 0;
   double bias_mm = 0;
   std::uint64_t seed = 1;
+  std::vector<double> hand_target_mm;
   std::vector<double> configuration;  // degrees and millimetres, by joint type
 };
 
@@ -125,7 +126,12 @@ int run(const Options& options) {
   const auto configuration = configuration_of(options, arm->arm);
   if (!configuration) return fail(configuration.error(), kBadInput, options);
 
-  mount_targets(*built, *configuration, 1e-3 * options.target_radius_mm);
+  if (options.hand_target_mm.empty()) {
+    mount_link_targets(*built, *configuration, 1e-3 * options.target_radius_mm);
+  } else {
+    const std::vector<double>& p_mm = options.hand_target_mm;
+    mount_hand_target(*built, 1e-3 * Vector3(p_mm[0], p_mm[1], p_mm[2]));
+  }
   const Simulation simulation{
       .arm = *built,
       .plan = plan_sweeps(arm->arm, *configuration, radians(options.arc_deg), options.points),
@@ -145,8 +151,8 @@ int run(const Options& options) {
   });
   if (const auto done = writer->commit(); !done) return fail(done.error(), kBadInput, options);
   if (!options.truth_out.empty()) {
-    const auto written = write_signature_file(
-        options.truth_out, exact_record(truth_of(*built, *configuration), *arm));
+    const auto written = write_signature_file(options.truth_out,
+                                              exact_record(truth_of(*built, *configuration), *arm));
     if (!written) return fail(written.error(), kBadInput, options);
   }
 
@@ -172,8 +178,8 @@ void add_simulate(CLI::App& app, int& status) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("simulate", "measurements of a simulated arm");
   command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
-  auto* truth = command->add_option(
-      "--truth", options->truth, "the arm as it was built: an arm description or a signature");
+  auto* truth = command->add_option("--truth", options->truth,
+                                    "the arm as it was built: an arm description or a signature");
   command
       ->add_option("--tolerances", options->tolerances,
                    "draw the arm about the drawing, 1 sigma: a factor of the usual tolerances "
@@ -186,44 +192,53 @@ void add_simulate(CLI::App& app, int& status) {
   command->add_option("--points", options->points, "points a sweep")
       ->check(CLI::Range(std::size_t{2}, std::size_t{100'000'000}))
       ->capture_default_str();
-  command->add_option("--sigma-mm", options->sigma_mm,
-                      "noise, 1 sigma: per axis of a position, or per range with --sensor")
+  command
+      ->add_option("--sigma-mm", options->sigma_mm,
+                   "noise, 1 sigma: per axis of a position, or per range with --sensor")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--configuration", options->configuration,
-                      "signature configuration, degrees or mm a joint, separated by commas "
-                      "(default: the middle of the limits)")
+  command
+      ->add_option("--configuration", options->configuration,
+                   "signature configuration, degrees or mm a joint, separated by commas "
+                   "(default: the middle of the limits)")
       ->delimiter(',');
-  command->add_option("--target-radius-mm", options->target_radius_mm,
-                      "distance of each target from the axis of its joint")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--mixed-poses", options->mixed_poses,
-                      "further rows (sweep 0) with all joints anywhere within their limits")
+  auto* radius = command->add_option("--target-radius-mm", options->target_radius_mm,
+                                     "a target on each link, this far from the axis of its joint");
+  radius->check(CLI::PositiveNumber)->capture_default_str();
+  command
+      ->add_option("--hand-target-mm", options->hand_target_mm,
+                   "one target for all sweeps instead: x,y,z in the frame of the last link")
+      ->delimiter(',')
+      ->expected(3)
+      ->excludes(radius);
+  command
+      ->add_option("--mixed-poses", options->mixed_poses,
+                   "further rows (sweep 0) with all joints anywhere within their limits")
       ->capture_default_str();
   command->add_option("--sensor", options->sensor,
                       "sensor description (YAML): write ranges to its receivers, not positions");
   command->add_option("--pings", options->pings, "pings a point; the median counts")
       ->check(CLI::Range(1, 16))
       ->capture_default_str();
-  command->add_option("--outliers", options->outliers,
-                      "share of positions, or of single ranges, that are wrong by 20 to 300 mm")
+  command
+      ->add_option("--outliers", options->outliers,
+                   "share of positions, or of single ranges, that are wrong by 20 to 300 mm")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--dropouts", options->dropouts, "share of positions or ranges not heard")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--air-c", options->air_c, "air temperature")->capture_default_str();
-  command->add_option("--thermometer-error-c", options->thermometer_error_c,
-                      "what the sensor's thermometer reads too much")
+  command
+      ->add_option("--thermometer-error-c", options->thermometer_error_c,
+                   "what the sensor's thermometer reads too much")
       ->capture_default_str();
   command->add_option("--bias-mm", options->bias_mm, "constant error of every range")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "the same seed gives the same file")
       ->capture_default_str();
   command->add_option("--out", options->out, "measurements to write (CSV)")->required();
-  command->add_option("--truth-out", options->truth_out,
-                      "signature file to write: the exact arm");
+  command->add_option("--truth-out", options->truth_out, "signature file to write: the exact arm");
   add_common(*command, *options);
   command->callback([options, &status] { status = run(*options); });
 }
