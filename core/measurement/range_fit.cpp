@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -16,6 +17,9 @@ namespace {
 constexpr int kMaxIterations = 50;
 // A step that promises to lower chi-square by less than this is a hundred-millionth of a sigma.
 constexpr double kNegligible = 1e-16;
+// A step this small, of the distances at play, is rounding. Comes first where sigma is next to
+// nothing.
+constexpr double kRounding = 1e-13;
 constexpr double kMaxCurvature = 0.1;
 // No number of ranges is consistent at such a chi-square. Where Gauss-Newton doesn't promise to
 // lower it by a tenth, the ranges contradict each other, or the search crawls along a valley that
@@ -93,7 +97,8 @@ PointFit descend(const Spheres& spheres, const Vector3& start_S) {
     const bool crawling = damping == 0 && promise < kCrawling * here.chi_square;
     if (crawling && here.chi_square > kHopeless) break;
     const Normal there = normal_equations(spheres, fit.p_S + step);
-    converged = std::abs(promise) < kNegligible;
+    const double distances = fit.p_S.norm() + std::abs(spheres[0].radius_m);
+    converged = std::abs(promise) < kNegligible || step.norm() < kRounding * distances;
     // Not finite compares false: more damping then.
     if (converged || there.chi_square < here.chi_square) {
       if (there.chi_square <= here.chi_square) {
@@ -107,7 +112,7 @@ PointFit descend(const Spheres& spheres, const Vector3& start_S) {
   }
   fit.chi_square = here.chi_square;
 
-  double nearest = spheres[0].radius_m;
+  double nearest = std::numeric_limits<double>::infinity();
   double finest_sigma = spheres[0].sigma_m;
   for (const Sphere& sphere : spheres) {
     nearest = std::min(nearest, (fit.p_S - sphere.centre_S).norm());

@@ -6,7 +6,8 @@
 namespace armsig::measurement {
 
 Ranges ranges_from_times(const FlightTimes& flights, double speed, SoundPath path) {
-  ARMSIG_CHECK(std::isfinite(speed) && speed > 0);
+  ARMSIG_CHECK(std::isfinite(speed));
+  ARMSIG_CHECK(speed > 0);
   const double trips = path == SoundPath::kEcho ? 2 : 1;
   Ranges ranges;
   for (const FlightTime& flight : flights)

@@ -21,7 +21,8 @@ Result<double> speed_of_sound(double air_celsius) {
 }
 
 Result<double> speed_from_reference(double length_m, double seconds) {
-  ARMSIG_CHECK(std::isfinite(length_m) && length_m > 0);
+  ARMSIG_CHECK(std::isfinite(length_m));
+  ARMSIG_CHECK(length_m > 0);
   if (!std::isfinite(seconds)) return std::unexpected(Error::kNotFinite);
   const double speed = length_m / seconds;
   if (speed < in_dry_air(kLowestAirCelsius) || speed > in_dry_air(kHighestAirCelsius))

@@ -11,10 +11,11 @@ namespace armsig::measurement {
 
 struct Position {
   Vector3 p_S = Vector3::Zero();
-  Matrix3 covariance_m2 = Matrix3::Zero();           // from the noise of the ranges alone
-  double chi_square = 0;                             // of the ranges used
-  std::size_t degrees_of_freedom = 0;                // ranges used - 3
-  FixedVector<std::size_t, kMaxReceivers> excluded;  // receivers heard but not believed, from 0
+  Matrix3 covariance_m2 = Matrix3::Zero();  // from the noise of the ranges alone
+  double chi_square = 0;                    // of the ranges used
+  std::size_t degrees_of_freedom = 0;       // ranges used - 3
+  // Receivers heard but not believed: their places in the array, from 0.
+  FixedVector<std::size_t, kMaxReceivers> excluded;
 };
 
 // Weighted least squares over the valid ranges, under the hypothesis that all are good; if they

@@ -9,7 +9,7 @@ UltrasonicConfig demo_sensor() {
       {-1.0, -1.0, 0.0}, {1.0, -1.0, 0.0}, {1.0, 1.0, 0.0}, {-1.0, 1.0, 0.0},
       {-0.5, -0.5, 0.8}, {0.5, -0.5, 0.8}, {0.5, 0.5, 0.8}, {-0.5, 0.5, 0.8},
   };
-  config.range_sigma_m = kDemoRangeSigma_m;
+  config.range_sigma_m = kDemoRangeSigma;
   return config;
 }
 

@@ -14,13 +14,13 @@
 
 namespace armsig::simulated {
 
-inline constexpr double kDemoRangeSigma_m = 0.2e-3;
+inline constexpr double kDemoRangeSigma = 0.2e-3;  // metres
 
 // Sensor frame S: origin in the centre of the lower square, z up, x and y towards its sides.
 [[nodiscard]] UltrasonicConfig demo_sensor();
 
-// The half-space that targets are in, seen from the receivers: below.
-[[nodiscard]] inline Vector3 demo_sensor_facing_S() { return -Vector3::UnitZ(); }
+// The half-space that targets are in, seen from the receivers: below. A unit vector in S.
+[[nodiscard]] inline Vector3 demo_sensor_facing() { return -Vector3::UnitZ(); }
 
 // Frame 0 of the arm under the sensor, as carelessly as frames are hung: turned by 30 degrees,
 // tilted by 2, 5 cm off centre.

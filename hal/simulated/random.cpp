@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/check.hpp"
 
@@ -74,26 +75,27 @@ Vector3 Random::normal_vector() {
 
 Vector3 Random::direction() {
   Vector3 v = normal_vector();
-  while (v.squaredNorm() < 1e-12) v = normal_vector();
-  return v.normalized();
+  while (v.isZero(1e-6)) v = normal_vector();
+  // Not norm(): its order of summation depends on the vector unit.
+  return v / std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
 }
 
 double portable_log(double x) {
-  ARMSIG_CHECK(std::isnormal(x) && x > 0);
-  constexpr double kLog2 = 0.69314718055994530942;
-  constexpr double kHalfRoot = 0.70710678118654752440;
+  ARMSIG_CHECK(std::isnormal(x));
+  ARMSIG_CHECK(x > 0);
+  constexpr double kRootHalf = std::numbers::sqrt2 / 2;
   // x = m 2^e with m in [sqrt(1/2), sqrt(2)), and log m = 2 artanh z, z = (m - 1) / (m + 1), |z| <
   // 0.172: the terms beyond z^21 are below 1e-17.
   int e = 0;
   double m = std::frexp(x, &e);
-  if (m < kHalfRoot) {
+  if (m < kRootHalf) {
     m *= 2;
     --e;
   }
   const double z = (m - 1) / (m + 1);
   double sum = 0;
   for (int k = 21; k >= 1; k -= 2) sum = sum * (z * z) + 1.0 / k;
-  return 2 * z * sum + e * kLog2;
+  return 2 * z * sum + e * std::numbers::ln2;
 }
 
 }  // namespace armsig::simulated

@@ -18,7 +18,7 @@ double sound_in_air(double celsius) {
 
 UltrasonicField::UltrasonicField(const UltrasonicConfig& config, Random random)
     : config_(config), random_(random) {
-  ARMSIG_CHECK(config.bias_m.empty() || config.bias_m.size() == config.receivers_S.size());
+  if (!config.bias_m.empty()) ARMSIG_CHECK(config.bias_m.size() == config.receivers_S.size());
 }
 
 Sounding UltrasonicField::measure(const Vector3& p_S) {
@@ -41,7 +41,7 @@ Sounding UltrasonicField::measure(const Vector3& p_S) {
     const double time_s = trips * range_m / speed;
     const bool heard = !silent && time_s > 0;
 
-    sounding.time_ns.push_back(heard ? static_cast<std::uint32_t>(1e9 * time_s + 0.5) : 0);
+    sounding.time_ns.push_back(heard ? static_cast<std::uint32_t>(std::llround(1e9 * time_s)) : 0);
     sounding.range_m.push_back(heard ? time_s * sound_in_air(reported_celsius) / trips : 0);
     sounding.valid.push_back(heard);
     sounding.multipath.push_back(heard && detour);

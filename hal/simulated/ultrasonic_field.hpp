@@ -12,24 +12,28 @@ namespace armsig::simulated {
 
 struct UltrasonicConfig {
   FixedVector<Vector3, kMaxReceivers> receivers_S;  // metres, sensor frame
-  bool echo =
-      false;  // each receiver hears its own ping come back, instead of one that the target sends
-  double range_sigma_m = 0;  // 1 sigma of a range
-  FixedVector<double, kMaxReceivers>
-      bias_m;  // constant offset of each receiver's range; empty: none
+  // Each receiver hears its own ping come back; otherwise all hear one that the target sends.
+  bool echo = false;
   double air_celsius = 20;
   double thermometer_error_kelvin = 0;  // the sensor reports air_celsius plus this
-  double dropout_probability = 0;       // per receiver and ping: nothing is heard
-  double multipath_probability = 0;     // per receiver and ping: only a reflection is heard,
-  double least_detour_m = 0.02;         // whose range is too long by a uniform amount between these
+  double range_sigma_m = 0;             // 1 sigma of a range
+  // Constant offset of each receiver's range; empty: none.
+  FixedVector<double, kMaxReceivers> bias_m;
+  // Per receiver and ping: nothing is heard.
+  double dropout_probability = 0;
+  // Per receiver and ping: only a reflection is heard, whose range is too long by a uniform amount
+  // between the least and the longest detour.
+  double multipath_probability = 0;
+  double least_detour_m = 0.02;
   double longest_detour_m = 0.3;
 };
 
 // One ping as the sensor tells it, and the truth about it; one entry per receiver.
 struct Sounding {
-  std::uint16_t sequence = 0;                         // advances with every ping and wraps
-  double air_celsius = 0;                             // by the sensor's thermometer
-  FixedVector<std::uint32_t, kMaxReceivers> time_ns;  // as on the bus; 0 where nothing was heard
+  std::uint16_t sequence = 0;  // advances with every ping and wraps
+  double air_celsius = 0;      // by the sensor's thermometer
+  // As on the bus; 0 where nothing was heard.
+  FixedVector<std::uint32_t, kMaxReceivers> time_ns;
   // The same as ranges, not rounded, as a sensor that trusts its thermometer computes them.
   FixedVector<double, kMaxReceivers> range_m;
   FixedVector<bool, kMaxReceivers> valid;

@@ -48,7 +48,7 @@ ReceiverArray demo_array(std::size_t receivers = 8) {
   const simulated::UltrasonicConfig config = simulated::demo_sensor();
   ReceiverArray array{.p_S = config.receivers_S,
                       .range_sigma_m = config.range_sigma_m,
-                      .facing_S = simulated::demo_sensor_facing_S()};
+                      .facing_S = simulated::demo_sensor_facing()};
   array.p_S.resize(receivers, Vector3::Zero());
   return array;
 }
@@ -80,7 +80,7 @@ TEST(DemoSensor, error_per_axis_is_an_eighth_to_a_fifth_of_a_millimetre_everywhe
   double worst = 0;
   double worst_axis = 0;
   double mean_square = 0;
-  constexpr int kTargets = 3000;
+  constexpr int kTargets = 2000;
   for (int i = 0; i < kTargets; ++i) {
     const Vector3 target = random_target(arm, random);
     Ranges ranges;
@@ -108,7 +108,7 @@ TEST(DemoSensor, error_per_axis_is_an_eighth_to_a_fifth_of_a_millimetre_everywhe
 // redundant range, three none: mirror images are decided by facing_S.
 TEST(Trilateration, covariance_is_true_for_any_number_of_receivers) {
   const auto arm = puma();
-  constexpr int kTrials = 3000;
+  constexpr int kTrials = 2000;
   for (std::size_t receivers = 3; receivers <= 8; ++receivers) {
     simulated::UltrasonicField field(simulated::demo_sensor(), Random(20, receivers));
     const ReceiverArray array = demo_array(receivers);
@@ -127,6 +127,31 @@ TEST(Trilateration, covariance_is_true_for_any_number_of_receivers) {
     EXPECT_GE(solved, 0.998 * kTrials) << receivers << " receivers";
     EXPECT_NEAR(sum / solved, 3, 1.96 * std::sqrt(6.0 / solved)) << receivers << " receivers";
   }
+}
+
+TEST(Trilateration, covariance_is_true_next_to_the_plane_of_a_flat_array_or_refused) {
+  simulated::UltrasonicConfig config = simulated::demo_sensor();
+  config.receivers_S.resize(4, Vector3::Zero());
+  simulated::UltrasonicField field(config, Random(25));
+  const ReceiverArray array = demo_array(4);
+  Random random(26);
+  double sum = 0;
+  int solved = 0;
+  int refused = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Vector3 target(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-0.1, 0));
+    const auto position = measurement::trilaterate(array, ranges_of(field.measure(target)));
+    if (position) {
+      ++solved;
+      sum += normalised_error_squared(*position, target);
+    } else if (position.error() == Error::kSingular) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(solved, 2000);
+  EXPECT_GT(refused, 500);
+  EXPECT_GE(solved + refused, 3990);
+  EXPECT_NEAR(sum / solved, 3, 0.15);
 }
 
 TEST(Trilateration, covariance_of_medians_of_pings_is_true) {
@@ -155,7 +180,7 @@ struct MultipathCount {
   double error_squared = 0;  // normalised, sum over those solved and not wrong
 };
 
-constexpr int kMultipathTrials = 4000;
+constexpr int kMultipathTrials = 2000;
 
 // Every range takes a detour with a probability of 20 %. Receivers alternately from the lower and
 // the upper square of the demonstration's frame.
@@ -195,7 +220,7 @@ MultipathCount with_multipath(std::size_t receivers) {
 TEST(Trilateration, names_a_single_detour_among_five_or_more_receivers) {
   for (std::size_t receivers = 5; receivers <= 8; ++receivers) {
     const MultipathCount count = with_multipath(receivers);
-    EXPECT_GT(count.exactly_one, 1000);
+    EXPECT_GT(count.exactly_one, 500);
     EXPECT_GE(count.named, 0.98 * count.exactly_one) << receivers << " receivers";
   }
 }

@@ -8,7 +8,7 @@
 namespace armsig::measurement {
 namespace {
 
-const Vector3 kUp = Vector3::UnitZ();
+Vector3 up() { return Vector3::UnitZ(); }
 
 ReceiverArray tetrahedron() {
   return {.p_S = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 1}}, .range_sigma_m = 1e-4};
@@ -26,14 +26,14 @@ TEST(Spread, gives_centroid_and_principal_axes) {
   EXPECT_LT((spread.centroid - R * Vector3(1, 1, 5)).norm(), 1e-14);
   EXPECT_LT((spread.rms - Vector3(2, 1, 0)).norm(), 1e-7);
   EXPECT_NEAR(std::abs(spread.axes.col(0).dot(R.col(0))), 1, 1e-14);
-  EXPECT_NEAR(std::abs(spread.axes.col(2).dot(kUp)), 1, 1e-14);
+  EXPECT_NEAR(std::abs(spread.axes.col(2).dot(up())), 1, 1e-14);
 }
 
 TEST(ReceiverCheck, accepts_receivers_that_fill_space) { EXPECT_TRUE(check(tetrahedron())); }
 
 TEST(ReceiverCheck, accepts_a_flat_array_that_says_where_it_faces) {
   ReceiverArray array = flat_square();
-  array.facing_S = -kUp;
+  array.facing_S = -up();
   EXPECT_TRUE(check(array));
 }
 
@@ -46,14 +46,15 @@ TEST(ReceiverCheck, refuses_fewer_than_three) {
 }
 
 TEST(ReceiverCheck, refuses_a_line_whatever_it_faces) {
-  ReceiverArray array{
-      .p_S = {{0, 0, 1}, {1, 2, 1}, {2, 4, 1}, {5, 10, 1}}, .range_sigma_m = 1e-4, .facing_S = kUp};
+  ReceiverArray array{.p_S = {{0, 0, 1}, {1, 2, 1}, {2, 4, 1}, {5, 10, 1}},
+                      .range_sigma_m = 1e-4,
+                      .facing_S = up()};
   EXPECT_EQ(check(array).error(), Error::kReceiversCollinear);
 }
 
 TEST(ReceiverCheck, refuses_receivers_in_one_point_as_collinear) {
   ReceiverArray array{
-      .p_S = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, .range_sigma_m = 1e-4, .facing_S = kUp};
+      .p_S = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, .range_sigma_m = 1e-4, .facing_S = up()};
   EXPECT_EQ(check(array).error(), Error::kReceiversCollinear);
 }
 

@@ -20,11 +20,11 @@ SimulatedArm odd_arm() {
   return arm;
 }
 
-const JointVector kReadings = {0.6, 0.25, -0.9};
+JointVector some_readings() { return {0.6, 0.25, -0.9}; }
 
 // Golden values: numpy, products of the elementary 4 x 4 matrices Rot(z) Trans(z) Trans(x) Rot(x).
 TEST(SimulatedArm, link_pose_is_the_product_of_elementary_transforms) {
-  const Pose X_S3 = link_pose(odd_arm(), kReadings, 3);
+  const Pose X_S3 = link_pose(odd_arm(), some_readings(), 3);
   const Matrix3 golden{{0.7761616929843668, -0.5680391915986257, 0.27368687062338526},
                        {0.5882718182293916, 0.496130931980971, -0.6385846586074388},
                        {0.22695659104931826, 0.6566472227457245, 0.7192392721755393}};
@@ -34,34 +34,34 @@ TEST(SimulatedArm, link_pose_is_the_product_of_elementary_transforms) {
 }
 
 TEST(SimulatedArm, prismatic_reading_moves_along_the_axis_of_its_joint) {
-  const Pose X_S2 = link_pose(odd_arm(), kReadings, 2);
+  const Pose X_S2 = link_pose(odd_arm(), some_readings(), 2);
   EXPECT_LT((X_S2.p - Vector3(-0.3668443411735681, 0.29896029525902035, 0.7332047919801803)).norm(),
             1e-15);
-  JointVector further = kReadings;
+  JointVector further = some_readings();
   further[1] += 0.1;
   const Vector3 motion = link_pose(odd_arm(), further, 2).p - X_S2.p;
-  EXPECT_LT((motion - 0.1 * link_pose(odd_arm(), kReadings, 1).R.col(2)).norm(), 1e-15);
+  EXPECT_LT((motion - 0.1 * link_pose(odd_arm(), some_readings(), 1).R.col(2)).norm(), 1e-15);
 }
 
 TEST(SimulatedArm, link_zero_is_the_base) {
-  EXPECT_EQ(link_pose(odd_arm(), kReadings, 0).p, odd_arm().X_S0.p);
+  EXPECT_EQ(link_pose(odd_arm(), some_readings(), 0).p, odd_arm().X_S0.p);
 }
 
 TEST(SimulatedArm, target_moves_with_its_link) {
   const Target on_tool{.number = 1, .link = 3, .p_L = {0.03, -0.02, 0.11}};
-  EXPECT_LT((target_position(odd_arm(), kReadings, on_tool) -
+  EXPECT_LT((target_position(odd_arm(), some_readings(), on_tool) -
              Vector3(0.0904599867782285, 0.404292782175361, 0.7908976087008497))
                 .norm(),
             1e-15);
   const Target on_link_1{.number = 2, .link = 1, .p_L = {0.1, 0, 0}};
-  JointVector moved = kReadings;
+  JointVector moved = some_readings();
   moved[2] += 1;
-  EXPECT_EQ(target_position(odd_arm(), kReadings, on_link_1),
+  EXPECT_EQ(target_position(odd_arm(), some_readings(), on_link_1),
             target_position(odd_arm(), moved, on_link_1));
 }
 
 TEST(SimulatedArm, coupling_adds_a_share_of_the_other_reading) {
-  const JointVector effective = effective_readings(odd_arm().arm, kReadings);
+  const JointVector effective = effective_readings(odd_arm().arm, some_readings());
   EXPECT_EQ(effective[0], 0.6);
   EXPECT_EQ(effective[1], 0.25);
   EXPECT_DOUBLE_EQ(effective[2], -0.6);

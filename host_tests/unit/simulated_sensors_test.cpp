@@ -9,7 +9,7 @@
 namespace armsig::simulated {
 namespace {
 
-const Vector3 kTarget(3, 4, 0);
+Vector3 target_S() { return {3, 4, 0}; }  // 5 m from the origin
 
 UltrasonicConfig one_receiver() {
   UltrasonicConfig config;
@@ -20,7 +20,7 @@ UltrasonicConfig one_receiver() {
 TEST(UltrasonicField, time_of_flight_is_that_of_sound_in_dry_air) {
   // 5 m at 343.21462268256795 m/s (numpy, 20 degrees Celsius) take 14568143.9 ns.
   UltrasonicField field(one_receiver(), Random(1));
-  const Sounding sounding = field.measure(kTarget);
+  const Sounding sounding = field.measure(target_S());
   ASSERT_EQ(sounding.time_ns.size(), 1U);
   EXPECT_TRUE(sounding.valid[0]);
   EXPECT_EQ(sounding.time_ns[0], std::lround(5e9 / 343.21462268256795));
@@ -32,7 +32,7 @@ TEST(UltrasonicField, echo_takes_twice_the_time) {
   UltrasonicConfig config = one_receiver();
   config.echo = true;
   UltrasonicField field(config, Random(1));
-  const Sounding sounding = field.measure(kTarget);
+  const Sounding sounding = field.measure(target_S());
   EXPECT_EQ(sounding.time_ns[0], std::lround(1e10 / 343.21462268256795));
   EXPECT_NEAR(sounding.range_m[0], 5, 1e-15);
 }
@@ -41,7 +41,7 @@ TEST(UltrasonicField, thermometer_error_changes_the_scale_of_the_ranges_not_the_
   UltrasonicConfig config = one_receiver();
   config.thermometer_error_kelvin = 1;
   UltrasonicField field(config, Random(1));
-  const Sounding sounding = field.measure(kTarget);
+  const Sounding sounding = field.measure(target_S());
   EXPECT_EQ(sounding.time_ns[0], std::lround(5e9 / 343.21462268256795));
   EXPECT_EQ(sounding.air_celsius, 21);
   EXPECT_NEAR(sounding.range_m[0], 5 * std::sqrt(294.15 / 293.15), 1e-14);
@@ -49,15 +49,15 @@ TEST(UltrasonicField, thermometer_error_changes_the_scale_of_the_ranges_not_the_
 
 TEST(UltrasonicField, warmer_air_is_faster) {
   UltrasonicField field(one_receiver(), Random(1));
-  const auto cool = field.measure(kTarget).time_ns[0];
+  const auto cool = field.measure(target_S()).time_ns[0];
   field.config().air_celsius = 30;
-  EXPECT_LT(field.measure(kTarget).time_ns[0], cool);
+  EXPECT_LT(field.measure(target_S()).time_ns[0], cool);
 }
 
 TEST(UltrasonicField, sequence_advances_with_every_ping) {
   UltrasonicField field(one_receiver(), Random(1));
-  EXPECT_EQ(field.measure(kTarget).sequence, 1);
-  EXPECT_EQ(field.measure(kTarget).sequence, 2);
+  EXPECT_EQ(field.measure(target_S()).sequence, 1);
+  EXPECT_EQ(field.measure(target_S()).sequence, 2);
 }
 
 TEST(UltrasonicField, bias_belongs_to_its_receiver) {
@@ -65,7 +65,7 @@ TEST(UltrasonicField, bias_belongs_to_its_receiver) {
   config.receivers_S = {Vector3::Zero(), Vector3(3, 0, 0)};
   config.bias_m = {0, 0.002};
   UltrasonicField field(config, Random(1));
-  const Sounding sounding = field.measure(kTarget);
+  const Sounding sounding = field.measure(target_S());
   EXPECT_NEAR(sounding.range_m[0], 5, 1e-14);
   EXPECT_NEAR(sounding.range_m[1], 4.002, 1e-14);
 }
@@ -78,7 +78,7 @@ TEST(UltrasonicField, noise_scatters_as_stated) {
   double first = 0;
   double second = 0;
   for (int i = 0; i < kCount; ++i) {
-    const double error = field.measure(kTarget).range_m[0] - 5;
+    const double error = field.measure(target_S()).range_m[0] - 5;
     first += error / kCount;
     second += error * error / kCount;
   }
@@ -93,7 +93,7 @@ TEST(UltrasonicField, detours_are_as_frequent_and_as_long_as_stated) {
   constexpr int kCount = 10'000;
   int detours = 0;
   for (int i = 0; i < kCount; ++i) {
-    const Sounding sounding = field.measure(kTarget);
+    const Sounding sounding = field.measure(target_S());
     const double error = sounding.range_m[0] - 5;
     if (sounding.multipath[0]) {
       ++detours;
@@ -112,7 +112,7 @@ TEST(UltrasonicField, dropouts_are_as_frequent_as_stated_and_invalid) {
   UltrasonicField field(config, Random(4));
   int silent = 0;
   for (int i = 0; i < 10'000; ++i) {
-    const Sounding sounding = field.measure(kTarget);
+    const Sounding sounding = field.measure(target_S());
     EXPECT_EQ(sounding.time_ns[0] == 0, !sounding.valid[0]);
     if (!sounding.valid[0]) ++silent;
   }
@@ -125,9 +125,9 @@ TEST(UltrasonicField, same_seed_repeats_and_another_differs) {
   UltrasonicField a(config, Random(5));
   UltrasonicField b(config, Random(5));
   UltrasonicField c(config, Random(6));
-  const double first = a.measure(kTarget).range_m[0];
-  EXPECT_EQ(first, b.measure(kTarget).range_m[0]);
-  EXPECT_NE(first, c.measure(kTarget).range_m[0]);
+  const double first = a.measure(target_S()).range_m[0];
+  EXPECT_EQ(first, b.measure(target_S()).range_m[0]);
+  EXPECT_NE(first, c.measure(target_S()).range_m[0]);
 }
 
 TEST(UltrasonicField, noise_does_not_depend_on_how_many_detours_there_are) {
@@ -137,8 +137,8 @@ TEST(UltrasonicField, noise_does_not_depend_on_how_many_detours_there_are) {
   config.multipath_probability = 0.5;
   UltrasonicField dirty(config, Random(5));
   for (int i = 0; i < 100; ++i) {
-    const Sounding a = clean.measure(kTarget);
-    const Sounding b = dirty.measure(kTarget);
+    const Sounding a = clean.measure(target_S());
+    const Sounding b = dirty.measure(target_S());
     if (b.multipath[0]) continue;
     EXPECT_EQ(a.range_m[0], b.range_m[0]);
   }
@@ -152,7 +152,7 @@ TEST(UltrasonicField, traps_on_biases_of_another_array) {
 
 TEST(CartesianSensor, without_noise_tells_the_truth) {
   CartesianSensor sensor({}, Random(1));
-  EXPECT_EQ(sensor.measure(kTarget).p_S, kTarget);
+  EXPECT_EQ(sensor.measure(target_S()).p_S, target_S());
 }
 
 TEST(CartesianSensor, noise_scatters_alike_in_all_directions) {
@@ -160,7 +160,7 @@ TEST(CartesianSensor, noise_scatters_alike_in_all_directions) {
   constexpr int kCount = 20'000;
   Matrix3 covariance = Matrix3::Zero();
   for (int i = 0; i < kCount; ++i) {
-    const Vector3 error = sensor.measure(kTarget).p_S - kTarget;
+    const Vector3 error = sensor.measure(target_S()).p_S - target_S();
     covariance += error * error.transpose() / kCount;
   }
   EXPECT_LT((covariance - 1e-6 * Matrix3::Identity()).cwiseAbs().maxCoeff(), 5e-8);
@@ -171,10 +171,10 @@ TEST(CartesianSensor, outliers_and_dropouts_are_as_stated) {
   int seen = 0;
   int outliers = 0;
   for (int i = 0; i < 10'000; ++i) {
-    const Sighting sighting = sensor.measure(kTarget);
+    const Sighting sighting = sensor.measure(target_S());
     if (!sighting.seen) continue;
     ++seen;
-    const double error = (sighting.p_S - kTarget).norm();
+    const double error = (sighting.p_S - target_S()).norm();
     if (sighting.outlier) {
       ++outliers;
       EXPECT_GE(error, 0.02 - 1e-12);
