@@ -4,14 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "core/features/centre_of_rotation.hpp"
 #include "core/features/encoder_circle.hpp"
 #include "core/features/encoder_line.hpp"
 #include "core/features/encoder_ratio.hpp"
 #include "core/features/paper_fit.hpp"
+#include "core/features/plane_of_rotation.hpp"
 
 namespace armsig::features {
 namespace {
+
+// rounding_variance() is a bound, with a factor of 16 on sigma.
+constexpr double kRoundingMargin = 256;
 
 // 99.99 % quantile of chi-square over its degrees of freedom (Wilson and Hilferty).
 double significant_misfit(double freedom) {
@@ -28,24 +34,28 @@ Matrix3 mean_residual_products(const SweepStatistics& statistics,
   return sums / (R(0, 0) * R(0, 0));  // R(0, 0)^2 is the sum of the weights
 }
 
-void describe_circle(const SweepStatistics& statistics, const CircleFit& circle,
-                     JointFeature& feature) {
+// How far the points are from the plane (13) and from the circle (14) is the mechanism's and the
+// sensor's doing; what remains about the fit itself has the encoder's part in it.
+Result<void> describe_circle(const SweepStatistics& statistics, const CircleFit& circle,
+                             JointFeature& feature) {
   feature.axis_S = circle.R_SC.col(2);
   feature.radial_S = circle.R_SC.col(0);
   feature.point_S = circle.centre_S;
   feature.radius_m = circle.radius_m;
   feature.covariance = circle.covariance;
 
-  const Matrix3 products = mean_residual_products(statistics, circle.motion(statistics.origin_S));
+  ARMSIG_TRY(plane, plane_of_rotation(statistics.geometry));
+  ARMSIG_TRY(best_circle, centre_of_rotation(statistics.geometry, plane));
   const double weights = std::pow(statistics.geometry.matrix()(0, 0), 2);
-  const double normal = feature.axis_S.dot(products * feature.axis_S);
-  const double radial =
-      circle_residual_squares(statistics.geometry, feature.axis_S,
-                              {circle.centre_S - statistics.origin_S, circle.radius_m}) /
-      (4 * circle.radius_m * circle.radius_m * weights);
+  const double normal = plane_residual_squares(statistics.geometry, plane) / weights;
+  const double in_plane = 2 * best_circle.radius_m;
+  const double radial = circle_residual_squares(statistics.geometry, plane.normal_S, best_circle) /
+                        (in_plane * in_plane * weights);
+  const double all = mean_residual_products(statistics, circle.motion(statistics.origin_S)).trace();
   feature.quality.rms_normal_m = std::sqrt(normal);
   feature.quality.rms_radial_m = std::sqrt(radial);
-  feature.quality.rms_tangential_m = std::sqrt(std::max(products.trace() - normal - radial, 0.0));
+  feature.quality.rms_tangential_m = std::sqrt(std::max(all - normal - radial, 0.0));
+  return {};
 }
 
 void describe_line(const SweepStatistics& statistics, const LineFit& line, JointFeature& feature) {
@@ -57,7 +67,7 @@ void describe_line(const SweepStatistics& statistics, const LineFit& line, Joint
 
   const Matrix3 products = mean_residual_products(statistics, line.motion(statistics.origin_S));
   const double along = feature.axis_S.dot(products * feature.axis_S);
-  feature.quality.rms_tangential_m = std::sqrt(along);
+  feature.quality.rms_tangential_m = std::sqrt(std::max(along, 0.0));
   feature.quality.rms_normal_m = std::sqrt(std::max(products.trace() - along, 0.0));
 }
 
@@ -82,7 +92,7 @@ NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
       rounding_variance(farthest, statistics.motion.solve().row(1).norm()) / stated;
   if (!sigma_is_known) {
     noise.is_estimated = true;
-    noise.variance_factor = std::max(shown, rounding);
+    noise.variance_factor = std::max(shown, rounding / kRoundingMargin);
   } else {
     noise.stated_sigma_m = std::sqrt(stated);
     if (freedom > 0 && shown - rounding > significant_misfit(freedom)) {
@@ -104,7 +114,8 @@ Judged<JointFeature> describe_fit(const SweepStatistics& statistics, const Noise
     const auto circle =
         method == Method::kPaper ? paper_circle(statistics) : encoder_circle(statistics);
     if (!circle) return refuse(circle.error(), statistics);
-    describe_circle(statistics, *circle, feature);
+    if (const auto described = describe_circle(statistics, *circle, feature); !described)
+      return refuse(described.error(), statistics);
   } else {
     const auto line = method == Method::kPaper ? paper_line(statistics) : encoder_line(statistics);
     if (!line) return refuse(line.error(), statistics);
@@ -130,6 +141,21 @@ Judged<JointFeature> describe_fit(const SweepStatistics& statistics, const Noise
                       std::isfinite(quality.rms_tangential_m);
   if (!finite) return refuse(Error::kNotFinite, statistics);
   return feature;
+}
+
+ReadingMisfit reading_misfit(const SweepStatistics& statistics, const NoiseLevel& noise,
+                             const JointFeature& feature) {
+  const Vector3 along = feature.axis_S.cross(feature.radial_S);
+  CircleFit circle;
+  circle.R_SC << feature.radial_S, along, feature.axis_S;
+  circle.centre_S = feature.point_S;
+  circle.radius_m = feature.radius_m;
+  const Matrix3 R = statistics.motion.factor();
+  const Matrix3 rest =
+      R * circle.motion(statistics.origin_S) - statistics.motion.rotated_right_hand_sides();
+  const Matrix3 products = rest.transpose() * rest;
+  return {std::sqrt(products.trace()) / (R(0, 0) * feature.radius_m),
+          (statistics.shape().inverse() * products).trace() / noise.variance_factor};
 }
 
 double axis_direction_sigma(const JointFeature& feature) {

@@ -28,6 +28,16 @@ struct NoiseLevel {
 [[nodiscard]] Judged<JointFeature> describe_fit(const SweepStatistics& statistics,
                                                 const NoiseLevel& noise, Method method);
 
+// How far the readings are from explaining a circle by its own constant radius: what imposing the
+// circle cost, RMS over the points.
+struct ReadingMisfit {
+  double rms_rad = 0;     // as an angle of the joint
+  double chi_square = 0;  // 2 degrees of freedom for an ideal encoder
+};
+// Precondition: `feature` is the encoder-referenced fit of a revolute joint to `statistics`.
+[[nodiscard]] ReadingMisfit reading_misfit(const SweepStatistics& statistics,
+                                           const NoiseLevel& noise, const JointFeature& feature);
+
 // 1 sigma of the direction of the axis, in the direction where it is largest, radians.
 [[nodiscard]] double axis_direction_sigma(const JointFeature& feature);
 

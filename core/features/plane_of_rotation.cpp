@@ -36,4 +36,10 @@ Result<PlaneOfRotation> plane_of_rotation(const GeometryFactor& geometry) {
   return plane;
 }
 
+double plane_residual_squares(const GeometryFactor& geometry, const PlaneOfRotation& plane) {
+  Eigen::Vector4d combination;
+  combination << -plane.distance_m, plane.normal_S;
+  return (geometry.matrix().topLeftCorner<4, 4>() * combination).squaredNorm();
+}
+
 }  // namespace armsig::features

@@ -19,4 +19,8 @@ struct PlaneOfRotation {
 // Errors: kSingular (the points lie on one line).
 [[nodiscard]] Result<PlaneOfRotation> plane_of_rotation(const GeometryFactor& geometry);
 
+// Weighted sum of squares of the points' distances from the plane.
+[[nodiscard]] double plane_residual_squares(const GeometryFactor& geometry,
+                                            const PlaneOfRotation& plane);
+
 }  // namespace armsig::features

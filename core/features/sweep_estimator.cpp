@@ -8,18 +8,16 @@
 #include <Eigen/Cholesky>
 
 #include "core/features/describe_fit.hpp"
-#include "core/features/encoder_circle.hpp"
-#include "core/features/encoder_line.hpp"
-#include "core/features/paper_fit.hpp"
+#include "core/features/encoder_ratio.hpp"
 
 namespace armsig::features {
 namespace {
 
-std::unexpected<Refusal> refuse(Error error, double found, double needed) {
-  return std::unexpected(Refusal{error, found, needed});
-}
-std::unexpected<Refusal> refuse_count(Error error, std::size_t found, std::size_t needed) {
-  return refuse(error, static_cast<double>(found), static_cast<double>(needed));
+// 1 in 10^11 of 2 degrees of freedom: beyond any noise.
+constexpr double kSignificantChiSquare = 50;
+
+Refusal refusal_of(Error error, std::size_t found, std::size_t needed) {
+  return {error, static_cast<double>(found), static_cast<double>(needed)};
 }
 
 // Judges the waiting points and takes them in, in the order of their arrival.
@@ -37,25 +35,79 @@ void settle(SweepState& state) {
   state.waiting.clear();
 }
 
-// What the readings and points show before any fit.
-std::optional<Refusal> refusal_before_fit(const SweepConfig& config, const SweepState& state,
-                                          std::size_t least_points) {
-  const bool revolute = config.type == JointType::kRevolute;
+// What the readings and points show before any of them is judged.
+std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const SweepState& state,
+                                           std::size_t least_points) {
   if (state.count < least_points)
-    return Refusal{Error::kTooFewPoints, static_cast<double>(state.count),
-                   static_cast<double>(least_points)};
+    return refusal_of(Error::kTooFewPoints, state.count, least_points);
   const double range = state.highest_reading - state.lowest_reading;
-  if (range < kSameReading)
+  if (range < kSameReading) {
+    const bool revolute = config.type == JointType::kRevolute;
     return Refusal{Error::kJointDidNotMove, range,
                    revolute ? config.limits.least_arc_rad : kSameReading};
-  const auto distinct = static_cast<double>(state.distinct_readings.size());
-  const int unknowns = motion_unknowns(config.type);
-  if (distinct < unknowns)
-    return Refusal{Error::kTooFewPoints, distinct, static_cast<double>(unknowns)};
+  }
+  const auto unknowns = static_cast<std::size_t>(motion_unknowns(config.type));
+  if (state.distinct_readings.size() < unknowns)
+    return refusal_of(Error::kTooFewPoints, state.distinct_readings.size(), unknowns);
   if (state.all_equal) {
     const double sigma =
         state.sigma_is_known ? std::sqrt(state.latest_covariance_m2.trace() / 3) : 0;
     return Refusal{Error::kCoincidentPoints, 0, config.limits.least_radius_sigmas * sigma};
+  }
+  return std::nullopt;
+}
+
+// What the unconstrained motion of the accepted points shows.
+std::optional<Refusal> refusal_before_fit(const SweepLimits& limits,
+                                          const SweepStatistics& statistics,
+                                          const NoiseLevel& noise) {
+  const bool revolute = statistics.type == JointType::kRevolute;
+  // A little slack, because readings come rounded.
+  const double arc = statistics.arc() * (1 + 1e-9);
+  if (revolute && arc < limits.least_arc_rad)
+    return Refusal{Error::kArcTooShort, arc, limits.least_arc_rad};
+  if (statistics.motion.rank() < motion_unknowns(statistics.type))
+    return Refusal{Error::kArcTooShort, arc, std::max(limits.least_arc_rad, 2 * arc)};
+
+  if (noise.misfit > limits.greatest_misfit)
+    return Refusal{Error::kNotACircle, noise.misfit * noise.stated_sigma_m,
+                   limits.greatest_misfit * noise.stated_sigma_m};
+  const double speed = statistics.motion.solve().row(1).norm();
+  const double size = revolute ? speed : speed * arc;
+  const double least_size = limits.least_radius_sigmas * noise.sigma_m;
+  if (size < least_size)
+    return Refusal{revolute ? Error::kRadiusTooSmall : Error::kCoincidentPoints, size, least_size};
+  const double greatest_sigma = limits.greatest_unstated_sigma * size;
+  if (noise.stated_sigma_m == 0 && noise.sigma_m > greatest_sigma)
+    return Refusal{Error::kNotACircle, noise.sigma_m, greatest_sigma};
+
+  const EncoderRatio encoder = encoder_ratio(statistics);
+  const double sigma = encoder.sigma * std::sqrt(noise.variance_factor);
+  if (std::abs(encoder.ratio - 1) > limits.greatest_encoder_error + 5 * sigma)
+    return Refusal{Error::kNotACircle, encoder.ratio, 1};
+  return std::nullopt;
+}
+
+// What the fit shows.
+std::optional<Refusal> refusal_of_fit(const SweepLimits& limits, const SweepStatistics& statistics,
+                                      const NoiseLevel& noise, Method method,
+                                      const JointFeature& feature) {
+  const bool revolute = feature.type == JointType::kRevolute;
+  const double least_radius = limits.least_radius_sigmas * feature.quality.sigma_m;
+  if (revolute && feature.radius_m < least_radius)
+    return Refusal{Error::kRadiusTooSmall, feature.radius_m, least_radius};
+  if (revolute && method == Method::kEncoder) {
+    const ReadingMisfit misfit = reading_misfit(statistics, noise, feature);
+    if (misfit.rms_rad > limits.greatest_reading_misfit_rad &&
+        misfit.chi_square > kSignificantChiSquare)
+      return Refusal{Error::kNotACircle, misfit.rms_rad, limits.greatest_reading_misfit_rad};
+  }
+  // The axis of a circle shows in the sagitta, which grows with the square of the arc; that of a
+  // line in its length.
+  const double shortfall = axis_direction_sigma(feature) / limits.greatest_axis_sigma_rad;
+  if (shortfall > 1) {
+    const double arc = feature.quality.arc();
+    return Refusal{Error::kArcTooShort, arc, arc * (revolute ? std::sqrt(shortfall) : shortfall)};
   }
   return std::nullopt;
 }
@@ -103,54 +155,29 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
 
 Judged<JointFeature> SweepEstimator::estimate(Method method) const {
   const SweepLimits& limits = config_.limits;
-  const bool revolute = config_.type == JointType::kRevolute;
-  const std::size_t least_points = revolute ? limits.least_points : limits.least_points_prismatic;
-  if (const auto refusal = refusal_before_fit(config_, state_, least_points))
+  const std::size_t least_points =
+      config_.type == JointType::kRevolute ? limits.least_points : limits.least_points_prismatic;
+  if (const auto refusal = refusal_before_gate(config_, state_, least_points))
     return std::unexpected(*refusal);
 
   SweepState settled = state_;
   settle(settled);
   const SweepStatistics& statistics = settled.accepted;
-  const auto least_accepted = std::max(
-      least_points, static_cast<std::size_t>(std::ceil((1 - limits.greatest_rejected) *
-                                                       static_cast<double>(settled.count))));
+  const double kept = (1 - limits.greatest_rejected) * static_cast<double>(settled.count);
+  const std::size_t least_accepted =
+      std::max(least_points, static_cast<std::size_t>(std::ceil(kept)));
   if (statistics.count < least_accepted)
-    return refuse_count(Error::kTooManyOutliers, statistics.count, least_accepted);
-  if (revolute && statistics.arc() < limits.least_arc_rad)
-    return refuse(Error::kArcTooShort, statistics.arc(), limits.least_arc_rad);
-  if (statistics.motion.rank() < motion_unknowns(config_.type))
-    return refuse(Error::kArcTooShort, statistics.arc(),
-                  std::max(limits.least_arc_rad, 2 * statistics.arc()));
+    return std::unexpected(refusal_of(Error::kTooManyOutliers, statistics.count, least_accepted));
 
   const NoiseLevel noise = noise_level(statistics, settled.sigma_is_known);
-  if (noise.misfit > limits.greatest_misfit)
-    return refuse(Error::kNotACircle, noise.misfit * noise.stated_sigma_m,
-                  limits.greatest_misfit * noise.stated_sigma_m);
-  const double least_radius = limits.least_radius_sigmas * noise.sigma_m;
-  const double speed = statistics.motion.solve().row(1).norm();
-  if (revolute && speed < least_radius) return refuse(Error::kRadiusTooSmall, speed, least_radius);
-  if (!revolute && speed * statistics.arc() < least_radius)
-    return refuse(Error::kCoincidentPoints, speed * statistics.arc(), least_radius);
-
-  const Judged<JointFeature> feature = describe_fit(statistics, noise, method);
+  if (const auto refusal = refusal_before_fit(limits, statistics, noise))
+    return std::unexpected(*refusal);
+  Judged<JointFeature> feature = describe_fit(statistics, noise, method);
   if (!feature) return feature;
-  if (revolute && feature->radius_m < least_radius)
-    return refuse(Error::kRadiusTooSmall, feature->radius_m, least_radius);
-  const double axis_sigma = axis_direction_sigma(*feature);
-  // The axis of a circle shows in the sagitta, which grows with the square of the arc; that of a
-  // line in its length.
-  if (axis_sigma > limits.greatest_axis_sigma_rad) {
-    const double shortfall = axis_sigma / limits.greatest_axis_sigma_rad;
-    return refuse(Error::kArcTooShort, statistics.arc(),
-                  statistics.arc() * (revolute ? std::sqrt(shortfall) : shortfall));
-  }
-  const SweepQuality& quality = feature->quality;
-  if (std::abs(quality.encoder_ratio - 1) >
-      limits.greatest_encoder_error + 5 * quality.encoder_ratio_sigma)
-    return refuse(Error::kNotACircle, quality.encoder_ratio, 1);
-  JointFeature result = *feature;
-  result.quality.rejected = settled.rejected;
-  return result;
+  feature->quality.rejected = settled.rejected;
+  if (const auto refusal = refusal_of_fit(limits, statistics, noise, method, *feature))
+    return std::unexpected(*refusal);
+  return feature;
 }
 
 }  // namespace armsig::features

@@ -16,15 +16,26 @@ namespace armsig::features {
 
 // When a sweep says too little to be used.
 struct SweepLimits {
-  std::size_t least_points = 4;  // accepted; three determine a revolute joint's motion and
-                                 // leave nothing to judge it by
-  std::size_t least_points_prismatic = 3;  // two determine a line
-  double least_arc_rad = 0.0872664626;     // 5 degrees; revolute only
-  double greatest_axis_sigma_rad = 0.03;   // 1 sigma of the axis direction: 3 cm at 1 m
-  double least_radius_sigmas = 10;         // radius over 1 sigma of a point
-  double greatest_misfit = 6;              // RMS residual over the sigma stated
-  double greatest_rejected = 0.5;          // fraction of the points rejected
-  double greatest_encoder_error = 0.2;     // |encoder_ratio - 1|, beyond 5 of its sigmas
+  // Accepted points. Three determine the motion of a revolute joint, two that of a prismatic one,
+  // and leave nothing to judge it by.
+  std::size_t least_points = 4;
+  std::size_t least_points_prismatic = 3;
+  // Revolute only.
+  double least_arc_rad = kPi / 36;
+  // 1 sigma of the direction of the axis: 3 cm at 1 m.
+  double greatest_axis_sigma_rad = 0.03;
+  // Radius of the circle, or travel of a prismatic target, over 1 sigma of a point.
+  double least_radius_sigmas = 10;
+  // RMS residual over the sigma stated: a sigma stated three times too small still passes.
+  double greatest_misfit = 6;
+  // RMS residual over radius or travel, where no sigma is stated.
+  double greatest_unstated_sigma = 0.02;
+  // Fraction of the points rejected.
+  double greatest_rejected = 0.5;
+  // RMS angle by which the readings fail to explain an encoder-referenced circle.
+  double greatest_reading_misfit_rad = 0.01;
+  // |encoder_ratio - 1|, beyond 5 of its sigmas.
+  double greatest_encoder_error = 0.2;
 };
 
 struct SweepConfig {
@@ -69,7 +80,8 @@ class SweepEstimator {
   //   kJointDidNotMove   range of the readings; the least arc
   //   kCoincidentPoints  how far the target moved; 10 sigma of a point
   //   kTooManyOutliers   points accepted; the least number
-  //   kNotACircle        RMS residual, the greatest; or the encoder ratio, 1
+  //   kNotACircle        RMS residual, or misfit of the readings, the greatest; or the encoder
+  //                      ratio, 1
   //   kArcTooShort       arc; the least arc, as far as the noise or the limits ask for it
   //   kRadiusTooSmall    radius; the least radius
   //   kNotFinite         0, 0: numbers too large to compute with
