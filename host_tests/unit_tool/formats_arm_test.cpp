@@ -220,6 +220,17 @@ TEST(ArmFile, refuses_what_is_not_yaml) {
   EXPECT_EQ(message_of("\tarmsig: arm/1\n").find("A.yaml:1:"), 0U);
 }
 
+TEST(ArmFile, refuses_what_is_nested_too_deeply) {
+  EXPECT_EQ(message_of(std::string(100000, '[')),
+            "A.yaml:1:1: not YAML: nested too deeply; expected a YAML document");
+}
+
+TEST(ArmFile, refuses_more_keys_than_any_map_has) {
+  std::string text = "armsig: arm/1\n";
+  for (int i = 0; i < 100000; ++i) text += "key" + std::to_string(i) + ": 1\n";
+  EXPECT_EQ(message_of(text), "A.yaml:257:1: too many keys; expected at most 256 in a map");
+}
+
 TEST(ArmFile, refuses_what_is_not_utf_8) {
   EXPECT_EQ(message_of("armsig: arm/1\nname: Gr\xF6\xDF"
                        "e\n"),

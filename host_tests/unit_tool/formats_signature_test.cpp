@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <sstream>
 #include <string>
 
@@ -29,16 +28,43 @@ std::string message_of(const std::string& text) {
   return record ? "read" : render(record.error());
 }
 
-// `text` with the first match of `pattern` replaced.
-std::string edited(const std::string& text, const std::string& pattern, const std::string& by) {
-  return std::regex_replace(text, std::regex(pattern), by, std::regex_constants::format_first_only);
+// `text` with the first `from` replaced.
+std::string edited(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-// The same, with a crc32 that matches again.
-std::string forged(const std::string& text, const std::string& pattern, const std::string& by) {
-  const auto whole = sealed(edited(edited(text, "crc32: .*\n", ""), pattern, by));
+// `text` with every `from` replaced.
+std::string all_edited(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+// The rest of the line behind the first `start`.
+std::string line_after(const std::string& text, const std::string& start) {
+  const std::size_t at = text.find(start) + start.size();
+  return text.substr(at, text.find('\n', at) - at);
+}
+
+// `text` with a crc32 that matches.
+std::string forged(const std::string& text) {
+  const auto whole = sealed(edited(text, "crc32:" + line_after(text, "crc32:") + "\n", ""));
   EXPECT_TRUE(whole) << render(whole.error());
   return whole.value_or("");
+}
+
+// `text` with the first `from` replaced and a crc32 that matches.
+std::string forged(const std::string& text, const std::string& from, const std::string& to) {
+  return forged(edited(text, from, to));
+}
+
+// The same for the value of the first key that is spelt so.
+std::string forged_value(const std::string& text, const std::string& key,
+                         const std::string& value) {
+  return forged(text, key + ": " + line_after(text, key + ": "), key + ": " + value);
 }
 
 void expect_same(const Pose& a, const Pose& b) {
@@ -166,23 +192,22 @@ TEST(SignatureFile, says_what_it_is_in_its_first_key) {
 }
 
 TEST(SignatureFile, refuses_a_changed_number) {
-  const std::string text = edited(text_of(a_record()), "a_m: (-?)0\\.", "a_m: $011.");
+  const std::string text = edited(text_of(a_record()), "a_m: 0.", "a_m: 0.9");
   EXPECT_NE(message_of(text).find("the content does not match its crc32"), std::string::npos)
       << message_of(text);
 }
 
 TEST(SignatureFile, refuses_a_changed_last_digit_of_any_number) {
   const std::string text = text_of(a_record());
-  const std::regex number(R"(\d\.\d{10,}(?=[,\]}\n e]))");
+  const std::string digits = "0123456789";
   std::size_t count = 0;
-  for (std::sregex_iterator it(text.begin(), text.end(), number), end; it != end; ++it) {
-    ++count;
-    if (count % 60 != 0) continue;
+  for (std::size_t at = 0; (at = text.find('.', at)) != std::string::npos; ++at) {
+    const std::size_t end = text.find_first_not_of(digits, at + 1);
+    if (end - at < 12 || ++count % 60 != 0) continue;
     std::string changed = text;
     // A digit before the last, so that the number is surely another double.
-    const auto at = static_cast<std::size_t>(it->position()) + it->str().size() - 3;
-    changed[at] = changed[at] == '5' ? '6' : '5';
-    EXPECT_NE(message_of(changed), "read") << it->str();
+    changed[end - 3] = changed[end - 3] == '5' ? '6' : '5';
+    EXPECT_NE(message_of(changed), "read") << text.substr(at, end - at);
   }
   EXPECT_GT(count, 500U);
 }
@@ -194,8 +219,8 @@ TEST(SignatureFile, refuses_a_changed_name) {
 
 TEST(SignatureFile, takes_other_comments_and_indentation) {
   std::string text = "# for cell 4\n" + text_of(a_record());
-  text = std::regex_replace(text, std::regex("\n    - \\["), "\n        -   [ ");
-  text = std::regex_replace(text, std::regex(", "), " ,   ");
+  text = all_edited(text, "\n      - [", "\n          -   [ ");
+  text = all_edited(text, ", ", " ,   ");
   EXPECT_EQ(message_of(text), "read");
 }
 
@@ -206,7 +231,7 @@ TEST(SignatureFile, takes_another_spelling_of_a_number) {
 }
 
 TEST(SignatureFile, refuses_a_missing_crc) {
-  const std::string message = message_of(edited(text_of(a_record()), "crc32: .*\n", ""));
+  const std::string message = message_of(edited(text_of(a_record()), "\ncrc32: ", "\n# "));
   EXPECT_NE(message.find("the file has no key \"crc32\""), std::string::npos) << message;
 }
 
@@ -218,8 +243,9 @@ TEST(SignatureFile, refuses_another_version) {
 }
 
 TEST(SignatureFile, refuses_another_first_key) {
-  const std::string message = message_of(
-      forged(text_of(a_record()), "armsig: signature/1\n(name: .*\n)", "$01armsig: signature/1\n"));
+  const std::string message =
+      message_of(forged(edited(text_of(a_record()), "\narmsig: signature/1\n", "\n"),
+                        "\nserial:", "\narmsig: signature/1\nserial:"));
   EXPECT_NE(message.find("the first key is \"name\""), std::string::npos) << message;
 }
 
@@ -234,20 +260,20 @@ TEST(SignatureFile, refuses_pseudo_dh_that_disagrees_with_the_frames) {
 
 TEST(SignatureFile, refuses_a_base_pose_that_disagrees_with_the_first_axis) {
   const std::string message =
-      message_of(forged(text_of(a_record()), "position_m: \\[[^,]*,", "position_m: [2,"));
+      message_of(forged_value(text_of(a_record()), "position_m", "[2, 0, 0]"));
   EXPECT_NE(message.find("the base pose and the frame of joint 1 differ"), std::string::npos)
       << message;
 }
 
 TEST(SignatureFile, refuses_a_reading_offset_that_disagrees_with_pseudo_dh) {
   const std::string message =
-      message_of(forged(text_of(a_record()), "(reading_offset_\\w+): .*\n", "$1: 0.25\n"));
+      message_of(forged_value(text_of(a_record()), "reading_offset_m", "0.25"));
   EXPECT_NE(message.find("is not that of its pseudo_dh"), std::string::npos) << message;
 }
 
 TEST(SignatureFile, refuses_directions_that_are_no_frame) {
   const std::string message =
-      message_of(forged(text_of(a_record()), "x_direction: .*\n", "x_direction: [1, 0, 0]\n"));
+      message_of(forged_value(text_of(a_record()), "x_direction", "[1, 0, 0]"));
   EXPECT_NE(message.find("no right-handed frame"), std::string::npos) << message;
 }
 
@@ -287,13 +313,13 @@ TEST(SignatureFile, refuses_sweeps_of_some_joints_only) {
   std::string text = text_of(record);
   const std::size_t start = text.rfind("    sweep:\n");
   text.erase(start, text.find("last_link:") - start);
-  const std::string message = message_of(forged(text, "armsig", "armsig"));
+  const std::string message = message_of(forged(text));
   EXPECT_NE(message.find("5 of 6 joints have a sweep"), std::string::npos) << message;
 }
 
 TEST(SignatureFile, refuses_a_negative_variance) {
   const std::string message = message_of(
-      forged(text_of(a_record()), "covariance_m2:\n      - \\[", "covariance_m2:\n      - [-"));
+      forged(text_of(a_record()), "covariance_m2:\n      - [", "covariance_m2:\n      - [-"));
   EXPECT_NE(message.find("a negative variance"), std::string::npos) << message;
 }
 

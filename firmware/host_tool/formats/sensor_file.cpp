@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/formats/sensor_file.hpp"
 
-#include <cmath>
+#include <algorithm>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "core/base/error.hpp"
@@ -16,15 +15,22 @@
 namespace armsig::tool {
 namespace {
 
-// The second largest extent of the receivers about their mean, as a part of the largest.
-double flatness(const std::vector<Vector3>& points) {
-  Eigen::Matrix3Xd offsets(3, static_cast<Eigen::Index>(points.size()));
-  for (std::size_t j = 0; j < points.size(); ++j) {
-    offsets.col(static_cast<Eigen::Index>(j)) = points[j];
+// How far the receivers reach from the line through the first and the one farthest from it, as a
+// part of the length of that line.
+double breadth(const std::vector<Vector3>& receivers_S) {
+  Vector3 longest = Vector3::Zero();
+  for (const Vector3& p_S : receivers_S) {
+    const Vector3 along = p_S - receivers_S.front();
+    if (along.norm() > longest.norm()) longest = along;
   }
-  offsets.colwise() -= offsets.rowwise().mean().eval();
-  const Vector3 extents = Eigen::JacobiSVD<Eigen::Matrix3Xd>(offsets).singularValues();
-  return extents[0] > 0 ? extents[1] / extents[0] : 0;
+  const double length = longest.norm();
+  if (!(length > 0)) return 0;
+  double widest = 0;
+  for (const Vector3& p_S : receivers_S) {
+    const Vector3 across = (p_S - receivers_S.front()).cross(longest / length);
+    widest = std::max(widest, across.norm());
+  }
+  return widest / length;
 }
 
 Read<std::vector<Vector3>> read_receivers(const YamlNode& node) {
@@ -41,7 +47,7 @@ Read<std::vector<Vector3>> read_receivers(const YamlNode& node) {
   }
   // Below this no range tells on which side of the line the target is.
   constexpr double kCollinear = 1e-6;
-  if (!(flatness(receivers_S) > kCollinear)) {
+  if (!(breadth(receivers_S) > kCollinear)) {
     return problem_at(node, "the receivers stand on one line", "at least three that span a plane");
   }
   return receivers_S;

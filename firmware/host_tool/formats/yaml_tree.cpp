@@ -18,6 +18,8 @@
 namespace armsig::tool {
 namespace {
 
+// More than any of our maps has; keeps the search for equal keys short.
+constexpr std::size_t kMostKeys = 256;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 // Builds the tree from yaml-cpp's events; keeps the first problem and ignores what follows it.
@@ -91,6 +93,7 @@ class TreeBuilder final : public YAML::EventHandler {
   }
 
   void add(YamlNode node) {
+    if (problem_) return;
     if (open_.empty()) {
       root_ = std::move(node);
       return;
@@ -107,6 +110,10 @@ class TreeBuilder final : public YAML::EventHandler {
   void check_key(const YamlNode& map, const YamlNode& key) {
     if (key.kind != YamlNode::Kind::kScalar) {
       refuse(key.line, key.column, "a key that is not text", "a name before the colon");
+      return;
+    }
+    if (map.keys.size() == kMostKeys) {
+      refuse(key.line, key.column, "too many keys", fmt::format("at most {} in a map", kMostKeys));
       return;
     }
     const auto earlier = std::ranges::find(map.keys, key.text, &YamlNode::text);
@@ -162,7 +169,10 @@ Read<YamlNode> parse_yaml(std::string_view text) {
   try {
     return parse_with_yaml_cpp(text);
   } catch (const YAML::Exception& fault) {
-    return problem_at(fault.mark.line + 1, fault.mark.column + 1, "not YAML: " + fault.msg,
+    // There is no file behind our stream: yaml-cpp says "bad file" of maps in maps in maps ...
+    const bool too_deep = fault.msg == YAML::ErrorMsg::BAD_FILE;
+    return problem_at(fault.mark.line + 1, fault.mark.column + 1,
+                      "not YAML: " + (too_deep ? "nested too deeply" : fault.msg),
                       "a YAML document");
   } catch (const std::exception& fault) {
     return problem_at(0, 0, std::string("not YAML: ") + fault.what(), "a YAML document");
