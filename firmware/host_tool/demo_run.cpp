@@ -26,8 +26,8 @@ SensorDescription demo_sensor_description() {
   for (const Vector3& p_S : simulated::demo_sensor().receivers_S) {
     sensor.receivers_S.push_back(p_S);
   }
-  sensor.range_sigma_m = simulated::kDemoRangeSigma_m;
-  sensor.facing_S = simulated::demo_sensor_facing_S();
+  sensor.range_sigma_m = simulated::kDemoRangeSigma;
+  sensor.facing_S = simulated::demo_sensor_facing();
   return sensor;
 }
 

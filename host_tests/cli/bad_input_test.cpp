@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every way in which the input of `armsig identify` can be wrong: its own message, the right status, no output file.
+// Every way in which the input of `armsig identify` can be wrong: its own message, the right
+// status, no output file.
 #include <functional>
 
 #include "host_tests/cli/files.hpp"
@@ -96,9 +97,8 @@ TEST(Identify, refuses_a_joint_outside_the_arm) {
 
 TEST(Identify, names_the_joint_that_moves_in_the_sweep_of_another) {
   const Folder folder;
-  const Outcome outcome = identify_changed(folder, [](Csv& csv) {
-    csv.rows[3][csv.column("q2_deg")] = "5";
-  });
+  const Outcome outcome =
+      identify_changed(folder, [](Csv& csv) { csv.rows[3][csv.column("q2_deg")] = "5"; });
   expect_refused(folder, outcome, 1, "sweep 1 moves joint 2");
 }
 
@@ -134,9 +134,8 @@ TEST(Identify, refuses_fewer_points_than_unknowns) {
   const Folder folder;
   const Outcome outcome = identify_changed(folder, [](Csv& csv) {
     int kept = 0;
-    std::erase_if(csv.rows, [&](const Fields& row) {
-      return row[csv.column("sweep")] == "2" && ++kept > 2;
-    });
+    std::erase_if(csv.rows,
+                  [&](const Fields& row) { return row[csv.column("sweep")] == "2" && ++kept > 2; });
   });
   expect_refused(folder, outcome, 1, "fewer points than unknowns");
 }
@@ -176,8 +175,9 @@ TEST(Identify, refuses_an_arc_too_short_to_tell_the_axis_and_says_limit_and_arc)
 TEST(Identify, names_the_joint_that_turns_against_the_drawing) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
-  ASSERT_EQ(run_tool(folder, "simulate --arm arm.yaml --out good.csv "
-                             "--configuration 10,-60,70,20,50,30")
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm arm.yaml --out good.csv "
+                     "--configuration 10,-60,70,20,50,30")
                 .status,
             0);
   Csv csv = Csv::read(folder / "good.csv");
@@ -248,8 +248,8 @@ TEST(Identify, refuses_an_unknown_key_and_suggests_the_known_one) {
 
 TEST(Identify, says_in_json_what_it_refuses) {
   const Folder folder;
-  const Outcome outcome = identify_changed(
-      folder, [](Csv& csv) { csv.rows[3][csv.column("x_mm")] = "nan"; }, "--json");
+  const Outcome outcome =
+      identify_changed(folder, [](Csv& csv) { csv.rows[3][csv.column("x_mm")] = "nan"; }, "--json");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.out.find("\"line\": 5"), std::string::npos) << outcome.out;
 }
