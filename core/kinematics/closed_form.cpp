@@ -17,6 +17,10 @@ constexpr double kLeastReach = 0.03;  // m, base axis to wrist across the should
 constexpr double kLeastElbow = 0.06;  // rad
 constexpr double kLeastWrist = 0.03;  // rad
 
+// Next to a fold: within this many least openings. Starts that depart from the closed form are
+// added there.
+constexpr double kNearFold = 4;
+
 // A link with its twist snapped: cos and sin of alpha are -1, 0 or 1.
 struct Link {
   double theta = 0;
@@ -70,14 +74,18 @@ struct Wrist {
   double first = 0;
   double fifth = 0;
   double sixth = 0;
+  bool straight = false;
 };
 
-Wrist solve_wrist(const ClosedForm& form, const Matrix3& M, bool flip, double least) {
+Wrist solve_wrist(const ClosedForm& form, const Matrix3& M, bool flip, const Departure& departure) {
   Wrist wrist;
-  const double sine = std::max(std::hypot(M(0, 2), M(1, 2)), std::sin(least));
+  const double bent = std::hypot(M(0, 2), M(1, 2));
+  const double sine = std::max(bent, std::sin(departure.opening * kLeastWrist));
   const double sign = flip ? -1.0 : 1.0;
+  wrist.straight = bent < kNearFold * kLeastWrist;
   wrist.fifth = std::atan2(sign * sine, -form.sign4 * form.sign5 * M(2, 2));
-  wrist.first = std::atan2(sign * form.sign5 * M(1, 2), sign * form.sign5 * M(0, 2));
+  wrist.first = std::atan2(sign * form.sign5 * M(1, 2), sign * form.sign5 * M(0, 2)) +
+                departure.wrist_turn_rad;
   const Matrix3 rest =
       (rotation_z(wrist.first) * turn_x(form.sign4) * rotation_z(wrist.fifth) * turn_x(form.sign5))
           .transpose() *
@@ -135,21 +143,22 @@ ClosedForm closed_form(const Chain& chain) {
   return form;
 }
 
-JointVector solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture& posture,
-                              double opening) {
+Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture& posture,
+                        const Departure& departure) {
   ARMSIG_CHECK(form.design != Design::kOther);
-  const double least_wrist = opening * kLeastWrist;
-  const double least_elbow = opening * kLeastElbow;
-  const double least_reach = opening * kLeastReach;
   const bool spherical = form.design == Design::kSphericalWrist;
   const Pose X_06 = X_0n * form.X_6n.inverse();
   const double offset = form.shoulder_offset;
+  Start start;
 
   // Shoulder: the wrist point is `offset` beside the plane of the arm, on either side of the base.
-  const double across =
-      std::max(X_06.p.x() * X_06.p.x() + X_06.p.y() * X_06.p.y() - offset * offset,
-               least_reach * least_reach);
-  const double reach = (posture.lefty ? 1.0 : -1.0) * lefty_sign(form) * std::sqrt(across);
+  const double radius = std::hypot(X_06.p.x(), X_06.p.y());
+  const double across = std::sqrt(std::max(radius * radius - offset * offset, 0.0));
+  start.near_fold = across < kNearFold * kLeastReach;
+  start.reachable = radius > std::abs(offset) - kSmallOffset;
+  double margin = kSmallOffset;
+  const double reach = (posture.lefty ? 1.0 : -1.0) * lefty_sign(form) *
+                       std::max(across, departure.opening * kLeastReach);
   const double angle1 =
       std::atan2(X_06.p.y(), X_06.p.x()) - std::atan2(-form.sign1 * offset, reach);
   const Matrix3 R_01 = rotation_z(angle1) * turn_x(form.sign1);
@@ -158,7 +167,9 @@ JointVector solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Po
   Plane goal{reach - form.a1, form.sign1 * (X_06.p.z() - form.d1)};
   Wrist wrist;
   if (!spherical) {
-    wrist = solve_wrist(form, R_01.transpose() * X_06.R, posture.flip, least_wrist);
+    wrist = solve_wrist(form, R_01.transpose() * X_06.R, posture.flip, departure);
+    // The direction of a straight wrist is uncertain, and it places the elbow's goal.
+    if (wrist.straight) margin += std::abs(form.d5);
     const double c = std::cos(wrist.first);
     const double s = std::sin(wrist.first);
     goal.x -= form.d5 * form.sign4 * s + form.a4 * c;
@@ -168,29 +179,34 @@ JointVector solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Po
   // Elbow: two sides of the triangle are the upper arm and the forearm.
   const Plane fore = forearm(form);
   const double length = std::hypot(fore.x, fore.y);
-  const double cosine = (goal.x * goal.x + goal.y * goal.y - form.a2 * form.a2 - length * length) /
-                        (2 * form.a2 * length);
-  const double elbow =
-      std::clamp(std::acos(std::clamp(cosine, -1.0, 1.0)), least_elbow, kPi - least_elbow);
+  const double distance = std::hypot(goal.x, goal.y);
+  const double cosine =
+      (distance * distance - form.a2 * form.a2 - length * length) / (2 * form.a2 * length);
+  const double exact = std::acos(std::clamp(cosine, -1.0, 1.0));
+  start.near_fold = start.near_fold || std::sin(exact) < std::sin(kNearFold * kLeastElbow);
+  start.reachable = start.reachable && distance < form.a2 + length + margin &&
+                    distance > std::abs(form.a2 - length) - margin;
+  const double least = departure.opening * kLeastElbow;
+  const double elbow = std::clamp(exact, least, kPi - least);
   // The elbow is above if the forearm bends downwards, as seen with the wrist in front.
   const double bend = (posture.above == (reach > 0) ? -1.0 : 1.0) * form.sign1 * form.fold2;
   const double angle3 = bend * elbow - std::atan2(fore.y, fore.x);
   const double angle2 =
       std::atan2(goal.y, goal.x) -
       std::atan2(form.fold2 * bend * length * std::sin(elbow), form.a2 + length * std::cos(elbow));
-  double angle4 = 0;
+  double angle4 = wrist.first - angle2 - angle3;
   if (spherical) {
     const Matrix3 fold{{1, 0, 0}, {0, form.fold2, 0}, {0, 0, form.fold2}};
     const Matrix3 R_03 = R_01 * rotation_z(angle2) * fold * rotation_z(angle3) * turn_x(form.sign3);
-    wrist = solve_wrist(form, R_03.transpose() * X_06.R, posture.flip, least_wrist);
+    wrist = solve_wrist(form, R_03.transpose() * X_06.R, posture.flip, departure);
     angle4 = wrist.first;
-  } else {
-    angle4 = wrist.first - angle2 - angle3;
   }
 
-  JointVector q{angle1, angle2, angle3, angle4, wrist.fifth, wrist.sixth};
-  for (std::size_t i = 0; i < 6; ++i) q[i] = wrap_angle(q[i] - form.theta[i]);
-  return q;
+  start.wrist_straight = wrist.straight;
+  start.near_fold = start.near_fold || wrist.straight;
+  start.q = {angle1, angle2, angle3, angle4, wrist.fifth, wrist.sixth};
+  for (std::size_t i = 0; i < 6; ++i) start.q[i] = wrap_angle(start.q[i] - form.theta[i]);
+  return start;
 }
 
 Posture posture_of(const ClosedForm& form, const JointVector& q) {

@@ -51,12 +51,26 @@ struct ClosedForm {
 // The closed form nearest to `chain`; design kOther where there is none.
 [[nodiscard]] ClosedForm closed_form(const Chain& chain);
 
-// Six readings, radians in (-pi, pi], that bring the idealised arm to X_0n in the posture asked
-// for, or near it: next to a singularity and out of reach the arm is opened a little (`opening`
-// times what a millimetre of difference between the arms asks for), so that the two solutions that
-// meet there have different starting points. Design must not be kOther.
-[[nodiscard]] JointVector solve_closed_form(const ClosedForm& form, const Pose& X_0n,
-                                            const Posture& posture, double opening = 1);
+// How a start may depart from the exact closed form, for poses next to a singularity.
+struct Departure {
+  // Least opening of shoulder, elbow and wrist, as a multiple of what a millimetre of difference
+  // between the arms asks for: two solutions that meet in a fold then start apart.
+  double opening = 0;
+  double wrist_turn_rad = 0;  // added to the direction in which a straight wrist bends
+};
+
+struct Start {
+  JointVector q;  // radians in (-pi, pi]
+  // Out of reach of the idealised arm by more than it differs from the chain.
+  bool reachable = true;
+  bool near_fold = false;       // some opening is next to zero
+  bool wrist_straight = false;  // that of the wrist
+};
+
+// Readings that bring the idealised arm to X_0n in the posture asked for. Design must not be
+// kOther.
+[[nodiscard]] Start solve_closed_form(const ClosedForm& form, const Pose& X_0n,
+                                      const Posture& posture, const Departure& departure = {});
 
 // The posture of readings q. Design must not be kOther.
 [[nodiscard]] Posture posture_of(const ClosedForm& form, const JointVector& q);

@@ -14,8 +14,23 @@ namespace {
 constexpr double kSameSolution = 1e-4;  // rad or m
 // Starting postures of arms without a closed form: this many at least, and up to the larger number
 // until one solution is found.
-constexpr int kFewestStarts = 24;
+constexpr int kFewestStarts = 40;
 constexpr int kMostStarts = 96;
+
+constexpr double kClearOfFolds = 0.03;  // regularity
+constexpr int kIterationsPerStart = 50;
+
+// Further starts next to a fold. The identified wrist doesn't pass exactly through straight: the
+// two solutions near it may bend in any two directions.
+constexpr std::array<Departure, 6> kFold = {{{1, 0}, {2, 0}, {4, 0}, {0.3, 0}, {7, 0}, {0.1, 0}}};
+constexpr std::array<Departure, 6> kStraightWrist = {
+    {{1, 0}, {4, 0}, {1, kPi / 2}, {1, -kPi / 2}, {0.3, kPi / 4}, {0.3, -kPi / 4}}};
+
+// Whether the start led to its own posture, clear of the folds: then no other start is needed.
+bool settled(const ClosedForm& form, const InverseSolution& solution, const Posture& posture) {
+  return solution.verdict == Verdict::kConverged && solution.regularity > kClearOfFolds &&
+         posture_of(form, solution.q) == posture;
+}
 
 // The k-th number of the van der Corput sequence: fills (0, 1) evenly for any count.
 double van_der_corput(int k, int base) {
@@ -87,13 +102,6 @@ class Collector {
     found_.push_back(named);
   }
 
-  [[nodiscard]] bool has(const Posture& posture) const {
-    for (const NamedSolution& s : found_) {
-      if (s.named && s.posture == posture) return true;
-    }
-    return false;
-  }
-
   // Those inside the limits first, then by distance from the reference.
   Solutions sorted() {
     const auto key = [this](const NamedSolution& s) {
@@ -134,20 +142,24 @@ Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const P
   InverseOptions unlimited = options;
   unlimited.max_step.clear();
   unlimited.respect_limits = false;
+  unlimited.max_iterations = std::min(options.max_iterations, kIterationsPerStart);
   Collector collector(chain, form, reference);
   if (!reference.empty()) {
     ARMSIG_TRY(solution, inverse(chain, X_0n, reference, unlimited));
     collector.add(solution);
   }
   if (form.design != Design::kOther) {
-    // A posture that did not appear is tried again from further away from the folds.
-    for (const double opening : {1.0, 4.0}) {
-      for (unsigned k = 0; k < 8; ++k) {
-        const Posture posture{(k & 4U) != 0, (k & 2U) != 0, (k & 1U) != 0};
-        if (collector.has(posture)) continue;
-        const JointVector start = solve_closed_form(form, X_0n, posture, opening);
-        ARMSIG_TRY(solution, inverse(chain, X_0n, start, unlimited));
-        collector.add(solution);
+    for (unsigned k = 0; k < 8; ++k) {
+      const Posture posture{(k & 4U) != 0, (k & 2U) != 0, (k & 1U) != 0};
+      const Start start = solve_closed_form(form, X_0n, posture);
+      if (!start.reachable) continue;
+      ARMSIG_TRY(solution, inverse(chain, X_0n, start.q, unlimited));
+      collector.add(solution);
+      if (!start.near_fold || settled(form, solution, posture)) continue;
+      for (const Departure& departure : start.wrist_straight ? kStraightWrist : kFold) {
+        const Start apart = solve_closed_form(form, X_0n, posture, departure);
+        ARMSIG_TRY(other, inverse(chain, X_0n, apart.q, unlimited));
+        collector.add(other);
       }
     }
     return collector.sorted();

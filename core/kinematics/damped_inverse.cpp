@@ -42,8 +42,11 @@ Box make_box(const Chain& chain, const JointVector& seed, const InverseOptions& 
       box.upper[k] = chain.limits[i].upper;
     }
     if (options.max_step.empty()) continue;
-    const double lowest = seed[i] - options.max_step[i];
-    const double highest = seed[i] + options.max_step[i];
+    // Rounded towards the seed: not an ulp above the step.
+    double lowest = seed[i] - options.max_step[i];
+    double highest = seed[i] + options.max_step[i];
+    if (seed[i] - lowest > options.max_step[i]) lowest = std::nextafter(lowest, seed[i]);
+    if (highest - seed[i] > options.max_step[i]) highest = std::nextafter(highest, seed[i]);
     if (lowest > box.lower[k]) {
       box.lower[k] = lowest;
       box.lower_is_step[i] = true;
