@@ -19,7 +19,8 @@ using Square = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;
 // Orientation weighs this much against position once both cannot be met: small enough that the
 // position error it leaves is taken away by two Newton steps on the position alone.
 constexpr double kLowRotationWeight = 1e-4;
-constexpr double kLargestStep = 0.4;        // rad or m in one iteration, to stay near the seed
+constexpr double kLargestStep = 0.4;  // rad or m in one iteration, to stay near the seed
+constexpr double kFoldError = 0.03;   // m or rad: what a nudge of 0.2 rad on a fold can make up for
 constexpr double kStationaryStep = 1e-11;   // rad or m
 constexpr double kNearestTolerance = 1e-9;  // rad or m, of arms with more than six joints
 
@@ -41,8 +42,11 @@ Box make_box(const Chain& chain, const JointVector& seed, const InverseOptions& 
       box.upper[k] = chain.limits[i].upper;
     }
     if (options.max_step.empty()) continue;
-    const double lowest = seed[i] - options.max_step[i];
-    const double highest = seed[i] + options.max_step[i];
+    // Rounded towards the seed: not an ulp above the step.
+    double lowest = seed[i] - options.max_step[i];
+    double highest = seed[i] + options.max_step[i];
+    if (seed[i] - lowest > options.max_step[i]) lowest = std::nextafter(lowest, seed[i]);
+    if (highest - seed[i] > options.max_step[i]) highest = std::nextafter(highest, seed[i]);
     if (lowest > box.lower[k]) {
       box.lower[k] = lowest;
       box.lower_is_step[i] = true;
@@ -101,6 +105,7 @@ class DampedSolver {
   InverseSolution solve() {
     at_ = evaluate(q_);
     bool stationary = descend();
+    if (!met() && stationary) stationary = escape_fold();
     if (!met() && n_ < 6) {
       rotation_weight_ = kLowRotationWeight;
       stationary = descend();
@@ -209,6 +214,41 @@ class DampedSolver {
       }
     }
     return true;
+  }
+
+  // Where two solutions meet (elbow or wrist straight) the descent can stop on the fold between
+  // them, or at a limit beside it. A nudge along the direction in which the arm hardly moves frame
+  // n leads on, if there is anything to be found. Returns what descend does.
+  bool escape_fold() {
+    if (merit(at_) > kFoldError * kFoldError) return true;
+    const Joints q_best = q_;
+    const State best = at_;
+    const Joints weak = weakest_direction();
+    bool stationary = true;
+    for (const double nudge : {0.03, -0.03, 0.2, -0.2}) {
+      q_ = clamped(q_best + nudge * weak);
+      at_ = evaluate(q_);
+      stationary = descend();
+      if (met()) return true;
+      if (!stationary) break;
+    }
+    q_ = q_best;
+    at_ = best;
+    return stationary;
+  }
+
+  // The unit direction (largest entry 1) along which frame n moves least.
+  [[nodiscard]] Joints weakest_direction() const {
+    const Jacobian& J = at_.kinematics.J;
+    Joints direction = Joints::Zero();
+    direction.head(n_).setOnes();
+    for (int k = 0; k < 3; ++k) {
+      Square normal = J.transpose().lazyProduct(J);
+      normal.diagonal().array() += 1e-9 * J.squaredNorm();
+      if (!solve_positive(normal, direction, n_)) return Joints::Zero();
+      direction /= direction.cwiseAbs().maxCoeff();
+    }
+    return direction;
   }
 
   // Least-norm Newton steps on the position alone.

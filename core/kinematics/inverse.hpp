@@ -32,7 +32,7 @@ struct InverseOptions {
   bool respect_limits = true;  // those of the chain, if it has any
   // Largest change of each reading from the seed, for one tick: velocity limit times period. Empty:
   // none.
-  JointVector max_step;
+  JointVector max_step{};
 };
 
 struct InverseSolution {

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+#include "core/kinematics/cold_start.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/check.hpp"
+
+namespace armsig::kinematics {
+namespace {
+
+constexpr double kSameSolution = 1e-4;  // rad or m
+// Starting postures of arms without a closed form: this many at least, and up to the larger number
+// until one solution is found.
+constexpr int kFewestStarts = 40;
+constexpr int kMostStarts = 96;
+
+constexpr double kClearOfFolds = 0.03;  // regularity
+constexpr int kIterationsPerStart = 50;
+
+// Further starts next to a fold. The identified wrist doesn't pass exactly through straight: the
+// two solutions near it may bend in any two directions.
+constexpr std::array<Departure, 6> kFold = {{{1, 0}, {2, 0}, {4, 0}, {0.3, 0}, {7, 0}, {0.1, 0}}};
+constexpr std::array<Departure, 6> kStraightWrist = {
+    {{1, 0}, {4, 0}, {1, kPi / 2}, {1, -kPi / 2}, {0.3, kPi / 4}, {0.3, -kPi / 4}}};
+
+// Whether the start led to its own posture, clear of the folds: then no other start is needed.
+bool settled(const ClosedForm& form, const InverseSolution& solution, const Posture& posture) {
+  return solution.verdict == Verdict::kConverged && solution.regularity > kClearOfFolds &&
+         posture_of(form, solution.q) == posture;
+}
+
+// The k-th number of the van der Corput sequence: fills (0, 1) evenly for any count.
+double van_der_corput(int k, int base) {
+  double value = 0;
+  double digit = 1;
+  for (; k > 0; k /= base) {
+    digit /= base;
+    value += digit * (k % base);
+  }
+  return value;
+}
+
+JointVector fixed_start(const Chain& chain, int k) {
+  constexpr std::array<int, kMaxJoints> kBases = {2, 3, 5, 7, 11, 13, 17, 19};
+  JointVector q;
+  for (std::size_t i = 0; i < chain.joint_count; ++i) {
+    double lower = chain.revolute[i] ? -kPi : -1.0;
+    double upper = -lower;
+    if (!chain.limits.empty()) {
+      lower = chain.limits[i].lower;
+      upper = chain.limits[i].upper;
+    }
+    q.push_back(lower + (upper - lower) * van_der_corput(k + 1, kBases[i]));
+  }
+  return q;
+}
+
+// The reading that differs from `reading` by whole turns, inside the limits if there is one, and
+// nearest to `reference`.
+double best_turn(double reading, double reference, const JointLimits* limits) {
+  const double nearest = reference + wrap_angle(reading - reference);
+  if (limits == nullptr || (nearest >= limits->lower && nearest <= limits->upper)) return nearest;
+  const double turn = nearest < limits->lower ? 2 * kPi : -2 * kPi;
+  double moved = nearest;
+  while (turn > 0 ? moved < limits->lower : moved > limits->upper) moved += turn;
+  return moved >= limits->lower && moved <= limits->upper ? moved : nearest;
+}
+
+class Collector {
+ public:
+  Collector(const Chain& chain, const ClosedForm& form, const JointVector& reference)
+      : chain_(chain), form_(form), reference_(reference) {
+    if (!reference_.empty()) return;
+    for (std::size_t i = 0; i < chain.joint_count; ++i) {
+      reference_.push_back(
+          chain.limits.empty() ? 0.0 : 0.5 * (chain.limits[i].lower + chain.limits[i].upper));
+    }
+  }
+
+  void add(InverseSolution solution) {
+    if (solution.verdict != Verdict::kConverged && solution.verdict != Verdict::kDegraded) return;
+    for (std::size_t i = 0; i < chain_.joint_count; ++i) {
+      const JointLimits* limits = chain_.limits.empty() ? nullptr : &chain_.limits[i];
+      if (chain_.revolute[i]) solution.q[i] = best_turn(solution.q[i], reference_[i], limits);
+      if (limits == nullptr) continue;
+      const bool inside = solution.q[i] >= limits->lower && solution.q[i] <= limits->upper;
+      if (!inside) solution.verdict = Verdict::kJointLimit;
+    }
+    for (const NamedSolution& other : found_) {
+      if (distance(other.solution.q, solution.q) < kSameSolution) return;
+    }
+    if (found_.full()) return;
+    NamedSolution named;
+    named.solution = solution;
+    if (form_.design != Design::kOther) {
+      named.named = true;
+      named.posture = posture_of(form_, solution.q);
+    }
+    found_.push_back(named);
+  }
+
+  // Those inside the limits first, then by distance from the reference.
+  Solutions sorted() {
+    const auto key = [this](const NamedSolution& s) {
+      return std::pair(s.solution.verdict == Verdict::kJointLimit,
+                       distance(s.solution.q, reference_));
+    };
+    for (std::size_t i = 1; i < found_.size(); ++i) {
+      for (std::size_t j = i; j > 0 && key(found_[j]) < key(found_[j - 1]); --j) {
+        std::swap(found_[j], found_[j - 1]);
+      }
+    }
+    return found_;
+  }
+
+  [[nodiscard]] const Solutions& found() const { return found_; }
+
+ private:
+  static double distance(const JointVector& a, const JointVector& b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+    return largest;
+  }
+
+  const Chain& chain_;
+  const ClosedForm& form_;
+  JointVector reference_;
+  Solutions found_;
+};
+
+}  // namespace
+
+Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const Pose& X_0n,
+                             const JointVector& reference, const InverseOptions& options) {
+  ARMSIG_CHECK(reference.empty() || reference.size() == chain.joint_count);
+  for (const double reading : reference) {
+    if (!std::isfinite(reading)) return std::unexpected(Error::kNotFinite);
+  }
+  InverseOptions unlimited = options;
+  unlimited.max_step.clear();
+  unlimited.respect_limits = false;
+  unlimited.max_iterations = std::min(options.max_iterations, kIterationsPerStart);
+  Collector collector(chain, form, reference);
+  if (!reference.empty()) {
+    ARMSIG_TRY(solution, inverse(chain, X_0n, reference, unlimited));
+    collector.add(solution);
+  }
+  if (form.design != Design::kOther) {
+    for (unsigned k = 0; k < 8; ++k) {
+      const Posture posture{(k & 4U) != 0, (k & 2U) != 0, (k & 1U) != 0};
+      const Start start = solve_closed_form(form, X_0n, posture);
+      if (!start.reachable) continue;
+      ARMSIG_TRY(solution, inverse(chain, X_0n, start.q, unlimited));
+      collector.add(solution);
+      if (!start.near_fold || settled(form, solution, posture)) continue;
+      for (const Departure& departure : start.wrist_straight ? kStraightWrist : kFold) {
+        const Start apart = solve_closed_form(form, X_0n, posture, departure);
+        ARMSIG_TRY(other, inverse(chain, X_0n, apart.q, unlimited));
+        collector.add(other);
+      }
+    }
+    return collector.sorted();
+  }
+  // Without a closed form the limits keep the descent where the arm works.
+  unlimited.respect_limits = true;
+  for (int k = 0; k < kMostStarts; ++k) {
+    if (k >= kFewestStarts && !collector.found().empty()) break;
+    ARMSIG_TRY(solution, inverse(chain, X_0n, fixed_start(chain, k), unlimited));
+    collector.add(solution);
+  }
+  return collector.sorted();
+}
+
+const char* name(const NamedSolution& solution) {
+  if (!solution.named) return "solution";
+  constexpr std::array<const char*, 8> kNames = {
+      "righty below noflip", "righty below flip", "righty above noflip", "righty above flip",
+      "lefty below noflip",  "lefty below flip",  "lefty above noflip",  "lefty above flip"};
+  const Posture& p = solution.posture;
+  return kNames[(p.lefty ? 4U : 0U) + (p.above ? 2U : 0U) + (p.flip ? 1U : 0U)];
+}
+
+}  // namespace armsig::kinematics

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Inverse kinematics without a seed: all distinct solutions of the identified chain.
+#pragma once
+
+#include "core/kinematics/closed_form.hpp"
+#include "core/kinematics/inverse.hpp"
+
+namespace armsig::kinematics {
+
+struct NamedSolution {
+  // A solution outside the joint limits is listed too, as kJointLimit; its q then meets the pose
+  // and breaks a limit. All others are kConverged or kDegraded.
+  InverseSolution solution;
+  bool named = false;  // whether the arm has a closed form, and with it postures
+  Posture posture;
+};
+
+inline constexpr std::size_t kMaxSolutions = 16;
+using Solutions = FixedVector<NamedSolution, kMaxSolutions>;
+
+// All solutions found, those inside the limits first, then nearest to `reference` (largest change
+// of a reading; empty: the middle of the limits, or zero) first. Readings of revolute joints are
+// chosen, among those that differ by whole turns, inside the limits and nearest to the reference.
+// Six-joint arms with a closed form (ALGORITHMS, section 4) are started from its eight solutions,
+// others from a fixed set of postures inside the limits. Solutions nearer than 1e-4 rad or m are
+// one. Empty if nothing meets the pose. options.max_step and options.respect_limits are not used.
+// Errors: kNotFinite if the pose or the reference holds a NaN or an infinity.
+[[nodiscard]] Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form,
+                                           const Pose& X_0n, const JointVector& reference = {},
+                                           const InverseOptions& options = {});
+
+// "lefty above noflip", ...; "solution" where the arm has no named postures.
+[[nodiscard]] const char* name(const NamedSolution& solution);
+
+}  // namespace armsig::kinematics

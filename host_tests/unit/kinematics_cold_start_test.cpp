@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/kinematics/cold_start.hpp"
+#include "host_tests/support/kinematics_arms.hpp"
+#include "host_tests/support/kinematics_random.hpp"
+
+namespace armsig::kinematics {
+namespace {
+
+constexpr Posture kPostures[] = {{false, false, false}, {false, false, true}, {false, true, false},
+                                 {false, true, true},   {true, false, false}, {true, false, true},
+                                 {true, true, false},   {true, true, true}};
+
+double pose_difference(const Pose& X, const Pose& Y) {
+  return std::max((X.p - Y.p).norm(), angle_between(X.R, Y.R));
+}
+
+TEST(ClosedForm, knows_the_designs_of_the_known_arms) {
+  EXPECT_EQ(closed_form(make_chain(test::puma560().rows)).design, Design::kSphericalWrist);
+  EXPECT_EQ(closed_form(make_chain(test::puma560_stone1986_robot1().rows)).design,
+            Design::kSphericalWrist);
+  EXPECT_EQ(closed_form(make_chain(test::ur5().rows)).design, Design::kParallelAxes);
+  EXPECT_EQ(closed_form(make_chain(test::ur10e_individual_a().rows)).design, Design::kParallelAxes);
+  EXPECT_EQ(closed_form(make_chain(test::stanford().rows)).design, Design::kOther);
+  EXPECT_EQ(closed_form(make_chain(test::iiwa7().rows)).design, Design::kOther);
+}
+
+TEST(ClosedForm, is_exact_for_arms_that_are_as_drawn) {
+  std::mt19937_64 random(1);
+  for (const test::KnownArm& arm : {test::puma560(), test::ur5(), test::ur10e()}) {
+    const Chain chain = make_chain(arm.rows);
+    const ClosedForm form = closed_form(chain);
+    for (int k = 0; k < 500; ++k) {
+      const Pose X = *forward(chain, test::random_readings(arm, random));
+      for (const Posture& posture : kPostures) {
+        const Start start = solve_closed_form(form, X, posture);
+        if (!start.reachable || start.near_fold) continue;
+        EXPECT_LT(pose_difference(*forward(chain, start.q), X), 1e-8) << arm.name;
+        EXPECT_EQ(posture_of(form, start.q), posture) << arm.name;
+      }
+    }
+  }
+}
+
+// Joint 1 at zero points the Puma along +x with its upper arm at y = +149 mm: to the left. With the
+// forearm hanging from a raised upper arm the elbow is above.
+TEST(Posture, of_the_puma_is_named_as_in_val) {
+  const ClosedForm form = closed_form(make_chain(test::puma560().rows));
+  const Posture posture = posture_of(form, {0, radians(-45), radians(150), 0, radians(30), 0});
+  EXPECT_TRUE(posture.lefty);
+  EXPECT_TRUE(posture.above);
+  EXPECT_FALSE(posture.flip);
+}
+
+TEST(ColdStart, finds_all_eight_named_solutions_of_an_identified_puma) {
+  std::mt19937_64 random(2);
+  const test::KnownArm arm = test::perturbed_puma(random);
+  const Chain chain = make_chain(arm.rows, arm.limits);
+  const Pose X = *forward(chain, {0.2, -0.8, 0.9, 0.3, 0.7, -0.4});
+  const Solutions solutions = *cold_start(chain, closed_form(chain), X);
+  ASSERT_EQ(solutions.size(), 8U);
+  std::set<std::string> names;
+  for (const NamedSolution& s : solutions) {
+    names.insert(name(s));
+    EXPECT_LT(pose_difference(*forward(chain, s.solution.q), X), 1e-9);
+  }
+  EXPECT_EQ(names.size(), 8U);
+  EXPECT_TRUE(names.contains("lefty above noflip"));
+}
+
+TEST(ColdStart, lists_solutions_inside_the_limits_first) {
+  const test::KnownArm arm = test::puma560();
+  const Chain chain = make_chain(arm.rows, arm.limits);
+  const Pose X = *forward(chain, {0.2, -0.8, 0.9, 0.3, 0.7, -0.4});
+  const Solutions solutions = *cold_start(chain, closed_form(chain), X);
+  bool outside = false;
+  for (const NamedSolution& s : solutions) {
+    if (s.solution.verdict == Verdict::kJointLimit) outside = true;
+    if (!outside) {
+      for (std::size_t i = 0; i < 6; ++i) {
+        EXPECT_GE(s.solution.q[i], arm.limits[i].lower);
+        EXPECT_LE(s.solution.q[i], arm.limits[i].upper);
+      }
+    }
+    EXPECT_EQ(s.solution.verdict == Verdict::kJointLimit, outside);
+  }
+  EXPECT_NE(solutions[0].solution.verdict, Verdict::kJointLimit);
+}
+
+TEST(ColdStart, puts_the_solution_nearest_to_the_reference_first) {
+  const test::KnownArm arm = test::ur10e_individual_a();
+  const Chain chain = make_chain(arm.rows, arm.limits);
+  const JointVector q{0.4, -1.2, 5.0, -4.5, 2.0, -5.5};
+  const Solutions solutions = *cold_start(chain, closed_form(chain), *forward(chain, q), q);
+  ASSERT_FALSE(solutions.empty());
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(solutions[0].solution.q[i], q[i], 1e-7);
+}
+
+TEST(ColdStart, finds_a_solution_for_arms_without_a_closed_form) {
+  std::mt19937_64 random(3);
+  for (const test::KnownArm& arm : {test::stanford(), test::cobra600(), test::iiwa7()}) {
+    const Chain chain = make_chain(arm.rows, arm.limits);
+    for (int k = 0; k < 20; ++k) {
+      const Pose X = *forward(chain, test::random_readings(arm, random));
+      const Solutions solutions = *cold_start(chain, closed_form(chain), X);
+      ASSERT_FALSE(solutions.empty()) << arm.name;
+      EXPECT_STREQ(name(solutions[0]), "solution");
+      EXPECT_LT(pose_difference(*forward(chain, solutions[0].solution.q), X), 1e-9) << arm.name;
+    }
+  }
+}
+
+TEST(ColdStart, is_empty_where_nothing_reaches) {
+  const Chain chain = make_chain(test::puma560().rows);
+  Pose X = *forward(chain, {0.2, -0.8, 0.9, 0.3, 0.7, -0.4});
+  X.p *= 5;
+  EXPECT_TRUE(cold_start(chain, closed_form(chain), X)->empty());
+}
+
+TEST(ColdStart, refuses_a_pose_that_is_not_finite) {
+  const Chain chain = make_chain(test::puma560().rows);
+  Pose X;
+  X.p.x() = std::numeric_limits<double>::infinity();
+  for (const ClosedForm& form : {closed_form(chain), ClosedForm{}}) {
+    EXPECT_EQ(cold_start(chain, form, X).error(), Error::kNotFinite);
+  }
+}
+
+}  // namespace
+}  // namespace armsig::kinematics
