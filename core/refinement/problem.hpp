@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// The least-squares problem behind refine(): its residuals, its noise, its linear rows.
+#pragma once
+
+#include "core/refinement/compressed_sweep.hpp"
+#include "core/refinement/refinement.hpp"
+
+namespace armsig::refinement {
+
+// Units of the residuals, found robustly from the residuals themselves.
+struct Noise {
+  double stated_factor = 1;  // residuals of rows with a stated sigma are so many times that sigma, >= 1
+  double unstated_m = 0;     // sigma of rows where none was stated
+};
+
+// 1 sigma of a scale about which nothing is known: that of an air temperature wrong by 30 K.
+inline constexpr double kUnknownScale = 0.05;
+
+class Problem {
+ public:
+  static constexpr std::size_t kMaxSweeps = 16;
+
+  // Keeps references to all of them. `estimate` holds layout and start.
+  Problem(const Signature& start, std::span<const Observation> log, const RefinementConfig& config,
+          std::span<RowOutcome> outcomes, Refined& estimate);
+
+  // Residuals of the present estimate, into the outcomes.
+  void evaluate();
+  // The noise that these residuals show.
+  [[nodiscard]] Noise noise() const;
+  // Robust sum of squares of these residuals, priors included.
+  [[nodiscard]] double cost(const Noise& noise) const;
+  // The factor of the problem linearised at the present estimate.
+  void linearise(const Noise& noise);
+
+  // Residuals and weights of every row, those inside sweeps and those held out too, and their summary.
+  // Returns the sum of weighted squares over their variances.
+  double judge_rows(const Noise& noise);
+
+  // Largest motion of each joint in the rows used, and largest distance of a target from its axis then.
+  [[nodiscard]] const std::array<double, kMaxJoints>& largest_motion() const { return motion_; }
+  [[nodiscard]] const std::array<double, kMaxJoints>& largest_radius() const { return radius_; }
+
+  // 1 sigma of the prior of one unknown.
+  [[nodiscard]] double prior_sigma(const Parameter& parameter) const;
+
+ private:
+  struct Prediction {
+    double value = 0;       // of a range
+    Vector3 gradient = Vector3::Zero();  // of the range by the target's position
+  };
+  [[nodiscard]] Prediction predict_range(const Observation& row, const Vector3& p_S) const;
+  [[nodiscard]] double residual_length(const Observation& row, const Vector3& p_S) const;
+  [[nodiscard]] Matrix3 sweep_residual(const CompressedSweep& sweep, const Chain& chain) const;
+  void add_position(const Observation& row, const Chain& chain, double weight);
+  void add_range(const Observation& row, const Chain& chain, double weight);
+  void add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight);
+  void add_priors();
+  [[nodiscard]] double prior_squares() const;
+  // How far an unknown other than an axis line is from its start.
+  [[nodiscard]] double simple_deviation(const Parameter& parameter) const;
+  void note(const JointMotion& motion, std::size_t link, const PointJacobian& jacobian);
+  template <typename Single, typename Sweep>
+  void for_each_unit(Single single, Sweep sweep) const;
+
+  const Signature& start_;
+  std::span<const Observation> log_;
+  const RefinementConfig& config_;
+  std::span<RowOutcome> outcomes_;
+  Refined& estimate_;
+  FixedVector<CompressedSweep, kMaxSweeps> sweeps_;
+  FixedVector<double, kMaxSweeps> sweep_squares_;  // of the present residuals
+  std::array<double, kMaxJoints> motion_{};
+  std::array<double, kMaxJoints> radius_{};
+};
+
+}  // namespace armsig::refinement
