@@ -171,7 +171,7 @@ class Rows {
   template <typename Visit>
   void for_each(std::size_t target, Visit visit) const {
     for (const Observation& row : log_) {
-      if (row.held_out || row.kind != ObservationKind::kPosition || row.target != target) continue;
+      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition || row.target != target) continue;
       const JointVector coupled = coupled_readings(readings_, row.readings);
       visit(row, drawn_frames(arm_, coupled)[targets_[target].link]);
     }
@@ -243,7 +243,7 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
   std::array<std::size_t, kMaxTargets> rows_of{};
   for (std::size_t k = 0; k < log.size(); ++k) {
     const Observation& row = log[k];
-    if (row.held_out || row.kind != ObservationKind::kPosition) continue;
+    if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition) continue;
     ARMSIG_CHECK(row.target < targets.size() && row.readings.size() == arm.joints.size());
     const bool finite = std::all_of(row.readings.begin(), row.readings.end(),
                                     [](double reading) { return std::isfinite(reading); });

@@ -26,7 +26,7 @@ struct BaseAndTool {
 // Denavit-Hartenberg, (2) of the paper).
 [[nodiscard]] FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm, const JointVector& coupled);
 
-// Fits base and targets to those position rows of `log` that are not held out. `targets` says on which
+// Fits base and targets to the position rows of `log` whose use is kFit. `targets` says on which
 // link each target is; their positions are not used. The base is found from the target on the last link
 // that has most rows. Preconditions: every row's target is among `targets`, at most kMaxTargets.
 // Errors: kNotFinite (index of the row); kTooFewPoints (positions of that target, 4);

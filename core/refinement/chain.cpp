@@ -39,7 +39,10 @@ JointMotion Chain::motion(const JointVector& readings) const {
 }
 
 double Chain::motion_of(std::size_t joint, const JointVector& readings) const {
-  const double coupled = coupled_readings(readings_, readings)[joint];
+  double coupled = readings[joint];
+  for (const JointCoupling& coupling : readings_.couplings) {
+    if (coupling.joint == joint) coupled += coupling.ratio * readings[coupling.from];
+  }
   return corrected_reading(readings_, joint, coupled) - configuration_[joint].corrected;
 }
 

@@ -2,6 +2,7 @@
 #include "core/refinement/compressed_sweep.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "core/refinement/robust.hpp"
 
@@ -59,7 +60,7 @@ struct SmallFactor {
 };
 
 bool same_sweep(const Observation& a, const Observation& b) {
-  if (b.kind != ObservationKind::kPosition || b.held_out || b.sweep != a.sweep ||
+  if (b.kind != ObservationKind::kPosition || b.sweep != a.sweep ||
       b.target != a.target || (a.sigma_m > 0) != (b.sigma_m > 0)) {
     return false;
   }
@@ -97,7 +98,7 @@ SmallFactor factor_of(const View& view, std::span<const RowOutcome> outcomes) {
   SmallFactor factor;
   for (std::size_t k = 0; k < view.rows.size(); ++k) {
     const Observation& row = view.rows[k];
-    if (outcomes[k].weight == 0) continue;
+    if (row.use != RowUse::kFit || outcomes[k].weight == 0) continue;
     const double w = std::sqrt(outcomes[k].weight) / (row.sigma_m > 0 ? row.sigma_m : 1.0);
     const std::array<double, 3> f = view.regressors(row);
     const Vector3 p = w * (row.p_S - view.p_first);
@@ -106,17 +107,21 @@ SmallFactor factor_of(const View& view, std::span<const RowOutcome> outcomes) {
   return factor;
 }
 
-// Robust fit of the regressors; leaves the weights in `outcomes`. False without half of the rows.
-bool weigh(const View& view, int regressors, std::span<RowOutcome> outcomes, SmallFactor& factor) {
-  const auto rows = static_cast<double>(view.rows.size());
+// Robust fit of the regressors over `fitted` rows; leaves the weights in `outcomes` and the factor of
+// the rows so weighted. False without half of the rows.
+bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOutcome> outcomes,
+           SmallFactor& factor) {
+  const auto rows = static_cast<double>(fitted);
   const double freedom = rows / (rows - regressors);
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     factor = factor_of(view, outcomes);
     if (!factor.determined(regressors)) return false;
     const Matrix3 fit = factor.solve(regressors);
     LogHistogram squares;
-    for (const Observation& row : view.rows) {
-      const double length = residual_length(view, row, fit);
+    for (std::size_t k = 0; k < view.rows.size(); ++k) {
+      if (view.rows[k].use != RowUse::kFit) continue;
+      const double length = residual_length(view, view.rows[k], fit);
+      outcomes[k].residual_m = length;  // in sigma here; judge_rows() has the last word
       squares.add(length * length);
     }
     double scale = std::sqrt(squares.median() / kMedianChiSquare3 * freedom);
@@ -126,7 +131,8 @@ bool weigh(const View& view, int regressors, std::span<RowOutcome> outcomes, Sma
     std::size_t used = 0;
     double change = 0;
     for (std::size_t k = 0; k < view.rows.size(); ++k) {
-      const double length = residual_length(view, view.rows[k], fit);
+      if (view.rows[k].use != RowUse::kFit) continue;
+      const double length = outcomes[k].residual_m;
       double weight = length <= kHuberKnee3 * scale ? 1.0 : kHuberKnee3 * scale / length;
       if (gated && length > kGate3 * scale) weight = 0;
       change = std::max(change, std::abs(weight - outcomes[k].weight));
@@ -134,10 +140,11 @@ bool weigh(const View& view, int regressors, std::span<RowOutcome> outcomes, Sma
       outcomes[k].rejected = weight == 0;
       if (weight > 0) ++used;
     }
-    if (2 * used < view.rows.size() || used < kFewestRows) return false;
-    if (change < 1e-6 && (gated || change == 0)) break;
+    if (2 * used < fitted || used < kFewestRows) return false;
+    if (change == 0 || (gated && change < 1e-6)) return true;
   }
-  return true;
+  factor = factor_of(view, outcomes);
+  return factor.determined(regressors);
 }
 
 }  // namespace
@@ -145,7 +152,8 @@ bool weigh(const View& view, int regressors, std::span<RowOutcome> outcomes, Sma
 std::size_t sweep_length(std::span<const Observation> log, std::size_t first,
                          const ReadingModel& readings) {
   const Observation& row = log[first];
-  if (row.sweep == 0 || row.kind != ObservationKind::kPosition || row.held_out) return 0;
+  if (row.sweep == 0 || row.kind != ObservationKind::kPosition) return 0;
+  // The swept joint carries another one with it: no circle.
   for (const JointCoupling& coupling : readings.couplings) {
     if (coupling.from + 1 == row.sweep) return 0;
   }
@@ -157,35 +165,38 @@ std::size_t sweep_length(std::span<const Observation> log, std::size_t first,
 bool compress_sweep(std::span<const Observation> log, std::size_t first, std::size_t count,
                     const Chain& chain, JointType type, std::span<RowOutcome> outcomes,
                     CompressedSweep& sweep) {
-  if (count < kFewestRows) return false;
   const std::size_t joint = log[first].sweep - 1;
   View view{log.subspan(first, count), chain, joint, type == JointType::kRevolute, 0, 0,
             log[first].p_S};
-  double lowest = chain.motion_of(joint, log[first].readings);
-  double highest = lowest;
+  std::size_t fitted = 0;
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
   for (const Observation& row : view.rows) {
+    if (row.use != RowUse::kFit) continue;
+    ++fitted;
     const double moved = chain.motion_of(joint, row.readings);
     lowest = std::min(lowest, moved);
     highest = std::max(highest, moved);
   }
   view.middle = 0.5 * (lowest + highest);
   view.half_length = 0.5 * (highest - lowest);
-  if (!(view.half_length > 0)) return false;
+  if (fitted < kFewestRows || !(view.half_length > 0)) return false;
 
   const int regressors = view.revolute ? 3 : 2;
   const std::span<RowOutcome> marked = outcomes.subspan(first, count);
   for (RowOutcome& outcome : marked) outcome = {};
   SmallFactor factor;
-  if (!weigh(view, regressors, marked, factor)) {
+  if (!weigh(view, regressors, fitted, marked, factor)) {
     for (RowOutcome& outcome : marked) outcome = {};
     return false;
   }
-  factor = factor_of(view, marked);
 
   sweep.first_row = first;
   sweep.row_count = count;
   sweep.used = 0;
-  for (const RowOutcome& outcome : marked) sweep.used += outcome.rejected ? 0 : 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (view.rows[k].use == RowUse::kFit && !marked[k].rejected) ++sweep.used;
+  }
   sweep.target = log[first].target;
   sweep.sigma_stated = log[first].sigma_m > 0;
   sweep.residual_squares = factor.residual_squares;

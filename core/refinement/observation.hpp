@@ -17,10 +17,16 @@ enum class ObservationKind : std::uint8_t {
   kRange,     // the distance from the target to one receiver, one scalar
 };
 
+// What a row is for. Its residual is reported in any case.
+enum class RowUse : std::uint8_t {
+  kFit,
+  kScore,   // held out of the fit, to judge it by
+  kIgnore,  // neither
+};
+
 struct Observation {
   ObservationKind kind = ObservationKind::kPosition;
-  // Left out of the fit; only its residual is reported. For cross-validation.
-  bool held_out = false;
+  RowUse use = RowUse::kFit;
   std::size_t sweep = 0;     // number of the joint that this row sweeps, 1 ... n; 0 for any pose
   std::size_t target = 0;    // index into Signature::targets
   std::size_t receiver = 0;  // index of the receiver, kRange only

@@ -55,7 +55,7 @@ void Problem::for_each_unit(Single single, Sweep sweep) const {
       sweep(next);
       k += sweeps_[next].row_count - 1;
       ++next;
-    } else if (!log_[k].held_out) {
+    } else if (log_[k].use == RowUse::kFit) {
       single(k);
     }
   }
@@ -271,12 +271,12 @@ double Problem::judge_rows(const Noise& noise) {
     while (next < sweeps_.size() && k >= sweeps_[next].first_row + sweeps_[next].row_count) ++next;
     const bool in_sweep = next < sweeps_.size() && k >= sweeps_[next].first_row;
     const double sigma = sigma_of(row, noise);
-    if (!in_sweep) {
+    if (!in_sweep || row.use != RowUse::kFit) {
       outcome.weight = robust_weight(outcome.residual_m / (sigma * gate_factor(row, noise)),
                                      thresholds(row));
       outcome.rejected = outcome.weight == 0;
     }
-    if (row.held_out) continue;
+    if (row.use != RowUse::kFit) continue;
     if (outcome.rejected) {
       ++quality.rows_rejected;
       continue;

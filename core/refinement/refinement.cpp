@@ -49,7 +49,7 @@ std::expected<Survey, Refusal> survey(const Signature& start, std::span<const Ob
     const Observation& row = log[k];
     ARMSIG_CHECK(row.target < start.targets.size() && row.sweep <= start.joint_count());
     if (!finite(row)) return refuse(Error::kNotFinite, static_cast<double>(k), 0);
-    if (row.held_out) continue;
+    if (row.use != RowUse::kFit) continue;
     survey.observed[row.target] = true;
     ++survey.rows;
     survey.scalars += row.kind == ObservationKind::kPosition ? 3 : 1;

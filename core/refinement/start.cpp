@@ -8,6 +8,9 @@ namespace armsig::refinement {
 
 namespace {
 
+// Residual lengths of three coordinates are 1.7 sigma; so many sigma are more than outliers let through.
+constexpr double kCoarse = 4;
+
 // The row whose readings are nearest to the mean of all, each joint measured by its own spread.
 const Observation& middle_row(std::span<const Observation> log) {
   const std::size_t n = log.front().readings.size();
@@ -44,15 +47,20 @@ std::expected<void, Refusal> believe(const Signature& start, const Refined& refi
   const auto refuse = [](double found, double allowed) {
     return std::unexpected(Refusal{Error::kNotConverged, found, allowed});
   };
-  if (!(refined.quality.rms_m <= limits.rms_m)) return refuse(refined.quality.rms_m, limits.rms_m);
-  for (std::size_t i = 0; i < start.joint_count(); ++i) {
-    const Pose& X_drawn = start.X_SL[i];
-    const Pose& X_found = refined.signature.X_SL[i];
-    const double turned = std::atan2(X_drawn.R.col(2).cross(X_found.R.col(2)).norm(),
-                                     X_drawn.R.col(2).dot(X_found.R.col(2)));
-    if (!(turned <= limits.direction_rad)) return refuse(turned, limits.direction_rad);
-    const double shifted = (X_found.p - X_drawn.p).norm();
-    if (!(shifted <= limits.position_m)) return refuse(shifted, limits.position_m);
+  // A sensor stated to be coarse may leave more; one whose sigma was found from the fit may not.
+  const FitQuality& quality = refined.quality;
+  const double stated = quality.sigma_is_estimated ? 0 : kCoarse * quality.sigma_m;
+  const double allowed_m = std::max(limits.rms_m, stated);
+  if (!(quality.rms_m <= allowed_m)) return refuse(quality.rms_m, allowed_m);
+  // The angle between neighbouring axes is the same whatever the base and the joints' zeros.
+  for (std::size_t i = 0; i + 1 < start.joint_count(); ++i) {
+    const auto twist = [i](const Signature& s) {
+      const Vector3 a = s.X_SL[i].R.col(2);
+      const Vector3 b = s.X_SL[i + 1].R.col(2);
+      return std::atan2(a.cross(b).norm(), a.dot(b));
+    };
+    const double change = std::abs(twist(refined.signature) - twist(start));
+    if (!(change <= limits.twist_rad)) return refuse(change, limits.twist_rad);
   }
   return {};
 }
@@ -85,6 +93,9 @@ std::expected<void, Refusal> refine_from_drawing(const Arm& arm, std::span<const
                                                  const StartLimits& limits, BaseAndTool* drawn) {
   ARMSIG_TRY(fitted, fit_base_and_tool(arm, log, targets));
   if (drawn != nullptr) *drawn = fitted;
+  if (!(fitted.rms_m <= limits.drawn_rms_m)) {
+    return std::unexpected(Refusal{Error::kNotConverged, fitted.rms_m, limits.drawn_rms_m});
+  }
   const Signature start = drawn_signature(arm, fitted, log, targets);
   RefinementConfig coupled = config;
   coupled.readings.couplings = arm.couplings;

@@ -9,9 +9,9 @@ namespace armsig::refinement {
 
 // What a drawing can be wrong by, and a fit be left with, and still be believed.
 struct StartLimits {
-  double rms_m = 5e-3;                 // of the refined residual lengths
-  double direction_rad = radians(15);  // of any axis against the drawing
-  double position_m = 0.15;
+  double drawn_rms_m = 0.5;        // residual lengths with base and targets fitted only
+  double rms_m = 5e-3;             // residual lengths of the refined arm
+  double twist_rad = radians(10);  // change of the angle between two neighbouring axes
 };
 
 // The signature that the drawing predicts: base and targets as fitted, at the readings of the row that
