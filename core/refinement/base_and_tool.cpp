@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/refinement/robust.hpp"
+#include "core/refinement/row.hpp"
 
 namespace armsig::refinement {
 
@@ -245,9 +246,7 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
     const Observation& row = log[k];
     if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition) continue;
     ARMSIG_CHECK(row.target < targets.size() && row.readings.size() == arm.joints.size());
-    const bool finite = std::all_of(row.readings.begin(), row.readings.end(),
-                                    [](double reading) { return std::isfinite(reading); });
-    if (!finite || !row.p_S.allFinite()) {
+    if (!is_finite(row)) {
       return std::unexpected(Refusal{Error::kNotFinite, static_cast<double>(k), 0});
     }
     ++rows_of[row.target];

@@ -37,27 +37,6 @@ Open open_kind(const Problem& problem, const Parameter& parameter) {
   return Open::kTarget;
 }
 
-// 3 x 3 covariance of three neighbouring unknowns.
-Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t first) {
-  std::array<StateVector, 3> y;
-  for (std::size_t i = 0; i < 3; ++i) {
-    y[i].fill(0);
-    y[i][first + i] = 1;
-    information.solve_transposed(y[i]);
-  }
-  Matrix3 covariance;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      double sum = 0;
-      for (std::size_t k = first; k < information.unknowns(); ++k) {
-        sum += y[static_cast<std::size_t>(i)][k] * y[static_cast<std::size_t>(j)][k];
-      }
-      covariance(i, j) = sum;
-    }
-  }
-  return covariance;
-}
-
 }  // namespace
 
 std::string_view describe(Open open) {
@@ -94,13 +73,33 @@ double parameter_sigma(const SquareRootFactor& information, std::size_t index) {
   return std::sqrt(sum);
 }
 
-void find_undetermined(const Problem& problem, Refined& refined) {
+Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t first) {
+  std::array<StateVector, 3> y;
+  for (std::size_t i = 0; i < 3; ++i) {
+    y[i].fill(0);
+    y[i][first + i] = 1;
+    information.solve_transposed(y[i]);
+  }
+  Matrix3 covariance;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      double sum = 0;
+      for (std::size_t k = first; k < information.unknowns(); ++k) {
+        sum += y[static_cast<std::size_t>(i)][k] * y[static_cast<std::size_t>(j)][k];
+      }
+      covariance(i, j) = sum;
+    }
+  }
+  return covariance;
+}
+
+void find_undetermined(const Problem& problem, const Prior& prior, Refined& refined) {
   refined.undetermined.clear();
   for (std::size_t i = 0; i < refined.layout.size(); ++i) {
     const Parameter& parameter = refined.layout.parameters[i];
     if (parameter.kind == ParameterKind::kScale) continue;
     const double sigma = parameter_sigma(refined.information, i);
-    if (sigma < kOpenShare * problem.prior_sigma(parameter)) continue;
+    if (sigma < kOpenShare * prior_sigma(prior, parameter.kind)) continue;
     const Undetermined found{open_kind(problem, parameter), parameter.index};
     bool listed = false;
     for (const Undetermined& earlier : refined.undetermined) {

@@ -9,9 +9,12 @@ namespace armsig::refinement {
 // 1 sigma of unknown `index`. Precondition: the factor is regular.
 [[nodiscard]] double parameter_sigma(const SquareRootFactor& information, std::size_t index);
 
+// 3 x 3 covariance of three neighbouring unknowns, such as a target. Same precondition.
+[[nodiscard]] Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t first);
+
 // Names the unknowns that the data leave where the prior put them: those whose sigma has kept more
 // than kOpenShare of its prior.
-void find_undetermined(const Problem& problem, Refined& refined);
+void find_undetermined(const Problem& problem, const Prior& prior, Refined& refined);
 inline constexpr double kOpenShare = 0.2;
 
 // Scales the covariance by what the residuals say of the noise, and hands the targets their share of

@@ -4,14 +4,11 @@
 #include <cmath>
 
 #include "core/refinement/robust.hpp"
+#include "core/refinement/row.hpp"
 
 namespace armsig::refinement {
 
 namespace {
-
-const RobustThresholds& thresholds(const Observation& row) {
-  return row.kind == ObservationKind::kPosition ? kThresholds3 : kThresholds1;
-}
 
 // 1 sigma of a row as the problem uses it.
 double sigma_of(const Observation& row, const Noise& noise) {
@@ -61,24 +58,6 @@ void Problem::for_each_unit(Single single, Sweep sweep) const {
   }
 }
 
-Problem::Prediction Problem::predict_range(const Observation& row, const Vector3& p_S) const {
-  const Vector3 from_receiver = p_S - config_.receivers[row.receiver];
-  const double distance = from_receiver.norm();
-  const double scaled = 1 + estimate_.scale;
-  Prediction prediction;
-  prediction.value = scaled * distance + estimate_.receiver_offsets_m[row.receiver];
-  // A target on the receiver itself has no direction; its row then says nothing about the target.
-  if (distance > 0) prediction.gradient = scaled / distance * from_receiver;
-  return prediction;
-}
-
-double Problem::residual_length(const Observation& row, const Vector3& p_S) const {
-  if (row.kind == ObservationKind::kRange) {
-    return std::abs(row.range_m - predict_range(row, p_S).value);
-  }
-  return (row.p_S - (1 + estimate_.scale) * p_S).norm();
-}
-
 Matrix3 Problem::sweep_residual(const CompressedSweep& sweep, const Chain& chain) const {
   Matrix3 p_nodes;
   for (int k = 0; k < 3; ++k) {
@@ -94,7 +73,8 @@ void Problem::evaluate() {
       [&](std::size_t k) {
         const Observation& row = log_[k];
         const Target& target = estimate_.signature.targets[row.target];
-        outcomes_[k].residual_m = residual_length(row, chain.point(chain.motion(row.readings), target));
+        outcomes_[k].residual_m = residual_length(estimate_, config_.receivers, row,
+                                                  chain.point(chain.motion(row.readings), target));
       },
       [&](std::size_t s) { sweep_squares_[s] = sweep_residual(sweeps_[s], chain).squaredNorm(); });
 }
@@ -160,12 +140,10 @@ void Problem::linearise(const Noise& noise) {
         const double length = outcomes_[k].residual_m / (sigma * gate_factor(row, noise));
         const double weight = robust_weight(length, thresholds(row));
         if (weight == 0) return;
-        const double divided = std::sqrt(weight) / sigma;
-        if (row.kind == ObservationKind::kPosition) {
-          add_position(row, chain, divided);
-        } else {
-          add_range(row, chain, divided);
-        }
+        Linearised at;
+        absorb_row(estimate_, config_.receivers, chain, row, std::sqrt(weight) / sigma,
+                   estimate_.information, at);
+        note(at.motion, estimate_.signature.targets[row.target].link, at.jacobian);
       },
       [&](std::size_t s) {
         add_sweep(sweeps_[s], chain, sweeps_[s].sigma_stated ? 1.0 : 1.0 / noise.unstated_m);
@@ -177,50 +155,6 @@ void Problem::note(const JointMotion& motion, std::size_t link, const PointJacob
     motion_[i] = std::max(motion_[i], std::abs(motion.joints[i].moved));
     radius_[i] = std::max(radius_[i], jacobian.motion[i].norm());
   }
-}
-
-void Problem::add_position(const Observation& row, const Chain& chain, double weight) {
-  const JointMotion motion = chain.motion(row.readings);
-  const Target& target = estimate_.signature.targets[row.target];
-  const std::size_t n = estimate_.layout.size();
-  PointJacobian jacobian;
-  chain.point_and_jacobian(motion, target, jacobian);
-  note(motion, target.link, jacobian);
-  RowBlock<3> block;
-  block.clear(n);
-  const double scaled = 1 + estimate_.scale;
-  add_derivatives<3>(estimate_.layout, estimate_.signature, chain, motion, row.target, jacobian,
-                     weight * scaled * Matrix3::Identity(), block);
-  for (int k = 0; k < 3; ++k) {
-    if (estimate_.layout.scale != kNoColumn) {
-      block.rows[k][estimate_.layout.scale] = weight * jacobian.p_S[k];
-    }
-    block.rows[k][n] = weight * (row.p_S[k] - scaled * jacobian.p_S[k]);
-  }
-  estimate_.information.absorb(block);
-}
-
-void Problem::add_range(const Observation& row, const Chain& chain, double weight) {
-  const JointMotion motion = chain.motion(row.readings);
-  const Target& target = estimate_.signature.targets[row.target];
-  const std::size_t n = estimate_.layout.size();
-  PointJacobian jacobian;
-  chain.point_and_jacobian(motion, target, jacobian);
-  note(motion, target.link, jacobian);
-  const Prediction prediction = predict_range(row, jacobian.p_S);
-  RowBlock<1> block;
-  block.clear(n);
-  add_derivatives<1>(estimate_.layout, estimate_.signature, chain, motion, row.target, jacobian,
-                     weight * prediction.gradient.transpose(), block);
-  const Layout& layout = estimate_.layout;
-  if (layout.receiver_offsets != kNoColumn) {
-    block.rows[0][layout.receiver_offsets + row.receiver] = weight;
-  }
-  if (layout.scale != kNoColumn) {
-    block.rows[0][layout.scale] = weight * (jacobian.p_S - config_.receivers[row.receiver]).norm();
-  }
-  block.rows[0][n] = weight * (row.range_m - prediction.value);
-  estimate_.information.absorb(block);
 }
 
 void Problem::add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight) {
@@ -267,7 +201,7 @@ double Problem::judge_rows(const Noise& noise) {
     const Observation& row = log_[k];
     RowOutcome& outcome = outcomes_[k];
     outcome.residual_m = residual_length(
-        row, chain.point(chain.motion(row.readings), estimate_.signature.targets[row.target]));
+        estimate_, config_.receivers, row, chain.point(chain.motion(row.readings), estimate_.signature.targets[row.target]));
     while (next < sweeps_.size() && k >= sweeps_[next].first_row + sweeps_[next].row_count) ++next;
     const bool in_sweep = next < sweeps_.size() && k >= sweeps_[next].first_row;
     const double sigma = sigma_of(row, noise);

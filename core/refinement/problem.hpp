@@ -13,9 +13,6 @@ struct Noise {
   double unstated_m = 0;     // sigma of rows where none was stated
 };
 
-// 1 sigma of a scale about which nothing is known: that of an air temperature wrong by 30 K.
-inline constexpr double kUnknownScale = 0.05;
-
 class Problem {
  public:
   static constexpr std::size_t kMaxSweeps = 16;
@@ -41,19 +38,8 @@ class Problem {
   [[nodiscard]] const std::array<double, kMaxJoints>& largest_motion() const { return motion_; }
   [[nodiscard]] const std::array<double, kMaxJoints>& largest_radius() const { return radius_; }
 
-  // 1 sigma of the prior of one unknown.
-  [[nodiscard]] double prior_sigma(const Parameter& parameter) const;
-
  private:
-  struct Prediction {
-    double value = 0;       // of a range
-    Vector3 gradient = Vector3::Zero();  // of the range by the target's position
-  };
-  [[nodiscard]] Prediction predict_range(const Observation& row, const Vector3& p_S) const;
-  [[nodiscard]] double residual_length(const Observation& row, const Vector3& p_S) const;
   [[nodiscard]] Matrix3 sweep_residual(const CompressedSweep& sweep, const Chain& chain) const;
-  void add_position(const Observation& row, const Chain& chain, double weight);
-  void add_range(const Observation& row, const Chain& chain, double weight);
   void add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight);
   void add_priors();
   [[nodiscard]] double prior_squares() const;

@@ -6,6 +6,9 @@ namespace armsig::refinement {
 
 namespace {
 
+// 1 sigma of a scale about which nothing is known: that of an air temperature wrong by 30 K.
+constexpr double kUnknownScale = 0.05;
+
 // Deviation of an axis line from its start, seen in the start's link frame: two components of its
 // direction, two of its position.
 struct AxisDeviation {
@@ -45,9 +48,8 @@ double correction_deviation(const Parameter& parameter, const Refined& estimate,
 
 }  // namespace
 
-double Problem::prior_sigma(const Parameter& parameter) const {
-  const Prior& prior = config_.prior;
-  switch (parameter.kind) {
+double prior_sigma(const Prior& prior, ParameterKind kind) {
+  switch (kind) {
     case ParameterKind::kAxisDirection:
       return prior.direction_rad;
     case ParameterKind::kAxisPosition:
@@ -93,7 +95,7 @@ void Problem::add_priors() {
     }
     RowBlock<1> block;
     block.clear(n);
-    const double sigma = prior_sigma(parameter);
+    const double sigma = prior_sigma(config_.prior, parameter.kind);
     block.rows[0][i] = 1 / sigma;
     block.rows[0][n] = -simple_deviation(parameter) / sigma;
     estimate_.information.absorb(block);
@@ -130,7 +132,7 @@ double Problem::prior_squares() const {
         parameter.kind == ParameterKind::kAxisPosition) {
       continue;
     }
-    const double ratio = simple_deviation(parameter) / prior_sigma(parameter);
+    const double ratio = simple_deviation(parameter) / prior_sigma(config_.prior, parameter.kind);
     sum += ratio * ratio;
   }
   return sum;

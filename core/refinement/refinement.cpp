@@ -6,6 +6,7 @@
 
 #include "core/refinement/determination.hpp"
 #include "core/refinement/problem.hpp"
+#include "core/refinement/row.hpp"
 
 namespace armsig::refinement {
 
@@ -26,14 +27,6 @@ std::unexpected<Refusal> refuse(Error error, double found, double needed) {
   return std::unexpected(Refusal{error, found, needed});
 }
 
-bool finite(const Observation& row) {
-  const bool measured = row.kind == ObservationKind::kPosition ? row.p_S.allFinite()
-                                                               : std::isfinite(row.range_m);
-  return measured && std::isfinite(row.sigma_m) &&
-         std::all_of(row.readings.begin(), row.readings.end(),
-                     [](double reading) { return std::isfinite(reading); });
-}
-
 // Which targets the log sees, how many numbers it holds; refuses what cannot be fitted at all.
 struct Survey {
   std::array<bool, kMaxTargets> observed{};
@@ -48,7 +41,7 @@ std::expected<Survey, Refusal> survey(const Signature& start, std::span<const Ob
   for (std::size_t k = 0; k < log.size(); ++k) {
     const Observation& row = log[k];
     ARMSIG_CHECK(row.target < start.targets.size() && row.sweep <= start.joint_count());
-    if (!finite(row)) return refuse(Error::kNotFinite, static_cast<double>(k), 0);
+    if (!is_finite(row)) return refuse(Error::kNotFinite, static_cast<double>(k), 0);
     if (row.use != RowUse::kFit) continue;
     survey.observed[row.target] = true;
     ++survey.rows;
@@ -133,7 +126,7 @@ std::expected<void, Refusal> refine(const Signature& start, std::span<const Obse
   if (static_cast<double>(quality.rows_rejected) > allowed) {
     return refuse(Error::kTooManyOutliers, static_cast<double>(quality.rows_rejected), allowed);
   }
-  find_undetermined(problem, refined);
+  find_undetermined(problem, config.prior, refined);
   if (layout.scale != kNoColumn && config.prior.scale == 0) {
     const double sigma = parameter_sigma(refined.information, layout.scale);
     if (sigma > kLeastScaleSigma) return refuse(Error::kScaleUndetermined, sigma, kLeastScaleSigma);

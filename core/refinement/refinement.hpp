@@ -29,6 +29,9 @@ struct Prior {
   double scale = 0;
 };
 
+// The prior's 1 sigma of one unknown of a kind.
+[[nodiscard]] double prior_sigma(const Prior& prior, ParameterKind kind);
+
 struct RefinementConfig {
   ReadingModel readings;  // couplings of the arm; corrections to start from, or none
   ParameterRequest request;
