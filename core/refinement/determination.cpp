@@ -93,13 +93,16 @@ Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t fir
   return covariance;
 }
 
-void find_undetermined(const Problem& problem, const Prior& prior, Refined& refined) {
+std::array<bool, kMaxParameters> find_undetermined(const Problem& problem, const Prior& prior,
+                                                   Refined& refined) {
+  std::array<bool, kMaxParameters> open{};
   refined.undetermined.clear();
   for (std::size_t i = 0; i < refined.layout.size(); ++i) {
     const Parameter& parameter = refined.layout.parameters[i];
     if (parameter.kind == ParameterKind::kScale) continue;
     const double sigma = parameter_sigma(refined.information, i);
     if (sigma < kOpenShare * prior_sigma(prior, parameter.kind)) continue;
+    open[i] = true;
     const Undetermined found{open_kind(problem, parameter), parameter.index};
     bool listed = false;
     for (const Undetermined& earlier : refined.undetermined) {
@@ -107,6 +110,7 @@ void find_undetermined(const Problem& problem, const Prior& prior, Refined& refi
     }
     if (!listed) refined.undetermined.push_back(found);
   }
+  return open;
 }
 
 void settle_covariance(double weighted_squares, Refined& refined) {

@@ -14,7 +14,10 @@ namespace armsig::refinement {
 
 // Names the unknowns that the data leave where the prior put them: those whose sigma has kept more
 // than kOpenShare of its prior.
-void find_undetermined(const Problem& problem, const Prior& prior, Refined& refined);
+// Returns, per unknown, whether it is among them.
+[[nodiscard]] std::array<bool, kMaxParameters> find_undetermined(const Problem& problem,
+                                                                 const Prior& prior,
+                                                                 Refined& refined);
 inline constexpr double kOpenShare = 0.2;
 
 // Scales the covariance by what the residuals say of the noise, and hands the targets their share of

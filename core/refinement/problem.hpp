@@ -27,6 +27,11 @@ class Problem {
   [[nodiscard]] Noise noise() const;
   // Robust sum of squares of these residuals, priors included.
   [[nodiscard]] double cost(const Noise& noise) const;
+  // From now on the unknowns named are held by a prior kHeldShare as wide, so that noise does not move
+  // them where the data are silent.
+  void hold(const std::array<bool, kMaxParameters>& open) { held_ = open; }
+  void release() { held_.fill(false); }
+
   // The factor of the problem linearised at the present estimate.
   void linearise(const Noise& noise);
 
@@ -42,6 +47,7 @@ class Problem {
   [[nodiscard]] Matrix3 sweep_residual(const CompressedSweep& sweep, const Chain& chain) const;
   void add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight);
   void add_priors();
+  [[nodiscard]] double sigma_of_prior(std::size_t unknown) const;
   [[nodiscard]] double prior_squares() const;
   // How far an unknown other than an axis line is from its start.
   [[nodiscard]] double simple_deviation(const Parameter& parameter) const;
@@ -56,6 +62,7 @@ class Problem {
   Refined& estimate_;
   FixedVector<CompressedSweep, kMaxSweeps> sweeps_;
   FixedVector<double, kMaxSweeps> sweep_squares_;  // of the present residuals
+  std::array<bool, kMaxParameters> held_{};
   std::array<double, kMaxJoints> motion_{};
   std::array<double, kMaxJoints> radius_{};
 };

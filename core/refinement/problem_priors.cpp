@@ -8,6 +8,9 @@ namespace {
 
 // 1 sigma of a scale about which nothing is known: that of an air temperature wrong by 30 K.
 constexpr double kUnknownScale = 0.05;
+// An unknown that the data leave open is held to a milliradian or millimetre by the default priors:
+// what arms are made to, and far wider than what any determined combination of unknowns asks for.
+constexpr double kHeldShare = 0.01;
 
 // Deviation of an axis line from its start, seen in the start's link frame: two components of its
 // direction, two of its position.
@@ -69,6 +72,11 @@ double prior_sigma(const Prior& prior, ParameterKind kind) {
   return 1;
 }
 
+double Problem::sigma_of_prior(std::size_t unknown) const {
+  const double sigma = prior_sigma(config_.prior, estimate_.layout.parameters[unknown].kind);
+  return held_[unknown] ? kHeldShare * sigma : sigma;
+}
+
 void Problem::add_priors() {
   const Layout& layout = estimate_.layout;
   const std::size_t n = layout.size();
@@ -78,7 +86,7 @@ void Problem::add_priors() {
     for (int k = 0; k < count; ++k) {
       RowBlock<1> block;
       block.clear(n);
-      const double sigma = k < 2 ? config_.prior.direction_rad : config_.prior.position_m;
+      const double sigma = sigma_of_prior(layout.axis[i] + static_cast<std::size_t>(k));
       for (int c = 0; c < count; ++c) {
         block.rows[0][layout.axis[i] + static_cast<std::size_t>(c)] =
             deviation.by_unknowns(k, c) / sigma;
@@ -95,7 +103,7 @@ void Problem::add_priors() {
     }
     RowBlock<1> block;
     block.clear(n);
-    const double sigma = prior_sigma(config_.prior, parameter.kind);
+    const double sigma = sigma_of_prior(i);
     block.rows[0][i] = 1 / sigma;
     block.rows[0][n] = -simple_deviation(parameter) / sigma;
     estimate_.information.absorb(block);
@@ -120,19 +128,20 @@ double Problem::prior_squares() const {
   double sum = 0;
   for (std::size_t i = 0; i < estimate_.signature.joint_count(); ++i) {
     const AxisDeviation deviation = axis_deviation(start_.X_SL[i], estimate_.signature.X_SL[i]);
-    sum += deviation.value.head<2>().squaredNorm() /
-           (config_.prior.direction_rad * config_.prior.direction_rad);
-    if (estimate_.signature.types[i] == JointType::kRevolute) {
-      sum += deviation.value.tail<2>().squaredNorm() /
-             (config_.prior.position_m * config_.prior.position_m);
+    const int count = estimate_.signature.types[i] == JointType::kRevolute ? 4 : 2;
+    for (int k = 0; k < count; ++k) {
+      const std::size_t unknown = estimate_.layout.axis[i] + static_cast<std::size_t>(k);
+      const double ratio = deviation.value[k] / sigma_of_prior(unknown);
+      sum += ratio * ratio;
     }
   }
-  for (const Parameter& parameter : estimate_.layout.parameters) {
+  for (std::size_t i = 0; i < estimate_.layout.size(); ++i) {
+    const Parameter& parameter = estimate_.layout.parameters[i];
     if (parameter.kind == ParameterKind::kAxisDirection ||
         parameter.kind == ParameterKind::kAxisPosition) {
       continue;
     }
-    const double ratio = simple_deviation(parameter) / prior_sigma(config_.prior, parameter.kind);
+    const double ratio = simple_deviation(parameter) / sigma_of_prior(i);
     sum += ratio * ratio;
   }
   return sum;

@@ -82,6 +82,20 @@ Result<double> step(Problem& problem, const Noise& noise, Refined& refined) {
   return length;
 }
 
+// Steps until they no longer matter. Returns the length of the last one.
+Judged<double> iterate(Problem& problem, Refined& refined, Noise& noise) {
+  double length = 0;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    noise = problem.noise();
+    const Result<double> taken = step(problem, noise, refined);
+    if (!taken) return refuse(taken.error(), 0, 0);
+    length = *taken;
+    ++refined.quality.iterations;
+    if (length < kConvergedStep) break;
+  }
+  return length;
+}
+
 }  // namespace
 
 std::expected<void, Refusal> refine(const Signature& start, std::span<const Observation> log,
@@ -109,14 +123,15 @@ std::expected<void, Refusal> refine(const Signature& start, std::span<const Obse
   Problem problem(start, log, config, outcomes, refined);
   problem.evaluate();
   Noise noise;
-  double length = 0;
-  for (int i = 0; i < kMaxIterations; ++i) {
-    noise = problem.noise();
-    const Result<double> taken = step(problem, noise, refined);
-    if (!taken) return refuse(taken.error(), 0, 0);
-    length = *taken;
-    refined.quality.iterations = i + 1;
-    if (length < kConvergedStep) break;
+  ARMSIG_TRY(length, iterate(problem, refined, noise));
+  const std::array<bool, kMaxParameters> open = find_undetermined(problem, config.prior, refined);
+  if (!refined.undetermined.empty()) {
+    // Held for the estimate; for the covariance they are as open as the prior says.
+    problem.hold(open);
+    ARMSIG_TRY(held_length, iterate(problem, refined, noise));
+    length = held_length;
+    problem.release();
+    problem.linearise(noise);
   }
   if (!(length < kHarmlessStep)) return refuse(Error::kNotConverged, length, kHarmlessStep);
 
@@ -126,7 +141,6 @@ std::expected<void, Refusal> refine(const Signature& start, std::span<const Obse
   if (static_cast<double>(quality.rows_rejected) > allowed) {
     return refuse(Error::kTooManyOutliers, static_cast<double>(quality.rows_rejected), allowed);
   }
-  find_undetermined(problem, config.prior, refined);
   if (layout.scale != kNoColumn && config.prior.scale == 0) {
     const double sigma = parameter_sigma(refined.information, layout.scale);
     if (sigma > kLeastScaleSigma) return refuse(Error::kScaleUndetermined, sigma, kLeastScaleSigma);
