@@ -4,164 +4,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "core/refinement/robust.hpp"
+#include "core/refinement/rotation_search.hpp"
 #include "core/refinement/row.hpp"
 
 namespace armsig::refinement {
 
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector12 = Eigen::Matrix<double, 12, 1>;
-
-constexpr int kStarts = 64;
-constexpr int kMaxSteps = 60;
 constexpr int kRobustPasses = 12;
 constexpr std::size_t kFewestRows = 4;
 // Mean square about the mean below which nothing moved: rounding, in metres or unit vectors.
 constexpr double kAtRest = 1e-20;
-
-// Weighted moments of one target's rows about their means.
-struct Moments {
-  double weight = 0;
-  Vector3 mean_p = Vector3::Zero();
-  Vector12 mean_g = Vector12::Zero();
-  double pp = 0;
-  Eigen::Matrix<double, 3, 12> pg = Eigen::Matrix<double, 3, 12>::Zero();
-  Eigen::Matrix<double, 12, 12> gg = Eigen::Matrix<double, 12, 12>::Zero();
-
-  // Incremental (Welford), so that a base metres away costs no digits.
-  void add(const Vector3& p, const Vector12& g, double w) {
-    if (w <= 0) return;
-    weight += w;
-    const Vector3 dp = p - mean_p;
-    const Vector12 dg = g - mean_g;
-    mean_p += w / weight * dp;
-    mean_g += w / weight * dg;
-    const double left = w * (1 - w / weight);
-    pp += left * dp.squaredNorm();
-    pg.noalias() += left * dp.lazyProduct(dg.transpose());
-    gg.noalias() += left * dg.lazyProduct(dg.transpose());
-  }
-};
-
-// Y with y_k = Y(u) g_k = t_k + R_k u.
-Eigen::Matrix<double, 3, 12> combination(const Vector3& u) {
-  Eigen::Matrix<double, 3, 12> Y;
-  Y << Matrix3::Identity(), u.x() * Matrix3::Identity(), u.y() * Matrix3::Identity(),
-      u.z() * Matrix3::Identity();
-  return Y;
-}
-
-struct Candidate {
-  Matrix3 R = Matrix3::Identity();
-  Vector3 u = Vector3::Zero();
-  double squares = 0;
-};
-
-// Sum of squares, its gradient (halved) and Gauss-Newton matrix by (rotation vector in S, u).
-struct Local {
-  double squares = 0;
-  Vector6 gradient;
-  Matrix6 hessian;
-};
-
-double squares_at(const Moments& m, const Matrix3& R, const Vector3& u) {
-  const Eigen::Matrix<double, 3, 12> Y = combination(u);
-  const Matrix3 yy = Y * m.gg * Y.transpose();
-  const Matrix3 py = m.pg * Y.transpose();
-  return m.pp + yy.trace() - 2 * (R.transpose() * py).trace();
-}
-
-Local local_at(const Moments& m, const Matrix3& R, const Vector3& u) {
-  const Eigen::Matrix<double, 3, 12> Y = combination(u);
-  const Eigen::Matrix<double, 3, 12> yg = Y * m.gg;
-  const Matrix3 yy = yg * Y.transpose();
-  const Matrix3 py = m.pg * Y.transpose();
-  Local local;
-  local.squares = m.pp + yy.trace() - 2 * (R.transpose() * py).trace();
-  // e = p - R y; de = -w x (R y) - R R_k du.
-  const Matrix3 S = R * yy * R.transpose();
-  local.hessian.topLeftCorner<3, 3>() = S.trace() * Matrix3::Identity() - S;
-  const Matrix3 C = R * py.transpose();  // sum of (R y) p^T
-  local.gradient.head<3>() << -(C(1, 2) - C(2, 1)), -(C(2, 0) - C(0, 2)), -(C(0, 1) - C(1, 0));
-  for (int j = 0; j < 3; ++j) {
-    const Matrix3 yj = yg.middleCols<3>(3 + 3 * j);  // sum of y (R_k e_j)^T
-    const Vector3 cross(yj(1, 2) - yj(2, 1), yj(2, 0) - yj(0, 2), yj(0, 1) - yj(1, 0));
-    local.hessian.block<3, 1>(0, 3 + j) = R * cross;
-    local.hessian.block<1, 3>(3 + j, 0) = (R * cross).transpose();
-    for (int i = 0; i < 3; ++i) {
-      local.hessian(3 + i, 3 + j) = m.gg.block<3, 3>(3 + 3 * i, 3 + 3 * j).trace();
-    }
-    local.gradient[3 + j] = yj.trace() - (R.transpose() * m.pg.middleCols<3>(3 + 3 * j)).trace();
-  }
-  return local;
-}
-
-// The best u for a given rotation; directions of u that the poses hardly show stay short.
-Vector3 tool_for(const Moments& m, const Matrix3& R) {
-  const Local local = local_at(m, R, Vector3::Zero());
-  Matrix3 H = local.hessian.bottomRightCorner<3, 3>();
-  H.diagonal().array() += 1e-6 * m.weight;
-  const Vector3 g = local.gradient.tail<3>();
-  return -(H.inverse() * g);
-}
-
-void polish(const Moments& m, Candidate& candidate) {
-  double damping = 1e-3;
-  candidate.squares = squares_at(m, candidate.R, candidate.u);
-  for (int i = 0; i < kMaxSteps; ++i) {
-    const Local local = local_at(m, candidate.R, candidate.u);
-    Matrix6 H = local.hessian;
-    for (int k = 0; k < 6; ++k) H(k, k) += damping * H(k, k) + 1e-9 * m.weight;
-    const Vector6 x = -H.ldlt().solve(local.gradient);
-    const double angle = x.head<3>().norm();
-    Candidate next = candidate;
-    if (angle > 0) {
-      const Vector3 axis = x.head<3>() / angle;
-      next.R = rotation_about(axis, angle) * candidate.R;
-    }
-    next.u += x.tail<3>();
-    next.squares = squares_at(m, next.R, next.u);
-    if (next.squares < candidate.squares) {
-      candidate = next;
-      damping = std::max(0.1 * damping, 1e-12);
-      if (x.norm() < 1e-10) break;
-    } else {
-      damping *= 10;
-      if (damping > 1e6) break;
-    }
-  }
-}
-
-// Rotations spread evenly over SO(3): the super-Fibonacci spiral (Alexa, CVPR 2022).
-Matrix3 spread_rotation(int k) {
-  constexpr double kPsi = 1.533751168755204288118041;
-  const double s = k + 0.5;
-  const double share = s / kStarts;
-  const double alpha = 2 * kPi * s / std::sqrt(2.0);
-  const double beta = 2 * kPi * s / kPsi;
-  const double r = std::sqrt(share);
-  const double t = std::sqrt(1 - share);
-  return Eigen::Quaterniond(r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta),
-                            t * std::cos(beta))
-      .toRotationMatrix();
-}
-
-Candidate search(const Moments& m) {
-  Candidate best;
-  for (int k = 0; k < kStarts; ++k) {
-    Candidate candidate;
-    candidate.R = spread_rotation(k);
-    candidate.u = tool_for(m, candidate.R);
-    polish(m, candidate);
-    if (k == 0 || candidate.squares < best.squares) best = candidate;
-  }
-  return best;
-}
 
 // The log as the fit wants it: rows of one target, each with the target's link by the drawing.
 class Rows {
@@ -172,7 +26,8 @@ class Rows {
   template <typename Visit>
   void for_each(std::size_t target, Visit visit) const {
     for (const Observation& row : log_) {
-      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition || row.target != target) continue;
+      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition || row.target != target)
+        continue;
       const JointVector coupled = coupled_readings(readings_, row.readings);
       visit(row, drawn_frames(arm_, coupled)[targets_[target].link]);
     }
@@ -191,6 +46,9 @@ Vector12 link_vector(const Pose& X_BL) {
   return g;
 }
 
+// Exact data would leave a scale of zero, and no row a weight.
+constexpr double kLeastScale_m = 1e-9;
+
 double huber(double residual, double scale) {
   return residual <= 2 * scale ? 1 : 2 * scale / residual;
 }
@@ -201,7 +59,7 @@ double residual_scale(const Rows& rows, std::size_t target, const Pose& X_SB, co
   rows.for_each(target, [&](const Observation& row, const Pose& X_BL) {
     squares.add((row.p_S - X_SB * (X_BL * u)).squaredNorm());
   });
-  return std::sqrt(squares.median() / kMedianChiSquare3);
+  return std::max(kLeastScale_m, std::sqrt(squares.median() / kMedianChiSquare3));
 }
 
 // A further target, once the base is known: the mean of where its rows put it, robustly.
@@ -272,8 +130,10 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
       const double residual = (row.p_S - found.X_SB * (X_BL * best.u)).norm();
       moments.add(row.p_S, link_vector(X_BL), pass == 0 ? 1 : huber(residual, scale));
     });
-    if (moments.gg.trace() <= kAtRest * moments.weight) return std::unexpected(Refusal{Error::kJointDidNotMove, 0, 0});
-    if (moments.pp <= kAtRest * moments.weight) return std::unexpected(Refusal{Error::kCoincidentPoints, 0, 0});
+    if (moments.gg.trace() <= kAtRest * moments.weight)
+      return std::unexpected(Refusal{Error::kJointDidNotMove, 0, 0});
+    if (moments.pp <= kAtRest * moments.weight)
+      return std::unexpected(Refusal{Error::kCoincidentPoints, 0, 0});
     // Outliers may have hidden the true basin from the first search.
     if (pass == 0 || pass == kRobustPasses / 2) {
       best = search(moments);

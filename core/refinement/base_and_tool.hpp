@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Where an arm of known drawing stands, and where on its last link the target is.
 //
-// Nine unknowns: the base's pose in the sensor frame (any rotation) and the target in the last link. The
-// model p = R (t_k + R_k u) + s is linear in all but the rotation R, so the log reduces to fixed moments of
-// g_k = (t_k, columns of R_k) and p_k, and the search over all rotations costs nothing per row: from
-// rotations spread over the whole of SO(3), u by linear least squares, then Levenberg-Marquardt on
-// (R, u), the best minimum wins. Gross outliers are weighed out by repeating it.
+// Nine unknowns: the base's pose in the sensor frame (any rotation) and the target in the last
+// link, found by the search of rotation_search.hpp, repeated with Huber weights so that gross
+// outliers lose their say.
 #pragma once
 
 #include <span>
@@ -18,18 +16,20 @@ namespace armsig::refinement {
 
 struct BaseAndTool {
   Pose X_SB;
-  FixedVector<Vector3, kMaxTargets> p_LT;  // targets in their links' frames; zero where not observed
+  FixedVector<Vector3, kMaxTargets>
+      p_LT;          // targets in their links' frames; zero where not observed
   double rms_m = 0;  // residual lengths of the rows that carry at least half weight
 };
 
 // The arm's links 0 ... n in its base frame by the drawing, at coupled readings (standard
 // Denavit-Hartenberg, (2) of the paper).
-[[nodiscard]] FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm, const JointVector& coupled);
+[[nodiscard]] FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm,
+                                                         const JointVector& coupled);
 
 // Fits base and targets to the position rows of `log` whose use is kFit. `targets` says on which
-// link each target is; their positions are not used. The base is found from the target on the last link
-// that has most rows. Preconditions: every row's target is among `targets`, at most kMaxTargets.
-// Errors: kNotFinite (index of the row); kTooFewPoints (positions of that target, 4);
+// link each target is; their positions are not used. The base is found from the target on the last
+// link that has most rows. Preconditions: every row's target is among `targets`, at most
+// kMaxTargets. Errors: kNotFinite (index of the row); kTooFewPoints (positions of that target, 4);
 // kJointDidNotMove (no joint moved); kCoincidentPoints (its positions are all one);
 // kNotConverged (RMS [m], 0: no minimum was found).
 [[nodiscard]] Judged<BaseAndTool> fit_base_and_tool(const Arm& arm,

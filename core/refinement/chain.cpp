@@ -49,8 +49,8 @@ double Chain::motion_of(std::size_t joint, const JointVector& readings) const {
 void Chain::move(JointMotion& motion, std::size_t joint, double moved) const {
   JointMotion::One& one = motion.joints[joint];
   one.moved = moved;
-  // A joint at rest keeps the exact cosine and sine of zero, so that its derivatives are exact zeros
-  // that cost nothing in the filter.
+  // A joint at rest keeps the exact cosine and sine of zero, so that its derivatives are exact
+  // zeros that cost nothing in the filter.
   const bool turns = types_[joint] == JointType::kRevolute && moved != 0;
   one.cosine = turns ? std::cos(moved) : 1;
   one.sine = turns ? std::sin(moved) : 0;
@@ -86,8 +86,9 @@ void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
   }
   jacobian.p_S = X_SL_[0] * v[0];
 
-  // Outward: the rotation of each link frame, and the derivatives taken in it. A revolute joint moves
-  // r to a + R (r - a); turning its axis by w adds w x (R r) - R (w x r), shifting it by t adds t - R t.
+  // Outward: the rotation of each link frame, and the derivatives taken in it. A revolute joint
+  // moves r to a + R (r - a); turning its axis by w adds w x (R r) - R (w x r), shifting it by t
+  // adds t - R t.
   Matrix3 R_SF = X_SL_[0].R;
   for (std::size_t i = 0; i < link; ++i) {
     const JointMotion::One& joint = motion.joints[i];
@@ -208,8 +209,7 @@ void apply_corrections(const Layout& layout, const StateVector& x, double fracti
   for (std::size_t t = 0; t < signature.targets.size(); ++t) {
     if (layout.target[t] == kNoColumn) continue;
     for (std::size_t c = 0; c < 3; ++c) {
-      signature.targets[t].p_S[static_cast<Eigen::Index>(c)] +=
-          fraction * x[layout.target[t] + c];
+      signature.targets[t].p_S[static_cast<Eigen::Index>(c)] += fraction * x[layout.target[t] + c];
     }
   }
 }

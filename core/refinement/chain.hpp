@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The arm as a chain of axis lines, and the position of a target with its derivatives by every unknown.
+// The arm as a chain of axis lines, and the position of a target with its derivatives by every
+// unknown.
 //
-// With the link frames X_SL of the signature configuration q^s, z of frame i-1 along axis i, the motion
-// of link k is the product of rotations about those lines (product of exponentials), written with
-// B_i = X_SL[i-1]^-1 X_SL[i] as
-//   X_S(k) = X_SL[0] J_1 B_1 J_2 B_2 ... J_k,  J_i = Rot(z, q_i - q_i^s) or Trans(0, 0, q_i - q_i^s),
+// With the link frames X_SL of the signature configuration q^s, z of frame i-1 along axis i, the
+// motion of link k is the product of rotations about those lines (product of exponentials), written
+// with B_i = X_SL[i-1]^-1 X_SL[i] as
+//   X_S(k) = X_SL[0] J_1 B_1 J_2 B_2 ... J_k,  J_i = Rot(z, q_i - q_i^s) or Trans(0, 0, q_i -
+//   q_i^s),
 // (21) of the paper without its pseudo Denavit-Hartenberg step, so that nothing is ill-conditioned
 // near parallel axes.
 #pragma once
@@ -27,7 +29,8 @@ struct JointMotion {
   std::array<One, kMaxJoints> joints;
 };
 
-// Derivatives of a target's position in the sensor frame. Joints beyond the target's link are not set.
+// Derivatives of a target's position in the sensor frame. Joints beyond the target's link are not
+// set.
 struct PointJacobian {
   Vector3 p_S;
   std::array<Eigen::Matrix<double, 3, 4>, kMaxJoints> axis;  // direction x, y; position x, y
@@ -54,8 +57,8 @@ class Chain {
   void point_and_jacobian(const JointMotion& motion, const Target& target,
                           PointJacobian& jacobian) const;
 
-  // Pose of link `link` (1 ... n) in the sensor frame, times the inverse of its pose at the signature
-  // configuration: what takes a point of the link from there to here.
+  // Pose of link `link` (1 ... n) in the sensor frame, times the inverse of its pose at the
+  // signature configuration: what takes a point of the link from there to here.
   [[nodiscard]] Pose displacement(const JointMotion& motion, std::size_t link) const;
 
   [[nodiscard]] double coupled_configuration(std::size_t joint) const {

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kRobustPasses = 12;
 constexpr std::size_t kFewestRows = 4;
-// Least diagonal of the factor relative to its largest: an arc of about 5 degrees. Below it the three
-// regressors are hardly apart and the rows are better taken one by one.
+// Least diagonal of the factor relative to its largest: an arc of about 5 degrees. Below it the
+// three regressors are hardly apart and the rows are better taken one by one.
 constexpr double kLeastDiagonal = 1e-4;
 
 // Triangular factor of rows [1, f, g | x, y, z].
@@ -60,8 +60,8 @@ struct SmallFactor {
 };
 
 bool same_sweep(const Observation& a, const Observation& b) {
-  if (b.kind != ObservationKind::kPosition || b.sweep != a.sweep ||
-      b.target != a.target || (a.sigma_m > 0) != (b.sigma_m > 0)) {
+  if (b.kind != ObservationKind::kPosition || b.sweep != a.sweep || b.target != a.target ||
+      (a.sigma_m > 0) != (b.sigma_m > 0)) {
     return false;
   }
   for (std::size_t i = 0; i < a.readings.size(); ++i) {
@@ -107,8 +107,8 @@ SmallFactor factor_of(const View& view, std::span<const RowOutcome> outcomes) {
   return factor;
 }
 
-// Robust fit of the regressors over `fitted` rows; leaves the weights in `outcomes` and the factor of
-// the rows so weighted. False without half of the rows.
+// Robust fit of the regressors over `fitted` rows; leaves the weights in `outcomes` and the factor
+// of the rows so weighted. False without half of the rows.
 bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOutcome> outcomes,
            SmallFactor& factor) {
   const auto rows = static_cast<double>(fitted);
@@ -166,8 +166,8 @@ bool compress_sweep(std::span<const Observation> log, std::size_t first, std::si
                     const Chain& chain, JointType type, std::span<RowOutcome> outcomes,
                     CompressedSweep& sweep) {
   const std::size_t joint = log[first].sweep - 1;
-  View view{log.subspan(first, count), chain, joint, type == JointType::kRevolute, 0, 0,
-            log[first].p_S};
+  View view{
+      log.subspan(first, count), chain, joint, type == JointType::kRevolute, 0, 0, log[first].p_S};
   std::size_t fitted = 0;
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
@@ -208,8 +208,8 @@ bool compress_sweep(std::span<const Observation> log, std::size_t first, std::si
   }
   if (regressors == 2) sweep.Z.row(2).setZero();
 
-  // The regressors' coefficients from the positions at the nodes: a third of a turn apart, or the two
-  // ends of the line.
+  // The regressors' coefficients from the positions at the nodes: a third of a turn apart, or the
+  // two ends of the line.
   Matrix3 from_nodes = Matrix3::Zero();
   std::array<double, 3> at{};
   if (view.revolute) {

@@ -25,9 +25,8 @@ class Dealer {
   // The fold of the next row, or kFolds where the row is always fitted.
   std::size_t next(const Observation& row) {
     if (row.use == RowUse::kIgnore || (mixed_only_ && row.sweep != 0)) return kFolds;
-    const bool repeated =
-        last_ != nullptr &&
-        std::equal(row.readings.begin(), row.readings.end(), last_->readings.begin());
+    const bool repeated = last_ != nullptr && std::equal(row.readings.begin(), row.readings.end(),
+                                                         last_->readings.begin());
     if (!repeated) ++pose_;
     last_ = &row;
     return pose_ % kFolds;
@@ -40,7 +39,8 @@ class Dealer {
 };
 
 // Marks the rows of one fold kScore, or back.
-void mark(std::span<Observation> log, std::size_t fold, RowUse from, RowUse to, const Dealer& deal) {
+void mark(std::span<Observation> log, std::size_t fold, RowUse from, RowUse to,
+          const Dealer& deal) {
   Dealer dealer = deal;
   for (Observation& row : log) {
     if (dealer.next(row) == fold && row.use == from) row.use = to;
@@ -88,10 +88,8 @@ std::expected<ReadingTerms, Refusal> choose_reading_terms(const Signature& start
   ARMSIG_TRY(plain, cross_validate(start, log, trial, outcomes, scratch));
   best = plain;
   ReadingTerms chosen;
-  constexpr std::array<ReadingTerms, 4> kRicher{{{false, true, false},
-                                                 {false, false, true},
-                                                 {true, true, false},
-                                                 {true, true, true}}};
+  constexpr std::array<ReadingTerms, 4> kRicher{
+      {{false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
   for (const ReadingTerms& terms : kRicher) {
     trial.request.readings.clear();
     trial.request.readings.resize(start.joint_count(), terms);

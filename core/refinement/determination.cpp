@@ -115,8 +115,8 @@ std::array<bool, kMaxParameters> find_undetermined(const Problem& problem, const
 
 void settle_covariance(double weighted_squares, Refined& refined) {
   FitQuality& quality = refined.quality;
-  const auto freedom = static_cast<double>(quality.scalars) -
-                       static_cast<double>(refined.layout.size());
+  const auto freedom =
+      static_cast<double>(quality.scalars) - static_cast<double>(refined.layout.size());
   if (freedom > 0) {
     const double variance_factor = weighted_squares / freedom;
     quality.noise_factor = std::sqrt(variance_factor);

@@ -20,8 +20,8 @@ namespace armsig::refinement {
                                                                  Refined& refined);
 inline constexpr double kOpenShare = 0.2;
 
-// Scales the covariance by what the residuals say of the noise, and hands the targets their share of
-// it. `weighted_squares`: sum of the squared residuals over their assumed variances.
+// Scales the covariance by what the residuals say of the noise, and hands the targets their share
+// of it. `weighted_squares`: sum of the squared residuals over their assumed variances.
 void settle_covariance(double weighted_squares, Refined& refined);
 
 }  // namespace armsig::refinement

@@ -5,8 +5,8 @@ namespace armsig::refinement {
 
 namespace {
 
-// Appends `count` unknowns of one kind; counts on beyond the capacity, so that the error can say how
-// many there would be.
+// Appends `count` unknowns of one kind; counts on beyond the capacity, so that the error can say
+// how many there would be.
 class Appender {
  public:
   explicit Appender(Layout& layout) : layout_(layout) {}
@@ -60,20 +60,15 @@ Judged<Layout> make_layout(const Signature& signature,
     const bool revolute = signature.types[i] == JointType::kRevolute;
     layout.axis[i] = appender.append(ParameterKind::kAxisDirection, i, 2);
     if (revolute) appender.append(ParameterKind::kAxisPosition, i, 2);
-    const ReadingTerms terms =
-        request.readings.empty() ? ReadingTerms{} : request.readings[i];
-    layout.gain[i] =
-        terms.gain ? appender.append(ParameterKind::kReadingGain, i, 1) : kNoColumn;
-    layout.first[i] = terms.first && revolute
-                          ? appender.append(ParameterKind::kReadingFirst, i, 2)
-                          : kNoColumn;
-    layout.second[i] = terms.second && revolute
-                           ? appender.append(ParameterKind::kReadingSecond, i, 2)
-                           : kNoColumn;
+    const ReadingTerms terms = request.readings.empty() ? ReadingTerms{} : request.readings[i];
+    layout.gain[i] = terms.gain ? appender.append(ParameterKind::kReadingGain, i, 1) : kNoColumn;
+    layout.first[i] =
+        terms.first && revolute ? appender.append(ParameterKind::kReadingFirst, i, 2) : kNoColumn;
+    layout.second[i] =
+        terms.second && revolute ? appender.append(ParameterKind::kReadingSecond, i, 2) : kNoColumn;
   }
   for (std::size_t t = 0; t < kMaxTargets; ++t) {
-    layout.target[t] =
-        observed[t] ? appender.append(ParameterKind::kTarget, t, 3) : kNoColumn;
+    layout.target[t] = observed[t] ? appender.append(ParameterKind::kTarget, t, 3) : kNoColumn;
   }
   if (request.receiver_offsets && receiver_count > 0) {
     layout.receiver_offsets = appender.count();

@@ -2,9 +2,9 @@
 // The unknowns of the refinement and where each stands in the state vector.
 //
 // Everything is a small correction about the present estimate: axis lines in their own link frame
-// (z along the axis, so that rotation about z and translation along z do nothing to the line), target
-// points in the sensor frame at the signature configuration. Minimal: 4 per revolute axis, 2 per
-// prismatic one, 3 per target; nothing is a gauge.
+// (z along the axis, so that rotation about z and translation along z do nothing to the line),
+// target points in the sensor frame at the signature configuration. Minimal: 4 per revolute axis, 2
+// per prismatic one, 3 per target; nothing is a gauge.
 #pragma once
 
 #include <array>

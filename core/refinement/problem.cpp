@@ -35,8 +35,8 @@ Problem::Problem(const Signature& start, std::span<const Observation> log,
   for (std::size_t k = 0; k < log_.size() && !sweeps_.full();) {
     const std::size_t count = sweep_length(log_, k, estimate_.readings);
     CompressedSweep sweep;
-    if (count > 0 && compress_sweep(log_, k, count, chain, start.types[log_[k].sweep - 1],
-                                    outcomes_, sweep)) {
+    if (count > 0 &&
+        compress_sweep(log_, k, count, chain, start.types[log_[k].sweep - 1], outcomes_, sweep)) {
       sweeps_.push_back(sweep);
     }
     k += std::max<std::size_t>(count, 1);
@@ -201,13 +201,14 @@ double Problem::judge_rows(const Noise& noise) {
     const Observation& row = log_[k];
     RowOutcome& outcome = outcomes_[k];
     outcome.residual_m = residual_length(
-        estimate_, config_.receivers, row, chain.point(chain.motion(row.readings), estimate_.signature.targets[row.target]));
+        estimate_, config_.receivers, row,
+        chain.point(chain.motion(row.readings), estimate_.signature.targets[row.target]));
     while (next < sweeps_.size() && k >= sweeps_[next].first_row + sweeps_[next].row_count) ++next;
     const bool in_sweep = next < sweeps_.size() && k >= sweeps_[next].first_row;
     const double sigma = sigma_of(row, noise);
     if (!in_sweep || row.use != RowUse::kFit) {
-      outcome.weight = robust_weight(outcome.residual_m / (sigma * gate_factor(row, noise)),
-                                     thresholds(row));
+      outcome.weight =
+          robust_weight(outcome.residual_m / (sigma * gate_factor(row, noise)), thresholds(row));
       outcome.rejected = outcome.weight == 0;
     }
     if (row.use != RowUse::kFit) continue;

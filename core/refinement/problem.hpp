@@ -9,8 +9,9 @@ namespace armsig::refinement {
 
 // Units of the residuals, found robustly from the residuals themselves.
 struct Noise {
-  double stated_factor = 1;  // residuals of rows with a stated sigma are so many times that sigma, >= 1
-  double unstated_m = 0;     // sigma of rows where none was stated
+  double stated_factor =
+      1;  // residuals of rows with a stated sigma are so many times that sigma, >= 1
+  double unstated_m = 0;  // sigma of rows where none was stated
 };
 
 class Problem {
@@ -27,19 +28,20 @@ class Problem {
   [[nodiscard]] Noise noise() const;
   // Robust sum of squares of these residuals, priors included.
   [[nodiscard]] double cost(const Noise& noise) const;
-  // From now on the unknowns named are held by a prior kHeldShare as wide, so that noise does not move
-  // them where the data are silent.
+  // From now on the unknowns named are held by a prior kHeldShare as wide, so that noise does not
+  // move them where the data are silent.
   void hold(const std::array<bool, kMaxParameters>& open) { held_ = open; }
   void release() { held_.fill(false); }
 
   // The factor of the problem linearised at the present estimate.
   void linearise(const Noise& noise);
 
-  // Residuals and weights of every row, those inside sweeps and those held out too, and their summary.
-  // Returns the sum of weighted squares over their variances.
+  // Residuals and weights of every row, those inside sweeps and those held out too, and their
+  // summary. Returns the sum of weighted squares over their variances.
   double judge_rows(const Noise& noise);
 
-  // Largest motion of each joint in the rows used, and largest distance of a target from its axis then.
+  // Largest motion of each joint in the rows used, and largest distance of a target from its axis
+  // then.
   [[nodiscard]] const std::array<double, kMaxJoints>& largest_motion() const { return motion_; }
   [[nodiscard]] const std::array<double, kMaxJoints>& largest_radius() const { return radius_; }
 

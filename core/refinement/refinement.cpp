@@ -103,7 +103,8 @@ std::expected<void, Refusal> refine(const Signature& start, std::span<const Obse
                                     Refined& refined) {
   ARMSIG_CHECK(outcomes.size() == log.size() && &start != &refined.signature);
   ARMSIG_TRY(surveyed, survey(start, log));
-  ARMSIG_TRY(layout, make_layout(start, surveyed.observed, config.request, config.receivers.size()));
+  ARMSIG_TRY(layout,
+             make_layout(start, surveyed.observed, config.request, config.receivers.size()));
   if (surveyed.scalars < layout.size()) {
     return refuse(Error::kTooFewPoints, static_cast<double>(surveyed.scalars),
                   static_cast<double>(layout.size()));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Maximum-likelihood refinement of a signature over everything measured (section 5 of ALGORITHMS).
 //
-// Gauss-Newton on the axis lines, target points and, where asked for, corrections of the readings, range
-// offsets and scale, over a log of any length: every iteration feeds the rows to a square-root
-// information filter of fixed size, sweeps of one joint reduced to three rows beforehand. Huber weights
-// and a gate keep gross outliers out. Weak priors about the start hold what the data do not determine.
+// Gauss-Newton on the axis lines, target points and, where asked for, corrections of the readings,
+// range offsets and scale, over a log of any length: every iteration feeds the rows to a
+// square-root information filter of fixed size, sweeps of one joint reduced to three rows
+// beforehand. Huber weights and a gate keep gross outliers out. Weak priors about the start hold
+// what the data do not determine.
 #pragma once
 
 #include <span>
@@ -24,8 +25,8 @@ struct Prior {
   double gain = 0.01;
   double periodic_rad = 0.01;
   double receiver_offset_m = 0.05;
-  // Relative. 0: nothing is known about the scale, and asking for it is refused unless the log itself
-  // determines it (a prismatic joint, receivers at known distances).
+  // Relative. 0: nothing is known about the scale, and asking for it is refused unless the log
+  // itself determines it (a prismatic joint, receivers at known distances).
   double scale = 0;
 };
 
@@ -42,8 +43,8 @@ struct RefinementConfig {
 
 // What the data leave open.
 enum class Open : std::uint8_t {
-  kJointAtRest,       // the joint did not move: nothing about its axis
-  kTargetOnAxis,      // the joint moved, the target did not
+  kJointAtRest,   // the joint did not move: nothing about its axis
+  kTargetOnAxis,  // the joint moved, the target did not
   kAxisDirection,
   kAxisPosition,
   kReadingGain,
@@ -63,14 +64,14 @@ struct Undetermined {
 struct FitQuality {
   std::size_t rows_used = 0;
   std::size_t rows_rejected = 0;
-  std::size_t scalars = 0;   // measured numbers that entered
+  std::size_t scalars = 0;  // measured numbers that entered
   int iterations = 0;
-  double rms_m = 0;          // of the residual lengths of the rows used
+  double rms_m = 0;  // of the residual lengths of the rows used
   // 1 sigma of one measured scalar: found where nothing was stated, otherwise as stated (mean).
   double sigma_m = 0;
   bool sigma_is_estimated = false;
-  // Square root of the residual sum over its expectation. Above what chance allows, the stated sigma does
-  // not explain the residuals, and the covariance has been enlarged by its square.
+  // Square root of the residual sum over its expectation. Above what chance allows, the stated
+  // sigma does not explain the residuals, and the covariance has been enlarged by its square.
   double noise_factor = 1;
   bool covariance_enlarged = false;
 };
@@ -90,9 +91,10 @@ struct Refined {
 // Refines `start` over `log`; `outcomes` (as long as the log) receives the verdict on every row.
 // Preconditions: X_SL, configuration and targets of `start` are set; targets, receivers and joint
 // numbers of the log exist; `start` is not `refined.signature`.
-// Errors: kNotFinite (found: index of the row); kCapacityExceeded (unknowns, capacity); kTooFewPoints
-// (measured scalars, unknowns); kJointDidNotMove (no joint moved in any row); kTooManyOutliers (rows
-// rejected, rows allowed); kScaleUndetermined; kSingular; kNotConverged (last step in sigma, bound).
+// Errors: kNotFinite (found: index of the row); kCapacityExceeded (unknowns, capacity);
+// kTooFewPoints (measured scalars, unknowns); kJointDidNotMove (no joint moved in any row);
+// kTooManyOutliers (rows rejected, rows allowed); kScaleUndetermined; kSingular; kNotConverged
+// (last step in sigma, bound).
 [[nodiscard]] std::expected<void, Refusal> refine(const Signature& start,
                                                   std::span<const Observation> log,
                                                   const RefinementConfig& config,

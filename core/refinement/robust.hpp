@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Huber's weight with a gate for gross outliers, and a scale from the median that gross outliers cannot
-// move (Huber, Robust Statistics, 1981; Hampel's three-part rule in the small).
+// Huber's weight with a gate for gross outliers, and a scale from the median that gross outliers
+// cannot move (Huber, Robust Statistics, 1981; Hampel's three-part rule in the small).
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 namespace armsig::refinement {
 
 // Thresholds on the length of a residual in units of sigma, for one scalar and for three. The knees
-// are passed by 0.5 % of good rows, which costs well under one per cent of efficiency; the gates by one
-// good row in a million.
+// are passed by 0.5 % of good rows, which costs well under one per cent of efficiency; the gates by
+// one good row in a million.
 inline constexpr double kHuberKnee1 = 2.8;
 inline constexpr double kHuberKnee3 = 3.6;
 inline constexpr double kGate1 = 4.9;
@@ -43,14 +43,16 @@ inline constexpr RobustThresholds kThresholds3{kHuberKnee3, kGate3, kMedianChiSq
   return t.knee * (2 * std::min(length, t.gate) - t.knee);
 }
 
-// The median of many positive numbers in one pass and constant memory: a histogram over their binary
-// logarithm with 16 bins an octave, interpolated; within 1 % of the true median of a smooth law.
+// The median of many positive numbers in one pass and constant memory: a histogram over their
+// binary logarithm with 16 bins an octave, interpolated; within 1 % of the true median of a smooth
+// law.
 class LogHistogram {
  public:
   void add(double value, std::size_t times = 1) {
     // The upper bits of a positive double are its logarithm, to within the mantissa's curvature.
     const auto bits = std::bit_cast<std::uint64_t>(std::max(value, kLowest));
-    const auto bin = static_cast<std::size_t>((bits - std::bit_cast<std::uint64_t>(kLowest)) >> kShift);
+    const auto bin =
+        static_cast<std::size_t>((bits - std::bit_cast<std::uint64_t>(kLowest)) >> kShift);
     counts_[std::min(bin, counts_.size() - 1)] += static_cast<std::uint32_t>(times);
     total_ += times;
   }

@@ -27,8 +27,8 @@ struct PredictedRange {
   return row.kind == ObservationKind::kPosition ? kThresholds3 : kThresholds1;
 }
 
-// Linearises `row` at the estimate and takes it into `factor`; `weight` is the inverse of its sigma [1/m].
-// `linearised` receives what it was linearised with.
+// Linearises `row` at the estimate and takes it into `factor`; `weight` is the inverse of its sigma
+// [1/m]. `linearised` receives what it was linearised with.
 struct Linearised {
   JointMotion motion;
   PointJacobian jacobian;

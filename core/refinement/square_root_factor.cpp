@@ -7,8 +7,8 @@ namespace armsig::refinement {
 
 namespace {
 
-// Below this sum of squares a column counts as zero: its square root would be lost in underflow, and no
-// measurement in SI units comes near it.
+// Below this sum of squares a column counts as zero: its square root would be lost in underflow,
+// and no measurement in SI units comes near it.
 constexpr double kVanishing = 1e-280;
 
 }  // namespace
@@ -33,8 +33,8 @@ void SquareRootFactor::absorb(RowBlock<kRows>& block) {
       squares += v[k] * v[k];
     }
     if (squares > kVanishing) {
-      // The reflection that takes (R_jj, v) to (norm, 0). R_jj is never negative, so this form of the
-      // first component cannot cancel.
+      // The reflection that takes (R_jj, v) to (norm, 0). R_jj is never negative, so this form of
+      // the first component cannot cancel.
       const double norm = std::sqrt(r[0] * r[0] + squares);
       const double v_0 = -squares / (r[0] + norm);
       const double beta = 2.0 / (v_0 * v_0 + squares);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Square-root information filter: a linear least-squares problem that is fed row by row and keeps only
-// its upper triangular factor (Bierman, Factorization Methods for Discrete Sequential Estimation,
-// 1977, chapter IV). The rows [A | b] of all measurements, each divided by its sigma, are reduced to
-// R x = z by Householder reflections; the information matrix R^T R is never formed, so half of the
-// digits of the normal equations are not lost.
+// Square-root information filter: a linear least-squares problem that is fed row by row and keeps
+// only its upper triangular factor (Bierman, Factorization Methods for Discrete Sequential
+// Estimation, 1977, chapter IV). The rows [A | b] of all measurements, each divided by its sigma,
+// are reduced to R x = z by Householder reflections; the information matrix R^T R is never formed,
+// so half of the digits of the normal equations are not lost.
 #pragma once
 
 #include <array>
@@ -67,7 +67,9 @@ class SquareRootFactor {
   void solve_upper(StateVector& z) const;
 
   // R_ij, i <= j; column n is z.
-  [[nodiscard]] double entry(std::size_t i, std::size_t j) const { return entries_[row(i) + j - i]; }
+  [[nodiscard]] double entry(std::size_t i, std::size_t j) const {
+    return entries_[row(i) + j - i];
+  }
   void set_entry(std::size_t i, std::size_t j, double value) { entries_[row(i) + j - i] = value; }
 
  private:

@@ -8,7 +8,8 @@ namespace armsig::refinement {
 
 namespace {
 
-// Residual lengths of three coordinates are 1.7 sigma; so many sigma are more than outliers let through.
+// Residual lengths of three coordinates are 1.7 sigma; so many sigma are more than outliers let
+// through.
 constexpr double kCoarse = 4;
 
 // The row whose readings are nearest to the mean of all, each joint measured by its own spread.
@@ -72,8 +73,7 @@ Signature drawn_signature(const Arm& arm, const BaseAndTool& fitted,
   ARMSIG_CHECK(!log.empty());
   Signature signature;
   signature.configuration = middle_row(log).readings;
-  const JointVector coupled =
-      coupled_readings({arm.couplings, {}}, signature.configuration);
+  const JointVector coupled = coupled_readings({arm.couplings, {}}, signature.configuration);
   for (const DhJoint& joint : arm.joints) signature.types.push_back(joint.type);
   for (const Pose& X_BL : drawn_frames(arm, coupled)) {
     signature.X_SL.push_back(fitted.X_SB * X_BL);

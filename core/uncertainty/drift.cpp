@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/refinement/determination.hpp"
 #include "core/refinement/robust.hpp"
 #include "core/refinement/row.hpp"
+#include "core/uncertainty/displacement.hpp"
 
 namespace armsig::uncertainty {
 
@@ -24,14 +24,14 @@ namespace {
 
 // One healthy check in a thousand is called unhealthy.
 constexpr double kAllowedSigmas = 3.09;
-// Healthy residuals carry the stored uncertainty too: only what is far beyond the gate of the noise alone
-// is an outlier.
+// Healthy residuals carry the stored uncertainty too: only what is far beyond the gate of the noise
+// alone is an outlier.
 constexpr double kOutlierFactor = 2;
 // Rows that may be rejected before there is nothing left to judge.
 constexpr double kRejectedShare = 0.3;
-// Sizes of a drift that are weighed against larger noise: a tenth of a millimetre or milliradian for a
-// warm arm, ten for a collision.
-constexpr std::array<double, 5> kDriftSizes{1e-4, 3e-4, 1e-3, 3e-3, 1e-2};
+// Sizes of a drift that are weighed against larger noise: a tenth of a millimetre and milliradian
+// for a warm arm, thirty for a collision.
+constexpr std::array<double, 6> kDriftSizes{1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
 
 double sigma_of(const Refined& refined, const Observation& row) {
   return row.sigma_m > 0 ? row.sigma_m : refined.quality.sigma_m;
@@ -55,16 +55,6 @@ Evidence evidence(const Refined& refined, std::span<const Observation> log,
                            at);
   }
   return {factor.residual_squares(), 2 * (factor.log_determinant() - before)};
-}
-
-// The prior of an arm whose every parameter may have moved by `size` since it was identified.
-void drifted_prior(const Refined& refined, double size, SquareRootFactor& factor) {
-  const std::size_t n = refined.layout.size();
-  factor.reset(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double stored = refinement::parameter_sigma(refined.information, i);
-    factor.set_entry(i, i, 1 / std::hypot(stored, size));
-  }
 }
 
 // Residuals, and which of them are far outside even the spread of all.
@@ -147,8 +137,8 @@ Judged<DriftReport> check_drift(const Refined& refined, std::span<const Observat
   const double allowed_rows =
       kRejectedShare * static_cast<double>(report.rows + report.rows_rejected);
   if (static_cast<double>(report.rows_rejected) > allowed_rows) {
-    return std::unexpected(Refusal{Error::kTooManyOutliers,
-                                   static_cast<double>(report.rows_rejected), allowed_rows});
+    return std::unexpected(
+        Refusal{Error::kTooManyOutliers, static_cast<double>(report.rows_rejected), allowed_rows});
   }
 
   scratch = refined.information;
@@ -162,10 +152,15 @@ Judged<DriftReport> check_drift(const Refined& refined, std::span<const Observat
   const double noise_variance = healthy.chi_square / freedom;
   const double worse_noise = freedom * (1 + std::log(noise_variance)) + healthy.log_determinant;
   double drift = std::numeric_limits<double>::infinity();
-  for (const double size : kDriftSizes) {
-    drifted_prior(refined, size, scratch);
-    const Evidence moved = evidence(refined, log, receivers, outcomes, scratch);
-    drift = std::min(drift, moved.chi_square + moved.log_determinant);
+  for (std::size_t link = 0; link <= refined.signature.joint_count(); ++link) {
+    for (const double size : kDriftSizes) {
+      displaced_prior(refined, link, size, scratch);
+      const Evidence moved = evidence(refined, log, receivers, outcomes, scratch);
+      const double likelihood = moved.chi_square + moved.log_determinant;
+      if (likelihood >= drift) continue;
+      drift = likelihood;
+      report.link = link;
+    }
   }
   report.verdict = drift < worse_noise ? Verdict::kDrifted : Verdict::kSensorWorse;
   if (report.verdict == Verdict::kSensorWorse) report.noise_factor = std::sqrt(noise_variance);

@@ -49,7 +49,8 @@ Block block_of(const Layout& layout, const Signature& signature, std::size_t joi
     block.add(layout.axis[joint] + 3, y, r.cross(y), 0);
   }
   if (target == nullptr) return block;
-  const std::size_t column = layout.target[static_cast<std::size_t>(target - signature.targets.data())];
+  const std::size_t column =
+      layout.target[static_cast<std::size_t>(target - signature.targets.data())];
   const Vector3 to_target = target->p_S - feature.point_S;
   Vector3 radial = to_target - to_target.dot(feature.axis_S) * feature.axis_S;
   if (feature.type == JointType::kPrismatic || radial.norm() == 0) {
@@ -80,7 +81,8 @@ Result<void> absorb(const Block& block, const JointFeature& feature, Refined& es
   for (int row = 0; row < m; ++row) {
     RowBlock<1> rows;
     rows.clear(estimate.layout.size());
-    for (int k = 0; k < m; ++k) rows.rows[0][block.columns[static_cast<std::size_t>(k)]] = W(row, k);
+    for (int k = 0; k < m; ++k)
+      rows.rows[0][block.columns[static_cast<std::size_t>(k)]] = W(row, k);
     estimate.information.absorb(rows);
   }
   return {};

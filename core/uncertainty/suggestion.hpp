@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which poses to measure next: greedily those that lower the mean predicted tool variance over the work
-// volume most (A-optimal design; Fedorov, Theory of Optimal Experiments, 1972).
+// Which poses to measure next: greedily those that lower the mean predicted tool variance over the
+// work volume most (A-optimal design; Fedorov, Theory of Optimal Experiments, 1972).
 #pragma once
 
 #include <limits>
@@ -34,21 +34,23 @@ struct Suggestion {
   double predicted_rms_m = 0;  // over the work volume, once this pose and those before are measured
 };
 
-// With P = (R^T R)^-1 the covariance of the unknowns and V the triangular factor of the work volume,
-// V^T V the mean of J^T J over it, the mean tool variance is |V R^-1|^2, and measuring a pose with rows J
-// lowers it by tr(S^-1 Z^T Z), Z = V P J^T, S = sigma^2 I + J P J^T.
-// About 75 KiB: for the host, or a controller with memory to spare.
+// With P = (R^T R)^-1 the covariance of the unknowns and V the triangular factor of the work
+// volume, V^T V the mean of J^T J over it, the mean tool variance is |V R^-1|^2, and measuring a
+// pose with rows J lowers it by tr(S^-1 Z^T Z), Z = V P J^T, S = sigma^2 I + J P J^T. About 75 KiB:
+// for the host, or a controller with memory to spare.
 class SuggestionSearch {
  public:
   // Starts from what `refined` knows. kOutOfReach when no configuration is inside the box.
-  // Preconditions: `refined` outlives the search; its target is among the unknowns; one limit per joint.
+  // Preconditions: `refined` outlives the search; its target is among the unknowns; one limit per
+  // joint.
   [[nodiscard]] Result<void> start(const refinement::Refined& refined,
                                    const SuggestionConfig& config);
 
   // The accuracy expected of what is measured so far: after start(), of the log alone.
   [[nodiscard]] double predicted_rms_m() const;
 
-  // Fills `suggestions`, in the order of their worth. kOutOfReach when no candidate is inside the box.
+  // Fills `suggestions`, in the order of their worth. kOutOfReach when no candidate is inside the
+  // box.
   [[nodiscard]] Result<void> suggest(std::span<Suggestion> suggestions);
 
  private:

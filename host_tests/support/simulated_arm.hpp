@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A simulated arm in front of a sensor: truth by the plain Denavit-Hartenberg product, independent of
-// the code under test.
+// A simulated arm in front of a sensor: truth by the plain Denavit-Hartenberg product, independent
+// of the code under test.
 #pragma once
 
 #include <random>
@@ -20,7 +20,8 @@ inline Pose dh_pose(const DhJoint& joint, double reading) {
   return {R_z * rotation_x(joint.alpha_rad), R_z * p};
 }
 
-inline Arm make_arm(std::initializer_list<DhJoint> joints, std::initializer_list<JointLimits> limits) {
+inline Arm make_arm(std::initializer_list<DhJoint> joints,
+                    std::initializer_list<JointLimits> limits) {
   Arm arm;
   for (const DhJoint& joint : joints) arm.joints.push_back(joint);
   for (const JointLimits& limit : limits) arm.limits.push_back(limit);

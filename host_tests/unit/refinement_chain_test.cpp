@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "core/refinement/chain.hpp"
-
 #include <gtest/gtest.h>
 
+#include "core/refinement/chain.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::refinement {
@@ -32,7 +31,8 @@ TEST(Chain, agrees_with_the_denavit_hartenberg_product_at_any_readings) {
     const JointVector q = random.configuration(cell.arm);
     const Vector3 p = chain.point(chain.motion(q), signature.targets[0]);
     EXPECT_LT((p - cell.point(q, 0)).norm(), 1e-13);
-    EXPECT_LT((chain.displacement(chain.motion(q), 6) * signature.targets[0].p_S - p).norm(), 1e-13);
+    EXPECT_LT((chain.displacement(chain.motion(q), 6) * signature.targets[0].p_S - p).norm(),
+              1e-13);
   }
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "core/refinement/refinement.hpp"
-
 #include <limits>
 #include <memory>
 
@@ -8,6 +6,7 @@
 
 #include "core/refinement/compressed_sweep.hpp"
 #include "core/refinement/cross_validation.hpp"
+#include "core/refinement/refinement.hpp"
 #include "core/refinement/robust.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 #include "host_tests/support/simulated_arm.hpp"
@@ -39,7 +38,8 @@ double largest_error(const Refined& refined, const Cell& cell) {
   double largest = 0;
   for (int k = 0; k < 50; ++k) {
     const JointVector q = random.configuration(cell.arm);
-    largest = std::max(largest, (uncertainty::tool_position(refined, q, 0) - cell.point(q, 0)).norm());
+    largest =
+        std::max(largest, (uncertainty::tool_position(refined, q, 0) - cell.point(q, 0)).norm());
   }
   return largest;
 }
@@ -55,7 +55,8 @@ Case swept_puma(std::uint64_t seed, double sigma_m = kSigma, int mixed = 0) {
   Random random(seed);
   const Cell cell = test::puma_cell(random);
   const JointVector configuration = test::puma_configuration();
-  const Signature start = test::disturbed(test::signature_of(cell, configuration), 2e-3, 2e-3, random);
+  const Signature start =
+      test::disturbed(test::signature_of(cell, configuration), 2e-3, 2e-3, random);
   Log log;
   test::add_sweeps(cell, configuration, kPi, 30, sigma_m, random, log);
   test::add_poses(cell, mixed, sigma_m, random, log);
@@ -228,8 +229,8 @@ TEST(Refine, finds_the_scale_by_a_prismatic_joint) {
   for (Observation& row : log) row.p_S *= 1.004;
   RefinementConfig config;
   config.request.scale = true;
-  const Fit result =
-      fit(test::disturbed(test::signature_of(cell, configuration), 2e-3, 2e-3, random), log, config);
+  const Fit result = fit(
+      test::disturbed(test::signature_of(cell, configuration), 2e-3, 2e-3, random), log, config);
   ASSERT_TRUE(result.done);
   EXPECT_NEAR(result.refined->scale, 0.004, 1e-7);
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "core/refinement/square_root_factor.hpp"
-
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "core/refinement/square_root_factor.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::refinement {
@@ -71,8 +70,8 @@ TEST(SquareRootFactor, gives_covariances_by_the_transposed_solution) {
 }
 
 TEST(SquareRootFactor, keeps_the_digits_that_normal_equations_lose) {
-  // Laeuchli's matrix: columns (1, e, 0), (1, 0, e). With e = 1e-9, 1 + e^2 rounds to 1 and the normal
-  // equations are singular.
+  // Laeuchli's matrix: columns (1, e, 0), (1, 0, e). With e = 1e-9, 1 + e^2 rounds to 1 and the
+  // normal equations are singular.
   SquareRootFactor factor;
   factor.reset(2);
   const double e = 1e-9;
