@@ -49,6 +49,8 @@ std::string_view describe(Error error) {
       return "two sweeps hold the joint at different readings";
     case Error::kMirroredSense:
       return "the joint turns against the sense of the arm description";
+    case Error::kScaleUndetermined:
+      return "the scale needs a reference path, a prismatic joint or a prior";
     case Error::kOutOfReach:
       return "the pose is out of reach";
     case Error::kJointLimit:

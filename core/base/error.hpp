@@ -41,6 +41,8 @@ enum class Error : std::uint8_t {
   kHeldJointMoved,                 // another joint moved during a sweep
   kSignatureConfigurationDiffers,  // two sweeps hold a joint at different readings
   kMirroredSense,                  // a joint turns against the sense of the arm description
+  // Refinement.
+  kScaleUndetermined,  // the scale was asked for, and nothing in the log has a known length
   // Kinematics.
   kOutOfReach,
   kJointLimit,
