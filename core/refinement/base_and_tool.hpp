@@ -8,6 +8,7 @@
 
 #include <span>
 
+#include "core/base/error.hpp"
 #include "core/refinement/observation.hpp"
 #include "core/refinement/readings.hpp"
 #include "core/signature.hpp"

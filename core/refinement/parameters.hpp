@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/base/error.hpp"
 #include "core/refinement/observation.hpp"
 #include "core/signature.hpp"
 

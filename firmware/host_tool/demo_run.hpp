@@ -36,8 +36,8 @@ struct DemoRobot {
   double sweep_duration_s = 0;
 };
 
-// Robot 0 and 1: the robots of Table 2. Others: drawn about Table 1 with the usual tolerances, each with its own seed.
-// `noise_seed` repeats the measurement of the same robot.
+// Robot 0 and 1: the robots of Table 2. Others: drawn about Table 1 with the usual tolerances, each
+// with its own seed. `noise_seed` repeats the measurement of the same robot.
 [[nodiscard]] Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed,
                                              const DemoPlan& plan = {});
 

@@ -11,7 +11,9 @@
 namespace armsig::tool {
 namespace {
 
-std::string now_utc() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+std::string now_utc() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
 
 }  // namespace
 
@@ -28,6 +30,15 @@ SignatureRecord record_of(const Identified& identified, const ArmDescription& ar
   record.version = ARMSIG_VERSION;
   record.warnings = identified.warnings;
   return record;
+}
+
+void add_uncertainty(SignatureRecord& record, const RefinementOutcome& outcome) {
+  record.covariance = covariance_of(*outcome.refined);
+  record.covariance_of =
+      "axis lines in their link frames (direction x, y; position x, y of a revolute joint), joint "
+      "by "
+      "joint, then target points; rad and m";
+  record.predicted_tool_error_m = outcome.predicted_tool_error_m;
 }
 
 SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm) {

@@ -15,6 +15,9 @@ namespace armsig::tool {
 [[nodiscard]] SignatureRecord record_of(const Identified& identified, const ArmDescription& arm,
                                         const std::string& method, const std::string& serial);
 
+// What the refinement says of its own accuracy.
+void add_uncertainty(SignatureRecord& record, const RefinementOutcome& outcome);
+
 // A signature computed rather than measured (method "exact").
 [[nodiscard]] SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm);
 

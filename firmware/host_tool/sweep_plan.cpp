@@ -37,8 +37,8 @@ double duration_s(const Arm& arm, const SweepPlan& plan, const SweepPace& pace) 
   double total_s = 0;
   for (std::size_t j = 0; j < plan.sweeps.size(); ++j) {
     const SweepOfJoint& sweep = plan.sweeps[j];
-    const double speed = arm.joints[j].type == JointType::kRevolute ? pace.joint_speed_rad_s
-                                                                    : pace.slide_speed_m_s;
+    const double speed =
+        arm.joints[j].type == JointType::kRevolute ? pace.joint_speed_rad_s : pace.slide_speed_m_s;
     const double travel = std::abs(sweep.first - plan.configuration[j]) +
                           std::abs(sweep.last() - sweep.first) +
                           std::abs(plan.configuration[j] - sweep.last());

@@ -9,7 +9,8 @@
 
 namespace armsig::tool {
 
-// `1.5` multiplies the usual tolerances; `alpha_deg=0.1,a_mm=0.5` states some of them, the others are zero.
+// `1.5` multiplies the usual tolerances; `alpha_deg=0.1,a_mm=0.5` states some of them, the others
+// are zero.
 [[nodiscard]] Read<simulated::Tolerances> parse_tolerances(const std::string& text);
 
 }  // namespace armsig::tool

@@ -13,8 +13,8 @@ namespace armsig::tool {
 
 enum ExitStatus : int {
   kDone = 0,
-  kNoAnswer = 1,   // the data do not support an answer: refused, not converged, drifted
-  kBadInput = 2,   // wrong usage or unreadable input
+  kNoAnswer = 1,  // the data do not support an answer: refused, not converged, drifted
+  kBadInput = 2,  // wrong usage or unreadable input
 };
 
 // Options that every command takes.

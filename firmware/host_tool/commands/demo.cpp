@@ -30,29 +30,32 @@ struct Options : CommonOptions {
 };
 
 std::array<double, 4> average_improvement(const std::vector<DemoRobot>& robots,
-                                          DemoMethod DemoRobot::*method) {
+                                          DemoMethod DemoRobot::* method) {
   std::array<double, 4> average{};
   for (const DemoRobot& robot : robots) {
     const auto factors = improvement((robot.*method).grid);
-    for (std::size_t k = 0; k < 4; ++k) average[k] += factors[k] / static_cast<double>(robots.size());
+    for (std::size_t k = 0; k < 4; ++k)
+      average[k] += factors[k] / static_cast<double>(robots.size());
   }
   return average;
 }
 
 // Recovered and printed parameters side by side.
 std::string table2(const Signature& signature, const Arm& printed) {
-  Table table({"Link", "θ offset °", "printed", "d mm", "printed", "a mm", "printed", "α °", "printed"});
+  Table table(
+      {"Link", "θ offset °", "printed", "d mm", "printed", "a mm", "printed", "α °", "printed"});
   for (std::size_t i = 0; i < printed.joints.size(); ++i) {
     const DhJoint& found = signature.pseudo_dh[i];
     const DhJoint& row = printed.joints[i];
     const bool free_frame = i == 0 || i + 1 == printed.joints.size();
     const char* mark = free_frame ? "*" : " ";
-    table.add_row({fmt::format("{}", i + 1), fmt::format("{:.3f}{}", degrees(found.theta_rad), mark),
-                   fmt::format("{:.3f}", degrees(row.theta_rad)),
-                   fmt::format("{:.2f}{}", 1e3 * found.d_m, mark), fmt::format("{:.2f}", 1e3 * row.d_m),
-                   fmt::format("{:.2f}", 1e3 * found.a_m), fmt::format("{:.2f}", 1e3 * row.a_m),
-                   fmt::format("{:.3f}", degrees(found.alpha_rad)),
-                   fmt::format("{:.3f}", degrees(row.alpha_rad))});
+    table.add_row(
+        {fmt::format("{}", i + 1), fmt::format("{:.3f}{}", degrees(found.theta_rad), mark),
+         fmt::format("{:.3f}", degrees(row.theta_rad)),
+         fmt::format("{:.2f}{}", 1e3 * found.d_m, mark), fmt::format("{:.2f}", 1e3 * row.d_m),
+         fmt::format("{:.2f}", 1e3 * found.a_m), fmt::format("{:.2f}", 1e3 * row.a_m),
+         fmt::format("{:.3f}", degrees(found.alpha_rad)),
+         fmt::format("{:.3f}", degrees(row.alpha_rad))});
   }
   return table.render();
 }
@@ -119,10 +122,9 @@ Read<std::vector<std::string>> write_signatures(const std::vector<DemoRobot>& ro
       return record_of({.signature = signature, .counts = {}, .air_celsius = 20.0, .warnings = {}},
                        arm, method, "");
     };
-    for (const auto& written :
-         {write("paper", record(robots[k].paper.signature, "paper")),
-          write("encoder", record(robots[k].encoder.signature, "encoder")),
-          write("truth", exact_record(robots[k].truth, arm))}) {
+    for (const auto& written : {write("paper", record(robots[k].paper.signature, "paper")),
+                                write("encoder", record(robots[k].encoder.signature, "encoder")),
+                                write("truth", exact_record(robots[k].truth, arm))}) {
       if (!written) return std::unexpected(written.error());
     }
   }
@@ -132,17 +134,22 @@ Read<std::vector<std::string>> write_signatures(const std::vector<DemoRobot>& ro
 void print_story(const std::vector<DemoRobot>& robots, const Options& options) {
   const DemoPlan plan;
   fmt::print(
-      "armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman measured theirs (1986)\n"
+      "armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman measured theirs "
+      "(1986)\n"
       "\n"
-      "Each joint is swept in turn as far as its limits allow, {} points a joint. An ultrasonic sensor\n"
-      "of 8 receivers, 0.2 mm (1 sigma) a range, {} pings a point, locates a target on the moving link.\n"
+      "Each joint is swept in turn as far as its limits allow, {} points a joint. An ultrasonic "
+      "sensor\n"
+      "of 8 receivers, 0.2 mm (1 sigma) a range, {} pings a point, locates a target on the moving "
+      "link.\n"
       "On the arm this would take {}.\n\n",
       plan.points, plan.pings, duration_in_words(robots[0].sweep_duration_s));
-  fmt::print("Table 1. Ideal kinematic parameters: the drawing\n\n{}\n", dh_table(puma560().joints));
+  fmt::print("Table 1. Ideal kinematic parameters: the drawing\n\n{}\n",
+             dh_table(puma560().joints));
   for (int robot : {1, 2}) {
     const Signature& signature = robots[static_cast<std::size_t>(robot) - 1].encoder.signature;
-    fmt::print("Table 2. Arm signature of robot {}, as recovered and as printed in the paper\n\n{}\n",
-               robot, table2(signature, table2_robot(robot)));
+    fmt::print(
+        "Table 2. Arm signature of robot {}, as recovered and as printed in the paper\n\n{}\n",
+        robot, table2(signature, table2_robot(robot)));
   }
   fmt::print(
       "  * θ and d of links 1 and 6 depend on the choice of frames 0 and 6, which is free.\n{}\n",

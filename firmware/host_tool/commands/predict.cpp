@@ -52,8 +52,9 @@ int run(const Options& options) {
   }
   const std::string what =
       *target ? fmt::format("target {}", (*target)->number) : std::string("the last link's frame");
-  const auto written = write_tool_poses(
-      options.out, poses, fmt::format("{}: poses of {} in the sensor frame", record->arm_name, what));
+  const auto written =
+      write_tool_poses(options.out, poses,
+                       fmt::format("{}: poses of {} in the sensor frame", record->arm_name, what));
   if (!written) return fail(written.error(), kBadInput, options);
   if (options.json) {
     print_json({{"status", 0}, {"poses", poses.size()}, {"of", what}, {"out", options.out}});
