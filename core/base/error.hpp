@@ -68,9 +68,11 @@ using Judged = std::expected<T, Refusal>;
 
 }  // namespace armsig
 
+// NOLINTBEGIN(bugprone-macro-parentheses): `name` is declared, and can't be in parentheses
 // ARMSIG_TRY(name, expression): binds `name` to the value of a Result, or returns its error from
 // this function.
 #define ARMSIG_TRY(name, expression)                                                \
   auto name##_or_error = (expression);                                              \
   if (!name##_or_error) return std::unexpected(std::move(name##_or_error).error()); \
   auto& name = *name##_or_error
+// NOLINTEND(bugprone-macro-parentheses)

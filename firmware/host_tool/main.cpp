@@ -28,6 +28,9 @@ int run(int argc, char** argv) {
   add_simulate(app, status);
   add_identify(app, status);
   add_predict(app, status);
+  add_solve(app, status);
+  add_check(app, status);
+  add_suggest(app, status);
   add_evaluate(app, status);
   try {
     app.parse(argc, argv);

@@ -33,6 +33,9 @@ void add_demo(CLI::App& app, int& status);
 void add_simulate(CLI::App& app, int& status);
 void add_identify(CLI::App& app, int& status);
 void add_predict(CLI::App& app, int& status);
+void add_solve(CLI::App& app, int& status);
+void add_check(CLI::App& app, int& status);
+void add_suggest(CLI::App& app, int& status);
 void add_evaluate(CLI::App& app, int& status);
 
 // The flag --json of a command.

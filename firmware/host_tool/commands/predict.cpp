@@ -6,6 +6,7 @@
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/formats/poses.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/model.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -14,19 +15,6 @@ struct Options : CommonOptions {
   std::string signature, joints, out;
   std::optional<int> target;
 };
-
-// The target asked for; no target for the last link's frame.
-Read<std::optional<Target>> target_asked_for(const Options& options, const Signature& signature) {
-  if (!options.target) return std::nullopt;
-  std::string known;
-  for (const Target& target : signature.targets) {
-    if (target.number == *options.target) return target;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", target.number);
-  }
-  return std::unexpected(
-      Problem{options.signature, 0, 0, fmt::format("there is no target {}", *options.target),
-              known.empty() ? "a signature with targets" : fmt::format("one of {}", known)});
-}
 
 // The point asked for, with the orientation of the link that it is on.
 Pose predicted(const Signature& signature, const JointVector& q,
@@ -40,7 +28,7 @@ int run(const Options& options) {
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const Signature& signature = record->signature;
-  const auto target = target_asked_for(options, signature);
+  const auto target = find_target(*record, options.signature, options.target);
   if (!target) return fail(target.error(), kBadInput, options);
   const auto joints = read_joint_poses(options.joints, signature.types);
   if (!joints) return fail(joints.error(), kBadInput, options);
