@@ -40,26 +40,17 @@ double estimated_limit(double freedom) {
   return 3 * f * f * f;
 }
 
-Vector3 residual(const SweepStatistics& about, const Coefficients& fit, const SweepPoint& point) {
-  return point.p_S - about.origin_S - fit.transpose() * about.regressors(point);
-}
-
-// Squared residual over the variance per axis: quick, for ranking.
-double squared_distance(const SweepStatistics& about, const Coefficients& fit,
-                        const SweepPoint& point) {
-  const double d = residual(about, fit, point).squaredNorm() / point.variance();
-  return std::isfinite(d) ? d : kInfinity;
-}
-
 // The prediction's variance at `point` over the variance of the point.
 double leverage(const SweepStatistics& accepted, const SweepPoint& point) {
   return accepted.motion.prediction_variance(accepted.regressors(point)) / point.variance();
 }
 
-// r^T (variance_factor * covariance + rounding)^-1 r
-double chi_square(const SweepPoint& point, const Vector3& r, double variance_factor, double speed) {
+// r^T (variance_factor * covariance + rounding)^-1 r, with r the residual of the point.
+double chi_square(const SweepStatistics& about, const Coefficients& fit, double variance_factor,
+                  const SweepPoint& point) {
+  const Vector3 r = point.p_S - about.origin_S - fit.transpose() * about.regressors(point);
   Matrix3 covariance = variance_factor * point.covariance_m2;
-  covariance.diagonal().array() += rounding_variance(point, speed);
+  covariance.diagonal().array() += rounding_variance(point, fit.row(1).norm());
   // Scaled, because variances of exact data are near 1e-30 and their determinant would underflow.
   const double size = covariance.trace();
   const Vector3 solved = (covariance / size).inverse() * r;
@@ -79,16 +70,17 @@ class Sequence {
   std::uint64_t state_ = 1;
 };
 
-using Order = std::array<std::uint8_t, kGateCapacity>;
+// The waiting points by ascending reading, so that the order of the rows cannot matter.
+using Order = FixedVector<std::uint8_t, kGateCapacity>;
 
-// Indices of the waiting points by ascending reading.
 Order by_reading(const WaitingPoints& waiting) {
-  Order order{};
-  for (std::size_t i = 0; i < waiting.size(); ++i) order[i] = static_cast<std::uint8_t>(i);
-  std::sort(order.begin(), order.begin() + waiting.size(), [&](std::uint8_t a, std::uint8_t b) {
-    if (waiting[a].reading != waiting[b].reading) return waiting[a].reading < waiting[b].reading;
-    return std::lexicographical_compare(waiting[a].p_S.begin(), waiting[a].p_S.end(),
-                                        waiting[b].p_S.begin(), waiting[b].p_S.end());
+  Order order;
+  for (std::size_t i = 0; i < waiting.size(); ++i) order.push_back(static_cast<std::uint8_t>(i));
+  std::ranges::sort(order, [&](std::uint8_t i, std::uint8_t j) {
+    const SweepPoint& a = waiting[i];
+    const SweepPoint& b = waiting[j];
+    if (a.reading != b.reading) return a.reading < b.reading;
+    return std::ranges::lexicographical_compare(a.p_S, b.p_S);
   });
   return order;
 }
@@ -101,28 +93,50 @@ SweepStatistics base(const SweepStatistics& accepted, const WaitingPoints& waiti
   const std::size_t middle = waiting.size() / 2;
   SweepPoint origin = waiting[order[middle]];
   for (int axis = 0; axis < 3; ++axis) {
-    std::array<double, kGateCapacity> values{};
-    for (std::size_t i = 0; i < waiting.size(); ++i) values[i] = waiting[i].p_S[axis];
-    std::nth_element(values.begin(), values.begin() + middle, values.begin() + waiting.size());
+    FixedVector<double, kGateCapacity> values;
+    for (const SweepPoint& point : waiting) values.push_back(point.p_S[axis]);
+    std::nth_element(values.begin(), values.begin() + middle, values.end());
     origin.p_S[axis] = values[middle];
   }
   return {accepted.type, origin};
 }
 
+// A row of the motion fit, weighted to unit variance per axis.
+struct Row {
+  Vector3 regressors = Vector3::Zero();
+  Vector3 p = Vector3::Zero();
+};
+using Rows = FixedVector<Row, kGateCapacity>;
+
+Rows weighted_rows(const SweepStatistics& about, const WaitingPoints& waiting, const Order& order) {
+  Rows rows;
+  for (const std::uint8_t i : order) {
+    const double weight = 1 / std::sqrt(waiting[i].variance());
+    rows.push_back(
+        {weight * about.regressors(waiting[i]), weight * (waiting[i].p_S - about.origin_S)});
+  }
+  return rows;
+}
+
+// Squared distance from a fit: quick, for ranking.
+double squared_distance(const Row& row, const Coefficients& fit) {
+  const double d = (row.p - fit.transpose() * row.regressors).squaredNorm();
+  return std::isfinite(d) ? d : kInfinity;
+}
+
 // A fit through the points accepted before and a minimal subset of the waiting ones: one from each
 // third (half) of the range of readings, or, every second time, from anywhere, in case all those of
 // one third are wrong.
-MotionRls candidate(const SweepStatistics& before, const WaitingPoints& waiting, const Order& order,
-                    int trial, Sequence& sequence) {
+MotionRls candidate(const SweepStatistics& before, const Rows& rows, int trial,
+                    Sequence& sequence) {
   const std::size_t size =
-      std::min(static_cast<std::size_t>(motion_unknowns(before.type)), waiting.size());
+      std::min(static_cast<std::size_t>(motion_unknowns(before.type)), rows.size());
   MotionRls motion = before.motion;
   for (std::size_t i = 0; i < size; ++i) {
-    const std::size_t begin = trial % 2 == 0 ? i * waiting.size() / size : 0;
-    const std::size_t end = trial % 2 == 0 ? (i + 1) * waiting.size() / size : waiting.size();
-    const SweepPoint& point = waiting[order[begin + sequence.below(end - begin)]];
-    const double weight = 1 / std::sqrt(point.variance());
-    motion.update(weight * before.regressors(point), weight * (point.p_S - before.origin_S));
+    const std::size_t begin = trial % 2 == 0 ? i * rows.size() / size : 0;
+    const std::size_t end = trial % 2 == 0 ? (i + 1) * rows.size() / size : rows.size();
+    const Row& row = rows[begin + sequence.below(end - begin)];
+    motion.update(row.regressors, row.p);
   }
   return motion;
 }
@@ -135,23 +149,20 @@ struct RobustStart {
 // Least median of squares, then, at the scale that the median shows, the candidate that explains
 // most (truncated squares): the median alone cannot tell candidates apart where more than half of
 // the points share one reading.
-RobustStart robust_start(const SweepStatistics& before, const WaitingPoints& waiting,
-                         const Order& order, bool sigma_is_known) {
-  const std::size_t unknowns = static_cast<std::size_t>(motion_unknowns(before.type));
-  const std::size_t middle = std::min(waiting.size() / 2 + (unknowns + 1) / 2, waiting.size()) - 1;
+RobustStart robust_start(const SweepStatistics& before, const Rows& rows, bool sigma_is_known) {
+  const auto unknowns = static_cast<std::size_t>(motion_unknowns(before.type));
+  const std::size_t middle = std::min(rows.size() / 2 + (unknowns + 1) / 2, rows.size()) - 1;
   double least_median = kInfinity;
   Sequence medians;
   for (int trial = 0; trial < kSubsets; ++trial) {
-    const Coefficients fit = candidate(before, waiting, order, trial, medians).solve();
-    std::array<double, kGateCapacity> distances{};
-    for (std::size_t i = 0; i < waiting.size(); ++i)
-      distances[i] = squared_distance(before, fit, waiting[i]);
-    std::nth_element(distances.begin(), distances.begin() + middle,
-                     distances.begin() + waiting.size());
+    const Coefficients fit = candidate(before, rows, trial, medians).solve();
+    FixedVector<double, kGateCapacity> distances;
+    for (const Row& row : rows) distances.push_back(squared_distance(row, fit));
+    std::nth_element(distances.begin(), distances.begin() + middle, distances.end());
     least_median = std::min(least_median, distances[middle]);
   }
   // Rousseeuw's correction for few points.
-  const double spare = static_cast<double>(waiting.size()) - static_cast<double>(unknowns);
+  const double spare = static_cast<double>(rows.size()) - static_cast<double>(unknowns);
   const double few = 1 + 5 / std::max(spare, 1.0);
   RobustStart start{before.motion, few * few * least_median / kChiSquareMedian};
   if (sigma_is_known) start.variance = std::max(start.variance, 1.0);
@@ -159,11 +170,11 @@ RobustStart robust_start(const SweepStatistics& before, const WaitingPoints& wai
   double least_cost = kInfinity;
   Sequence costs;
   for (int trial = 0; trial < kSubsets; ++trial) {
-    const MotionRls motion = candidate(before, waiting, order, trial, costs);
+    const MotionRls motion = candidate(before, rows, trial, costs);
     const Coefficients fit = motion.solve();
     double cost = 0;
-    for (std::size_t i = 0; i < waiting.size(); ++i)
-      cost += std::min(squared_distance(before, fit, waiting[i]), kGateChiSquare * start.variance);
+    for (const Row& row : rows)
+      cost += std::min(squared_distance(row, fit), kGateChiSquare * start.variance);
     if (cost < least_cost) {
       least_cost = cost;
       start.motion = motion;
@@ -189,9 +200,8 @@ bool predicts(const SweepStatistics& accepted, const SweepPoint& point) {
 bool passes_gate(const SweepStatistics& accepted, bool sigma_is_known, const SweepPoint& point) {
   const Coefficients fit = accepted.motion.solve();
   const GateScale scale = gate_scale(accepted, sigma_is_known);
-  const double d =
-      chi_square(point, residual(accepted, fit, point), scale.variance, fit.row(1).norm());
-  return d <= scale.limit * (1 + leverage(accepted, point));
+  return chi_square(accepted, fit, scale.variance, point) <=
+         scale.limit * (1 + leverage(accepted, point));
 }
 
 Verdicts judge_together(const SweepStatistics& accepted, bool sigma_is_known,
@@ -200,7 +210,8 @@ Verdicts judge_together(const SweepStatistics& accepted, bool sigma_is_known,
   if (waiting.empty()) return verdicts;
   const Order order = by_reading(waiting);
   const SweepStatistics before = base(accepted, waiting, order);
-  const RobustStart start = robust_start(before, waiting, order, sigma_is_known);
+  const RobustStart start =
+      robust_start(before, weighted_rows(before, waiting, order), sigma_is_known);
 
   SweepStatistics current = before;
   current.motion = start.motion;
@@ -209,18 +220,17 @@ Verdicts judge_together(const SweepStatistics& accepted, bool sigma_is_known,
     const Coefficients fit = current.motion.solve();
     SweepStatistics next = before;
     bool changed = false;
-    for (std::size_t i = 0; i < waiting.size(); ++i) {
-      const SweepPoint& point = waiting[order[i]];
-      bool& verdict = verdicts[order[i]];
+    for (const std::uint8_t i : order) {
+      const SweepPoint& point = waiting[i];
+      bool& verdict = verdicts[i];
       // The residual of a point that took part in the fit is smaller than its noise, that of any
       // other is larger.
       const bool took_part = round > 0 && verdict;
       const double h = leverage(current, point);
       const double spread = took_part ? 1 - h : 1 + h;
-      const double d =
-          chi_square(point, residual(current, fit, point), scale.variance, fit.row(1).norm());
       const bool alone = took_part && spread < kNoSpread;
-      const bool passes = alone || d <= scale.limit * spread;
+      const bool passes =
+          alone || chi_square(current, fit, scale.variance, point) <= scale.limit * spread;
       changed = changed || passes != verdict;
       verdict = passes;
       if (passes) next.add(point);

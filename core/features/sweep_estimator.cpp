@@ -20,19 +20,25 @@ Refusal refusal_of(Error error, std::size_t found, std::size_t needed) {
   return {error, static_cast<double>(found), static_cast<double>(needed)};
 }
 
-// Judges the waiting points and takes them in, in the order of their arrival.
-void settle(SweepState& state) {
+struct Settled {
+  SweepStatistics accepted;
+  std::size_t rejected = 0;
+};
+
+// Judges the waiting points and takes in the good ones, in the order of their arrival.
+Settled settle(const SweepState& state) {
+  Settled settled{state.accepted, state.rejected};
   const Verdicts verdicts = judge_together(state.accepted, state.sigma_is_known, state.waiting);
   for (std::size_t i = 0; i < state.waiting.size(); ++i) {
     const SweepPoint& point = state.waiting[i];
     if (!verdicts[i]) {
-      ++state.rejected;
+      ++settled.rejected;
       continue;
     }
-    if (state.accepted.count == 0) state.accepted = SweepStatistics(state.accepted.type, point);
-    state.accepted.add(point);
+    if (settled.accepted.count == 0) settled.accepted = SweepStatistics(state.accepted.type, point);
+    settled.accepted.add(point);
   }
-  state.waiting.clear();
+  return settled;
 }
 
 // What the readings and points show before any of them is judged.
@@ -137,14 +143,18 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
   s.highest_reading = std::max(s.highest_reading, reading);
   s.all_equal = s.all_equal && p_S == s.first_S;
   const auto is_same = [&](double seen) { return std::abs(seen - reading) < kSameReading; };
-  if (!s.distinct_readings.full() &&
-      std::none_of(s.distinct_readings.begin(), s.distinct_readings.end(), is_same))
+  if (!s.distinct_readings.full() && std::ranges::none_of(s.distinct_readings, is_same))
     s.distinct_readings.push_back(reading);
 
   const SweepPoint point{reading, p_S, s.latest_covariance_m2};
   if (!predicts(s.accepted, point)) {
     s.waiting.push_back(point);
-    if (s.waiting.full()) settle(s);
+    if (s.waiting.full()) {
+      const Settled settled = settle(s);
+      s.accepted = settled.accepted;
+      s.rejected = settled.rejected;
+      s.waiting.clear();
+    }
   } else if (passes_gate(s.accepted, s.sigma_is_known, point)) {
     s.accepted.add(point);
   } else {
@@ -160,16 +170,15 @@ Judged<JointFeature> SweepEstimator::estimate(Method method) const {
   if (const auto refusal = refusal_before_gate(config_, state_, least_points))
     return std::unexpected(*refusal);
 
-  SweepState settled = state_;
-  settle(settled);
+  const Settled settled = settle(state_);
   const SweepStatistics& statistics = settled.accepted;
-  const double kept = (1 - limits.greatest_rejected) * static_cast<double>(settled.count);
+  const double kept = (1 - limits.greatest_rejected) * static_cast<double>(state_.count);
   const std::size_t least_accepted =
       std::max(least_points, static_cast<std::size_t>(std::ceil(kept)));
   if (statistics.count < least_accepted)
     return std::unexpected(refusal_of(Error::kTooManyOutliers, statistics.count, least_accepted));
 
-  const NoiseLevel noise = noise_level(statistics, settled.sigma_is_known);
+  const NoiseLevel noise = noise_level(statistics, state_.sigma_is_known);
   if (const auto refusal = refusal_before_fit(limits, statistics, noise))
     return std::unexpected(*refusal);
   Judged<JointFeature> feature = describe_fit(statistics, noise, method);
