@@ -57,6 +57,8 @@ std::string_view describe(Error error) {
       return "the CAN controller is bus-off";
     case Error::kBusBusy:
       return "the CAN send queue stays full";
+    case Error::kTooFewAxes:
+      return "no drive is configured";
     case Error::kNodeOutOfRange:
       return "a CAN node number is outside 1 to 127 or is the master's own";
     case Error::kNodeTwice:

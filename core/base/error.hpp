@@ -47,6 +47,7 @@ enum class Error : std::uint8_t {
   kBusDown,              // the CAN interface is down or gone
   kBusOff,               // the CAN controller took itself off the bus
   kBusBusy,              // the send queue is full
+  kTooFewAxes,           // a machine without a drive
   kNodeOutOfRange,       // a CAN node number outside 1 to 127, or the master's own
   kNodeTwice,            // two devices with one node number
   kScaleInvalid,         // counts per revolution, gear ratio or lead is not a positive number
