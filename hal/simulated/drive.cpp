@@ -25,7 +25,34 @@ Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Ins
       motion_(configuration.motion, now),
       now_(now),
       boot_at_(now + configuration.boot_time) {
+  read_settings();
   publish();
+}
+
+void Drive::read_settings() {
+  using std::chrono::milliseconds;
+  constexpr std::uint32_t kLastSynchronousType = 240;
+  const auto on_sync = [&](std::uint16_t parameter) {
+    const std::uint32_t type = dictionary_.get(parameter, 2);
+    return type > 0 && type <= kLastSynchronousType;
+  };
+  const std::uint32_t consumer = dictionary_.get(0x1016, 1);
+  hal::Duration unit = std::chrono::seconds(1);
+  for (auto exponent = static_cast<std::int8_t>(dictionary_.get(0x60C2, 2)); exponent < 0;
+       ++exponent) {
+    unit /= 10;
+  }
+  settings_ = {.receive_pdo = dictionary_.get(0x1400, 1),
+               .transmit_pdo = dictionary_.get(0x1800, 1),
+               .receives_on_sync = on_sync(0x1400),
+               .transmits_on_sync = on_sync(0x1800),
+               .master = static_cast<std::uint8_t>((consumer >> 16) & 0x7F),
+               .master_timeout = milliseconds(consumer & 0xFFFF),
+               .heartbeat = milliseconds(dictionary_.get(0x1017)),
+               .quick_stop_option = static_cast<std::uint16_t>(dictionary_.get(0x605A)),
+               .following_window = dictionary_.get(0x6065),
+               .following_timeout = milliseconds(dictionary_.get(0x6066)),
+               .period = unit * dictionary_.get(0x60C2, 1)};
 }
 
 void Drive::send(const hal::CanFrame& frame) {
@@ -58,6 +85,7 @@ void Drive::reset(bool whole_device) {
   nmt_ = NmtState::kBootUp;
   boot_at_ = now_ + configuration_.boot_time;
   dictionary_.restore();
+  read_settings();
   pending_pdo_.reset();
   master_heard_.reset();
   sync_at_.reset();
@@ -74,7 +102,7 @@ void Drive::enter(NmtState state) {
   next_heartbeat_ = now_;
   // Without PDOs nobody commands the drive (abort connection, object 6007h).
   if (state != NmtState::kOperational && power_.state() == State::kOperationEnabled) {
-    power_.quick_stop(static_cast<std::uint16_t>(dictionary_.get(0x605A)), motion_);
+    power_.quick_stop(settings_.quick_stop_option, motion_);
   }
 }
 
@@ -93,7 +121,8 @@ void Drive::inject(DriveFault fault, std::int32_t code) {
 
 void Drive::do_advance(hal::Instant until) {
   now_ = until;
-  motion_.advance(until);
+  // Between two steps of the motion nothing of the drive's own changes.
+  if (!motion_.advance(until)) return;
   power_.advance(motion_);
   if (nmt_ == NmtState::kBootUp) {
     if (until < boot_at_) return;
@@ -102,9 +131,8 @@ void Drive::do_advance(hal::Instant until) {
     next_heartbeat_ = until;
     send(canopen::heartbeat_frame(configuration_.node, NmtState::kBootUp));
   }
-  const hal::Duration producer = std::chrono::milliseconds(dictionary_.get(0x1017));
-  if (producer > hal::Duration::zero() && until >= next_heartbeat_) {
-    next_heartbeat_ = until + producer;
+  if (settings_.heartbeat > hal::Duration::zero() && until >= next_heartbeat_) {
+    next_heartbeat_ = until + settings_.heartbeat;
     if (fault_ != DriveFault::kHeartbeatLost) {
       send(canopen::heartbeat_frame(configuration_.node, nmt_));
     }
@@ -113,13 +141,12 @@ void Drive::do_advance(hal::Instant until) {
 }
 
 void Drive::supervise() {
-  const std::uint32_t consumer = dictionary_.get(0x1016, 1);
-  if (master_heard_ && now_ - *master_heard_ > std::chrono::milliseconds(consumer & 0xFFFF)) {
+  if (master_heard_ && now_ - *master_heard_ > settings_.master_timeout) {
     master_heard_.reset();
     constexpr std::uint32_t kQuickStop = 3;  // option of object 6007h
     if (dictionary_.get(0x6007) == kQuickStop && power_.state() == State::kOperationEnabled) {
       send_emergency(kEmergencyHeartbeat);
-      power_.quick_stop(static_cast<std::uint16_t>(dictionary_.get(0x605A)), motion_);
+      power_.quick_stop(settings_.quick_stop_option, motion_);
     } else if (power_.state() == State::kOperationEnabled) {
       fail(kEmergencyHeartbeat);
     } else {
@@ -128,29 +155,24 @@ void Drive::supervise() {
   }
   const bool watched = configuration_.sync_loss_periods > 0 && sync_at_ &&
                        power_.state() == State::kOperationEnabled;
-  if (watched && now_ - *sync_at_ > interpolation_period() * configuration_.sync_loss_periods) {
+  if (watched && now_ - *sync_at_ > settings_.period * configuration_.sync_loss_periods) {
     fail(kEmergencySync);
   }
   supervise_following();
 }
 
 void Drive::supervise_following() {
-  const std::uint32_t window = dictionary_.get(0x6065);
-  const bool beyond = window != 0xFFFFFFFF && power_.state() == State::kOperationEnabled &&
-                      std::fabs(motion_.following_error()) > window;
+  constexpr std::uint32_t kOff = 0xFFFFFFFF;
+  const bool beyond = settings_.following_window != kOff &&
+                      power_.state() == State::kOperationEnabled &&
+                      std::fabs(motion_.following_error()) > settings_.following_window;
   if (!beyond) {
     error_since_.reset();
   } else if (!error_since_) {
     error_since_ = now_;
-  } else if (now_ - *error_since_ > std::chrono::milliseconds(dictionary_.get(0x6066))) {
+  } else if (now_ - *error_since_ > settings_.following_timeout) {
     fail(kEmergencyFollowing);
   }
-}
-
-hal::Duration Drive::interpolation_period() const {
-  const auto exponent = static_cast<std::int8_t>(dictionary_.get(0x60C2, 2));
-  return std::chrono::duration_cast<hal::Duration>(std::chrono::duration<double>(
-      dictionary_.get(0x60C2, 1) * std::pow(10.0, static_cast<double>(exponent))));
 }
 
 void Drive::publish() {
@@ -169,7 +191,7 @@ void Drive::do_take(const hal::ReceivedCanFrame& received) {
     take_nmt(frame);
   } else if (frame.id == canopen::kSyncId) {
     take_sync();
-  } else if (frame.id == (dictionary_.get(0x1400, 1) & (kPdoOff | 0x7FFU))) {
+  } else if (frame.id == (settings_.receive_pdo & (kPdoOff | 0x7FFU))) {
     take_receive_pdo(frame);
   } else if (function == canopen::kHeartbeatId) {
     take_masters_heartbeat(node);
@@ -177,6 +199,7 @@ void Drive::do_take(const hal::ReceivedCanFrame& received) {
              nmt_ != NmtState::kStopped && fault_ != DriveFault::kSdoSilent) {
     publish();
     if (const auto answer = dictionary_.serve(frame)) send(*answer);
+    read_settings();
   }
 }
 
@@ -206,10 +229,10 @@ void Drive::take_sync() {
   sync_at_ = now_;
   if (pending_pdo_) apply_receive_pdo();
   publish();
-  const std::uint32_t id = dictionary_.get(0x1800, 1);
-  const std::uint32_t type = dictionary_.get(0x1800, 2);
-  if ((id & kPdoOff) != 0 || type == 0 || type > 240 || fault_ == DriveFault::kFeedbackLost) return;
-  send(dictionary_.pack(0x1A00, id));
+  const bool on = (settings_.transmit_pdo & kPdoOff) == 0 && settings_.transmits_on_sync;
+  if (on && fault_ != DriveFault::kFeedbackLost) {
+    send(dictionary_.pack(0x1A00, settings_.transmit_pdo));
+  }
 }
 
 void Drive::take_receive_pdo(const hal::CanFrame& frame) {
@@ -219,25 +242,23 @@ void Drive::take_receive_pdo(const hal::CanFrame& frame) {
     return;
   }
   pending_pdo_ = frame;
-  constexpr std::uint32_t kLastSynchronousType = 240;
-  if (dictionary_.get(0x1400, 2) > kLastSynchronousType) apply_receive_pdo();
+  if (!settings_.receives_on_sync) apply_receive_pdo();
 }
 
 void Drive::apply_receive_pdo() {
   dictionary_.unpack(0x1600, *pending_pdo_);
   pending_pdo_.reset();
-  const auto quick_stop_option = static_cast<std::uint16_t>(dictionary_.get(0x605A));
   const auto word = static_cast<std::uint16_t>(dictionary_.get(0x6040));
-  if (power_.take(word, quick_stop_option, motion_)) send_emergency(0);
+  if (power_.take(word, settings_.quick_stop_option, motion_)) send_emergency(0);
   if (power_.state() == State::kOperationEnabled) {
-    motion_.set_target(static_cast<std::int32_t>(dictionary_.get(0x607A)), interpolation_period(),
-                       now_);
+    motion_.set_target(static_cast<std::int32_t>(dictionary_.get(0x607A)), settings_.period, now_);
   }
 }
 
 void Drive::take_masters_heartbeat(std::uint8_t node) {
-  const std::uint32_t consumer = dictionary_.get(0x1016, 1);
-  if ((consumer & 0xFFFF) != 0 && ((consumer >> 16) & 0x7F) == node) master_heard_ = now_;
+  if (settings_.master_timeout > hal::Duration::zero() && settings_.master == node) {
+    master_heard_ = now_;
+  }
 }
 
 }  // namespace armsig::simulated

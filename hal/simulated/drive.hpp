@@ -61,6 +61,22 @@ class Drive final : public CanDevice {
   void do_advance(hal::Instant until) override;
   void do_take(const hal::ReceivedCanFrame& received) override;
 
+  // What the drive needs of its dictionary in every cycle, taken from it after each SDO.
+  struct Settings {
+    std::uint32_t receive_pdo = 0;  // 1400h:01
+    std::uint32_t transmit_pdo = 0;
+    bool receives_on_sync = false;  // by 1400h:02
+    bool transmits_on_sync = false;
+    std::uint8_t master = 0;  // 1016h:01
+    hal::Duration master_timeout{};
+    hal::Duration heartbeat{};  // 1017h
+    std::uint16_t quick_stop_option = 0;
+    std::uint32_t following_window = 0;
+    hal::Duration following_timeout{};
+    hal::Duration period{};  // 60C2h
+  };
+
+  void read_settings();
   void send(const hal::CanFrame& frame);
   void send_emergency(std::uint16_t code);
   void fail(std::uint16_t code);
@@ -74,12 +90,12 @@ class Drive final : public CanDevice {
   void supervise();
   void supervise_following();
   void publish();
-  [[nodiscard]] hal::Duration interpolation_period() const;
   [[nodiscard]] bool operational() const { return nmt_ == canopen::NmtState::kOperational; }
 
   DriveConfiguration configuration_;
   hal::CanBus* bus_;
   DriveDictionary dictionary_;
+  Settings settings_;
   DriveMotion motion_;
   DrivePower power_;
   canopen::NmtState nmt_ = canopen::NmtState::kBootUp;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "hal/simulated/drive_dictionary.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "core/base/check.hpp"
 #include "hal/canopen/protocol.hpp"
 
@@ -63,6 +66,7 @@ void DriveDictionary::restore() {
   add(0x60C2, 1, 1, kReadWrite, 1);       // interpolation period
   add(0x60C2, 2, 1, kReadWrite, 0xFD);    // its exponent, -3
   add(0x6502, 0, 4, kReadOnly, 1U << 7);  // supported modes: CSP
+  std::ranges::sort(objects_, std::ranges::less{}, &Object::key);
 }
 
 // Two PDOs each way exist, so that a master meets both kinds: PDO1 and PDO2 are on after power-up,
@@ -86,18 +90,14 @@ void DriveDictionary::add_pdos() {
   }
 }
 
-Object* DriveDictionary::find(std::uint16_t index, std::uint8_t subindex) {
-  for (Object& object : objects_) {
-    if (object.index == index && object.subindex == subindex) return &object;
-  }
-  return nullptr;
+const Object* DriveDictionary::find(std::uint16_t index, std::uint8_t subindex) const {
+  const std::uint32_t key = Object{.index = index, .subindex = subindex}.key();
+  const Object* object = std::ranges::lower_bound(objects_, key, std::ranges::less{}, &Object::key);
+  return object != objects_.end() && object->key() == key ? object : nullptr;
 }
 
-const Object* DriveDictionary::find(std::uint16_t index, std::uint8_t subindex) const {
-  for (const Object& object : objects_) {
-    if (object.index == index && object.subindex == subindex) return &object;
-  }
-  return nullptr;
+Object* DriveDictionary::find(std::uint16_t index, std::uint8_t subindex) {
+  return const_cast<Object*>(std::as_const(*this).find(index, subindex));
 }
 
 std::uint32_t DriveDictionary::get(std::uint16_t index, std::uint8_t subindex) const {

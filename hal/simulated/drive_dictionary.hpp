@@ -21,6 +21,10 @@ struct Object {
   std::uint8_t bytes = 0;
   Access access = Access::kReadOnly;
   std::uint32_t value = 0;
+
+  [[nodiscard]] constexpr std::uint32_t key() const {
+    return (static_cast<std::uint32_t>(index) << 8) | subindex;
+  }
 };
 
 // An SDO abort code (CiA 301, 7.2.4.3.17), 0 for none.
@@ -60,7 +64,7 @@ class DriveDictionary {
   [[nodiscard]] AbortCode check_mapping(const Object& object, std::uint32_t value) const;
 
   std::uint8_t node_;
-  FixedVector<Object, kMaxObjects> objects_;
+  FixedVector<Object, kMaxObjects> objects_;  // by rising key
 };
 
 }  // namespace armsig::simulated

@@ -48,11 +48,13 @@ void DriveMotion::set_target(std::int32_t counts, hal::Duration period, hal::Ins
   s_.period = period;
 }
 
-void DriveMotion::advance(hal::Instant until) {
-  while (s_.now + kStep <= until) {
+bool DriveMotion::advance(hal::Instant until) {
+  bool stepped = false;
+  for (; s_.now + kStep <= until; stepped = true) {
     s_.now += kStep;
     step();
   }
+  return stepped;
 }
 
 void DriveMotion::step() {

@@ -53,7 +53,8 @@ class DriveMotion {
   void set_blocked(bool blocked) { s_.blocked = blocked; }
   // A new target, to be reached linearly `period` from now on (object 60C2h).
   void set_target(std::int32_t counts, hal::Duration period, hal::Instant now);
-  void advance(hal::Instant until);
+  // In whole steps; true if there was one.
+  bool advance(hal::Instant until);
 
  private:
   [[nodiscard]] double reference(hal::Instant at) const;
