@@ -20,6 +20,9 @@ constexpr double kTargetPeriods = 4;
 // a drive that overshoots or is pushed stays below, a bit error does not.
 constexpr double kFeedbackMargin = 4;
 
+// A drive that boots more often than this after one reset does not stay up.
+constexpr unsigned kMostBootUps = 3;
+
 // Faults after which the drive's own settings are in doubt, so that it must be set up again.
 bool needs_setup(Error fault) {
   switch (fault) {
@@ -61,6 +64,7 @@ hal::DriveStatus DriveNode::status() const {
 void DriveNode::enter(Phase phase, hal::Instant now) {
   s_.phase = phase;
   s_.phase_since = now;
+  if (phase == Phase::kUnreset) s_.boot_ups = 0;
   if (phase == Phase::kStarted) {
     s_.heard_at = now;
     s_.missed = 0;
@@ -130,10 +134,13 @@ bool DriveNode::take_heartbeat(const hal::CanFrame& frame, hal::Instant now) {
   const auto state = static_cast<NmtState>(frame.data[0] & 0x7FU);
   s_.heard_at = now;
   if (state == NmtState::kBootUp) {
-    if (s_.phase == Phase::kBooting) {
-      enter(Phase::kBooted, now);
-    } else if (s_.phase != Phase::kUnreset && s_.phase != Phase::kFailed) {
+    if (is_started()) {
       latch(Error::kDriveRebooted);
+    } else if (s_.phase != Phase::kUnreset && s_.phase != Phase::kFailed) {
+      // The boot-up message of the power-up may cross with our reset, whose own then comes in the
+      // middle of the set-up: it begins anew.
+      if (++s_.boot_ups > kMostBootUps) latch(Error::kDriveRebooted);
+      enter(Phase::kBooted, now);
     }
   } else if (s_.phase == Phase::kRunning && state != NmtState::kOperational) {
     latch(Error::kDriveNotOperational, frame.data[0]);

@@ -28,6 +28,7 @@ enum class Phase : std::uint8_t {
 struct DriveNodeState {
   Phase phase = Phase::kUnreset;
   hal::Instant phase_since;
+  unsigned boot_ups = 0;  // since the reset
   std::optional<Error> fault;
   std::uint32_t fault_code = 0;
   // As the last TPDO1 told.

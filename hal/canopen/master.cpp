@@ -181,7 +181,7 @@ void Master::step_setup() {
     }
   }
   if (setup_joint_ && nodes_[*setup_joint_]->state().phase != Phase::kConfiguring) {
-    setup_joint_.reset();  // reset by the operator in the middle of it
+    setup_joint_.reset();  // reset by the operator, or restarted, in the middle of it
     transfer_.reset();
   }
   for (std::size_t joint = 0; joint < nodes_.size() && !setup_joint_; ++joint) {
@@ -196,7 +196,7 @@ void Master::step_setup() {
 }
 
 void Master::step_requests(DriveNode& drive) {
-  if (drive.state().fault) {  // restarted in the middle of it
+  if (drive.state().fault) {  // does not stay up
     fail_setup(drive, *drive.state().fault, 0);
     return;
   }

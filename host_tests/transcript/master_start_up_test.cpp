@@ -87,6 +87,39 @@ TEST(MasterStartUp, keeps_the_code_of_an_abort) {
   script.bus.expect_all_consumed();
 }
 
+TEST(MasterStartUp, begins_the_set_up_anew_when_power_up_and_reset_cross) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201", {"701#00"});  // of the power-up
+  script.tick({});
+  script.bus.expect("601#4000100000000000", {"581#4300100092010200"});
+  script.tick({});
+  script.bus.bring("701#00");  // of the reset
+  script_set_up(script.bus);
+  for (int i = 0; i < 50 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+    script.tick({});
+  }
+  EXPECT_EQ(script.master->status(0).fault, std::nullopt);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, gives_up_a_drive_that_does_not_stay_up) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201");
+  script.tick({});
+  for (int i = 0; i < 3; ++i) {
+    script.bus.bring("701#00");
+    script.bus.expect("601#4000100000000000");
+    script.tick({});
+  }
+  script.bus.bring("701#00");
+  script.tick({});
+  script.tick({});
+  EXPECT_EQ(script.master->status(0).fault, Error::kDriveRebooted);
+  script.bus.expect_all_consumed();
+}
+
 TEST(MasterStartUp, reports_a_drive_that_does_not_boot) {
   MasterScript script;
   script.bus.expect("77F#05");
