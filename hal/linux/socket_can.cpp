@@ -7,6 +7,7 @@
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -39,17 +40,8 @@ bool set_option(int socket, int level, int option, const T& value) {
   return ::setsockopt(socket, level, option, &value, sizeof value) == 0;
 }
 
-// A kernel stamp is in CLOCK_REALTIME. Its age carries over to CLOCK_MONOTONIC; where the wall
-// clock was set in between, the age is bounded.
-hal::Instant monotonic(const timespec& stamp) {
-  timespec wall{};
-  clock_gettime(CLOCK_REALTIME, &wall);
-  const auto nanoseconds = [](const timespec& time) {
-    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-  };
-  const hal::Duration age = std::clamp<hal::Duration>(
-      nanoseconds(wall) - nanoseconds(stamp), hal::Duration::zero(), std::chrono::seconds(1));
-  return monotonic_now() - age;
+hal::Duration since_epoch(const timespec& time) {
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
 }  // namespace
@@ -151,14 +143,14 @@ std::optional<hal::ReceivedCanFrame> SocketCan::do_receive() {
       return std::nullopt;
     }
     if (count != CAN_MTU || raw.len > CAN_MAX_DLEN) continue;
-    hal::ReceivedCanFrame received{.frame = {}, .at = monotonic_now()};
+    hal::ReceivedCanFrame received{.frame = {}, .at = now_};
     for (cmsghdr* part_of = CMSG_FIRSTHDR(&message); part_of != nullptr;
          part_of = CMSG_NXTHDR(&message, part_of)) {
       if (part_of->cmsg_level != SOL_SOCKET) continue;
       if (part_of->cmsg_type == SO_TIMESTAMPNS) {
         timespec stamp{};
         std::memcpy(&stamp, CMSG_DATA(part_of), sizeof stamp);
-        received.at = monotonic(stamp);
+        received.at = hal::Instant(since_epoch(stamp) - wall_ahead_);
       } else if (part_of->cmsg_type == SO_RXQ_OVFL) {
         std::uint32_t drops = 0;
         std::memcpy(&drops, CMSG_DATA(part_of), sizeof drops);
@@ -194,9 +186,9 @@ void SocketCan::take_error_frame(std::uint32_t error_class, std::uint8_t control
       controller_ = hal::CanState::kActive;
     }
   }
-  const hal::Instant now = monotonic_now();
-  if ((error_class & CAN_ERR_RESTARTED) != 0) leave_bus_off(now);
+  if ((error_class & CAN_ERR_RESTARTED) != 0) leave_bus_off();
   if ((error_class & CAN_ERR_BUSOFF) != 0 && controller_ != hal::CanState::kBusOff) {
+    const hal::Instant now = monotonic_now();
     controller_ = hal::CanState::kBusOff;
     ++counts_.bus_offs;
     if (now - restarted_at_ > kLastingRecovery) restart_.succeed();
@@ -204,15 +196,19 @@ void SocketCan::take_error_frame(std::uint32_t error_class, std::uint8_t control
   }
 }
 
-void SocketCan::leave_bus_off(hal::Instant now) {
+void SocketCan::leave_bus_off() {
   if (controller_ != hal::CanState::kBusOff) return;
   controller_ = hal::CanState::kActive;
-  restarted_at_ = now;
+  restarted_at_ = monotonic_now();
   ++counts_.restarts;
 }
 
 hal::CanStatus SocketCan::do_status() {
   const hal::Instant now = monotonic_now();
+  timespec wall{};
+  clock_gettime(CLOCK_REALTIME, &wall);
+  now_ = now;
+  wall_ahead_ = since_epoch(wall) - now.time_since_epoch();
   if (!socket_.valid() && reopen_.due(now)) {
     last_errno_ = open_socket();
     if (last_errno_ == 0) {
@@ -229,7 +225,7 @@ hal::CanStatus SocketCan::do_status() {
     last_errno_ = restart_can_controller(interface_index_);
     // Where there is no controller to restart, there is none that is off the bus either. Elsewhere
     // an error frame tells when it is back.
-    if (last_errno_ == EOPNOTSUPP) leave_bus_off(now);
+    if (last_errno_ == EOPNOTSUPP) leave_bus_off();
     restart_.fail(now);
   }
   hal::CanStatus status = counts_;

@@ -30,7 +30,8 @@ struct SocketCanConfiguration {
 
 // The interface need not exist yet: it is opened as soon as it does, reopened when it was gone,
 // used again when it was down, and its controller restarted when it was bus-off, each with a
-// back-off. All that happens inside status(). Stamps are the kernel's, told in CLOCK_MONOTONIC.
+// back-off. All that happens inside status(). Stamps are the kernel's, told in CLOCK_MONOTONIC;
+// where the wall clock is set, those of one tick are wrong by as much.
 class SocketCan final : public hal::CanBus {
  public:
   explicit SocketCan(const SocketCanConfiguration& configuration);
@@ -48,7 +49,7 @@ class SocketCan final : public hal::CanBus {
   void close_socket(int reason);
   [[nodiscard]] bool interface_is_up();
   void take_error_frame(std::uint32_t error_class, std::uint8_t controller_status);
-  void leave_bus_off(hal::Instant now);
+  void leave_bus_off();
 
   SocketCanConfiguration configuration_;
   FileDescriptor socket_;
@@ -60,6 +61,10 @@ class SocketCan final : public hal::CanBus {
   hal::Instant restarted_at_;
   std::uint32_t kernel_drops_ = 0;  // as the socket counts them since it was opened
   int last_errno_ = 0;
+  // As of the last status(): the time, and how far CLOCK_REALTIME, in which the kernel stamps
+  // frames, is ahead of CLOCK_MONOTONIC. Read there and not for each frame, to save system calls.
+  hal::Instant now_;
+  hal::Duration wall_ahead_{};
   hal::CanStatus counts_;
 };
 
