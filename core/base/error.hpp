@@ -46,6 +46,54 @@ enum class Error : std::uint8_t {
   // Kinematics.
   kOutOfReach,
   kJointLimit,
+  // Buses and drives.
+  kBusDown,              // the CAN interface is down or gone
+  kBusOff,               // the CAN controller took itself off the bus
+  kBusBusy,              // the send queue is full
+  kTooFewAxes,           // a machine without a drive
+  kNodeOutOfRange,       // a CAN node number outside 1 to 127, or the master's own
+  kNodeTwice,            // two devices with one node number
+  kScaleInvalid,         // counts per revolution, gear ratio or lead is not a positive number
+  kResolutionTooCoarse,  // a count is worth more than an encoder's count can be: a wrong unit
+  kLimitsReversed,       // the lower limit is not below the upper one
+  kLimitsImplausible,    // limits no arm has: a wrong unit
+  kPositionOverflow,     // a position that 32-bit counts cannot hold
+  kPeriodInvalid,        // a cycle, heartbeat or speed setting that the wire cannot carry
+  kBusOverload,          // the frames of one cycle need more of the bus than is allowed
+  kDrivesNotReady,       // a drive is not set up or is faulted
+  kTargetStep,           // the target moved further in a tick than the joint's speed allows
+  kDriveAbsent,          // no boot-up message after the reset
+  kDriveWrongType,       // the device is not a CiA 402 drive or lacks the mode
+  kDriveEmergency,       // the drive sent an emergency message
+  kDriveFault,           // the drive is in the state Fault
+  kDriveDroppedOut,      // the drive left the state it was commanded to hold
+  kDriveRebooted,        // a boot-up message in operation
+  kDriveNotOperational,  // a heartbeat tells another NMT state than Operational
+  kHeartbeatLost,        // no heartbeat within the consumer time
+  kFeedbackLost,         // no position from the drive after SYNC
+  kFeedbackImplausible,  // a position that the joint cannot have reached
+  kTransitionTimeout,    // a commanded CiA 402 transition did not happen
+  kSecondMaster,         // somebody else sends the master's frames
+  kSdoTimeout,           // no answer to an SDO request after every retry
+  kSdoAborted,           // the drive aborted an SDO transfer
+  kSdoUnexpectedValue,   // an object holds another value than the one needed
+  // Range sensor.
+  kProfileInvalid,   // a register profile or sensor description that contradicts itself
+  kSensorSilent,     // no answer within the time allowed
+  kSensorStale,      // the sequence number does not advance
+  kSensorBadCrc,     // a frame with a wrong checksum
+  kSensorWrongUnit,  // an answer from another unit or to another function
+  kSensorException,  // the sensor answered with a Modbus exception
+  kSensorMalformed,  // an answer of a wrong length or with impossible content
+  // Storage, console and operating system.
+  kAddressOutOfRange,  // outside the memory, or not on a page or sector boundary
+  kNotErased,          // a page is programmed that was not erased
+  kStorageFull,        // no space on the device
+  kStorageFault,       // the device failed
+  kLineTooLong,        // a console line above its bound
+  kNotText,            // a console line with bytes that are no text
+  kConsoleGone,        // the client has left or does not take its replies
+  kSystemRefused,      // the operating system refused a resource
 };
 
 // A short English phrase for `error`, without a full stop.
