@@ -18,8 +18,9 @@ bool is_usable(const features::JointFeature& feature, double reading) {
          std::isfinite(reading);
 }
 
-// Slides and a single turn: which way round such a stage is drawn is a matter of naming its directions, and
-// drawings of stages are careless about it. From two turns on, a reversed one makes another arm.
+// Slides and a single turn: which way round such a stage is drawn is a matter of naming its
+// directions, and drawings of stages are careless about it. From two turns on, a reversed one makes
+// another arm.
 bool drawing_binds_the_sense(const FixedVector<JointType, kMaxJoints>& types) {
   return std::ranges::count(types, JointType::kRevolute) >= 2;
 }

@@ -190,7 +190,10 @@ GateScale gate_scale(const SweepStatistics& accepted, bool sigma_is_known) {
   const double variance = freedom < 1 ? 0 : accepted.motion_chi_square() / freedom;
   // A stated sigma may be too small, by a factor that the residuals show; it is never made smaller.
   if (sigma_is_known) return {std::max(variance, 1.0), kGateChiSquare};
-  return {variance, estimated_limit(freedom)};
+  // Where nothing was stated, a systematic error of drive or sensor can't be told from noise by its
+  // size, and real ones reach five or six sigmas of the rest; outliers by a detour of the sound are
+  // far beyond twice the distance.
+  return {variance, 4 * estimated_limit(freedom)};
 }
 
 bool predicts(const SweepStatistics& accepted, const SweepPoint& point) {

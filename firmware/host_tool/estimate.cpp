@@ -15,6 +15,7 @@ Read<std::unique_ptr<refinement::Refined>> estimate_of(const SignatureRecord& re
         Problem{file, 0, 0, "the covariance is not that of the axes and targets of the signature",
                 "one identified with --method refined"});
   }
+  estimate->quality.sigma_m = record.sigma_m.value_or(0);
   return estimate;
 }
 

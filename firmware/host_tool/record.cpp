@@ -38,6 +38,7 @@ void add_uncertainty(SignatureRecord& record, const RefinementOutcome& outcome) 
       "axis lines in their link frames (direction x, y; position x, y of a revolute joint), joint "
       "by "
       "joint, then target points; rad and m";
+  record.sigma_m = outcome.refined->quality.sigma_m;
   record.predicted_tool_error_m = outcome.predicted_tool_error_m;
 }
 

@@ -15,17 +15,23 @@ inline constexpr const char* kTwoJointArm =
     "armsig: arm/1\n"
     "name: two joints\n"
     "joints:\n"
-    "  - {type: revolute, theta_deg: 0, d_mm: 100, a_mm: 300, alpha_deg: 90, limits_deg: [-170, 170]}\n"
-    "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 250, alpha_deg: 0, limits_deg: [-170, 170]}\n";
+    "  - {type: revolute, theta_deg: 0, d_mm: 100, a_mm: 300, alpha_deg: 90, limits_deg: [-170, "
+    "170]}\n"
+    "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 250, alpha_deg: 0, limits_deg: [-170, "
+    "170]}\n";
 
 inline constexpr const char* kPuma560 =
     "armsig: arm/1\n"
     "name: Puma 560\n"
     "joints:\n"
-    "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: -90, limits_deg: [-160, 160]}\n"
-    "  - {type: revolute, theta_deg: 0, d_mm: 149.09, a_mm: 431.8, alpha_deg: 0, limits_deg: [-225, 45]}\n"
-    "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: -20.32, alpha_deg: 90, limits_deg: [-45, 225]}\n"
-    "  - {type: revolute, theta_deg: 0, d_mm: 430.7, a_mm: 0, alpha_deg: -90, limits_deg: [-110, 170]}\n"
+    "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: -90, limits_deg: [-160, "
+    "160]}\n"
+    "  - {type: revolute, theta_deg: 0, d_mm: 149.09, a_mm: 431.8, alpha_deg: 0, limits_deg: "
+    "[-225, 45]}\n"
+    "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: -20.32, alpha_deg: 90, limits_deg: [-45, "
+    "225]}\n"
+    "  - {type: revolute, theta_deg: 0, d_mm: 430.7, a_mm: 0, alpha_deg: -90, limits_deg: [-110, "
+    "170]}\n"
     "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: 90, limits_deg: [-100, 100]}\n"
     "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: 0, limits_deg: [-266, 266]}\n";
 

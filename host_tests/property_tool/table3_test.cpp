@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Table 3 of the paper with the demonstration's sensor and sweeps: the improvement factors of both robots, averaged
-// over noise seeds, are at least those that the paper printed; the average over seven arms is at least ten.
+// Table 3 of the paper with the demonstration's sensor and sweeps: the improvement factors of both
+// robots, averaged over noise seeds, are at least those that the paper printed; the average over
+// seven arms is at least ten.
 #include <array>
 
 #include <gtest/gtest.h>

@@ -13,9 +13,7 @@ std::uint32_t crc_of(std::string_view text, std::uint32_t before = 0) {
   return crc32(std::as_bytes(std::span(text)), before);
 }
 
-TEST(Crc32, gives_the_check_value_of_the_standard) {
-  EXPECT_EQ(crc_of("123456789"), 0xCBF43926U);
-}
+TEST(Crc32, gives_the_check_value_of_the_standard) { EXPECT_EQ(crc_of("123456789"), 0xCBF43926U); }
 
 TEST(Crc32, of_nothing_is_zero) { EXPECT_EQ(crc_of(""), 0U); }
 

@@ -16,7 +16,7 @@ namespace {
 struct Options : CommonOptions {
   std::string signature, out;
   std::size_t count = 30;
-  double sigma_mm = 0.2;
+  std::optional<double> sigma_mm;
   std::vector<double> box_mm;
 };
 
@@ -38,7 +38,7 @@ int run(const Options& options) {
   uncertainty::SuggestionConfig config;
   config.limits = record->nominal.limits;
   config.target = *target;
-  config.sigma_m = 1e-3 * options.sigma_mm;
+  config.sigma_m = options.sigma_mm ? 1e-3 * *options.sigma_mm : 0;
   if (!options.box_mm.empty()) {
     config.box.lower_S = 1e-3 * Vector3(options.box_mm[0], options.box_mm[1], options.box_mm[2]);
     config.box.upper_S = 1e-3 * Vector3(options.box_mm[3], options.box_mm[4], options.box_mm[5]);
@@ -109,9 +109,10 @@ void add_suggest(CLI::App& app, int& status) {
   command->add_option("--count", options->count, "how many poses")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--sigma-mm", options->sigma_mm, "noise of the sensor per axis, 1 sigma")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  command
+      ->add_option("--sigma-mm", options->sigma_mm,
+                   "noise of the sensor per axis, 1 sigma (default: as the signature says)")
+      ->check(CLI::PositiveNumber);
   command
       ->add_option("--box-mm", options->box_mm,
                    "where the sensor sees the target: x,y,z lowest, then x,y,z highest")

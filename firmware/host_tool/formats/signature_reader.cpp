@@ -121,6 +121,10 @@ Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
     ARMSIG_TRY(air_c, root.number("air_c"));
     record.air_c = air_c;
   }
+  if (root.find("sigma_m") != nullptr) {
+    ARMSIG_TRY(sigma_m, root.number("sigma_m"));
+    record.sigma_m = sigma_m;
+  }
   if (root.find("predicted_tool_error_m") != nullptr) {
     ARMSIG_TRY(error_m, root.number("predicted_tool_error_m"));
     record.predicted_tool_error_m = error_m;
@@ -157,7 +161,7 @@ Read<SignatureRecord> record_from(const YamlNode& root) {
   if (auto seal = check_seal(root); !seal) return std::unexpected(std::move(seal).error());
   ARMSIG_TRY(map, YamlMap::open(root, "the signature",
                                 {"armsig", "name", "serial", "method", "time", "version", "air_c",
-                                 "predicted_tool_error_m", "warnings", "base", "joints",
+                                 "sigma_m", "predicted_tool_error_m", "warnings", "base", "joints",
                                  "last_link", "coupling", "targets", "covariance_of", "covariance",
                                  std::string(kCrcKey)}));
   SignatureRecord record;

@@ -23,6 +23,8 @@ struct SignatureRecord {
   // joint, 2 a prismatic one; m and rad"). Symmetric.
   std::optional<Eigen::MatrixXd> covariance;
   std::string covariance_of;
+  std::optional<double>
+      sigma_m;  // noise of the measurements per axis, 1 sigma, as the fit found it
   std::optional<double> predicted_tool_error_m;  // RMS over the work volume
   std::optional<double> air_c;
   std::string time;     // UTC, ISO 8601: 1986-04-07T12:00:00Z

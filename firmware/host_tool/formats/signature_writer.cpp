@@ -143,6 +143,10 @@ std::string body_text(const SignatureRecord& record) {
   text +=
       fmt::format("time: {}\nversion: {}\n", yaml_quoted(record.time), yaml_quoted(record.version));
   if (record.air_c) text += fmt::format("air_c: {}\n", number_text(*record.air_c));
+  if (record.sigma_m) {
+    text += fmt::format("sigma_m: {}  # noise of the measurements per axis\n",
+                        number_text(*record.sigma_m));
+  }
   if (record.predicted_tool_error_m) {
     text += fmt::format("predicted_tool_error_m: {}  # RMS over the work volume\n",
                         number_text(*record.predicted_tool_error_m));

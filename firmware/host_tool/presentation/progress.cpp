@@ -13,7 +13,7 @@ namespace armsig::tool {
 namespace {
 
 constexpr std::size_t kBarWidth = 32;
-constexpr std::chrono::milliseconds kQuiet{1000};   // shorter work draws nothing
+constexpr std::chrono::milliseconds kQuiet{1000};  // shorter work draws nothing
 constexpr std::chrono::milliseconds kRedraw{100};
 
 }  // namespace

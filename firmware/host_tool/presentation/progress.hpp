@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A progress bar on standard error for work that takes longer than a second; nothing where it is not a terminal.
+// A progress bar on standard error for work that takes longer than a second; nothing where it is
+// not a terminal.
 #pragma once
 
 #include <chrono>

@@ -68,8 +68,8 @@ std::string dh_table(const FixedVector<DhJoint, kMaxJoints>& rows) {
     const DhJoint& row = rows[i];
     table.add_row({fmt::format("{}", i + 1),
                    fmt::format("{}{}", row.type == JointType::kRevolute ? "θ" : "d", i + 1),
-                   fmt::format("{:.3f}", degrees(row.theta_rad)), fmt::format("{:.2f}", 1e3 * row.d_m),
-                   fmt::format("{:.2f}", 1e3 * row.a_m),
+                   fmt::format("{:.3f}", degrees(row.theta_rad)),
+                   fmt::format("{:.2f}", 1e3 * row.d_m), fmt::format("{:.2f}", 1e3 * row.a_m),
                    fmt::format("{:.3f}", degrees(row.alpha_rad))});
   }
   return table.render();
@@ -84,7 +84,8 @@ std::string near_parallel_note(const Signature& signature) {
   }
   if (links.empty()) return {};
   return fmt::format(
-      "  The d of link {} is large because two axes there are nearly parallel: their common normal\n"
+      "  The d of link {} is large because two axes there are nearly parallel: their common "
+      "normal\n"
       "  is far away, and a microradian moves it by metres. Only the product of the rows means\n"
       "  something; compare predicted positions, never these parameters.\n",
       links);

@@ -11,7 +11,8 @@
 
 namespace armsig::tool {
 
-// One line a sweep: arc, radius, points, residuals, scale of the reading. Empty for a signature not from sweeps.
+// One line a sweep: arc, radius, points, residuals, scale of the reading. Empty for a signature not
+// from sweeps.
 [[nodiscard]] std::string sweep_table(const Signature& signature);
 
 // Denavit-Hartenberg rows in degrees and millimetres, in the layout of the paper's Tables 1 and 2.

@@ -23,9 +23,10 @@ std::string refusal_in_words(const Refusal& refusal, JointType type) {
       return type == JointType::kRevolute
                  ? fmt::format("{}: {:.2f}°, and at least {:.2f}° are needed", phrase,
                                degrees(refusal.found), degrees(refusal.needed))
-                 : fmt::format("the stroke is too short to tell the axis: {:.3f} mm, and at least "
-                               "{:.3f} mm are needed",
-                               1e3 * refusal.found, 1e3 * refusal.needed);
+                 : fmt::format(
+                       "the stroke is too short to tell the axis: {:.3f} mm, and at least "
+                       "{:.3f} mm are needed",
+                       1e3 * refusal.found, 1e3 * refusal.needed);
     case Error::kRadiusTooSmall:
       return fmt::format("{}: radius {:.3f} mm, and at least {:.3f} mm are needed", phrase,
                          1e3 * refusal.found, 1e3 * refusal.needed);
