@@ -4,10 +4,6 @@
 #include <cerrno>
 #include <cstdlib>
 
-#if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/allocator_interface.h>
-#endif
-
 namespace {
 
 thread_local std::size_t allocations = 0;
@@ -15,6 +11,12 @@ thread_local std::size_t allocations = 0;
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__)
+
+// Of sanitizer/allocator_interface.h, which Debian does not install with g++.
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the sanitizer's name
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_allocation)(const volatile void*,
+                                                                               std::size_t),
+                                                         void (*on_release)(const volatile void*));
 
 namespace {
 
