@@ -140,7 +140,7 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
     } else {
       polish(moments, best);
     }
-    const Vector3 mean_y = combination(best.u) * moments.mean_g;
+    const Vector3 mean_y = combined(moments.mean_g, best.u);
     found.X_SB = {best.R, moments.mean_p - best.R * mean_y};
     scale = residual_scale(rows, main, found.X_SB, best.u);
   }

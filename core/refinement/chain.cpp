@@ -92,26 +92,27 @@ void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
   Matrix3 R_SF = X_SL_[0].R;
   for (std::size_t i = 0; i < link; ++i) {
     const JointMotion::One& joint = motion.joints[i];
-    const double c = joint.cosine;
-    const double s = joint.sine;
-    if (types_[i] == JointType::kRevolute) {
-      const double z = r[i].z();
-      Eigen::Matrix<double, 3, 4> local;
-      local.col(0) << -s * z, (c - 1) * z, v[i].y() - r[i].y();
-      local.col(1) << (1 - c) * z, -s * z, r[i].x() - v[i].x();
-      local.col(2) << 1 - c, -s, 0;
-      local.col(3) << s, 1 - c, 0;
-      jacobian.axis[i].noalias() = R_SF.lazyProduct(local);
-      jacobian.motion[i] = v[i].x() * R_SF.col(1) - v[i].y() * R_SF.col(0);
+    if (joint.moved == 0) {
+      // At rest: all its derivatives vanish, and its frame is not turned.
+    } else if (types_[i] == JointType::kRevolute) {
       const Vector3 x = R_SF.col(0);
-      R_SF.col(0) = c * x + s * R_SF.col(1);
-      R_SF.col(1) = c * R_SF.col(1) - s * x;
+      const Vector3 y = R_SF.col(1);
+      const Vector3 x_turned = joint.cosine * x + joint.sine * y;
+      const Vector3 y_turned = joint.cosine * y - joint.sine * x;
+      const double along = r[i].z();
+      jacobian.axis[i].col(0) = along * (y_turned - y) + (v[i].y() - r[i].y()) * R_SF.col(2);
+      jacobian.axis[i].col(1) = along * (x - x_turned) + (r[i].x() - v[i].x()) * R_SF.col(2);
+      jacobian.axis[i].col(2) = x - x_turned;
+      jacobian.axis[i].col(3) = y - y_turned;
+      jacobian.motion[i] = v[i].x() * y - v[i].y() * x;
+      R_SF.col(0) = x_turned;
+      R_SF.col(1) = y_turned;
     } else {
       jacobian.axis[i].col(0) = -joint.moved * R_SF.col(1);
       jacobian.axis[i].col(1) = joint.moved * R_SF.col(0);
       jacobian.motion[i] = R_SF.col(2);
     }
-    if (i + 1 < link) R_SF *= B_[i].R;
+    if (i + 1 < link) R_SF = R_SF.lazyProduct(B_[i].R).eval();
   }
   jacobian.target.noalias() = R_SF.lazyProduct(X_SL_[link - 1].R.transpose());
 }
@@ -143,11 +144,10 @@ void add_derivatives(const Layout& layout, const Signature& signature, const Cha
   const std::size_t link = signature.targets[target].link;
   for (std::size_t i = 0; i < link; ++i) {
     const JointMotion::One& joint = motion.joints[i];
-    if (joint.moved != 0) {
-      const int count = signature.types[i] == JointType::kRevolute ? 4 : 2;
-      for (int c = 0; c < count; ++c) {
-        add(layout.axis[i] + static_cast<std::size_t>(c), jacobian.axis[i].col(c));
-      }
+    if (joint.moved == 0) continue;
+    const int count = signature.types[i] == JointType::kRevolute ? 4 : 2;
+    for (int c = 0; c < count; ++c) {
+      add(layout.axis[i] + static_cast<std::size_t>(c), jacobian.axis[i].col(c));
     }
     // Zero at the signature configuration: there every correction is part of the axis lines.
     const double q = joint.coupled;

@@ -29,8 +29,8 @@ struct JointMotion {
   std::array<One, kMaxJoints> joints;
 };
 
-// Derivatives of a target's position in the sensor frame. Joints beyond the target's link are not
-// set.
+// Derivatives of a target's position in the sensor frame. Not set for joints at rest (moved = 0:
+// all are zero) and for joints beyond the target's link.
 struct PointJacobian {
   Vector3 p_S;
   std::array<Eigen::Matrix<double, 3, 4>, kMaxJoints> axis;  // direction x, y; position x, y

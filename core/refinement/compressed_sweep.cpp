@@ -74,22 +74,13 @@ bool same_sweep(const Observation& a, const Observation& b) {
 struct View {
   std::span<const Observation> rows;
   const Chain& chain;
-  std::size_t joint;
-  bool revolute;
-  double middle;       // of the motion
-  double half_length;  // of the motion
-  Vector3 p_first;     // statistics are taken about it, so that a far sensor costs no digits
-
-  [[nodiscard]] std::array<double, 3> regressors(const Observation& row) const {
-    const double d = chain.motion_of(joint, row.readings) - middle;
-    if (revolute) return {1, std::cos(d), std::sin(d)};
-    return {1, d / half_length, 0};
-  }
+  const CompressedSweep& sweep;
+  Vector3 p_first;  // statistics are taken about it, so that a far sensor costs no digits
 };
 
 double residual_length(const View& view, const Observation& row, const Matrix3& fit) {
-  const std::array<double, 3> f = view.regressors(row);
-  const Vector3 predicted = fit.transpose() * Vector3(f[0], f[1], f[2]);
+  const Vector3 predicted =
+      fit.transpose() * sweep_regressors(view.sweep, view.chain, row.readings);
   const double sigma = row.sigma_m > 0 ? row.sigma_m : 1.0;
   return (row.p_S - view.p_first - predicted).norm() / sigma;
 }
@@ -100,7 +91,7 @@ SmallFactor factor_of(const View& view, std::span<const RowOutcome> outcomes) {
     const Observation& row = view.rows[k];
     if (row.use != RowUse::kFit || outcomes[k].weight == 0) continue;
     const double w = std::sqrt(outcomes[k].weight) / (row.sigma_m > 0 ? row.sigma_m : 1.0);
-    const std::array<double, 3> f = view.regressors(row);
+    const Vector3 f = sweep_regressors(view.sweep, view.chain, row.readings);
     const Vector3 p = w * (row.p_S - view.p_first);
     factor.absorb({w * f[0], w * f[1], w * f[2], p.x(), p.y(), p.z()});
   }
@@ -147,7 +138,52 @@ bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOu
   return factor.determined(regressors);
 }
 
+// Joint, range of the motion, nodes: a third of a turn apart, or the two ends of the line. Returns
+// the number of rows to fit.
+std::size_t place(std::span<const Observation> rows, const Chain& chain, JointType type,
+                  CompressedSweep& sweep) {
+  sweep.joint = rows.front().sweep - 1;
+  sweep.revolute = type == JointType::kRevolute;
+  std::size_t fitted = 0;
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (const Observation& row : rows) {
+    if (row.use != RowUse::kFit) continue;
+    ++fitted;
+    const double moved = chain.motion_of(sweep.joint, row.readings);
+    lowest = std::min(lowest, moved);
+    highest = std::max(highest, moved);
+  }
+  sweep.middle = 0.5 * (lowest + highest);
+  sweep.half_length = 0.5 * (highest - lowest);
+  sweep.from_nodes.setZero();
+  std::array<double, 3> at{lowest, highest, sweep.middle};
+  if (sweep.revolute) {
+    for (int k = 0; k < 3; ++k) {
+      const double d = 2.0 * kPi / 3.0 * k;
+      at[static_cast<std::size_t>(k)] = sweep.middle + d;
+      sweep.from_nodes.col(k) << 1.0 / 3.0, 2.0 / 3.0 * std::cos(d), 2.0 / 3.0 * std::sin(d);
+    }
+  } else {
+    sweep.from_nodes.col(0) << 0.5, -0.5, 0;
+    sweep.from_nodes.col(1) << 0.5, 0.5, 0;
+  }
+  const JointMotion held = chain.motion(rows.front().readings);
+  for (std::size_t k = 0; k < 3; ++k) {
+    sweep.nodes[k] = held;
+    chain.move(sweep.nodes[k], sweep.joint, at[k]);
+  }
+  return fitted;
+}
+
 }  // namespace
+
+Vector3 sweep_regressors(const CompressedSweep& sweep, const Chain& chain,
+                         const JointVector& readings) {
+  const double d = chain.motion_of(sweep.joint, readings) - sweep.middle;
+  if (sweep.revolute) return {1, std::cos(d), std::sin(d)};
+  return {1, d / sweep.half_length, 0};
+}
 
 std::size_t sweep_length(std::span<const Observation> log, std::size_t first,
                          const ReadingModel& readings) {
@@ -165,24 +201,10 @@ std::size_t sweep_length(std::span<const Observation> log, std::size_t first,
 bool compress_sweep(std::span<const Observation> log, std::size_t first, std::size_t count,
                     const Chain& chain, JointType type, std::span<RowOutcome> outcomes,
                     CompressedSweep& sweep) {
-  const std::size_t joint = log[first].sweep - 1;
-  View view{
-      log.subspan(first, count), chain, joint, type == JointType::kRevolute, 0, 0, log[first].p_S};
-  std::size_t fitted = 0;
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
-  for (const Observation& row : view.rows) {
-    if (row.use != RowUse::kFit) continue;
-    ++fitted;
-    const double moved = chain.motion_of(joint, row.readings);
-    lowest = std::min(lowest, moved);
-    highest = std::max(highest, moved);
-  }
-  view.middle = 0.5 * (lowest + highest);
-  view.half_length = 0.5 * (highest - lowest);
-  if (fitted < kFewestRows || !(view.half_length > 0)) return false;
-
-  const int regressors = view.revolute ? 3 : 2;
+  const View view{log.subspan(first, count), chain, sweep, log[first].p_S};
+  const std::size_t fitted = place(view.rows, chain, type, sweep);
+  if (fitted < kFewestRows || !(sweep.half_length > 0)) return false;
+  const int regressors = sweep.revolute ? 3 : 2;
   const std::span<RowOutcome> marked = outcomes.subspan(first, count);
   for (RowOutcome& outcome : marked) outcome = {};
   SmallFactor factor;
@@ -201,35 +223,15 @@ bool compress_sweep(std::span<const Observation> log, std::size_t first, std::si
   sweep.sigma_stated = log[first].sigma_m > 0;
   sweep.residual_squares = factor.residual_squares;
   Matrix3 R = Matrix3::Zero();
+  sweep.Z.setZero();
   for (int i = 0; i < regressors; ++i) {
     const auto& row = factor.rows[static_cast<std::size_t>(i)];
     for (int j = i; j < regressors; ++j) R(i, j) = row[static_cast<std::size_t>(j)];
     sweep.Z.row(i) << row[3], row[4], row[5];
   }
-  if (regressors == 2) sweep.Z.row(2).setZero();
-
-  // The regressors' coefficients from the positions at the nodes: a third of a turn apart, or the
-  // two ends of the line.
-  Matrix3 from_nodes = Matrix3::Zero();
-  std::array<double, 3> at{};
-  if (view.revolute) {
-    for (int k = 0; k < 3; ++k) {
-      const double d = 2.0 * kPi / 3.0 * k;
-      at[static_cast<std::size_t>(k)] = view.middle + d;
-      from_nodes.col(k) << 1.0 / 3.0, 2.0 / 3.0 * std::cos(d), 2.0 / 3.0 * std::sin(d);
-    }
-  } else {
-    at = {lowest, highest, view.middle};
-    from_nodes.col(0) << 0.5, -0.5, 0;
-    from_nodes.col(1) << 0.5, 0.5, 0;
-  }
-  sweep.W = R * from_nodes;
+  sweep.W = R * sweep.from_nodes;
   // Back from coordinates about the first point.
   sweep.Z += R.col(0) * view.p_first.transpose();
-  for (std::size_t k = 0; k < 3; ++k) {
-    sweep.nodes[k] = chain.motion(log[first].readings);
-    chain.move(sweep.nodes[k], joint, at[k]);
-  }
   return true;
 }
 

@@ -22,11 +22,21 @@ struct CompressedSweep {
   std::size_t used = 0;  // rows that count, by their weights
   std::size_t target = 0;
   bool sigma_stated = false;
+  std::size_t joint = 0;  // index of the swept joint
+  bool revolute = true;
+  double middle = 0;       // of the swept joint's motion
+  double half_length = 0;  // of it
   std::array<JointMotion, 3> nodes;
-  Matrix3 W = Matrix3::Zero();  // 1/m; 1 where no sigma was stated
-  Matrix3 Z = Matrix3::Zero();  // one column a coordinate
+  Matrix3 from_nodes = Matrix3::Zero();  // [c; A; B] = from_nodes [p(d_1); p(d_2); p(d_3)]
+  Matrix3 W = Matrix3::Zero();           // 1/m; 1 where no sigma was stated
+  Matrix3 Z = Matrix3::Zero();           // one column a coordinate
   double residual_squares = 0;  // what no circle or line can explain, in the units of W squared
 };
+
+// [1, cos d, sin d] or [1, d, 0] of one row of the sweep, d about its middle: with the coefficients
+// from_nodes [p(d_1); ...] the position of its target, without the chain.
+[[nodiscard]] Vector3 sweep_regressors(const CompressedSweep& sweep, const Chain& chain,
+                                       const JointVector& readings);
 
 // The number of rows from `first` on that belong to one sweep that can be reduced: same target,
 // only the joint named by `sweep` moves, positions, sigma stated for all or for none, and no other

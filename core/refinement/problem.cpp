@@ -58,13 +58,13 @@ void Problem::for_each_unit(Single single, Sweep sweep) const {
   }
 }
 
-Matrix3 Problem::sweep_residual(const CompressedSweep& sweep, const Chain& chain) const {
+Matrix3 Problem::node_positions(const CompressedSweep& sweep, const Chain& chain) const {
   Matrix3 p_nodes;
   for (int k = 0; k < 3; ++k) {
     p_nodes.row(k) = chain.point(sweep.nodes[static_cast<std::size_t>(k)],
                                  estimate_.signature.targets[sweep.target]);
   }
-  return sweep.Z - (1 + estimate_.scale) * sweep.W * p_nodes;
+  return p_nodes;
 }
 
 void Problem::evaluate() {
@@ -76,7 +76,11 @@ void Problem::evaluate() {
         outcomes_[k].residual_m = residual_length(estimate_, config_.receivers, row,
                                                   chain.point(chain.motion(row.readings), target));
       },
-      [&](std::size_t s) { sweep_squares_[s] = sweep_residual(sweeps_[s], chain).squaredNorm(); });
+      [&](std::size_t s) {
+        const CompressedSweep& sweep = sweeps_[s];
+        const Matrix3 predicted = sweep.W * node_positions(sweep, chain);
+        sweep_squares_[s] = (sweep.Z - (1 + estimate_.scale) * predicted).squaredNorm();
+      });
 }
 
 Noise Problem::noise() const {
@@ -152,6 +156,7 @@ void Problem::linearise(const Noise& noise) {
 
 void Problem::note(const JointMotion& motion, std::size_t link, const PointJacobian& jacobian) {
   for (std::size_t i = 0; i < link; ++i) {
+    if (motion.joints[i].moved == 0) continue;
     motion_[i] = std::max(motion_[i], std::abs(motion.joints[i].moved));
     radius_[i] = std::max(radius_[i], jacobian.motion[i].norm());
   }
@@ -159,30 +164,30 @@ void Problem::note(const JointMotion& motion, std::size_t link, const PointJacob
 
 void Problem::add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight) {
   const Target& target = estimate_.signature.targets[sweep.target];
-  const std::size_t n = estimate_.layout.size();
+  const Layout& layout = estimate_.layout;
   const double scaled = 1 + estimate_.scale;
   RowBlock<9> block;
-  block.clear(n);
-  const Matrix3 residual = weight * sweep_residual(sweep, chain);
+  block.clear(layout.size());
+  Matrix3 residual = sweep.Z;
   for (int node = 0; node < 3; ++node) {
     const JointMotion& motion = sweep.nodes[static_cast<std::size_t>(node)];
     PointJacobian jacobian;
     chain.point_and_jacobian(motion, target, jacobian);
     note(motion, target.link, jacobian);
+    residual.noalias() -= scaled * sweep.W.col(node) * jacobian.p_S.transpose();
     Eigen::Matrix<double, 9, 3> gradient;
     for (int k = 0; k < 3; ++k) {
-      const double w = weight * sweep.W(k, node);
-      gradient.middleRows<3>(3 * k) = scaled * w * Matrix3::Identity();
-      if (estimate_.layout.scale == kNoColumn) continue;
+      gradient.middleRows<3>(3 * k) = weight * scaled * sweep.W(k, node) * Matrix3::Identity();
+      if (layout.scale == kNoColumn) continue;
       for (int c = 0; c < 3; ++c) {
-        block.rows[3 * k + c][estimate_.layout.scale] += w * jacobian.p_S[c];
+        block.rows[3 * k + c][layout.scale] += weight * sweep.W(k, node) * jacobian.p_S[c];
       }
     }
-    add_derivatives<9>(estimate_.layout, estimate_.signature, chain, motion, sweep.target, jacobian,
-                       gradient, block);
+    add_derivatives<9>(layout, estimate_.signature, chain, motion, sweep.target, jacobian, gradient,
+                       block);
   }
   for (int k = 0; k < 3; ++k) {
-    for (int c = 0; c < 3; ++c) block.rows[3 * k + c][n] = residual(k, c);
+    for (int c = 0; c < 3; ++c) block.rows[3 * k + c][layout.size()] = weight * residual(k, c);
   }
   estimate_.information.absorb(block);
 }
@@ -197,14 +202,23 @@ double Problem::judge_rows(const Noise& noise) {
   double variances = 0;
   double weighted = 0;
   std::size_t next = 0;
+  Matrix3 coefficients = Matrix3::Zero();  // of the present sweep
   for (std::size_t k = 0; k < log_.size(); ++k) {
     const Observation& row = log_[k];
     RowOutcome& outcome = outcomes_[k];
-    outcome.residual_m = residual_length(
-        estimate_, config_.receivers, row,
-        chain.point(chain.motion(row.readings), estimate_.signature.targets[row.target]));
     while (next < sweeps_.size() && k >= sweeps_[next].first_row + sweeps_[next].row_count) ++next;
     const bool in_sweep = next < sweeps_.size() && k >= sweeps_[next].first_row;
+    if (in_sweep) {
+      const CompressedSweep& sweep = sweeps_[next];
+      if (k == sweep.first_row) coefficients = sweep.from_nodes * node_positions(sweep, chain);
+      outcome.residual_m =
+          residual_length(estimate_, config_.receivers, row,
+                          coefficients.transpose() * sweep_regressors(sweep, chain, row.readings));
+    } else {
+      outcome.residual_m = residual_length(
+          estimate_, config_.receivers, row,
+          chain.point(chain.motion(row.readings), estimate_.signature.targets[row.target]));
+    }
     const double sigma = sigma_of(row, noise);
     if (!in_sweep || row.use != RowUse::kFit) {
       outcome.weight =

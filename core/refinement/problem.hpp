@@ -46,13 +46,14 @@ class Problem {
   [[nodiscard]] const std::array<double, kMaxJoints>& largest_radius() const { return radius_; }
 
  private:
-  [[nodiscard]] Matrix3 sweep_residual(const CompressedSweep& sweep, const Chain& chain) const;
+  // Rows: the target at the three nodes.
+  [[nodiscard]] Matrix3 node_positions(const CompressedSweep& sweep, const Chain& chain) const;
   void add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight);
   void add_priors();
   [[nodiscard]] double sigma_of_prior(std::size_t unknown) const;
   [[nodiscard]] double prior_squares() const;
-  // How far an unknown other than an axis line is from its start.
-  [[nodiscard]] double simple_deviation(const Parameter& parameter) const;
+  // How far an unknown is from its start.
+  [[nodiscard]] double deviation(const Parameter& parameter) const;
   void note(const JointMotion& motion, std::size_t link, const PointJacobian& jacobian);
   template <typename Single, typename Sweep>
   void for_each_unit(Single single, Sweep sweep) const;

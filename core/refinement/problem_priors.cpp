@@ -12,26 +12,6 @@ constexpr double kUnknownScale = 0.05;
 // what arms are made to, and far wider than what any determined combination of unknowns asks for.
 constexpr double kHeldShare = 0.01;
 
-// Deviation of an axis line from its start, seen in the start's link frame: two components of its
-// direction, two of its position.
-struct AxisDeviation {
-  Eigen::Vector4d value;
-  Eigen::Matrix4d by_unknowns;  // by direction x, y, position x, y of the present link frame
-};
-
-AxisDeviation axis_deviation(const Pose& X_start, const Pose& X) {
-  const Matrix3 R = X_start.R.transpose() * X.R;
-  const Vector3 shift = X_start.R.transpose() * (X.p - X_start.p);
-  AxisDeviation deviation;
-  deviation.value << R(0, 2), R(1, 2), shift.x(), shift.y();
-  deviation.by_unknowns.setZero();
-  // Turning the axis by w moves its direction by w x z = (w_y, -w_x, 0) in its own frame.
-  deviation.by_unknowns.block<2, 1>(0, 0) = -R.block<2, 1>(0, 1);
-  deviation.by_unknowns.block<2, 1>(0, 1) = R.block<2, 1>(0, 0);
-  deviation.by_unknowns.block<2, 2>(2, 2) = R.block<2, 2>(0, 0);
-  return deviation;
-}
-
 double correction_deviation(const Parameter& parameter, const Refined& estimate,
                             const RefinementConfig& config) {
   const auto of = [&](const ReadingCorrection& c) {
@@ -77,44 +57,33 @@ double Problem::sigma_of_prior(std::size_t unknown) const {
   return held_[unknown] ? kHeldShare * sigma : sigma;
 }
 
+// The filter is still empty, so that rows of one unknown each are its diagonal. They take the
+// present link frames for those of the start, between which a prior as wide as these makes no
+// difference.
 void Problem::add_priors() {
-  const Layout& layout = estimate_.layout;
-  const std::size_t n = layout.size();
-  for (std::size_t i = 0; i < estimate_.signature.joint_count(); ++i) {
-    const AxisDeviation deviation = axis_deviation(start_.X_SL[i], estimate_.signature.X_SL[i]);
-    const int count = estimate_.signature.types[i] == JointType::kRevolute ? 4 : 2;
-    for (int k = 0; k < count; ++k) {
-      RowBlock<1> block;
-      block.clear(n);
-      const double sigma = sigma_of_prior(layout.axis[i] + static_cast<std::size_t>(k));
-      for (int c = 0; c < count; ++c) {
-        block.rows[0][layout.axis[i] + static_cast<std::size_t>(c)] =
-            deviation.by_unknowns(k, c) / sigma;
-      }
-      block.rows[0][n] = -deviation.value[k] / sigma;
-      estimate_.information.absorb(block);
-    }
-  }
+  const std::size_t n = estimate_.layout.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const Parameter& parameter = layout.parameters[i];
-    if (parameter.kind == ParameterKind::kAxisDirection ||
-        parameter.kind == ParameterKind::kAxisPosition) {
-      continue;
-    }
-    RowBlock<1> block;
-    block.clear(n);
     const double sigma = sigma_of_prior(i);
-    block.rows[0][i] = 1 / sigma;
-    block.rows[0][n] = -simple_deviation(parameter) / sigma;
-    estimate_.information.absorb(block);
+    estimate_.information.set_entry(i, i, 1 / sigma);
+    estimate_.information.set_entry(i, n, -deviation(estimate_.layout.parameters[i]) / sigma);
   }
 }
 
-double Problem::simple_deviation(const Parameter& parameter) const {
+double Problem::deviation(const Parameter& parameter) const {
+  const auto component = static_cast<Eigen::Index>(parameter.component);
   switch (parameter.kind) {
+    case ParameterKind::kAxisDirection: {
+      // Turning z by w adds w x z = (w_y, -w_x, 0).
+      const Matrix3& R_start = start_.X_SL[parameter.index].R;
+      const Vector3 z = estimate_.signature.X_SL[parameter.index].R.col(2);
+      return component == 0 ? -R_start.col(1).dot(z) : R_start.col(0).dot(z);
+    }
+    case ParameterKind::kAxisPosition:
+      return start_.X_SL[parameter.index].R.col(component).dot(
+          estimate_.signature.X_SL[parameter.index].p - start_.X_SL[parameter.index].p);
     case ParameterKind::kTarget:
-      return estimate_.signature.targets[parameter.index].p_S[parameter.component] -
-             start_.targets[parameter.index].p_S[parameter.component];
+      return estimate_.signature.targets[parameter.index].p_S[component] -
+             start_.targets[parameter.index].p_S[component];
     case ParameterKind::kReceiverOffset:
       return estimate_.receiver_offsets_m[parameter.index];
     case ParameterKind::kScale:
@@ -126,22 +95,8 @@ double Problem::simple_deviation(const Parameter& parameter) const {
 
 double Problem::prior_squares() const {
   double sum = 0;
-  for (std::size_t i = 0; i < estimate_.signature.joint_count(); ++i) {
-    const AxisDeviation deviation = axis_deviation(start_.X_SL[i], estimate_.signature.X_SL[i]);
-    const int count = estimate_.signature.types[i] == JointType::kRevolute ? 4 : 2;
-    for (int k = 0; k < count; ++k) {
-      const std::size_t unknown = estimate_.layout.axis[i] + static_cast<std::size_t>(k);
-      const double ratio = deviation.value[k] / sigma_of_prior(unknown);
-      sum += ratio * ratio;
-    }
-  }
   for (std::size_t i = 0; i < estimate_.layout.size(); ++i) {
-    const Parameter& parameter = estimate_.layout.parameters[i];
-    if (parameter.kind == ParameterKind::kAxisDirection ||
-        parameter.kind == ParameterKind::kAxisPosition) {
-      continue;
-    }
-    const double ratio = simple_deviation(parameter) / sigma_of_prior(i);
+    const double ratio = deviation(estimate_.layout.parameters[i]) / sigma_of_prior(i);
     sum += ratio * ratio;
   }
   return sum;

@@ -89,9 +89,11 @@ Judged<double> iterate(Problem& problem, Refined& refined, Noise& noise) {
     noise = problem.noise();
     const Result<double> taken = step(problem, noise, refined);
     if (!taken) return refuse(taken.error(), 0, 0);
-    length = *taken;
     ++refined.quality.iterations;
-    if (length < kConvergedStep) break;
+    // Steps shrink by about the same factor each time, so the next one is known beforehand.
+    const double next = i == 0 ? *taken : *taken * std::min(1.0, *taken / length);
+    length = *taken;
+    if (next < kConvergedStep) break;
   }
   return length;
 }

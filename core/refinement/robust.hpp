@@ -44,25 +44,24 @@ inline constexpr RobustThresholds kThresholds3{kHuberKnee3, kGate3, kMedianChiSq
 }
 
 // The median of many positive numbers in one pass and constant memory: a histogram over their
-// binary logarithm with 16 bins an octave, interpolated; within 1 % of the true median of a smooth
+// binary logarithm with 8 bins an octave, interpolated; within 2 % of the true median of a smooth
 // law.
 class LogHistogram {
  public:
   void add(double value, std::size_t times = 1) {
     // The upper bits of a positive double are its logarithm, to within the mantissa's curvature.
-    const auto bits = std::bit_cast<std::uint64_t>(std::max(value, kLowest));
-    const auto bin =
-        static_cast<std::size_t>((bits - std::bit_cast<std::uint64_t>(kLowest)) >> kShift);
-    counts_[std::min(bin, counts_.size() - 1)] += static_cast<std::uint32_t>(times);
+    const auto bits = std::bit_cast<std::uint64_t>(std::max(value, kLowest)) >> kShift;
+    const auto bin = std::min(static_cast<std::size_t>(bits - kFirst), kBins - 1);
+    counts_[bin] += static_cast<std::uint32_t>(times);
     total_ += times;
+    lowest_ = std::min(lowest_, bin);
   }
-  [[nodiscard]] std::size_t total() const { return total_; }
 
-  // 0 when nothing was added, or when half of the values are below 2^-100.
+  // 0 when nothing was added, or when half of the values are below 2^-90.
   [[nodiscard]] double median() const {
     const double half = 0.5 * static_cast<double>(total_);
     double below = 0;
-    for (std::size_t bin = 0; bin < counts_.size(); ++bin) {
+    for (std::size_t bin = lowest_; bin < kBins; ++bin) {
       const auto count = static_cast<double>(counts_[bin]);
       if (count > 0 && below + count >= half) {
         if (bin == 0) return 0;
@@ -74,15 +73,17 @@ class LogHistogram {
   }
 
  private:
-  static constexpr double kLowest = 0x1p-100;
-  static constexpr int kShift = 48;  // 4 of the 52 bits of the mantissa stay
+  static constexpr std::size_t kBins = 1024;  // 2^-90 ... 2^38
+  static constexpr double kLowest = 0x1p-90;
+  static constexpr int kShift = 49;  // 3 of the 52 bits of the mantissa stay
+  static constexpr std::uint64_t kFirst = std::bit_cast<std::uint64_t>(kLowest) >> kShift;
   static double edge(std::size_t bin) {
-    return std::bit_cast<double>(std::bit_cast<std::uint64_t>(kLowest) +
-                                 (static_cast<std::uint64_t>(bin) << kShift));
+    return std::bit_cast<double>((kFirst + static_cast<std::uint64_t>(bin)) << kShift);
   }
 
-  std::array<std::uint32_t, 2048> counts_{};  // 2^-100 ... 2^28
+  std::array<std::uint32_t, kBins> counts_{};
   std::size_t total_ = 0;
+  std::size_t lowest_ = kBins;
 };
 
 }  // namespace armsig::refinement

@@ -23,20 +23,38 @@ struct Local {
   Matrix6 hessian;
 };
 
-double squares_at(const Moments& m, const Matrix3& R, const Vector3& u) {
-  const Eigen::Matrix<double, 3, 12> Y = combination(u);
-  const Matrix3 yy = Y * m.gg * Y.transpose();
-  const Matrix3 py = m.pg * Y.transpose();
+using Matrix3x12 = Eigen::Matrix<double, 3, 12>;
+
+// Y M, with Y(u) = [I, u_x I, u_y I, u_z I]. Written as sums of blocks: as matrix products of this
+// size Eigen would fetch work space from a heap.
+Matrix3x12 combined_rows(const Eigen::Matrix<double, 12, 12>& M, const Vector3& u) {
+  Matrix3x12 sum = M.topRows<3>();
+  for (int j = 0; j < 3; ++j) sum += u[j] * M.middleRows<3>(3 + 3 * j);
+  return sum;
+}
+
+// M Y^T.
+Matrix3 combined_columns(const Matrix3x12& M, const Vector3& u) {
+  Matrix3 sum = M.leftCols<3>();
+  for (int j = 0; j < 3; ++j) sum += u[j] * M.middleCols<3>(3 + 3 * j);
+  return sum;
+}
+
+double squares_of(const Moments& m, const Matrix3& yy, const Matrix3& py, const Matrix3& R) {
   return m.pp + yy.trace() - 2 * (R.transpose() * py).trace();
 }
 
+double squares_at(const Moments& m, const Matrix3& R, const Vector3& u) {
+  const Matrix3 yy = combined_columns(combined_rows(m.gg, u), u);
+  return squares_of(m, yy, combined_columns(m.pg, u), R);
+}
+
 Local local_at(const Moments& m, const Matrix3& R, const Vector3& u) {
-  const Eigen::Matrix<double, 3, 12> Y = combination(u);
-  const Eigen::Matrix<double, 3, 12> yg = Y * m.gg;
-  const Matrix3 yy = yg * Y.transpose();
-  const Matrix3 py = m.pg * Y.transpose();
+  const Matrix3x12 yg = combined_rows(m.gg, u);
+  const Matrix3 yy = combined_columns(yg, u);
+  const Matrix3 py = combined_columns(m.pg, u);
   Local local;
-  local.squares = m.pp + yy.trace() - 2 * (R.transpose() * py).trace();
+  local.squares = squares_of(m, yy, py, R);
   // e = p - R y; de = -w x (R y) - R R_k du.
   const Matrix3 S = R * yy * R.transpose();
   local.hessian.topLeftCorner<3, 3>() = S.trace() * Matrix3::Identity() - S;
@@ -93,11 +111,10 @@ void Moments::add(const Vector3& p, const Vector12& g, double w) {
   gg.noalias() += left * dg.lazyProduct(dg.transpose());
 }
 
-Eigen::Matrix<double, 3, 12> combination(const Vector3& u) {
-  Eigen::Matrix<double, 3, 12> Y;
-  Y << Matrix3::Identity(), u.x() * Matrix3::Identity(), u.y() * Matrix3::Identity(),
-      u.z() * Matrix3::Identity();
-  return Y;
+Vector3 combined(const Vector12& g, const Vector3& u) {
+  Vector3 sum = g.head<3>();
+  for (int j = 0; j < 3; ++j) sum += u[j] * g.segment<3>(3 + 3 * j);
+  return sum;
 }
 
 void polish(const Moments& m, Candidate& candidate) {

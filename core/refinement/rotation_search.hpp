@@ -25,8 +25,8 @@ struct Moments {
   void add(const Vector3& p, const Vector12& g, double w);
 };
 
-// Y with y_k = Y(u) g_k = t_k + R_k u.
-[[nodiscard]] Eigen::Matrix<double, 3, 12> combination(const Vector3& u);
+// t + R u, from g = (t, columns of R).
+[[nodiscard]] Vector3 combined(const Vector12& g, const Vector3& u);
 
 struct Candidate {
   Matrix3 R = Matrix3::Identity();
