@@ -32,6 +32,8 @@ struct Signature {
   FixedVector<Target, kMaxTargets> targets;
   FixedVector<features::JointFeature, kMaxJoints>
       features;  // what the sweeps said; empty if not from sweeps
+  // False where the identified axes match those of the arm description in no way; worth a warning.
+  bool description_matches = true;
 
   [[nodiscard]] std::size_t joint_count() const { return types.size(); }
 };

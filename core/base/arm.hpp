@@ -48,4 +48,14 @@ struct Arm {
   FixedVector<JointCoupling, kMaxJoints> couplings;
 };
 
+// The readings that move the joints: each coupled one with its share of the other's reading added.
+// Precondition: one reading a joint.
+[[nodiscard]] inline JointVector effective_readings(const Arm& arm, const JointVector& readings) {
+  JointVector effective = readings;
+  for (const JointCoupling& coupling : arm.couplings) {
+    effective[coupling.joint] += coupling.ratio * readings[coupling.from];
+  }
+  return effective;
+}
+
 }  // namespace armsig

@@ -13,6 +13,8 @@ std::string_view describe(Error error) {
       return "the iteration did not converge within its bound";
     case Error::kSingular:
       return "the equations have no unique solution";
+    case Error::kNotPositive:
+      return "a length or a sigma that must be positive is not";
     case Error::kTooFewReceivers:
       return "fewer than three receivers heard the target";
     case Error::kReceiversCollinear:
@@ -47,10 +49,103 @@ std::string_view describe(Error error) {
       return "two sweeps hold the joint at different readings";
     case Error::kMirroredSense:
       return "the joint turns against the sense of the arm description";
+    case Error::kScaleUndetermined:
+      return "the scale needs a reference path, a prismatic joint or a prior";
     case Error::kOutOfReach:
       return "the pose is out of reach";
     case Error::kJointLimit:
       return "a joint limit is in the way";
+    case Error::kBusDown:
+      return "the CAN interface is down or gone";
+    case Error::kBusOff:
+      return "the CAN controller is bus-off";
+    case Error::kBusBusy:
+      return "the CAN send queue stays full";
+    case Error::kTooFewAxes:
+      return "no drive is configured";
+    case Error::kNodeOutOfRange:
+      return "a CAN node number is outside 1 to 127 or is the master's own";
+    case Error::kNodeTwice:
+      return "two devices share one CAN node number";
+    case Error::kScaleInvalid:
+      return "counts per revolution, gear ratio or lead is not a positive number";
+    case Error::kResolutionTooCoarse:
+      return "one count is too large a motion: counts per revolution or gear ratio is in a wrong "
+             "unit";
+    case Error::kLimitsReversed:
+      return "the lower joint limit is not below the upper one";
+    case Error::kLimitsImplausible:
+      return "the joint limits are larger than any arm's: wrong unit";
+    case Error::kPositionOverflow:
+      return "the position does not fit into the drive's 32-bit counts";
+    case Error::kPeriodInvalid:
+      return "a period or speed setting is not usable";
+    case Error::kBusOverload:
+      return "the CAN bus would be loaded above its limit";
+    case Error::kDrivesNotReady:
+      return "a drive is not set up or is faulted";
+    case Error::kTargetStep:
+      return "the target steps faster than the joint's speed limit";
+    case Error::kDriveAbsent:
+      return "the drive did not answer the reset";
+    case Error::kDriveWrongType:
+      return "the device is not a CiA 402 drive with cyclic synchronous position mode";
+    case Error::kDriveEmergency:
+      return "the drive sent an emergency message";
+    case Error::kDriveFault:
+      return "the drive is in its fault state";
+    case Error::kDriveDroppedOut:
+      return "the drive left its commanded state by itself";
+    case Error::kDriveRebooted:
+      return "the drive restarted";
+    case Error::kDriveNotOperational:
+      return "the drive left the NMT state Operational";
+    case Error::kHeartbeatLost:
+      return "the drive's heartbeat is lost";
+    case Error::kFeedbackLost:
+      return "the drive's position feedback is lost";
+    case Error::kFeedbackImplausible:
+      return "the drive's position jumped";
+    case Error::kTransitionTimeout:
+      return "the drive did not change its state in time";
+    case Error::kSecondMaster:
+      return "another master commands the drives";
+    case Error::kSdoTimeout:
+      return "the drive did not answer an SDO request";
+    case Error::kSdoAborted:
+      return "the drive refused an SDO request";
+    case Error::kSdoUnexpectedValue:
+      return "an object of the drive holds another value than the one needed";
+    case Error::kProfileInvalid:
+      return "the sensor profile contradicts itself";
+    case Error::kSensorSilent:
+      return "the range sensor is silent";
+    case Error::kSensorStale:
+      return "the range sensor repeats an old reading";
+    case Error::kSensorBadCrc:
+      return "the range sensor's answer has a wrong checksum";
+    case Error::kSensorWrongUnit:
+      return "the answer is from another Modbus unit or function";
+    case Error::kSensorException:
+      return "the range sensor answered with an exception";
+    case Error::kSensorMalformed:
+      return "the range sensor's answer is malformed";
+    case Error::kAddressOutOfRange:
+      return "the address is outside the memory or not aligned";
+    case Error::kNotErased:
+      return "the page is not erased";
+    case Error::kStorageFull:
+      return "the storage is full";
+    case Error::kStorageFault:
+      return "the storage failed";
+    case Error::kLineTooLong:
+      return "the line is too long";
+    case Error::kNotText:
+      return "the line is not text";
+    case Error::kConsoleGone:
+      return "the console client is gone";
+    case Error::kSystemRefused:
+      return "the operating system refused a resource";
   }
   return "unknown error";
 }

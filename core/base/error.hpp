@@ -18,6 +18,7 @@ enum class Error : std::uint8_t {
   kCapacityExceeded,  // more items than the fixed capacity holds
   kNotConverged,      // an iteration used up its bound
   kSingular,          // equations without a unique solution
+  kNotPositive,       // a length or a sigma that must be positive is not
   // Measurement.
   kTooFewReceivers,     // fewer than three receivers, or fewer than three heard the target
   kReceiversCollinear,  // the receivers stand on one line
@@ -40,9 +41,59 @@ enum class Error : std::uint8_t {
   kHeldJointMoved,                 // another joint moved during a sweep
   kSignatureConfigurationDiffers,  // two sweeps hold a joint at different readings
   kMirroredSense,                  // a joint turns against the sense of the arm description
+  // Refinement.
+  kScaleUndetermined,  // the scale was asked for, and nothing in the log has a known length
   // Kinematics.
   kOutOfReach,
   kJointLimit,
+  // Buses and drives.
+  kBusDown,              // the CAN interface is down or gone
+  kBusOff,               // the CAN controller took itself off the bus
+  kBusBusy,              // the send queue is full
+  kTooFewAxes,           // a machine without a drive
+  kNodeOutOfRange,       // a CAN node number outside 1 to 127, or the master's own
+  kNodeTwice,            // two devices with one node number
+  kScaleInvalid,         // counts per revolution, gear ratio or lead is not a positive number
+  kResolutionTooCoarse,  // a count is worth more than an encoder's count can be: a wrong unit
+  kLimitsReversed,       // the lower limit is not below the upper one
+  kLimitsImplausible,    // limits no arm has: a wrong unit
+  kPositionOverflow,     // a position that 32-bit counts cannot hold
+  kPeriodInvalid,        // a cycle, heartbeat or speed setting that the wire cannot carry
+  kBusOverload,          // the frames of one cycle need more of the bus than is allowed
+  kDrivesNotReady,       // a drive is not set up or is faulted
+  kTargetStep,           // the target moved further in a tick than the joint's speed allows
+  kDriveAbsent,          // no boot-up message after the reset
+  kDriveWrongType,       // the device is not a CiA 402 drive or lacks the mode
+  kDriveEmergency,       // the drive sent an emergency message
+  kDriveFault,           // the drive is in the state Fault
+  kDriveDroppedOut,      // the drive left the state it was commanded to hold
+  kDriveRebooted,        // a boot-up message in operation
+  kDriveNotOperational,  // a heartbeat tells another NMT state than Operational
+  kHeartbeatLost,        // no heartbeat within the consumer time
+  kFeedbackLost,         // no position from the drive after SYNC
+  kFeedbackImplausible,  // a position that the joint cannot have reached
+  kTransitionTimeout,    // a commanded CiA 402 transition did not happen
+  kSecondMaster,         // somebody else sends the master's frames
+  kSdoTimeout,           // no answer to an SDO request after every retry
+  kSdoAborted,           // the drive aborted an SDO transfer
+  kSdoUnexpectedValue,   // an object holds another value than the one needed
+  // Range sensor.
+  kProfileInvalid,   // a register profile or sensor description that contradicts itself
+  kSensorSilent,     // no answer within the time allowed
+  kSensorStale,      // the sequence number does not advance
+  kSensorBadCrc,     // a frame with a wrong checksum
+  kSensorWrongUnit,  // an answer from another unit or to another function
+  kSensorException,  // the sensor answered with a Modbus exception
+  kSensorMalformed,  // an answer of a wrong length or with impossible content
+  // Storage, console and operating system.
+  kAddressOutOfRange,  // outside the memory, or not on a page or sector boundary
+  kNotErased,          // a page is programmed that was not erased
+  kStorageFull,        // no space on the device
+  kStorageFault,       // the device failed
+  kLineTooLong,        // a console line above its bound
+  kNotText,            // a console line with bytes that are no text
+  kConsoleGone,        // the client has left or does not take its replies
+  kSystemRefused,      // the operating system refused a resource
 };
 
 // A short English phrase for `error`, without a full stop.
@@ -65,9 +116,11 @@ using Judged = std::expected<T, Refusal>;
 
 }  // namespace armsig
 
+// NOLINTBEGIN(bugprone-macro-parentheses): `name` is declared, and can't be in parentheses
 // ARMSIG_TRY(name, expression): binds `name` to the value of a Result, or returns its error from
 // this function.
 #define ARMSIG_TRY(name, expression)                                                \
   auto name##_or_error = (expression);                                              \
   if (!name##_or_error) return std::unexpected(std::move(name##_or_error).error()); \
   auto& name = *name##_or_error
+// NOLINTEND(bugprone-macro-parentheses)

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -13,7 +14,7 @@ namespace armsig {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kPi = std::numbers::pi;
 [[nodiscard]] constexpr double radians(double degrees) { return degrees * (kPi / 180.0); }
 [[nodiscard]] constexpr double degrees(double radians) { return radians * (180.0 / kPi); }
 

@@ -25,16 +25,19 @@ struct SweepQuality {
   std::size_t rejected = 0;   // by the gate
   double lowest_reading = 0;  // of the accepted points; radians or metres
   double highest_reading = 0;
-  double rms_normal_m =
-      0;  // along the axis (revolute); across the line, both directions (prismatic)
-  double rms_radial_m = 0;      // revolute only
-  double rms_tangential_m = 0;  // around the circle (revolute); along the line (prismatic)
+  // Revolute: distance from the plane (13), from the circle (14), and what then remains about the
+  // fit, around the circle, where the encoder's errors show. Prismatic: across the line (both
+  // directions together), none, and along the line.
+  double rms_normal_m = 0;
+  double rms_radial_m = 0;
+  double rms_tangential_m = 0;
   // What imposing a circle or unit scale removed: |A|/|B| of a revolute joint, |u| of a prismatic
   // one; 1 is ideal.
   double encoder_ratio = 1;
   double encoder_ratio_sigma = 0;  // its 1 sigma
-  double sigma_m =
-      0;  // 1 sigma per axis of a point: as stated, or estimated where nothing was stated
+  // 1 sigma per axis of a point, on which the covariance rests: as stated; or estimated where
+  // nothing was stated, or where the residuals are significantly larger.
+  double sigma_m = 0;
   bool sigma_is_estimated = false;
 
   [[nodiscard]] double arc() const { return highest_reading - lowest_reading; }
@@ -57,6 +60,8 @@ struct JointFeature {
 
   // Where the target is at joint reading `reading`, in the sensor frame.
   [[nodiscard]] Vector3 target_at(double reading) const;
+  // Its 1-sigma squares and products, by propagation of `covariance`.
+  [[nodiscard]] Matrix3 target_covariance_at(double reading) const;
 };
 
 }  // namespace armsig::features

@@ -32,6 +32,7 @@ struct InverseOptions {
   bool respect_limits = true;  // those of the chain, if it has any
   // Largest change of each reading from the seed, for one tick: velocity limit times period. Empty:
   // none.
+  // NOLINTNEXTLINE(readability-redundant-member-init): lets a designated initializer leave it out
   JointVector max_step{};
 };
 

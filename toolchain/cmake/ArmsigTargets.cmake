@@ -5,8 +5,9 @@ target_compile_options(armsig_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wdouble-promotion -Wold-style-cast
   -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wformat=2 -Wimplicit-fallthrough -Wundef)
 if(ARMSIG_SANITIZE)
+  # The check of dynamic types needs RTTI, which the controller's libraries are built without.
   target_compile_options(armsig_warnings INTERFACE
-    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    -fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(armsig_warnings INTERFACE -fsanitize=address,undefined)
 endif()
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Even coverage of the joint space without a random generator: the Halton sequence.
+#pragma once
+
+#include <algorithm>
+
+#include "core/base/arm.hpp"
+#include "core/base/pose.hpp"
+
+namespace armsig {
+
+// The n-th number of the van der Corput sequence of a base, in [0, 1).
+[[nodiscard]] inline double van_der_corput(int n, int base) {
+  double value = 0;
+  double digit_weight = 1;
+  for (; n > 0; n /= base) {
+    digit_weight /= base;
+    value += digit_weight * (n % base);
+  }
+  return value;
+}
+
+// The n-th joint configuration, n >= 1, evenly spread within the limits; a revolute joint that can
+// turn more than once stays within half a turn of zero.
+[[nodiscard]] inline JointVector evenly_spread_configuration(
+    const FixedVector<JointType, kMaxJoints>& types,
+    const FixedVector<JointLimits, kMaxJoints>& limits, int n) {
+  constexpr std::array<int, kMaxJoints> kPrimes{2, 3, 5, 7, 11, 13, 17, 19};
+  JointVector q;
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    auto [lower, upper] = limits[i];
+    if (types[i] == JointType::kRevolute && upper - lower > 2 * kPi) {
+      lower = std::max(lower, -kPi);
+      upper = std::min(upper, kPi);
+    }
+    q.push_back(lower + van_der_corput(n, kPrimes[i]) * (upper - lower));
+  }
+  return q;
+}
+
+}  // namespace armsig

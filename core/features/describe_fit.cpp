@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "core/features/describe_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "core/features/centre_of_rotation.hpp"
+#include "core/features/encoder_circle.hpp"
+#include "core/features/encoder_line.hpp"
+#include "core/features/encoder_ratio.hpp"
+#include "core/features/paper_fit.hpp"
+#include "core/features/plane_of_rotation.hpp"
+
+namespace armsig::features {
+namespace {
+
+// rounding_variance() is a bound, with a factor of 16 on sigma.
+constexpr double kRoundingMargin = 256;
+
+// 99.99 % quantile of chi-square over its degrees of freedom (Wilson and Hilferty).
+double significant_misfit(double freedom) {
+  const double b = 2 / (9 * freedom);
+  return std::pow(1 - b + 3.719 * std::sqrt(b), 3);
+}
+
+// Mean products of the residuals about a motion; the weights of the points are those of the fit.
+Matrix3 mean_residual_products(const SweepStatistics& statistics,
+                               const MotionRls::Coefficients& motion) {
+  const Matrix3 R = statistics.motion.factor();
+  const Matrix3 rest = R * motion - statistics.motion.rotated_right_hand_sides();
+  const Matrix3 sums = rest.transpose() * rest + statistics.motion.residual_products();
+  return sums / (R(0, 0) * R(0, 0));  // R(0, 0)^2 is the sum of the weights
+}
+
+// How far the points are from the plane (13) and from the circle (14) is the mechanism's and the
+// sensor's doing; what remains about the fit itself has the encoder's part in it.
+Result<void> describe_circle(const SweepStatistics& statistics, const CircleFit& circle,
+                             JointFeature& feature) {
+  feature.axis_S = circle.R_SC.col(2);
+  feature.radial_S = circle.R_SC.col(0);
+  feature.point_S = circle.centre_S;
+  feature.radius_m = circle.radius_m;
+  feature.covariance = circle.covariance;
+
+  ARMSIG_TRY(plane, plane_of_rotation(statistics.geometry));
+  ARMSIG_TRY(best_circle, centre_of_rotation(statistics.geometry, plane));
+  const double weights = std::pow(statistics.geometry.matrix()(0, 0), 2);
+  const double normal = plane_residual_squares(statistics.geometry, plane) / weights;
+  const double in_plane = 2 * best_circle.radius_m;
+  const double radial = circle_residual_squares(statistics.geometry, plane.normal_S, best_circle) /
+                        (in_plane * in_plane * weights);
+  const double all = mean_residual_products(statistics, circle.motion(statistics.origin_S)).trace();
+  feature.quality.rms_normal_m = std::sqrt(normal);
+  feature.quality.rms_radial_m = std::sqrt(radial);
+  feature.quality.rms_tangential_m = std::sqrt(std::max(all - normal - radial, 0.0));
+  return {};
+}
+
+void describe_line(const SweepStatistics& statistics, const LineFit& line, JointFeature& feature) {
+  feature.axis_S = line.direction_S;
+  feature.radial_S = any_perpendicular(line.direction_S);
+  feature.point_S = line.point_S;
+  feature.radius_m = 0;
+  feature.covariance = line.covariance;
+
+  const Matrix3 products = mean_residual_products(statistics, line.motion(statistics.origin_S));
+  const double along = feature.axis_S.dot(products * feature.axis_S);
+  feature.quality.rms_tangential_m = std::sqrt(std::max(along, 0.0));
+  feature.quality.rms_normal_m = std::sqrt(std::max(products.trace() - along, 0.0));
+}
+
+std::unexpected<Refusal> refuse(Error error, const SweepStatistics& statistics) {
+  // A singular fit of a motion that has moved is one of too short an arc.
+  if (error == Error::kSingular)
+    return std::unexpected(Refusal{Error::kArcTooShort, statistics.arc(), 2 * statistics.arc()});
+  return std::unexpected(Refusal{error, 0, 0});
+}
+
+}  // namespace
+
+NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
+  NoiseLevel noise;
+  const double freedom = statistics.motion_freedom();
+  const double shown = freedom > 0 ? statistics.motion_chi_square() / freedom : 0;
+  const double stated = statistics.mean_variance();
+  SweepPoint farthest{
+      std::max(std::abs(statistics.lowest_reading), std::abs(statistics.highest_reading)),
+      statistics.origin_S, Matrix3::Identity()};
+  const double rounding =
+      rounding_variance(farthest, statistics.motion.solve().row(1).norm()) / stated;
+  if (!sigma_is_known) {
+    noise.is_estimated = true;
+    noise.variance_factor = std::max(shown, rounding / kRoundingMargin);
+  } else {
+    noise.stated_sigma_m = std::sqrt(stated);
+    if (freedom > 0 && shown - rounding > significant_misfit(freedom)) {
+      noise.is_estimated = true;
+      noise.variance_factor = shown;
+      noise.misfit = std::sqrt(shown);
+    }
+  }
+  noise.sigma_m = std::sqrt(noise.variance_factor * stated);
+  return noise;
+}
+
+Judged<JointFeature> describe_fit(const SweepStatistics& statistics, const NoiseLevel& noise,
+                                  Method method) {
+  JointFeature feature;
+  feature.type = statistics.type;
+  feature.reference_reading = statistics.origin_reading;
+  if (statistics.type == JointType::kRevolute) {
+    const auto circle =
+        method == Method::kPaper ? paper_circle(statistics) : encoder_circle(statistics);
+    if (!circle) return refuse(circle.error(), statistics);
+    if (const auto described = describe_circle(statistics, *circle, feature); !described)
+      return refuse(described.error(), statistics);
+  } else {
+    const auto line = method == Method::kPaper ? paper_line(statistics) : encoder_line(statistics);
+    if (!line) return refuse(line.error(), statistics);
+    describe_line(statistics, *line, feature);
+  }
+  feature.covariance *= noise.variance_factor;
+
+  SweepQuality& quality = feature.quality;
+  const EncoderRatio encoder = encoder_ratio(statistics);
+  quality.encoder_ratio = encoder.ratio;
+  quality.encoder_ratio_sigma = encoder.sigma * std::sqrt(noise.variance_factor);
+  quality.used = statistics.count;
+  quality.lowest_reading = statistics.lowest_reading;
+  quality.highest_reading = statistics.highest_reading;
+  quality.sigma_m = noise.sigma_m;
+  quality.sigma_is_estimated = noise.is_estimated;
+
+  const bool finite = feature.axis_S.allFinite() && feature.point_S.allFinite() &&
+                      feature.radial_S.allFinite() && std::isfinite(feature.radius_m) &&
+                      feature.covariance.allFinite() && std::isfinite(quality.sigma_m) &&
+                      std::isfinite(encoder.ratio) && std::isfinite(quality.encoder_ratio_sigma) &&
+                      std::isfinite(quality.rms_normal_m) && std::isfinite(quality.rms_radial_m) &&
+                      std::isfinite(quality.rms_tangential_m);
+  if (!finite) return refuse(Error::kNotFinite, statistics);
+  return feature;
+}
+
+ReadingMisfit reading_misfit(const SweepStatistics& statistics, const NoiseLevel& noise,
+                             const JointFeature& feature) {
+  const Vector3 along = feature.axis_S.cross(feature.radial_S);
+  CircleFit circle;
+  circle.R_SC << feature.radial_S, along, feature.axis_S;
+  circle.centre_S = feature.point_S;
+  circle.radius_m = feature.radius_m;
+  const Matrix3 R = statistics.motion.factor();
+  const Matrix3 rest =
+      R * circle.motion(statistics.origin_S) - statistics.motion.rotated_right_hand_sides();
+  const Matrix3 products = rest.transpose() * rest;
+  return {std::sqrt(products.trace()) / (R(0, 0) * feature.radius_m),
+          (statistics.shape().inverse() * products).trace() / noise.variance_factor};
+}
+
+double axis_direction_sigma(const JointFeature& feature) {
+  const Vector3 x = any_perpendicular(feature.axis_S);
+  const Vector3 y = feature.axis_S.cross(x);
+  const Matrix3 rotation = feature.covariance.block<3, 3>(3, 3);
+  const double xx = x.dot(rotation * x);
+  const double yy = y.dot(rotation * y);
+  const double xy = x.dot(rotation * y);
+  return std::sqrt((xx + yy) / 2 + std::hypot((xx - yy) / 2, xy));
+}
+
+}  // namespace armsig::features

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// Recursive least squares in square-root form, the engine of every feature (section 3.2.1 of the
+// paper).
+//
+// Each row of measurements is rotated (Givens) into the triangular factor of the augmented problem:
+//
+//   [ R  Z ]   R: regressors x regressors, upper triangular     X^T X = R^T R
+//   [ 0  E ]   Z: the right-hand sides, rotated alike           coefficients = R^-1 Z
+//
+// The rows left over are the residuals; only their sums of products E^T E are kept. No matrix is
+// ever squared or inverted, so a million updates cost no more digits than ten, in float as in
+// double; the covariance form (core/features/rls_covariance.hpp) loses them.
+// Weights: multiply the whole row by the square root of its weight.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <Eigen/Core>
+
+#include "core/base/error.hpp"
+#include "core/features/triangular_factor.hpp"
+
+namespace armsig::features {
+
+// kRegressors shared by kRightHandSides. Constant memory, no heap; a zero-initialised object knows
+// nothing.
+template <int kRegressors, int kRightHandSides, typename Scalar = double>
+class SquareRootRls {
+ public:
+  using Regressors = Eigen::Matrix<Scalar, kRegressors, 1>;
+  using RightHandSides = Eigen::Matrix<Scalar, kRightHandSides, 1>;
+  using Factor = Eigen::Matrix<Scalar, kRegressors, kRegressors>;
+  using Coefficients = Eigen::Matrix<Scalar, kRegressors, kRightHandSides>;
+  using Products = Eigen::Matrix<Scalar, kRightHandSides, kRightHandSides>;
+
+  // One measurement: right_hand_sides = coefficients^T * regressors + noise. All numbers must be
+  // finite.
+  void update(const Regressors& regressors, const RightHandSides& right_hand_sides) {
+    Scalar row[kColumns];
+    for (int j = 0; j < kRegressors; ++j) row[j] = regressors[j];
+    for (int j = 0; j < kRightHandSides; ++j) row[kRegressors + j] = right_hand_sides[j];
+    for (int i = 0; i < kRegressors; ++i) rotate_row<kColumns>(factor_[i], row, i);
+    for (int i = 0, k = 0; i < kRightHandSides; ++i)
+      for (int j = i; j < kRightHandSides; ++j, ++k)
+        residuals_[k] += row[kRegressors + i] * row[kRegressors + j];
+  }
+
+  // R, upper triangular. Its rows and those of Z stand for all the measurements: feeding them to
+  // another estimator, columns permuted or combined, gives the fit of that other model to the same
+  // data.
+  [[nodiscard]] Factor factor() const {
+    Factor R = Factor::Zero();
+    for (int i = 0; i < kRegressors; ++i)
+      for (int j = i; j < kRegressors; ++j) R(i, j) = factor_[i][j];
+    return R;
+  }
+  [[nodiscard]] Coefficients rotated_right_hand_sides() const {
+    Coefficients Z;
+    for (int i = 0; i < kRegressors; ++i)
+      for (int j = 0; j < kRightHandSides; ++j) Z(i, j) = factor_[i][kRegressors + j];
+    return Z;
+  }
+
+  // E^T E: sums of products of the residuals of the least-squares solution.
+  [[nodiscard]] Products residual_products() const {
+    Products sums;
+    for (int i = 0, k = 0; i < kRightHandSides; ++i)
+      for (int j = i; j < kRightHandSides; ++j, ++k) sums(i, j) = sums(j, i) = residuals_[k];
+    return sums;
+  }
+
+  // How many of the regressors the measurements tell apart.
+  [[nodiscard]] int rank() const {
+    int independent = 0;
+    for (int i = 0; i < kRegressors; ++i) independent += is_independent(i) ? 1 : 0;
+    return independent;
+  }
+
+  // The least-squares coefficients, one column a right-hand side. A regressor that the measurements
+  // do not tell from those before it gets the coefficient 0 (a basic solution; complete where
+  // rank() is full).
+  [[nodiscard]] Coefficients solve() const {
+    Coefficients solution = rotated_right_hand_sides();
+    for (int i = kRegressors - 1; i >= 0; --i) {
+      if (!is_independent(i)) {
+        solution.row(i).setZero();
+        continue;
+      }
+      for (int j = i + 1; j < kRegressors; ++j) solution.row(i) -= factor_[i][j] * solution.row(j);
+      solution.row(i) /= factor_[i][i];
+    }
+    return solution;
+  }
+
+  // x^T (X^T X)^-1 x: the variance of the prediction at x over that of a measurement of unit
+  // weight; infinite where the measurements say nothing about it.
+  [[nodiscard]] Scalar prediction_variance(const Regressors& x) const {
+    Regressors solved = Regressors::Zero();
+    for (int i = 0; i < kRegressors; ++i) {
+      Scalar rest = x[i];
+      Scalar size = std::abs(x[i]);
+      for (int j = 0; j < i; ++j) {
+        rest -= factor_[j][i] * solved[j];
+        size += std::abs(factor_[j][i] * solved[j]);
+      }
+      if (is_independent(i)) {
+        solved[i] = rest / factor_[i][i];
+      } else if (std::abs(rest) > kDependent * size) {
+        return std::numeric_limits<Scalar>::infinity();
+      }
+    }
+    return solved.squaredNorm();
+  }
+
+  // R^-1, with R^-1 R^-T the covariance of a column of coefficients for noise of unit variance.
+  // Errors: kSingular where the rank is not full.
+  [[nodiscard]] Result<Factor> inverse_factor() const {
+    if (rank() < kRegressors) return std::unexpected(Error::kSingular);
+    Factor inverse = Factor::Zero();
+    for (int k = 0; k < kRegressors; ++k) {
+      inverse(k, k) = 1 / factor_[k][k];
+      for (int i = k - 1; i >= 0; --i) {
+        Scalar sum = 0;
+        for (int j = i + 1; j <= k; ++j) sum += factor_[i][j] * inverse(j, k);
+        inverse(i, k) = -sum / factor_[i][i];
+      }
+    }
+    return inverse;
+  }
+
+ private:
+  static constexpr int kColumns = kRegressors + kRightHandSides;
+  // A pivot this small beside its column is rounding.
+  static constexpr Scalar kDependent = 1000 * std::numeric_limits<Scalar>::epsilon();
+
+  [[nodiscard]] bool is_independent(int i) const {
+    Scalar column = 0;
+    for (int j = 0; j <= i; ++j) column += factor_[j][i] * factor_[j][i];
+    return factor_[i][i] * factor_[i][i] > kDependent * kDependent * column;
+  }
+
+  Scalar factor_[kRegressors][kColumns] = {};                           // [R Z]
+  Scalar residuals_[kRightHandSides * (kRightHandSides + 1) / 2] = {};  // E^T E, upper triangle
+};
+
+}  // namespace armsig::features

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "core/features/sweep_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Cholesky>
+
+#include "core/features/describe_fit.hpp"
+#include "core/features/encoder_ratio.hpp"
+
+namespace armsig::features {
+namespace {
+
+// 1 in 10^11 of 2 degrees of freedom: beyond any noise.
+constexpr double kSignificantChiSquare = 50;
+
+Refusal refusal_of(Error error, std::size_t found, std::size_t needed) {
+  return {error, static_cast<double>(found), static_cast<double>(needed)};
+}
+
+struct Settled {
+  SweepStatistics accepted;
+  std::size_t rejected = 0;
+};
+
+// Judges the waiting points and takes in the good ones, in the order of their arrival.
+Settled settle(const SweepState& state) {
+  Settled settled{state.accepted, state.rejected};
+  const Verdicts verdicts = judge_together(state.accepted, state.sigma_is_known, state.waiting);
+  for (std::size_t i = 0; i < state.waiting.size(); ++i) {
+    const SweepPoint& point = state.waiting[i];
+    if (!verdicts[i]) {
+      ++settled.rejected;
+      continue;
+    }
+    if (settled.accepted.count == 0) settled.accepted = SweepStatistics(state.accepted.type, point);
+    settled.accepted.add(point);
+  }
+  return settled;
+}
+
+// What the readings and points show before any of them is judged.
+std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const SweepState& state,
+                                           std::size_t least_points) {
+  if (state.count < least_points)
+    return refusal_of(Error::kTooFewPoints, state.count, least_points);
+  const double range = state.highest_reading - state.lowest_reading;
+  if (range < kSameReading) {
+    const bool revolute = config.type == JointType::kRevolute;
+    return Refusal{Error::kJointDidNotMove, range,
+                   revolute ? config.limits.least_arc_rad : kSameReading};
+  }
+  const auto unknowns = static_cast<std::size_t>(motion_unknowns(config.type));
+  if (state.distinct_readings.size() < unknowns)
+    return refusal_of(Error::kTooFewPoints, state.distinct_readings.size(), unknowns);
+  if (state.all_equal) {
+    const double sigma =
+        state.sigma_is_known ? std::sqrt(state.latest_covariance_m2.trace() / 3) : 0;
+    return Refusal{Error::kCoincidentPoints, 0, config.limits.least_radius_sigmas * sigma};
+  }
+  return std::nullopt;
+}
+
+// What the unconstrained motion of the accepted points shows.
+std::optional<Refusal> refusal_before_fit(const SweepLimits& limits,
+                                          const SweepStatistics& statistics,
+                                          const NoiseLevel& noise) {
+  const bool revolute = statistics.type == JointType::kRevolute;
+  // A little slack, because readings come rounded.
+  const double arc = statistics.arc() * (1 + 1e-9);
+  if (revolute && arc < limits.least_arc_rad)
+    return Refusal{Error::kArcTooShort, arc, limits.least_arc_rad};
+  if (statistics.motion.rank() < motion_unknowns(statistics.type))
+    return Refusal{Error::kArcTooShort, arc, std::max(limits.least_arc_rad, 2 * arc)};
+
+  if (noise.misfit > limits.greatest_misfit)
+    return Refusal{Error::kNotACircle, noise.misfit * noise.stated_sigma_m,
+                   limits.greatest_misfit * noise.stated_sigma_m};
+  const double speed = statistics.motion.solve().row(1).norm();
+  const double size = revolute ? speed : speed * arc;
+  const double least_size = limits.least_radius_sigmas * noise.sigma_m;
+  if (size < least_size)
+    return Refusal{revolute ? Error::kRadiusTooSmall : Error::kCoincidentPoints, size, least_size};
+  const double greatest_sigma = limits.greatest_unstated_sigma * size;
+  if (noise.stated_sigma_m == 0 && noise.sigma_m > greatest_sigma)
+    return Refusal{Error::kNotACircle, noise.sigma_m, greatest_sigma};
+
+  const EncoderRatio encoder = encoder_ratio(statistics);
+  const double sigma = encoder.sigma * std::sqrt(noise.variance_factor);
+  if (std::abs(encoder.ratio - 1) > limits.greatest_encoder_error + 5 * sigma)
+    return Refusal{Error::kNotACircle, encoder.ratio, 1};
+  return std::nullopt;
+}
+
+// What the fit shows.
+std::optional<Refusal> refusal_of_fit(const SweepLimits& limits, const SweepStatistics& statistics,
+                                      const NoiseLevel& noise, Method method,
+                                      const JointFeature& feature) {
+  const bool revolute = feature.type == JointType::kRevolute;
+  const double least_radius = limits.least_radius_sigmas * feature.quality.sigma_m;
+  if (revolute && feature.radius_m < least_radius)
+    return Refusal{Error::kRadiusTooSmall, feature.radius_m, least_radius};
+  if (revolute && method == Method::kEncoder) {
+    const ReadingMisfit misfit = reading_misfit(statistics, noise, feature);
+    if (misfit.rms_rad > limits.greatest_reading_misfit_rad &&
+        misfit.chi_square > kSignificantChiSquare)
+      return Refusal{Error::kNotACircle, misfit.rms_rad, limits.greatest_reading_misfit_rad};
+  }
+  // The axis of a circle shows in the sagitta, which grows with the square of the arc; that of a
+  // line in its length.
+  const double shortfall = axis_direction_sigma(feature) / limits.greatest_axis_sigma_rad;
+  if (shortfall > 1) {
+    const double arc = feature.quality.arc();
+    return Refusal{Error::kArcTooShort, arc, arc * (revolute ? std::sqrt(shortfall) : shortfall)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+SweepEstimator::SweepEstimator(const SweepConfig& config) : config_(config) {
+  state_.accepted.type = config.type;
+}
+
+Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matrix3& covariance_m2) {
+  if (!std::isfinite(reading) || !p_S.allFinite() || !covariance_m2.allFinite())
+    return std::unexpected(Error::kNotFinite);
+  const bool known = !covariance_m2.isZero(0);
+  if (known && covariance_m2.llt().info() != Eigen::Success)
+    return std::unexpected(Error::kSingular);
+
+  SweepState& s = state_;
+  if (s.count == 0) {
+    s.sigma_is_known = known;
+    s.lowest_reading = s.highest_reading = reading;
+    s.first_S = p_S;
+  }
+  if (s.sigma_is_known && known) s.latest_covariance_m2 = covariance_m2;
+  ++s.count;
+  s.lowest_reading = std::min(s.lowest_reading, reading);
+  s.highest_reading = std::max(s.highest_reading, reading);
+  s.all_equal = s.all_equal && p_S == s.first_S;
+  const auto is_same = [&](double seen) { return std::abs(seen - reading) < kSameReading; };
+  if (!s.distinct_readings.full() && std::ranges::none_of(s.distinct_readings, is_same))
+    s.distinct_readings.push_back(reading);
+
+  const SweepPoint point{reading, p_S, s.latest_covariance_m2};
+  if (!predicts(s.accepted, point)) {
+    s.waiting.push_back(point);
+    if (s.waiting.full()) {
+      const Settled settled = settle(s);
+      s.accepted = settled.accepted;
+      s.rejected = settled.rejected;
+      s.waiting.clear();
+    }
+  } else if (passes_gate(s.accepted, s.sigma_is_known, point)) {
+    s.accepted.add(point);
+  } else {
+    ++s.rejected;
+  }
+  return {};
+}
+
+Judged<JointFeature> SweepEstimator::estimate(Method method) const {
+  const SweepLimits& limits = config_.limits;
+  const std::size_t least_points =
+      config_.type == JointType::kRevolute ? limits.least_points : limits.least_points_prismatic;
+  if (const auto refusal = refusal_before_gate(config_, state_, least_points))
+    return std::unexpected(*refusal);
+
+  const Settled settled = settle(state_);
+  const SweepStatistics& statistics = settled.accepted;
+  const double kept = (1 - limits.greatest_rejected) * static_cast<double>(state_.count);
+  const std::size_t least_accepted =
+      std::max(least_points, static_cast<std::size_t>(std::ceil(kept)));
+  if (statistics.count < least_accepted)
+    return std::unexpected(refusal_of(Error::kTooManyOutliers, statistics.count, least_accepted));
+
+  const NoiseLevel noise = noise_level(statistics, state_.sigma_is_known);
+  if (const auto refusal = refusal_before_fit(limits, statistics, noise))
+    return std::unexpected(*refusal);
+  Judged<JointFeature> feature = describe_fit(statistics, noise, method);
+  if (!feature) return feature;
+  feature->quality.rejected = settled.rejected;
+  if (const auto refusal = refusal_of_fit(limits, statistics, noise, method, *feature))
+    return std::unexpected(*refusal);
+  return feature;
+}
+
+}  // namespace armsig::features

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// From the points of one sweep to the feature of one joint: the feature identification of section
+// 3.2.1, one point at a time, in constant memory.
+#pragma once
+
+#include <cstddef>
+
+#include "core/base/arm.hpp"
+#include "core/base/error.hpp"
+#include "core/base/fixed_vector.hpp"
+#include "core/features/feature.hpp"
+#include "core/features/gate.hpp"
+#include "core/features/sweep_statistics.hpp"
+
+namespace armsig::features {
+
+// When a sweep says too little to be used.
+struct SweepLimits {
+  // Accepted points. Three determine the motion of a revolute joint, two that of a prismatic one,
+  // and leave nothing to judge it by.
+  std::size_t least_points = 4;
+  std::size_t least_points_prismatic = 3;
+  // Revolute only.
+  double least_arc_rad = kPi / 36;
+  // 1 sigma of the direction of the axis: 3 cm at 1 m.
+  double greatest_axis_sigma_rad = 0.03;
+  // Radius of the circle, or travel of a prismatic target, over 1 sigma of a point.
+  double least_radius_sigmas = 10;
+  // RMS residual over the sigma stated: a sigma stated three times too small still passes.
+  double greatest_misfit = 6;
+  // RMS residual over radius or travel, where no sigma is stated.
+  double greatest_unstated_sigma = 0.02;
+  // Fraction of the points rejected.
+  double greatest_rejected = 0.5;
+  // RMS angle by which the readings fail to explain an encoder-referenced circle.
+  double greatest_reading_misfit_rad = 0.01;
+  // |encoder_ratio - 1|, beyond 5 of its sigmas.
+  double greatest_encoder_error = 0.2;
+};
+
+struct SweepConfig {
+  JointType type = JointType::kRevolute;
+  SweepLimits limits;
+};
+
+// Readings nearer than this are one reading, radians or metres.
+inline constexpr double kSameReading = 1e-9;
+
+// Everything known of a sweep; plain data.
+struct SweepState {
+  std::size_t count = 0;
+  std::size_t rejected = 0;  // of those judged
+  bool sigma_is_known = false;
+  Matrix3 latest_covariance_m2 = Matrix3::Identity();
+  double lowest_reading = 0;  // of all points
+  double highest_reading = 0;
+  FixedVector<double, 3> distinct_readings;  // the first ones
+  Vector3 first_S = Vector3::Zero();
+  bool all_equal = true;
+  WaitingPoints waiting;  // not judged yet
+  SweepStatistics accepted;
+};
+
+class SweepEstimator {
+ public:
+  explicit SweepEstimator(const SweepConfig& config);
+
+  // covariance_m2: of the point; the zero matrix where unknown. The first point decides: if its
+  // covariance is unknown, sigma is estimated from the residuals of the whole sweep; if it is
+  // known, a later point without one takes that of the point before. Errors: kNotFinite; kSingular
+  // (a covariance that is neither zero nor positive definite). Such a point is not taken.
+  Result<void> add(double reading, const Vector3& p_S, const Matrix3& covariance_m2);
+
+  [[nodiscard]] std::size_t count() const { return state_.count; }
+  [[nodiscard]] const SweepState& state() const { return state_; }
+
+  // The feature that all points so far show. May be called at any time, as often as wanted.
+  // Refusals (found, needed):
+  //   kTooFewPoints      points or distinct readings; the least number
+  //   kJointDidNotMove   range of the readings; the least arc
+  //   kCoincidentPoints  how far the target moved; 10 sigma of a point
+  //   kTooManyOutliers   points accepted; the least number
+  //   kNotACircle        RMS residual, or misfit of the readings, the greatest; or the encoder
+  //                      ratio, 1
+  //   kArcTooShort       arc; the least arc, as far as the noise or the limits ask for it
+  //   kRadiusTooSmall    radius; the least radius
+  //   kNotFinite         0, 0: numbers too large to compute with
+  //   kNotConverged      0, 0: the constrained fit used up its iterations
+  [[nodiscard]] Judged<JointFeature> estimate(Method method) const;
+
+ private:
+  SweepConfig config_;
+  SweepState state_;
+};
+
+}  // namespace armsig::features

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// What is kept of a sweep, however long: the constant-size sufficient statistics of its points.
+//
+// Two triangular factors, both about a point of the sweep, so that a sensor metres away and
+// readings of thousands of turns cost no digits:
+//   motion    p on [1, sin t, 1 - cos t] (revolute) or [1, t] (prismatic), t the reading moved:
+//             the encoder-referenced circle p = c + A cos t + B sin t of ALGORITHMS section 2,
+//             written c + A, B, -A so that a short arc has well-scaled columns; or the line c + u
+//             t;
+//   geometry  the six quadratic monomials on [1 x y z]: the plane (13) with any pivot, and the
+//   circle
+//             (14) in any plane, because w = |p|^2 - (n.p)^2 is linear in the monomials.
+#pragma once
+
+#include <cstddef>
+
+#include <Eigen/Core>
+
+#include "core/base/arm.hpp"
+#include "core/base/pose.hpp"
+#include "core/features/rls.hpp"
+#include "core/features/triangular_factor.hpp"
+
+namespace armsig::features {
+
+// One measured point of a sweep.
+struct SweepPoint {
+  double reading = 0;                           // radians or metres
+  Vector3 p_S = Vector3::Zero();                // metres
+  Matrix3 covariance_m2 = Matrix3::Identity();  // the identity where nothing is known
+  // Mean variance per axis.
+  [[nodiscard]] double variance() const { return covariance_m2.trace() / 3; }
+};
+
+using MotionRls = SquareRootRls<3, 3>;
+using GeometryFactor = TriangularFactor<10>;
+
+// The regressors of the motion; a prismatic joint has two, and leaves the third zero.
+[[nodiscard]] Vector3 motion_regressors(JointType type, double moved);
+[[nodiscard]] constexpr int motion_unknowns(JointType type) {
+  return type == JointType::kRevolute ? 3 : 2;
+}
+
+// 1, x, y, z, xx, xy, xz, yy, yz, zz.
+[[nodiscard]] GeometryFactor::Row geometry_columns(const Vector3& p);
+
+// The variance that rounding alone may give a coordinate of this point: of the coordinates
+// themselves, and of the reading at the speed with which it moves the point.
+[[nodiscard]] double rounding_variance(const SweepPoint& point, double speed);
+
+// Every point enters with the weight 1 / variance(); plain data, may be copied and logged whole.
+struct SweepStatistics {
+  JointType type = JointType::kRevolute;
+  double origin_reading = 0;
+  Vector3 origin_S = Vector3::Zero();
+  std::size_t count = 0;
+  double lowest_reading = 0;
+  double highest_reading = 0;
+  MotionRls motion;
+  GeometryFactor geometry;
+  double variance_sum = 0;              // of variance()
+  Matrix3 shape_sum = Matrix3::Zero();  // of covariance / variance()
+  // Sum of weight * regressors regressors^T (x) covariance / variance(): the covariance of the
+  // score of the motion fit, true also where the covariance changes along the sweep.
+  Eigen::Matrix<double, 9, 9> score_sum = Eigen::Matrix<double, 9, 9>::Zero();
+
+  SweepStatistics() = default;
+  SweepStatistics(JointType joint, const SweepPoint& origin)
+      : type(joint), origin_reading(origin.reading), origin_S(origin.p_S) {}
+
+  void add(const SweepPoint& point);
+
+  [[nodiscard]] double arc() const { return highest_reading - lowest_reading; }
+  [[nodiscard]] Vector3 regressors(const SweepPoint& point) const {
+    return motion_regressors(type, point.reading - origin_reading);
+  }
+  // The mean covariance of a point over its mean variance per axis (trace 3).
+  [[nodiscard]] Matrix3 shape() const { return shape_sum / static_cast<double>(count); }
+  [[nodiscard]] double mean_variance() const { return variance_sum / static_cast<double>(count); }
+  // Residuals left over by the motion fit: how many, and their sum of squares, each over its
+  // variance along its direction.
+  [[nodiscard]] double motion_freedom() const;
+  [[nodiscard]] double motion_chi_square() const;
+};
+
+}  // namespace armsig::features

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Lays the joint axes of one model of an arm over those of another.
+#pragma once
+
+#include "core/frames/axis_lines.hpp"
+
+namespace armsig::frames {
+
+// What is left between two axes after the alignment.
+struct Misalignment {
+  double angle_rad = 0;   // between the directions, in [0, pi]
+  double distance_m = 0;  // of B's point from A's line; 0 for a prismatic joint
+};
+
+struct Alignment {
+  Pose X_AB;
+  FixedVector<Misalignment, kMaxJoints> joints;
+  double cost_m2 = 0;  // sum of squared distances and of squared size-weighted chords of direction
+
+  [[nodiscard]] double worst_angle_rad() const;
+  [[nodiscard]] double worst_distance_m() const;
+};
+
+// The rigid motion X_AB that lays lines B over lines A: least squares of the distances of B's
+// points from A's lines and of the differences of direction, the latter weighted with the size of
+// arrangement A. Gauss-Newton with step halving, at most 30 steps from each of the 24 rotations of
+// a cube; the least cost wins, the earlier start (the identity is the first) among equals.
+//
+// A direction of motion that the lines determine to less than one part in a hundred is left at the
+// start: the slide along axes that are all parallel within half a degree, the turn about a single
+// axis, any translation where no joint is revolute. The start lays the mean of B's points on A's.
+// Preconditions: 1 to 8 lines, as many in B as in A, of the same types; finite.
+[[nodiscard]] Alignment align(const AxisLines& lines_A, const AxisLines& lines_B);
+
+}  // namespace armsig::frames

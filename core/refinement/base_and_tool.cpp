@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "core/refinement/base_and_tool.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/refinement/robust.hpp"
+#include "core/refinement/rotation_search.hpp"
+#include "core/refinement/row.hpp"
+
+namespace armsig::refinement {
+
+namespace {
+
+constexpr int kRobustPasses = 12;
+constexpr std::size_t kFewestRows = 4;
+// Mean square about the mean below which nothing moved: rounding, in metres or unit vectors.
+constexpr double kAtRest = 1e-20;
+
+// The log as the fit wants it: rows of one target, each with the target's link by the drawing.
+class Rows {
+ public:
+  Rows(const Arm& arm, std::span<const Observation> log, std::span<const Target> targets)
+      : arm_(arm), log_(log), targets_(targets), readings_{arm.couplings, {}} {}
+
+  template <typename Visit>
+  void for_each(std::size_t target, Visit visit) const {
+    for (const Observation& row : log_) {
+      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition || row.target != target)
+        continue;
+      const JointVector coupled = coupled_readings(readings_, row.readings);
+      visit(row, drawn_frames(arm_, coupled)[targets_[target].link]);
+    }
+  }
+
+ private:
+  const Arm& arm_;
+  std::span<const Observation> log_;
+  std::span<const Target> targets_;
+  ReadingModel readings_;
+};
+
+Vector12 link_vector(const Pose& X_BL) {
+  Vector12 g;
+  g << X_BL.p, X_BL.R.col(0), X_BL.R.col(1), X_BL.R.col(2);
+  return g;
+}
+
+// Exact data would leave a scale of zero, and no row a weight.
+constexpr double kLeastScale_m = 1e-9;
+
+double huber(double residual, double scale) {
+  return residual <= 2 * scale ? 1 : 2 * scale / residual;
+}
+
+// Robust scale of the residual lengths, per axis.
+double residual_scale(const Rows& rows, std::size_t target, const Pose& X_SB, const Vector3& u) {
+  LogHistogram squares;
+  rows.for_each(target, [&](const Observation& row, const Pose& X_BL) {
+    squares.add((row.p_S - X_SB * (X_BL * u)).squaredNorm());
+  });
+  return std::max(kLeastScale_m, std::sqrt(squares.median() / kMedianChiSquare3));
+}
+
+// A further target, once the base is known: the mean of where its rows put it, robustly.
+Vector3 place_target(const Rows& rows, std::size_t target, const Pose& X_SB) {
+  Vector3 u = Vector3::Zero();
+  const Pose X_BS = X_SB.inverse();
+  for (int pass = 0; pass < kRobustPasses; ++pass) {
+    const double scale = residual_scale(rows, target, X_SB, u);
+    double weight = 0;
+    Vector3 sum = Vector3::Zero();
+    rows.for_each(target, [&](const Observation& row, const Pose& X_BL) {
+      const Vector3 seen = X_BL.inverse() * (X_BS * row.p_S);
+      const double w = pass == 0 ? 1 : huber((seen - u).norm(), scale);
+      weight += w;
+      sum += w * seen;
+    });
+    if (weight > 0) u = sum / weight;
+  }
+  return u;
+}
+
+}  // namespace
+
+FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm, const JointVector& coupled) {
+  FixedVector<Pose, kMaxFrames> X_BL;
+  X_BL.push_back({});
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    const DhJoint& joint = arm.joints[i];
+    const bool revolute = joint.type == JointType::kRevolute;
+    const Matrix3 R_z = rotation_z(joint.theta_rad + (revolute ? coupled[i] : 0));
+    const Vector3 p(joint.a_m, 0, joint.d_m + (revolute ? 0 : coupled[i]));
+    X_BL.push_back(X_BL.back() * Pose{R_z * rotation_x(joint.alpha_rad), R_z * p});
+  }
+  return X_BL;
+}
+
+Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observation> log,
+                                      std::span<const Target> targets) {
+  ARMSIG_CHECK(targets.size() <= kMaxTargets);
+  std::array<std::size_t, kMaxTargets> rows_of{};
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    const Observation& row = log[k];
+    if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition) continue;
+    ARMSIG_CHECK(row.target < targets.size() && row.readings.size() == arm.joints.size());
+    if (!is_finite(row)) {
+      return std::unexpected(Refusal{Error::kNotFinite, static_cast<double>(k), 0});
+    }
+    ++rows_of[row.target];
+  }
+  std::size_t main = 0;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    if (targets[t].link != arm.joints.size()) continue;
+    if (targets[main].link != arm.joints.size() || rows_of[t] > rows_of[main]) main = t;
+  }
+  if (targets[main].link != arm.joints.size()) rows_of[main] = 0;
+  if (rows_of[main] < kFewestRows) {
+    return std::unexpected(Refusal{Error::kTooFewPoints, static_cast<double>(rows_of[main]),
+                                   static_cast<double>(kFewestRows)});
+  }
+
+  const Rows rows(arm, log, targets);
+  BaseAndTool found;
+  Candidate best;
+  double scale = 0;
+  for (int pass = 0; pass < kRobustPasses; ++pass) {
+    Moments moments;
+    rows.for_each(main, [&](const Observation& row, const Pose& X_BL) {
+      const double residual = (row.p_S - found.X_SB * (X_BL * best.u)).norm();
+      moments.add(row.p_S, link_vector(X_BL), pass == 0 ? 1 : huber(residual, scale));
+    });
+    if (moments.gg.trace() <= kAtRest * moments.weight)
+      return std::unexpected(Refusal{Error::kJointDidNotMove, 0, 0});
+    if (moments.pp <= kAtRest * moments.weight)
+      return std::unexpected(Refusal{Error::kCoincidentPoints, 0, 0});
+    // Outliers may have hidden the true basin from the first search.
+    if (pass == 0 || pass == kRobustPasses / 2) {
+      best = search(moments);
+    } else {
+      polish(moments, best);
+    }
+    const Vector3 mean_y = combined(moments.mean_g, best.u);
+    found.X_SB = {best.R, moments.mean_p - best.R * mean_y};
+    scale = residual_scale(rows, main, found.X_SB, best.u);
+  }
+  found.p_LT.resize(targets.size(), Vector3::Zero());
+  double weight = 0;
+  double squares = 0;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    if (rows_of[t] == 0) continue;
+    found.p_LT[t] = t == main ? best.u : place_target(rows, t, found.X_SB);
+    rows.for_each(t, [&](const Observation& row, const Pose& X_BL) {
+      const double residual = (row.p_S - found.X_SB * (X_BL * found.p_LT[t])).norm();
+      if (huber(residual, scale) < 0.5) return;
+      weight += 1;
+      squares += residual * residual;
+    });
+  }
+  found.rms_m = weight > 0 ? std::sqrt(squares / weight) : 0;
+  if (!found.X_SB.p.allFinite() || !best.u.allFinite()) {
+    return std::unexpected(Refusal{Error::kNotConverged, found.rms_m, 0});
+  }
+  return found;
+}
+
+}  // namespace armsig::refinement

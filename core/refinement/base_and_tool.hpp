@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Where an arm of known drawing stands, and where on its last link the target is.
+//
+// Nine unknowns: the base's pose in the sensor frame (any rotation) and the target in the last
+// link, found by the search of rotation_search.hpp, repeated with Huber weights so that gross
+// outliers lose their say.
+#pragma once
+
+#include <span>
+
+#include "core/base/error.hpp"
+#include "core/refinement/observation.hpp"
+#include "core/refinement/readings.hpp"
+#include "core/signature.hpp"
+
+namespace armsig::refinement {
+
+struct BaseAndTool {
+  Pose X_SB;
+  FixedVector<Vector3, kMaxTargets>
+      p_LT;          // targets in their links' frames; zero where not observed
+  double rms_m = 0;  // residual lengths of the rows that carry at least half weight
+};
+
+// The arm's links 0 ... n in its base frame by the drawing, at coupled readings (standard
+// Denavit-Hartenberg, (2) of the paper).
+[[nodiscard]] FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm,
+                                                         const JointVector& coupled);
+
+// Fits base and targets to the position rows of `log` whose use is kFit. `targets` says on which
+// link each target is; their positions are not used. The base is found from the target on the last
+// link that has most rows. Preconditions: every row's target is among `targets`, at most
+// kMaxTargets. Errors: kNotFinite (index of the row); kTooFewPoints (positions of that target, 4);
+// kJointDidNotMove (no joint moved); kCoincidentPoints (its positions are all one);
+// kNotConverged (RMS [m], 0: no minimum was found).
+[[nodiscard]] Judged<BaseAndTool> fit_base_and_tool(const Arm& arm,
+                                                    std::span<const Observation> log,
+                                                    std::span<const Target> targets);
+
+}  // namespace armsig::refinement

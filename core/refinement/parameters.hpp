@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// The unknowns of the refinement and where each stands in the state vector.
+//
+// Everything is a small correction about the present estimate: axis lines in their own link frame
+// (z along the axis, so that rotation about z and translation along z do nothing to the line),
+// target points in the sensor frame at the signature configuration. Minimal: 4 per revolute axis, 2
+// per prismatic one, 3 per target; nothing is a gauge.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "core/base/error.hpp"
+#include "core/refinement/observation.hpp"
+#include "core/signature.hpp"
+
+namespace armsig::refinement {
+
+// Largest number of unknowns: the packed square-root factor of that size takes 37 KiB.
+inline constexpr std::size_t kMaxParameters = 96;
+
+enum class ParameterKind : std::uint8_t {
+  kAxisDirection,   // rotation of the axis about x, y of its link frame [rad]
+  kAxisPosition,    // shift of the axis along x, y of its link frame [m]; revolute only
+  kReadingGain,     // ReadingCorrection::gain
+  kReadingFirst,    // ReadingCorrection::cos_1, sin_1 [rad]
+  kReadingSecond,   // ReadingCorrection::cos_2, sin_2 [rad]
+  kTarget,          // target point along x, y, z of the sensor frame [m]
+  kReceiverOffset,  // constant added to every range of a receiver [m]
+  kScale,           // relative error of every length measured
+};
+
+// "direction of its axis", "position of its axis", ...
+[[nodiscard]] std::string_view describe(ParameterKind kind);
+
+struct Parameter {
+  ParameterKind kind = ParameterKind::kAxisDirection;
+  std::uint8_t index = 0;      // of the joint, target or receiver; 0 for kScale
+  std::uint8_t component = 0;  // x, y, z; or cosine, sine
+};
+
+// Which corrections of the readings are asked for, per joint.
+struct ReadingTerms {
+  bool gain = false;
+  bool first = false;   // revolute only; ignored otherwise
+  bool second = false;  // revolute only; ignored otherwise
+};
+
+struct ParameterRequest {
+  FixedVector<ReadingTerms, kMaxJoints> readings;  // none, or one per joint
+  bool receiver_offsets = false;
+  bool scale = false;
+};
+
+// Marks a quantity that is not among the unknowns.
+inline constexpr std::size_t kNoColumn = ~std::size_t{0};
+
+struct Layout {
+  FixedVector<Parameter, kMaxParameters> parameters;
+  std::array<std::size_t, kMaxJoints> axis{};     // first of 4 (revolute) or 2 (prismatic) columns
+  std::array<std::size_t, kMaxJoints> gain{};     // or kNoColumn
+  std::array<std::size_t, kMaxJoints> first{};    // first of 2, or kNoColumn
+  std::array<std::size_t, kMaxJoints> second{};   // first of 2, or kNoColumn
+  std::array<std::size_t, kMaxTargets> target{};  // first of 3, or kNoColumn: not observed
+  std::size_t receiver_offsets = kNoColumn;       // first of as many as receivers
+  std::size_t scale = kNoColumn;
+
+  [[nodiscard]] std::size_t size() const { return parameters.size(); }
+};
+
+// The layout for the joints of `signature` and those of its targets for which `observed` is true.
+// kCapacityExceeded with more than kMaxParameters unknowns.
+[[nodiscard]] Judged<Layout> make_layout(const Signature& signature,
+                                         const std::array<bool, kMaxTargets>& observed,
+                                         const ParameterRequest& request,
+                                         std::size_t receiver_count);
+
+}  // namespace armsig::refinement

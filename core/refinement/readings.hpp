@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// From what the encoders read to how far the joints have turned: coupled joints, and the errors of
+// a reading that repeat with it (section 5 of ALGORITHMS).
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/arm.hpp"
+
+namespace armsig::refinement {
+
+// Periodic and proportional errors of one joint's reading. The true motion of the joint is
+//   q + gain q + cos_1 cos q + sin_1 sin q + cos_2 cos 2q + sin_2 sin 2q,
+// q the coupled reading: gain of a wrong gear ratio or pitch, first order of an eccentric encoder
+// disc, second order of an elliptic one. Unitless gain, radians for the rest (revolute joints
+// only).
+struct ReadingCorrection {
+  double gain = 0;
+  double cos_1 = 0;
+  double sin_1 = 0;
+  double cos_2 = 0;
+  double sin_2 = 0;
+};
+
+struct ReadingModel {
+  FixedVector<JointCoupling, kMaxJoints> couplings;
+  FixedVector<ReadingCorrection, kMaxJoints> corrections;  // none, or one per joint
+};
+
+// The coupled readings: each joint's reading plus ratio times the raw reading of the joint it hangs
+// on.
+[[nodiscard]] JointVector coupled_readings(const ReadingModel& model, const JointVector& readings);
+
+// The motion of joint `joint` that its coupled reading `coupled` stands for, corrections applied.
+[[nodiscard]] double corrected_reading(const ReadingModel& model, std::size_t joint,
+                                       double coupled);
+
+}  // namespace armsig::refinement

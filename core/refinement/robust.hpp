@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// Huber's weight with a gate for gross outliers, and a scale from the median that gross outliers
+// cannot move (Huber, Robust Statistics, 1981; Hampel's three-part rule in the small).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace armsig::refinement {
+
+// Thresholds on the length of a residual in units of sigma, for one scalar and for three. The knees
+// are passed by 0.5 % of good rows, which costs well under one per cent of efficiency; the gates by
+// one good row in a million.
+inline constexpr double kHuberKnee1 = 2.8;
+inline constexpr double kHuberKnee3 = 3.6;
+inline constexpr double kGate1 = 4.9;
+inline constexpr double kGate3 = 5.7;
+// Medians of the chi-square law with one and three degrees of freedom.
+inline constexpr double kMedianChiSquare1 = 0.4549364;
+inline constexpr double kMedianChiSquare3 = 2.3659739;
+
+struct RobustThresholds {
+  double knee = kHuberKnee3;
+  double gate = kGate3;
+  double median = kMedianChiSquare3;
+};
+inline constexpr RobustThresholds kThresholds1{kHuberKnee1, kGate1, kMedianChiSquare1};
+inline constexpr RobustThresholds kThresholds3{kHuberKnee3, kGate3, kMedianChiSquare3};
+
+// Weight of the square of a residual of length `length` (in sigma); 0 beyond the gate.
+[[nodiscard]] inline double robust_weight(double length, const RobustThresholds& t) {
+  if (length <= t.knee) return 1;
+  return length <= t.gate ? t.knee / length : 0;
+}
+
+// What the residual adds to the robust sum of squares: its square, then a line, then a constant.
+[[nodiscard]] inline double robust_loss(double length, const RobustThresholds& t) {
+  if (length <= t.knee) return length * length;
+  return t.knee * (2 * std::min(length, t.gate) - t.knee);
+}
+
+// The median of many positive numbers in one pass and constant memory: a histogram over their
+// binary logarithm with 8 bins an octave, interpolated; within 2 % of the true median of a smooth
+// law.
+class LogHistogram {
+ public:
+  void add(double value, std::size_t times = 1) {
+    // The upper bits of a positive double are its logarithm, to within the mantissa's curvature.
+    const auto bits = std::bit_cast<std::uint64_t>(std::max(value, kLowest)) >> kShift;
+    const auto bin = std::min(static_cast<std::size_t>(bits - kFirst), kBins - 1);
+    counts_[bin] += static_cast<std::uint32_t>(times);
+    total_ += times;
+    lowest_ = std::min(lowest_, bin);
+  }
+
+  // 0 when nothing was added, or when half of the values are below 2^-90.
+  [[nodiscard]] double median() const {
+    const double half = 0.5 * static_cast<double>(total_);
+    double below = 0;
+    for (std::size_t bin = lowest_; bin < kBins; ++bin) {
+      const auto count = static_cast<double>(counts_[bin]);
+      if (count > 0 && below + count >= half) {
+        if (bin == 0) return 0;
+        return edge(bin) + (edge(bin + 1) - edge(bin)) * (half - below) / count;
+      }
+      below += count;
+    }
+    return 0;
+  }
+
+ private:
+  static constexpr std::size_t kBins = 1024;  // 2^-90 ... 2^38
+  static constexpr double kLowest = 0x1p-90;
+  static constexpr int kShift = 49;  // 3 of the 52 bits of the mantissa stay
+  static constexpr std::uint64_t kFirst = std::bit_cast<std::uint64_t>(kLowest) >> kShift;
+  static double edge(std::size_t bin) {
+    return std::bit_cast<double>((kFirst + static_cast<std::uint64_t>(bin)) << kShift);
+  }
+
+  std::array<std::uint32_t, kBins> counts_{};
+  std::size_t total_ = 0;
+  std::size_t lowest_ = kBins;
+};
+
+}  // namespace armsig::refinement

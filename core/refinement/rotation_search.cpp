@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "core/refinement/rotation_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace armsig::refinement {
+
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr int kStarts = 64;
+constexpr int kMaxSteps = 60;
+
+// Sum of squares, its gradient (halved) and Gauss-Newton matrix by (rotation vector in S, u).
+struct Local {
+  double squares = 0;
+  Vector6 gradient;
+  Matrix6 hessian;
+};
+
+using Matrix3x12 = Eigen::Matrix<double, 3, 12>;
+
+// Y M, with Y(u) = [I, u_x I, u_y I, u_z I]. Written as sums of blocks: as matrix products of this
+// size Eigen would fetch work space from a heap.
+Matrix3x12 combined_rows(const Eigen::Matrix<double, 12, 12>& M, const Vector3& u) {
+  Matrix3x12 sum = M.topRows<3>();
+  for (int j = 0; j < 3; ++j) sum += u[j] * M.middleRows<3>(3 + 3 * j);
+  return sum;
+}
+
+// M Y^T.
+Matrix3 combined_columns(const Matrix3x12& M, const Vector3& u) {
+  Matrix3 sum = M.leftCols<3>();
+  for (int j = 0; j < 3; ++j) sum += u[j] * M.middleCols<3>(3 + 3 * j);
+  return sum;
+}
+
+double squares_of(const Moments& m, const Matrix3& yy, const Matrix3& py, const Matrix3& R) {
+  return m.pp + yy.trace() - 2 * (R.transpose() * py).trace();
+}
+
+double squares_at(const Moments& m, const Matrix3& R, const Vector3& u) {
+  const Matrix3 yy = combined_columns(combined_rows(m.gg, u), u);
+  return squares_of(m, yy, combined_columns(m.pg, u), R);
+}
+
+Local local_at(const Moments& m, const Matrix3& R, const Vector3& u) {
+  const Matrix3x12 yg = combined_rows(m.gg, u);
+  const Matrix3 yy = combined_columns(yg, u);
+  const Matrix3 py = combined_columns(m.pg, u);
+  Local local;
+  local.squares = squares_of(m, yy, py, R);
+  // e = p - R y; de = -w x (R y) - R R_k du.
+  const Matrix3 S = R * yy * R.transpose();
+  local.hessian.topLeftCorner<3, 3>() = S.trace() * Matrix3::Identity() - S;
+  const Matrix3 C = R * py.transpose();  // sum of (R y) p^T
+  local.gradient.head<3>() << -(C(1, 2) - C(2, 1)), -(C(2, 0) - C(0, 2)), -(C(0, 1) - C(1, 0));
+  for (int j = 0; j < 3; ++j) {
+    const Matrix3 yj = yg.middleCols<3>(3 + 3 * j);  // sum of y (R_k e_j)^T
+    const Vector3 cross(yj(1, 2) - yj(2, 1), yj(2, 0) - yj(0, 2), yj(0, 1) - yj(1, 0));
+    local.hessian.block<3, 1>(0, 3 + j) = R * cross;
+    local.hessian.block<1, 3>(3 + j, 0) = (R * cross).transpose();
+    for (int i = 0; i < 3; ++i) {
+      local.hessian(3 + i, 3 + j) = m.gg.block<3, 3>(3 + 3 * i, 3 + 3 * j).trace();
+    }
+    local.gradient[3 + j] = yj.trace() - (R.transpose() * m.pg.middleCols<3>(3 + 3 * j)).trace();
+  }
+  return local;
+}
+
+// The best u for a given rotation; directions of u that the poses hardly show stay short.
+Vector3 tool_for(const Moments& m, const Matrix3& R) {
+  const Local local = local_at(m, R, Vector3::Zero());
+  Matrix3 H = local.hessian.bottomRightCorner<3, 3>();
+  H.diagonal().array() += 1e-6 * m.weight;
+  const Vector3 g = local.gradient.tail<3>();
+  return -(H.inverse() * g);
+}
+
+// Rotations spread evenly over SO(3): the super-Fibonacci spiral (Alexa, CVPR 2022).
+Matrix3 spread_rotation(int k) {
+  constexpr double kPsi = 1.533751168755204288118041;
+  const double s = k + 0.5;
+  const double share = s / kStarts;
+  const double alpha = 2 * kPi * s / std::sqrt(2.0);
+  const double beta = 2 * kPi * s / kPsi;
+  const double r = std::sqrt(share);
+  const double t = std::sqrt(1 - share);
+  return Eigen::Quaterniond(r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta),
+                            t * std::cos(beta))
+      .toRotationMatrix();
+}
+
+}  // namespace
+
+void Moments::add(const Vector3& p, const Vector12& g, double w) {
+  if (w <= 0) return;
+  weight += w;
+  const Vector3 dp = p - mean_p;
+  const Vector12 dg = g - mean_g;
+  mean_p += w / weight * dp;
+  mean_g += w / weight * dg;
+  const double left = w * (1 - w / weight);
+  pp += left * dp.squaredNorm();
+  pg.noalias() += left * dp.lazyProduct(dg.transpose());
+  gg.noalias() += left * dg.lazyProduct(dg.transpose());
+}
+
+Vector3 combined(const Vector12& g, const Vector3& u) {
+  Vector3 sum = g.head<3>();
+  for (int j = 0; j < 3; ++j) sum += u[j] * g.segment<3>(3 + 3 * j);
+  return sum;
+}
+
+void polish(const Moments& m, Candidate& candidate) {
+  double damping = 1e-3;
+  candidate.squares = squares_at(m, candidate.R, candidate.u);
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const Local local = local_at(m, candidate.R, candidate.u);
+    Matrix6 H = local.hessian;
+    for (int k = 0; k < 6; ++k) H(k, k) += damping * H(k, k) + 1e-9 * m.weight;
+    const Vector6 x = -H.ldlt().solve(local.gradient);
+    const double angle = x.head<3>().norm();
+    Candidate next = candidate;
+    if (angle > 0) {
+      const Vector3 axis = x.head<3>() / angle;
+      next.R = rotation_about(axis, angle) * candidate.R;
+    }
+    next.u += x.tail<3>();
+    next.squares = squares_at(m, next.R, next.u);
+    if (next.squares < candidate.squares) {
+      candidate = next;
+      damping = std::max(0.1 * damping, 1e-12);
+      if (x.norm() < 1e-10) break;
+    } else {
+      damping *= 10;
+      if (damping > 1e6) break;
+    }
+  }
+}
+
+Candidate search(const Moments& m) {
+  Candidate best;
+  for (int k = 0; k < kStarts; ++k) {
+    Candidate candidate;
+    candidate.R = spread_rotation(k);
+    candidate.u = tool_for(m, candidate.R);
+    polish(m, candidate);
+    if (k == 0 || candidate.squares < best.squares) best = candidate;
+  }
+  return best;
+}
+
+}  // namespace armsig::refinement

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// One measured row as the filter wants it: residual and derivatives, divided by its sigma.
+#pragma once
+
+#include "core/refinement/refinement.hpp"
+#include "core/refinement/robust.hpp"
+
+namespace armsig::refinement {
+
+// The measured range that the estimate predicts for a target at p_S, and its derivative by p_S.
+struct PredictedRange {
+  double value = 0;
+  Vector3 gradient = Vector3::Zero();
+};
+[[nodiscard]] PredictedRange predict_range(const Refined& estimate, const Receivers& receivers,
+                                           const Observation& row, const Vector3& p_S);
+
+// Length of (measured - predicted) for a target at p_S [m].
+[[nodiscard]] double residual_length(const Refined& estimate, const Receivers& receivers,
+                                     const Observation& row, const Vector3& p_S);
+
+// Whether every number of the row that counts is finite.
+[[nodiscard]] bool is_finite(const Observation& row);
+
+// The robust thresholds of a row: three scalars or one.
+[[nodiscard]] inline const RobustThresholds& thresholds(const Observation& row) {
+  return row.kind == ObservationKind::kPosition ? kThresholds3 : kThresholds1;
+}
+
+// Linearises `row` at the estimate and takes it into `factor`; `weight` is the inverse of its sigma
+// [1/m]. `linearised` receives what it was linearised with.
+struct Linearised {
+  JointMotion motion;
+  PointJacobian jacobian;
+};
+void absorb_row(const Refined& estimate, const Receivers& receivers, const Chain& chain,
+                const Observation& row, double weight, SquareRootFactor& factor,
+                Linearised& linearised);
+
+}  // namespace armsig::refinement

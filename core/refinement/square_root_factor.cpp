@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "core/refinement/square_root_factor.hpp"
+
+#include <cmath>
+
+namespace armsig::refinement {
+
+namespace {
+
+// Below this sum of squares a column counts as zero: its square root would be lost in underflow,
+// and no measurement in SI units comes near it.
+constexpr double kVanishing = 1e-280;
+
+}  // namespace
+
+void SquareRootFactor::reset(std::size_t unknowns) {
+  ARMSIG_CHECK(unknowns <= kMaxParameters);
+  unknowns_ = unknowns;
+  residual_squares_ = 0;
+  const std::size_t used = row(unknowns);
+  for (std::size_t i = 0; i < used; ++i) entries_[i] = 0;
+}
+
+template <int kRows>
+void SquareRootFactor::absorb(RowBlock<kRows>& block) {
+  double* r = entries_.data();
+  for (std::size_t j = 0; j < unknowns_; ++j) {
+    const std::size_t width = unknowns_ + 1 - j;
+    std::array<double, kRows> v;
+    double squares = 0;
+    for (int k = 0; k < kRows; ++k) {
+      v[k] = block.rows[k][j];
+      squares += v[k] * v[k];
+    }
+    if (squares > kVanishing) {
+      // The reflection that takes (R_jj, v) to (norm, 0). R_jj is never negative, so this form of
+      // the first component cannot cancel.
+      const double norm = std::sqrt(r[0] * r[0] + squares);
+      const double v_0 = -squares / (r[0] + norm);
+      const double beta = 2.0 / (v_0 * v_0 + squares);
+      r[0] = norm;
+      for (std::size_t c = 1; c < width; ++c) {
+        double dot = v_0 * r[c];
+        for (int k = 0; k < kRows; ++k) dot += v[k] * block.rows[k][j + c];
+        dot *= beta;
+        r[c] -= dot * v_0;
+        for (int k = 0; k < kRows; ++k) block.rows[k][j + c] -= dot * v[k];
+      }
+    }
+    r += width;
+  }
+  for (const auto& row_left : block.rows) {
+    residual_squares_ += row_left[unknowns_] * row_left[unknowns_];
+  }
+}
+
+template void SquareRootFactor::absorb<1>(RowBlock<1>&);
+template void SquareRootFactor::absorb<2>(RowBlock<2>&);
+template void SquareRootFactor::absorb<3>(RowBlock<3>&);
+template void SquareRootFactor::absorb<4>(RowBlock<4>&);
+template void SquareRootFactor::absorb<9>(RowBlock<9>&);
+
+double SquareRootFactor::solution_squares() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < unknowns_; ++i) {
+    const double z = entry(i, unknowns_);
+    sum += z * z;
+  }
+  return sum;
+}
+
+double SquareRootFactor::log_determinant() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < unknowns_; ++i) sum += std::log(std::abs(entry(i, i)));
+  return sum;
+}
+
+void SquareRootFactor::scale(double factor) {
+  const std::size_t used = row(unknowns_);
+  for (std::size_t i = 0; i < used; ++i) entries_[i] *= factor;
+  residual_squares_ *= factor * factor;
+}
+
+void SquareRootFactor::clear_right_hand_side() {
+  for (std::size_t i = 0; i < unknowns_; ++i) set_entry(i, unknowns_, 0);
+  residual_squares_ = 0;
+}
+
+Result<StateVector> SquareRootFactor::solve() const {
+  StateVector x;
+  for (std::size_t i = 0; i < unknowns_; ++i) {
+    const double diagonal = entry(i, i);
+    if (!(diagonal > 0) || !std::isfinite(diagonal)) return std::unexpected(Error::kSingular);
+    x[i] = entry(i, unknowns_);
+  }
+  solve_upper(x);
+  for (std::size_t i = 0; i < unknowns_; ++i) {
+    if (!std::isfinite(x[i])) return std::unexpected(Error::kSingular);
+  }
+  return x;
+}
+
+void SquareRootFactor::solve_upper(StateVector& z) const {
+  for (std::size_t i = unknowns_; i-- > 0;) {
+    const double* r = entries_.data() + row(i);
+    double sum = z[i];
+    for (std::size_t c = i + 1; c < unknowns_; ++c) sum -= r[c - i] * z[c];
+    z[i] = sum / r[0];
+  }
+}
+
+void SquareRootFactor::solve_transposed(StateVector& b) const {
+  for (std::size_t i = 0; i < unknowns_; ++i) {
+    const double* r = entries_.data() + row(i);
+    const double y = b[i] / r[0];
+    b[i] = y;
+    if (y == 0) continue;
+    for (std::size_t c = i + 1; c < unknowns_; ++c) b[c] -= r[c - i] * y;
+  }
+}
+
+}  // namespace armsig::refinement

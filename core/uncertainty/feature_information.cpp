@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "core/uncertainty/feature_information.hpp"
+
+#include <Eigen/Cholesky>
+
+#include "core/refinement/determination.hpp"
+
+namespace armsig::uncertainty {
+
+using features::JointFeature;
+using refinement::kNoColumn;
+using refinement::Layout;
+using refinement::Refined;
+using refinement::RowBlock;
+
+namespace {
+
+// A target counts as the one that a sweep has seen when it lies this near to the sweep's circle.
+constexpr double kSameTarget_m = 5e-3;
+
+using Matrix7 = Eigen::Matrix<double, 7, 7>;
+
+// Some unknowns with their joint covariance: axis direction x, y, position x, y, target x, y, z.
+struct Block {
+  std::array<std::size_t, 7> columns{};
+  int size = 0;
+  Matrix7 by_feature = Matrix7::Zero();  // row k: unknown k by (point, rotation, radius)
+
+  void add(std::size_t column, const Vector3& by_point, const Vector3& by_rotation,
+           double by_radius) {
+    by_feature.row(size) << by_point.transpose(), by_rotation.transpose(), by_radius;
+    columns[static_cast<std::size_t>(size++)] = column;
+  }
+};
+
+Block block_of(const Layout& layout, const Signature& signature, std::size_t joint,
+               const Target* target) {
+  const JointFeature& feature = signature.features[joint];
+  const Pose& X = signature.X_SL[joint];
+  const Vector3 x = X.R.col(0);
+  const Vector3 y = X.R.col(1);
+  Block block;
+  block.add(layout.axis[joint], Vector3::Zero(), x, 0);
+  block.add(layout.axis[joint] + 1, Vector3::Zero(), y, 0);
+  // A point r away from the feature's point moves by w x r; component x of it is (r x x) . w.
+  const Vector3 r = X.p - feature.point_S;
+  if (feature.type == JointType::kRevolute) {
+    block.add(layout.axis[joint] + 2, x, r.cross(x), 0);
+    block.add(layout.axis[joint] + 3, y, r.cross(y), 0);
+  }
+  if (target == nullptr) return block;
+  const std::size_t column =
+      layout.target[static_cast<std::size_t>(target - signature.targets.data())];
+  const Vector3 to_target = target->p_S - feature.point_S;
+  Vector3 radial = to_target - to_target.dot(feature.axis_S) * feature.axis_S;
+  if (feature.type == JointType::kPrismatic || radial.norm() == 0) {
+    radial.setZero();
+  } else {
+    radial.normalize();
+  }
+  for (int c = 0; c < 3; ++c) {
+    const Vector3 unit = Vector3::Unit(c);
+    block.add(column + static_cast<std::size_t>(c), unit, to_target.cross(unit), radial[c]);
+  }
+  return block;
+}
+
+// Rows W with W^T W the inverse of the block's covariance: the inverse of its Cholesky factor.
+Result<void> absorb(const Block& block, const JointFeature& feature, Refined& estimate) {
+  const int m = block.size;
+  // Unused rows are independent unknowns of unit variance that are dropped again.
+  Matrix7 covariance = block.by_feature * feature.covariance * block.by_feature.transpose();
+  for (int k = m; k < 7; ++k) covariance(k, k) = 1;
+  const Eigen::LLT<Matrix7> cholesky(covariance);
+  if (cholesky.info() != Eigen::Success) return std::unexpected(Error::kSingular);
+  Matrix7 W;
+  for (int k = 0; k < 7; ++k) {
+    const Eigen::Matrix<double, 7, 1> unit = Eigen::Matrix<double, 7, 1>::Unit(k);
+    W.col(k) = cholesky.matrixL().solve(unit);
+  }
+  for (int row = 0; row < m; ++row) {
+    RowBlock<1> rows;
+    rows.clear(estimate.layout.size());
+    for (int k = 0; k < m; ++k)
+      rows.rows[0][block.columns[static_cast<std::size_t>(k)]] = W(row, k);
+    estimate.information.absorb(rows);
+  }
+  return {};
+}
+
+const Target* seen_by(const Signature& signature, std::size_t joint) {
+  const JointFeature& feature = signature.features[joint];
+  for (const Target& target : signature.targets) {
+    if (target.link != joint + 1) continue;
+    const Vector3 expected = feature.target_at(signature.configuration[joint]);
+    if ((expected - target.p_S).norm() < kSameTarget_m) return &target;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Result<void> from_features(const Signature& signature, Refined& estimate) {
+  const std::size_t n = signature.joint_count();
+  ARMSIG_CHECK(signature.features.size() == n && signature.X_SL.size() == n + 1);
+  estimate = {};
+  estimate.signature = signature;
+  std::array<bool, kMaxTargets> observed{};
+  for (std::size_t t = 0; t < signature.targets.size(); ++t) observed[t] = true;
+  const auto layout = refinement::make_layout(signature, observed, {}, 0);
+  if (!layout) return std::unexpected(layout.error().error);
+  estimate.layout = *layout;
+  estimate.information.reset(layout->size());
+  const refinement::Prior prior;
+  for (std::size_t i = 0; i < layout->size(); ++i) {
+    RowBlock<1> rows;
+    rows.clear(layout->size());
+    rows.rows[0][i] = 1 / refinement::prior_sigma(prior, layout->parameters[i].kind);
+    estimate.information.absorb(rows);
+  }
+  for (std::size_t joint = 0; joint < n; ++joint) {
+    const Block block = block_of(*layout, signature, joint, seen_by(signature, joint));
+    const Result<void> taken = absorb(block, signature.features[joint], estimate);
+    if (!taken) return taken;
+  }
+  for (std::size_t t = 0; t < signature.targets.size(); ++t) {
+    estimate.signature.targets[t].covariance_m2 =
+        refinement::covariance_of_three(estimate.information, layout->target[t]);
+  }
+  return {};
+}
+
+}  // namespace armsig::uncertainty

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "core/uncertainty/suggestion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/refinement/row.hpp"
+#include "core/uncertainty/tool_covariance.hpp"
+
+namespace armsig::uncertainty {
+
+using refinement::Chain;
+using refinement::JointMotion;
+using refinement::PointJacobian;
+using refinement::Refined;
+using refinement::RowBlock;
+using refinement::StateVector;
+
+namespace {
+
+// Candidates follow the configurations of the volume in the same even sequence.
+constexpr std::size_t kFirstCandidate = 1000;
+// Candidates outside the box are passed over, up to so many for one inside.
+constexpr std::size_t kPatience = 20;
+// Of the climb from the best candidate: first step as a share of a joint's range.
+constexpr double kFirstStep = 0.1;
+constexpr int kClimbRounds = 12;
+// Each pose is offered a better place once the others are known (Fedorov's exchange).
+constexpr int kExchangePasses = 2;
+
+// The three rows d(position of the target)/d(unknowns); also its position.
+Vector3 rows_at(const Refined& refined, const Chain& chain, const JointVector& readings,
+                std::size_t target, RowBlock<3>& rows) {
+  const JointMotion motion = chain.motion(readings);
+  PointJacobian jacobian;
+  chain.point_and_jacobian(motion, refined.signature.targets[target], jacobian);
+  rows.clear(refined.layout.size());
+  refinement::add_derivatives<3>(refined.layout, refined.signature, chain, motion, target, jacobian,
+                                 Matrix3::Identity(), rows);
+  return jacobian.p_S;
+}
+
+}  // namespace
+
+Result<void> SuggestionSearch::start(const Refined& refined, const SuggestionConfig& config) {
+  ARMSIG_CHECK(config.limits.size() == refined.signature.joint_count());
+  ARMSIG_CHECK(refined.layout.target[config.target] != refinement::kNoColumn);
+  refined_ = &refined;
+  config_ = config;
+  if (config_.sigma_m == 0) config_.sigma_m = refined.quality.sigma_m;
+  ARMSIG_CHECK(config_.sigma_m > 0);
+  next_candidate_ = kFirstCandidate;
+  information_ = refined.information;
+  volume_.reset(refined.layout.size());
+  const Chain chain(refined.signature, refined.readings);
+  const std::span<const JointLimits> limits(config_.limits.data(), config_.limits.size());
+  std::size_t inside = 0;
+  for (std::size_t k = 0; k < config_.volume * kPatience && inside < config_.volume; ++k) {
+    RowBlock<3> rows;
+    const JointVector readings = spread_configuration(limits, k);
+    if (!config_.box.contains(rows_at(refined, chain, readings, config_.target, rows))) continue;
+    volume_.absorb(rows);
+    ++inside;
+  }
+  if (inside == 0) return std::unexpected(Error::kOutOfReach);
+  volume_.scale(1 / std::sqrt(static_cast<double>(inside)));
+  return {};
+}
+
+double SuggestionSearch::predicted_rms_m() const {
+  const std::size_t n = information_.unknowns();
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    StateVector row;
+    for (std::size_t j = 0; j < n; ++j) row[j] = j < i ? 0 : volume_.entry(i, j);
+    information_.solve_transposed(row);
+    for (std::size_t j = i; j < n; ++j) sum += row[j] * row[j];
+  }
+  return std::sqrt(sum);
+}
+
+double SuggestionSearch::gain(const RowBlock<3>& rows) const {
+  const std::size_t n = information_.unknowns();
+  Matrix3 S = config_.sigma_m * config_.sigma_m * Matrix3::Identity();
+  std::array<StateVector, 3> y;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::copy_n(rows.rows[k].begin(), n, y[k].begin());
+    information_.solve_transposed(y[k]);
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      for (std::size_t i = 0; i < n; ++i) {
+        S(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) += y[a][i] * y[b][i];
+      }
+    }
+  }
+  for (StateVector& column : y) information_.solve_upper(column);  // P J^T
+  Matrix3 ZZ = Matrix3::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    Vector3 z = Vector3::Zero();
+    for (std::size_t j = i; j < n; ++j) {
+      z += volume_.entry(i, j) * Vector3(y[0][j], y[1][j], y[2][j]);
+    }
+    ZZ += z * z.transpose();
+  }
+  return (S.inverse() * ZZ).trace();
+}
+
+// Pattern search: one joint at a time, by steps that halve once none of them helps.
+void SuggestionSearch::climb(const Chain& chain, JointVector& readings, double& best_gain) const {
+  double step = kFirstStep;
+  for (int round = 0; round < kClimbRounds; ++round) {
+    bool better = false;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const JointLimits& limit = config_.limits[i];
+      for (const double sense : {1.0, -1.0}) {
+        JointVector trial = readings;
+        trial[i] = std::clamp(trial[i] + sense * step * (limit.upper - limit.lower), limit.lower,
+                              limit.upper);
+        RowBlock<3> rows;
+        if (!config_.box.contains(rows_at(*refined_, chain, trial, config_.target, rows))) continue;
+        const double gained = gain(rows);
+        if (gained <= best_gain) continue;
+        best_gain = gained;
+        readings = trial;
+        better = true;
+      }
+    }
+    if (!better) step *= 0.5;
+  }
+}
+
+Result<JointVector> SuggestionSearch::best_pose(const Chain& chain, const JointVector* present) {
+  const std::span<const JointLimits> limits(config_.limits.data(), config_.limits.size());
+  JointVector best;
+  double best_gain = -1;
+  RowBlock<3> rows;
+  if (present != nullptr) {
+    rows_at(*refined_, chain, *present, config_.target, rows);
+    best_gain = gain(rows);
+    best = *present;
+  }
+  std::size_t inside = 0;
+  for (std::size_t k = 0; k < config_.candidates * kPatience && inside < config_.candidates; ++k) {
+    const JointVector readings = spread_configuration(limits, next_candidate_++);
+    if (!config_.box.contains(rows_at(*refined_, chain, readings, config_.target, rows))) continue;
+    ++inside;
+    if (const double gained = gain(rows); gained > best_gain) {
+      best_gain = gained;
+      best = readings;
+    }
+  }
+  if (best_gain < 0) return std::unexpected(Error::kOutOfReach);
+  climb(chain, best, best_gain);
+  return best;
+}
+
+void SuggestionSearch::measure(const Chain& chain, const JointVector& readings) {
+  RowBlock<3> rows;
+  rows_at(*refined_, chain, readings, config_.target, rows);
+  for (auto& row : rows.rows) {
+    for (std::size_t c = 0; c < refined_->layout.size(); ++c) row[c] /= config_.sigma_m;
+  }
+  information_.absorb(rows);
+}
+
+Result<void> SuggestionSearch::suggest(std::span<Suggestion> suggestions) {
+  const Chain chain(refined_->signature, refined_->readings);
+  for (Suggestion& suggestion : suggestions) {
+    ARMSIG_TRY(pose, best_pose(chain, nullptr));
+    suggestion.readings = pose;
+    measure(chain, pose);
+  }
+  for (int pass = 0; pass < kExchangePasses; ++pass) {
+    for (Suggestion& exchanged : suggestions) {
+      information_ = refined_->information;
+      for (const Suggestion& other : suggestions) {
+        if (&other != &exchanged) measure(chain, other.readings);
+      }
+      ARMSIG_TRY(pose, best_pose(chain, &exchanged.readings));
+      exchanged.readings = pose;
+    }
+  }
+  information_ = refined_->information;
+  for (Suggestion& suggestion : suggestions) {
+    measure(chain, suggestion.readings);
+    suggestion.predicted_rms_m = predicted_rms_m();
+  }
+  return {};
+}
+
+}  // namespace armsig::uncertainty

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// Which poses to measure next: greedily those that lower the mean predicted tool variance over the
+// work volume most (A-optimal design; Fedorov, Theory of Optimal Experiments, 1972).
+#pragma once
+
+#include <limits>
+#include <span>
+
+#include "core/refinement/refinement.hpp"
+
+namespace armsig::uncertainty {
+
+// Where the sensor sees the target, in the sensor frame.
+struct Box {
+  Vector3 lower_S = Vector3::Constant(-std::numeric_limits<double>::infinity());
+  Vector3 upper_S = Vector3::Constant(std::numeric_limits<double>::infinity());
+
+  [[nodiscard]] bool contains(const Vector3& p_S) const {
+    return (p_S.array() >= lower_S.array()).all() && (p_S.array() <= upper_S.array()).all();
+  }
+};
+
+struct SuggestionConfig {
+  FixedVector<JointLimits, kMaxJoints> limits;  // one per joint
+  Box box;
+  std::size_t target = 0;        // index into Signature::targets
+  double sigma_m = 0;            // of the poses to come; 0: as in the refinement
+  std::size_t candidates = 400;  // looked at for every pose
+  std::size_t volume = 150;      // configurations that stand for the work volume
+};
+
+struct Suggestion {
+  JointVector readings;
+  double predicted_rms_m = 0;  // over the work volume, once this pose and those before are measured
+};
+
+// With P = (R^T R)^-1 the covariance of the unknowns and V the triangular factor of the work
+// volume, V^T V the mean of J^T J over it, the mean tool variance is |V R^-1|^2, and measuring a
+// pose with rows J lowers it by tr(S^-1 Z^T Z), Z = V P J^T, S = sigma^2 I + J P J^T. About 75 KiB:
+// for the host, or a controller with memory to spare.
+class SuggestionSearch {
+ public:
+  // Starts from what `refined` knows. kOutOfReach when no configuration is inside the box.
+  // Preconditions: `refined` outlives the search; its target is among the unknowns; one limit per
+  // joint.
+  [[nodiscard]] Result<void> start(const refinement::Refined& refined,
+                                   const SuggestionConfig& config);
+
+  // The accuracy expected of what is measured so far: after start(), of the log alone.
+  [[nodiscard]] double predicted_rms_m() const;
+
+  // Fills `suggestions`, in the order of their worth. kOutOfReach when no candidate is inside the
+  // box.
+  [[nodiscard]] Result<void> suggest(std::span<Suggestion> suggestions);
+
+ private:
+  // How much the mean tool variance falls by measuring a pose with these rows.
+  [[nodiscard]] double gain(const refinement::RowBlock<3>& rows) const;
+  [[nodiscard]] Result<JointVector> best_pose(const refinement::Chain& chain,
+                                              const JointVector* present);
+  void measure(const refinement::Chain& chain, const JointVector& readings);
+  void climb(const refinement::Chain& chain, JointVector& readings, double& best_gain) const;
+
+  const refinement::Refined* refined_ = nullptr;
+  SuggestionConfig config_;
+  std::size_t next_candidate_ = 0;
+  refinement::SquareRootFactor information_;  // R
+  refinement::SquareRootFactor volume_;       // V
+};
+
+}  // namespace armsig::uncertainty

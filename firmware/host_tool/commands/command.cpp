@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/commands/command.hpp"
+
+#include <fmt/core.h>
+
+namespace armsig::tool {
+
+int fail(const Problem& problem, ExitStatus status, const CommonOptions& options) {
+  fmt::print(stderr, "armsig: {}\n", render(problem));
+  if (options.json) {
+    nlohmann::ordered_json error{{"what", problem.what}, {"expected", problem.expected}};
+    if (!problem.file.empty()) error["file"] = problem.file;
+    if (problem.line > 0) error["line"] = problem.line;
+    if (problem.column > 0) error["column"] = problem.column;
+    print_json({{"status", static_cast<int>(status)}, {"error", std::move(error)}});
+  }
+  return status;
+}
+
+void print_json(const nlohmann::ordered_json& result) { fmt::print("{}\n", result.dump(2)); }
+
+void add_common(CLI::App& command, CommonOptions& options) {
+  command.add_flag("--json", options.json, "print the result for programs on standard output");
+}
+
+}  // namespace armsig::tool

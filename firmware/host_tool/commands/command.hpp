@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What the commands of `armsig` have in common: exit status, problems, results for programs.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "firmware/host_tool/formats/problem.hpp"
+
+namespace armsig::tool {
+
+enum ExitStatus : int {
+  kDone = 0,
+  kNoAnswer = 1,  // the data do not support an answer: refused, not converged, drifted
+  kBadInput = 2,  // wrong usage or unreadable input
+};
+
+// Options that every command takes.
+struct CommonOptions {
+  bool json = false;
+};
+
+// Says on standard error what is wrong, and with --json on standard output too. Returns `status`.
+int fail(const Problem& problem, ExitStatus status, const CommonOptions& options);
+
+// Prints a result for programs on standard output.
+void print_json(const nlohmann::ordered_json& result);
+
+// Adds a command to `app`; when it is chosen, its exit status goes to `status`.
+void add_demo(CLI::App& app, int& status);
+void add_simulate(CLI::App& app, int& status);
+void add_identify(CLI::App& app, int& status);
+void add_predict(CLI::App& app, int& status);
+void add_solve(CLI::App& app, int& status);
+void add_check(CLI::App& app, int& status);
+void add_suggest(CLI::App& app, int& status);
+void add_evaluate(CLI::App& app, int& status);
+
+// The flag --json of a command.
+void add_common(CLI::App& command, CommonOptions& options);
+
+}  // namespace armsig::tool

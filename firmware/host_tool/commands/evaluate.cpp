@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// armsig evaluate: the grid-touching task of the paper, Table 3.
+#include <fmt/core.h>
+
+#include "core/evaluation/comparison.hpp"
+#include "core/identification.hpp"
+#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/presentation/signature_tables.hpp"
+
+namespace armsig::tool {
+namespace {
+
+struct Options : CommonOptions {
+  std::string arm, signature, truth;
+};
+
+bool same_types(const FixedVector<JointType, kMaxJoints>& types, const Arm& arm) {
+  if (types.size() != arm.joints.size()) return false;
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    if (types[i] != arm.joints[i].type) return false;
+  }
+  return true;
+}
+
+// The truth is an arm description (exact parameters) or a signature.
+Read<Signature> read_truth(const std::string& path, const Signature& signature) {
+  const auto tag = read_tag(path);
+  if (!tag) return std::unexpected(tag.error());
+  if (*tag == kSignatureTag) {
+    auto record = read_signature_file(path);
+    if (!record) return std::unexpected(record.error());
+    return record->signature;
+  }
+  const auto arm = read_arm_file(path);
+  if (!arm) return std::unexpected(arm.error());
+  if (!same_types(signature.types, arm->arm)) {
+    return std::unexpected(Problem{path, 0, 0, "its joints are not those of the signature",
+                                   "an arm with the same joint types"});
+  }
+  return signature_of(arm->arm, signature.configuration, Pose{}, {});
+}
+
+int run(const Options& options) {
+  const auto arm = read_arm_file(options.arm);
+  if (!arm) return fail(arm.error(), kBadInput, options);
+  const auto record = read_signature_file(options.signature);
+  if (!record) return fail(record.error(), kBadInput, options);
+  const auto truth = read_truth(options.truth, record->signature);
+  if (!truth) return fail(truth.error(), kBadInput, options);
+  if (!same_types(record->signature.types, arm->arm) || !same_types(truth->types, arm->arm)) {
+    return fail({options.signature, 0, 0, "the joints of signature, truth and arm differ",
+                 "three models of one arm"},
+                kBadInput, options);
+  }
+
+  const auto comparison = evaluation::compare(arm->arm, record->signature, *truth);
+  if (!comparison) {
+    return fail({options.signature, 0, 0,
+                 fmt::format("the grid can't be touched: {}", describe(comparison.error())),
+                 "an arm that reaches a grid of a tenth of 25 x 25 x 60 cm at least"},
+                kNoAnswer, options);
+  }
+  if (options.json) {
+    print_json({{"status", 0}, {"arm", arm->name}, {"evaluation", comparison_json(*comparison)}});
+    return kDone;
+  }
+  const auto& size_m = comparison->grid.size_m;
+  fmt::print("{}: touching a grid of {:.0f} x {:.0f} x {:.0f} cm, {} vertices\n\n{}", arm->name,
+             100 * size_m[0], 100 * size_m[1], 100 * size_m[2], comparison->grid.vertex_count(),
+             comparison_table(*comparison));
+  return kDone;
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, int& status) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("evaluate", "the grid-touching task with and without the signature");
+  command->add_option("--arm", options->arm, "arm description (YAML): the ideal model")->required();
+  command->add_option("--signature", options->signature, "signature under test (YAML)")->required();
+  command
+      ->add_option("--truth", options->truth,
+                   "the real arm: an arm description or a signature (YAML)")
+      ->required();
+  add_common(*command, *options);
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace armsig::tool

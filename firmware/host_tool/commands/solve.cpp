@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// armsig solve: inverse kinematics of a signature.
+#include <fmt/core.h>
+
+#include "core/kinematics/cold_start.hpp"
+#include "core/kinematics/forward.hpp"
+#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/poses.hpp"
+#include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/model.hpp"
+
+namespace armsig::tool {
+namespace {
+
+struct Options : CommonOptions {
+  std::string signature, poses, seed, out;
+  std::optional<int> target;
+};
+
+const char* word_of(kinematics::Verdict verdict) {
+  switch (verdict) {
+    case kinematics::Verdict::kConverged:
+      return "solved";
+    case kinematics::Verdict::kDegraded:
+      return "solved, near a singularity";
+    case kinematics::Verdict::kOutOfReach:
+      return "out of reach";
+    case kinematics::Verdict::kJointLimit:
+      return "a joint limit is in the way";
+    case kinematics::Verdict::kStepLimit:
+    case kinematics::Verdict::kNotConverged:
+      return "not converged";
+  }
+  return "not converged";
+}
+
+bool is_solved(kinematics::Verdict verdict) {
+  return verdict == kinematics::Verdict::kConverged || verdict == kinematics::Verdict::kDegraded;
+}
+
+class Solver {
+ public:
+  Solver(const SignatureRecord& record, const std::optional<Target>& target)
+      : chain_(chain_of_record(record)),
+        form_(kinematics::closed_form(chain_)),
+        X_0S_(record.signature.X_SL[0].inverse()),
+        X_nP_(point_in_last_frame(record, chain_, target)) {}
+
+  [[nodiscard]] Result<kinematics::InverseSolution> solve(const Pose& X_SP,
+                                                          const JointVector* seed) const {
+    const Pose X_0n = X_0S_ * X_SP * X_nP_.inverse();
+    if (seed != nullptr) return kinematics::inverse(chain_, X_0n, *seed);
+    ARMSIG_TRY(solutions, kinematics::cold_start(chain_, form_, X_0n));
+    if (!solutions.empty()) return solutions[0].solution;
+    kinematics::InverseSolution none;
+    none.verdict = kinematics::Verdict::kOutOfReach;
+    return none;
+  }
+
+ private:
+  kinematics::Chain chain_;
+  kinematics::ClosedForm form_;
+  Pose X_0S_;
+  Pose X_nP_;
+};
+
+int run(const Options& options) {
+  const auto record = read_signature_file(options.signature);
+  if (!record) return fail(record.error(), kBadInput, options);
+  const auto target = find_target(*record, options.signature, options.target);
+  if (!target) return fail(target.error(), kBadInput, options);
+  const std::size_t joints = record->signature.joint_count();
+  if (*target && (*target)->link != joints) {
+    return fail({options.signature, 0, 0,
+                 fmt::format("target {} is on link {}", (*target)->number, (*target)->link),
+                 fmt::format("a target on the last link, {}", joints)},
+                kBadInput, options);
+  }
+  if (!record->nominal.couplings.empty()) {
+    return fail({options.signature, 0, 0, "the readings of this arm are coupled",
+                 "an arm without coupling: its joint limits are those of the readings"},
+                kNoAnswer, options);
+  }
+  const auto poses = read_tool_poses(options.poses);
+  if (!poses) return fail(poses.error(), kBadInput, options);
+  std::vector<JointVector> seeds;
+  if (!options.seed.empty()) {
+    auto read = read_joint_poses(options.seed, record->signature.types);
+    if (!read) return fail(read.error(), kBadInput, options);
+    if (read->size() != 1 && read->size() != poses->size()) {
+      return fail({options.seed, 0, 0, fmt::format("{} seeds", read->size()),
+                   fmt::format("one, or one for each of the {} poses", poses->size())},
+                  kBadInput, options);
+    }
+    seeds = std::move(*read);
+  }
+
+  const Solver solver(*record, *target);
+  std::vector<JointVector> solutions;
+  for (std::size_t k = 0; k < poses->size(); ++k) {
+    const JointVector* seed = seeds.empty() ? nullptr : &seeds[std::min(k, seeds.size() - 1)];
+    const auto solution = solver.solve((*poses)[k], seed);
+    if (!solution || !is_solved(solution->verdict)) {
+      const std::string why(solution ? word_of(solution->verdict) : describe(solution.error()));
+      return fail({options.poses, 0, 0, fmt::format("pose {}: {}", k + 1, why),
+                   "poses that the arm reaches within its joint limits"},
+                  kNoAnswer, options);
+    }
+    solutions.push_back(solution->q);
+  }
+  const auto written = write_joint_poses(
+      options.out, record->signature.types, solutions,
+      fmt::format("{}: joint readings for the poses of {}", record->arm_name, options.poses));
+  if (!written) return fail(written.error(), kBadInput, options);
+  if (options.json) {
+    print_json({{"status", 0}, {"poses", solutions.size()}, {"out", options.out}});
+  } else {
+    fmt::print("{} poses solved; joint readings in {}\n", solutions.size(), options.out);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_solve(CLI::App& app, int& status) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("solve", "which joint readings reach a pose: inverse kinematics");
+  command->add_option("--signature", options->signature, "signature (YAML)")->required();
+  command->add_option("--poses", options->poses, "tool poses (CSV: x_m, ..., qw, ...)")->required();
+  command->add_option("--seed", options->seed,
+                      "joint readings to start from (CSV): one row, or one a pose; without them "
+                      "the solution nearest to the middle of the limits is taken");
+  command->add_option("--target", options->target,
+                      "the poses are those of this target (default: the last link's frame)");
+  command->add_option("--out", options->out, "joint readings to write (CSV)")->required();
+  add_common(*command, *options);
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// armsig suggest: the next poses worth measuring.
+#include <fmt/core.h>
+
+#include "core/uncertainty/suggestion.hpp"
+#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/estimate.hpp"
+#include "firmware/host_tool/formats/poses.hpp"
+#include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/presentation/table.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
+
+namespace armsig::tool {
+namespace {
+
+struct Options : CommonOptions {
+  std::string signature, out;
+  std::size_t count = 30;
+  std::optional<double> sigma_mm;
+  std::vector<double> box_mm;
+};
+
+// A further pose that lowers the predicted error by less than this share is not worth the robot's
+// time.
+constexpr double kWorthwhile = 0.05;
+
+int run(const Options& options) {
+  const auto record = read_signature_file(options.signature);
+  if (!record) return fail(record.error(), kBadInput, options);
+  const auto estimate = estimate_of(*record, options.signature);
+  if (!estimate) return fail(estimate.error(), kBadInput, options);
+  const auto target = tool_target(record->signature);
+  if (!target) {
+    return fail({options.signature, 0, 0, "no target on the last link",
+                 "a signature with a target on the last link"},
+                kNoAnswer, options);
+  }
+  uncertainty::SuggestionConfig config;
+  config.limits = record->nominal.limits;
+  config.target = *target;
+  config.sigma_m = options.sigma_mm ? 1e-3 * *options.sigma_mm : 0;
+  if (!options.box_mm.empty()) {
+    config.box.lower_S = 1e-3 * Vector3(options.box_mm[0], options.box_mm[1], options.box_mm[2]);
+    config.box.upper_S = 1e-3 * Vector3(options.box_mm[3], options.box_mm[4], options.box_mm[5]);
+  }
+
+  const auto search = std::make_unique<uncertainty::SuggestionSearch>();
+  std::vector<uncertainty::Suggestion> suggestions(options.count);
+  auto found = search->start(**estimate, config);
+  const double before_m = found ? search->predicted_rms_m() : 0;
+  if (found) found = search->suggest(suggestions);
+  if (!found) {
+    return fail({options.signature, 0, 0, std::string(describe(found.error())),
+                 "a box that the target gets into within the joint limits"},
+                kNoAnswer, options);
+  }
+
+  std::vector<JointVector> poses;
+  poses.reserve(suggestions.size());
+  for (const auto& suggestion : suggestions) poses.push_back(suggestion.readings);
+  const auto written = write_joint_poses(
+      options.out, record->signature.types, poses,
+      fmt::format("{}: poses to measure next, the most useful first", record->arm_name));
+  if (!written) return fail(written.error(), kBadInput, options);
+
+  const double after_m = suggestions.back().predicted_rms_m;
+  const bool worthwhile = after_m < (1 - kWorthwhile) * before_m;
+  if (options.json) {
+    nlohmann::ordered_json expected = nlohmann::ordered_json::array();
+    for (const auto& suggestion : suggestions) expected.push_back(suggestion.predicted_rms_m);
+    print_json({{"status", 0},
+                {"predicted_rms_m", before_m},
+                {"predicted_rms_m_after", std::move(expected)},
+                {"worthwhile", worthwhile},
+                {"out", options.out}});
+    return kDone;
+  }
+  Table table({"Pose", "Joint readings", "Expected tool error after it, mm"});
+  table.add_row({"now", "", fmt::format("{:.3f}", 1e3 * before_m)});
+  for (std::size_t k = 0; k < suggestions.size(); ++k) {
+    std::string readings;
+    for (std::size_t j = 0; j < suggestions[k].readings.size(); ++j) {
+      readings +=
+          fmt::format("{}{}", j == 0 ? "" : "  ",
+                      reading_in_words(record->signature.types[j], suggestions[k].readings[j]));
+    }
+    table.add_row({fmt::format("{}", k + 1), readings,
+                   fmt::format("{:.3f}", 1e3 * suggestions[k].predicted_rms_m)});
+  }
+  fmt::print(
+      "{}: poses worth measuring next (tool error 1 sigma, RMS over the joint limits)\n\n{}\n",
+      record->arm_name, table.render());
+  if (!worthwhile) {
+    fmt::print(
+        "They would lower the error by less than {:.0f} %: what was measured already will do.\n",
+        100 * kWorthwhile);
+  }
+  fmt::print("Written: {}\n", options.out);
+  return kDone;
+}
+
+}  // namespace
+
+void add_suggest(CLI::App& app, int& status) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("suggest", "the next poses worth measuring");
+  command->add_option("--signature", options->signature, "signature with covariance (YAML)")
+      ->required();
+  command->add_option("--count", options->count, "how many poses")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--sigma-mm", options->sigma_mm,
+                   "noise of the sensor per axis, 1 sigma (default: as the signature says)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--box-mm", options->box_mm,
+                   "where the sensor sees the target: x,y,z lowest, then x,y,z highest")
+      ->delimiter(',')
+      ->expected(6);
+  command->add_option("--out", options->out, "joint poses to write (CSV)")->required();
+  add_common(*command, *options);
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Pieces of the CSV files that armsig writes.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/base/arm.hpp"
+
+namespace armsig::tool {
+
+// "q1_deg,q2_mm,..." for the joints.
+[[nodiscard]] std::string joint_header(const FixedVector<JointType, kMaxJoints>& types);
+
+// A reading in the unit of joint_header: degrees or millimetres.
+[[nodiscard]] double shown_reading(JointType type, double reading);
+
+// Every line of `comment` behind "# ".
+[[nodiscard]] std::string comment_text(std::string_view comment);
+
+}  // namespace armsig::tool

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "core/base/error.hpp"
+#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/canonical.hpp"
+#include "firmware/host_tool/formats/signature_agreement.hpp"
+#include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/formats/signature_joint_reader.hpp"
+#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/host_tool/formats/yaml_matrix.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr std::size_t kLargestCovariance = 256;
+
+Read<void> read_joints(const YamlMap& root, SignatureRecord& record) {
+  Signature& signature = record.signature;
+  ARMSIG_TRY(list_node, root.require("joints"));
+  ARMSIG_TRY(list, read_list(*list_node, "joints", 1, kMaxJoints));
+  for (const YamlNode& node : *list) {
+    if (auto joint = read_signature_joint(node, record); !joint) return joint;
+  }
+  if (!signature.features.empty() && signature.features.size() != signature.joint_count()) {
+    return problem_at(*list_node,
+                      fmt::format("{} of {} joints have a sweep", signature.features.size(),
+                                  signature.joint_count()),
+                      "a sweep for every joint, or for none");
+  }
+  ARMSIG_TRY(last_node, root.require("last_link"));
+  ARMSIG_TRY(last, YamlMap::open(*last_node, "last_link",
+                                 {"origin_m", "x_direction", "y_direction", "z_direction"}));
+  ARMSIG_TRY(R, read_rotation(last, "z_direction"));
+  ARMSIG_TRY(origin_S, last.vector3("origin_m"));
+  signature.X_SL.push_back(Pose{R, origin_S});
+  return {};
+}
+
+Read<Pose> read_base(const YamlMap& root) {
+  ARMSIG_TRY(node, root.require("base"));
+  ARMSIG_TRY(map, YamlMap::open(*node, "base", {"position_m", "quaternion_wxyz"}));
+  ARMSIG_TRY(p, map.vector3("position_m"));
+  ARMSIG_TRY(quaternion_node, map.require("quaternion_wxyz"));
+  ARMSIG_TRY(w, read_numbers(*quaternion_node, "quaternion_wxyz", 4));
+  const Eigen::Quaterniond q(w[0], w[1], w[2], w[3]);
+  constexpr double kTolerance = 1e-9;
+  if (!(std::abs(q.norm() - 1) < kTolerance)) {
+    return problem_at(*quaternion_node, fmt::format("a quaternion of length {}", q.norm()),
+                      "a unit quaternion w, x, y, z");
+  }
+  return Pose{q.toRotationMatrix(), p};
+}
+
+Read<void> read_targets(const YamlMap& root, Signature& signature) {
+  constexpr int kLowest = std::numeric_limits<int>::min();
+  constexpr int kHighest = std::numeric_limits<int>::max();
+  ARMSIG_TRY(list_node, root.require("targets"));
+  ARMSIG_TRY(list, read_list(*list_node, "targets", 0, kMaxTargets));
+  for (const YamlNode& node : *list) {
+    ARMSIG_TRY(map, YamlMap::open(node, fmt::format("target {}", signature.targets.size() + 1),
+                                  {"number", "link", "position_m", "covariance_m2"}));
+    Target target;
+    ARMSIG_TRY(number, map.integer("number", kLowest, kHighest));
+    ARMSIG_TRY(link, map.integer("link", 1, static_cast<int>(signature.joint_count())));
+    ARMSIG_TRY(p_S, map.vector3("position_m"));
+    ARMSIG_TRY(covariance_node, map.require("covariance_m2"));
+    ARMSIG_TRY(covariance, read_covariance(*covariance_node, "covariance_m2", 3, 3));
+    for (const Target& earlier : signature.targets) {
+      if (earlier.number != number) continue;
+      return problem_at(node, fmt::format("target {} is given twice", number), "each number once");
+    }
+    target.number = number;
+    target.link = static_cast<std::size_t>(link);
+    target.p_S = p_S;
+    target.covariance_m2 = covariance;
+    signature.targets.push_back(target);
+  }
+  return {};
+}
+
+// What says where the signature comes from.
+Read<void> read_origin(const YamlMap& root, SignatureRecord& record) {
+  ARMSIG_TRY(arm_name, root.text("name"));
+  ARMSIG_TRY(serial, root.require("serial"));
+  if (serial->kind != YamlNode::Kind::kScalar) {
+    return problem_at(*serial, "serial: " + std::string(word_of(serial->kind)),
+                      "text, \"\" where there is none");
+  }
+  ARMSIG_TRY(method, root.text("method"));
+  constexpr std::array<std::string_view, 4> kMethods{"paper", "encoder", "refined", "exact"};
+  if (std::ranges::find(kMethods, method) == kMethods.end()) {
+    return problem_at(*root.find("method"), "method: " + in_quotes(method),
+                      "paper, encoder, refined or exact");
+  }
+  ARMSIG_TRY(time, root.text("time"));
+  if (!is_utc_time(time)) {
+    return problem_at(*root.find("time"), "time: " + in_quotes(time),
+                      "UTC like 1986-04-07T12:00:00Z");
+  }
+  ARMSIG_TRY(version, root.text("version"));
+  record.arm_name = arm_name;
+  record.serial = serial->text;
+  record.method = method;
+  record.time = time;
+  record.version = version;
+  return {};
+}
+
+// What a signature may have and need not.
+Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
+  if (root.find("air_c") != nullptr) {
+    ARMSIG_TRY(air_c, root.number("air_c"));
+    record.air_c = air_c;
+  }
+  if (root.find("sigma_m") != nullptr) {
+    ARMSIG_TRY(sigma_m, root.number("sigma_m"));
+    record.sigma_m = sigma_m;
+  }
+  if (root.find("predicted_tool_error_m") != nullptr) {
+    ARMSIG_TRY(error_m, root.number("predicted_tool_error_m"));
+    record.predicted_tool_error_m = error_m;
+  }
+  if (const YamlNode* node = root.find("warnings")) {
+    constexpr std::size_t kMostWarnings = 1000;
+    ARMSIG_TRY(warnings, read_list(*node, "warnings", 0, kMostWarnings));
+    for (const YamlNode& item : *warnings) {
+      ARMSIG_TRY(warning, read_text(item, "a warning"));
+      record.warnings.push_back(warning);
+    }
+  }
+  if (const YamlNode* node = root.find("coupling")) {
+    ARMSIG_TRY(couplings, read_couplings(*node, record.nominal.joints));
+    record.nominal.couplings = couplings;
+  }
+  if (const YamlNode* node = root.find("covariance")) {
+    ARMSIG_TRY(covariance_of, root.text("covariance_of"));
+    ARMSIG_TRY(covariance, read_covariance(*node, "covariance", 1, kLargestCovariance));
+    record.covariance_of = covariance_of;
+    record.covariance = covariance;
+  }
+  return {};
+}
+
+Read<SignatureRecord> record_from(const YamlNode& root) {
+  if (auto tag = check_tag(root, kSignatureTag); !tag) {
+    return std::unexpected(std::move(tag).error());
+  }
+  if (root.keys.front().text != "armsig") {
+    return problem_at(root.keys.front(), "the first key is " + in_quotes(root.keys.front().text),
+                      fmt::format("armsig: {}", kSignatureTag));
+  }
+  if (auto seal = check_seal(root); !seal) return std::unexpected(std::move(seal).error());
+  ARMSIG_TRY(map, YamlMap::open(root, "the signature",
+                                {"armsig", "name", "serial", "method", "time", "version", "air_c",
+                                 "sigma_m", "predicted_tool_error_m", "warnings", "base", "joints",
+                                 "last_link", "coupling", "targets", "covariance_of", "covariance",
+                                 std::string(kCrcKey)}));
+  SignatureRecord record;
+  ARMSIG_TRY(X_S0, read_base(map));
+  auto done = read_origin(map, record);
+  if (done) done = read_joints(map, record);
+  if (done) done = read_extras(map, record);
+  if (done) done = read_targets(map, record.signature);
+  if (done) done = check_agreement(record.signature, X_S0);
+  if (!done) return std::unexpected(std::move(done).error());
+  return record;
+}
+
+}  // namespace
+
+Read<SignatureRecord> parse_signature(std::string_view text, std::string_view file) {
+  const auto parse = [&]() -> Read<SignatureRecord> {
+    ARMSIG_TRY(root, parse_yaml(text));
+    return record_from(root);
+  };
+  return in_file(file, parse());
+}
+
+Read<SignatureRecord> read_signature_file(const std::string& path) {
+  ARMSIG_TRY(text, read_text_file(path));
+  return parse_signature(text, path);
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// armsig: the operator's command.
+#include <cstdio>
+#include <exception>
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/commands/command.hpp"
+
+namespace {
+
+constexpr const char* kDescription =
+    "armsig finds the arm signature of a robot arm: its actual kinematic parameters,\n"
+    "from sweeps of one joint at a time, and says how sure it is.";
+
+constexpr const char* kFooter =
+    "Start with `armsig demo`. Files and units: docs/formats.md.\n"
+    "Exit status: 0 done; 1 the data do not support an answer; 2 wrong usage or unreadable input.";
+
+int run(int argc, char** argv) {
+  using namespace armsig::tool;
+  CLI::App app{kDescription, "armsig"};
+  app.footer(kFooter);
+  app.set_version_flag("--version", "armsig " ARMSIG_VERSION);
+  app.require_subcommand(1);
+  int status = kDone;
+  add_demo(app, status);
+  add_simulate(app, status);
+  add_identify(app, status);
+  add_predict(app, status);
+  add_solve(app, status);
+  add_check(app, status);
+  add_suggest(app, status);
+  add_evaluate(app, status);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kBadInput;
+  }
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    // Out of memory or a full terminal: nothing that a command could have foreseen.
+    std::fprintf(stderr, "armsig: %s\n", error.what());
+    return armsig::tool::kNoAnswer;
+  }
+}

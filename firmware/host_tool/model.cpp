@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/model.hpp"
+
+#include <fmt/core.h>
+
+#include "core/kinematics/forward.hpp"
+
+namespace armsig::tool {
+
+Read<std::optional<Target>> find_target(const SignatureRecord& record, const std::string& file,
+                                        std::optional<int> number) {
+  if (!number) return std::nullopt;
+  std::string known;
+  for (const Target& target : record.signature.targets) {
+    if (target.number == *number) return target;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", target.number);
+  }
+  return std::unexpected(
+      Problem{file, 0, 0, fmt::format("there is no target {}", *number),
+              known.empty() ? "a signature with targets" : fmt::format("one of {}", known)});
+}
+
+kinematics::Chain chain_of_record(const SignatureRecord& record) {
+  return kinematics::make_chain(record.signature.pseudo_dh, record.nominal.limits);
+}
+
+Pose point_in_last_frame(const SignatureRecord& record, const kinematics::Chain& chain,
+                         const std::optional<Target>& target) {
+  const Signature& signature = record.signature;
+  const auto X_0n = kinematics::forward(chain, signature.configuration);
+  ARMSIG_CHECK(X_0n);  // a signature file holds finite numbers only
+  Pose X_SP = signature.X_SL.back();
+  if (target) X_SP.p = target->p_S;
+  return (signature.X_SL[0] * *X_0n).inverse() * X_SP;
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Numbers and refusals of core in the words and units of a person.
+#pragma once
+
+#include <string>
+
+#include "core/base/arm.hpp"
+#include "core/base/error.hpp"
+
+namespace armsig::tool {
+
+// A joint reading: `12.345°` or `123.45 mm`.
+[[nodiscard]] std::string reading_in_words(JointType type, double reading);
+
+// What core refused, with the number found and the number needed.
+[[nodiscard]] std::string refusal_in_words(const Refusal& refusal, JointType type);
+
+// What the person can do about it.
+[[nodiscard]] std::string remedy_in_words(Error error);
+
+// `3 h 20 min`, `12 min 5 s`, `8 s`.
+[[nodiscard]] std::string duration_in_words(double seconds);
+
+}  // namespace armsig::tool

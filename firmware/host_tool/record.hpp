@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// From what a run found to what a signature file holds.
+#pragma once
+
+#include <string>
+
+#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/sensor_file.hpp"
+#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/host_tool/identification_run.hpp"
+
+namespace armsig::tool {
+
+// `method` as in SignatureRecord; time and version are those of now and of this program.
+[[nodiscard]] SignatureRecord record_of(const Identified& identified, const ArmDescription& arm,
+                                        const std::string& method, const std::string& serial);
+
+// What the refinement says of its own accuracy.
+void add_uncertainty(SignatureRecord& record, const RefinementOutcome& outcome);
+
+// A signature computed rather than measured (method "exact").
+[[nodiscard]] SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm);
+
+// A sensor description whose receivers can locate a target, or what is wrong with it.
+[[nodiscard]] Read<SensorDescription> read_checked_sensor(const std::string& path);
+
+}  // namespace armsig::tool

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/sweeps.hpp"
+
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/presentation/words.hpp"
+
+namespace armsig::tool {
+namespace {
+
+// A joint held by its drive wanders by a count or so; more than this moves a target at arm's length
+// by 1 mm.
+constexpr double kHeldTolerance_rad = 1e-3;
+constexpr double kHeldTolerance_m = 1e-4;
+
+double held_tolerance(JointType type) {
+  return type == JointType::kRevolute ? kHeldTolerance_rad : kHeldTolerance_m;
+}
+
+}  // namespace
+
+SweepSet::SweepSet(const Arm& nominal, std::string file)
+    : nominal_(nominal), file_(std::move(file)) {}
+
+Problem SweepSet::at(std::size_t line, std::string what, std::string expected) const {
+  return {file_, static_cast<int>(line), 0, std::move(what), std::move(expected)};
+}
+
+std::string SweepSet::reading(std::size_t joint, double value) const {
+  return reading_in_words(nominal_.joints[joint].type, value);
+}
+
+std::optional<Problem> SweepSet::add(const LocatedRow& row) {
+  if (row.sweep == 0) {
+    ++mixed_rows_;
+    return std::nullopt;
+  }
+  const std::size_t swept = row.sweep - 1;
+  const bool first_row = !sweeps_.contains(swept);
+  Sweep& sweep = sweeps_[swept];
+  if (first_row) {
+    for (const double q : row.q) sweep.held.push_back({q, row.line});
+  }
+  for (std::size_t j = 0; j < row.q.size(); ++j) {
+    if (j == swept) continue;
+    const Held& held = sweep.held[j];
+    if (std::abs(row.q[j] - held.reading) > held_tolerance(nominal_.joints[j].type)) {
+      return at(row.line,
+                fmt::format("sweep {} moves joint {} as well: {} here, {} in line {}", row.sweep,
+                            j + 1, reading(j, row.q[j]), reading(j, held.reading), held.line),
+                "every joint but the swept one to be held");
+    }
+  }
+  const auto estimator =
+      sweep.targets
+          .try_emplace(row.target,
+                       features::SweepConfig{.type = nominal_.joints[swept].type, .limits = {}})
+          .first;
+  const auto added = estimator->second.add(row.q[swept], row.p_S, row.covariance_m2);
+  if (!added) return at(row.line, std::string(describe(added.error())), "finite numbers");
+  return std::nullopt;
+}
+
+// Per joint, the reading that the sweeps of the joints beyond it hold it at; the last joint, which
+// none holds for a purpose, stays where the other sweeps have it or at its own first reading.
+Read<JointVector> SweepSet::configuration() const {
+  JointVector configuration;
+  for (std::size_t j = 0; j < nominal_.joints.size(); ++j) {
+    std::optional<std::pair<std::size_t, Held>> holder;
+    for (const auto& [swept, sweep] : sweeps_) {
+      if (swept <= j) continue;
+      const Held& held = sweep.held[j];
+      if (!holder) {
+        holder = {swept, held};
+      } else if (std::abs(held.reading - holder->second.reading) >
+                 held_tolerance(nominal_.joints[j].type)) {
+        return std::unexpected(
+            at(held.line,
+               fmt::format("sweep {} holds joint {} at {}, sweep {} at {} (line {})", swept + 1,
+                           j + 1, reading(j, held.reading), holder->first + 1,
+                           reading(j, holder->second.reading), holder->second.line),
+               "all sweeps of joints beyond it to hold it at its signature configuration"));
+      }
+    }
+    if (!holder) holder = {j, sweeps_.begin()->second.held[j]};
+    configuration.push_back(holder->second.reading);
+  }
+  return configuration;
+}
+
+Read<features::JointFeature> SweepSet::joint_feature(std::size_t joint,
+                                                     features::Method method) const {
+  std::optional<features::JointFeature> feature;
+  for (const auto& [target, estimator] : sweeps_.at(joint).targets) {
+    const auto estimated = estimator.estimate(method);
+    if (!estimated) {
+      const JointType type = nominal_.joints[joint].type;
+      return std::unexpected(at(0,
+                                fmt::format("sweep {}, target {}: {}", joint + 1, target,
+                                            refusal_in_words(estimated.error(), type)),
+                                remedy_in_words(estimated.error().error)));
+    }
+    feature = feature ? features::fuse(*feature, *estimated) : *estimated;
+  }
+  return *feature;
+}
+
+// A target is fixed to the link beyond the swept joint; one seen in several sweeps to the outermost
+// of them.
+FixedVector<Target, kMaxTargets> SweepSet::targets(features::Method method,
+                                                   const JointVector& configuration) const {
+  std::map<int, Target> by_number;
+  for (const auto& [swept, sweep] : sweeps_) {
+    for (const auto& [number, estimator] : sweep.targets) {
+      const auto feature = estimator.estimate(method);
+      if (!feature) continue;
+      by_number[number] = {.number = number,
+                           .link = swept + 1,
+                           .p_S = feature->target_at(configuration[swept]),
+                           .covariance_m2 = feature->target_covariance_at(configuration[swept])};
+    }
+  }
+  FixedVector<Target, kMaxTargets> targets;
+  for (const auto& [number, target] : by_number) {
+    if (!targets.full()) targets.push_back(target);
+  }
+  return targets;
+}
+
+Read<SweptArm> SweepSet::finish(features::Method method) const {
+  for (std::size_t j = 0; j < nominal_.joints.size(); ++j) {
+    if (!sweeps_.contains(j)) {
+      return std::unexpected(
+          at(0, fmt::format("joint {} is not swept", j + 1),
+             fmt::format("a sweep of each of the {} joints", nominal_.joints.size())));
+    }
+  }
+  SweptArm swept;
+  auto signature_configuration = configuration();
+  if (!signature_configuration) return std::unexpected(signature_configuration.error());
+  swept.configuration = *signature_configuration;
+  for (std::size_t j = 0; j < nominal_.joints.size(); ++j) {
+    auto feature = joint_feature(j, method);
+    if (!feature) return std::unexpected(feature.error());
+    swept.features.push_back(*feature);
+  }
+  swept.targets = targets(method, swept.configuration);
+  return swept;
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+#include "hal/canopen/configuration.hpp"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "core/base/pose.hpp"
+
+namespace armsig::canopen {
+namespace {
+
+using hal::seconds;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+// Ten turns and twenty metres: beyond any joint, and below what a limit in degrees or millimetres
+// that was taken for radians or metres usually is.
+constexpr double kLargestLimit_rad = 20 * kPi;
+constexpr double kLargestLimit_m = 20;
+
+constexpr std::array<std::uint32_t, 5> kBitRates{1'000'000, 800'000, 500'000, 250'000, 125'000};
+
+using Checked = std::expected<void, ConfigurationRefusal>;
+
+Checked check_nodes(const Configuration& configuration) {
+  std::array<bool, kLargestNode + 1> taken{};
+  const auto take = [&](NodeId node, std::optional<std::size_t> axis) -> Checked {
+    if (node == 0 || node > kLargestNode) {
+      return std::unexpected(ConfigurationRefusal{Error::kNodeOutOfRange, axis,
+                                                  static_cast<double>(node), kLargestNode});
+    }
+    if (taken[node]) {
+      return std::unexpected(
+          ConfigurationRefusal{Error::kNodeTwice, axis, static_cast<double>(node), 0});
+    }
+    taken[node] = true;
+    return {};
+  };
+  if (auto ok = take(configuration.master_node, std::nullopt); !ok) return ok;
+  for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
+    if (auto ok = take(configuration.axes[axis].node, axis); !ok) return ok;
+  }
+  for (const NodeId node : configuration.other_nodes) {
+    if (auto ok = take(node, std::nullopt); !ok) return ok;
+  }
+  return {};
+}
+
+Checked check_axis(const AxisConfiguration& axis, std::size_t number, const Scaling& scaling) {
+  const auto refuse = [&](Error error, double found, double needed) -> Checked {
+    return std::unexpected(ConfigurationRefusal{error, number, found, needed});
+  };
+  for (const double value :
+       {axis.limits.lower, axis.limits.upper, axis.largest_speed, axis.following_window}) {
+    if (!std::isfinite(value)) return refuse(Error::kNotFinite, value, 0);
+  }
+  if (axis.limits.lower >= axis.limits.upper) {
+    return refuse(Error::kLimitsReversed, axis.limits.lower, axis.limits.upper);
+  }
+  const double largest =
+      axis.scaling.type == JointType::kRevolute ? kLargestLimit_rad : kLargestLimit_m;
+  for (const double limit : {axis.limits.lower, axis.limits.upper}) {
+    if (std::fabs(limit) > largest) return refuse(Error::kLimitsImplausible, limit, largest);
+    if (auto counts = scaling.counts(limit); !counts) return refuse(counts.error(), limit, 0);
+  }
+  if (axis.largest_speed <= 0) return refuse(Error::kPeriodInvalid, axis.largest_speed, 0);
+  if (axis.following_window < 0) return refuse(Error::kPeriodInvalid, axis.following_window, 0);
+  if (auto window = scaling.distance_counts(axis.following_window); !window) {
+    return refuse(window.error(), axis.following_window, 0);
+  }
+  return {};
+}
+
+// 1017h and the lower half of 1016h are 16-bit milliseconds.
+bool is_heartbeat_time(hal::Duration time) {
+  return time >= milliseconds(1) && time <= milliseconds(65535) &&
+         time % milliseconds(1) == hal::Duration::zero();
+}
+
+Checked check_times(const Configuration& configuration) {
+  const auto refuse = [](double found, double needed) -> Checked {
+    return std::unexpected(
+        ConfigurationRefusal{Error::kPeriodInvalid, std::nullopt, found, needed});
+  };
+  if (!interpolation_period(configuration.period)) return refuse(seconds(configuration.period), 0);
+  for (const hal::Duration time : {configuration.heartbeat, configuration.heartbeat_timeout}) {
+    if (!is_heartbeat_time(time)) return refuse(seconds(time), 1e-3);
+  }
+  if (configuration.heartbeat_timeout <= configuration.heartbeat) {
+    return refuse(seconds(configuration.heartbeat_timeout), seconds(configuration.heartbeat));
+  }
+  for (const hal::Duration time :
+       {configuration.boot_timeout, configuration.sdo_timeout, configuration.transition_timeout}) {
+    if (time < configuration.period) return refuse(seconds(time), seconds(configuration.period));
+  }
+  for (const unsigned count : {configuration.sdo_attempts, configuration.missed_feedback_limit}) {
+    if (count == 0) return refuse(0, 1);
+  }
+  for (const PeriodicFrame& frame : configuration.other_traffic) {
+    if (frame.period <= hal::Duration::zero() || frame.data_bytes > hal::kMaxCanData) {
+      return refuse(seconds(frame.period), 0);
+    }
+  }
+  for (const std::uint32_t rate : kBitRates) {
+    if (rate == configuration.bits_per_second) return {};
+  }
+  return refuse(configuration.bits_per_second, kBitRates[0]);
+}
+
+}  // namespace
+
+std::expected<CheckedConfiguration, ConfigurationRefusal> check(
+    const Configuration& configuration) {
+  CheckedConfiguration checked;
+  checked.configuration_ = configuration;
+  if (configuration.axes.empty()) {
+    return std::unexpected(ConfigurationRefusal{Error::kTooFewAxes, std::nullopt, 0, 1});
+  }
+  if (auto ok = check_nodes(configuration); !ok) return std::unexpected(ok.error());
+  for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
+    const ScalingConfiguration& scale = configuration.axes[axis].scaling;
+    const auto scaling = Scaling::make(scale);
+    if (!scaling) {
+      return std::unexpected(ConfigurationRefusal{
+          scaling.error(), axis, scale.counts_per_revolution * scale.gear_ratio, 0});
+    }
+    checked.scalings_.push_back(*scaling);
+    if (auto ok = check_axis(configuration.axes[axis], axis, *scaling); !ok) {
+      return std::unexpected(ok.error());
+    }
+  }
+  if (auto ok = check_times(configuration); !ok) return std::unexpected(ok.error());
+  checked.bus_load_ = periodic_load(configuration);
+  if (checked.bus_load_ > kLargestBusLoad) {
+    return std::unexpected(ConfigurationRefusal{Error::kBusOverload, std::nullopt,
+                                                checked.bus_load_, kLargestBusLoad});
+  }
+  return checked;
+}
+
+double periodic_load(const Configuration& configuration) {
+  FixedVector<PeriodicFrame, 2 + 3 * kMaxJoints + kMaxOtherNodes + kMaxOtherTraffic> frames;
+  frames.push_back({0, configuration.period});     // SYNC
+  frames.push_back({1, configuration.heartbeat});  // of the master
+  for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
+    frames.push_back({kDrivePdoBytes, configuration.period});  // RPDO1
+    frames.push_back({kDrivePdoBytes, configuration.period});  // TPDO1
+    frames.push_back({1, configuration.heartbeat});
+  }
+  for (std::size_t i = 0; i < configuration.other_nodes.size(); ++i) {
+    frames.push_back({1, configuration.heartbeat});
+  }
+  for (const PeriodicFrame& frame : configuration.other_traffic) frames.push_back(frame);
+  return bus_load({frames.data(), frames.size()}, configuration.bits_per_second);
+}
+
+std::optional<InterpolationPeriod> interpolation_period(hal::Duration period) {
+  struct Unit {
+    hal::Duration length;
+    std::int8_t exponent;
+  };
+  for (const Unit& unit :
+       {Unit{milliseconds(1), -3}, Unit{microseconds(100), -4}, Unit{microseconds(10), -5}}) {
+    const auto value = period / unit.length;
+    if (period % unit.length == hal::Duration::zero() && value >= 1 && value <= 255 &&
+        period >= microseconds(100)) {
+      return InterpolationPeriod{static_cast<std::uint8_t>(value), unit.exponent};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace armsig::canopen

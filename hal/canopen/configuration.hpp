@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// What a CANopen master must be told about the drives, checked as a whole before a frame is sent.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <optional>
+
+#include "core/base/arm.hpp"
+#include "core/base/error.hpp"
+#include "core/base/fixed_vector.hpp"
+#include "hal/canopen/bus_load.hpp"
+#include "hal/canopen/protocol.hpp"
+#include "hal/canopen/scaling.hpp"
+
+namespace armsig::canopen {
+
+inline constexpr std::size_t kMaxOtherNodes = 4;
+inline constexpr std::size_t kMaxOtherTraffic = 16;
+
+struct AxisConfiguration {
+  NodeId node = 0;
+  ScalingConfiguration scaling;
+  JointLimits limits;           // of the targets, radians or metres
+  double largest_speed = 0;     // of the targets, rad/s or m/s
+  double following_window = 0;  // object 6065h, radians or metres; 0 keeps the drive's own
+};
+
+struct Configuration {
+  FixedVector<AxisConfiguration, kMaxJoints> axes;  // base to tip
+  // Devices that the master starts but does not drive, such as the range sensor.
+  FixedVector<NodeId, kMaxOtherNodes> other_nodes;
+  // What those devices and any others send, for the bus load.
+  FixedVector<PeriodicFrame, kMaxOtherTraffic> other_traffic;
+  NodeId master_node = kLargestNode;
+  std::uint32_t bits_per_second = 1'000'000;
+  hal::Duration period = std::chrono::milliseconds(2);  // of SYNC and of the tick
+  hal::Duration heartbeat = std::chrono::milliseconds(50);
+  hal::Duration heartbeat_timeout = std::chrono::milliseconds(150);
+  hal::Duration boot_timeout = std::chrono::seconds(2);
+  hal::Duration sdo_timeout = std::chrono::milliseconds(100);
+  unsigned sdo_attempts = 3;
+  hal::Duration transition_timeout = std::chrono::seconds(1);
+  unsigned missed_feedback_limit = 2;  // SYNCs in a row that a drive may leave unanswered, less one
+};
+
+struct ConfigurationRefusal {
+  Error error = Error::kNotFinite;
+  std::optional<std::size_t> axis;  // from 0; empty where no single axis is to blame
+  double found = 0;                 // SI units; for kBusOverload the part of the bus
+  double needed = 0;                // the bound that was broken
+};
+
+class CheckedConfiguration;
+
+// Errors: kTooFewAxes (none),
+// kNotFinite, kNodeOutOfRange, kNodeTwice (axes, other nodes and master together), kScaleInvalid,
+// kResolutionTooCoarse, kLimitsReversed, kLimitsImplausible, kPositionOverflow (a limit or the
+// following window), kPeriodInvalid (period, heartbeats, time-outs, retries or speed), kBusOverload
+// (above kLargestBusLoad).
+[[nodiscard]] std::expected<CheckedConfiguration, ConfigurationRefusal> check(
+    const Configuration& configuration);
+
+// A configuration that passed check(); there is no other way to get one, so that a master cannot
+// send a frame on an unchecked one.
+class CheckedConfiguration {
+ public:
+  [[nodiscard]] const Configuration& operator*() const { return configuration_; }
+  [[nodiscard]] const Configuration* operator->() const { return &configuration_; }
+  [[nodiscard]] const Scaling& scaling(std::size_t axis) const { return *scalings_[axis]; }
+  [[nodiscard]] double bus_load() const { return bus_load_; }
+
+ private:
+  friend std::expected<CheckedConfiguration, ConfigurationRefusal> check(
+      const Configuration& configuration);
+  CheckedConfiguration() = default;
+
+  Configuration configuration_;
+  FixedVector<std::optional<Scaling>, kMaxJoints> scalings_;
+  double bus_load_ = 0;
+};
+
+// The part of the bus that the periodic frames of `configuration` take at worst: SYNC, two PDOs an
+// axis, heartbeats of all, other traffic. Expedited SDOs are not in it: they are few, come one at a
+// time, and any PDO wins over them.
+[[nodiscard]] double periodic_load(const Configuration& configuration);
+
+// The interpolation period as object 60C2h wants it: value times 10^exponent seconds.
+struct InterpolationPeriod {
+  std::uint8_t value = 0;
+  std::int8_t exponent = 0;
+};
+// Empty if `period` is no such number between 0.1 ms and 255 ms.
+[[nodiscard]] std::optional<InterpolationPeriod> interpolation_period(hal::Duration period);
+
+}  // namespace armsig::canopen

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+#include "hal/canopen/master.hpp"
+
+#include "core/base/check.hpp"
+
+namespace armsig::canopen {
+
+using cia402::Goal;
+
+Master::Master(const CheckedConfiguration& configuration, hal::CanBus& bus, FrameSink* other_frames)
+    : configuration_(configuration), bus_(&bus), other_frames_(other_frames) {
+  for (std::size_t axis = 0; axis < configuration_->axes.size(); ++axis) {
+    nodes_.push_back(DriveNode(configuration_->axes[axis], configuration_.scaling(axis)));
+  }
+  positions_.resize(nodes_.size());
+  other_needs_start_.fill(true);
+}
+
+Result<void> Master::do_read(hal::Instant now) {
+  now_ = now;
+  const hal::CanState bus_state = bus_->status().state;
+  const bool usable = bus_state != hal::CanState::kDown && bus_state != hal::CanState::kBusOff;
+  bool any_started = false;
+  for (const auto& node : nodes_) any_started = any_started || node->is_started();
+  const bool sync_sent = usable && any_started && send(sync_frame()).has_value();
+
+  for (unsigned taken = 0; taken < kMaxFramesPerTick; ++taken) {
+    const auto received = bus_->receive();
+    if (!received) break;
+    take(*received);
+  }
+  if (!usable) {
+    const Error error = bus_state == hal::CanState::kDown ? Error::kBusDown : Error::kBusOff;
+    for (auto& node : nodes_) {
+      if (node->is_started()) node->latch(error);
+    }
+  }
+  for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
+    nodes_[joint]->supervise(*configuration_, sync_sent, now);
+    positions_[joint] = nodes_[joint]->state().position;
+  }
+  react();
+  if (bus_state == hal::CanState::kDown) return std::unexpected(Error::kBusDown);
+  if (bus_state == hal::CanState::kBusOff) return std::unexpected(Error::kBusOff);
+  return {};
+}
+
+// One fault stops the whole arm.
+void Master::react() {
+  if (goal_ != Goal::kEnabled) return;
+  for (const auto& node : nodes_) {
+    if (node->state().fault) {
+      set_goals(Goal::kStopped);
+      return;
+    }
+  }
+}
+
+void Master::take(const hal::ReceivedCanFrame& received) {
+  const hal::CanFrame& frame = received.frame;
+  if (frame.extended || frame.remote) {
+    ++counters_.unknown;
+    return;
+  }
+  const std::uint32_t function = frame.id & kFunctionMask;
+  const auto node = static_cast<NodeId>(frame.id & kNodeMask);
+  const bool is_masters = frame.id == kNmtId || frame.id == kSyncId ||
+                          (function == kHeartbeatId && node == configuration_->master_node);
+  if (is_masters) {
+    ++counters_.foreign;
+    latch_all(Error::kSecondMaster);
+    return;
+  }
+  for (auto& drive : nodes_) {
+    if (drive->node() != node) continue;
+    take_of_drive(*drive, received);
+    return;
+  }
+  take_of_other(received);
+}
+
+void Master::take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received) {
+  bool well_formed = true;
+  switch (received.frame.id & kFunctionMask) {
+    case kTransmitPdo1Id:
+      well_formed = drive.take_feedback(received);
+      break;
+    case kHeartbeatId:
+      well_formed = drive.take_heartbeat(received.frame, now_);
+      break;
+    case kEmergencyId:
+      well_formed = drive.take_emergency(received.frame);
+      break;
+    case kSdoResponseId:
+      if (transfer_ && setup_joint_ && nodes_[*setup_joint_]->node() == drive.node()) {
+        transfer_->take(received.frame);
+      }
+      break;
+    case kReceivePdo1Id:
+      ++counters_.foreign;
+      latch_all(Error::kSecondMaster);
+      break;
+    default:
+      ++counters_.unknown;
+  }
+  if (!well_formed) ++counters_.malformed;
+}
+
+void Master::take_of_other(const hal::ReceivedCanFrame& received) {
+  const hal::CanFrame& frame = received.frame;
+  const auto& others = configuration_->other_nodes;
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    // A device that says it is not operational is started (again).
+    if (frame.id == kHeartbeatId + others[i] && frame.length == 1 &&
+        static_cast<NmtState>(frame.data[0] & 0x7FU) != NmtState::kOperational) {
+      other_needs_start_[i] = true;
+    }
+  }
+  if (other_frames_ != nullptr) {
+    other_frames_->take(received);
+  } else {
+    ++counters_.unknown;
+  }
+}
+
+Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
+  now_ = now;
+  busy_now_ = false;
+  Result<void> result;
+  for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
+    const auto set = nodes_[joint]->set_target(targets[joint], configuration_->period, now);
+    if (!set && result) result = set;
+  }
+  if (!own_heartbeat_at_ || now - *own_heartbeat_at_ >= configuration_->heartbeat) {
+    if (send(heartbeat_frame(configuration_->master_node, NmtState::kOperational))) {
+      own_heartbeat_at_ = now;
+    }
+  }
+  step_others();
+  step_setup();
+  for (auto& node : nodes_) {
+    if (node->state().phase != Phase::kRunning) continue;  // no position to hold is known yet
+    const auto sent = send(node->command());
+    if (!sent && result) result = sent;
+  }
+  busy_ticks_ = busy_now_ ? busy_ticks_ + 1 : 0;
+  if (busy_ticks_ >= kBusBusyLimit) latch_all(Error::kBusBusy);
+  return result;
+}
+
+Result<void> Master::send(const hal::CanFrame& frame) {
+  auto sent = bus_->send(frame);
+  if (!sent) {
+    ++counters_.unsent;
+    busy_now_ = busy_now_ || sent.error() == Error::kBusBusy;
+  }
+  return sent;
+}
+
+void Master::step_others() {
+  const auto& others = configuration_->other_nodes;
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (other_needs_start_[i] && send(nmt_frame(NmtCommand::kStart, others[i]))) {
+      other_needs_start_[i] = false;
+    }
+  }
+}
+
+void Master::step_setup() {
+  // Every drive is reset at once, so that they boot side by side.
+  for (auto& node : nodes_) {
+    if (node->state().phase == Phase::kUnreset &&
+        send(nmt_frame(NmtCommand::kResetCommunication, node->node()))) {
+      node->enter(Phase::kBooting, now_);
+    }
+  }
+  for (auto& node : nodes_) {
+    if (node->state().phase == Phase::kBooting &&
+        now_ - node->state().phase_since > configuration_->boot_timeout) {
+      fail_setup(*node, Error::kDriveAbsent, 0);
+    }
+  }
+  if (setup_joint_ && nodes_[*setup_joint_]->state().phase != Phase::kConfiguring) {
+    setup_joint_.reset();  // reset by the operator, or restarted, in the middle of it
+    transfer_.reset();
+  }
+  for (std::size_t joint = 0; joint < nodes_.size() && !setup_joint_; ++joint) {
+    if (nodes_[joint]->state().phase != Phase::kBooted) continue;
+    setup_joint_ = joint;
+    setup_ = drive_setup(configuration_, joint);
+    setup_step_ = 0;
+    transfer_.reset();
+    nodes_[joint]->enter(Phase::kConfiguring, now_);
+  }
+  if (setup_joint_) step_requests(*nodes_[*setup_joint_]);
+}
+
+void Master::step_requests(DriveNode& drive) {
+  if (drive.state().fault) {  // does not stay up
+    fail_setup(drive, *drive.state().fault, 0);
+    return;
+  }
+  if (transfer_ && transfer_->outcome()) {
+    const SetupStep& step = setup_[setup_step_];
+    const auto error = judge(step, *transfer_->outcome());
+    const bool may_wait = step.rule == SetupRule::kWaitsEqual &&
+                          error == Error::kSdoUnexpectedValue &&
+                          now_ - drive.state().phase_since <= configuration_->boot_timeout;
+    if (error && !may_wait) {
+      const SdoOutcome& outcome = *transfer_->outcome();
+      fail_setup(drive, *error, outcome ? *outcome : outcome.error().abort_code);
+      return;
+    }
+    if (!error) ++setup_step_;
+    transfer_.reset();
+  }
+  if (setup_step_ == setup_.size()) {
+    if (send(nmt_frame(NmtCommand::kStart, drive.node()))) {
+      drive.enter(Phase::kStarted, now_);
+      setup_joint_.reset();
+    }
+    return;
+  }
+  if (!transfer_) {
+    transfer_.emplace(drive.node(), setup_[setup_step_].request, configuration_->sdo_timeout,
+                      configuration_->sdo_attempts);
+  }
+  // A request that the bus does not take is as good as lost: it is repeated after the time-out.
+  if (const auto request = transfer_->poll(now_)) (void)send(*request);
+}
+
+void Master::fail_setup(DriveNode& drive, Error error, std::uint32_t code) {
+  drive.latch(error, code);
+  drive.enter(Phase::kFailed, now_);
+  if (setup_joint_ && &*nodes_[*setup_joint_] == &drive) {
+    setup_joint_.reset();
+    transfer_.reset();
+  }
+}
+
+void Master::latch_all(Error error) {
+  for (auto& node : nodes_) node->latch(error);
+}
+
+void Master::set_goals(Goal goal) {
+  goal_ = goal;
+  for (auto& node : nodes_) node->set_goal(goal, now_);
+}
+
+Result<void> Master::do_enable() {
+  for (const auto& node : nodes_) {
+    if (node->state().fault || node->state().phase != Phase::kRunning) {
+      return std::unexpected(Error::kDrivesNotReady);
+    }
+  }
+  set_goals(Goal::kEnabled);
+  return {};
+}
+
+void Master::do_disable() { set_goals(Goal::kDisabled); }
+
+void Master::do_quick_stop() { set_goals(Goal::kStopped); }
+
+void Master::do_reset_faults() {
+  set_goals(Goal::kDisabled);
+  for (auto& node : nodes_) node->reset(now_);
+}
+
+}  // namespace armsig::canopen

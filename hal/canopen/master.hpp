@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// CANopen master (CiA 301) of the CiA 402 drives of one arm, over any CAN bus.
+//
+// A tick, in fixed order:
+//   read():  SYNC first, so that its jitter is that of the tick alone; then every frame that has
+//            arrived (at most kMaxFramesPerTick); then supervision of each drive; then the reaction
+//            of the group.
+//   write(): the master's heartbeat if it is due; one step of the set-up of one drive; RPDO1 of
+//            every drive whose position is known. An RPDO1 takes effect at the next SYNC
+//            (transmission type 1).
+// Drives are set up one after the other, with one SDO request under way at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/fixed_vector.hpp"
+#include "hal/can_bus.hpp"
+#include "hal/canopen/configuration.hpp"
+#include "hal/canopen/drive_node.hpp"
+#include "hal/canopen/drive_setup.hpp"
+#include "hal/canopen/sdo_client.hpp"
+#include "hal/joint_drives.hpp"
+
+namespace armsig::canopen {
+
+// Takes the frames that are none of the drives', such as those of a range sensor on the same bus.
+class FrameSink {
+ public:
+  void take(const hal::ReceivedCanFrame& received) { do_take(received); }
+
+ protected:
+  ~FrameSink() = default;
+
+ private:
+  virtual void do_take(const hal::ReceivedCanFrame& received) = 0;
+};
+
+struct MasterCounters {
+  std::uint32_t malformed = 0;  // frames of a drive with a wrong length
+  std::uint32_t foreign = 0;    // frames that only a master sends, sent by somebody else
+  std::uint32_t unknown = 0;    // frames of nobody that is configured, extended and remote ones
+  std::uint32_t unsent = 0;     // own frames that the bus did not take
+};
+
+class Master final : public hal::JointDrives {
+ public:
+  // Largest number of frames taken in a tick. A full cycle brings two a drive; what a flood brings
+  // beyond this waits in the bus's queue, which may overflow, but the tick stays short.
+  static constexpr unsigned kMaxFramesPerTick = 64;
+  // Ticks in a row in which the bus takes no frame before it counts as a fault of every drive.
+  static constexpr unsigned kBusBusyLimit = 3;
+
+  // `bus` and `other_frames` (which may be null) must outlive the master.
+  Master(const CheckedConfiguration& configuration, hal::CanBus& bus,
+         FrameSink* other_frames = nullptr);
+  Master(const Master&) = delete;
+  Master& operator=(const Master&) = delete;
+
+  [[nodiscard]] const MasterCounters& counters() const { return counters_; }
+  [[nodiscard]] const DriveNodeState& node_state(std::size_t joint) const {
+    return nodes_[joint]->state();
+  }
+
+ private:
+  [[nodiscard]] std::size_t do_count() const override { return nodes_.size(); }
+  Result<void> do_read(hal::Instant now) override;
+  [[nodiscard]] const JointVector& do_positions() const override { return positions_; }
+  [[nodiscard]] hal::DriveStatus do_status(std::size_t joint) const override {
+    return nodes_[joint]->status();
+  }
+  Result<void> do_write(const JointVector& targets, hal::Instant now) override;
+  Result<void> do_enable() override;
+  void do_disable() override;
+  void do_quick_stop() override;
+  void do_reset_faults() override;
+
+  Result<void> send(const hal::CanFrame& frame);
+  void take(const hal::ReceivedCanFrame& received);
+  void take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received);
+  void take_of_other(const hal::ReceivedCanFrame& received);
+  void react();
+  void latch_all(Error error);
+  void set_goals(cia402::Goal goal);
+  void step_others();
+  void step_setup();
+  void step_requests(DriveNode& drive);
+  void fail_setup(DriveNode& drive, Error error, std::uint32_t code);
+
+  CheckedConfiguration configuration_;
+  hal::CanBus* bus_;
+  FrameSink* other_frames_;
+  FixedVector<std::optional<DriveNode>, kMaxJoints> nodes_;
+  std::array<bool, kMaxOtherNodes> other_needs_start_{};
+  JointVector positions_;
+  cia402::Goal goal_ = cia402::Goal::kDisabled;
+  hal::Instant now_;
+  std::optional<hal::Instant> own_heartbeat_at_;
+  unsigned busy_ticks_ = 0;
+  bool busy_now_ = false;
+  // Set-up of one drive at a time.
+  std::optional<std::size_t> setup_joint_;
+  DriveSetup setup_;
+  std::size_t setup_step_ = 0;
+  std::optional<SdoTransfer> transfer_;
+  MasterCounters counters_;
+};
+
+}  // namespace armsig::canopen

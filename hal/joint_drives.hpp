@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// The drives of all joints of one arm, commanded and read together once a tick.
+//
+// The tick calls read() first and write() last. A request (enable, ...) is remembered and carried
+// out over the following ticks; status() tells when it is done. If one drive faults while any is
+// enabled, the backend itself takes all of them to quick stop: the controller learns of it, it need
+// not be alive for it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/arm.hpp"
+#include "core/base/error.hpp"
+#include "hal/clock.hpp"
+
+namespace armsig::hal {
+
+enum class DriveCondition : std::uint8_t {
+  kStarting,   // being found and set up
+  kDisabled,   // set up, without torque
+  kSwitching,  // on the way from one of the other conditions to another
+  kEnabled,    // follows the targets
+  kStopped,    // quick stop: halted, targets are ignored
+  kFaulted,    // as `fault` says; left by reset_faults() only
+};
+
+struct DriveStatus {
+  DriveCondition condition = DriveCondition::kStarting;
+  std::optional<Error> fault;     // the first cause, kept until reset_faults()
+  std::uint32_t fault_code = 0;   // the device's own: CANopen emergency or SDO abort code; 0: none
+  std::uint16_t status_word = 0;  // the device's own, for the log
+  bool limit_active = false;      // the drive limits the motion by itself
+};
+
+class JointDrives {
+ public:
+  [[nodiscard]] std::size_t count() const { return do_count(); }
+
+  // Takes in what the drives said since the last tick, supervises them, starts a new cycle. Bounded
+  // work, never blocks.
+  // Errors: kBusDown, kBusOff; everything about one drive is in its status().
+  Result<void> read(Instant now) { return do_read(now); }
+
+  // Actual positions at the last cycle, radians or metres, one per joint; zero for a drive that has
+  // never told its position (condition kStarting).
+  [[nodiscard]] const JointVector& positions() const { return do_positions(); }
+  [[nodiscard]] DriveStatus status(std::size_t joint) const;
+
+  // True if every drive has the condition.
+  [[nodiscard]] bool all(DriveCondition condition) const;
+
+  // Sends `targets` (count() values, radians or metres) to the enabled drives; a drive that is not
+  // enabled is sent its actual position, so that enabling never makes it jump. After an error the
+  // former targets are sent again, so that the cycle is kept.
+  // Errors: kNotFinite, kJointLimit (outside the configured limits), kTargetStep, kBusDown,
+  // kBusOff, kBusBusy.
+  Result<void> write(const JointVector& targets, Instant now);
+
+  // Errors: kDrivesNotReady (a drive is being set up, or faulted).
+  Result<void> enable() { return do_enable(); }
+  // Brings every drive to rest on its ramp, then takes the torque off. No errors.
+  void disable() { do_disable(); }
+  // Stops every drive on its quick stop ramp and holds it there. No errors.
+  void quick_stop() { do_quick_stop(); }
+  // Forgets faults, resets faulted drives and sets up those that were lost; all end disabled. No
+  // errors: a fault that persists comes back in status().
+  void reset_faults() { do_reset_faults(); }
+
+ protected:
+  ~JointDrives() = default;
+
+ private:
+  [[nodiscard]] virtual std::size_t do_count() const = 0;
+  virtual Result<void> do_read(Instant now) = 0;
+  [[nodiscard]] virtual const JointVector& do_positions() const = 0;
+  [[nodiscard]] virtual DriveStatus do_status(std::size_t joint) const = 0;
+  virtual Result<void> do_write(const JointVector& targets, Instant now) = 0;
+  virtual Result<void> do_enable() = 0;
+  virtual void do_disable() = 0;
+  virtual void do_quick_stop() = 0;
+  virtual void do_reset_faults() = 0;
+};
+
+}  // namespace armsig::hal

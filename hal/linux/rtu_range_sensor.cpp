@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "hal/linux/rtu_range_sensor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <span>
+#include <system_error>
+
+#include <modbus.h>
+
+#include "hal/linux/back_off.hpp"
+#include "hal/linux/steady_clock.hpp"
+
+namespace armsig::linux_hal {
+namespace {
+
+// The thread looks this often whether it is to stop.
+constexpr hal::Duration kLongestSleep = std::chrono::milliseconds(50);
+
+modbus_t* as_modbus(void* context) { return static_cast<modbus_t*>(context); }
+
+// What libmodbus's errno says about the sensor. Timeouts are kSensorSilent.
+Error error_of(int number) {
+  switch (number) {
+    case ETIMEDOUT:
+    case EINTR:
+      return Error::kSensorSilent;
+    case EMBBADCRC:
+      return Error::kSensorBadCrc;
+    case EMBBADSLAVE:
+      return Error::kSensorWrongUnit;
+    case EMBBADDATA:
+    case EMBBADEXC:
+    case EMBUNKEXC:
+    case EMBMDATA:
+      return Error::kSensorMalformed;
+    default:
+      return number > MODBUS_ENOBASE && number < EMBBADCRC ? Error::kSensorException
+                                                           : Error::kBusDown;
+  }
+}
+
+void set_answer_timeout(modbus_t* context, hal::Duration timeout) {
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+  const auto rest = std::chrono::duration_cast<std::chrono::microseconds>(timeout - whole);
+  modbus_set_response_timeout(context, static_cast<std::uint32_t>(whole.count()),
+                              static_cast<std::uint32_t>(rest.count()));
+}
+
+}  // namespace
+
+void RtuRangeSensor::ContextCloser::operator()(void* context) const {
+  modbus_close(as_modbus(context));
+  modbus_free(as_modbus(context));
+}
+
+Result<std::unique_ptr<RtuRangeSensor>> RtuRangeSensor::start(
+    const RtuRangeSensorConfiguration& configuration) {
+  constexpr int kDataBits = 8;
+  ARMSIG_TRY(registers, modbus::registers_of(configuration.profile));
+  (void)registers;
+  Context context(modbus_new_rtu(configuration.device.c_str(), configuration.baud,
+                                 configuration.parity, kDataBits, configuration.stop_bits));
+  if (context == nullptr ||
+      modbus_set_slave(as_modbus(context.get()), configuration.profile.unit) != 0) {
+    return std::unexpected(Error::kProfileInvalid);
+  }
+  set_answer_timeout(as_modbus(context.get()), configuration.answer_timeout);
+  std::unique_ptr<RtuRangeSensor> sensor(new RtuRangeSensor(configuration, std::move(context)));
+  try {
+    sensor->thread_ = std::thread([raw = sensor.get()] { raw->talk(); });
+  } catch (const std::system_error&) {
+    return std::unexpected(Error::kSystemRefused);
+  }
+  return sensor;
+}
+
+RtuRangeSensor::RtuRangeSensor(const RtuRangeSensorConfiguration& configuration, Context context)
+    : configuration_(configuration),
+      context_(std::move(context)),
+      freshness_(configuration.freshness) {}
+
+RtuRangeSensor::~RtuRangeSensor() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void RtuRangeSensor::sleep_until(hal::Instant time) const {
+  SteadyClock clock;
+  while (!stop_ && monotonic_now() < time) {
+    clock.wait_until(std::min(time, monotonic_now() + kLongestSleep));
+  }
+}
+
+void RtuRangeSensor::talk() {
+  BackOff reopen;
+  while (!stop_) {
+    const hal::Instant begin = monotonic_now();
+    if (!connected_) {
+      connected_ = modbus_connect(as_modbus(context_.get())) == 0;
+      if (connected_) {
+        reopen.succeed();
+      } else {
+        reopen.fail(begin);
+        (void)box_.post(std::unexpected(Error::kBusDown));
+        while (!stop_ && !reopen.due(monotonic_now())) sleep_until(begin + kLongestSleep);
+        continue;
+      }
+    }
+    const auto reading = measure();
+    // A full box means that nobody polls; what it holds is old then, and so is this soon.
+    if (reading || reading.error() != Error::kSensorSilent) (void)box_.post(reading);
+    if (!reading && reading.error() == Error::kBusDown) {
+      modbus_close(as_modbus(context_.get()));
+      connected_ = false;
+    }
+    sleep_until(begin + configuration_.poll_period);
+  }
+}
+
+Result<hal::RangeReading> RtuRangeSensor::measure() {
+  modbus_t* context = as_modbus(context_.get());
+  const modbus::Profile& profile = configuration_.profile;
+  const modbus::RegisterRange range = *modbus::registers_of(profile);
+  std::array<std::uint16_t, modbus::kMaxRegisters> registers{};
+  constexpr std::uint8_t kHoldingRegisters = 3;
+  const auto read =
+      profile.function == kHoldingRegisters ? &modbus_read_registers : &modbus_read_input_registers;
+  if (read(context, range.first, range.count, registers.data()) != range.count) {
+    const int number = errno;
+    const Error error = error_of(number);
+    if (error == Error::kSensorException) {
+      exception_ = static_cast<std::uint8_t>(number - MODBUS_ENOBASE);
+    }
+    // What a late or broken answer left behind must not be taken for the next one.
+    if (error != Error::kBusDown) modbus_flush(context);
+    return std::unexpected(error);
+  }
+  auto reading = modbus::decode(profile, std::span(registers).first(range.count));
+  if (reading) reading->at = monotonic_now();
+  return reading;
+}
+
+Result<std::optional<hal::RangeReading>> RtuRangeSensor::do_poll(hal::Instant now) {
+  // One message a call, but repeated sequences are passed over.
+  while (const auto message = box_.take()) {
+    if (!*message) return std::unexpected(message->error());
+    if (freshness_.take((*message)->sequence, (*message)->at)) return **message;
+  }
+  if (const auto overdue = freshness_.overdue(now)) return std::unexpected(*overdue);
+  return std::nullopt;
+}
+
+}  // namespace armsig::linux_hal

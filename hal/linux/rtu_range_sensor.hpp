@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// A Modbus RTU range sensor by libmodbus, on a serial line or a pseudo-terminal.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "hal/freshness.hpp"
+#include "hal/mailbox.hpp"
+#include "hal/modbus/profile.hpp"
+#include "hal/range_sensor.hpp"
+
+namespace armsig::linux_hal {
+
+struct RtuRangeSensorConfiguration {
+  std::string device;  // such as /dev/ttyUSB0
+  int baud = 115200;
+  char parity = 'E';  // 'N', 'E' or 'O'
+  int stop_bits = 1;
+  modbus::Profile profile{};
+  hal::Duration poll_period = std::chrono::milliseconds(20);
+  hal::Duration answer_timeout = std::chrono::milliseconds(100);
+  hal::FreshnessLimits freshness{};
+};
+
+// libmodbus waits for answers, so a thread of its own does the talking and hands over what came;
+// poll() never waits. A device that is missing or was unplugged is opened again with a back-off.
+// Pass poll() the time of SteadyClock.
+class RtuRangeSensor final : public hal::RangeSensor {
+ public:
+  // The device need not exist yet. Allocates here and never again.
+  // Errors: kProfileInvalid (profile, or line settings that libmodbus does not know),
+  // kSystemRefused (no thread).
+  [[nodiscard]] static Result<std::unique_ptr<RtuRangeSensor>> start(
+      const RtuRangeSensorConfiguration& configuration);
+
+  ~RtuRangeSensor();
+  RtuRangeSensor(const RtuRangeSensor&) = delete;
+  RtuRangeSensor& operator=(const RtuRangeSensor&) = delete;
+
+ private:
+  struct ContextCloser {
+    void operator()(void* context) const;
+  };
+  using Context = std::unique_ptr<void, ContextCloser>;  // modbus_t, kept out of this header
+
+  RtuRangeSensor(const RtuRangeSensorConfiguration& configuration, Context context);
+
+  Result<std::optional<hal::RangeReading>> do_poll(hal::Instant now) override;
+  [[nodiscard]] std::uint8_t do_exception_code() const override { return exception_; }
+
+  void talk();
+  void sleep_until(hal::Instant time) const;
+  [[nodiscard]] Result<hal::RangeReading> measure();
+
+  static constexpr std::size_t kMailboxReadings = 8;
+
+  RtuRangeSensorConfiguration configuration_;
+  Context context_;
+  hal::Freshness freshness_;
+  hal::Mailbox<Result<hal::RangeReading>, kMailboxReadings> box_;
+  std::atomic<std::uint8_t> exception_{0};
+  std::atomic<bool> stop_{false};
+  bool connected_ = false;  // of the thread
+  std::thread thread_;
+};
+
+}  // namespace armsig::linux_hal

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// A CAN interface of Linux, by a raw socket (Documentation/networking/can.rst of the kernel).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "core/base/fixed_vector.hpp"
+#include "hal/can_bus.hpp"
+#include "hal/linux/back_off.hpp"
+#include "hal/linux/file_descriptor.hpp"
+
+namespace armsig::linux_hal {
+
+inline constexpr std::size_t kMaxCanFilters = 16;
+
+// Frames with (identifier & mask) == (this identifier & mask) are received.
+struct CanFilter {
+  std::uint32_t id = 0;
+  std::uint32_t mask = 0;
+};
+
+struct SocketCanConfiguration {
+  std::string interface_name;  // at most 15 characters
+  // Of data frames with 11-bit identifiers; none: all of them. Extended and remote frames, which no
+  // CANopen device of ours sends, are left to the kernel.
+  FixedVector<CanFilter, kMaxCanFilters> filters;
+};
+
+// The interface need not exist yet: it is opened as soon as it does, reopened when it was gone,
+// used again when it was down, and its controller restarted when it was bus-off, each with a
+// back-off. All that happens inside status(). Stamps are the kernel's, told in CLOCK_MONOTONIC;
+// where the wall clock is set, those of one tick are wrong by as much.
+class SocketCan final : public hal::CanBus {
+ public:
+  explicit SocketCan(const SocketCanConfiguration& configuration);
+
+  // The errno value of the last try to open the interface or to restart its controller, 0 after a
+  // success; for the log.
+  [[nodiscard]] int last_errno() const { return last_errno_; }
+
+ private:
+  Result<void> do_send(const hal::CanFrame& frame) override;
+  std::optional<hal::ReceivedCanFrame> do_receive() override;
+  hal::CanStatus do_status() override;
+
+  [[nodiscard]] int open_socket();
+  void close_socket(int reason);
+  [[nodiscard]] bool interface_is_up();
+  void take_error_frame(std::uint32_t error_class, std::uint8_t controller_status);
+  void leave_bus_off();
+
+  SocketCanConfiguration configuration_;
+  FileDescriptor socket_;
+  unsigned interface_index_ = 0;
+  bool up_ = false;
+  hal::CanState controller_ = hal::CanState::kActive;
+  BackOff reopen_;
+  BackOff restart_;
+  hal::Instant restarted_at_;
+  std::uint32_t kernel_drops_ = 0;  // as the socket counts them since it was opened
+  int last_errno_ = 0;
+  // As of the last status(): the time, and how far CLOCK_REALTIME, in which the kernel stamps
+  // frames, is ahead of CLOCK_MONOTONIC. Read there and not for each frame, to save system calls.
+  hal::Instant now_;
+  hal::Duration wall_ahead_{};
+  hal::CanStatus counts_;
+};
+
+}  // namespace armsig::linux_hal

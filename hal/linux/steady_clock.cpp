@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "hal/linux/steady_clock.hpp"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+
+namespace armsig::linux_hal {
+
+using std::chrono::nanoseconds;
+using std::chrono::seconds;
+
+hal::Instant monotonic_now() {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return hal::Instant(seconds(time.tv_sec) + nanoseconds(time.tv_nsec));
+}
+
+hal::Duration SteadyClock::do_wait_until(hal::Instant tick) {
+  const auto since = tick.time_since_epoch();
+  const auto whole = std::chrono::duration_cast<seconds>(since);
+  const timespec time{.tv_sec = whole.count(), .tv_nsec = (since - whole).count()};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) == EINTR) {
+  }
+  return std::max(hal::Duration::zero(), monotonic_now() - tick);
+}
+
+}  // namespace armsig::linux_hal

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// A sensor that measures the flight time of a pulse from the target to k fixed receivers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/error.hpp"
+#include "core/base/fixed_vector.hpp"
+#include "hal/clock.hpp"
+
+namespace armsig::hal {
+
+inline constexpr std::size_t kMaxReceivers = 8;
+
+// What one receiver heard. A range is the flight time times the speed of sound at the air
+// temperature (ALGORITHMS, section 1), which is the measurement stage's business.
+struct ReceiverReading {
+  bool valid = false;
+  double flight_s = 0;  // one way, from the target to the receiver; echoes are halved already
+};
+
+struct RangeReading {
+  FixedVector<ReceiverReading, kMaxReceivers> receivers;
+  double air_celsius = 0;      // as told by the sensor, plausible or not
+  Instant at;                  // when the reading reached the controller
+  std::uint32_t sequence = 0;  // as told by the sensor; differs between successive readings
+};
+
+class RangeSensor {
+ public:
+  // The next reading, if a new one has arrived; each is handed out once, and a reading whose
+  // sequence number has not advanced is not handed out. Never blocks. An error is told once and
+  // does not end anything: polling goes on and readings come again when the cause is gone.
+  // Errors: kSensorSilent (nothing for the time allowed), kSensorStale (answers, but the sequence
+  // has not advanced for the time allowed), kSensorBadCrc, kSensorWrongUnit, kSensorException,
+  // kSensorMalformed, kBusDown (the line is gone).
+  [[nodiscard]] Result<std::optional<RangeReading>> poll(Instant now) { return do_poll(now); }
+
+  // The device's own code of the last kSensorException, for the console; 0 if there was none.
+  [[nodiscard]] std::uint8_t exception_code() const { return do_exception_code(); }
+
+ protected:
+  ~RangeSensor() = default;
+
+ private:
+  virtual Result<std::optional<RangeReading>> do_poll(Instant now) = 0;
+  [[nodiscard]] virtual std::uint8_t do_exception_code() const { return 0; }
+};
+
+}  // namespace armsig::hal

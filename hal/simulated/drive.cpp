@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "hal/simulated/drive.hpp"
+
+#include <cmath>
+
+namespace armsig::simulated {
+namespace {
+
+using canopen::NmtCommand;
+using canopen::NmtState;
+using canopen::cia402::State;
+
+constexpr std::uint32_t kPdoOff = 1U << 31;
+constexpr std::uint16_t kEmergencyHeartbeat = 0x8130;
+constexpr std::uint16_t kEmergencyPdoLength = 0x8210;
+constexpr std::uint16_t kEmergencyFollowing = 0x8611;
+constexpr std::uint16_t kEmergencySync = 0x8700;
+
+}  // namespace
+
+Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Instant now)
+    : configuration_(configuration),
+      bus_(&bus),
+      dictionary_(configuration.node),
+      motion_(configuration.motion, now),
+      now_(now),
+      boot_at_(now + configuration.boot_time) {
+  read_settings();
+  publish();
+}
+
+void Drive::read_settings() {
+  using std::chrono::milliseconds;
+  constexpr std::uint32_t kLastSynchronousType = 240;
+  const auto on_sync = [&](std::uint16_t parameter) {
+    const std::uint32_t type = dictionary_.get(parameter, 2);
+    return type > 0 && type <= kLastSynchronousType;
+  };
+  const std::uint32_t consumer = dictionary_.get(0x1016, 1);
+  hal::Duration unit = std::chrono::seconds(1);
+  for (auto exponent = static_cast<std::int8_t>(dictionary_.get(0x60C2, 2)); exponent < 0;
+       ++exponent) {
+    unit /= 10;
+  }
+  settings_ = {.receive_pdo = dictionary_.get(0x1400, 1),
+               .transmit_pdo = dictionary_.get(0x1800, 1),
+               .receives_on_sync = on_sync(0x1400),
+               .transmits_on_sync = on_sync(0x1800),
+               .master = static_cast<std::uint8_t>((consumer >> 16) & 0x7F),
+               .master_timeout = milliseconds(consumer & 0xFFFF),
+               .heartbeat = milliseconds(dictionary_.get(0x1017)),
+               .quick_stop_option = static_cast<std::uint16_t>(dictionary_.get(0x605A)),
+               .following_window = dictionary_.get(0x6065),
+               .following_timeout = milliseconds(dictionary_.get(0x6066)),
+               .period = unit * dictionary_.get(0x60C2, 1)};
+}
+
+void Drive::send(const hal::CanFrame& frame) {
+  // A full queue loses the frame, as it does in a real device.
+  if (fault_ != DriveFault::kSilent) (void)bus_->send(frame);
+}
+
+void Drive::send_emergency(std::uint16_t code) {
+  // Error register 1001h: generic, communication (bit 4) or profile specific (bit 5).
+  std::uint8_t error_register = 0;
+  if (code != 0) {
+    const std::uint16_t group = code & 0xFF00U;
+    error_register = group == 0x8100 || group == 0x8200 ? 0x11 : 0x21;
+  }
+  dictionary_.set(0x1001, 0, error_register);
+  dictionary_.set(0x603F, 0, code);
+  hal::CanFrame frame{.id = canopen::kEmergencyId + configuration_.node, .length = 8};
+  canopen::store(frame, 0, code);
+  frame.data[2] = error_register;
+  if (nmt_ == NmtState::kOperational || nmt_ == NmtState::kPreOperational) send(frame);
+}
+
+void Drive::fail(std::uint16_t code) {
+  send_emergency(code);
+  power_.fail(motion_);
+  publish();
+}
+
+void Drive::reset(bool whole_device) {
+  nmt_ = NmtState::kBootUp;
+  boot_at_ = now_ + configuration_.boot_time;
+  dictionary_.restore();
+  read_settings();
+  pending_pdo_.reset();
+  master_heard_.reset();
+  sync_at_.reset();
+  // Without settings nobody can command the motor, so the torque goes; but a fault outlives a reset
+  // of the communication.
+  if (whole_device || power_.state() != State::kFault) power_.power_up(motion_);
+  publish();
+}
+
+void Drive::enter(NmtState state) {
+  if (state == nmt_) return;
+  nmt_ = state;
+  sync_at_.reset();
+  next_heartbeat_ = now_;
+  // Without PDOs nobody commands the drive (abort connection, object 6007h).
+  if (state != NmtState::kOperational && power_.state() == State::kOperationEnabled) {
+    power_.quick_stop(settings_.quick_stop_option, motion_);
+  }
+}
+
+void Drive::inject(DriveFault fault, std::int32_t code) {
+  motion_.set_blocked(fault == DriveFault::kBlocked);
+  jump_ = fault == DriveFault::kPositionJump ? code : 0;
+  fault_ = fault;
+  if (fault == DriveFault::kEmergency) fail(static_cast<std::uint16_t>(code));
+  if (fault == DriveFault::kPowerRemoved) power_.remove_power(motion_);
+  if (fault == DriveFault::kReboot) {
+    motion_.enter(Drivetrain::kBraked);
+    reset(true);
+  }
+  if (fault == DriveFault::kPreOperational) enter(NmtState::kPreOperational);
+}
+
+void Drive::do_advance(hal::Instant until) {
+  now_ = until;
+  // Between two steps of the motion nothing of the drive's own changes.
+  if (!motion_.advance(until)) return;
+  power_.advance(motion_);
+  if (nmt_ == NmtState::kBootUp) {
+    if (until < boot_at_) return;
+    if (power_.state() == State::kNotReadyToSwitchOn) power_.power_up(motion_);
+    nmt_ = NmtState::kPreOperational;
+    next_heartbeat_ = until;
+    send(canopen::heartbeat_frame(configuration_.node, NmtState::kBootUp));
+  }
+  if (settings_.heartbeat > hal::Duration::zero() && until >= next_heartbeat_) {
+    next_heartbeat_ = until + settings_.heartbeat;
+    if (fault_ != DriveFault::kHeartbeatLost) {
+      send(canopen::heartbeat_frame(configuration_.node, nmt_));
+    }
+  }
+  supervise();
+}
+
+void Drive::supervise() {
+  if (master_heard_ && now_ - *master_heard_ > settings_.master_timeout) {
+    master_heard_.reset();
+    constexpr std::uint32_t kQuickStop = 3;  // option of object 6007h
+    if (dictionary_.get(0x6007) == kQuickStop && power_.state() == State::kOperationEnabled) {
+      send_emergency(kEmergencyHeartbeat);
+      power_.quick_stop(settings_.quick_stop_option, motion_);
+    } else if (power_.state() == State::kOperationEnabled) {
+      fail(kEmergencyHeartbeat);
+    } else {
+      send_emergency(kEmergencyHeartbeat);
+    }
+  }
+  const bool watched = configuration_.sync_loss_periods > 0 && sync_at_ &&
+                       power_.state() == State::kOperationEnabled;
+  if (watched && now_ - *sync_at_ > settings_.period * configuration_.sync_loss_periods) {
+    fail(kEmergencySync);
+  }
+  supervise_following();
+}
+
+void Drive::supervise_following() {
+  constexpr std::uint32_t kOff = 0xFFFFFFFF;
+  const bool beyond = settings_.following_window != kOff &&
+                      power_.state() == State::kOperationEnabled &&
+                      std::fabs(motion_.following_error()) > settings_.following_window;
+  if (!beyond) {
+    error_since_.reset();
+  } else if (!error_since_) {
+    error_since_ = now_;
+  } else if (now_ - *error_since_ > settings_.following_timeout) {
+    fail(kEmergencyFollowing);
+  }
+}
+
+void Drive::publish() {
+  const std::int32_t counts = motion_.counts() + jump_;
+  dictionary_.set(0x6064, 0, static_cast<std::uint32_t>(counts));
+  dictionary_.set(0x6041, 0, power_.status_word(operational(), error_since_.has_value()));
+}
+
+void Drive::do_take(const hal::ReceivedCanFrame& received) {
+  const hal::CanFrame& frame = received.frame;
+  const bool hears = fault_ != DriveFault::kSilent && nmt_ != NmtState::kBootUp;
+  if (frame.extended || frame.remote || !hears) return;
+  const std::uint32_t function = frame.id & canopen::kFunctionMask;
+  const auto node = static_cast<std::uint8_t>(frame.id & canopen::kNodeMask);
+  if (frame.id == canopen::kNmtId) {
+    take_nmt(frame);
+  } else if (frame.id == canopen::kSyncId) {
+    take_sync();
+  } else if (frame.id == (settings_.receive_pdo & (kPdoOff | 0x7FFU))) {
+    take_receive_pdo(frame);
+  } else if (function == canopen::kHeartbeatId) {
+    take_masters_heartbeat(node);
+  } else if (function == canopen::kSdoRequestId && node == configuration_.node &&
+             nmt_ != NmtState::kStopped && fault_ != DriveFault::kSdoSilent) {
+    publish();
+    if (const auto answer = dictionary_.serve(frame)) send(*answer);
+    read_settings();
+  }
+}
+
+void Drive::take_nmt(const hal::CanFrame& frame) {
+  if (frame.length != 2 || (frame.data[1] != 0 && frame.data[1] != configuration_.node)) return;
+  switch (static_cast<NmtCommand>(frame.data[0])) {
+    case NmtCommand::kStart:
+      enter(NmtState::kOperational);
+      break;
+    case NmtCommand::kStop:
+      enter(NmtState::kStopped);
+      break;
+    case NmtCommand::kEnterPreOperational:
+      enter(NmtState::kPreOperational);
+      break;
+    case NmtCommand::kResetNode:
+      reset(true);
+      break;
+    case NmtCommand::kResetCommunication:
+      reset(false);
+      break;
+  }
+}
+
+void Drive::take_sync() {
+  if (!operational()) return;
+  sync_at_ = now_;
+  if (pending_pdo_) apply_receive_pdo();
+  publish();
+  const bool on = (settings_.transmit_pdo & kPdoOff) == 0 && settings_.transmits_on_sync;
+  if (on && fault_ != DriveFault::kFeedbackLost) {
+    send(dictionary_.pack(0x1A00, settings_.transmit_pdo));
+  }
+}
+
+void Drive::take_receive_pdo(const hal::CanFrame& frame) {
+  if (!operational() || fault_ == DriveFault::kDeaf) return;
+  if (frame.length < dictionary_.pdo_bytes(0x1600)) {
+    send_emergency(kEmergencyPdoLength);
+    return;
+  }
+  pending_pdo_ = frame;
+  if (!settings_.receives_on_sync) apply_receive_pdo();
+}
+
+void Drive::apply_receive_pdo() {
+  dictionary_.unpack(0x1600, *pending_pdo_);
+  pending_pdo_.reset();
+  const auto word = static_cast<std::uint16_t>(dictionary_.get(0x6040));
+  if (power_.take(word, settings_.quick_stop_option, motion_)) send_emergency(0);
+  if (power_.state() == State::kOperationEnabled) {
+    motion_.set_target(static_cast<std::int32_t>(dictionary_.get(0x607A)), settings_.period, now_);
+  }
+}
+
+void Drive::take_masters_heartbeat(std::uint8_t node) {
+  if (settings_.master_timeout > hal::Duration::zero() && settings_.master == node) {
+    master_heard_ = now_;
+  }
+}
+
+}  // namespace armsig::simulated

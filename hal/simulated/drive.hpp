@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// An emulated CiA 402 servo drive in cyclic synchronous position mode, as a device on any CAN bus:
+// network management, SDO server, mapped PDOs, heartbeats both ways, the power state machine,
+// motion with following error, and faults on command. Written from the standard's device side,
+// apart from the master, so that each checks the other.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "hal/canopen/protocol.hpp"
+#include "hal/simulated/can_device.hpp"
+#include "hal/simulated/drive_dictionary.hpp"
+#include "hal/simulated/drive_motion.hpp"
+#include "hal/simulated/drive_power.hpp"
+
+namespace armsig::simulated {
+
+struct DriveConfiguration {
+  std::uint8_t node = 1;
+  MotionConfiguration motion{};
+  hal::Duration boot_time = std::chrono::milliseconds(5);
+  // SYNC periods that may be missing while enabled, before emergency 8700h; 0: not watched.
+  unsigned sync_loss_periods = 5;
+};
+
+// Faults on command.
+enum class DriveFault : std::uint8_t {
+  kNone,            // all well again, as far as the command caused it
+  kEmergency,       // emergency with the code given, drive goes to Fault
+  kSilent,          // sends and hears nothing, as with the cable pulled; the drive itself goes on
+  kHeartbeatLost,   // only the heartbeats cease
+  kFeedbackLost,    // only TPDO1 ceases
+  kBlocked,         // the motor cannot turn
+  kPowerRemoved,    // safe torque off: back to Switch on disabled without an emergency
+  kReboot,          // power-up anew
+  kDeaf,            // controlwords are ignored
+  kPositionJump,    // the reported position is off by `code` counts from now on
+  kPreOperational,  // leaves the NMT state Operational
+  kSdoSilent,       // SDO requests are not answered
+};
+
+class Drive final : public CanDevice {
+ public:
+  // Powered up at `now`. `bus` must outlive the drive.
+  Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Instant now = {});
+  Drive(const Drive&) = delete;
+  Drive& operator=(const Drive&) = delete;
+
+  // Motor position in counts, exact where the encoder rounds.
+  [[nodiscard]] double position() const { return motion_.state().position; }
+  [[nodiscard]] double velocity() const { return motion_.state().velocity; }
+  [[nodiscard]] canopen::cia402::State state() const { return power_.state(); }
+  [[nodiscard]] canopen::NmtState nmt_state() const { return nmt_; }
+  [[nodiscard]] const DriveDictionary& dictionary() const { return dictionary_; }
+
+  void inject(DriveFault fault, std::int32_t code = 0);
+
+ private:
+  void do_advance(hal::Instant until) override;
+  void do_take(const hal::ReceivedCanFrame& received) override;
+
+  // What the drive needs of its dictionary in every cycle, taken from it after each SDO.
+  struct Settings {
+    std::uint32_t receive_pdo = 0;  // 1400h:01
+    std::uint32_t transmit_pdo = 0;
+    bool receives_on_sync = false;  // by 1400h:02
+    bool transmits_on_sync = false;
+    std::uint8_t master = 0;  // 1016h:01
+    hal::Duration master_timeout{};
+    hal::Duration heartbeat{};  // 1017h
+    std::uint16_t quick_stop_option = 0;
+    std::uint32_t following_window = 0;
+    hal::Duration following_timeout{};
+    hal::Duration period{};  // 60C2h
+  };
+
+  void read_settings();
+  void send(const hal::CanFrame& frame);
+  void send_emergency(std::uint16_t code);
+  void fail(std::uint16_t code);
+  void reset(bool whole_device);
+  void enter(canopen::NmtState state);
+  void take_nmt(const hal::CanFrame& frame);
+  void take_sync();
+  void take_receive_pdo(const hal::CanFrame& frame);
+  void apply_receive_pdo();
+  void take_masters_heartbeat(std::uint8_t node);
+  void supervise();
+  void supervise_following();
+  void publish();
+  [[nodiscard]] bool operational() const { return nmt_ == canopen::NmtState::kOperational; }
+
+  DriveConfiguration configuration_;
+  hal::CanBus* bus_;
+  DriveDictionary dictionary_;
+  Settings settings_;
+  DriveMotion motion_;
+  DrivePower power_;
+  canopen::NmtState nmt_ = canopen::NmtState::kBootUp;
+  hal::Instant now_;
+  hal::Instant boot_at_;
+  hal::Instant next_heartbeat_;
+  std::optional<hal::Instant> master_heard_;
+  std::optional<hal::Instant> sync_at_;
+  std::optional<hal::Instant> error_since_;  // following error beyond its window
+  std::optional<hal::CanFrame> pending_pdo_;
+  DriveFault fault_ = DriveFault::kNone;
+  std::int32_t jump_ = 0;
+};
+
+}  // namespace armsig::simulated

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "hal/simulated/drive_dictionary.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/check.hpp"
+#include "hal/canopen/protocol.hpp"
+
+namespace armsig::simulated {
+namespace {
+
+using canopen::load;
+using canopen::store;
+
+constexpr AbortCode kUnknownCommand = 0x05040001;
+constexpr AbortCode kUnsupportedAccess = 0x06010000;
+constexpr AbortCode kReadOnlyObject = 0x06010002;
+constexpr AbortCode kNoSuchObject = 0x06020000;
+constexpr AbortCode kNotMappable = 0x06040041;
+constexpr AbortCode kMappingTooLong = 0x06040042;
+constexpr AbortCode kWrongLength = 0x06070010;
+constexpr AbortCode kNoSuchSubindex = 0x06090011;
+constexpr AbortCode kInvalidValue = 0x06090030;
+
+constexpr std::uint32_t kPdoOff = 1U << 31;
+constexpr std::uint32_t kNoRemote = 1U << 30;
+
+constexpr bool is_pdo_parameter(std::uint16_t index) {
+  return (index >= 0x1400 && index < 0x1410) || (index >= 0x1800 && index < 0x1810);
+}
+constexpr bool is_pdo_mapping(std::uint16_t index) {
+  return (index >= 0x1600 && index < 0x1610) || (index >= 0x1A00 && index < 0x1A10);
+}
+
+}  // namespace
+
+void DriveDictionary::add(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes,
+                          Access access, std::uint32_t value) {
+  objects_.push_back({index, subindex, bytes, access, value});
+}
+
+void DriveDictionary::restore() {
+  objects_.clear();
+  using enum Access;
+  add(0x1000, 0, 4, kReadOnly, 0x00020192);  // servo drive, profile 402
+  add(0x1001, 0, 1, kReadOnly, 0);           // error register
+  add(0x1016, 0, 1, kReadOnly, 1);
+  add(0x1016, 1, 4, kReadWrite, 0);  // heartbeat consumer
+  add(0x1017, 0, 2, kReadWrite, 0);  // heartbeat producer
+  add(0x1018, 0, 1, kReadOnly, 1);
+  add(0x1018, 1, 4, kReadOnly, 0);  // vendor: none
+  add_pdos();
+  add(0x603F, 0, 2, kMapsOut, 0);             // error code
+  add(0x6007, 0, 2, kReadWrite, 1);           // abort connection option: fault
+  add(0x6040, 0, 2, kMapsIn, 0);              // controlword
+  add(0x6041, 0, 2, kMapsOut, 0);             // statusword
+  add(0x605A, 0, 2, kReadWrite, 2);           // quick stop option: ramp, then disabled
+  add(0x6060, 0, 1, kMapsIn, 0);              // mode of operation
+  add(0x6061, 0, 1, kMapsOut, 0);             // its display
+  add(0x6064, 0, 4, kMapsOut, 0);             // actual position
+  add(0x6065, 0, 4, kReadWrite, 0xFFFFFFFF);  // following error window: off
+  add(0x6066, 0, 2, kReadWrite, 10);          // following error time-out, ms
+  add(0x607A, 0, 4, kMapsIn, 0);              // target position
+  add(0x60C2, 0, 1, kReadOnly, 2);
+  add(0x60C2, 1, 1, kReadWrite, 1);       // interpolation period
+  add(0x60C2, 2, 1, kReadWrite, 0xFD);    // its exponent, -3
+  add(0x6502, 0, 4, kReadOnly, 1U << 7);  // supported modes: CSP
+  std::ranges::sort(objects_, std::ranges::less{}, &Object::key);
+}
+
+// Two PDOs each way exist, so that a master meets both kinds: PDO1 and PDO2 are on after power-up,
+// PDO3 and PDO4 do not exist.
+void DriveDictionary::add_pdos() {
+  using enum Access;
+  for (std::uint16_t pdo = 0; pdo < 2; ++pdo) {
+    const auto offset = static_cast<std::uint16_t>(pdo);
+    const std::uint32_t id = 0x100U * pdo + node_;
+    for (const std::uint16_t base : {std::uint16_t{0x1400}, std::uint16_t{0x1800}}) {
+      const auto parameter = static_cast<std::uint16_t>(base + offset);
+      const auto mapping = static_cast<std::uint16_t>(base + 0x200 + offset);
+      const bool out = base == 0x1800;
+      add(parameter, 0, 1, kReadOnly, 2);
+      add(parameter, 1, 4, kReadWrite, out ? kNoRemote | (0x180 + id) : 0x200 + id);
+      add(parameter, 2, 1, kReadWrite, 255);
+      add(mapping, 0, 1, kReadWrite, 1);
+      add(mapping, 1, 4, kReadWrite, out ? 0x60410010 : 0x60400010);
+      add(mapping, 2, 4, kReadWrite, 0);
+    }
+  }
+}
+
+const Object* DriveDictionary::find(std::uint16_t index, std::uint8_t subindex) const {
+  const std::uint32_t key = Object{.index = index, .subindex = subindex}.key();
+  const Object* object = std::ranges::lower_bound(objects_, key, std::ranges::less{}, &Object::key);
+  return object != objects_.end() && object->key() == key ? object : nullptr;
+}
+
+Object* DriveDictionary::find(std::uint16_t index, std::uint8_t subindex) {
+  return const_cast<Object*>(std::as_const(*this).find(index, subindex));
+}
+
+std::uint32_t DriveDictionary::get(std::uint16_t index, std::uint8_t subindex) const {
+  const Object* object = find(index, subindex);
+  ARMSIG_CHECK(object != nullptr);
+  return object->value;
+}
+
+void DriveDictionary::set(std::uint16_t index, std::uint8_t subindex, std::uint32_t value) {
+  Object* object = find(index, subindex);
+  ARMSIG_CHECK(object != nullptr);
+  object->value = value;
+}
+
+AbortCode DriveDictionary::absent(std::uint16_t index) const {
+  return find(index, 0) == nullptr ? kNoSuchObject : kNoSuchSubindex;
+}
+
+AbortCode DriveDictionary::write(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes,
+                                 std::uint32_t value) {
+  Object* object = find(index, subindex);
+  if (object == nullptr) return absent(index);
+  if (object->access == Access::kReadOnly || object->access == Access::kMapsOut) {
+    return kReadOnlyObject;
+  }
+  if (bytes != object->bytes) return kWrongLength;
+  if (is_pdo_mapping(index)) {
+    if (const AbortCode abort = check_mapping(*object, value)) return abort;
+  }
+  // An identifier may only change while the PDO is off (CiA 301, 7.5.2.35).
+  if (is_pdo_parameter(index) && subindex == 1 && (object->value & kPdoOff) == 0 &&
+      (value & kPdoOff) == 0 && (value & 0x7FF) != (object->value & 0x7FF)) {
+    return kInvalidValue;
+  }
+  if (index == 0x6060) {
+    if (value != 8) return kInvalidValue;
+    set(0x6061, 0, value);
+  }
+  object->value = value;
+  return 0;
+}
+
+// The order of CiA 301, 7.5.2.36: entries change only while the PDO is off and their number is 0.
+AbortCode DriveDictionary::check_mapping(const Object& object, std::uint32_t value) const {
+  const auto parameter = static_cast<std::uint16_t>(object.index - 0x200);
+  if ((get(parameter, 1) & kPdoOff) == 0) return kUnsupportedAccess;
+  if (object.subindex == 0) {
+    if (value > kMaxEntries) return kMappingTooLong;
+    std::uint32_t bits = 0;
+    for (std::uint8_t entry = 1; entry <= value; ++entry) bits += get(object.index, entry) & 0xFF;
+    return bits > 64 ? kMappingTooLong : 0;
+  }
+  if (get(object.index, 0) != 0) return kUnsupportedAccess;
+  const Object* mapped =
+      find(static_cast<std::uint16_t>(value >> 16), static_cast<std::uint8_t>((value >> 8) & 0xFF));
+  const Access wanted = object.index >= 0x1A00 ? Access::kMapsOut : Access::kMapsIn;
+  if (mapped == nullptr || mapped->access != wanted || (value & 0xFF) != 8U * mapped->bytes) {
+    return kNotMappable;
+  }
+  return 0;
+}
+
+std::optional<hal::CanFrame> DriveDictionary::serve(const hal::CanFrame& request) {
+  if (request.length != 8 || (request.data[0] & 0xE0U) == 0x80U) return std::nullopt;
+  const auto index = load<std::uint16_t>(request, 1);
+  const std::uint8_t subindex = request.data[3];
+  hal::CanFrame answer{.id = canopen::kSdoResponseId + node_, .length = 8};
+  store(answer, 1, index);
+  store(answer, 3, subindex);
+  AbortCode abort = 0;
+  if (request.data[0] == 0x40) {
+    const Object* object = find(index, subindex);
+    if (object != nullptr) {
+      answer.data[0] = static_cast<std::uint8_t>(0x43U | ((4U - object->bytes) << 2));
+      store(answer, 4, object->value);
+    } else {
+      abort = absent(index);
+    }
+  } else if ((request.data[0] & 0xE3U) == 0x23U) {
+    const auto bytes = static_cast<std::uint8_t>(4U - ((request.data[0] >> 2) & 3U));
+    const std::uint32_t value =
+        load<std::uint32_t>(request, 4) & (0xFFFFFFFFU >> (8 * (4 - bytes)));
+    abort = write(index, subindex, bytes, value);
+    answer.data[0] = 0x60;
+  } else {
+    abort = kUnknownCommand;
+  }
+  if (abort != 0) {
+    answer.data[0] = 0x80;
+    store(answer, 4, abort);
+  }
+  return answer;
+}
+
+std::uint8_t DriveDictionary::pdo_bytes(std::uint16_t mapping) const {
+  std::uint32_t bits = 0;
+  for (std::uint8_t entry = 1; entry <= get(mapping); ++entry) bits += get(mapping, entry) & 0xFF;
+  return static_cast<std::uint8_t>(bits / 8);
+}
+
+hal::CanFrame DriveDictionary::pack(std::uint16_t mapping, std::uint32_t id) const {
+  hal::CanFrame frame{.id = id & 0x7FFU};
+  for (std::uint8_t entry = 1; entry <= get(mapping); ++entry) {
+    const std::uint32_t what = get(mapping, entry);
+    const std::uint32_t value =
+        get(static_cast<std::uint16_t>(what >> 16), static_cast<std::uint8_t>((what >> 8) & 0xFF));
+    for (unsigned byte = 0; byte < (what & 0xFF) / 8; ++byte) {
+      frame.data[frame.length++] = static_cast<std::uint8_t>(value >> (8 * byte));
+    }
+  }
+  return frame;
+}
+
+void DriveDictionary::unpack(std::uint16_t mapping, const hal::CanFrame& frame) {
+  std::size_t at = 0;
+  for (std::uint8_t entry = 1; entry <= get(mapping); ++entry) {
+    const std::uint32_t what = get(mapping, entry);
+    std::uint32_t value = 0;
+    for (unsigned byte = 0; byte < (what & 0xFF) / 8; ++byte) {
+      value |= static_cast<std::uint32_t>(frame.data[at++]) << (8 * byte);
+    }
+    set(static_cast<std::uint16_t>(what >> 16), static_cast<std::uint8_t>((what >> 8) & 0xFF),
+        value);
+  }
+}
+
+}  // namespace armsig::simulated

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// The object dictionary of an emulated CiA 402 drive, and its expedited SDO server.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <optional>
+
+#include "core/base/fixed_vector.hpp"
+#include "hal/can_bus.hpp"
+
+namespace armsig::simulated {
+
+// Whether the object may be written, and mapped into a PDO.
+enum class Access : std::uint8_t { kReadOnly, kReadWrite, kMapsOut, kMapsIn };
+
+struct Object {
+  std::uint16_t index = 0;
+  std::uint8_t subindex = 0;
+  std::uint8_t bytes = 0;
+  Access access = Access::kReadOnly;
+  std::uint32_t value = 0;
+
+  [[nodiscard]] constexpr std::uint32_t key() const {
+    return (static_cast<std::uint32_t>(index) << 8) | subindex;
+  }
+};
+
+// An SDO abort code (CiA 301, 7.2.4.3.17), 0 for none.
+using AbortCode = std::uint32_t;
+
+class DriveDictionary {
+ public:
+  static constexpr std::size_t kMaxObjects = 64;
+  static constexpr std::size_t kMaxEntries = 2;  // of a PDO mapping
+
+  explicit DriveDictionary(std::uint8_t node) : node_(node) { restore(); }
+
+  // Power-up values of the communication objects (1000h to 1FFFh) and of the profile's.
+  void restore();
+
+  // By number, for the device itself: the object must exist.
+  [[nodiscard]] std::uint32_t get(std::uint16_t index, std::uint8_t subindex = 0) const;
+  void set(std::uint16_t index, std::uint8_t subindex, std::uint32_t value);
+
+  // What an SDO request frame to this node is answered; empty if it needs no answer.
+  [[nodiscard]] std::optional<hal::CanFrame> serve(const hal::CanFrame& request);
+
+  // The bytes of the PDO with mapping object `mapping`, read from, or written into the dictionary.
+  [[nodiscard]] std::uint8_t pdo_bytes(std::uint16_t mapping) const;
+  [[nodiscard]] hal::CanFrame pack(std::uint16_t mapping, std::uint32_t id) const;
+  void unpack(std::uint16_t mapping, const hal::CanFrame& frame);
+
+ private:
+  void add(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes, Access access,
+           std::uint32_t value);
+  void add_pdos();
+  [[nodiscard]] Object* find(std::uint16_t index, std::uint8_t subindex);
+  [[nodiscard]] const Object* find(std::uint16_t index, std::uint8_t subindex) const;
+  [[nodiscard]] AbortCode absent(std::uint16_t index) const;
+  [[nodiscard]] AbortCode write(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes,
+                                std::uint32_t value);
+  [[nodiscard]] AbortCode check_mapping(const Object& object, std::uint32_t value) const;
+
+  std::uint8_t node_;
+  FixedVector<Object, kMaxObjects> objects_;  // by rising key
+};
+
+}  // namespace armsig::simulated

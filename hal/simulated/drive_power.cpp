@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "hal/simulated/drive_power.hpp"
+
+namespace armsig::simulated {
+namespace {
+
+using canopen::cia402::State;
+
+// Options 5 to 8 of object 605Ah stay in Quick stop active, 0 to 4 leave it when at rest.
+constexpr std::uint16_t kFirstStayingOption = 5;
+
+// Controlword patterns with their masks (CiA 402-2, table of device control commands).
+constexpr bool is_shutdown(std::uint16_t word) { return (word & 0x87) == 0x06; }
+constexpr bool is_switch_on(std::uint16_t word) { return (word & 0x8F) == 0x07; }
+constexpr bool is_enable(std::uint16_t word) { return (word & 0x8F) == 0x0F; }
+constexpr bool is_disable_voltage(std::uint16_t word) { return (word & 0x82) == 0x00; }
+constexpr bool is_quick_stop(std::uint16_t word) { return (word & 0x86) == 0x02; }
+
+std::uint16_t state_bits(State state) {
+  switch (state) {
+    case State::kNotReadyToSwitchOn:
+      return 0x00;
+    case State::kSwitchOnDisabled:
+      return 0x40;
+    case State::kReadyToSwitchOn:
+      return 0x31;
+    case State::kSwitchedOn:
+      return 0x33;
+    case State::kOperationEnabled:
+      return 0x37;
+    case State::kQuickStopActive:
+      return 0x17;
+    case State::kFaultReactionActive:
+      return 0x1F;
+    case State::kFault:
+      return 0x08;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::uint16_t DrivePower::status_word(bool remote, bool following_error) const {
+  std::uint16_t word = state_bits(state_);
+  if (remote) word |= 1U << 9;
+  if (state_ == State::kOperationEnabled && after_ramp_ == State::kNotReadyToSwitchOn) {
+    word |= canopen::cia402::kStatusFollowsTarget;
+  }
+  if (following_error) word |= canopen::cia402::kStatusFollowingError;
+  return word;
+}
+
+void DrivePower::enter(State state, DriveMotion& motion) {
+  state_ = state;
+  after_ramp_ = State::kNotReadyToSwitchOn;
+  switch (state) {
+    case State::kOperationEnabled:
+      motion.enter(Drivetrain::kFollows);
+      break;
+    case State::kQuickStopActive:
+    case State::kFaultReactionActive:
+      motion.enter(Drivetrain::kStopping);
+      break;
+    default:
+      motion.enter(Drivetrain::kBraked);
+  }
+}
+
+void DrivePower::power_up(DriveMotion& motion) {
+  last_word_ = 0;
+  enter(State::kSwitchOnDisabled, motion);
+}
+
+bool DrivePower::take(std::uint16_t word, std::uint16_t quick_stop_option, DriveMotion& motion) {
+  const bool reset_edge = (word & 0x80U) != 0 && (last_word_ & 0x80U) == 0;
+  last_word_ = word;
+  const auto ramp_to = [&](State next) {
+    after_ramp_ = next;
+    motion.enter(Drivetrain::kStopping);
+  };
+  switch (state_) {
+    case State::kSwitchOnDisabled:
+      if (is_shutdown(word)) enter(State::kReadyToSwitchOn, motion);
+      break;
+    case State::kReadyToSwitchOn:
+      if (is_switch_on(word) || is_enable(word)) {
+        enter(State::kSwitchedOn, motion);
+      } else if (is_disable_voltage(word) || is_quick_stop(word)) {
+        enter(State::kSwitchOnDisabled, motion);
+      }
+      break;
+    case State::kSwitchedOn:
+      if (is_enable(word)) {
+        enter(State::kOperationEnabled, motion);
+      } else if (is_shutdown(word)) {
+        enter(State::kReadyToSwitchOn, motion);
+      } else if (is_disable_voltage(word) || is_quick_stop(word)) {
+        enter(State::kSwitchOnDisabled, motion);
+      }
+      break;
+    case State::kOperationEnabled:
+      if (is_disable_voltage(word)) {
+        enter(State::kSwitchOnDisabled, motion);
+      } else if (is_quick_stop(word)) {
+        quick_stop(quick_stop_option, motion);
+      } else if (after_ramp_ == State::kNotReadyToSwitchOn) {
+        if (is_switch_on(word)) ramp_to(State::kSwitchedOn);
+        if (is_shutdown(word)) ramp_to(State::kReadyToSwitchOn);
+      }
+      break;
+    case State::kQuickStopActive:
+      if (is_disable_voltage(word)) enter(State::kSwitchOnDisabled, motion);
+      if (is_enable(word) && quick_stop_option >= kFirstStayingOption) {
+        enter(State::kOperationEnabled, motion);
+      }
+      break;
+    case State::kFault:
+      if (reset_edge) {
+        enter(State::kSwitchOnDisabled, motion);
+        return true;
+      }
+      break;
+    case State::kNotReadyToSwitchOn:
+    case State::kFaultReactionActive:
+      break;
+  }
+  return false;
+}
+
+void DrivePower::quick_stop(std::uint16_t option, DriveMotion& motion) {
+  enter(State::kQuickStopActive, motion);
+  if (option < kFirstStayingOption) after_ramp_ = State::kSwitchOnDisabled;
+}
+
+void DrivePower::fail(DriveMotion& motion) {
+  if (state_ == State::kFault || state_ == State::kFaultReactionActive) return;
+  const bool had_torque = state_ == State::kOperationEnabled || state_ == State::kQuickStopActive;
+  enter(had_torque ? State::kFaultReactionActive : State::kFault, motion);
+}
+
+void DrivePower::remove_power(DriveMotion& motion) {
+  if (state_ != State::kFault) enter(State::kSwitchOnDisabled, motion);
+}
+
+void DrivePower::advance(DriveMotion& motion) {
+  if (!motion.at_rest()) return;
+  if (state_ == State::kFaultReactionActive) {
+    enter(State::kFault, motion);
+  } else if (after_ramp_ != State::kNotReadyToSwitchOn) {
+    enter(after_ramp_, motion);
+  }
+}
+
+}  // namespace armsig::simulated

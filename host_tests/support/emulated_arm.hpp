@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// A master and emulated drives on a virtual bus, in virtual time.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+
+#include "hal/canopen/master.hpp"
+#include "hal/simulated/drive.hpp"
+#include "hal/simulated/virtual_can_bus.hpp"
+#include "hal/simulated/virtual_clock.hpp"
+
+namespace armsig::test {
+
+struct EmulatedArm {
+  explicit EmulatedArm(const canopen::Configuration& configuration,
+                       canopen::FrameSink* other_frames = nullptr)
+      : period(configuration.period) {
+    bus.connect(master_port);
+    for (const canopen::AxisConfiguration& axis : configuration.axes) {
+      ports.emplace_back();
+      drives.emplace_back(simulated::DriveConfiguration{.node = axis.node}, ports.back());
+      bus.connect(ports.back(), &drives.back());
+    }
+    clock.add(bus);
+    master.emplace(*canopen::check(configuration), master_port, other_frames);
+    targets.resize(configuration.axes.size());
+  }
+
+  // One tick; `plan` may change the targets between reading and writing.
+  void tick(const std::function<void()>& plan = {}) {
+    read = master->read(clock.now());
+    if (!following) targets = master->positions();
+    if (plan) plan();
+    written = master->write(targets, clock.now());
+    ++ticks;
+    clock.wait_until(hal::Instant(period * ticks));
+  }
+  void run(unsigned count) {
+    for (unsigned i = 0; i < count; ++i) tick();
+  }
+  // Ticks until every drive has the condition; false after `most` ticks.
+  bool run_until(hal::DriveCondition condition, unsigned most = 2000) {
+    for (unsigned i = 0; i < most; ++i) {
+      if (master->all(condition)) return true;
+      tick();
+    }
+    return master->all(condition);
+  }
+  // From power-up to every drive enabled and holding.
+  bool power_up_and_enable() {
+    using enum hal::DriveCondition;
+    if (!run_until(kDisabled) || !master->enable() || !run_until(kEnabled)) return false;
+    following = true;
+    return true;
+  }
+
+  hal::Duration period;
+  simulated::VirtualClock clock;
+  simulated::VirtualCanBus bus;
+  simulated::VirtualCanPort master_port;
+  std::deque<simulated::VirtualCanPort> ports;
+  std::deque<simulated::Drive> drives;
+  std::optional<canopen::Master> master;
+  JointVector targets;
+  bool following = false;  // targets are kept instead of following the positions
+  int ticks = 0;
+  Result<void> read;
+  Result<void> written;
+};
+
+}  // namespace armsig::test

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// A sweep of known truth, measured into an estimator.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "host_tests/support/simulated_sweep.hpp"
+
+namespace armsig::testing {
+
+struct Sweep {
+  TrueMotion motion;
+  double range = 0;
+  std::size_t count = 0;
+  double noise_m = 0;
+  double stated_m = 0;
+};
+
+inline TrueMotion some_motion(JointType type, double radius_m = 0.5) {
+  Random random(1);
+  TrueMotion motion = random_motion(type, random);
+  motion.radius_m = radius_m;
+  return motion;
+}
+
+inline features::SweepEstimator measured(const features::SweepConfig& config, const Sweep& sweep) {
+  Random random(2);
+  features::SweepEstimator estimator(config);
+  for (std::size_t i = 0; i < sweep.count; ++i) {
+    const double reading = even_reading(sweep.motion, sweep.range, i, sweep.count);
+    const Vector3 p_S = sweep.motion.at(reading) + sweep.noise_m * random.normal_vector();
+    EXPECT_TRUE(estimator.add(reading, p_S, isotropic(sweep.stated_m)));
+  }
+  return estimator;
+}
+
+}  // namespace armsig::testing

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// A master's configuration for the six drives of a Puma-sized arm.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/pose.hpp"
+#include "hal/canopen/configuration.hpp"
+
+namespace armsig::test {
+
+inline canopen::AxisConfiguration puma_axis(std::uint8_t node) {
+  return {.node = node,
+          .scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
+          .limits = {radians(-170), radians(170)},
+          .largest_speed = 2.0};
+}
+
+inline canopen::Configuration puma_drives(std::uint8_t axes = 6) {
+  canopen::Configuration configuration;
+  for (std::uint8_t node = 1; node <= axes; ++node) configuration.axes.push_back(puma_axis(node));
+  return configuration;
+}
+
+}  // namespace armsig::test

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+// What a master says on the bus from its first tick to the first controlword, frame by frame. The
+// frames are written by hand from CiA 301 and CiA 402, in the notation of the can-utils.
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+#include "hal/canopen/master.hpp"
+#include "host_tests/support/master_script.hpp"
+
+namespace armsig::canopen {
+namespace {
+
+using hal::DriveCondition;
+using test::MasterScript;
+using test::puma_axis;
+using test::script_set_up;
+
+TEST(MasterStartUp, sets_up_one_drive_with_the_standards_frames) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201", {"701#00"});
+  script.tick();
+  script_set_up(script.bus);
+  for (int i = 0; i < 40 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+    script.tick();
+  }
+  script.bus.expect_all_consumed();
+  EXPECT_EQ(script.master->status(0).condition, DriveCondition::kStarting);
+}
+
+TEST(MasterStartUp, is_ready_and_disabled_at_the_first_position) {
+  MasterScript script;
+  script.start();
+  EXPECT_EQ(script.master->status(0).condition, DriveCondition::kDisabled);
+  EXPECT_EQ(script.master->node_state(0).actual_counts, 1000);
+  EXPECT_NEAR(script.master->positions()[0], 1000.0 / 400000 * 2 * kPi, 1e-12);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, repeats_a_request_and_gives_up_with_a_named_error) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201", {"701#00"});
+  script.tick();
+  script.bus.expect("601#4000100000000000");
+  script.tick(std::chrono::milliseconds(1));
+  script.bus.expect("77F#05");
+  script.bus.expect("601#4000100000000000");
+  script.tick(std::chrono::milliseconds(100));
+  script.bus.expect("77F#05");
+  script.bus.expect("601#4000100000000000");
+  script.tick(std::chrono::milliseconds(100));
+  script.bus.expect("77F#05");
+  script.tick(std::chrono::milliseconds(100));
+  script.tick(std::chrono::milliseconds(1));
+  EXPECT_EQ(script.master->status(0).condition, DriveCondition::kFaulted);
+  EXPECT_EQ(script.master->status(0).fault, Error::kSdoTimeout);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, refuses_a_device_that_is_no_drive) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201", {"701#00"});
+  script.tick();
+  script.bus.expect("601#4000100000000000", {"581#4300100091010F00"});  // profile 401, I/O
+  script.tick();
+  script.tick();
+  EXPECT_EQ(script.master->status(0).fault, Error::kDriveWrongType);
+  EXPECT_EQ(script.master->status(0).fault_code, 0x000F0191U);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, keeps_the_code_of_an_abort) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201", {"701#00"});
+  script.tick();
+  script.bus.expect("601#4000100000000000", {"581#4300100092010200"});
+  script.tick();
+  script.bus.expect("601#4002650000000000", {"581#8002650000000206"});
+  script.tick();
+  script.tick();
+  EXPECT_EQ(script.master->status(0).fault, Error::kSdoAborted);
+  EXPECT_EQ(describe_sdo_abort(script.master->status(0).fault_code), "object does not exist");
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, begins_the_set_up_anew_when_power_up_and_reset_cross) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201", {"701#00"});  // of the power-up
+  script.tick({});
+  script.bus.expect("601#4000100000000000", {"581#4300100092010200"});
+  script.tick({});
+  script.bus.bring("701#00");  // of the reset
+  script_set_up(script.bus);
+  for (int i = 0; i < 50 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+    script.tick({});
+  }
+  EXPECT_EQ(script.master->status(0).fault, std::nullopt);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, gives_up_a_drive_that_does_not_stay_up) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201");
+  script.tick({});
+  for (int i = 0; i < 3; ++i) {
+    script.bus.bring("701#00");
+    script.bus.expect("601#4000100000000000");
+    script.tick({});
+  }
+  script.bus.bring("701#00");
+  script.tick({});
+  script.tick({});
+  EXPECT_EQ(script.master->status(0).fault, Error::kDriveRebooted);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, reports_a_drive_that_does_not_boot) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201");
+  script.tick();
+  script.bus.expect("77F#05");
+  script.tick(std::chrono::milliseconds(2001));
+  EXPECT_EQ(script.master->status(0).fault, Error::kDriveAbsent);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, sends_nothing_while_the_bus_is_down_and_begins_when_it_is_up) {
+  MasterScript script;
+  script.bus.set_state(hal::CanState::kDown);
+  script.tick();
+  EXPECT_EQ(script.read.error(), Error::kBusDown);
+  EXPECT_EQ(script.master->status(0).condition, DriveCondition::kStarting);
+  script.bus.set_state(hal::CanState::kActive);
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201");
+  script.tick();
+  EXPECT_TRUE(script.read);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, refuses_to_enable_before_every_drive_is_ready) {
+  MasterScript script;
+  EXPECT_EQ(script.master->enable().error(), Error::kDrivesNotReady);
+}
+
+TEST(MasterStartUp, starts_the_other_nodes_and_starts_them_again_after_their_boot_up) {
+  Configuration configuration;
+  configuration.axes.push_back(puma_axis(1));
+  configuration.other_nodes.push_back(32);
+  MasterScript script(configuration);
+  script.bus.expect("77F#05");
+  script.bus.expect("000#0120");
+  script.bus.expect("000#8201");
+  script.tick();
+  script.bus.bring("720#05");
+  script.tick();
+  script.bus.bring("720#00");
+  script.bus.expect("000#0120");
+  script.tick();
+  script.bus.expect_all_consumed();
+}
+
+}  // namespace
+}  // namespace armsig::canopen

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "core/frames/alignment.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/frames/sense.hpp"
+#include "host_tests/support/exact_arm.hpp"
+#include "host_tests/support/known_arms.hpp"
+
+namespace armsig::frames {
+namespace {
+
+using testing::kP;
+using testing::kR;
+
+Pose some_motion() { return {rotation_z(2.0) * rotation_x(-1.0), Vector3(1.5, -0.7, 2.2)}; }
+
+AxisLines moved(const Pose& X_AB, const AxisLines& lines_B) {
+  AxisLines lines_A = lines_B;
+  for (AxisLine& line : lines_A) {
+    line.direction = X_AB.R * line.direction;
+    line.point = X_AB * line.point;
+  }
+  return lines_A;
+}
+
+TEST(Align, finds_the_motion_between_two_copies_of_an_arm) {
+  const AxisLines lines_B = axis_lines(testing::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
+  const Alignment alignment = align(moved(some_motion(), lines_B), lines_B);
+  EXPECT_LT((alignment.X_AB.R - some_motion().R).norm(), 1e-13);
+  EXPECT_LT((alignment.X_AB.p - some_motion().p).norm(), 1e-13);
+  EXPECT_LT(alignment.worst_angle_rad(), 1e-13);
+  EXPECT_LT(alignment.worst_distance_m(), 1e-13);
+}
+
+TEST(Align, does_not_care_where_on_its_line_a_point_stands) {
+  AxisLines lines_B = axis_lines(testing::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
+  const AxisLines lines_A = moved(some_motion(), lines_B);
+  for (AxisLine& line : lines_B) line.point += 0.4 * line.direction;
+  EXPECT_LT((align(lines_A, lines_B).X_AB.p - some_motion().p).norm(), 1e-13);
+}
+
+TEST(Align, ignores_the_point_of_a_prismatic_joint) {
+  AxisLines lines_B = axis_lines(testing::stanford(), {0.3, -0.4, 0.5, 0.2, -0.7, 0.1});
+  const AxisLines lines_A = moved(some_motion(), lines_B);
+  lines_B[2].point += Vector3(5, 6, 7);
+  const Alignment alignment = align(lines_A, lines_B);
+  EXPECT_LT((alignment.X_AB.p - some_motion().p).norm(), 1e-13);
+  EXPECT_EQ(alignment.joints[2].distance_m, 0.0);
+}
+
+// Least squares by hand: one direction of three is off, with equal weights and no moments.
+TEST(Align, shares_an_error_of_direction_among_the_joints) {
+  const Vector3 z = Vector3::UnitZ();
+  AxisLines lines_B{{kP, z}, {kP, z}, {kP, z}};
+  AxisLines lines_A = lines_B;
+  lines_A[0].direction = rotation_x(0.03) * z;
+  const Alignment alignment = align(lines_A, lines_B);
+  EXPECT_NEAR(alignment.joints[0].angle_rad, 0.02, 1e-5);
+  EXPECT_NEAR(alignment.joints[1].angle_rad, 0.01, 1e-5);
+}
+
+TEST(Align, tells_how_far_each_joint_is_off) {
+  const AxisLines lines_B = axis_lines(testing::ur5(), JointVector{0.3, -0.9, 0.9, 0.2, -0.7, 0.1});
+  AxisLines lines_A = moved(some_motion(), lines_B);
+  lines_A[4].direction = (lines_A[4].direction + 1e-3 * some_motion().R.col(0)).normalized();
+  const Alignment alignment = align(lines_A, lines_B);
+  EXPECT_GT(alignment.joints[4].angle_rad, 3e-4);
+  EXPECT_EQ(alignment.worst_angle_rad(), alignment.joints[4].angle_rad);
+  EXPECT_LT(alignment.worst_angle_rad(), 1e-3);
+}
+
+TEST(Align, parallel_axes_are_not_slid_along) {
+  const AxisLines lines_B = axis_lines(testing::cobra600(), {0.3, -0.9, 0.1, 0.2});
+  const Pose X_AB{rotation_z(1.0), Vector3(0.2, 0.3, 0.0)};
+  const Alignment alignment = align(moved(X_AB, lines_B), lines_B);
+  EXPECT_LT((alignment.X_AB.R - X_AB.R).norm(), 1e-13);
+  EXPECT_LT((alignment.X_AB.p - X_AB.p).norm(), 1e-13);
+}
+
+TEST(Align, nearly_parallel_axes_are_not_slid_along_for_a_millimetre) {
+  const AxisLines lines_B{{kR, Vector3::UnitZ(), {0, 0, 0}},
+                          {kR, rotation_x(1e-3) * Vector3::UnitZ(), {0.4, 0, 0}},
+                          {kR, rotation_x(-1e-3) * Vector3::UnitZ(), {0.7, 0, 0}}};
+  AxisLines lines_A = lines_B;
+  lines_A[1].point.y() += 1e-3;
+  EXPECT_LT(align(lines_A, lines_B).X_AB.p.norm(), 2e-3);
+}
+
+TEST(Align, leaves_the_turn_about_a_single_axis_at_the_identity) {
+  const AxisLines one{{kR, Vector3::UnitZ(), {0.1, 0.2, 0.3}}};
+  const Alignment alignment = align(one, one);
+  EXPECT_TRUE(alignment.X_AB.R.isIdentity(1e-12));
+  EXPECT_LT(alignment.X_AB.p.norm(), 1e-12);
+}
+
+TEST(Align, leaves_the_translation_of_prismatic_joints_at_zero) {
+  const AxisLines lines_B{{kP, Vector3::UnitX(), {4, 5, 6}}, {kP, Vector3::UnitY(), {7, 8, 9}}};
+  const Alignment alignment = align(moved(some_motion(), lines_B), lines_B);
+  EXPECT_LT((alignment.X_AB.R - some_motion().R).norm(), 1e-13);
+  EXPECT_LT(alignment.X_AB.p.norm(), 1e-13);
+}
+
+TEST(Align, traps_when_the_counts_differ) {
+  const AxisLines one{{kR, Vector3::UnitZ(), {0, 0, 0}}};
+  EXPECT_DEATH((void)align(one, {}), "");
+}
+
+// Axes of `arm` in a sensor frame, with some joints turning backwards.
+AxisLines seen(const Arm& arm, const JointVector& q, std::initializer_list<std::size_t> reversed) {
+  AxisLines lines = moved(some_motion(), axis_lines(arm, q));
+  for (const std::size_t joint : reversed) lines[joint].direction *= -1.0;
+  return lines;
+}
+
+JointVector some_readings() { return {0.3, -0.4, 0.9, 0.2, -0.7, 0.1}; }
+
+TEST(CheckSense, accepts_an_arm_against_its_own_drawing) {
+  const SenseCheck check = check_sense(testing::puma560(), some_readings(),
+                                       seen(testing::puma560(), some_readings(), {}));
+  EXPECT_EQ(check.verdict, SenseVerdict::kAgrees);
+  EXPECT_LT(check.angle_rad, 1e-13);
+  EXPECT_LT(check.distance_m, 1e-13);
+}
+
+TEST(CheckSense, accepts_zeros_a_dozen_degrees_from_the_drawing) {
+  JointVector q = some_readings();
+  for (double& reading : q) reading += radians(12);
+  EXPECT_EQ(
+      check_sense(testing::puma560(), some_readings(), seen(testing::puma560(), q, {})).verdict,
+      SenseVerdict::kAgrees);
+}
+
+TEST(CheckSense, names_a_joint_whose_reading_is_negated) {
+  JointVector q = some_readings();
+  q[2] = -q[2];
+  const SenseCheck check =
+      check_sense(testing::puma560(), q, seen(testing::puma560(), some_readings(), {2}));
+  EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(check.reversed[i], i == 2) << i;
+}
+
+TEST(CheckSense, names_a_joint_whose_reading_is_negated_about_the_signature_configuration) {
+  const SenseCheck check = check_sense(testing::puma560(), some_readings(),
+                                       seen(testing::puma560(), some_readings(), {4}));
+  EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
+  EXPECT_TRUE(check.reversed[4]);
+}
+
+TEST(CheckSense, names_both_of_two_reversed_joints) {
+  JointVector q = some_readings();
+  q[0] = -q[0];
+  q[3] = -q[3];
+  const SenseCheck check =
+      check_sense(testing::puma560(), q, seen(testing::puma560(), some_readings(), {0, 3}));
+  EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(check.reversed[i], i == 0 || i == 3) << i;
+}
+
+TEST(CheckSense, names_a_reversed_prismatic_joint) {
+  const SenseCheck check = check_sense(testing::stanford(), some_readings(),
+                                       seen(testing::stanford(), some_readings(), {2}));
+  EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
+  EXPECT_TRUE(check.reversed[2]);
+}
+
+TEST(CheckSense, recognises_left_handed_sensor_coordinates) {
+  AxisLines lines = seen(testing::stanford(), some_readings(), {});
+  for (AxisLine& line : lines) {
+    // x and y exchanged: a point is reflected, a direction of travel too, and the axis of a turn is
+    // reflected and reversed.
+    std::swap(line.point.x(), line.point.y());
+    std::swap(line.direction.x(), line.direction.y());
+    if (line.type == kR) line.direction *= -1.0;
+  }
+  const SenseCheck check = check_sense(testing::stanford(), some_readings(), lines);
+  EXPECT_EQ(check.verdict, SenseVerdict::kSensorMirrored);
+  for (const bool reversed : check.reversed) EXPECT_FALSE(reversed);
+}
+
+TEST(CheckSense, has_no_opinion_on_a_drawing_of_another_arm) {
+  Arm other = testing::puma560();
+  for (DhJoint& row : other.joints) row.alpha_rad += radians(60);
+  EXPECT_EQ(
+      check_sense(testing::puma560(), some_readings(), seen(other, some_readings(), {})).verdict,
+      SenseVerdict::kNoMatch);
+}
+
+TEST(CheckSense, cannot_tell_the_sense_of_a_single_joint) {
+  const Arm one = testing::arm_of({testing::row_mm_deg(kR, 0, 100, 200, 90)});
+  EXPECT_EQ(check_sense(one, {0.4}, seen(one, {0.4}, {0})).verdict, SenseVerdict::kAgrees);
+}
+
+TEST(CheckSense, cannot_tell_the_sense_of_two_crossing_axes) {
+  const Arm two =
+      testing::arm_of({testing::row_mm_deg(kR, 0, 0, 0, 90), testing::row_mm_deg(kR, 0, 0, 0, 0)});
+  EXPECT_EQ(check_sense(two, {0.4, 0.2}, seen(two, {0.4, 0.2}, {1})).verdict,
+            SenseVerdict::kAgrees);
+}
+
+}  // namespace
+}  // namespace armsig::frames

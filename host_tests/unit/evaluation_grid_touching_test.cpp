@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// The grid-touching task on a Puma 560 (Table 1 of the paper).
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/evaluation/grid_touching.hpp"
+#include "core/kinematics/forward.hpp"
+
+namespace armsig::evaluation {
+namespace {
+
+DhJoint revolute(double theta_deg, double d_m, double a_m, double alpha_deg) {
+  return {JointType::kRevolute, radians(theta_deg), d_m, a_m, radians(alpha_deg)};
+}
+
+ToolModel puma560(double theta_3_offset_deg = 0, double alpha_2_deg = 0) {
+  const FixedVector<DhJoint, kMaxJoints> rows{revolute(0, 0, 0, -90),
+                                              revolute(0, 0.14909, 0.4318, alpha_2_deg),
+                                              revolute(theta_3_offset_deg, 0, -0.02032, 90),
+                                              revolute(0, 0.4307, 0, -90),
+                                              revolute(0, 0, 0, 90),
+                                              revolute(0, 0, 0, 0)};
+  FixedVector<JointLimits, kMaxJoints> limits;
+  for (const auto& [lower, upper] :
+       {std::pair{-160, 160}, {-225, 45}, {-45, 225}, {-110, 170}, {-100, 100}, {-266, 266}}) {
+    limits.push_back({radians(lower), radians(upper)});
+  }
+  return {kinematics::make_chain(rows, limits), Vector3(0, 0, 0.1)};
+}
+
+TEST(PlaceGrid, finds_room_for_the_papers_grid_in_a_puma_560) {
+  const auto placement = place_grid(puma560(), Grid{});
+  ASSERT_TRUE(placement);
+  EXPECT_EQ(placement->grid.size_m, Grid{}.size_m);
+}
+
+TEST(PlaceGrid, teaches_points_that_span_the_grid) {
+  const ToolModel arm = puma560();
+  const auto placement = place_grid(arm, Grid{});
+  ASSERT_TRUE(placement);
+  const auto tool_at = [&](std::size_t n) {
+    const Pose X_0n = *kinematics::forward(arm.chain, placement->taught[n]);
+    return Vector3(X_0n * arm.p_nT);
+  };
+  EXPECT_NEAR((tool_at(1) - tool_at(0)).norm(), 0.25, 1e-8);
+  EXPECT_NEAR((tool_at(2) - tool_at(0)).norm(), 0.25, 1e-8);
+}
+
+TEST(PlaceGrid, shrinks_a_grid_that_is_larger_than_the_arm) {
+  const auto placement = place_grid(puma560(), Grid{.size_m = {1.5, 1.5, 1.5}, .count = {4, 4, 4}});
+  ASSERT_TRUE(placement);
+  EXPECT_LT(placement->grid.size_m[0], 1.0);
+}
+
+TEST(PlaceGrid, gives_up_on_a_grid_ten_times_too_large) {
+  const auto placement = place_grid(puma560(), Grid{.size_m = {30, 30, 30}, .count = {2, 2, 2}});
+  ASSERT_FALSE(placement);
+  EXPECT_EQ(placement.error(), Error::kOutOfReach);
+}
+
+TEST(TouchGrid, with_the_true_model_touches_every_vertex) {
+  const ToolModel arm = puma560();
+  const auto placement = place_grid(arm, Grid{});
+  ASSERT_TRUE(placement);
+  const auto readings = touch_grid(arm, arm, *placement);
+  ASSERT_TRUE(readings);
+  const Indices result = indices(placement->grid, *readings);
+  EXPECT_LT(result.radial_deviation_m, 1e-8);
+  EXPECT_LT(result.orientation_deviation_rad, 1e-8);
+}
+
+TEST(TouchGrid, shows_an_offset_of_joint_3_that_the_model_does_not_know) {
+  const ToolModel truth = puma560(0.5);
+  const auto placement = place_grid(puma560(), Grid{});
+  ASSERT_TRUE(placement);
+  const auto readings = touch_grid(puma560(), truth, *placement);
+  ASSERT_TRUE(readings);
+  const Indices result = indices(placement->grid, *readings);
+  EXPECT_GT(result.radial_deviation_m, 1e-3);
+  EXPECT_GT(result.perpendicular_deviation_rad, radians(0.05));
+}
+
+TEST(TouchGrid, does_not_see_where_frame_0_and_frame_n_are) {
+  ToolModel moved = puma560();
+  moved.chain.theta[0] += 0.7;  // frame 0 turned about joint 1
+  moved.chain.theta[5] -= 1.1;  // frame n turned about joint 6, the tool with it
+  moved.p_nT = rotation_z(1.1) * moved.p_nT;
+  const auto placement = place_grid(puma560(), Grid{});
+  ASSERT_TRUE(placement);
+  const auto readings = touch_grid(moved, puma560(), *placement);
+  ASSERT_TRUE(readings);
+  EXPECT_LT(indices(placement->grid, *readings).radial_deviation_m, 1e-8);
+  EXPECT_LT(indices(placement->grid, *readings).orientation_deviation_rad, 1e-8);
+}
+
+}  // namespace
+}  // namespace armsig::evaluation

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+// The estimator of a sweep: what it refuses, and with which numbers.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/features/sweep_estimator.hpp"
+#include "host_tests/support/measured_sweep.hpp"
+
+namespace armsig::features {
+namespace {
+
+using testing::measured;
+using testing::some_motion;
+using testing::Sweep;
+using testing::TrueMotion;
+
+constexpr double kSigma = 2e-4;
+const SweepConfig kRevolute{JointType::kRevolute, {}};
+const SweepConfig kPrismatic{JointType::kPrismatic, {}};
+
+Refusal refusal(const SweepEstimator& estimator, Method method = Method::kEncoder) {
+  const auto feature = estimator.estimate(method);
+  EXPECT_FALSE(feature);
+  return feature ? Refusal{} : feature.error();
+}
+
+constexpr Method kMethods[] = {Method::kPaper, Method::kEncoder};
+
+TEST(SweepEstimator, refuses_numbers_that_are_not_finite) {
+  SweepEstimator estimator(kRevolute);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(estimator.add(nan, Vector3::Zero(), Matrix3::Zero()).error(), Error::kNotFinite);
+  EXPECT_EQ(estimator.add(0, Vector3(0, inf, 0), Matrix3::Zero()).error(), Error::kNotFinite);
+  EXPECT_EQ(estimator.add(0, Vector3::Zero(), nan * Matrix3::Identity()).error(),
+            Error::kNotFinite);
+  EXPECT_EQ(estimator.count(), 0U);
+}
+
+TEST(SweepEstimator, refuses_a_covariance_that_is_not_positive_definite) {
+  SweepEstimator estimator(kRevolute);
+  const Matrix3 flat = Vector3(1, 1, 0).asDiagonal();
+  EXPECT_EQ(estimator.add(0, Vector3::Zero(), flat).error(), Error::kSingular);
+  EXPECT_EQ(estimator.add(0, Vector3::Zero(), -Matrix3::Identity()).error(), Error::kSingular);
+  EXPECT_EQ(estimator.count(), 0U);
+}
+
+TEST(SweepEstimator, numbers_too_large_to_compute_with_give_no_feature) {
+  SweepEstimator estimator(kRevolute);
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  for (std::size_t i = 0; i < 20; ++i) {
+    const double reading = testing::even_reading(motion, 1.5, i, 20);
+    ASSERT_TRUE(estimator.add(reading, 1e200 * motion.at(reading), Matrix3::Zero()));
+  }
+  EXPECT_FALSE(estimator.estimate(Method::kEncoder));
+  EXPECT_FALSE(estimator.estimate(Method::kPaper));
+}
+
+TEST(SweepEstimator, refuses_fewer_points_than_unknowns) {
+  for (const Method method : kMethods) {
+    const Refusal r =
+        refusal(measured(kRevolute, {some_motion(JointType::kRevolute), 1.5, 3}), method);
+    EXPECT_EQ(r.error, Error::kTooFewPoints);
+    EXPECT_EQ(r.found, 3);
+    EXPECT_EQ(r.needed, 4);
+  }
+  EXPECT_EQ(refusal(SweepEstimator(kRevolute)).error, Error::kTooFewPoints);
+  EXPECT_EQ(refusal(measured(kPrismatic, {some_motion(JointType::kPrismatic, 0), 0.3, 2})).error,
+            Error::kTooFewPoints);
+}
+
+TEST(SweepEstimator, refuses_two_readings_however_often_repeated) {
+  SweepEstimator estimator(kRevolute);
+  for (int i = 0; i < 20; ++i)
+    ASSERT_TRUE(estimator.add(i % 2, Vector3(i % 2, 0, 0.01 * i), Matrix3::Zero()));
+  const Refusal r = refusal(estimator);
+  EXPECT_EQ(r.error, Error::kTooFewPoints);
+  EXPECT_EQ(r.found, 2);
+  EXPECT_EQ(r.needed, 3);
+}
+
+TEST(SweepEstimator, refuses_one_reading_repeated) {
+  SweepEstimator estimator(kRevolute);
+  for (int i = 0; i < 500; ++i)
+    ASSERT_TRUE(estimator.add(0.7, Vector3(0.1, 0, 1e-4 * (i % 7)), testing::isotropic(kSigma)));
+  const Refusal r = refusal(estimator);
+  EXPECT_EQ(r.error, Error::kJointDidNotMove);
+  EXPECT_EQ(r.found, 0);
+  EXPECT_GT(r.needed, 0);
+}
+
+TEST(SweepEstimator, refuses_points_that_are_all_equal) {
+  for (const SweepConfig& config : {kRevolute, kPrismatic}) {
+    SweepEstimator estimator(config);
+    for (int i = 0; i < 20; ++i)
+      ASSERT_TRUE(estimator.add(0.1 * i, Vector3(0.1, 0.2, 3), testing::isotropic(kSigma)));
+    const Refusal r = refusal(estimator);
+    EXPECT_EQ(r.error, Error::kCoincidentPoints);
+    EXPECT_EQ(r.found, 0);
+    EXPECT_NEAR(r.needed, 10 * kSigma, 1e-15);
+  }
+}
+
+TEST(SweepEstimator, refuses_a_prismatic_target_that_stays_within_the_noise) {
+  TrueMotion motion = some_motion(JointType::kPrismatic, 0);
+  motion.R_SC.col(2).setZero();
+  const Refusal r = refusal(measured(kPrismatic, {motion, 0.3, 20, kSigma, kSigma}));
+  EXPECT_EQ(r.error, Error::kCoincidentPoints);
+  EXPECT_NEAR(r.needed, 10 * kSigma, 1e-15);
+}
+
+TEST(SweepEstimator, refuses_a_target_on_the_axis) {
+  for (const double radius_m : {0.0, 1e-3}) {
+    for (const Method method : kMethods) {
+      const Refusal r = refusal(measured(kRevolute, {some_motion(JointType::kRevolute, radius_m), 5,
+                                                     100, kSigma, kSigma}),
+                                method);
+      EXPECT_EQ(r.error, Error::kRadiusTooSmall);
+      EXPECT_LT(r.found, r.needed);
+      EXPECT_NEAR(r.needed, 10 * kSigma, 1e-15);
+    }
+  }
+}
+
+TEST(SweepEstimator, refuses_an_arc_below_the_least_with_both_arcs) {
+  const Refusal r = refusal(measured(kRevolute, {some_motion(JointType::kRevolute), 0.05, 20}));
+  EXPECT_EQ(r.error, Error::kArcTooShort);
+  EXPECT_NEAR(r.found, 0.05, 1e-9);
+  EXPECT_NEAR(r.needed, kPi / 36, 1e-15);
+}
+
+TEST(SweepEstimator, refuses_an_arc_too_short_for_its_noise_with_the_arc_that_would_do) {
+  for (const Method method : kMethods) {
+    const TrueMotion motion = some_motion(JointType::kRevolute);
+    const Sweep sweep{motion, radians(8), 36, kSigma, kSigma};
+    const Refusal r = refusal(measured(kRevolute, sweep), method);
+    EXPECT_EQ(r.error, Error::kArcTooShort);
+    EXPECT_NEAR(r.found, radians(8), 1e-9);
+    EXPECT_GT(r.needed, radians(8));
+    EXPECT_TRUE(measured(kRevolute, {motion, 1.5 * r.needed, 36, kSigma, kSigma}).estimate(method));
+  }
+}
+
+TEST(SweepEstimator, refuses_a_travel_too_short_for_its_noise) {
+  const Refusal r = refusal(
+      measured(kPrismatic, {some_motion(JointType::kPrismatic, 0), 6e-3, 9, kSigma, kSigma}));
+  EXPECT_EQ(r.error, Error::kArcTooShort);
+  EXPECT_GT(r.needed, 6e-3);
+}
+
+TEST(SweepEstimator, refuses_when_no_circle_explains_half_of_the_points) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  testing::Random random(4);
+  SweepEstimator estimator(kRevolute);
+  for (std::size_t i = 0; i < 100; ++i) {
+    const double reading = testing::even_reading(motion, 2, i, 100);
+    const Vector3 p_S = i % 9 < 5 ? Vector3(motion.point_S + random.direction())
+                                  : Vector3(motion.at(reading) + kSigma * random.normal_vector());
+    ASSERT_TRUE(estimator.add(reading, p_S, testing::isotropic(kSigma)));
+  }
+  const Refusal r = refusal(estimator);
+  EXPECT_TRUE(r.error == Error::kTooManyOutliers || r.error == Error::kNotACircle);
+}
+
+TEST(SweepEstimator, refuses_with_the_count_when_most_points_are_outliers) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  SweepConfig strict = kRevolute;
+  strict.limits.greatest_rejected = 0.1;
+  SweepEstimator estimator(strict);
+  for (std::size_t i = 0; i < 20; ++i) {
+    const double reading = testing::even_reading(motion, 2, i, 20);
+    const Vector3 off(i % 4 == 0 ? 0.1 : 0.0, 0, 0);
+    ASSERT_TRUE(estimator.add(reading, motion.at(reading) + off, Matrix3::Zero()));
+  }
+  const Refusal r = refusal(estimator);
+  EXPECT_EQ(r.error, Error::kTooManyOutliers);
+  EXPECT_EQ(r.found, 15);
+  EXPECT_EQ(r.needed, 18);
+}
+
+// Joint i + 1 turns along with joint i: about an axis across, and about one parallel to it.
+TEST(SweepEstimator, refuses_a_coupled_joint) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  for (const int column : {0, 2}) {
+    const Vector3 coupled_axis = motion.R_SC.col(column);
+    testing::Random random(9);
+    SweepEstimator estimator(kRevolute);
+    for (std::size_t i = 0; i < 36; ++i) {
+      const double t = 2.0 * static_cast<double>(i) / 35;
+      const Vector3 from_wrist = rotation_about(coupled_axis, 0.3 * t) * motion.R_SC.col(1) * 0.4;
+      const Vector3 from_axis = 0.4 * motion.R_SC.col(0) + from_wrist;
+      const Vector3 p_S = motion.point_S + rotation_about(motion.R_SC.col(2), t) * from_axis;
+      ASSERT_TRUE(
+          estimator.add(t, p_S + kSigma * random.normal_vector(), testing::isotropic(kSigma)));
+    }
+    const Refusal r = refusal(estimator);
+    EXPECT_EQ(r.error, Error::kNotACircle);
+    EXPECT_GT(r.found, r.needed);
+  }
+}
+
+TEST(SweepEstimator, refuses_a_prismatic_reading_in_another_unit) {
+  SweepEstimator estimator(kPrismatic);
+  for (int i = 0; i < 20; ++i)
+    ASSERT_TRUE(estimator.add(0.01 * i, Vector3(0.000254 * i, 0, 1), Matrix3::Zero()));
+  const Refusal r = refusal(estimator);
+  EXPECT_EQ(r.error, Error::kNotACircle);
+  EXPECT_NEAR(r.found, 0.0254, 1e-12);
+}
+
+TEST(SweepEstimator, refuses_a_line_where_a_circle_is_due) {
+  const TrueMotion line = some_motion(JointType::kPrismatic, 0);
+  const Refusal r = refusal(measured(kRevolute, {line, 1, 20, kSigma, kSigma}));
+  EXPECT_EQ(r.error, Error::kNotACircle);
+}
+
+}  // namespace
+}  // namespace armsig::features

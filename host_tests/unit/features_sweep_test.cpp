@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// The estimator of a sweep: what it makes of good points, and of bad ones among them.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/features/sweep_estimator.hpp"
+#include "host_tests/support/measured_sweep.hpp"
+
+namespace armsig::features {
+namespace {
+
+using testing::measured;
+using testing::some_motion;
+using testing::Sweep;
+using testing::TrueMotion;
+
+constexpr double kSigma = 2e-4;
+const SweepConfig kRevolute{JointType::kRevolute, {}};
+const SweepConfig kPrismatic{JointType::kPrismatic, {}};
+
+constexpr Method kMethods[] = {Method::kPaper, Method::kEncoder};
+
+TEST(SweepEstimator, recovers_an_exact_circle_by_both_methods) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  const SweepEstimator estimator = measured(kRevolute, {motion, 1.5, 20});
+  for (const Method method : kMethods) {
+    const auto feature = estimator.estimate(method);
+    ASSERT_TRUE(feature);
+    EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-13);
+    EXPECT_EQ(feature->quality.used, 20U);
+    EXPECT_EQ(feature->quality.rejected, 0U);
+    EXPECT_NEAR(feature->quality.arc(), 1.5, 1e-15);
+    EXPECT_LT(feature->quality.rms_normal_m, 1e-14);
+    EXPECT_LT(feature->quality.rms_radial_m, 1e-14);
+    EXPECT_LT(feature->quality.rms_tangential_m, 1e-14);
+  }
+}
+
+TEST(SweepEstimator, recovers_an_exact_line_by_both_methods) {
+  const TrueMotion motion = some_motion(JointType::kPrismatic, 0);
+  const SweepEstimator estimator = measured(kPrismatic, {motion, 0.4, 9});
+  for (const Method method : kMethods) {
+    const auto feature = estimator.estimate(method);
+    ASSERT_TRUE(feature);
+    EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-13);
+    EXPECT_NEAR(feature->axis_S.dot(feature->radial_S), 0, 1e-15);
+    EXPECT_EQ(feature->radius_m, 0);
+  }
+}
+
+TEST(SweepEstimator, axis_follows_the_sense_of_the_reading) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  const SweepEstimator estimator = measured(kRevolute, {motion, -1.5, 20});
+  for (const Method method : kMethods) {
+    const auto feature = estimator.estimate(method);
+    ASSERT_TRUE(feature);
+    EXPECT_LT((feature->axis_S - motion.R_SC.col(2)).norm(), 1e-13);
+  }
+}
+
+TEST(SweepEstimator, accepts_an_exact_arc_of_ten_degrees) {
+  for (const Method method : kMethods)
+    EXPECT_TRUE(
+        measured(kRevolute, {some_motion(JointType::kRevolute), radians(10), 20}).estimate(method));
+}
+
+TEST(SweepEstimator, readings_of_ten_thousand_turns_cost_no_digits) {
+  TrueMotion motion = some_motion(JointType::kRevolute);
+  motion.first_reading = 2 * kPi * 1e4;
+  const SweepEstimator estimator = measured(kRevolute, {motion, 1.5, 20});
+  for (const Method method : kMethods) {
+    const auto feature = estimator.estimate(method);
+    ASSERT_TRUE(feature);
+    EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-13);
+  }
+}
+
+TEST(SweepEstimator, repeated_readings_are_welcome) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  SweepEstimator estimator(kRevolute);
+  for (int i = 0; i < 12; ++i) {
+    const double reading = motion.first_reading + 0.5 * (i % 3);
+    ASSERT_TRUE(estimator.add(reading, motion.at(reading), Matrix3::Zero()));
+  }
+  EXPECT_TRUE(estimator.estimate(Method::kEncoder));
+}
+
+TEST(SweepEstimator, estimates_sigma_where_none_is_stated) {
+  const auto feature = measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100, kSigma, 0})
+                           .estimate(Method::kEncoder);
+  ASSERT_TRUE(feature);
+  EXPECT_TRUE(feature->quality.sigma_is_estimated);
+  EXPECT_NEAR(feature->quality.sigma_m, kSigma, 0.15 * kSigma);
+}
+
+TEST(SweepEstimator, keeps_a_stated_sigma_that_the_residuals_do_not_contradict) {
+  const auto feature =
+      measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100, kSigma, kSigma})
+          .estimate(Method::kEncoder);
+  ASSERT_TRUE(feature);
+  EXPECT_FALSE(feature->quality.sigma_is_estimated);
+  EXPECT_NEAR(feature->quality.sigma_m, kSigma, 1e-15);
+}
+
+TEST(SweepEstimator, replaces_a_sigma_stated_three_times_too_small) {
+  const auto feature =
+      measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100, 3 * kSigma, kSigma})
+          .estimate(Method::kEncoder);
+  ASSERT_TRUE(feature);
+  EXPECT_TRUE(feature->quality.sigma_is_estimated);
+  EXPECT_NEAR(feature->quality.sigma_m, 3 * kSigma, 0.45 * kSigma);
+  EXPECT_EQ(feature->quality.rejected, 0U);
+}
+
+TEST(SweepEstimator, a_row_without_covariance_takes_that_of_the_row_before) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  SweepEstimator stated(kRevolute);
+  SweepEstimator partly(kRevolute);
+  for (std::size_t i = 0; i < 20; ++i) {
+    const double reading = testing::even_reading(motion, 2, i, 20);
+    ASSERT_TRUE(stated.add(reading, motion.at(reading), testing::isotropic(kSigma)));
+    ASSERT_TRUE(
+        partly.add(reading, motion.at(reading), testing::isotropic(i % 2 == 0 ? kSigma : 0)));
+  }
+  const auto a = stated.estimate(Method::kEncoder);
+  const auto b = partly.estimate(Method::kEncoder);
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->covariance, b->covariance);
+}
+
+TEST(SweepEstimator, target_is_predicted_at_any_reading) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  const auto feature = measured(kRevolute, {motion, 1.5, 20}).estimate(Method::kEncoder);
+  ASSERT_TRUE(feature);
+  EXPECT_LT((feature->target_at(7) - motion.at(7)).norm(), 1e-13);
+}
+
+TEST(SweepEstimator, an_outlier_first_is_neither_reference_nor_used) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  SweepEstimator estimator(kRevolute);
+  for (std::size_t i = 0; i < 20; ++i) {
+    const double reading = testing::even_reading(motion, 1.5, i, 20);
+    const Vector3 p_S = motion.at(reading) + (i == 0 ? Vector3(1e3, 0, 0) : Vector3::Zero());
+    ASSERT_TRUE(estimator.add(reading, p_S, Matrix3::Zero()));
+  }
+  const auto feature = estimator.estimate(Method::kEncoder);
+  ASSERT_TRUE(feature);
+  EXPECT_EQ(feature->quality.rejected, 1U);
+  EXPECT_EQ(feature->reference_reading, testing::even_reading(motion, 1.5, 1, 20));
+  EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-12);
+}
+
+TEST(SweepEstimator, may_be_asked_again_and_again) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  SweepEstimator estimator = measured(kRevolute, {motion, 1.5, 20, kSigma, kSigma});
+  const auto first = estimator.estimate(Method::kEncoder);
+  const auto second = estimator.estimate(Method::kEncoder);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->axis_S, second->axis_S);
+  EXPECT_EQ(estimator.count(), 20U);
+}
+
+// Three hundred pings at each reading: the points before do not predict those at the next reading.
+TEST(SweepEstimator, judges_points_after_a_jump_together) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  testing::Random random(6);
+  SweepEstimator estimator(kRevolute);
+  std::size_t outliers = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double reading = motion.first_reading + 0.1 * (i / 300);
+    Vector3 p_S = motion.at(reading) + kSigma * random.normal_vector();
+    if (random.uniform(0, 1) < 0.2) {
+      p_S += random.uniform(0.02, 0.3) * random.direction();
+      ++outliers;
+    }
+    ASSERT_TRUE(estimator.add(reading, p_S, testing::isotropic(kSigma)));
+  }
+  const auto feature = estimator.estimate(Method::kEncoder);
+  ASSERT_TRUE(feature);
+  EXPECT_GE(feature->quality.rejected, outliers);
+  EXPECT_LE(feature->quality.rejected, outliers + 5);
+  EXPECT_EQ(feature->quality.used + feature->quality.rejected, 6000U);
+  EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-4);
+}
+
+}  // namespace
+}  // namespace armsig::features

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: MIT
+#include <limits>
+#include <memory>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "core/uncertainty/drift.hpp"
+#include "core/uncertainty/feature_information.hpp"
+#include "core/uncertainty/suggestion.hpp"
+#include "core/uncertainty/tool_covariance.hpp"
+#include "host_tests/support/simulated_arm.hpp"
+
+namespace armsig::uncertainty {
+namespace {
+
+using refinement::Refined;
+using refinement::RowOutcome;
+using refinement::RowUse;
+using test::Cell;
+using test::Log;
+using test::Random;
+
+constexpr double kSigma = 0.2e-3;
+
+struct Identified {
+  Random random;
+  Cell cell;
+  std::unique_ptr<Refined> refined = std::make_unique<Refined>();
+};
+
+Identified identified_puma(std::uint64_t seed, int poses = 60) {
+  Random random(seed);
+  const Cell cell = test::puma_cell(random);
+  const Signature start =
+      test::disturbed(test::signature_of(cell, test::puma_configuration()), 2e-3, 2e-3, random);
+  Log log;
+  test::add_poses(cell, poses, kSigma, random, log);
+  Identified identified{random, cell};
+  std::vector<RowOutcome> outcomes(log.size());
+  EXPECT_TRUE(refinement::refine(start, log, {}, outcomes, *identified.refined));
+  return identified;
+}
+
+Judged<DriftReport> check(const Identified& identified, const Log& log,
+                          std::vector<RowOutcome>& outcomes) {
+  outcomes.resize(log.size());
+  const auto scratch = std::make_unique<refinement::SquareRootFactor>();
+  return check_drift(*identified.refined, log, {}, outcomes, *scratch);
+}
+
+Judged<DriftReport> check(const Identified& identified, const Log& log) {
+  std::vector<RowOutcome> outcomes;
+  return check(identified, log, outcomes);
+}
+
+TEST(ToolCovariance, grows_away_from_what_was_measured) {
+  Random random(1);
+  const Cell cell = test::puma_cell(random);
+  const JointVector configuration = test::puma_configuration();
+  Log log;
+  test::add_sweeps(cell, configuration, radians(60), 30, kSigma, random, log);
+  std::vector<RowOutcome> outcomes(log.size());
+  const auto refined = std::make_unique<Refined>();
+  ASSERT_TRUE(
+      refinement::refine(test::signature_of(cell, configuration), log, {}, outcomes, *refined));
+  JointVector far = configuration;
+  for (double& q : far) q += 1.5;
+  EXPECT_GT(tool_covariance(*refined, far, 0).trace(),
+            10 * tool_covariance(*refined, configuration, 0).trace());
+}
+
+TEST(SpreadConfiguration, stays_inside_the_limits_and_covers_them_evenly) {
+  const std::array<JointLimits, 3> limits{{{-1, 2}, {0, 0.5}, {3, 4}}};
+  std::array<double, 3> mean{};
+  for (std::size_t k = 0; k < 1000; ++k) {
+    const JointVector q = spread_configuration(limits, k);
+    ASSERT_EQ(q.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_GE(q[i], limits[i].lower);
+      EXPECT_LE(q[i], limits[i].upper);
+      mean[i] += q[i] / 1000;
+    }
+  }
+  EXPECT_NEAR(mean[0], 0.5, 0.02);
+  EXPECT_NEAR(mean[1], 0.25, 0.005);
+  EXPECT_NEAR(mean[2], 3.5, 0.01);
+}
+
+TEST(ChiSquareQuantile, agrees_with_the_tables) {
+  // 99.9 % points of the chi-square law: 16.266 (3), 29.588 (10), 149.449 (100).
+  EXPECT_NEAR(chi_square_quantile(3, 3.0902), 16.266, 0.3);
+  EXPECT_NEAR(chi_square_quantile(10, 3.0902), 29.588, 0.2);
+  EXPECT_NEAR(chi_square_quantile(100, 3.0902), 149.449, 0.1);
+}
+
+TEST(CheckDrift, finds_a_healthy_arm_consistent) {
+  Identified identified = identified_puma(2);
+  Log held_out;
+  test::add_poses(identified.cell, 20, kSigma, identified.random, held_out);
+  const auto report = check(identified, held_out);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->verdict, Verdict::kConsistent);
+  EXPECT_EQ(report->freedom, 60U);
+  EXPECT_NEAR(report->rms_m, std::sqrt(3.0) * kSigma, kSigma);
+}
+
+TEST(CheckDrift, tells_a_moved_base_from_a_worse_sensor) {
+  Identified identified = identified_puma(3);
+  Log moved;
+  test::add_poses(identified.cell, 12, kSigma, identified.random, moved);
+  for (auto& row : moved) row.p_S += Vector3(1.5e-3, -1e-3, 0.5e-3);
+  EXPECT_EQ(check(identified, moved)->verdict, Verdict::kDrifted);
+  EXPECT_EQ(check(identified, moved)->link, 0U);
+
+  Log noisy;
+  test::add_poses(identified.cell, 12, 4 * kSigma, identified.random, noisy);
+  for (auto& row : noisy) row.sigma_m = kSigma;
+  const auto report = check(identified, noisy);
+  EXPECT_EQ(report->verdict, Verdict::kSensorWorse);
+  EXPECT_NEAR(report->noise_factor, 4, 1.5);
+}
+
+TEST(CheckDrift, finds_the_offset_of_one_joint_after_a_crash) {
+  Identified identified = identified_puma(4);
+  Cell crashed = identified.cell;
+  crashed.arm.joints[3].theta_rad += radians(0.3);
+  Log log;
+  test::add_poses(crashed, 10, kSigma, identified.random, log);
+  const auto report = check(identified, log);
+  EXPECT_EQ(report->verdict, Verdict::kDrifted);
+  EXPECT_TRUE(report->link == 3 || report->link == 4) << report->link;
+}
+
+TEST(CheckDrift, finds_a_target_that_was_put_back_elsewhere) {
+  Identified identified = identified_puma(13);
+  Cell changed = identified.cell;
+  changed.p_tool[0] += Vector3(0.5e-3, 0.5e-3, 1e-3);
+  Log log;
+  test::add_poses(changed, 10, kSigma, identified.random, log);
+  const auto report = check(identified, log);
+  EXPECT_EQ(report->verdict, Verdict::kDrifted);
+  EXPECT_EQ(report->link, 6U);
+}
+
+TEST(CheckDrift, sets_a_blunder_apart) {
+  Identified identified = identified_puma(5);
+  Log log;
+  test::add_poses(identified.cell, 12, kSigma, identified.random, log);
+  log[7].p_S.x() += 0.05;
+  std::vector<RowOutcome> outcomes;
+  const auto report = check(identified, log, outcomes);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->verdict, Verdict::kConsistent);
+  EXPECT_EQ(report->rows_rejected, 1U);
+  EXPECT_TRUE(outcomes[7].rejected);
+}
+
+TEST(CheckDrift, refuses_a_log_without_rows_and_numbers_that_are_not_finite) {
+  Identified identified = identified_puma(6);
+  Log log;
+  EXPECT_EQ(check(identified, log).error().error, Error::kTooFewPoints);
+  test::add_poses(identified.cell, 3, kSigma, identified.random, log);
+  log[1].readings[2] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(check(identified, log).error().error, Error::kNotFinite);
+  EXPECT_EQ(check(identified, log).error().found, 1);
+}
+
+TEST(CheckDrift, refuses_rows_of_which_many_are_blunders) {
+  Identified identified = identified_puma(7);
+  Log log;
+  test::add_poses(identified.cell, 10, kSigma, identified.random, log);
+  for (std::size_t k = 0; k < 4; ++k) log[k].p_S.x() += 0.5;
+  EXPECT_EQ(check(identified, log).error().error, Error::kTooManyOutliers);
+}
+
+// The target on a circle as its feature moves: the covariance must be that of the feature itself.
+TEST(FromFeatures, gives_the_target_of_one_joint_the_covariance_of_its_feature) {
+  Random random(8);
+  Signature signature;
+  signature.types.push_back(JointType::kRevolute);
+  signature.configuration.push_back(0.3);
+  features::JointFeature feature;
+  feature.axis_S = random.direction();
+  feature.radial_S = any_perpendicular(feature.axis_S);
+  feature.point_S = random.normal_vector(1);
+  feature.radius_m = 0.4;
+  feature.reference_reading = -0.2;
+  const Eigen::Matrix<double, 7, 7> root =
+      1e-4 * Eigen::Matrix<double, 7, 7>::NullaryExpr([&]() { return random.normal(1); });
+  feature.covariance = root * root.transpose();
+  signature.features.push_back(feature);
+  const Matrix3 R =
+      (Matrix3() << feature.radial_S, feature.axis_S.cross(feature.radial_S), feature.axis_S)
+          .finished();
+  // The link frame may sit anywhere along the axis.
+  const Pose X{R, feature.point_S + 0.15 * feature.axis_S};
+  signature.X_SL.push_back(X);
+  signature.X_SL.push_back(X);
+  Target target;
+  target.number = 1;
+  target.link = 1;
+  target.p_S = feature.target_at(0.3);
+  signature.targets.push_back(target);
+
+  const auto estimate = std::make_unique<Refined>();
+  ASSERT_TRUE(from_features(signature, *estimate));
+  for (const double reading : {0.3, 1.5, -2.0}) {
+    Eigen::Matrix<double, 3, 7> slope;
+    constexpr double kStep = 1e-6;
+    for (int k = 0; k < 7; ++k) {
+      std::array<Vector3, 2> p;
+      for (int side = 0; side < 2; ++side) {
+        const double h = side == 0 ? -kStep : kStep;
+        features::JointFeature moved = feature;
+        if (k < 3) moved.point_S[k] += h;
+        if (k >= 3 && k < 6) {
+          const Matrix3 turn = rotation_about(Vector3::Unit(k - 3), h);
+          moved.axis_S = turn * moved.axis_S;
+          moved.radial_S = turn * moved.radial_S;
+        }
+        if (k == 6) moved.radius_m += h;
+        p[static_cast<std::size_t>(side)] = moved.target_at(reading);
+      }
+      slope.col(k) = (p[1] - p[0]) / (2 * kStep);
+    }
+    const Matrix3 expected = slope * feature.covariance * slope.transpose();
+    const Matrix3 found = tool_covariance(*estimate, {reading}, 0);
+    EXPECT_LT((found - expected).norm(), 1e-4 * expected.norm()) << "at " << reading;
+  }
+}
+
+TEST(FromFeatures, refuses_a_feature_without_a_covariance) {
+  Random random(9);
+  const Cell cell = test::puma_cell(random);
+  Signature signature = test::signature_of(cell, test::puma_configuration());
+  signature.features.resize(6);
+  const auto estimate = std::make_unique<Refined>();
+  EXPECT_EQ(from_features(signature, *estimate).error(), Error::kSingular);
+}
+
+TEST(Suggestion, predicts_the_accuracy_that_the_suggested_poses_then_give) {
+  Identified identified = identified_puma(10, 20);
+  const auto search = std::make_unique<SuggestionSearch>();
+  SuggestionConfig config;
+  config.limits = identified.cell.arm.limits;
+  config.sigma_m = kSigma;
+  ASSERT_TRUE(search->start(*identified.refined, config));
+  const double before = search->predicted_rms_m();
+  std::vector<Suggestion> suggestions(5);
+  ASSERT_TRUE(search->suggest(suggestions));
+  double last = before;
+  for (const Suggestion& suggestion : suggestions) {
+    EXPECT_LT(suggestion.predicted_rms_m, last);
+    last = suggestion.predicted_rms_m;
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_GE(suggestion.readings[i], config.limits[i].lower);
+      EXPECT_LE(suggestion.readings[i], config.limits[i].upper);
+    }
+  }
+  EXPECT_LT(last, 0.8 * before);
+}
+
+TEST(Suggestion, stays_inside_the_sensors_box) {
+  Identified identified = identified_puma(11, 20);
+  const auto search = std::make_unique<SuggestionSearch>();
+  SuggestionConfig config;
+  config.limits = identified.cell.arm.limits;
+  config.box.lower_S = identified.cell.X_SB.p + Vector3(0, -1, -1);
+  config.box.upper_S = identified.cell.X_SB.p + Vector3(1, 1, 1);
+  ASSERT_TRUE(search->start(*identified.refined, config));
+  std::vector<Suggestion> suggestions(4);
+  ASSERT_TRUE(search->suggest(suggestions));
+  for (const Suggestion& suggestion : suggestions) {
+    EXPECT_TRUE(config.box.contains(tool_position(*identified.refined, suggestion.readings, 0)));
+  }
+}
+
+TEST(Suggestion, says_when_the_box_is_out_of_reach) {
+  Identified identified = identified_puma(12, 20);
+  const auto search = std::make_unique<SuggestionSearch>();
+  SuggestionConfig config;
+  config.limits = identified.cell.arm.limits;
+  config.box.lower_S = Vector3::Constant(100);
+  EXPECT_EQ(search->start(*identified.refined, config).error(), Error::kOutOfReach);
+}
+
+}  // namespace
+}  // namespace armsig::uncertainty

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include <signal.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hal/linux/file_memory.hpp"
+
+namespace armsig::linux_hal {
+namespace {
+
+constexpr hal::MemoryLayout kLayout{.page_bytes = 256, .pages_per_sector = 16, .sectors = 2};
+
+struct Folder {
+  Folder() : path(testing::TempDir() + "file_memory_XXXXXX") {
+    EXPECT_NE(mkdtemp(path.data()), nullptr);
+  }
+  ~Folder() { (void)std::system(("rm -rf '" + path + "'").c_str()); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::string file() const { return path + "/store"; }
+  std::string path;
+};
+
+std::array<std::uint8_t, 256> page_of(std::uint8_t value) {
+  std::array<std::uint8_t, 256> page{};
+  page.fill(value);
+  return page;
+}
+
+TEST(FileMemory, is_made_erased_and_whole) {
+  const Folder folder;
+  auto memory = FileMemory::open(folder.file(), kLayout);
+  ASSERT_TRUE(memory);
+  std::vector<std::uint8_t> all(kLayout.bytes());
+  ASSERT_TRUE(memory->read(0, all));
+  EXPECT_TRUE(std::ranges::all_of(all, [](std::uint8_t byte) { return byte == 0xFF; }));
+  EXPECT_NE(access((folder.file() + ".new").c_str(), F_OK), 0);
+}
+
+TEST(FileMemory, keeps_a_page_over_a_restart) {
+  const Folder folder;
+  ASSERT_TRUE(FileMemory::open(folder.file(), kLayout)->program_page(512, page_of(0x5A)));
+  auto memory = FileMemory::open(folder.file(), kLayout);
+  ASSERT_TRUE(memory);
+  std::array<std::uint8_t, 256> page{};
+  ASSERT_TRUE(memory->read(512, page));
+  EXPECT_EQ(page, page_of(0x5A));
+  ASSERT_TRUE(memory->read(256, page));
+  EXPECT_EQ(page, page_of(0xFF));
+}
+
+TEST(FileMemory, refuses_to_program_a_page_twice_until_it_is_erased) {
+  const Folder folder;
+  auto memory = FileMemory::open(folder.file(), kLayout);
+  ASSERT_TRUE(memory);
+  ASSERT_TRUE(memory->program_page(0, page_of(1)));
+  EXPECT_EQ(memory->program_page(0, page_of(1)).error(), Error::kNotErased);
+  ASSERT_TRUE(memory->erase_sector(0));
+  EXPECT_TRUE(memory->program_page(0, page_of(2)));
+}
+
+TEST(FileMemory, erases_one_sector_only) {
+  const Folder folder;
+  auto memory = FileMemory::open(folder.file(), kLayout);
+  ASSERT_TRUE(memory);
+  ASSERT_TRUE(memory->program_page(0, page_of(1)));
+  ASSERT_TRUE(memory->program_page(4096, page_of(2)));
+  ASSERT_TRUE(memory->erase_sector(0));
+  std::array<std::uint8_t, 256> page{};
+  ASSERT_TRUE(memory->read(0, page));
+  EXPECT_EQ(page, page_of(0xFF));
+  ASSERT_TRUE(memory->read(4096, page));
+  EXPECT_EQ(page, page_of(2));
+}
+
+TEST(FileMemory, refuses_a_second_user_of_the_file) {
+  const Folder folder;
+  const auto memory = FileMemory::open(folder.file(), kLayout);
+  ASSERT_TRUE(memory);
+  EXPECT_EQ(FileMemory::open(folder.file(), kLayout).error(), Error::kSystemRefused);
+}
+
+TEST(FileMemory, refuses_a_file_of_another_size_and_layouts_that_cannot_be_kept_whole) {
+  const Folder folder;
+  std::ofstream(folder.file()) << "short";
+  EXPECT_EQ(FileMemory::open(folder.file(), kLayout).error(), Error::kStorageFault);
+  EXPECT_EQ(FileMemory::open(folder.path + "/other", {}).error(), Error::kAddressOutOfRange);
+  EXPECT_EQ(FileMemory::open(folder.path + "/other", {300, 1, 1}).error(),
+            Error::kAddressOutOfRange);
+}
+
+TEST(FileMemory, refuses_a_folder_that_does_not_exist) {
+  EXPECT_EQ(FileMemory::open("/nonexistent/store", kLayout).error(), Error::kStorageFault);
+}
+
+TEST(FileMemory, meets_a_full_disk_when_it_is_made_and_leaves_nothing) {
+  if (geteuid() != 0) GTEST_SKIP() << "mounting a small disk needs root";
+  const Folder folder;
+  if (mount("none", folder.path.c_str(), "tmpfs", 0, "size=64k") != 0) {
+    GTEST_SKIP() << "a small disk cannot be mounted here";
+  }
+  const hal::MemoryLayout too_large{.page_bytes = 4096, .pages_per_sector = 16, .sectors = 2};
+  EXPECT_EQ(FileMemory::open(folder.file(), too_large).error(), Error::kStorageFull);
+  EXPECT_NE(access(folder.file().c_str(), F_OK), 0);
+  EXPECT_NE(access((folder.file() + ".new").c_str(), F_OK), 0);
+  auto memory = FileMemory::open(folder.file(), kLayout);
+  ASSERT_TRUE(memory);
+  (void)std::system(("head -c 65536 /dev/zero > '" + folder.path + "/filler' 2>/dev/null").c_str());
+  EXPECT_TRUE(memory->program_page(0, page_of(7)));
+  memory = std::unexpected(Error::kStorageFault);
+  EXPECT_EQ(umount(folder.path.c_str()), 0);
+}
+
+// The child writes pages of one value each, over and over, until it is killed at some moment.
+TEST(FileMemory, a_page_is_old_or_new_after_a_kill_at_any_moment) {
+  const Folder folder;
+  ASSERT_TRUE(FileMemory::open(folder.file(), kLayout));
+  for (int trial = 0; trial < 60; ++trial) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      auto memory = FileMemory::open(folder.file(), kLayout);
+      for (std::uint8_t value = 0; memory; value = static_cast<std::uint8_t>((value + 1) % 100)) {
+        (void)memory->erase_sector(0);
+        for (std::size_t page = 0; page < 16; ++page) {
+          (void)memory->program_page(256 * page, page_of(value));
+        }
+      }
+      _exit(1);
+    }
+    usleep(static_cast<useconds_t>(500 + 137 * trial));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    auto memory = FileMemory::open(folder.file(), kLayout);
+    ASSERT_TRUE(memory);
+    for (std::size_t at = 0; at < kLayout.bytes(); at += 256) {
+      std::array<std::uint8_t, 256> page{};
+      ASSERT_TRUE(memory->read(at, page));
+      EXPECT_EQ(page, page_of(page[0])) << "page at " << at << " is torn";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace armsig::linux_hal

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+// libmodbus on one end of a pseudo-terminal, a scripted sensor on the other.
+#include <fcntl.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hal/linux/file_descriptor.hpp"
+#include "hal/linux/rtu_range_sensor.hpp"
+#include "hal/linux/steady_clock.hpp"
+#include "hal/modbus/rtu.hpp"
+#include "host_tests/support/scripted_line.hpp"
+
+namespace armsig::linux_hal {
+namespace {
+
+using std::chrono::milliseconds;
+using test::bytes;
+
+std::vector<std::uint8_t> with_crc(std::vector<std::uint8_t> body) {
+  const std::uint16_t crc = modbus::crc16(body);
+  body.push_back(static_cast<std::uint8_t>(crc & 0xFF));
+  body.push_back(static_cast<std::uint8_t>(crc >> 8));
+  return body;
+}
+
+// Answers each complete request with what `script` makes of the number of the request.
+class PtySensor {
+ public:
+  using Script = std::function<std::vector<std::uint8_t>(unsigned)>;
+
+  explicit PtySensor(Script script) : script_(std::move(script)) {
+    master_ = FileDescriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+    EXPECT_EQ(grantpt(master_.get()), 0);
+    EXPECT_EQ(unlockpt(master_.get()), 0);
+    device = ptsname(master_.get());
+    // Held open, or the line would hang up whenever the other side closes it.
+    slave_ = FileDescriptor(::open(device.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+    termios settings{};
+    tcgetattr(slave_.get(), &settings);
+    cfmakeraw(&settings);
+    tcsetattr(slave_.get(), TCSANOW, &settings);
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~PtySensor() { stop(); }
+  PtySensor(const PtySensor&) = delete;
+  PtySensor& operator=(const PtySensor&) = delete;
+
+  void stop() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  void unplug() {
+    stop();
+    slave_.reset();
+    master_.reset();
+  }
+
+  std::string device;
+  std::vector<std::uint8_t> first_request;  // read it after stop()
+
+ private:
+  void serve() {
+    std::vector<std::uint8_t> request;
+    for (unsigned number = 0; !stop_;) {
+      pollfd ready{.fd = master_.get(), .events = POLLIN, .revents = 0};
+      if (::poll(&ready, 1, 10) <= 0) continue;
+      std::array<std::uint8_t, 64> buffer{};
+      const ssize_t count = ::read(master_.get(), buffer.data(), buffer.size());
+      if (count <= 0) continue;
+      request.insert(request.end(), buffer.begin(), buffer.begin() + count);
+      if (request.size() < modbus::kReadRequestBytes) continue;
+      if (number == 0) first_request = request;
+      request.clear();
+      const auto answer = script_(number++);
+      if (!answer.empty()) {
+        EXPECT_EQ(::write(master_.get(), answer.data(), answer.size()),
+                  static_cast<ssize_t>(answer.size()));
+      }
+    }
+  }
+
+  Script script_;
+  FileDescriptor master_;
+  FileDescriptor slave_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+std::vector<std::uint8_t> answer(std::uint8_t unit, std::uint8_t sequence) {
+  std::vector<std::uint8_t> body = bytes("010418000F000700E600040016E3600016E3610016E3620016E363");
+  body[0] = unit;
+  body[6] = sequence;
+  return with_crc(body);
+}
+
+RtuRangeSensorConfiguration configuration_for(const PtySensor& line) {
+  return {.device = line.device,
+          .poll_period = milliseconds(5),
+          .answer_timeout = milliseconds(50),
+          .freshness = {.silent_after = milliseconds(300), .stale_after = milliseconds(300)}};
+}
+
+// The first thing but "nothing yet" that poll() says.
+Result<hal::RangeReading> next(RtuRangeSensor& sensor) {
+  for (int i = 0; i < 2000; ++i) {
+    auto polled = sensor.poll(monotonic_now());
+    if (!polled) return std::unexpected(polled.error());
+    if (*polled) return **polled;
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  return std::unexpected(Error::kNotConverged);
+}
+
+TEST(RtuRangeSensor, reads_the_default_map_over_a_real_terminal) {
+  PtySensor line([](unsigned number) { return answer(1, static_cast<std::uint8_t>(number)); });
+  {
+    const auto sensor = RtuRangeSensor::start(configuration_for(line));
+    ASSERT_TRUE(sensor);
+    const auto first = next(**sensor);
+    const auto second = next(**sensor);
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(second->sequence, first->sequence + 1);
+    EXPECT_EQ(first->receivers.size(), 4U);
+    EXPECT_DOUBLE_EQ(first->receivers[3].flight_s, 1500003e-9);
+    EXPECT_DOUBLE_EQ(first->air_celsius, 23.0);
+    EXPECT_LT(first->at, second->at);
+  }
+  line.stop();
+  EXPECT_EQ(line.first_request, bytes("01040000000CF00F"));
+}
+
+TEST(RtuRangeSensor, tells_each_wrong_answer_and_recovers) {
+  struct Wrong {
+    std::vector<std::uint8_t> bytes;
+    Error error;
+  };
+  std::vector<std::uint8_t> bad_crc = answer(1, 9);
+  bad_crc.back() ^= 1;
+  for (const Wrong& wrong :
+       {Wrong{bad_crc, Error::kSensorBadCrc}, Wrong{answer(2, 9), Error::kSensorWrongUnit},
+        Wrong{bytes("018402C2C1"), Error::kSensorException}}) {
+    PtySensor line([&](unsigned number) {
+      return number == 0 ? wrong.bytes : answer(1, static_cast<std::uint8_t>(number));
+    });
+    const auto sensor = RtuRangeSensor::start(configuration_for(line));
+    ASSERT_TRUE(sensor);
+    EXPECT_EQ(next(**sensor).error(), wrong.error);
+    if (wrong.error == Error::kSensorException) {
+      EXPECT_EQ((*sensor)->exception_code(), 2);
+    }
+    EXPECT_TRUE(next(**sensor));
+  }
+}
+
+TEST(RtuRangeSensor, a_sensor_that_does_not_answer_is_silent) {
+  PtySensor line([](unsigned) { return std::vector<std::uint8_t>(); });
+  const auto sensor = RtuRangeSensor::start(configuration_for(line));
+  ASSERT_TRUE(sensor);
+  EXPECT_EQ(next(**sensor).error(), Error::kSensorSilent);
+}
+
+TEST(RtuRangeSensor, a_sequence_that_stands_still_is_stale) {
+  PtySensor line([](unsigned) { return answer(1, 7); });
+  const auto sensor = RtuRangeSensor::start(configuration_for(line));
+  ASSERT_TRUE(sensor);
+  EXPECT_TRUE(next(**sensor));
+  EXPECT_EQ(next(**sensor).error(), Error::kSensorStale);
+}
+
+TEST(RtuRangeSensor, says_when_its_device_is_missing_or_unplugged) {
+  {
+    RtuRangeSensorConfiguration configuration;
+    configuration.device = "/dev/nonexistent-sensor";
+    const auto sensor = RtuRangeSensor::start(configuration);
+    ASSERT_TRUE(sensor);
+    EXPECT_EQ(next(**sensor).error(), Error::kBusDown);
+  }
+  PtySensor line([](unsigned number) { return answer(1, static_cast<std::uint8_t>(number)); });
+  const auto sensor = RtuRangeSensor::start(configuration_for(line));
+  ASSERT_TRUE(sensor);
+  ASSERT_TRUE(next(**sensor));
+  line.unplug();
+  Result<hal::RangeReading> polled = next(**sensor);
+  while (polled) polled = next(**sensor);
+  EXPECT_EQ(polled.error(), Error::kBusDown);
+}
+
+TEST(RtuRangeSensor, refuses_a_profile_or_a_line_that_cannot_be) {
+  RtuRangeSensorConfiguration configuration;
+  configuration.device = "/dev/null";
+  configuration.profile.unit = 0;
+  EXPECT_EQ(RtuRangeSensor::start(configuration).error(), Error::kProfileInvalid);
+  configuration.profile.unit = 1;
+  configuration.baud = 0;
+  EXPECT_EQ(RtuRangeSensor::start(configuration).error(), Error::kProfileInvalid);
+}
+
+TEST(RtuRangeSensor, polling_never_waits) {
+  PtySensor line([](unsigned) { return std::vector<std::uint8_t>(); });
+  const auto sensor = RtuRangeSensor::start(configuration_for(line));
+  ASSERT_TRUE(sensor);
+  const hal::Instant begin = monotonic_now();
+  for (int i = 0; i < 1000; ++i) (void)(*sensor)->poll(begin);
+  EXPECT_LT(monotonic_now() - begin, milliseconds(40));  // less than one answer time-out
+}
+
+}  // namespace
+}  // namespace armsig::linux_hal

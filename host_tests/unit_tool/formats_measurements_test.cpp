@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/base/pose.hpp"
+#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/measurement_writer.hpp"
+#include "firmware/host_tool/formats/measurements.hpp"
+
+namespace armsig::tool {
+namespace {
+
+const JointTypes kTypes{JointType::kRevolute, JointType::kPrismatic};
+const std::string kHeader = "sweep,target,q1_deg,q2_mm,x_mm,y_mm,z_mm\n";
+const std::string kRow = "1,7,90,250,1,-2,3.5\n";
+
+Read<std::vector<MeasurementRow>> rows_of(const std::string& text,
+                                          const JointTypes& types = kTypes) {
+  ARMSIG_TRY(reader, MeasurementReader::over(text, "M.csv", types));
+  std::vector<MeasurementRow> rows;
+  for (MeasurementRow row;;) {
+    ARMSIG_TRY(more, reader.next(row));
+    if (!more) return rows;
+    rows.push_back(row);
+  }
+}
+
+std::string message_of(const std::string& text, const JointTypes& types = kTypes) {
+  const auto rows = rows_of(text, types);
+  return rows ? "read" : render(rows.error());
+}
+
+TEST(Measurements, are_given_in_si) {
+  const auto rows = rows_of(kHeader + kRow);
+  ASSERT_TRUE(rows) << render(rows.error());
+  ASSERT_EQ(rows->size(), 1U);
+  const MeasurementRow& row = rows->front();
+  EXPECT_EQ(row.line, 2U);
+  EXPECT_EQ(row.sweep, 1U);
+  EXPECT_EQ(row.target, 7);
+  ASSERT_EQ(row.q.size(), 2U);
+  EXPECT_EQ(row.q[0], kPi / 2);
+  EXPECT_EQ(row.q[1], 0.25);
+  ASSERT_TRUE(row.p_S);
+  EXPECT_EQ(*row.p_S, Vector3(0.001, -0.002, 0.0035));
+  EXPECT_TRUE(row.ranges_m.empty());
+  EXPECT_FALSE(row.air_c);
+  EXPECT_FALSE(row.sigma_m);
+}
+
+TEST(Measurements, take_columns_in_any_order_and_unit) {
+  const auto rows =
+      rows_of("z_m,q2_m,target,y_mm,sweep,q1_rad,x_m,sigma_m\n3,0.5,1,20,0,1.5,1,1e-4\n");
+  ASSERT_TRUE(rows) << render(rows.error());
+  const MeasurementRow& row = rows->front();
+  EXPECT_EQ(row.sweep, 0U);
+  EXPECT_EQ(row.q[0], 1.5);
+  EXPECT_EQ(row.q[1], 0.5);
+  EXPECT_EQ(*row.p_S, Vector3(1, 0.02, 3));
+  EXPECT_EQ(row.sigma_m, 1e-4);
+}
+
+TEST(Measurements, take_ranges_some_of_them_missing) {
+  const auto rows = rows_of(
+      "sweep,target,q1_deg,q2_mm,r1_mm,r2_mm,r3_m,air_c\n1,1,0,0,1500,,2,21.5\n"
+      "1,1,0,0,,,,\n");
+  ASSERT_TRUE(rows) << render(rows.error());
+  const MeasurementRow& row = rows->front();
+  EXPECT_FALSE(row.p_S);
+  ASSERT_EQ(row.ranges_m.size(), 3U);
+  EXPECT_EQ(row.ranges_m[0], 1.5);
+  EXPECT_FALSE(row.ranges_m[1]);
+  EXPECT_EQ(row.ranges_m[2], 2.0);
+  EXPECT_EQ(row.air_c, 21.5);
+  EXPECT_FALSE(rows->back().ranges_m[2]);
+  EXPECT_FALSE(rows->back().air_c);
+}
+
+TEST(Measurements, take_a_missing_position) {
+  const auto rows = rows_of(kHeader + "1,1,0,0,,,\n" + kRow);
+  ASSERT_TRUE(rows) << render(rows.error());
+  EXPECT_FALSE(rows->front().p_S);
+  EXPECT_TRUE(rows->back().p_S);
+}
+
+TEST(Measurements, take_comments_blank_lines_crlf_spaces_tabs_and_a_byte_order_mark) {
+  const auto rows = rows_of(
+      "\xEF\xBB\xBF# measured on Monday\r\n\r\nsweep, target,\tq1_deg,q2_mm , x_mm,y_mm,z_mm\r\n"
+      "  # joint 1\r\n 1 , 7,+90 ,250,1, -2,3.5\t\r\n   \r\n1,7,90,250,1,-2,3.5");
+  ASSERT_TRUE(rows) << render(rows.error());
+  ASSERT_EQ(rows->size(), 2U);
+  EXPECT_EQ(rows->front().line, 5U);
+  EXPECT_EQ(rows->back().line, 7U);
+  EXPECT_EQ(*rows->front().p_S, *rows->back().p_S);
+}
+
+TEST(Measurements, refuse_an_empty_file) {
+  EXPECT_EQ(message_of(""),
+            "M.csv: the file is empty; expected a header line, then one row a line");
+  EXPECT_EQ(message_of("# only a comment\n"),
+            "M.csv: the file is empty; expected a header line, then one row a line");
+}
+
+TEST(Measurements, refuse_a_file_with_a_header_only) {
+  EXPECT_EQ(message_of(kHeader),
+            "M.csv:1: the file ends after its header; expected rows of measurements");
+}
+
+TEST(Measurements, refuse_a_missing_column) {
+  EXPECT_EQ(message_of("target,q1_deg,q2_mm,x_mm,y_mm,z_mm\n"),
+            "M.csv:1: there is no column for sweep; expected sweep");
+  EXPECT_EQ(message_of("sweep,target,q1_deg,x_mm,y_mm,z_mm\n"),
+            "M.csv:1: there is no column for q2; expected q2_mm or q2_m");
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm,x_mm,z_mm\n"),
+            "M.csv:1: there is no column for y; expected y_mm or y_m");
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm\n"),
+            "M.csv:1: there is no column for the target; expected x_mm, y_mm, z_mm, or ranges "
+            "r1_mm, r2_mm, ... (or _m)");
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm,r1_mm,r3_mm\n"),
+            "M.csv:1: there is no column for r2; expected r2_mm or r2_m");
+}
+
+TEST(Measurements, refuse_a_column_without_unit) {
+  EXPECT_EQ(message_of("sweep,target,q1,q2_mm,x_mm,y_mm,z_mm\n"),
+            "M.csv:1:14: column \"q1\" has no unit; expected q1_deg or q1_rad");
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm,x,y,z\n"),
+            "M.csv:1:27: column \"x\" has no unit; expected x_mm or x_m");
+}
+
+TEST(Measurements, refuse_a_unit_that_contradicts_the_joint) {
+  EXPECT_EQ(message_of("sweep,target,q1_mm,q2_mm,x_mm,y_mm,z_mm\n"),
+            "M.csv:1:14: column \"q1_mm\" has another unit, and joint 1 is revolute; expected "
+            "q1_deg or q1_rad");
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_deg,x_mm,y_mm,z_mm\n"),
+            "M.csv:1:21: column \"q2_deg\" has another unit, and joint 2 is prismatic; expected "
+            "q2_mm or q2_m");
+}
+
+TEST(Measurements, refuse_an_unknown_unit) {
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm,x_inch,y_mm,z_mm\n"),
+            "M.csv:1:27: column \"x_inch\" has another unit; expected x_mm or x_m");
+}
+
+TEST(Measurements, refuse_an_unknown_column) {
+  EXPECT_EQ(message_of("sweep,tarqet,q1_deg,q2_mm,x_mm,y_mm,z_mm\n"),
+            "M.csv:1:7: unknown column \"tarqet\"; expected target");
+  EXPECT_EQ(
+      message_of("sweep;target;q1_deg\n")
+          .find("M.csv:1:1: unknown column \"sweep;target;q1_deg\"; expected names separated by "
+                "commas, out of sweep, target, q1_deg"),
+      0U);
+  EXPECT_EQ(message_of("sweep,target,,q1_deg\n"),
+            "M.csv:1:14: a column without a name; expected a name between the commas");
+}
+
+TEST(Measurements, refuse_a_column_given_twice) {
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm,x_mm,y_mm,z_mm,q1_rad\n"),
+            "M.csv:1:42: column \"q1_rad\" gives q1 a second time (first as \"q1_deg\"); expected "
+            "each column once");
+}
+
+TEST(Measurements, refuse_joints_beyond_the_arm) {
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm,q3_deg,x_mm,y_mm,z_mm\n"),
+            "M.csv:1:27: column \"q3_deg\" is for a joint outside the arm, which has 2; expected "
+            "q1 to q2");
+}
+
+TEST(Measurements, refuse_positions_and_ranges_together) {
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm,x_mm,y_mm,z_mm,r1_mm\n"),
+            "M.csv:1: there are columns for positions (x, y, z) and for ranges (r); expected one "
+            "of the two");
+}
+
+TEST(Measurements, refuse_what_is_no_number) {
+  EXPECT_EQ(message_of(kHeader + "1,1,abc,0,1,2,3\n"),
+            "M.csv:2:5: q1_deg: \"abc\" is not a number; expected a number");
+  EXPECT_EQ(message_of(kHeader + "1,1,1.5deg,0,1,2,3\n"),
+            "M.csv:2:5: q1_deg: \"1.5deg\" is not a number; expected a number");
+  EXPECT_EQ(message_of(kHeader + "1,1,0,0,1,2, \"3\"\n"),
+            "M.csv:2:14: z_mm: \"\"3\"\" is not a number; expected a number");
+  EXPECT_EQ(message_of(kHeader + "1,1,0x10,0,1,2,3\n"),
+            "M.csv:2:5: q1_deg: \"0x10\" is not a number; expected a number");
+}
+
+TEST(Measurements, refuse_numbers_that_are_not_finite) {
+  EXPECT_EQ(message_of(kHeader + kRow + "1,1,0,0,nan,2,3\n"),
+            "M.csv:3:9: x_mm: \"nan\" is not a finite number; expected a number");
+  EXPECT_EQ(message_of(kHeader + "1,1,-inf,0,1,2,3\n"),
+            "M.csv:2:5: q1_deg: \"-inf\" is not a finite number; expected a number");
+  EXPECT_EQ(message_of(kHeader + "1,1,1e400,0,1,2,3\n"),
+            "M.csv:2:5: q1_deg: \"1e400\" is out of range; expected a number");
+}
+
+TEST(Measurements, refuse_a_row_with_too_few_fields) {
+  EXPECT_EQ(message_of(kHeader + "1,1,0,0,1,2\n"),
+            "M.csv:2:12: the row ends after 6 of 7 fields; expected z_mm next");
+}
+
+TEST(Measurements, refuse_a_row_with_too_many_fields) {
+  EXPECT_EQ(message_of(kHeader + "1,1,0,0,1,2,3,4\n"),
+            "M.csv:2:15: \"4\" follows the last of 7 fields; expected the end of the row");
+  EXPECT_EQ(message_of(kHeader + "1,1,0,0,1,2,3,\n"),
+            "M.csv:2:15: \"\" follows the last of 7 fields; expected the end of the row");
+}
+
+TEST(Measurements, refuse_an_empty_field_that_is_needed) {
+  EXPECT_EQ(message_of(kHeader + "1,1,,0,1,2,3\n"),
+            "M.csv:2:5: q1_deg is empty; expected a number");
+  EXPECT_EQ(message_of(kHeader + ",1,0,0,1,2,3\n"), "M.csv:2:1: sweep is empty; expected a number");
+}
+
+TEST(Measurements, refuse_a_position_that_is_partly_missing) {
+  EXPECT_EQ(message_of(kHeader + "1,1,0,0,1,,3\n"),
+            "M.csv:2:11: y is empty, the rest of the position is not; expected all of x, y and z, "
+            "or none of them");
+}
+
+TEST(Measurements, refuse_a_sweep_or_target_that_is_no_integer) {
+  EXPECT_EQ(message_of(kHeader + "1.5,1,0,0,1,2,3\n"),
+            "M.csv:2:1: sweep: \"1.5\" is not an integer; expected an integer");
+  EXPECT_EQ(message_of(kHeader + "1,left,0,0,1,2,3\n"),
+            "M.csv:2:3: target: \"left\" is not an integer; expected an integer");
+  EXPECT_EQ(message_of(kHeader + "1,99999999999,0,0,1,2,3\n"),
+            "M.csv:2:3: target: \"99999999999\" is not an integer; expected an integer");
+}
+
+TEST(Measurements, refuse_a_sweep_outside_the_arm) {
+  EXPECT_EQ(message_of(kHeader + "3,1,0,0,1,2,3\n"),
+            "M.csv:2:1: sweep: joint 3 is outside the arm; expected 1 to 2, or 0 for a pose");
+  EXPECT_EQ(message_of(kHeader + " -1,1,0,0,1,2,3\n"),
+            "M.csv:2:2: sweep: joint -1 is outside the arm; expected 1 to 2, or 0 for a pose");
+}
+
+TEST(Measurements, refuse_a_sigma_that_is_not_positive) {
+  const std::string header = "sweep,target,q1_deg,q2_mm,x_mm,y_mm,z_mm,sigma_mm\n";
+  EXPECT_EQ(message_of(header + "1,1,0,0,1,2,3,0\n"),
+            "M.csv:2:15: sigma: \"0\" is not positive; expected a standard deviation above 0, or "
+            "nothing");
+  EXPECT_EQ(message_of(header + "1,1,0,0,1,2,3,\n"), "read");
+}
+
+TEST(Measurements, refuse_a_range_that_is_not_positive) {
+  EXPECT_EQ(message_of("sweep,target,q1_deg,q2_mm,r1_mm\n1,1,0,0,-5\n"),
+            "M.csv:2:9: range r1: \"-5\" is not positive; expected a distance above 0, or nothing "
+            "where the receiver heard nothing");
+}
+
+TEST(Measurements, refuse_a_line_without_end) {
+  EXPECT_EQ(message_of(kHeader + std::string(100000, '1') + "\n"),
+            "M.csv:2: the line is too long; expected at most 65536 characters");
+  EXPECT_EQ(message_of(std::string(100000, '1')),
+            "M.csv:1: the line is too long; expected at most 65536 characters");
+}
+
+TEST(Measurements, show_strange_bytes_as_numbers) {
+  EXPECT_EQ(message_of(kHeader + "1,1,\xFF\x01,0,1,2,3\n"),
+            "M.csv:2:5: q1_deg: \"\\xFF\\x01\" is not a number; expected a number");
+}
+
+std::string temporary(const std::string& name) { return testing::TempDir() + "armsig_" + name; }
+
+TEST(Measurements, are_streamed_over_the_borders_of_the_read_buffer) {
+  const std::string path = temporary("stream.csv");
+  constexpr int kRows = 50000;  // several buffers of 256 KiB
+  {
+    std::ofstream file(path);
+    file << kHeader;
+    for (int i = 0; i < kRows; ++i) file << "1," << i << "," << 0.001 * i << ",0,1,2," << i << "\n";
+  }
+  int count = 0;
+  const auto read = read_measurements(path, kTypes, [&](const MeasurementRow& row) -> Read<void> {
+    EXPECT_EQ(row.target, count);
+    EXPECT_EQ(row.line, static_cast<std::size_t>(count + 2));
+    EXPECT_EQ(row.p_S->z(), count / 1000.0);
+    ++count;
+    return {};
+  });
+  ASSERT_TRUE(read) << render(read.error());
+  EXPECT_EQ(*read, static_cast<std::size_t>(kRows));
+  std::filesystem::remove(path);
+}
+
+TEST(Measurements, stop_at_a_problem_of_the_taker) {
+  const std::string path = temporary("taker.csv");
+  std::ofstream(path) << kHeader << kRow << kRow;
+  const auto read = read_measurements(path, kTypes, [](const MeasurementRow& row) -> Read<void> {
+    return problem_at(static_cast<int>(row.line), 0, "no", "yes");
+  });
+  ASSERT_FALSE(read);
+  EXPECT_EQ(render(read.error()), path + ":2: no; expected yes");
+  std::filesystem::remove(path);
+}
+
+TEST(Measurements, tell_how_far_they_have_been_read) {
+  auto reader = MeasurementReader::over(kHeader + kRow + kRow, "M.csv", kTypes);
+  ASSERT_TRUE(reader);
+  MeasurementRow row;
+  EXPECT_TRUE(reader->next(row).value_or(false));
+  EXPECT_LT(reader->progress().value_or(1), 1);
+  EXPECT_TRUE(reader->next(row).value_or(false));
+  EXPECT_FALSE(reader->next(row).value_or(true));
+  EXPECT_EQ(reader->progress(), 1.0);
+}
+
+TEST(Measurements, say_why_a_file_cannot_be_opened) {
+  EXPECT_EQ(render(MeasurementReader::open("/nonexistent/M.csv", kTypes).error()),
+            "/nonexistent/M.csv: can't be opened: No such file or directory");
+}
+
+TEST(MeasurementWriter, writes_positions_that_read_back) {
+  const std::string path = temporary("written.csv");
+  auto writer = MeasurementWriter::create(
+      path, {.types = kTypes, .sigma = true, .comment = "seed 1\nsecond line"});
+  ASSERT_TRUE(writer) << render(writer.error());
+  MeasurementRow row;
+  row.sweep = 2;
+  row.target = -3;
+  row.q = {1.0 / 3, -0.123456789012345678};
+  row.p_S = Vector3(1.0 / 7, -2e-9, 1234.56789);
+  row.sigma_m = 2e-4;
+  writer->write(row);
+  row.p_S.reset();
+  row.sigma_m.reset();
+  writer->write(row);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  ASSERT_TRUE(writer->commit());
+  std::vector<MeasurementRow> rows;
+  ASSERT_TRUE(read_measurements(path, kTypes, [&](const MeasurementRow& read) -> Read<void> {
+    rows.push_back(read);
+    return {};
+  }));
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].line, 4U);
+  EXPECT_EQ(rows[0].sweep, 2U);
+  EXPECT_EQ(rows[0].target, -3);
+  EXPECT_NEAR(rows[0].q[0], 1.0 / 3, 1e-16);
+  EXPECT_NEAR(rows[0].q[1], -0.123456789012345678, 1e-16);
+  EXPECT_LT((*rows[0].p_S - Vector3(1.0 / 7, -2e-9, 1234.56789)).norm(), 1e-12);
+  EXPECT_NEAR(*rows[0].sigma_m, 2e-4, 1e-19);
+  EXPECT_FALSE(rows[1].p_S);
+  EXPECT_FALSE(rows[1].sigma_m);
+  std::filesystem::remove(path);
+}
+
+TEST(MeasurementWriter, writes_ranges_that_read_back) {
+  const std::string path = temporary("ranges.csv");
+  auto writer = MeasurementWriter::create(path, {.types = kTypes, .receivers = 3, .air = true});
+  ASSERT_TRUE(writer) << render(writer.error());
+  MeasurementRow row;
+  row.q = {0, 0};
+  row.ranges_m = {1.5, std::nullopt, 2.25};
+  row.air_c = 19.5;
+  writer->write(row);
+  ASSERT_TRUE(writer->commit());
+  ASSERT_TRUE(read_measurements(path, kTypes, [&](const MeasurementRow& read) -> Read<void> {
+    EXPECT_EQ(read.ranges_m[0], 1.5);
+    EXPECT_FALSE(read.ranges_m[1]);
+    EXPECT_EQ(read.ranges_m[2], 2.25);
+    EXPECT_EQ(read.air_c, 19.5);
+    return {};
+  }));
+  std::filesystem::remove(path);
+}
+
+TEST(MeasurementWriter, leaves_no_file_when_it_is_not_committed) {
+  const std::filesystem::path folder = temporary("empty_folder");
+  std::filesystem::create_directory(folder);
+  {
+    ASSERT_TRUE(MeasurementWriter::create(folder / "M.csv", {.types = kTypes}));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  std::filesystem::remove(folder);
+}
+
+TEST(MeasurementWriter, refuses_what_is_not_finite) {
+  const std::filesystem::path folder = temporary("nan_folder");
+  std::filesystem::create_directory(folder);
+  {
+    auto writer = MeasurementWriter::create(folder / "M.csv", {.types = kTypes});
+    ASSERT_TRUE(writer);
+    MeasurementRow row;
+    row.q = {std::nan(""), 0};
+    writer->write(row);
+    EXPECT_FALSE(writer->commit());
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  std::filesystem::remove(folder);
+}
+
+// The number of rows of a shared file; checks that each has a position.
+std::size_t rows_in_shared(const std::string& name, const JointTypes& types) {
+  const auto count = read_measurements(ARMSIG_SHARED_DATA "/" + name, types,
+                                       [](const MeasurementRow& row) -> Read<void> {
+                                         EXPECT_TRUE(row.p_S);
+                                         return {};
+                                       });
+  EXPECT_TRUE(count) << render(count.error());
+  return count.value_or(0);
+}
+
+TEST(Measurements, of_the_positioner_stage_are_read) {
+  if (!std::filesystem::exists(ARMSIG_SHARED_DATA)) GTEST_SKIP() << "shared data are absent";
+  EXPECT_EQ(
+      rows_in_shared("positioner-stage/sweeps.csv", {JointType::kPrismatic, JointType::kRevolute,
+                                                     JointType::kPrismatic, JointType::kPrismatic}),
+      44U);
+}
+
+TEST(Measurements, of_the_laser_tracker_are_read) {
+  if (!std::filesystem::exists(ARMSIG_SHARED_DATA)) GTEST_SKIP() << "shared data are absent";
+  EXPECT_EQ(rows_in_shared("ur5-laser-tracker/grid.csv", JointTypes(6)), 1000U);
+}
+
+}  // namespace
+}  // namespace armsig::tool
