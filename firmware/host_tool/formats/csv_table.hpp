@@ -23,7 +23,9 @@ struct Quantity {
   Dimension dimension = Dimension::kNone;
   bool required = true;  // the column must be there
   bool may_be_empty = false;
-  std::string note = {};  // said with a wrong unit: "joint 1 is revolute"
+  // Said with a wrong unit: "joint 1 is revolute". (Without {}, g++ calls it missing where it is
+  // left out.)
+  std::string note = {};  // NOLINT(readability-redundant-member-init)
 };
 
 // The joint readings q1 ... qn, in the units that the joint types allow.

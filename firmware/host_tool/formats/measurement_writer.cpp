@@ -51,7 +51,8 @@ void MeasurementWriter::append(double value) {
 }
 
 void MeasurementWriter::write(const MeasurementRow& row) {
-  ARMSIG_CHECK(row.q.size() == types_.size() && row.ranges_m.size() <= receivers_);
+  ARMSIG_CHECK(row.q.size() == types_.size());
+  ARMSIG_CHECK(row.ranges_m.size() <= receivers_);
   line_.clear();
   fmt::format_to(std::back_inserter(line_), "{},{}", row.sweep, row.target);
   for (std::size_t i = 0; i < types_.size(); ++i) append(shown_reading(types_[i], row.q[i]));

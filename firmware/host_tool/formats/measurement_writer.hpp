@@ -18,7 +18,9 @@ struct MeasurementLayout {
   std::size_t receivers = 0;  // ranges r1 ... rk; 0: positions x, y, z
   bool air = false;
   bool sigma = false;
-  std::string_view comment = {};  // for the head of the file; may have several lines
+  // For the head of the file; may have several lines. (Without {}, g++ calls it missing where it is
+  // left out.)
+  std::string_view comment = {};  // NOLINT(readability-redundant-member-init)
 };
 
 class MeasurementWriter {

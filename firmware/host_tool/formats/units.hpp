@@ -2,6 +2,7 @@
 // Units in the names of keys and columns: theta_deg, d_mm, air_c.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,7 +13,7 @@
 
 namespace armsig::tool {
 
-enum class Dimension { kNone, kInteger, kAngle, kLength, kTemperature };
+enum class Dimension : std::uint8_t { kNone, kInteger, kAngle, kLength, kTemperature };
 
 // value_SI = value * multiply / divide; one of the two factors is 1. A length in millimetres is
 // divided by 1000: one rounding; 0.001, which is no double, would make it two.
