@@ -39,12 +39,16 @@ void Servo::supervise(const Result<void>& read, hal::Duration lateness) {
   if (has_torque() && lateness > configuration_.supervision.latest_tick) fail(Error::kLateTick);
 }
 
+// The drive that faulted first: the others have left their state because of it.
 void Servo::supervise_drives() {
   for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
-    if (status.condition == hal::DriveCondition::kFaulted || status.fault) {
-      fail(status.fault.value_or(Error::kDriveFault), joint, status.fault_code);
-    } else if (has_torque() && status.condition != hal::DriveCondition::kEnabled) {
+    if (status.condition != hal::DriveCondition::kFaulted && !status.fault) continue;
+    fail(status.fault.value_or(Error::kDriveFault), joint, status.fault_code);
+  }
+  for (std::size_t joint = 0; joint < drives_.count() && has_torque(); ++joint) {
+    const hal::DriveStatus status = drives_.status(joint);
+    if (status.condition != hal::DriveCondition::kEnabled) {
       fail(Error::kDriveDroppedOut, joint, status.status_word);
     }
   }

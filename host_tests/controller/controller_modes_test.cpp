@@ -71,7 +71,7 @@ TEST(Controller, moves_joints_where_it_is_told) {
 TEST(Controller, moves_the_tool_along_a_straight_line) {
   PumaCabinet puma;
   ASSERT_TRUE(puma.enable());
-  ASSERT_EQ(puma.ask("move q5_deg=40"), "ok");
+  ASSERT_EQ(puma.ask("move q3_deg=10 q5_deg=40"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
   ASSERT_TRUE(puma.run_until(Mode::kHolding));
   puma.run(0.3);
