@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The whole story in virtual time: power up, identify, accept, touch the grid, restart.
-#include "core/identification.hpp"
-
 #include <chrono>
 
 #include <gtest/gtest.h>
 
 #include "core/evaluation/comparison.hpp"
+#include "core/identification.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::controller {

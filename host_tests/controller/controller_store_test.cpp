@@ -99,7 +99,9 @@ TEST(SignatureStore, has_the_former_or_the_new_record_wherever_the_power_goes) {
     memory.bytes_left.reset();
     const int active = active_in(memory);
     ASSERT_TRUE(active == 1 || active == 2) << cut;
-    if (written && *written) EXPECT_EQ(active, 2) << cut;
+    if (written && *written) {
+      EXPECT_EQ(active, 2) << cut;
+    }
   }
   EXPECT_GE(samples, 200U);
 }
