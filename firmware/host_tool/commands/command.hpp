@@ -2,6 +2,7 @@
 // What the commands of `armsig` have in common: exit status, problems, results for programs.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -11,7 +12,7 @@
 
 namespace armsig::tool {
 
-enum ExitStatus : int {
+enum ExitStatus : std::uint8_t {
   kDone = 0,
   kNoAnswer = 1,  // the data do not support an answer: refused, not converged, drifted
   kBadInput = 2,  // wrong usage or unreadable input
