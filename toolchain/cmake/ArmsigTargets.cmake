@@ -7,7 +7,8 @@ target_compile_options(armsig_warnings INTERFACE
 if(ARMSIG_SANITIZE)
   # The check of dynamic types needs RTTI, which the controller's libraries are built without.
   target_compile_options(armsig_warnings INTERFACE
-    -fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    -fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer
+    -D_GLIBCXX_ASSERTIONS)
   target_link_options(armsig_warnings INTERFACE -fsanitize=address,undefined)
 endif()
 
