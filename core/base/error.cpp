@@ -146,6 +146,38 @@ std::string_view describe(Error error) {
       return "the console client is gone";
     case Error::kSystemRefused:
       return "the operating system refused a resource";
+    case Error::kWrongMode:
+      return "the present mode does not allow it";
+    case Error::kEmergencyStop:
+      return "the arm was stopped by the operator";
+    case Error::kFollowingError:
+      return "the joint is too far from its commanded position";
+    case Error::kLateTick:
+      return "the servo tick came too late";
+    case Error::kSingularPath:
+      return "the path passes a singular configuration";
+    case Error::kSpeedLimit:
+      return "the path needs a joint faster than its limit";
+    case Error::kOutOfRange:
+      return "a value is outside its range";
+    case Error::kUnsupported:
+      return "this kind of arm or request is not supported";
+    case Error::kUnknownRequest:
+      return "the request or one of its keys is unknown";
+    case Error::kAirChanged:
+      return "the air temperature jumped";
+    case Error::kSequenceStopped:
+      return "the sequence was stopped";
+    case Error::kNoCandidate:
+      return "there is no candidate signature";
+    case Error::kCandidateNoBetter:
+      return "the candidate has not beaten the active model on held-out poses";
+    case Error::kNoSignature:
+      return "no such signature is stored";
+    case Error::kRecordCorrupt:
+      return "the stored record is corrupt";
+    case Error::kRecordUnsuitable:
+      return "the stored record is of another arm";
   }
   return "unknown error";
 }

@@ -65,8 +65,21 @@ struct Plane {
   double y = 0;
 };
 
-// Rot(x) by a quarter turn, +1 or -1.
-Matrix3 turn_x(double sign) { return Matrix3{{1, 0, 0}, {0, 0, -sign}, {0, sign, 0}}; }
+// R Rot(z, angle) Rot(x, quarter turn of the sign given).
+Matrix3 turned(const Matrix3& R, double angle_rad, double sign) {
+  const double c = std::cos(angle_rad);
+  const double s = std::sin(angle_rad);
+  Matrix3 result;
+  result.col(0) = c * R.col(0) + s * R.col(1);
+  result.col(1) = sign * R.col(2);
+  result.col(2) = sign * (s * R.col(0) - c * R.col(1));
+  return result;
+}
+
+// Most angles need no library call.
+double wrapped(double angle_rad) {
+  return std::abs(angle_rad) < kPi ? angle_rad : wrap_angle(angle_rad);
+}
 
 // The rotation that joints 4, 5, 6 (or 2 + 3 + 4, 5, 6) make up for: Rz(first) Rx Rz(fifth) Rx
 // Rz(sixth).
@@ -86,11 +99,10 @@ Wrist solve_wrist(const ClosedForm& form, const Matrix3& M, bool flip, const Dep
   wrist.fifth = std::atan2(sign * sine, -form.sign4 * form.sign5 * M(2, 2));
   wrist.first = std::atan2(sign * form.sign5 * M(1, 2), sign * form.sign5 * M(0, 2)) +
                 departure.wrist_turn_rad;
-  const Matrix3 rest =
-      (rotation_z(wrist.first) * turn_x(form.sign4) * rotation_z(wrist.fifth) * turn_x(form.sign5))
-          .transpose() *
-      M;
-  wrist.sixth = std::atan2(rest(1, 0) - rest(0, 1), rest(0, 0) + rest(1, 1));
+  const Matrix3 before =
+      turned(turned(Matrix3::Identity(), wrist.first, form.sign4), wrist.fifth, form.sign5);
+  wrist.sixth = std::atan2(before.col(1).dot(M.col(0)) - before.col(0).dot(M.col(1)),
+                           before.col(0).dot(M.col(0)) + before.col(1).dot(M.col(1)));
   return wrist;
 }
 
@@ -161,7 +173,7 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
                        std::max(across, departure.opening * kLeastReach);
   const double angle1 =
       std::atan2(X_06.p.y(), X_06.p.x()) - std::atan2(-form.sign1 * offset, reach);
-  const Matrix3 R_01 = rotation_z(angle1) * turn_x(form.sign1);
+  const Matrix3 R_01 = turned(Matrix3::Identity(), angle1, form.sign1);
 
   // The point that the elbow has to reach, in the plane of the arm seen from the shoulder.
   Plane goal{reach - form.a1, form.sign1 * (X_06.p.z() - form.d1)};
@@ -196,8 +208,10 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
       std::atan2(form.fold2 * bend * length * std::sin(elbow), form.a2 + length * std::cos(elbow));
   double angle4 = wrist.first - angle2 - angle3;
   if (spherical) {
-    const Matrix3 fold{{1, 0, 0}, {0, form.fold2, 0}, {0, 0, form.fold2}};
-    const Matrix3 R_03 = R_01 * rotation_z(angle2) * fold * rotation_z(angle3) * turn_x(form.sign3);
+    // Between parallel axes the angles add up, with the sign of the fold between them.
+    Matrix3 R_02 = R_01;
+    R_02.rightCols<2>() *= form.fold2;
+    const Matrix3 R_03 = turned(R_02, form.fold2 * angle2 + angle3, form.sign3);
     wrist = solve_wrist(form, R_03.transpose() * X_06.R, posture.flip, departure);
     angle4 = wrist.first;
   }
@@ -205,7 +219,7 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
   start.wrist_straight = wrist.straight;
   start.near_fold = start.near_fold || wrist.straight;
   start.q = {angle1, angle2, angle3, angle4, wrist.fifth, wrist.sixth};
-  for (std::size_t i = 0; i < 6; ++i) start.q[i] = wrap_angle(start.q[i] - form.theta[i]);
+  for (std::size_t i = 0; i < 6; ++i) start.q[i] = wrapped(start.q[i] - form.theta[i]);
   return start;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/check.hpp"
@@ -61,7 +62,8 @@ JointVector fixed_start(const Chain& chain, int k) {
 // The reading that differs from `reading` by whole turns, inside the limits if there is one, and
 // nearest to `reference`.
 double best_turn(double reading, double reference, const JointLimits* limits) {
-  const double nearest = reference + wrap_angle(reading - reference);
+  const double change = reading - reference;
+  const double nearest = std::abs(change) < kPi ? reading : reference + wrap_angle(change);
   if (limits == nullptr || (nearest >= limits->lower && nearest <= limits->upper)) return nearest;
   const double turn = nearest < limits->lower ? 2 * kPi : -2 * kPi;
   double moved = nearest;
@@ -104,16 +106,21 @@ class Collector {
 
   // Those inside the limits first, then by distance from the reference.
   Solutions sorted() {
-    const auto key = [this](const NamedSolution& s) {
-      return std::pair(s.solution.verdict == Verdict::kJointLimit,
-                       distance(s.solution.q, reference_));
-    };
-    for (std::size_t i = 1; i < found_.size(); ++i) {
-      for (std::size_t j = i; j > 0 && key(found_[j]) < key(found_[j - 1]); --j) {
-        std::swap(found_[j], found_[j - 1]);
-      }
+    std::array<std::pair<bool, double>, kMaxSolutions> key;
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      key[i] = {found_[i].solution.verdict == Verdict::kJointLimit,
+                distance(found_[i].solution.q, reference_)};
     }
-    return found_;
+    Solutions result;
+    while (result.size() < found_.size()) {
+      std::size_t best = 0;
+      for (std::size_t i = 1; i < found_.size(); ++i) {
+        if (key[i] < key[best]) best = i;
+      }
+      result.push_back(found_[best]);
+      key[best] = {true, std::numeric_limits<double>::infinity()};
+    }
+    return result;
   }
 
   [[nodiscard]] const Solutions& found() const { return found_; }

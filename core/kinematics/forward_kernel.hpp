@@ -238,15 +238,17 @@ template <typename Scalar>
   frame.advance_all(chain, terms, axes);
   frame.store_pose(result.X_0n);
   result.joint_count = chain.joint_count;
+  using Vector = Eigen::Matrix<Scalar, 3, 1>;
   for (std::size_t i = 0; i < chain.joint_count; ++i) {
-    auto column = result.J.col(static_cast<Eigen::Index>(i));
-    const Eigen::Map<const Eigen::Matrix<Scalar, 3, 1>> axis(axes.axis[i].data());
+    Eigen::Map<Vector> linear(result.J.data() + 6 * i);
+    Eigen::Map<Vector> angular(result.J.data() + 6 * i + 3);
+    const Eigen::Map<const Vector> axis(axes.axis[i].data());
     if (chain.revolute[i]) [[likely]] {
-      column.template head<3>() = linear_column(axes, result.X_0n.p, i);
-      column.template tail<3>() = axis;
+      linear = linear_column(axes, result.X_0n.p, i);
+      angular = axis;
     } else {
-      column.template head<3>() = axis;
-      column.template tail<3>().setZero();
+      linear = axis;
+      angular.setZero();
     }
   }
   return true;

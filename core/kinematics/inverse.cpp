@@ -31,9 +31,10 @@ Result<InverseSolution> inverse(const Chain& chain, const Pose& X_0n, const Join
                                 const InverseOptions& options) {
   ARMSIG_CHECK(seed.size() == chain.joint_count);
   ARMSIG_CHECK(options.max_step.empty() || options.max_step.size() == chain.joint_count);
-  bool finite = X_0n.R.allFinite() && X_0n.p.allFinite();
-  for (const double reading : seed) finite = finite && std::isfinite(reading);
-  if (!finite) return std::unexpected(Error::kNotFinite);
+  // A number times zero is zero unless it is infinite or NaN.
+  double nothing = (0.0 * X_0n.R).sum() + (0.0 * X_0n.p).sum();
+  for (const double reading : seed) nothing += 0.0 * reading;
+  if (nothing != 0) return std::unexpected(Error::kNotFinite);
   if (chain.joint_count == 6) {
     const auto solution = newton_inverse(chain, X_0n, seed, options);
     if (solution && inside_limits(chain, *solution, seed, options)) return *solution;

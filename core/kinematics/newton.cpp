@@ -41,19 +41,9 @@ class BlockSolver {
     b4_ = linear_column(axes, p_0n, 3);
     b5_ = linear_column(axes, p_0n, 4);
     b6_ = linear_column(axes, p_0n, 5);
-    Vector3* s[] = {&s1_, &s2_, &s3_};
-    Vector3* g[] = {&g1_, &g2_, &g3_};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vector3 z = axis(axes, i);
-      if (chain.revolute[i]) [[likely]] {
-        *g[i] = Vector3(d_row4_.dot(z), d_row5_.dot(z), d_row6_.dot(z));
-        *s[i] =
-            linear_column(axes, p_0n, i) - (g[i]->x() * b4_ + g[i]->y() * b5_ + g[i]->z() * b6_);
-      } else {
-        g[i]->setZero();
-        *s[i] = z;
-      }
-    }
+    reduce(chain, axes, p_0n, 0, s1_, g1_);
+    reduce(chain, axes, p_0n, 1, s2_, g2_);
+    reduce(chain, axes, p_0n, 2, s3_, g3_);
     s_row1_ = s2_.cross(s3_);
     s_row2_ = s3_.cross(s1_);
     s_row3_ = s1_.cross(s2_);
@@ -87,6 +77,19 @@ class BlockSolver {
   [[nodiscard]] double regularity() const { return std::sqrt(regularity_squared_); }
 
  private:
+  // Columns i of S and of D^-1 C.
+  [[gnu::always_inline]] void reduce(const Chain& chain, const JointAxes<double>& axes,
+                                     const Vector3& p_0n, std::size_t i, Vector3& s, Vector3& g) {
+    const Vector3 z = axis(axes, i);
+    if (!chain.revolute[i]) [[unlikely]] {
+      g.setZero();
+      s = z;
+      return;
+    }
+    g = Vector3(d_row4_.dot(z), d_row5_.dot(z), d_row6_.dot(z));
+    s = linear_column(axes, p_0n, i) - (g.x() * b4_ + g.y() * b5_ + g.z() * b6_);
+  }
+
   static Vector3 axis(const JointAxes<double>& axes, std::size_t i) {
     return Eigen::Map<const Vector3>(axes.axis[i].data());
   }

@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
   add_evaluate(app, status);
   add_export(app, status);
   add_import(app, status);
+  add_connect(app, status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -34,9 +34,17 @@ TEST(ClosedForm, knows_the_designs_of_the_known_arms) {
 
 TEST(ClosedForm, is_exact_for_arms_that_are_as_drawn) {
   std::mt19937_64 random(1);
-  for (const test::KnownArm& arm : {test::puma560(), test::ur5(), test::ur10e()}) {
+  test::KnownArm folded = test::puma560();  // axes 2 and 3 parallel the other way round
+  folded.rows[1].alpha_rad = kPi;
+  folded.rows[2].d_m = 0.05;
+  test::KnownArm offset_base = test::puma560();  // as most industrial arms
+  offset_base.rows[0].a_m = 0.15;
+  offset_base.rows[0].d_m = 0.4;
+  for (const test::KnownArm& arm :
+       {test::puma560(), test::ur5(), test::ur10e(), folded, offset_base}) {
     const Chain chain = make_chain(arm.rows);
     const ClosedForm form = closed_form(chain);
+    ASSERT_NE(form.design, Design::kOther);
     for (int k = 0; k < 500; ++k) {
       const Pose X = *forward(chain, test::random_readings(arm, random));
       for (const Posture& posture : kPostures) {

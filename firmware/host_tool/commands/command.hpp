@@ -39,6 +39,7 @@ void add_suggest(CLI::App& app, int& status);
 void add_evaluate(CLI::App& app, int& status);
 void add_export(CLI::App& app, int& status);
 void add_import(CLI::App& app, int& status);
+void add_connect(CLI::App& app, int& status);
 
 // The flag --json of a command.
 void add_common(CLI::App& command, CommonOptions& options);

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Everything that the controller must be told, checked as a whole before anything moves. What the
+// drives must be told besides is in hal/canopen/configuration.hpp.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <expected>
+#include <optional>
+#include <string_view>
+
+#include "core/base/arm.hpp"
+#include "core/base/error.hpp"
+#include "core/evaluation/grid.hpp"
+#include "core/measurement/ranges.hpp"
+#include "core/measurement/receivers.hpp"
+#include "hal/clock.hpp"
+
+namespace armsig::controller {
+
+// Per joint in rad or m and seconds; of the tool point in m, rad and seconds.
+struct MotionLimits {
+  JointVector speed;
+  JointVector acceleration;
+  double tool_speed = 0.25;
+  double tool_turn_rate = 1.0;
+  // A tool line is refused, or stopped, where the regularity of the arm (kinematics/inverse.hpp)
+  // falls below this.
+  double least_regularity = 0.01;
+};
+
+struct Supervision {
+  // Commanded less actual position that is a fault, per joint; covers the delay of the bus.
+  JointVector following_error;
+  hal::Duration latest_tick = std::chrono::milliseconds(10);  // a tick later than this is a fault
+};
+
+struct Sensor {
+  measurement::ReceiverArray receivers;
+  double lowest_air_celsius = 0;
+  double highest_air_celsius = 45;
+  // Air that warms faster than this between two readings is a broken thermometer.
+  double largest_air_step_kelvin = 2;
+  hal::Duration reading_timeout = std::chrono::milliseconds(1000);  // without a usable reading
+};
+
+struct Dwell {
+  // Standstill: commanded less actual position of every joint, rad or m, for the time.
+  double tolerance = 1e-3;
+  hal::Duration settle = std::chrono::milliseconds(200);
+  std::size_t pings = 5;        // whose median is a point
+  std::size_t most_pings = 15;  // tried for them, at most measurement::kMaxPings
+};
+
+struct SweepPlan {
+  JointVector configuration;     // the signature configuration
+  double arc_rad = kPi / 2;      // of revolute joints, as far as the limits allow
+  std::size_t points = 24;       // over that arc, or over a prismatic joint's whole stroke
+  std::size_t most_points = 48;  // to which a sweep that is not accurate enough is extended
+  // 1 sigma of the axis, at which a sweep is long enough.
+  double axis_sigma_rad = 2e-4;
+  double point_sigma_m = 1e-4;
+  std::size_t held_out_poses = 8;  // by which a candidate is compared with the active model
+  double held_out_reach = 0.5;     // part of each joint's limits that they spread over
+  int target = 1;                  // number of the target on the hand, which all sweeps follow
+};
+
+// The grid-touching task; empty readings: none is set up.
+struct GridTask {
+  evaluation::Grid grid;
+  std::array<JointVector, 3> taught;  // readings at origin, x axis, xy plane of the workspace
+};
+
+struct Configuration {
+  Arm drawing;  // with limits for every joint
+  hal::Duration period = std::chrono::milliseconds(2);
+  MotionLimits limits;
+  Supervision supervision;
+  Sensor sensor;
+  Dwell dwell;
+  SweepPlan sweeps;
+  GridTask grid;
+};
+
+struct ConfigurationRefusal {
+  std::string_view setting;  // "sweeps.points", ...
+  Error error = Error::kNotFinite;
+  std::optional<std::size_t> joint;  // from 0
+  double found = 0;
+  double needed = 0;
+};
+
+// Errors: kTooFewAxes, kNotFinite, kCapacityExceeded, kLimitsReversed, kLimitsImplausible,
+// kNotPositive, kJointLimit (a reading outside its limits), kPeriodInvalid, kOutOfRange (a count or
+// a share), kUnsupported (a coupled joint), and those of measurement::check().
+[[nodiscard]] std::expected<void, ConfigurationRefusal> check(const Configuration& configuration);
+
+}  // namespace armsig::controller

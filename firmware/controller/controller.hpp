@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// The controller of one arm: a servo tick, and a background that never holds it up.
+//
+//   for (hal::Instant next = clock.now();; next += period) {   // a thread of high priority
+//     controller.tick(clock.wait_until(next));
+//   }
+//   for (;;) controller.background();                          // another, or after each tick
+//
+// The two share nothing but the mailboxes between them, so that they may run in two threads or one
+// after the other. Starts with the drives disabled; only an operator's `enable` changes that.
+#pragma once
+
+#include <span>
+
+#include "firmware/controller/background.hpp"
+#include "firmware/controller/configuration.hpp"
+#include "firmware/controller/link.hpp"
+#include "firmware/controller/servo.hpp"
+#include "hal/clock.hpp"
+#include "hal/console.hpp"
+#include "hal/joint_drives.hpp"
+#include "hal/nonvolatile_memory.hpp"
+#include "hal/range_sensor.hpp"
+
+namespace armsig::controller {
+
+class Controller {
+ public:
+  // Everything referred to must outlive the controller; `consoles` are at most kMaxConsoles.
+  // Preconditions: check(configuration); as many drives as joints. Large: keep it out of stacks.
+  Controller(const Configuration& configuration, hal::JointDrives& drives, hal::RangeSensor& sensor,
+             hal::Clock& clock, hal::NonvolatileMemory& memory,
+             std::span<hal::Console* const> consoles)
+      : configuration_(configuration),
+        servo_(configuration_, drives, clock, link_),
+        background_(configuration_, sensor, clock, memory, consoles, link_) {}
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+
+  // One tick: read drives, supervise, mode step, command drives, publish. `lateness` is what
+  // Clock::wait_until() returned. Never blocks.
+  void tick(hal::Duration lateness) { servo_.tick(lateness); }
+
+  // One bounded step of everything else: sensor, console, sequences, store.
+  void background() { background_.step(); }
+
+  // For the thread of the background.
+  [[nodiscard]] const Background& state() const { return background_; }
+
+ private:
+  Configuration configuration_;
+  Link link_;
+  Servo servo_;
+  Background background_;
+};
+
+}  // namespace armsig::controller

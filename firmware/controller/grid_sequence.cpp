@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/grid_sequence.hpp"
+
+namespace armsig::controller {
+
+using evaluation::joints_for_tool_pose;
+using evaluation::ToolModel;
+
+GridSequence::GridSequence(const Configuration& configuration, Mover& mover, const Link& link,
+                           const Announcer& announcer)
+    : configuration_(configuration), mover_(mover), link_(link), announcer_(announcer) {}
+
+ToolModel GridSequence::model() const {
+  const Model& model = link_.models[mover_.now().model];
+  return {.chain = model.chain, .p_nT = model.p_nT};
+}
+
+Result<void> GridSequence::begin() {
+  const auto& taught = configuration_.grid.taught;
+  if (taught[0].empty()) return std::unexpected(Error::kUnsupported);
+  const ToolModel tool = model();
+  ARMSIG_TRY(origin, tool_pose(tool, taught[0]));
+  ARMSIG_TRY(on_x, tool_pose(tool, taught[1]));
+  ARMSIG_TRY(on_xy, tool_pose(tool, taught[2]));
+  X_0W_ = evaluation::taught_frame(origin.p, on_x.p, on_xy.p);
+  R_0T_ = origin.R;
+  walk_.emplace(configuration_.grid.grid, taught[0]);
+  checking_ = true;
+  moving_ = false;
+  touched_ = 0;
+  return {};
+}
+
+void GridSequence::end(Error error, std::optional<std::size_t> joint) {
+  if (!is_running()) return;
+  walk_.reset();
+  mover_.send(CommandKind::kEndSequence);
+  Line line;
+  line.text("# touch-grid ended touched=").integer(touched_);
+  if (joint) line.text(" joint=").integer(*joint + 1);
+  announcer_.say(line.text(" reason=\"").text(describe(error)).text("\""));
+}
+
+void GridSequence::step() {
+  if (!is_running() || !mover_.is_handled()) return;
+  const Snapshot& snapshot = mover_.now();
+  if (snapshot.mode != Mode::kSweeping) {
+    end(snapshot.fault ? snapshot.fault->error : Error::kSequenceStopped,
+        snapshot.fault ? snapshot.fault->joint : std::nullopt);
+    return;
+  }
+  if (moving_) {
+    if (mover_.refusal()) {
+      end(*mover_.refusal());
+      return;
+    }
+    if (!mover_.has_arrived(configuration_.dwell.settle)) return;
+    moving_ = false;
+    ++touched_;
+    announcer_.say(Line()
+                       .text("# touched vertex=")
+                       .integer(touched_)
+                       .text(" of=")
+                       .integer(configuration_.grid.grid.vertex_count()));
+  }
+  go_on();
+}
+
+void GridSequence::go_on() {
+  if (!walk_->next()) {
+    if (checking_) {
+      checking_ = false;
+      walk_.emplace(configuration_.grid.grid, configuration_.grid.taught[0]);
+      return;
+    }
+    walk_.reset();
+    mover_.send(CommandKind::kEndSequence);
+    announcer_.say(Line().text("# touch-grid done touched=").integer(touched_));
+    return;
+  }
+  const auto q = joints_for_tool_pose(model(), {R_0T_, X_0W_ * walk_->vertex()}, walk_->seed());
+  if (!q) {
+    end(q.error());
+    return;
+  }
+  walk_->reached(*q);
+  if (checking_) return;
+  const auto move = plan_joint_move(configuration_, mover_.now().commanded, *q);
+  if (!move) {
+    end(move.error().error, move.error().joint);
+    return;
+  }
+  moving_ = mover_.send(*move);
+}
+
+}  // namespace armsig::controller

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// The grid-touching task of section 4 of the paper on the real arm: the workspace is taught by
+// three readings, and the tool is sent to every vertex through the model that the arm is servoed
+// with.
+#pragma once
+
+#include <optional>
+
+#include "core/evaluation/tool_pose.hpp"
+#include "firmware/controller/announcer.hpp"
+#include "firmware/controller/mover.hpp"
+
+namespace armsig::controller {
+
+class GridSequence {
+ public:
+  GridSequence(const Configuration& configuration, Mover& mover, const Link& link,
+               const Announcer& announcer);
+
+  // Errors: kUnsupported (no grid is configured), kNotFinite. Precondition: not is_running().
+  Result<void> begin();
+  void end(Error error, std::optional<std::size_t> joint = {});
+  void step();
+
+  [[nodiscard]] bool is_running() const { return walk_.has_value(); }
+  [[nodiscard]] std::size_t touched() const { return touched_; }
+
+ private:
+  [[nodiscard]] evaluation::ToolModel model() const;
+  void go_on();
+
+  const Configuration& configuration_;
+  Mover& mover_;
+  const Link& link_;
+  const Announcer& announcer_;
+
+  std::optional<evaluation::VertexWalk> walk_;
+  bool checking_ = false;  // every vertex is solved for before the arm moves
+  bool moving_ = false;
+  Pose X_0W_;
+  Matrix3 R_0T_ = Matrix3::Identity();
+  std::size_t touched_ = 0;
+};
+
+}  // namespace armsig::controller

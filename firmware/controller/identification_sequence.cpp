@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/identification_sequence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "core/base/low_discrepancy.hpp"
+#include "core/evaluation/tool_error.hpp"
+#include "core/identification.hpp"
+
+namespace armsig::controller {
+namespace {
+
+// Points in a row that give no position, until the sensor rather than the place is to blame.
+constexpr unsigned kLostInARow = 3;
+
+bool is_of_the_place(Error error) {
+  return error == Error::kTooFewReceivers || error == Error::kReceiversCollinear ||
+         error == Error::kMirrorAmbiguity || error == Error::kRangesInconsistent ||
+         error == Error::kSingular;
+}
+
+}  // namespace
+
+IdentificationSequence::IdentificationSequence(const Configuration& configuration, Mover& mover,
+                                               PointMeasurement& measurement,
+                                               const Announcer& announcer)
+    : configuration_(configuration),
+      mover_(mover),
+      measurement_(measurement),
+      announcer_(announcer) {}
+
+void IdentificationSequence::begin(const Signature* active) {
+  stage_ = Stage::kSweeping;
+  phase_ = Phase::kNext;
+  paused_ = false;
+  pause_reason_.reset();
+  active_ = active;
+  joint_ = held_out_ = points_done_ = 0;
+  lost_in_a_row_ = 0;
+  began_ = mover_.now().now;
+  features_.clear();
+  log_.clear();
+  forget_candidate();
+  begin_sweep();
+}
+
+void IdentificationSequence::forget_candidate() {
+  candidate_.reset();
+  report_ = {};
+}
+
+void IdentificationSequence::resume() {
+  paused_ = false;
+  pause_reason_.reset();
+  lost_in_a_row_ = 0;
+}
+
+void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) {
+  if (!is_running()) return;
+  stage_ = Stage::kNone;
+  paused_ = false;
+  pause_reason_.reset();
+  sweep_.reset();
+  measurement_.end();
+  if (!has_verdict()) forget_candidate();
+  mover_.send(CommandKind::kEndSequence);
+  Line line;
+  line.text("# identify ended");
+  if (joint) line.text(" joint=").integer(*joint + 1);
+  announcer_.say(line.text(" reason=\"").text(describe(error)).text("\""));
+}
+
+std::size_t IdentificationSequence::points_planned() const {
+  return configuration_.drawing.joints.size() * configuration_.sweeps.points +
+         configuration_.sweeps.held_out_poses;
+}
+
+double IdentificationSequence::left_s() const {
+  if (points_done_ == 0 || points_done_ >= points_planned()) return 0;
+  const double elapsed_s = hal::seconds(mover_.now().now - began_);
+  return elapsed_s / static_cast<double>(points_done_) *
+         static_cast<double>(points_planned() - points_done_);
+}
+
+void IdentificationSequence::tell_progress(std::string_view what) const {
+  Line line;
+  line.text("# identify ").text(what).text(" joint=").integer(joint_ + 1);
+  line.text(" points=").integer(points_done_).text(" planned=").integer(points_planned());
+  if (sweep_ && sweep_->axis_sigma_rad()) {
+    line.text(" axis_sigma_deg=").number(degrees(*sweep_->axis_sigma_rad()), 5);
+  }
+  announcer_.say(line.text(" left_s=").number(left_s(), 0));
+}
+
+void IdentificationSequence::step() {
+  if (!is_running()) return;
+  const Snapshot& snapshot = mover_.now();
+  if (!mover_.is_handled()) return;
+  if (snapshot.mode != Mode::kSweeping) {
+    end(snapshot.fault ? snapshot.fault->error : Error::kSequenceStopped,
+        snapshot.fault ? snapshot.fault->joint : std::nullopt);
+    return;
+  }
+  switch (phase_) {
+    case Phase::kNext:
+      if (!paused_) go_on();
+      return;
+    case Phase::kMoving:
+      if (mover_.refusal()) {
+        end(*mover_.refusal());
+      } else if (mover_.has_arrived(configuration_.dwell.settle)) {
+        if (stage_ == Stage::kReturning) {
+          stage_ = Stage::kNone;
+          mover_.send(CommandKind::kEndSequence);
+          announcer_.say(Line().text("# identify done"));
+          return;
+        }
+        measurement_.begin(snapshot.now);
+        phase_ = Phase::kMeasuring;
+      }
+      return;
+    case Phase::kMeasuring:
+      return;  // measure_step() goes on
+  }
+}
+
+void IdentificationSequence::begin_sweep() { sweep_.emplace(configuration_, joint_); }
+
+void IdentificationSequence::go_on() {
+  JointVector q = configuration_.sweeps.configuration;
+  if (stage_ == Stage::kSweeping) {
+    const auto reading = sweep_->next();
+    if (!reading) {
+      finish_sweep();
+      return;
+    }
+    q[joint_] = *reading;
+  } else if (stage_ == Stage::kHeldOut) {
+    if (held_out_ == configuration_.sweeps.held_out_poses) {
+      finish_held_out();
+      return;
+    }
+    q = held_out_pose(held_out_);
+  }
+  go_to(q);
+}
+
+void IdentificationSequence::go_to(const JointVector& q) {
+  const auto move = plan_joint_move(configuration_, mover_.now().commanded, q);
+  if (!move) {
+    end(move.error().error, move.error().joint);
+    return;
+  }
+  if (mover_.send(*move)) phase_ = Phase::kMoving;
+}
+
+// Spread about the signature configuration over the configured part of each joint's limits.
+JointVector IdentificationSequence::held_out_pose(std::size_t index) const {
+  const Arm& arm = configuration_.drawing;
+  FixedVector<JointType, kMaxJoints> types;
+  FixedVector<JointLimits, kMaxJoints> limits;
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    types.push_back(arm.joints[i].type);
+    const auto [lower, upper] = arm.limits[i];
+    const double centre = configuration_.sweeps.configuration[i];
+    const double reach = configuration_.sweeps.held_out_reach;
+    limits.push_back({centre + reach * (lower - centre), centre + reach * (upper - centre)});
+  }
+  return evenly_spread_configuration(types, limits, static_cast<int>(index) + 1);
+}
+
+void IdentificationSequence::measure_step(const Result<std::optional<MeasuredPoint>>& measured) {
+  if (!is_running() || phase_ != Phase::kMeasuring) return;
+  if (!measured) {
+    take_error(measured.error());
+  } else if (*measured) {
+    take(**measured);
+  }
+}
+
+void IdentificationSequence::take_error(Error error) {
+  phase_ = Phase::kNext;
+  if (!is_of_the_place(error)) {
+    pause_for(error);
+    return;
+  }
+  announcer_.say(Line().text("# identify point lost: ").text(describe(error)));
+  if (++lost_in_a_row_ >= kLostInARow) {
+    pause_for(error);
+  } else if (stage_ == Stage::kSweeping) {
+    sweep_->skip();
+  } else {
+    ++held_out_;
+  }
+}
+
+void IdentificationSequence::pause_for(Error error) {
+  paused_ = true;
+  pause_reason_ = error;
+  announcer_.say(Line()
+                     .text("# identify paused reason=\"")
+                     .text(describe(error))
+                     .text("\", go on with resume"));
+}
+
+void IdentificationSequence::take(const MeasuredPoint& point) {
+  phase_ = Phase::kNext;
+  lost_in_a_row_ = 0;
+  ++points_done_;
+  const JointVector& readings = mover_.now().positions;
+  const bool sweeping = stage_ == Stage::kSweeping;
+  if (!log_.full()) {
+    log_.push_back({.sweep = static_cast<std::uint8_t>(sweeping ? joint_ + 1 : 0),
+                    .pings = static_cast<std::uint8_t>(point.pings),
+                    .readings = readings,
+                    .p_S = point.p_S,
+                    .sigma_m = std::sqrt(point.covariance_m2.trace() / 3)});
+  }
+  if (!sweeping) {
+    ++held_out_;
+    return;
+  }
+  if (auto added = sweep_->add(readings[joint_], point.p_S, point.covariance_m2); !added) {
+    end(added.error(), joint_);
+    return;
+  }
+  if (sweep_->done() % 10 == 0) tell_progress("sweep");
+}
+
+void IdentificationSequence::finish_sweep() {
+  const auto feature = sweep_->feature();
+  if (!feature) {
+    end(feature.error().error, joint_);
+    return;
+  }
+  tell_progress("swept");
+  features_.push_back(*feature);
+  if (++joint_ < configuration_.drawing.joints.size()) {
+    begin_sweep();
+    return;
+  }
+  --joint_;
+  sweep_.reset();
+  finish_sweeps();
+}
+
+void IdentificationSequence::finish_sweeps() {
+  const auto identified =
+      identify(features_, configuration_.sweeps.configuration, configuration_.drawing);
+  if (!identified) {
+    end(identified.error().refusal.error, identified.error().joint);
+    return;
+  }
+  candidate_ = *identified;
+  add_targets(*candidate_);
+  if (active_ != nullptr) {
+    reference_ = *active_;
+    lay_over(reference_, *candidate_);
+  } else {
+    reference_ = evaluation::drawing_as_model(configuration_.drawing, *candidate_);
+  }
+  stage_ = Stage::kHeldOut;
+}
+
+// Every sweep has seen the one target pass the signature configuration: weighted mean.
+void IdentificationSequence::add_targets(Signature& signature) const {
+  Matrix3 information = Matrix3::Zero();
+  Vector3 weighted = Vector3::Zero();
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    const double reading = configuration_.sweeps.configuration[i];
+    const Matrix3 covariance = features_[i].target_covariance_at(reading);
+    const Matrix3 weight =
+        (covariance + 1e-14 * Matrix3::Identity()).inverse();  // never singular: 0.1 micrometre
+    information += weight;
+    weighted += weight * features_[i].target_at(reading);
+  }
+  const Matrix3 covariance = information.inverse();
+  signature.targets.clear();
+  signature.targets.push_back({.number = configuration_.sweeps.target,
+                               .link = signature.joint_count(),
+                               .p_S = covariance * weighted,
+                               .covariance_m2 = covariance});
+}
+
+void IdentificationSequence::finish_held_out() {
+  report_ = compare(*candidate_, reference_, log_);
+  announcer_.say(Line()
+                     .text("# candidate held_out=")
+                     .integer(report_.poses)
+                     .text(" candidate_rms_mm=")
+                     .number(1e3 * report_.candidate_rms_m, 4)
+                     .text(" active_rms_mm=")
+                     .number(1e3 * report_.active_rms_m, 4));
+  stage_ = Stage::kReturning;
+}
+
+}  // namespace armsig::controller

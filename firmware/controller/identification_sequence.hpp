@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// The identification, step by step: sweep joint after joint about the signature configuration,
+// dwell and measure at every point, stop or extend each sweep by the accuracy it predicts,
+// identify, then measure held-out poses and compare candidate and active model on them.
+//
+// Trouble of the sensor pauses it; resume() measures the same point again. Trouble of the arm ends
+// it. Nothing is stored by it.
+#pragma once
+
+#include <optional>
+
+#include "core/signature.hpp"
+#include "firmware/controller/announcer.hpp"
+#include "firmware/controller/held_out.hpp"
+#include "firmware/controller/mover.hpp"
+#include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/sweep.hpp"
+
+namespace armsig::controller {
+
+class IdentificationSequence {
+ public:
+  enum class Stage : std::uint8_t { kNone, kSweeping, kHeldOut, kReturning };
+
+  IdentificationSequence(const Configuration& configuration, Mover& mover,
+                         PointMeasurement& measurement, const Announcer& announcer);
+
+  // Forgets candidate and log. `active` is the signature in use, null: the drawing; it must stay
+  // as it is until the sequence is over. Precondition: not is_running().
+  void begin(const Signature* active);
+  void pause() { paused_ = true; }
+  void resume();
+  // Ends it with `error` as the reason, wherever it is.
+  void end(Error error, std::optional<std::size_t> joint = {});
+  void step();
+  // What the sensor said in this step.
+  void measure_step(const Result<std::optional<MeasuredPoint>>& measured);
+
+  [[nodiscard]] bool is_running() const { return stage_ != Stage::kNone; }
+  [[nodiscard]] bool is_paused() const { return is_running() && paused_; }
+  [[nodiscard]] Stage stage() const { return stage_; }
+  [[nodiscard]] std::optional<Error> pause_reason() const { return pause_reason_; }
+  [[nodiscard]] std::size_t points_done() const { return points_done_; }
+  [[nodiscard]] std::size_t points_planned() const;
+  [[nodiscard]] double left_s() const;
+
+  [[nodiscard]] const std::optional<Signature>& candidate() const { return candidate_; }
+  [[nodiscard]] bool has_verdict() const { return report_.poses > 0; }
+  [[nodiscard]] const HeldOutReport& report() const { return report_; }
+  [[nodiscard]] const MeasurementLog& log() const { return log_; }
+  void forget_candidate();
+
+ private:
+  enum class Phase : std::uint8_t { kNext, kMoving, kMeasuring };
+
+  void go_on();
+  void begin_sweep();
+  void finish_sweep();
+  void finish_sweeps();
+  void finish_held_out();
+  void add_targets(Signature& signature) const;
+  void go_to(const JointVector& q);
+  void take(const MeasuredPoint& point);
+  void take_error(Error error);
+  void pause_for(Error error);
+  [[nodiscard]] JointVector held_out_pose(std::size_t index) const;
+  void tell_progress(std::string_view what) const;
+
+  const Configuration& configuration_;
+  Mover& mover_;
+  PointMeasurement& measurement_;
+  const Announcer& announcer_;
+
+  Stage stage_ = Stage::kNone;
+  Phase phase_ = Phase::kNext;
+  bool paused_ = false;
+  std::optional<Error> pause_reason_;
+  const Signature* active_ = nullptr;
+  std::size_t joint_ = 0;
+  std::size_t held_out_ = 0;
+  std::size_t points_done_ = 0;
+  unsigned lost_in_a_row_ = 0;
+  hal::Instant began_;
+  std::optional<Sweep> sweep_;
+  FixedVector<features::JointFeature, kMaxJoints> features_;
+  std::optional<Signature> candidate_;
+  Signature reference_;  // the active model, laid over the candidate
+  HeldOutReport report_;
+  MeasurementLog log_;
+};
+
+}  // namespace armsig::controller

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/model.hpp"
+
+#include "core/kinematics/forward.hpp"
+
+namespace armsig::controller {
+
+Model model_of(const Arm& drawing) {
+  Model model;
+  model.chain = kinematics::make_chain(drawing.joints, drawing.limits);
+  return model;
+}
+
+Model model_of(const Signature& signature, const Arm& drawing) {
+  Model model;
+  model.chain = kinematics::make_chain(signature.pseudo_dh, drawing.limits);
+  model.X_R0 = signature.X_SL[0];
+  model.identified = true;
+  for (const Target& target : signature.targets) {
+    if (target.link != signature.joint_count()) continue;
+    if (const auto X_0n = kinematics::forward(model.chain, signature.configuration)) {
+      model.p_nT = (model.X_R0 * *X_0n).inverse() * target.p_S;
+    }
+    break;
+  }
+  return model;
+}
+
+Result<Pose> tool_pose(const Model& model, const JointVector& q) {
+  ARMSIG_TRY(X_0n, kinematics::forward(model.chain, q));
+  const Pose X_Rn = model.X_R0 * X_0n;
+  return Pose{X_Rn.R, X_Rn * model.p_nT};
+}
+
+}  // namespace armsig::controller

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/kinematics/inverse.hpp"
+
+namespace armsig::controller {
+namespace {
+
+using kinematics::Verdict;
+
+// The bound of the warm-started Newton iteration in a tick; 2 or 3 are the rule.
+constexpr int kTickIterations = 12;
+constexpr double kShortest_s = 0.02;
+
+std::unexpected<MoveRefusal> refused(Error error, std::optional<std::size_t> joint = {}) {
+  return std::unexpected(MoveRefusal{error, joint});
+}
+
+// Time for which course s must last so that |dq/ds| s' and |dq/ds| s'' + |d2q/ds2| s'^2 keep their
+// limits.
+double duration_for(double slope, double curvature, double speed, double acceleration) {
+  const double by_speed = kPeakSpeed * slope / speed;
+  const double by_acceleration =
+      std::sqrt((kPeakAcceleration * slope + kPeakSpeed * kPeakSpeed * curvature) / acceleration);
+  return std::max(by_speed, by_acceleration);
+}
+
+Result<JointVector> solve(const Configuration& configuration, const Model& model, const Pose& X_RT,
+                          const JointVector& seed, const kinematics::InverseOptions& options) {
+  ARMSIG_TRY(solution, kinematics::inverse(model.chain, flange_pose(model, X_RT), seed, options));
+  switch (solution.verdict) {
+    case Verdict::kConverged:
+    case Verdict::kDegraded:
+      if (solution.regularity < configuration.limits.least_regularity) {
+        return std::unexpected(Error::kSingularPath);
+      }
+      return solution.q;
+    case Verdict::kOutOfReach:
+      return std::unexpected(Error::kOutOfReach);
+    case Verdict::kJointLimit:
+      return std::unexpected(Error::kJointLimit);
+    case Verdict::kStepLimit:
+      return std::unexpected(Error::kSpeedLimit);
+    case Verdict::kNotConverged:
+      break;
+  }
+  return std::unexpected(Error::kNotConverged);
+}
+
+bool finite(const JointVector& q) {
+  return std::ranges::all_of(q, [](double value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
+Planned plan_joint_move(const Configuration& configuration, const JointVector& from,
+                        const JointVector& to, double pace) {
+  if (to.size() != from.size() || !(pace > 0) || pace > 1) return refused(Error::kOutOfRange);
+  if (!finite(to)) return refused(Error::kNotFinite);
+  Move move;
+  move.from = from;
+  move.to = to;
+  move.duration_s = kShortest_s;
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const JointLimits& limits = configuration.drawing.limits[i];
+    if (to[i] < limits.lower || to[i] > limits.upper) return refused(Error::kJointLimit, i);
+    move.duration_s = std::max(
+        move.duration_s, duration_for(std::abs(to[i] - from[i]), 0, configuration.limits.speed[i],
+                                      configuration.limits.acceleration[i]));
+  }
+  move.duration_s /= pace;
+  return move;
+}
+
+Pose line_pose(const Move& line, double s) {
+  const Vector3 turn = rotation_vector(line.X_RT_from.R.transpose() * line.X_RT_to.R);
+  const double angle = turn.norm();
+  Pose X_RT{line.X_RT_from.R, line.X_RT_from.p + s * (line.X_RT_to.p - line.X_RT_from.p)};
+  if (angle > 0) X_RT.R = line.X_RT_from.R * rotation_about(turn / angle, s * angle);
+  return X_RT;
+}
+
+Planned plan_line(const Configuration& configuration, const Model& model, const JointVector& from,
+                  const Pose& X_RT_to, double pace) {
+  if (!(pace > 0) || pace > 1) return refused(Error::kOutOfRange);
+  if (!X_RT_to.p.allFinite() || !X_RT_to.R.allFinite()) return refused(Error::kNotFinite);
+  const auto X_RT_from = tool_pose(model, from);
+  if (!X_RT_from) return refused(X_RT_from.error());
+  Move move;
+  move.kind = MoveKind::kLine;
+  move.from = move.to = from;
+  move.X_RT_from = *X_RT_from;
+  move.X_RT_to = X_RT_to;
+  const double turn = rotation_vector(X_RT_from->R.transpose() * X_RT_to.R).norm();
+  const MotionLimits& limits = configuration.limits;
+  double duration =
+      std::max({kShortest_s, kPeakSpeed * (X_RT_to.p - X_RT_from->p).norm() / limits.tool_speed,
+                kPeakSpeed * turn / limits.tool_turn_rate});
+  JointVector before = from;
+  JointVector slope_before(from.size());
+  for (int k = 1; k <= kLineSamples; ++k) {
+    const auto q = solve(configuration, model,
+                         line_pose(move, static_cast<double>(k) / kLineSamples), move.to, {});
+    if (!q) return refused(q.error());
+    for (std::size_t i = 0; i < q->size(); ++i) {
+      const double slope = ((*q)[i] - before[i]) * kLineSamples;
+      const double curvature = k == 1 ? 0 : (slope - slope_before[i]) * kLineSamples;
+      duration = std::max(duration, duration_for(std::abs(slope), std::abs(curvature),
+                                                 limits.speed[i], limits.acceleration[i]));
+      slope_before[i] = slope;
+    }
+    before = move.to = *q;
+  }
+  // The samples see a joint's speed between two of them only on average.
+  constexpr double kMargin = 1.05;
+  move.duration_s = kMargin * duration / pace;
+  return move;
+}
+
+Result<JointVector> readings_at(const Move& move, const Configuration& configuration,
+                                const Model& model, const JointVector& former, double seconds) {
+  const double s = minimum_jerk(std::clamp(seconds / move.duration_s, 0.0, 1.0));
+  if (move.kind == MoveKind::kJoint) {
+    JointVector q = move.from;
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] += s * (move.to[i] - move.from[i]);
+    return q;
+  }
+  kinematics::InverseOptions options;
+  options.max_iterations = kTickIterations;
+  for (const double speed : configuration.limits.speed) {
+    options.max_step.push_back(speed * hal::seconds(configuration.period));
+  }
+  return solve(configuration, model, line_pose(move, s), former, options);
+}
+
+}  // namespace armsig::controller

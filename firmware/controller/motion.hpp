@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Moves with minimum jerk: in joint space, and straight lines of the tool.
+#pragma once
+
+#include <optional>
+
+#include "core/base/pose.hpp"
+#include "firmware/controller/configuration.hpp"
+#include "firmware/controller/model.hpp"
+
+namespace armsig::controller {
+
+// The course of a move over its duration (Flash and Hogan 1985): s from 0 to 1 for part in [0, 1],
+// with velocity and acceleration zero at both ends.
+[[nodiscard]] constexpr double minimum_jerk(double part) {
+  return part * part * part * (10 + part * (-15 + 6 * part));
+}
+inline constexpr double kPeakSpeed = 1.875;               // of s, per duration
+inline constexpr double kPeakAcceleration = 5.773502692;  // of s, per duration squared
+
+enum class MoveKind : std::uint8_t { kJoint, kLine };
+
+// All of a move that is known before it begins.
+struct Move {
+  MoveKind kind = MoveKind::kJoint;
+  JointVector from;
+  JointVector to;  // of a line: where the plan ends
+  Pose X_RT_from;  // line only
+  Pose X_RT_to;
+  double duration_s = 0;
+};
+
+struct MoveRefusal {
+  Error error = Error::kNotFinite;
+  std::optional<std::size_t> joint;
+};
+using Planned = std::expected<Move, MoveRefusal>;
+
+// `pace` in (0, 1] slows the limits down.
+// Errors: kNotFinite, kOutOfRange (pace, number of readings), kJointLimit.
+[[nodiscard]] Planned plan_joint_move(const Configuration& configuration, const JointVector& from,
+                                      const JointVector& to, double pace = 1);
+
+// The line is walked in kLineSamples steps through the inverse of the model before anything moves.
+// Errors: kNotFinite, kOutOfRange, kOutOfReach, kJointLimit, kSingularPath, kNotConverged.
+inline constexpr int kLineSamples = 100;
+[[nodiscard]] Planned plan_line(const Configuration& configuration, const Model& model,
+                                const JointVector& from, const Pose& X_RT_to, double pace = 1);
+
+// The tool pose at course s in [0, 1]: straight, turned about one axis.
+[[nodiscard]] Pose line_pose(const Move& line, double s);
+
+// The joint readings `seconds` after the begin of the move, reached from `former` in one `period`.
+// Errors of a line: kOutOfReach, kJointLimit, kSingularPath, kSpeedLimit (a joint would have to be
+// faster than its limit), kNotConverged, kNotFinite.
+[[nodiscard]] Result<JointVector> readings_at(const Move& move, const Configuration& configuration,
+                                              const Model& model, const JointVector& former,
+                                              double seconds);
+
+}  // namespace armsig::controller

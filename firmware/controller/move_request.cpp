@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// `move`: readings of some joints (q2_deg, q2_rad, q2_mm, q2_m), the others stay; or a straight
+// line of the tool to x, y, z (_mm, _m) and, where given, the unit quaternion qw, qx, qy, qz; dx,
+// dy, dz
+// (_mm, _m) instead are relative to where the tool is. `pace` slows the limits down.
+#include <cmath>
+
+#include "firmware/controller/background.hpp"
+
+namespace armsig::controller {
+namespace {
+
+std::optional<double> unit_factor(std::string_view unit) {
+  if (unit == "deg") return kPi / 180;
+  if (unit == "rad" || unit == "m") return 1.0;
+  if (unit == "mm") return 1e-3;
+  return std::nullopt;
+}
+
+struct Key {
+  std::string_view name;
+  std::string_view unit;
+};
+
+Key split(std::string_view key) {
+  const std::size_t underscore = key.find('_');
+  if (underscore == std::string_view::npos) return {key, {}};
+  return {key.substr(0, underscore), key.substr(underscore + 1)};
+}
+
+// q1 ... q8: the joint from 0.
+std::optional<std::size_t> joint_of(std::string_view name) {
+  if (name.size() != 2 || name[0] != 'q' || name[1] < '1' || name[1] > '8') return std::nullopt;
+  return static_cast<std::size_t>(name[1] - '1');
+}
+
+std::optional<Eigen::Index> letter(std::string_view name, std::string_view letters) {
+  const std::size_t at = name.size() == 1 ? letters.find(name[0]) : std::string_view::npos;
+  if (at == std::string_view::npos) return std::nullopt;
+  return static_cast<Eigen::Index>(at);
+}
+
+}  // namespace
+
+Background::Verdict Background::move(const Request& request) {
+  if (mover_.now().mode != Mode::kHolding || is_busy()) return std::unexpected(Error::kWrongMode);
+  double pace = 1;
+  bool joints = false;
+  for (const auto& [key, value] : request.arguments) {
+    if (key == "pace") {
+      const auto told = parse_number(value);
+      if (!told) return std::unexpected(Error::kOutOfRange);
+      pace = *told;
+    } else if (joint_of(split(key).name)) {
+      joints = true;
+    }
+  }
+  return joints ? move_joints(request, pace) : move_tool(request, pace);
+}
+
+Background::Verdict Background::move_joints(const Request& request, double pace) {
+  JointVector to = mover_.now().commanded;
+  for (const auto& [key, value] : request.arguments) {
+    if (key == "pace") continue;
+    const auto [name, unit] = split(key);
+    const auto joint = joint_of(name);
+    const auto factor = unit_factor(unit);
+    const auto number = parse_number(value);
+    if (!joint || *joint >= to.size() || !factor) return std::unexpected(Error::kUnknownRequest);
+    const bool angle = unit == "deg" || unit == "rad";
+    const bool turns = configuration_.drawing.joints[*joint].type == JointType::kRevolute;
+    if (angle != turns) return std::unexpected(Error::kUnknownRequest);
+    if (!number) return std::unexpected(Error::kOutOfRange);
+    to[*joint] = *factor * *number;
+  }
+  const auto planned = plan_joint_move(configuration_, mover_.now().commanded, to, pace);
+  if (!planned) {
+    if (planned.error().joint) out_.text(" joint=").integer(*planned.error().joint + 1);
+    return std::unexpected(planned.error().error);
+  }
+  if (!mover_.send(*planned)) return std::unexpected(Error::kBusBusy);
+  waits_ = true;
+  return {};
+}
+
+Background::Verdict Background::move_tool(const Request& request, double pace) {
+  const Model& model = link_.models[mover_.now().model];
+  const auto X_RT = tool_pose(model, mover_.now().commanded);
+  if (!X_RT) return std::unexpected(X_RT.error());
+  Pose goal = *X_RT;
+  Eigen::Vector4d wxyz = Eigen::Vector4d::Zero();
+  int places = 0;
+  int parts = 0;
+  for (const auto& [key, value] : request.arguments) {
+    if (key == "pace") continue;
+    const auto number = parse_number(value);
+    const auto [name, unit] = split(key);
+    const bool relative = name.size() == 2 && name[0] == 'd';
+    const auto axis = letter(relative ? name.substr(1) : name, "xyz");
+    const bool is_quaternion = name.size() == 2 && name[0] == 'q' && unit.empty();
+    const auto part = is_quaternion ? letter(name.substr(1), "wxyz") : std::nullopt;
+    if (!part && !(axis && (unit == "mm" || unit == "m"))) {
+      return std::unexpected(Error::kUnknownRequest);
+    }
+    if (!number) return std::unexpected(Error::kOutOfRange);
+    if (part) {
+      wxyz(*part) = *number;
+      ++parts;
+    } else {
+      const double length = *unit_factor(unit) * *number;
+      goal.p(*axis) = relative ? X_RT->p(*axis) + length : length;
+      ++places;
+    }
+  }
+  if (places + parts == 0) return std::unexpected(Error::kUnknownRequest);
+  if (parts > 0) {
+    constexpr double kUnit = 1e-3;
+    if (parts != 4 || std::abs(wxyz.norm() - 1) > kUnit) {
+      return std::unexpected(Error::kOutOfRange);
+    }
+    wxyz.normalize();
+    goal.R = Eigen::Quaterniond(wxyz(0), wxyz(1), wxyz(2), wxyz(3)).toRotationMatrix();
+  }
+  const auto planned = plan_line(configuration_, model, mover_.now().commanded, goal, pace);
+  if (!planned) return std::unexpected(planned.error().error);
+  if (!mover_.send(*planned)) return std::unexpected(Error::kBusBusy);
+  waits_ = true;
+  return {};
+}
+
+}  // namespace armsig::controller

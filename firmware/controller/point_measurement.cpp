@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/point_measurement.hpp"
+
+#include <cmath>
+
+#include "core/measurement/speed_of_sound.hpp"
+
+namespace armsig::controller {
+namespace {
+
+// One answer may be spoilt on the line; a fault spoils them all.
+constexpr unsigned kErrorsInARow = 3;
+
+bool is_passing(Error error) {
+  return error == Error::kSensorBadCrc || error == Error::kSensorWrongUnit ||
+         error == Error::kSensorException || error == Error::kSensorMalformed;
+}
+
+}  // namespace
+
+PointMeasurement::PointMeasurement(const Configuration& configuration, hal::RangeSensor& sensor)
+    : configuration_(configuration), sensor_(sensor) {}
+
+void PointMeasurement::begin(hal::Instant now) {
+  began_ = heard_at_ = now;
+  errors_in_a_row_ = 0;
+  median_.emplace(configuration_.sensor.receivers.p_S.size());
+}
+
+Result<std::optional<MeasuredPoint>> PointMeasurement::step(hal::Instant now) {
+  const auto polled = sensor_.poll(now);
+  if (!polled) {
+    if (auto taken = take_error(polled.error()); !taken) return std::unexpected(taken.error());
+  } else if (*polled) {
+    errors_in_a_row_ = 0;
+    trouble_.reset();
+    heard_at_ = now;
+    return take(**polled);
+  }
+  if (median_ && now - heard_at_ > configuration_.sensor.reading_timeout) {
+    end();
+    trouble_ = Error::kSensorSilent;
+    return std::unexpected(Error::kSensorSilent);
+  }
+  return std::optional<MeasuredPoint>{};
+}
+
+Result<void> PointMeasurement::take_error(Error error) {
+  trouble_ = error;
+  ++errors_in_a_row_;
+  if (!median_) return {};
+  if (is_passing(error) && errors_in_a_row_ < kErrorsInARow) return {};
+  end();
+  return std::unexpected(error);
+}
+
+Result<double> PointMeasurement::speed_in(const hal::RangeReading& reading) {
+  const Sensor& sensor = configuration_.sensor;
+  if (!(reading.air_celsius >= sensor.lowest_air_celsius &&
+        reading.air_celsius <= sensor.highest_air_celsius)) {
+    return std::unexpected(Error::kTemperatureImplausible);
+  }
+  const std::optional<double> before = air_celsius_;
+  air_celsius_ = reading.air_celsius;
+  if (before && std::abs(reading.air_celsius - *before) > sensor.largest_air_step_kelvin) {
+    return std::unexpected(Error::kAirChanged);
+  }
+  return measurement::speed_of_sound(reading.air_celsius);
+}
+
+Result<std::optional<MeasuredPoint>> PointMeasurement::take(const hal::RangeReading& reading) {
+  const auto none = std::optional<MeasuredPoint>{};
+  const auto speed = speed_in(reading);
+  if (!speed) {
+    if (auto taken = take_error(speed.error()); !taken) return std::unexpected(taken.error());
+    return none;
+  }
+  if (!median_ || reading.at < began_) return none;
+  const measurement::ReceiverArray& receivers = configuration_.sensor.receivers;
+  if (reading.receivers.size() != receivers.p_S.size()) {
+    if (auto taken = take_error(Error::kSensorMalformed); !taken) {
+      return std::unexpected(taken.error());
+    }
+    return none;
+  }
+  FlightTimes flights;
+  for (const hal::ReceiverReading& receiver : reading.receivers) {
+    flights.push_back({.seconds = receiver.flight_s, .valid = receiver.valid});
+  }
+  const auto ranges =
+      measurement::ranges_from_times(flights, *speed, measurement::SoundPath::kOneWay);
+  if (auto added = median_->add(ranges); !added) {
+    end();
+    return std::unexpected(added.error());
+  }
+  if (median_->pings() < configuration_.dwell.pings) return none;
+  const auto position = measurement::trilaterate(receivers, median_->median());
+  if (position) {
+    const MeasuredPoint point{position->p_S, position->covariance_m2, median_->pings()};
+    end();
+    return std::optional(point);
+  }
+  if (median_->pings() < configuration_.dwell.most_pings) return none;
+  end();
+  return std::unexpected(position.error());
+}
+
+}  // namespace armsig::controller

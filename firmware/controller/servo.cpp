@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/servo.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/check.hpp"
+
+namespace armsig::controller {
+namespace {
+
+// A move is planned from where the arm is commanded to be; one planned from elsewhere would jump.
+constexpr double kSameReading = 1e-9;
+
+}  // namespace
+
+Servo::Servo(const Configuration& configuration, hal::JointDrives& drives, hal::Clock& clock,
+             Link& link)
+    : configuration_(configuration), drives_(drives), clock_(clock), link_(link) {
+  ARMSIG_CHECK(drives.count() == configuration.drawing.joints.size());
+  commanded_.resize(drives.count());
+}
+
+void Servo::tick(hal::Duration lateness) {
+  now_ = clock_.now();
+  const Result<void> read = drives_.read(now_);
+  supervise(read, lateness);
+  take_commands();
+  step_mode();
+  command_drives();
+  publish(lateness);
+}
+
+void Servo::supervise(const Result<void>& read, hal::Duration lateness) {
+  if (mode_ == Mode::kFaulted) return;
+  supervise_drives();
+  if (!read) fail(read.error());
+  if (has_torque()) supervise_following();
+  if (has_torque() && lateness > configuration_.supervision.latest_tick) fail(Error::kLateTick);
+}
+
+// The drive that faulted first: the others have left their state because of it.
+void Servo::supervise_drives() {
+  for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
+    const hal::DriveStatus status = drives_.status(joint);
+    if (status.condition != hal::DriveCondition::kFaulted && !status.fault) continue;
+    fail(status.fault.value_or(Error::kDriveFault), joint, status.fault_code);
+  }
+  for (std::size_t joint = 0; joint < drives_.count() && has_torque(); ++joint) {
+    const hal::DriveStatus status = drives_.status(joint);
+    if (status.condition != hal::DriveCondition::kEnabled) {
+      fail(Error::kDriveDroppedOut, joint, status.status_word);
+    }
+  }
+}
+
+void Servo::supervise_following() {
+  const JointVector& actual = drives_.positions();
+  for (std::size_t joint = 0; joint < actual.size(); ++joint) {
+    const double error = std::abs(commanded_[joint] - actual[joint]);
+    if (!(error <= configuration_.supervision.following_error[joint])) {
+      fail(Error::kFollowingError, joint);
+    }
+  }
+}
+
+// The first cause is kept; what follows from it is not told.
+void Servo::fail(Error error, std::optional<std::size_t> joint, std::uint32_t code) {
+  if (mode_ == Mode::kFaulted) return;
+  mode_ = Mode::kFaulted;
+  fault_ = Fault{error, joint, code};
+  enabling_ = in_sequence_ = false;
+  move_.reset();
+  drives_.quick_stop();
+}
+
+void Servo::take_commands() {
+  while (const auto command = link_.commands.take()) {
+    refused_ = take(*command);
+    handled_ = command->serial;
+  }
+}
+
+std::optional<Error> Servo::take(const Command& command) {
+  switch (command.kind) {
+    case CommandKind::kEnable:
+      if (mode_ != Mode::kIdle || enabling_ || !drives_.all(hal::DriveCondition::kDisabled)) {
+        return Error::kWrongMode;
+      }
+      if (const auto enabled = drives_.enable(); !enabled) return enabled.error();
+      enabling_ = true;
+      return std::nullopt;
+    case CommandKind::kDisable:
+      if (mode_ == Mode::kStarting || mode_ == Mode::kFaulted) return Error::kWrongMode;
+      drives_.disable();
+      enabling_ = in_sequence_ = false;
+      move_.reset();
+      mode_ = Mode::kIdle;
+      return std::nullopt;
+    case CommandKind::kReset:
+      if (mode_ != Mode::kFaulted) return Error::kWrongMode;
+      drives_.reset_faults();
+      fault_.reset();
+      mode_ = Mode::kStarting;
+      return std::nullopt;
+    case CommandKind::kStop:
+      fail(Error::kEmergencyStop);
+      return std::nullopt;
+    case CommandKind::kMove:
+      return begin(command.move);
+    case CommandKind::kBeginSequence:
+      if (mode_ != Mode::kHolding) return Error::kWrongMode;
+      in_sequence_ = true;
+      return std::nullopt;
+    case CommandKind::kEndSequence:
+      in_sequence_ = false;
+      return std::nullopt;
+    case CommandKind::kAdoptModel:
+      if (move_) return Error::kWrongMode;
+      model_ = command.model;  // commanded_ stays: the joints do not notice
+      return std::nullopt;
+  }
+  return Error::kWrongMode;
+}
+
+std::optional<Error> Servo::begin(const Move& move) {
+  if (!has_torque() || move_) return Error::kWrongMode;
+  for (std::size_t joint = 0; joint < commanded_.size(); ++joint) {
+    if (std::abs(move.from[joint] - commanded_[joint]) > kSameReading) return Error::kWrongMode;
+  }
+  move_ = move;
+  move_began_ = now_;
+  return std::nullopt;
+}
+
+void Servo::step_mode() {
+  using enum hal::DriveCondition;
+  if (mode_ == Mode::kStarting && drives_.all(kDisabled)) mode_ = Mode::kIdle;
+  if (!has_torque()) commanded_ = drives_.positions();
+  if (enabling_ && drives_.all(kEnabled)) {
+    enabling_ = false;
+    mode_ = Mode::kHolding;
+    unsettled_at_ = now_;
+  }
+  if (!has_torque()) return;
+  step_move();
+  if (!has_torque()) return;  // the move failed
+  mode_ = in_sequence_ ? Mode::kSweeping : (move_ ? Mode::kServoing : Mode::kHolding);
+  if (!is_settled()) unsettled_at_ = now_;
+}
+
+void Servo::step_move() {
+  if (!move_) return;
+  const double elapsed_s = hal::seconds(now_ - move_began_ + configuration_.period);
+  const auto q = readings_at(*move_, configuration_, link_.models[model_], commanded_, elapsed_s);
+  if (!q) {
+    fail(q.error());
+    return;
+  }
+  commanded_ = *q;
+  if (elapsed_s >= move_->duration_s) move_.reset();
+}
+
+bool Servo::is_settled() const {
+  if (move_) return false;
+  const JointVector& actual = drives_.positions();
+  for (std::size_t joint = 0; joint < actual.size(); ++joint) {
+    if (std::abs(commanded_[joint] - actual[joint]) > configuration_.dwell.tolerance) return false;
+  }
+  return true;
+}
+
+void Servo::command_drives() {
+  if (const auto written = drives_.write(commanded_, now_); !written) {
+    // One full queue is the bus's business: the backend faults if it stays full.
+    if (has_torque() && written.error() != Error::kBusBusy) fail(written.error());
+  }
+}
+
+void Servo::publish(hal::Duration lateness) {
+  Snapshot& out = link_.snapshot.writing();
+  out.mode = mode_;
+  out.fault = fault_;
+  out.handled = handled_;
+  out.refused = refused_;
+  out.positions = drives_.positions();
+  out.commanded = commanded_;
+  out.moving = move_.has_value();
+  out.left_s = move_ ? std::max(0.0, move_->duration_s - hal::seconds(now_ - move_began_)) : 0;
+  out.settled = has_torque() ? now_ - unsettled_at_ : hal::Duration::zero();
+  out.now = now_;
+  out.model = model_;
+  if (const auto X_RT = tool_pose(link_.models[model_], out.positions)) out.X_RT = *X_RT;
+  out.all_disabled = drives_.all(hal::DriveCondition::kDisabled);
+  lateness_.add(lateness);
+  out.lateness = lateness_;
+  execution_.add(clock_.now() - now_);
+  out.execution = execution_;
+  link_.snapshot.publish();
+}
+
+}  // namespace armsig::controller

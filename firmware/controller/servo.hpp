@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// The servo tick: read drives, supervise, mode step, command drives, publish.
+#pragma once
+
+#include "firmware/controller/configuration.hpp"
+#include "firmware/controller/link.hpp"
+#include "hal/clock.hpp"
+#include "hal/joint_drives.hpp"
+
+namespace armsig::controller {
+
+class Servo {
+ public:
+  Servo(const Configuration& configuration, hal::JointDrives& drives, hal::Clock& clock,
+        Link& link);
+
+  void tick(hal::Duration lateness);
+
+ private:
+  [[nodiscard]] bool has_torque() const {
+    return mode_ == Mode::kHolding || mode_ == Mode::kServoing || mode_ == Mode::kSweeping;
+  }
+  void supervise(const Result<void>& read, hal::Duration lateness);
+  void supervise_drives();
+  void supervise_following();
+  void take_commands();
+  [[nodiscard]] std::optional<Error> take(const Command& command);
+  [[nodiscard]] std::optional<Error> begin(const Move& move);
+  void step_mode();
+  void step_move();
+  void command_drives();
+  void publish(hal::Duration lateness);
+  void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0);
+  [[nodiscard]] bool is_settled() const;
+
+  const Configuration& configuration_;
+  hal::JointDrives& drives_;
+  hal::Clock& clock_;
+  Link& link_;
+
+  Mode mode_ = Mode::kStarting;
+  std::optional<Fault> fault_;
+  bool enabling_ = false;
+  bool in_sequence_ = false;
+  std::optional<Move> move_;
+  hal::Instant now_;
+  hal::Instant move_began_;
+  hal::Instant unsettled_at_;
+  JointVector commanded_;
+  std::size_t model_ = 0;
+  std::uint32_t handled_ = 0;
+  std::optional<Error> refused_;
+  Histogram lateness_;
+  Histogram execution_;
+};
+
+}  // namespace armsig::controller

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace armsig::controller {
+namespace {
+
+// Before half of the plan nothing is judged: a lucky few points would end a sweep.
+std::size_t least_points(const SweepPlan& plan) { return plan.points / 2; }
+
+}  // namespace
+
+Sweep::Sweep(const Configuration& configuration, std::size_t joint)
+    : configuration_(configuration),
+      joint_(joint),
+      estimator_({.type = configuration.drawing.joints[joint].type, .limits = {}}) {
+  const SweepPlan& plan = configuration.sweeps;
+  auto [lower, upper] = configuration.drawing.limits[joint];
+  const double least = lower;
+  const double most = upper;
+  const bool turns = configuration.drawing.joints[joint].type == JointType::kRevolute;
+  if (turns && plan.arc_rad < upper - lower) {
+    lower = std::clamp(plan.configuration[joint] - plan.arc_rad / 2, lower, upper - plan.arc_rad);
+    upper = lower + plan.arc_rad;
+  }
+  first_ = lower;
+  step_ = (upper - lower) / static_cast<double>(plan.points - 1);
+  // Rounding must not push the last point over a limit.
+  constexpr double kSlack = 1e-9;
+  above_ = static_cast<std::size_t>((most - lower) / step_ + kSlack) + 1;
+  below_ = static_cast<std::size_t>((lower - least) / step_ + kSlack);
+  if (turns) {
+    // A full turn comes back to the first point.
+    const auto turn = static_cast<std::size_t>(2 * kPi / step_);
+    above_ = std::min(above_, std::max(plan.points, turn));
+    below_ = std::min(below_, turn - std::min(turn, above_));
+  }
+}
+
+bool Sweep::is_accurate() const {
+  const SweepPlan& plan = configuration_.sweeps;
+  return done_ >= least_points(plan) && axis_sigma_rad_ &&
+         *axis_sigma_rad_ <= plan.axis_sigma_rad && point_sigma_m_ &&
+         *point_sigma_m_ <= plan.point_sigma_m;
+}
+
+std::optional<double> Sweep::next() const {
+  const std::size_t most = std::min(configuration_.sweeps.most_points, above_ + below_);
+  if (done_ >= most || is_accurate()) return std::nullopt;
+  const JointLimits& limits = configuration_.drawing.limits[joint_];
+  const double offset =
+      done_ < above_ ? static_cast<double>(done_) : -static_cast<double>(done_ - above_ + 1);
+  return std::clamp(first_ + step_ * offset, limits.lower, limits.upper);
+}
+
+Result<void> Sweep::add(double reading, const Vector3& p_S, const Matrix3& covariance_m2) {
+  ++done_;
+  if (auto added = estimator_.add(reading, p_S, covariance_m2); !added) return added;
+  if (done_ < least_points(configuration_.sweeps)) return {};
+  const auto estimate = feature();
+  axis_sigma_rad_.reset();
+  if (!estimate) return {};
+  const auto& covariance = estimate->covariance;
+  // Of the axis direction: the rotation vector's parts perpendicular to the axis.
+  const Matrix3 across = Matrix3::Identity() - estimate->axis_S * estimate->axis_S.transpose();
+  const Matrix3 turn = covariance.block<3, 3>(3, 3);
+  const Matrix3 shift = covariance.block<3, 3>(0, 0);
+  axis_sigma_rad_ = std::sqrt(std::max(0.0, (across * turn).trace()));
+  point_sigma_m_ = std::sqrt(std::max(0.0, (across * shift).trace()));
+  return {};
+}
+
+}  // namespace armsig::controller

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The sweep of one joint: where its next point is, and whether it has enough.
+#pragma once
+
+#include <optional>
+
+#include "core/features/sweep_estimator.hpp"
+#include "firmware/controller/configuration.hpp"
+
+namespace armsig::controller {
+
+class Sweep {
+ public:
+  Sweep(const Configuration& configuration, std::size_t joint);
+
+  // Reading of the next point, empty when the sweep is over: accurate enough, at both limits, or
+  // out of points.
+  [[nodiscard]] std::optional<double> next() const;
+  // The point at next(), measured at the actual `reading`. Errors: those of SweepEstimator::add.
+  Result<void> add(double reading, const Vector3& p_S, const Matrix3& covariance_m2);
+  // The point at next() could not be measured.
+  void skip() { ++done_; }
+
+  [[nodiscard]] Judged<features::JointFeature> feature() const {
+    return estimator_.estimate(features::Method::kEncoder);
+  }
+  [[nodiscard]] std::size_t done() const { return done_; }
+  // Predicted 1 sigma of the axis, from the points so far; empty: no estimate yet.
+  [[nodiscard]] std::optional<double> axis_sigma_rad() const { return axis_sigma_rad_; }
+
+ private:
+  [[nodiscard]] bool is_accurate() const;
+
+  const Configuration& configuration_;
+  std::size_t joint_;
+  features::SweepEstimator estimator_;
+  double first_ = 0;
+  double step_ = 0;
+  std::size_t above_ = 0;  // points that fit from first_ up to the upper limit
+  std::size_t below_ = 0;  // further points that fit down to the lower limit
+  std::size_t done_ = 0;
+  std::optional<double> axis_sigma_rad_;
+  std::optional<double> point_sigma_m_;
+};
+
+}  // namespace armsig::controller

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace armsig::controller {
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+std::string_view next_word(std::string_view& rest) {
+  while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
+  std::size_t length = 0;
+  while (length < rest.size() && !is_blank(rest[length])) ++length;
+  const std::string_view word = rest.substr(0, length);
+  rest.remove_prefix(length);
+  return word;
+}
+
+}  // namespace
+
+Line& Line::text(std::string_view words) {
+  for (const char c : words) {
+    if (!characters_.full()) characters_.push_back(c);
+  }
+  return *this;
+}
+
+Line& Line::integer(std::uint64_t value) {
+  std::array<char, 20> digits{};
+  std::size_t first = digits.size();
+  do {
+    digits[--first] = static_cast<char>('0' + value % 10);
+    value /= 10;
+  } while (value != 0);
+  return text({digits.data() + first, digits.size() - first});
+}
+
+Line& Line::number(double value, unsigned decimals) {
+  if (!std::isfinite(value)) return text("none");
+  std::uint64_t scale = 1;
+  for (unsigned i = 0; i < decimals; ++i) scale *= 10;
+  const double magnitude = std::abs(value) * static_cast<double>(scale);
+  if (magnitude > 9e18) return text("huge");
+  const auto scaled = static_cast<std::uint64_t>(std::llround(magnitude));
+  if (value < 0 && scaled != 0) text("-");
+  integer(scaled / scale);
+  if (decimals == 0) return *this;
+  text(".");
+  for (std::uint64_t digit = scale / 10; digit > 0; digit /= 10) {
+    integer(scaled / digit % 10);
+  }
+  return *this;
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  std::size_t at = 0;
+  const auto sign = [&] {
+    const bool negative = at < text.size() && text[at] == '-';
+    if (at < text.size() && (text[at] == '-' || text[at] == '+')) ++at;
+    return negative;
+  };
+  const bool negative = sign();
+  double value = 0;
+  int exponent = 0;
+  std::size_t digits = 0;
+  bool after_point = false;
+  for (; at < text.size() && (is_digit(text[at]) || (text[at] == '.' && !after_point)); ++at) {
+    if (text[at] == '.') {
+      after_point = true;
+      continue;
+    }
+    value = 10 * value + (text[at] - '0');
+    if (after_point) --exponent;
+    ++digits;
+  }
+  if (digits == 0 || digits > 30) return std::nullopt;
+  if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
+    ++at;
+    const bool falls = sign();
+    int told = 0;
+    std::size_t told_digits = 0;
+    for (; at < text.size() && is_digit(text[at]) && told_digits < 3; ++at, ++told_digits) {
+      told = 10 * told + (text[at] - '0');
+    }
+    if (told_digits == 0) return std::nullopt;
+    exponent += falls ? -told : told;
+  }
+  if (at != text.size()) return std::nullopt;
+  // One division or multiplication by an exact power of ten, so that "0.1" is the nearest double.
+  const double power = std::pow(10.0, std::abs(exponent));
+  value = exponent < 0 ? value / power : value * power;
+  if (!std::isfinite(value)) return std::nullopt;
+  return negative ? -value : value;
+}
+
+Result<Request> parse_request(std::string_view line) {
+  Request request;
+  request.verb = next_word(line);
+  if (request.verb.empty()) return std::unexpected(Error::kUnknownRequest);
+  for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string_view::npos || equals == 0) {
+      return std::unexpected(Error::kUnknownRequest);
+    }
+    if (request.arguments.full()) return std::unexpected(Error::kCapacityExceeded);
+    const std::string_view key = word.substr(0, equals);
+    if (std::ranges::any_of(request.arguments,
+                            [&](const auto& argument) { return argument.first == key; })) {
+      return std::unexpected(Error::kUnknownRequest);
+    }
+    request.arguments.push_back({key, word.substr(equals + 1)});
+  }
+  return request;
+}
+
+}  // namespace armsig::controller

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The lines of the console: numbers to text and back, without the C library's formatting, which
+// wants a heap.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "core/base/error.hpp"
+#include "core/base/fixed_vector.hpp"
+
+namespace armsig::controller {
+
+// A line that is being put together; what does not fit is left out.
+class Line {
+ public:
+  Line& text(std::string_view words);
+  Line& integer(std::uint64_t value);
+  // With `decimals` digits after the point, at most 9.
+  Line& number(double value, unsigned decimals);
+  [[nodiscard]] std::string_view view() const { return {characters_.data(), characters_.size()}; }
+
+ private:
+  FixedVector<char, 1024> characters_;
+};
+
+// Decimal, with an optional sign, point and exponent; empty for anything else.
+[[nodiscard]] std::optional<double> parse_number(std::string_view text);
+
+struct Request {
+  std::string_view verb;
+  FixedVector<std::pair<std::string_view, std::string_view>, 16> arguments;
+};
+
+// "verb key=value ...". Errors: kUnknownRequest (no verb, a word without "=", a key twice),
+// kCapacityExceeded.
+[[nodiscard]] Result<Request> parse_request(std::string_view line);
+
+}  // namespace armsig::controller

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// armsig connect: the controller's console, for a person and for a script.
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/console_client.hpp"
+#include "firmware/host_tool/line_editor.hpp"
+
+namespace armsig::tool {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct Options {
+  std::string path;
+  double timeout_s = 60;
+};
+
+// --- For a script: a request a line, its reply, the next ---------------------------------------
+
+// Replies go to standard output, what the controller says unasked to standard error.
+int talk_for_a_script(ConsoleClient& console, const Options& options) {
+  const milliseconds longest(static_cast<milliseconds::rep>(1e3 * options.timeout_s));
+  bool good = true;
+  for (std::string request; std::getline(std::cin, request);) {
+    if (request.find_first_not_of(" \t\r") == std::string::npos) continue;
+    if (!console.send(request)) break;
+    for (bool replied = false; !replied;) {
+      const auto line = console.receive(longest);
+      if (!line && console.gone()) break;
+      if (!line) {
+        fmt::print(stderr, "armsig connect: no reply to \"{}\" within {} s\n", request,
+                   options.timeout_s);
+        return kNoAnswer;
+      }
+      replied = is_reply(*line);
+      fmt::print(replied ? stdout : stderr, "{}\n", *line);
+      std::fflush(stdout);
+      good = good && !is_error(*line);
+    }
+    if (console.gone()) break;
+  }
+  if (console.gone()) fmt::print(stderr, "armsig connect: the controller closed the console\n");
+  return good && !console.gone() ? kDone : kNoAnswer;
+}
+
+// --- For a person: history, and what the controller says while one types -------------------------
+
+class RawTerminal {
+ public:
+  RawTerminal() {
+    ::tcgetattr(STDIN_FILENO, &former_);
+    termios raw = former_;
+    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG | IEXTEN);
+    raw.c_iflag &= ~static_cast<tcflag_t>(IXON | ICRNL);
+    raw.c_cc[VMIN] = 1;
+    raw.c_cc[VTIME] = 0;
+    ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
+  }
+  ~RawTerminal() { ::tcsetattr(STDIN_FILENO, TCSANOW, &former_); }
+  RawTerminal(const RawTerminal&) = delete;
+  RawTerminal& operator=(const RawTerminal&) = delete;
+
+ private:
+  termios former_{};
+};
+
+constexpr std::string_view kPrompt = "armsig> ";
+constexpr std::string_view kClearLine = "\r\033[K";
+
+void draw(const LineEditor& editor) {
+  fmt::print("{}{}{}\r\033[{}C", kClearLine, kPrompt, editor.text(),
+             kPrompt.size() + editor.cursor());
+  std::fflush(stdout);
+}
+
+// False when the person wants to leave.
+bool take_keys(ConsoleClient& console, LineEditor& editor) {
+  constexpr char kEndOfInput = 0x04;  // Ctrl-D
+  std::array<char, 256> keys{};
+  const ssize_t count = ::read(STDIN_FILENO, keys.data(), keys.size());
+  if (count <= 0) return false;
+  for (ssize_t i = 0; i < count; ++i) {
+    const char key = keys[static_cast<std::size_t>(i)];
+    if (key == kEndOfInput && editor.text().empty()) return false;
+    const auto line = editor.key(key);
+    if (!line) continue;
+    fmt::print("{}{}{}\n", kClearLine, kPrompt, *line);
+    if (*line == "quit" || *line == "exit") return false;
+    if (!line->empty() && !console.send(*line)) return true;
+  }
+  return true;
+}
+
+int talk_to_a_person(ConsoleClient& console) {
+  const RawTerminal raw;
+  LineEditor editor;
+  fmt::print("Connected. `help` lists the requests, `quit` or Ctrl-D leaves.\n");
+  draw(editor);
+  for (;;) {
+    std::array<pollfd, 2> ready{pollfd{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0},
+                                pollfd{.fd = console.descriptor(), .events = POLLIN, .revents = 0}};
+    if (::poll(ready.data(), ready.size(), -1) < 0) continue;
+    if (ready[0].revents != 0 && !take_keys(console, editor)) {
+      fmt::print("{}", kClearLine);
+      return kDone;
+    }
+    if (ready[1].revents != 0) {
+      while (const auto line = console.receive(milliseconds(0))) {
+        fmt::print("{}{}\n", kClearLine, *line);
+      }
+    }
+    if (console.gone()) {
+      fmt::print("{}The controller closed the console.\n", kClearLine);
+      return kNoAnswer;
+    }
+    draw(editor);
+  }
+}
+
+int run(const Options& options) {
+  auto console = ConsoleClient::open(options.path);
+  if (!console) return fail(console.error(), kBadInput, {});
+  return ::isatty(STDIN_FILENO) == 1 ? talk_to_a_person(*console)
+                                     : talk_for_a_script(*console, options);
+}
+
+}  // namespace
+
+void add_connect(CLI::App& app, int& status) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "connect",
+      "the controller's console; from a pipe: a request a line, status 1 if any reply is an error");
+  command->add_option("console", options->path, "its Unix socket, or a serial device")->required();
+  command->add_option("--timeout-s", options->timeout_s, "longest wait for a reply, for scripts")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace armsig::tool

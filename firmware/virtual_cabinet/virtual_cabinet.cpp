@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/virtual_cabinet/virtual_cabinet.hpp"
+
+namespace armsig::cabinet {
+
+VirtualSensor::VirtualSensor(const World& world, const canopen::CheckedConfiguration& drives,
+                             std::span<const std::optional<simulated::Drive>> motors)
+    : world_(world),
+      drives_(drives),
+      motors_(motors),
+      field_(world.sensor, simulated::Random(world.seed)) {}
+
+JointVector VirtualSensor::true_readings() const {
+  JointVector q;
+  for (std::size_t i = 0; i < drives_->axes.size(); ++i) {
+    // Scaling is linear: whole counts, and the part of one that the encoder does not see.
+    const canopen::Scaling& scaling = drives_.scaling(i);
+    const double counts = motors_[i]->position();
+    const auto whole = static_cast<std::int32_t>(counts);
+    const double one = scaling.reading(whole + 1) - scaling.reading(whole);
+    q.push_back(scaling.reading(whole) + one * (counts - whole));
+  }
+  return q;
+}
+
+Result<std::optional<hal::RangeReading>> VirtualSensor::do_poll(hal::Instant now) {
+  if (pinged_at_ && now - *pinged_at_ < world_.ping_period) return std::nullopt;
+  pinged_at_ = now;
+  if (error_) return std::unexpected(*error_);
+  const simulated::Sounding sounding = field_.measure(simulated::target_position(
+      world_.arm, true_readings(), world_.arm.targets[world_.arm.targets.size() - 1]));
+  hal::RangeReading reading;
+  for (std::size_t j = 0; j < sounding.time_ns.size(); ++j) {
+    reading.receivers.push_back(
+        {.valid = sounding.valid[j], .flight_s = 1e-9 * sounding.time_ns[j]});
+  }
+  reading.air_celsius = sounding.air_celsius;
+  reading.at = now;
+  reading.sequence = sounding.sequence;
+  return reading;
+}
+
+VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
+                               const canopen::Configuration& drives, const World& world,
+                               hal::NonvolatileMemory& memory,
+                               std::span<hal::Console* const> consoles)
+    : world_(world),
+      drives_(*canopen::check(drives)),
+      period_(configuration.period),
+      bus_(drives.bits_per_second) {
+  bus_.connect(master_port_);
+  for (std::size_t i = 0; i < drives.axes.size(); ++i) {
+    simulated::DriveConfiguration drive;
+    drive.node = drives.axes[i].node;
+    drive.motion.start = drives_.scaling(i).counts(world.start[i]).value_or(0);
+    motors_[i].emplace(drive, ports_[i]);
+    bus_.connect(ports_[i], &*motors_[i]);
+  }
+  clock_.add(bus_);
+  master_.emplace(drives_, master_port_);
+  sensor_.emplace(world_, drives_, motors_);
+  controller_.emplace(configuration, *master_, *sensor_, clock_, memory, consoles);
+}
+
+void VirtualCabinet::step() {
+  controller_->tick(clock_.wait_until(next_));
+  controller_->background();
+  next_ += period_;
+}
+
+}  // namespace armsig::cabinet

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// A whole cabinet in virtual time: the controller with its CANopen stack, a virtual CAN bus,
+// emulated drives, an arm with its manufacturing errors, and an ultrasonic sensor that measures the
+// target on its hand.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "firmware/controller/controller.hpp"
+#include "hal/canopen/configuration.hpp"
+#include "hal/canopen/master.hpp"
+#include "hal/simulated/arm.hpp"
+#include "hal/simulated/drive.hpp"
+#include "hal/simulated/ultrasonic_field.hpp"
+#include "hal/simulated/virtual_can_bus.hpp"
+#include "hal/simulated/virtual_clock.hpp"
+
+namespace armsig::cabinet {
+
+// The arm as it is, behind the drives as they are.
+struct World {
+  simulated::SimulatedArm arm;  // as it was built; its last target is on the hand
+  JointVector start;            // readings at power-up
+  simulated::UltrasonicConfig sensor;
+  hal::Duration ping_period = std::chrono::milliseconds(20);
+  std::uint64_t seed = 1;
+};
+
+// Measures the hand target where the drives really are.
+class VirtualSensor final : public hal::RangeSensor {
+ public:
+  VirtualSensor(const World& world, const canopen::CheckedConfiguration& drives,
+                std::span<const std::optional<simulated::Drive>> motors);
+
+  // Trouble on command: readings cease, are repeated, or tell this air temperature.
+  void set_error(std::optional<Error> error) { error_ = error; }
+  [[nodiscard]] simulated::UltrasonicConfig& field() { return field_.config(); }
+  // Exact readings of the joints, which the drives only round.
+  [[nodiscard]] JointVector true_readings() const;
+
+ private:
+  Result<std::optional<hal::RangeReading>> do_poll(hal::Instant now) override;
+
+  const World& world_;
+  const canopen::CheckedConfiguration& drives_;
+  std::span<const std::optional<simulated::Drive>> motors_;
+  simulated::UltrasonicField field_;
+  std::optional<hal::Instant> pinged_at_;
+  std::optional<Error> error_;
+};
+
+class VirtualCabinet {
+ public:
+  // Preconditions: check() of both configurations; `memory` and `consoles` outlive the cabinet.
+  VirtualCabinet(const controller::Configuration& configuration,
+                 const canopen::Configuration& drives, const World& world,
+                 hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles);
+  VirtualCabinet(const VirtualCabinet&) = delete;
+  VirtualCabinet& operator=(const VirtualCabinet&) = delete;
+
+  // One tick, the background after it, and the time until the next tick.
+  void step();
+
+  [[nodiscard]] hal::Clock& clock() { return clock_; }
+  [[nodiscard]] const controller::Background& state() const { return controller_->state(); }
+  [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return *motors_[joint]; }
+  [[nodiscard]] simulated::VirtualCanPort& master_port() { return master_port_; }
+  [[nodiscard]] VirtualSensor& sensor() { return *sensor_; }
+
+ private:
+  World world_;
+  canopen::CheckedConfiguration drives_;
+  hal::Duration period_;
+  simulated::VirtualClock clock_;
+  simulated::VirtualCanBus bus_;
+  simulated::VirtualCanPort master_port_;
+  std::array<simulated::VirtualCanPort, kMaxJoints> ports_;
+  std::array<std::optional<simulated::Drive>, kMaxJoints> motors_;
+  std::optional<canopen::Master> master_;
+  std::optional<VirtualSensor> sensor_;
+  std::optional<controller::Controller> controller_;
+  hal::Instant next_;
+};
+
+}  // namespace armsig::cabinet

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: MIT
+// The master and the sensor backends against the emulated arm, which is a process of its own: real
+// SocketCAN, a real serial line. Run it by host_tests/bench/run.
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "core/measurement/speed_of_sound.hpp"
+#include "core/measurement/trilateration.hpp"
+#include "hal/linux/rtu_range_sensor.hpp"
+#include "hal/simulated/demo_sensor.hpp"
+#include "host_tests/bench/bench_master.hpp"
+#include "host_tests/bench/bench_process.hpp"
+
+namespace armsig::bench {
+namespace {
+
+using hal::DriveCondition;
+using linux_hal::RtuRangeSensor;
+using std::chrono::milliseconds;
+
+bool have(const char* program) {
+  return std::system(("command -v " + std::string(program) + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+std::string content(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+const JointVector& folded() {
+  static const JointVector readings{0.3, -1.0, 0.6, 0.4, 0.8, -0.5};
+  return readings;
+}
+
+std::unique_ptr<RtuRangeSensor> serial_sensor(const std::string& device,
+                                              std::size_t receivers = 8) {
+  linux_hal::RtuRangeSensorConfiguration configuration{.device = device};
+  configuration.profile.receivers = receivers;
+  configuration.answer_timeout = milliseconds(300);
+  configuration.freshness = {.silent_after = milliseconds(1500), .stale_after = milliseconds(1500)};
+  auto sensor = RtuRangeSensor::start(configuration);
+  EXPECT_TRUE(sensor);
+  return std::move(*sensor);
+}
+
+// Polls until there is a reading, or the error asked for; other errors are passed over.
+std::optional<hal::RangeReading> reading_of(hal::RangeSensor& sensor,
+                                            const std::function<void()>& meanwhile) {
+  for (const hal::Instant end = linux_hal::monotonic_now() + std::chrono::seconds(60);
+       linux_hal::monotonic_now() < end;) {
+    const auto polled = sensor.poll(linux_hal::monotonic_now());
+    if (polled && *polled) return **polled;
+    meanwhile();
+  }
+  return std::nullopt;
+}
+bool reports(hal::RangeSensor& sensor, Error error) {
+  for (const hal::Instant end = linux_hal::monotonic_now() + std::chrono::seconds(60);
+       linux_hal::monotonic_now() < end;) {
+    const auto polled = sensor.poll(linux_hal::monotonic_now());
+    if (!polled && polled.error() == error) return true;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return false;
+}
+void pause() { std::this_thread::sleep_for(milliseconds(5)); }
+
+// Where a reading of the demonstration's receivers says that the target is.
+Result<measurement::Position> located(const hal::RangeReading& reading) {
+  measurement::ReceiverArray array{.p_S = {}, .range_sigma_m = simulated::kDemoRangeSigma};
+  FlightTimes flights;
+  const simulated::UltrasonicConfig field = simulated::demo_sensor();
+  for (std::size_t j = 0; j < reading.receivers.size(); ++j) {
+    array.p_S.push_back(field.receivers_S[j]);
+    flights.push_back({reading.receivers[j].flight_s, reading.receivers[j].valid});
+  }
+  ARMSIG_TRY(speed, measurement::speed_of_sound(reading.air_celsius));
+  return measurement::trilaterate(
+      array, measurement::ranges_from_times(flights, speed, measurement::SoundPath::kOneWay));
+}
+
+TEST(Bench, drives_of_another_process_are_set_up_enabled_and_moved) {
+  BenchProcess arm({"--zero-counts", "1000,-2000,0,5,123456,-7", "--bandwidth-hz", "10"});
+  canopen::Configuration configuration = patient_drives();
+  constexpr std::array kZero{1000, -2000, 0, 5, 123456, -7};
+  for (std::size_t i = 0; i < kZero.size(); ++i) {
+    configuration.axes[i].scaling.zero_counts = kZero[i];
+  }
+  BenchMaster master(configuration);
+  ASSERT_TRUE(master.enable());
+  master.move(folded(), 150);
+  master.run(50);
+  const auto truth = arm.numbers("status", "joints");
+  ASSERT_EQ(truth.size(), folded().size());
+  for (std::size_t i = 0; i < folded().size(); ++i) {
+    EXPECT_NEAR(truth[i], folded()[i], 1e-4);
+    EXPECT_NEAR(master.master.positions()[i], folded()[i], 1e-4);
+  }
+  EXPECT_EQ(master.master.counters().unknown, 0U);
+  EXPECT_EQ(master.master.counters().malformed, 0U);
+}
+
+TEST(Bench, the_sensor_on_the_serial_line_tells_where_the_target_truly_is) {
+  BenchProcess arm;
+  const auto sensor = serial_sensor(arm.sensor_device);
+  const auto reading = reading_of(*sensor, pause);
+  ASSERT_TRUE(reading);
+  const auto position = located(*reading);
+  ASSERT_TRUE(position);
+  EXPECT_LT((position->p_S - arm.target_S()).norm(), 2e-3);
+  EXPECT_NEAR(reading->air_celsius, 20, 0.05);
+}
+
+TEST(Bench, the_sensor_on_the_can_bus_tells_where_the_target_truly_is) {
+  BenchProcess arm({"--sensor-node", "32"});
+  canopen::RangeSensor sensor({.node = 32, .receivers = 6});
+  canopen::Configuration configuration = patient_drives();
+  configuration.other_nodes.push_back(32);
+  BenchMaster master(configuration, &sensor);
+  const auto reading = reading_of(sensor, [&] { master.tick(); });
+  ASSERT_TRUE(reading);
+  const auto position = located(*reading);
+  ASSERT_TRUE(position);
+  EXPECT_LT((position->p_S - arm.target_S()).norm(), 2e-3);
+}
+
+TEST(Bench, mbpoll_reads_the_emulated_sensor) {
+  if (!have("mbpoll")) GTEST_SKIP() << "mbpoll is not installed";
+  BenchProcess arm({"--sigma-mm", "0"});
+  const std::string output = arm.sensor_device + ".mbpoll";
+  const std::string command = "mbpoll -m rtu -b 115200 -P even -a 1 -t 3 -0 -r 0 -c 4 -1 -o 2 " +
+                              arm.sensor_device + " >" + output + " 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << content(output);
+  const std::string text = content(output);
+  EXPECT_NE(text.find("[0]: \t255"), std::string::npos) << text;  // eight receivers heard it
+  EXPECT_NE(text.find("[2]: \t200"), std::string::npos) << text;  // 20.0 degrees
+  EXPECT_NE(text.find("[3]: \t8"), std::string::npos) << text;
+}
+
+TEST(Bench, a_sensor_that_pymodbus_serves_is_read) {
+  if (std::system("/usr/bin/python3 -c 'import pymodbus, serial' 2>/dev/null") != 0) {
+    GTEST_SKIP() << "python3-pymodbus and python3-serial are not installed";
+  }
+  const std::string device = "/dev/shm/armsig_pymodbus_" + std::to_string(::getpid());
+  const std::string command = "exec /usr/bin/python3 " ARMSIG_BENCH_FOLDER "/pymodbus_sensor.py " +
+                              device + " >/dev/null 2>&1 & echo $! >" + device + ".pid";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  // An interpreter takes its time to start.
+  for (int i = 0; i < 600 && !std::filesystem::exists(device); ++i) {
+    std::this_thread::sleep_for(milliseconds(100));
+  }
+  const auto sensor = serial_sensor(device, 4);
+  const auto reading = reading_of(*sensor, pause);
+  const std::string end = "kill $(cat " + device + ".pid); rm -f " + device + " " + device + ".pid";
+  EXPECT_EQ(std::system(end.c_str()), 0);
+  ASSERT_TRUE(reading);
+  EXPECT_NEAR(reading->air_celsius, 21.5, 1e-9);
+  ASSERT_EQ(reading->receivers.size(), 4U);
+  for (std::size_t j = 0; j < 4; ++j) {
+    EXPECT_TRUE(reading->receivers[j].valid);
+    EXPECT_NEAR(reading->receivers[j].flight_s,
+                1e-9 * (3'000'000.0 + 1000.0 * static_cast<double>(j)), 1e-12);
+  }
+}
+
+TEST(Bench, every_fault_of_a_drive_stops_all_of_them_under_its_name_and_can_be_reset) {
+  BenchProcess arm;
+  BenchMaster master;
+  ASSERT_TRUE(master.enable());
+  struct Fault {
+    const char* kind;
+    Error error;
+  };
+  for (const Fault& fault :
+       {Fault{"emergency code=0x2310", Error::kDriveEmergency},
+        Fault{"heartbeat", Error::kHeartbeatLost}, Fault{"feedback", Error::kFeedbackLost},
+        Fault{"reboot", Error::kDriveRebooted},
+        Fault{"pre-operational", Error::kDriveNotOperational},
+        Fault{"power", Error::kDriveDroppedOut}}) {
+    const auto before = arm.numbers("status", "joints");
+    arm.order("drive joint=3 kind=" + std::string(fault.kind));
+    EXPECT_TRUE(master.run_until([&] { return master.faulted(); })) << fault.kind;
+    EXPECT_EQ(master.master.status(2).fault, fault.error)
+        << fault.kind << ": "
+        << (master.master.status(2).fault ? describe(*master.master.status(2).fault) : "no fault");
+    // Two ticks for the quick stop to reach the others and their answers to come back.
+    EXPECT_TRUE(master.run_until(
+        [&] { return master.master.status(0).condition == DriveCondition::kStopped; },
+        milliseconds(500)))
+        << fault.kind;
+    const auto after = arm.numbers("status", "joints");
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-3);
+    arm.order("drive joint=3 kind=none");
+    ASSERT_TRUE(master.recover()) << fault.kind;
+  }
+}
+
+TEST(Bench, a_blocked_motor_and_a_lost_sync_end_in_the_drives_own_emergencies) {
+  BenchProcess arm({"--sync-loss", "100"});
+  canopen::Configuration configuration = patient_drives();
+  for (auto& axis : configuration.axes) axis.following_window = 0.05;
+  BenchMaster master(configuration);
+  ASSERT_TRUE(master.enable());
+  arm.order("drive joint=2 kind=blocked");
+  master.move(folded(), 100);
+  EXPECT_TRUE(master.run_until([&] { return master.faulted(); }));
+  EXPECT_EQ(master.master.status(1).fault, Error::kDriveEmergency);
+  EXPECT_EQ(master.master.status(1).fault_code, 0x8611U);
+  arm.order("drive joint=2 kind=none");
+  ASSERT_TRUE(master.recover());
+  arm.order("lose-sync frames=250");
+  EXPECT_TRUE(master.run_until([&] { return master.faulted(); }));
+  EXPECT_EQ(master.master.status(0).fault, Error::kDriveEmergency);
+  EXPECT_EQ(master.master.status(0).fault_code, 0x8700U);
+  ASSERT_TRUE(master.recover());
+}
+
+TEST(Bench, an_interface_that_goes_down_faults_the_drives_and_they_come_back_with_it) {
+  BenchProcess arm;
+  BenchMaster master;
+  ASSERT_TRUE(master.enable());
+  ASSERT_EQ(std::system("ip link set vcan0 down"), 0);
+  master.run(5);
+  EXPECT_FALSE(master.read);
+  EXPECT_EQ(master.read.error(), Error::kBusDown);
+  EXPECT_TRUE(master.faulted());
+  ASSERT_EQ(std::system("ip link set vcan0 up"), 0);
+  EXPECT_TRUE(master.run_until([&] { return master.read.has_value(); }));
+  EXPECT_FALSE(master.master.all(DriveCondition::kEnabled));
+  EXPECT_TRUE(master.recover());
+}
+
+TEST(Bench, every_fault_of_the_serial_sensor_has_its_name_and_ends_with_its_cause) {
+  BenchProcess arm;
+  const auto sensor = serial_sensor(arm.sensor_device);
+  ASSERT_TRUE(reading_of(*sensor, pause));
+  struct Fault {
+    const char* kind;
+    Error error;
+  };
+  for (const Fault& fault :
+       {Fault{"crc", Error::kSensorBadCrc}, Fault{"unit", Error::kSensorWrongUnit},
+        Fault{"exception", Error::kSensorException}, Fault{"short", Error::kSensorMalformed},
+        Fault{"silent", Error::kSensorSilent}, Fault{"stale", Error::kSensorStale},
+        Fault{"unplugged", Error::kBusDown}}) {
+    arm.order("sensor kind=" + std::string(fault.kind));
+    EXPECT_TRUE(reports(*sensor, fault.error)) << fault.kind;
+    arm.order("sensor kind=none");
+    EXPECT_TRUE(reading_of(*sensor, pause)) << fault.kind;
+  }
+  EXPECT_EQ(sensor->exception_code(), 4);
+}
+
+TEST(Bench, the_air_multipath_and_drop_outs_change_on_command) {
+  BenchProcess arm;
+  const auto sensor = serial_sensor(arm.sensor_device);
+  arm.order("field air_c=31.5 dropout=0.3 multipath=0.1");
+  unsigned heard = 0;
+  unsigned asked = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto reading = reading_of(*sensor, pause);
+    ASSERT_TRUE(reading);
+    if (i < 5) continue;  // from before the change
+    EXPECT_NEAR(reading->air_celsius, 31.5, 0.05);
+    for (const auto& receiver : reading->receivers) {
+      ++asked;
+      heard += receiver.valid ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(heard) / asked, 0.7, 0.12);  // 440 draws, over 5 sigma
+  EXPECT_EQ(arm.ask("field dropout=2").substr(0, 13), "error REQUEST");
+  EXPECT_EQ(arm.ask("sensor kind=tired").substr(0, 13), "error REQUEST");
+}
+
+TEST(Bench, no_frame_of_others_does_lasting_harm) {
+  if (!have("cansend") || !have("cangen")) GTEST_SKIP() << "can-utils are not installed";
+  BenchProcess arm;
+  BenchMaster master;
+  ASSERT_TRUE(master.enable());
+  // Each kind of frame that only a master sends, then anything at all.
+  const char* const frames =
+      "(for f in 000#0200 000#8100 080# 201#0F00FFFFFF7F 601#2B40600000000000 77F#05 703#00 "
+      "181#11 083#1023000000000000 701#7F 12345678#0102 123#R 7FF#0102030405060708; do "
+      "cansend vcan0 $f; done; cangen vcan0 -n 400 -g 2 -I r -L r -D r) >/dev/null 2>&1 &";
+  ASSERT_EQ(std::system(frames), 0);
+  master.run(300);
+  for (std::size_t i = 0; i < master.master.count(); ++i) {
+    const hal::DriveStatus status = master.master.status(i);
+    if (status.condition == DriveCondition::kFaulted) {
+      EXPECT_TRUE(status.fault) << "joint " << i + 1 << " is faulted and does not say why";
+    }
+  }
+  EXPECT_GT(master.master.counters().foreign + master.master.counters().unknown, 0U);
+  EXPECT_TRUE(master.recover());
+}
+
+TEST(Bench, an_independent_decoder_reads_every_frame_of_the_real_bus) {
+  if (!have("tshark") || !have("candump")) GTEST_SKIP() << "tshark or can-utils are not installed";
+  const std::string log = "/dev/shm/armsig_candump_" + std::to_string(::getpid()) + ".log";
+  const std::string start = "exec candump -L vcan0 >" + log + " & echo $! >" + log + ".pid";
+  ASSERT_EQ(std::system(start.c_str()), 0);
+  {
+    BenchProcess arm({"--sensor-node", "32"});
+    canopen::RangeSensor sensor({.node = 32, .receivers = 6});
+    canopen::Configuration configuration = patient_drives();
+    configuration.other_nodes.push_back(32);
+    BenchMaster master(configuration, &sensor);
+    ASSERT_TRUE(master.enable());
+    master.move(folded(), 50);
+    arm.order("drive joint=3 kind=emergency code=0x2310");
+    master.run(20);
+  }
+  ASSERT_EQ(std::system(("kill $(cat " + log + ".pid); sleep 0.3").c_str()), 0);
+  const std::string read = "tshark -r " + log + " -d can.subdissector,canopen ";
+  const std::string found = log + ".txt";
+  const auto lines = [&](const std::string& command) {
+    EXPECT_EQ(std::system((command + " 2>/dev/null | wc -l >" + found).c_str()), 0);
+    return std::stoi(content(found));
+  };
+  const int frames = lines("cat " + log);
+  EXPECT_GT(frames, 1000);
+  EXPECT_EQ(lines(read + "-Y canopen"), frames);
+  EXPECT_EQ(lines(read + "-Y '_ws.malformed || _ws.expert.severity >= \"Warning\"'"), 0);
+  EXPECT_EQ(lines(read + "-T fields -e _ws.col.Info | grep -e Unknown -e Reserved"), 0);
+  EXPECT_EQ(lines(read + "-Y 'can.id == 0x083 && canopen.em.err_code == 0x2310'"), 1);
+  EXPECT_EQ(std::system(("rm -f " + log + " " + log + ".pid " + found).c_str()), 0);
+}
+
+}  // namespace
+}  // namespace armsig::bench

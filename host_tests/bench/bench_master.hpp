@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// The master of the emulated arm's drives in real time, tick by tick, as a controller calls it.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "hal/canopen/master.hpp"
+#include "hal/canopen/range_sensor.hpp"
+#include "hal/linux/socket_can.hpp"
+#include "hal/linux/steady_clock.hpp"
+#include "host_tests/support/puma_drives.hpp"
+
+namespace armsig::bench {
+
+// User-Mode Linux on a loaded host may stand still for a tenth of a second: ticks are longer and
+// time-outs wider than in a cabinet, so that what fails is the code and not the host.
+inline canopen::Configuration patient_drives() {
+  using std::chrono::milliseconds;
+  canopen::Configuration configuration = test::puma_drives();
+  configuration.period = milliseconds(10);
+  configuration.missed_feedback_limit = 100;
+  configuration.heartbeat = milliseconds(200);
+  configuration.heartbeat_timeout = milliseconds(2000);
+  configuration.sdo_timeout = milliseconds(1000);
+  configuration.boot_timeout = milliseconds(10'000);
+  configuration.transition_timeout = milliseconds(5000);
+  for (auto& axis : configuration.axes) axis.largest_speed = 10;
+  return configuration;
+}
+
+class BenchMaster {
+ public:
+  explicit BenchMaster(const canopen::Configuration& configuration = patient_drives(),
+                       canopen::FrameSink* others = nullptr)
+      : period_(configuration.period),
+        bus({.interface_name = "vcan0", .filters = {}}),
+        master(*canopen::check(configuration), bus, others),
+        targets(configuration.axes.size()),
+        next_(clock_.now()) {}
+
+  void tick() {
+    (void)bus.status();
+    read = master.read(clock_.now());
+    if (!following) targets = master.positions();
+    written = master.write(targets, clock_.now());
+    // A tick that is missed is left out, not made up for.
+    next_ = std::max(next_ + period_, clock_.now());
+    clock_.wait_until(next_);
+  }
+  bool run_until(const std::function<bool()>& condition,
+                 hal::Duration longest = std::chrono::seconds(150)) {
+    const hal::Instant end = clock_.now() + longest;
+    while (!condition() && clock_.now() < end) tick();
+    return condition();
+  }
+  bool run_until(hal::DriveCondition condition) {
+    return run_until([&] { return master.all(condition); });
+  }
+  void run(unsigned ticks) {
+    for (unsigned i = 0; i < ticks; ++i) tick();
+  }
+
+  // From power-up, or from faults reset, to every drive enabled and holding.
+  bool enable() {
+    following = false;
+    const bool enabled = run_until(hal::DriveCondition::kDisabled) && master.enable() &&
+                         run_until(hal::DriveCondition::kEnabled);
+    following = enabled;
+    return enabled;
+  }
+  bool recover() {
+    following = false;
+    master.reset_faults();
+    return enable();
+  }
+  [[nodiscard]] bool faulted() const {
+    for (std::size_t i = 0; i < master.count(); ++i) {
+      if (master.status(i).fault) return true;
+    }
+    return false;
+  }
+  // Joint targets in a minimum-jerk move that takes `ticks`.
+  void move(const JointVector& goal, unsigned ticks) {
+    const JointVector start = targets;
+    for (unsigned k = 1; k <= ticks; ++k) {
+      const double s = static_cast<double>(k) / ticks;
+      const double way = s * s * s * (10 + s * (6 * s - 15));
+      for (std::size_t i = 0; i < goal.size(); ++i) {
+        targets[i] = start[i] + way * (goal[i] - start[i]);
+      }
+      tick();
+    }
+  }
+  [[nodiscard]] hal::Instant now() { return clock_.now(); }
+
+ private:
+  hal::Duration period_;
+  linux_hal::SteadyClock clock_;
+
+ public:
+  linux_hal::SocketCan bus;
+  canopen::Master master;
+  JointVector targets;
+  bool following = false;  // targets are kept instead of following the positions
+  Result<void> read;
+  Result<void> written;
+
+ private:
+  hal::Instant next_;
+};
+
+}  // namespace armsig::bench

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "host_tests/bench/plant.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace armsig::bench {
+namespace {
+
+constexpr std::size_t kReceiversOnCan = 6;  // TPDO2 to TPDO4, two each
+constexpr double kLead_m = 0.01;            // travel of a slide a revolution of its output
+
+std::vector<std::uint16_t> registers_of(const simulated::Sounding& sounding) {
+  unsigned status = 0;
+  for (std::size_t j = 0; j < sounding.valid.size(); ++j)
+    status |= (sounding.valid[j] ? 1U : 0U) << j;
+  const auto decidegrees = static_cast<std::int16_t>(std::lround(10 * sounding.air_celsius));
+  std::vector<std::uint16_t> registers{static_cast<std::uint16_t>(status), sounding.sequence,
+                                       static_cast<std::uint16_t>(decidegrees),
+                                       static_cast<std::uint16_t>(sounding.time_ns.size())};
+  for (const std::uint32_t time_ns : sounding.time_ns) {
+    registers.push_back(static_cast<std::uint16_t>(time_ns >> 16));
+    registers.push_back(static_cast<std::uint16_t>(time_ns & 0xFFFFU));
+  }
+  return registers;
+}
+
+hal::RangeReading reading_of(const simulated::Sounding& sounding) {
+  hal::RangeReading reading;
+  reading.sequence = sounding.sequence;
+  reading.air_celsius = sounding.air_celsius;
+  for (std::size_t j = 0; j < std::min(kReceiversOnCan, sounding.time_ns.size()); ++j) {
+    reading.receivers.push_back({sounding.valid[j], 1e-9 * sounding.time_ns[j]});
+  }
+  return reading;
+}
+
+}  // namespace
+
+Plant::Plant(const PlantConfiguration& configuration, hal::Instant now)
+    : configuration_(configuration),
+      bus_({.interface_name = configuration.can_interface, .filters = {}}),
+      field_(configuration.field, simulated::Random(configuration.seed)),
+      next_ping_(now),
+      now_(now) {
+  for (std::size_t i = 0; i < configuration.arm.arm.joints.size(); ++i) {
+    const double start = configuration.start[i] * counts_per_unit(i) + configuration.zero_counts[i];
+    drives_.emplace_back(
+        simulated::DriveConfiguration{
+            .node = static_cast<std::uint8_t>(i + 1),
+            .motion = {.start = start, .bandwidth_hz = configuration.bandwidth_hz},
+            .sync_loss_periods = configuration.sync_loss_periods},
+        bus_, now);
+  }
+  if (configuration.sensor_node != 0) node_.emplace(configuration.sensor_node, bus_, now);
+  if (!configuration.sensor_device.empty()) line_.emplace(configuration.sensor_device);
+}
+
+double Plant::counts_per_unit(std::size_t joint) const {
+  const bool turns = configuration_.arm.arm.joints[joint].type == JointType::kRevolute;
+  return configuration_.counts_per_revolution * configuration_.gear_ratio /
+         (turns ? 2 * kPi : kLead_m);
+}
+
+JointVector Plant::readings() const {
+  JointVector readings;
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    readings.push_back((drives_[i].position() - configuration_.zero_counts[i]) /
+                       counts_per_unit(i));
+  }
+  return readings;
+}
+
+Vector3 Plant::target_S() const {
+  return simulated::target_position(configuration_.arm, readings(), configuration_.arm.targets[0]);
+}
+
+Pose Plant::hand_S() const {
+  return simulated::link_pose(configuration_.arm, readings(), drives_.size());
+}
+
+double Plant::take_peak_speed() { return std::exchange(peak_speed_, 0.0); }
+
+void Plant::set_sensor_fault(SensorFault fault) {
+  sensor_fault_ = fault;
+  if (node_) node_->set_silent(fault == SensorFault::kSilent);
+  if (line_)
+    line_->set_fault(fault == SensorFault::kSilent ? LineFault::kSilent : LineFault::kNone);
+}
+
+void Plant::take(const hal::ReceivedCanFrame& received) {
+  if (received.frame.id == canopen::kSyncId && sync_to_lose_ > 0) {
+    --sync_to_lose_;
+    return;
+  }
+  // What waited in the queue is taken as of when it came.
+  advance(std::max(now_, received.at));
+  for (simulated::Drive& drive : drives_) drive.take(received);
+  if (node_) node_->take(received);
+}
+
+void Plant::advance(hal::Instant until) {
+  now_ = until;
+  for (simulated::Drive& drive : drives_) {
+    drive.advance(until);
+    peak_speed_ = std::max(peak_speed_, std::fabs(drive.velocity()));
+  }
+  if (node_) node_->advance(until);
+}
+
+void Plant::run(hal::Instant now) {
+  (void)bus_.status();  // opens the interface again when it was away
+  while (const auto received = bus_.receive()) take(*received);
+  advance(std::max(now_, now));
+  if (now >= next_ping_) {
+    // A ping that the host's scheduling missed is left out.
+    next_ping_ = std::max(next_ping_ + configuration_.ping_period, now);
+    ping();
+  }
+  if (line_) line_->serve(now);
+}
+
+void Plant::ping() {
+  if (sensor_fault_ != SensorFault::kStale) sounding_ = field_.measure(target_S());
+  publish(sounding_);
+}
+
+void Plant::publish(const simulated::Sounding& sounding) {
+  if (line_) line_->set_registers(registers_of(sounding));
+  if (node_) node_->publish(reading_of(sounding));
+}
+
+}  // namespace armsig::bench

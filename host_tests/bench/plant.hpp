@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// The emulated cell: six drives that turn the joints of an exact arm, and a range sensor that hears
+// a target on its hand, on a real CAN bus and a serial line.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/linux/socket_can.hpp"
+#include "hal/range_sensor.hpp"
+#include "hal/simulated/arm.hpp"
+#include "hal/simulated/drive.hpp"
+#include "hal/simulated/range_node.hpp"
+#include "hal/simulated/ultrasonic_field.hpp"
+#include "host_tests/bench/modbus_server.hpp"
+
+namespace armsig::bench {
+
+struct PlantConfiguration {
+  std::string can_interface = "vcan0";
+  std::string sensor_device;     // symbolic link to the sensor's serial line; empty: no such line
+  std::uint8_t sensor_node = 0;  // on the CAN bus; 0: not there
+  simulated::SimulatedArm arm;   // joint i is node i; one target
+  // Of every motor; joint reading = (counts - zero) / counts a radian (or a metre, of a slide, at
+  // 10 mm a revolution of the output).
+  double counts_per_revolution = 4000;
+  double gear_ratio = 100;
+  std::vector<double> zero_counts;  // one a joint
+  JointVector start;                // readings at power-up
+  double bandwidth_hz = 25;         // of the position loops: following error = speed / (pi * this)
+  unsigned sync_loss_periods = 0;   // that drives bear while enabled; 0: any number
+  simulated::UltrasonicConfig field;
+  hal::Duration ping_period = std::chrono::milliseconds(20);
+  std::uint64_t seed = 1;
+};
+
+// What is wrong with what the sensor measures, whichever bus it is on.
+enum class SensorFault : std::uint8_t {
+  kNone,
+  kStale,   // repeats its last reading
+  kSilent,  // on neither bus
+};
+
+class Plant {
+ public:
+  // Throws std::system_error where there can be no pseudo-terminal.
+  Plant(const PlantConfiguration& configuration, hal::Instant now);
+
+  // Everything that is due at `now`: frames, motion, pings, requests on the serial line. To be
+  // called at least every 500 us for the drives to answer in time.
+  void run(hal::Instant now);
+
+  [[nodiscard]] std::size_t joints() const { return drives_.size(); }
+  [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return drives_[joint]; }
+  [[nodiscard]] simulated::UltrasonicConfig& field() { return field_.config(); }
+  [[nodiscard]] ModbusServer* line() { return line_ ? &*line_ : nullptr; }
+  void set_sensor_fault(SensorFault fault);
+  // The drives hear nothing of the next `count` SYNC frames.
+  void lose_sync(unsigned count) { sync_to_lose_ = count; }
+
+  // The truth.
+  [[nodiscard]] JointVector readings() const;
+  [[nodiscard]] Vector3 target_S() const;
+  [[nodiscard]] Pose hand_S() const;  // frame n
+  // Fastest that any motor turned since this was last asked for, counts/s.
+  [[nodiscard]] double take_peak_speed();
+  [[nodiscard]] hal::CanStatus bus_status() { return bus_.status(); }
+
+ private:
+  [[nodiscard]] double counts_per_unit(std::size_t joint) const;
+  void take(const hal::ReceivedCanFrame& received);
+  void advance(hal::Instant until);
+  void ping();
+  void publish(const simulated::Sounding& sounding);
+
+  PlantConfiguration configuration_;
+  linux_hal::SocketCan bus_;
+  std::deque<simulated::Drive> drives_;  // not movable
+  std::optional<simulated::RangeNode> node_;
+  std::optional<ModbusServer> line_;
+  simulated::UltrasonicField field_;
+  SensorFault sensor_fault_ = SensorFault::kNone;
+  simulated::Sounding sounding_;  // the last one
+  hal::Instant next_ping_;
+  hal::Instant now_;
+  unsigned sync_to_lose_ = 0;
+  double peak_speed_ = 0;
+};
+
+}  // namespace armsig::bench

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// Without arguments of ours: Google Benchmark over all rows. `--list` names them; `--count ROW
+// CALLS` does the work of one row inside armsig_counted, for callgrind, and prints its heap calls a
+// call.
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include "host_tests/benchmarks/rows.hpp"
+
+namespace armsig::benchmarks {
+
+std::vector<Row>& rows() {
+  static std::vector<Row> all;
+  return all;
+}
+
+Row::Row(std::string path_of, std::string who_does, std::function<Work()> prepare_work)
+    : path(std::move(path_of)), who(std::move(who_does)), prepare(std::move(prepare_work)) {
+  rows().push_back(*this);
+}
+
+}  // namespace armsig::benchmarks
+
+namespace {
+
+using armsig::benchmarks::Row;
+using armsig::benchmarks::Work;
+
+std::string name(const Row& row) { return row.path + "/" + row.who; }
+
+int count(const char* wanted, std::size_t calls);
+
+}  // namespace
+
+// Callgrind collects inside this function only (--toggle-collect).
+extern "C" [[gnu::noinline]] void armsig_counted(const Work& work, std::size_t calls) {
+  work(calls);
+}
+
+namespace {
+
+int count(const char* wanted, std::size_t calls) {
+  for (const Row& row : armsig::benchmarks::rows()) {
+    if (name(row) != wanted) continue;
+    const Work work = row.prepare();
+    work(1);
+    const std::size_t before = armsig::benchmarks::heap_calls();
+    armsig_counted(work, calls);
+    const std::size_t used = armsig::benchmarks::heap_calls() - before;
+    std::printf("%.0f\n", static_cast<double>(used) / static_cast<double>(calls));
+    return EXIT_SUCCESS;
+  }
+  std::fprintf(stderr, "no row %s\n", wanted);
+  return EXIT_FAILURE;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc == 2 && std::strcmp(argv[1], "--list") == 0) {
+    for (const Row& row : armsig::benchmarks::rows()) std::printf("%s\n", name(row).c_str());
+    return EXIT_SUCCESS;
+  }
+  if (argc == 4 && std::strcmp(argv[1], "--count") == 0) {
+    return count(argv[2], std::strtoul(argv[3], nullptr, 10));
+  }
+  constexpr std::size_t kBatch = 256;
+  for (const Row& row : armsig::benchmarks::rows()) {
+    benchmark::RegisterBenchmark(name(row).c_str(),
+                                 [prepare = row.prepare](benchmark::State& state) {
+                                   const Work work = prepare();
+                                   while (state.KeepRunningBatch(kBatch)) work(kBatch);
+                                 });
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return EXIT_FAILURE;
+  benchmark::RunSpecifiedBenchmarks();
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+// Modes, moves and faults of the whole controller, over the virtual bus.
+#include <gtest/gtest.h>
+
+#include "host_tests/support/allocation_guard.hpp"
+#include "host_tests/support/puma_cabinet.hpp"
+
+namespace armsig::controller {
+namespace {
+
+using canopen::cia402::State;
+using test::PumaCabinet;
+
+bool is_error(const std::string& reply) { return reply.starts_with("error "); }
+
+// No drive turns its motor against a fault for longer than three ticks.
+void expect_safe(PumaCabinet& puma, Error error) {
+  ASSERT_TRUE(puma.run_until(Mode::kFaulted, 1));
+  EXPECT_EQ(puma.now().fault->error, error) << describe(puma.now().fault->error);
+  puma.run(0.006);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NE(puma.cabinet->drive(i).state(), State::kOperationEnabled) << i;
+  }
+  EXPECT_EQ(puma.memory.changed, 0U);
+}
+
+TEST(Configuration, of_the_puma_is_accepted) { EXPECT_TRUE(check(test::puma_controller())); }
+
+TEST(Configuration, names_the_setting_that_is_wrong) {
+  Configuration reversed = test::puma_controller();
+  reversed.drawing.limits[2] = {1, -1};
+  ASSERT_FALSE(check(reversed));
+  EXPECT_EQ(check(reversed).error().setting, "arm.limits");
+  EXPECT_EQ(check(reversed).error().error, Error::kLimitsReversed);
+  EXPECT_EQ(check(reversed).error().joint, 2U);
+  Configuration few = test::puma_controller();
+  few.sweeps.points = 3;
+  ASSERT_FALSE(check(few));
+  EXPECT_EQ(check(few).error().setting, "sweeps.points");
+}
+
+TEST(Controller, starts_without_torque) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  puma.run(1);
+  EXPECT_EQ(puma.mode(), Mode::kIdle);
+  EXPECT_EQ(puma.cabinet->drive(0).state(), State::kSwitchOnDisabled);
+}
+
+TEST(Controller, moves_nothing_that_was_not_enabled) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  EXPECT_TRUE(is_error(puma.ask("move q1_deg=5")));
+  EXPECT_TRUE(is_error(puma.ask("identify")));
+  EXPECT_TRUE(is_error(puma.ask("touch-grid")));
+  puma.run(0.5);
+  EXPECT_EQ(puma.cabinet->drive(0).state(), State::kSwitchOnDisabled);
+}
+
+TEST(Controller, moves_joints_where_it_is_told) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("move q1_deg=20 q3_deg=80"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
+  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  puma.run(0.3);
+  EXPECT_NEAR(puma.now().positions[0], radians(20), 3e-5);
+  EXPECT_NEAR(puma.now().positions[2], radians(80), 3e-5);
+}
+
+TEST(Controller, moves_the_tool_along_a_straight_line) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("move q3_deg=10 q5_deg=40"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
+  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  puma.run(0.3);
+  const Pose from = puma.now().X_RT;
+  ASSERT_EQ(puma.ask("move dz_mm=-100 dx_mm=50"), "ok") << puma.console.replies.back();
+  const Vector3 along = Vector3(0.05, 0, -0.1).normalized();
+  double worst_m = 0;
+  double worst_rad = 0;
+  for (int i = 0; i < 5000 && (i < 10 || puma.mode() != Mode::kHolding); ++i) {
+    puma.cabinet->step();
+    const Vector3 off = puma.now().X_RT.p - from.p;
+    worst_m = std::max(worst_m, (off - along * along.dot(off)).norm());
+    worst_rad = std::max(worst_rad, angle_between(from.R, puma.now().X_RT.R));
+  }
+  puma.run(0.3);
+  EXPECT_LT(worst_m, 0.5e-3);  // the drives' lag and counts
+  EXPECT_LT(worst_rad, 2e-3);
+  EXPECT_NEAR((puma.now().X_RT.p - from.p).dot(along), Vector3(0.05, 0, -0.1).norm(), 5e-5);
+}
+
+TEST(Controller, refuses_what_is_out_of_reach_or_beyond_a_limit_before_it_moves) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  const JointVector before = puma.now().commanded;
+  EXPECT_TRUE(is_error(puma.ask("move x_mm=3000 y_mm=0 z_mm=0")));
+  EXPECT_TRUE(is_error(puma.ask("move q1_deg=161")));
+  EXPECT_TRUE(is_error(puma.ask("move q1_deg=nan")));
+  EXPECT_TRUE(is_error(puma.ask("move q1_mm=1")));
+  EXPECT_TRUE(is_error(puma.ask("move q9_deg=1")));
+  puma.run(0.1);
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(puma.now().commanded[i], before[i]);
+}
+
+TEST(Controller, refuses_a_line_through_a_singularity) {
+  PumaCabinet puma;  // wrist stretched: axes 4 and 6 are one line
+  ASSERT_TRUE(puma.enable());
+  EXPECT_TRUE(is_error(puma.ask("move dx_mm=-150 dy_mm=150")));
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
+struct Moving : PumaCabinet {
+  Moving() {
+    EXPECT_TRUE(enable());
+    EXPECT_EQ(ask("move q1_deg=90 q2_deg=-30"), "ok");
+    run(0.5);
+    EXPECT_EQ(mode(), Mode::kServoing);
+  }
+};
+
+TEST(Faults, an_emergency_of_a_drive_ends_in_a_quick_stop) {
+  Moving puma;
+  puma.cabinet->drive(3).inject(simulated::DriveFault::kEmergency, 0x2310);
+  expect_safe(puma, Error::kDriveEmergency);
+  EXPECT_EQ(puma.now().fault->joint, 3U);
+  EXPECT_EQ(puma.now().fault->code, 0x2310U);
+}
+
+TEST(Faults, a_lost_heartbeat_ends_in_a_quick_stop) {
+  Moving puma;
+  puma.cabinet->drive(1).inject(simulated::DriveFault::kHeartbeatLost);
+  expect_safe(puma, Error::kHeartbeatLost);
+}
+
+TEST(Faults, a_blocked_motor_ends_in_a_following_error) {
+  Moving puma;
+  puma.cabinet->drive(0).inject(simulated::DriveFault::kBlocked);
+  expect_safe(puma, Error::kFollowingError);
+  EXPECT_EQ(puma.now().fault->joint, 0U);
+}
+
+TEST(Faults, bus_off_ends_in_a_quick_stop) {
+  Moving puma;
+  puma.cabinet->master_port().go_bus_off();
+  ASSERT_TRUE(puma.run_until(Mode::kFaulted, 0.1));
+  puma.run(0.3);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NE(puma.cabinet->drive(i).state(), State::kOperationEnabled) << i;
+  }
+}
+
+TEST(Faults, the_operators_stop_ends_every_mode) {
+  {
+    PumaCabinet idle;
+    ASSERT_TRUE(idle.run_until(Mode::kIdle));
+    EXPECT_EQ(idle.ask("stop"), "ok");
+    expect_safe(idle, Error::kEmergencyStop);
+  }
+  {
+    PumaCabinet holding;
+    ASSERT_TRUE(holding.enable());
+    EXPECT_EQ(holding.ask("stop"), "ok");
+    expect_safe(holding, Error::kEmergencyStop);
+  }
+  {
+    Moving servoing;
+    EXPECT_EQ(servoing.ask("stop"), "ok");
+    expect_safe(servoing, Error::kEmergencyStop);
+  }
+  {
+    PumaCabinet sweeping;
+    ASSERT_TRUE(sweeping.enable());
+    ASSERT_EQ(sweeping.ask("identify"), "ok");
+    sweeping.run(3);
+    ASSERT_EQ(sweeping.mode(), Mode::kSweeping);
+    EXPECT_EQ(sweeping.ask("stop"), "ok");
+    expect_safe(sweeping, Error::kEmergencyStop);
+    EXPECT_FALSE(sweeping.cabinet->state().identification().is_running());
+  }
+}
+
+TEST(Faults, are_left_by_reset_only_and_end_without_torque) {
+  Moving puma;
+  ASSERT_EQ(puma.ask("stop"), "ok");
+  EXPECT_TRUE(is_error(puma.ask("enable")));
+  EXPECT_TRUE(is_error(puma.ask("move q1_deg=0")));
+  puma.run(1);
+  EXPECT_EQ(puma.mode(), Mode::kFaulted);
+  ASSERT_EQ(puma.ask("reset"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  EXPECT_TRUE(puma.enable());
+}
+
+TEST(Console, survives_garbage) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  for (const char* line : {"", "   ", "=", "a=b", "move =", "move q1_deg", "move q1_deg=1 q1_deg=2",
+                           "status x=1", "log row=0", "log row=1e99", "stop now", "ENABLE"}) {
+    EXPECT_TRUE(is_error(puma.ask(line))) << line;
+  }
+  puma.console.next_error = Error::kNotText;
+  puma.run(0.01);
+  EXPECT_TRUE(is_error(puma.console.replies.back()));
+  EXPECT_EQ(puma.mode(), Mode::kIdle);
+}
+
+TEST(Controller, takes_nothing_from_the_heap_while_it_moves) {
+  Moving puma;
+  const armsig::testing::AllocationGuard guard;
+  puma.run(0.5);
+  const std::size_t allocations = guard.count();
+  EXPECT_EQ(allocations, 0U);
+}
+
+}  // namespace
+}  // namespace armsig::controller

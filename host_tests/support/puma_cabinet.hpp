@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// The virtual cabinet of a Puma 560: robot 1 of Table 2 behind emulated drives.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "firmware/host_tool/paper_arms.hpp"
+#include "firmware/virtual_cabinet/virtual_cabinet.hpp"
+#include "hal/simulated/demo_sensor.hpp"
+#include "host_tests/support/line_console.hpp"
+#include "host_tests/support/ram_memory.hpp"
+
+namespace armsig::test {
+
+inline JointVector puma_configuration() {
+  return {radians(0), radians(-90), radians(90), radians(30), radians(0), radians(0)};
+}
+
+inline controller::Configuration puma_controller() {
+  controller::Configuration c;
+  c.drawing = tool::puma560();
+  for (std::size_t i = 0; i < 6; ++i) {
+    c.limits.speed.push_back(1.0);
+    c.limits.acceleration.push_back(3.0);
+    c.supervision.following_error.push_back(0.05);
+  }
+  for (const Vector3& p_S : simulated::demo_sensor().receivers_S) {
+    c.sensor.receivers.p_S.push_back(p_S);
+  }
+  c.sensor.receivers.range_sigma_m = simulated::kDemoRangeSigma;
+  c.sensor.receivers.facing_S = simulated::demo_sensor_facing();
+  c.dwell.tolerance = 1e-4;
+  c.sweeps.configuration = puma_configuration();
+  c.sweeps.arc_rad = radians(180);
+  return c;
+}
+
+inline canopen::Configuration puma_bus() {
+  canopen::Configuration c;
+  const Arm drawing = tool::puma560();
+  for (std::uint8_t i = 0; i < 6; ++i) {
+    c.axes.push_back({.node = static_cast<std::uint8_t>(i + 1),
+                      .scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
+                      .limits = drawing.limits[i],
+                      .largest_speed = 2.0});
+  }
+  return c;
+}
+
+inline cabinet::World puma_world(std::uint64_t seed = 1) {
+  cabinet::World world;
+  world.arm.arm = tool::table2_robot(1);
+  world.arm.X_S0 = simulated::demo_base_pose();
+  world.arm.targets.push_back({.number = 1, .link = 6, .p_L = {0.15, 0.0, 0.05}});
+  world.start = puma_configuration();
+  world.sensor = simulated::demo_sensor();
+  world.seed = seed;
+  return world;
+}
+
+struct PumaCabinet {
+  explicit PumaCabinet(std::uint64_t seed = 1,
+                       const controller::Configuration& configuration = puma_controller()) {
+    start(configuration, seed);
+  }
+  // Power-up, again if it ran already: the memory keeps what it holds.
+  void start(const controller::Configuration& configuration, std::uint64_t seed) {
+    cabinet.reset();
+    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), puma_world(seed),
+                                                        memory, consoles);
+  }
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds / 0.002); ++i) cabinet->step();
+  }
+  [[nodiscard]] const controller::Snapshot& now() const { return cabinet->state().snapshot(); }
+  [[nodiscard]] controller::Mode mode() const { return now().mode; }
+  bool run_until(controller::Mode mode_wanted, double seconds = 10) {
+    for (int i = 0; i < static_cast<int>(seconds / 0.002); ++i) {
+      if (mode() == mode_wanted) return true;
+      cabinet->step();
+    }
+    return mode() == mode_wanted;
+  }
+  // The reply to `request`; empty if none comes within a second.
+  std::string ask(const std::string& request) {
+    const std::size_t before = console.replies.size();
+    console.requests.push_back(request);
+    for (int i = 0; i < 500 && console.replies.size() == before; ++i) cabinet->step();
+    return console.replies.size() == before ? "" : console.replies.back();
+  }
+  bool enable() {
+    return run_until(controller::Mode::kIdle) && ask("enable") == "ok" &&
+           run_until(controller::Mode::kHolding);
+  }
+
+  LineConsole console;
+  std::array<hal::Console*, 1> consoles{&console};
+  RamMemory memory;
+  std::unique_ptr<cabinet::VirtualCabinet> cabinet;
+};
+
+}  // namespace armsig::test

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Flash in RAM, whose power can be cut in the middle of any operation.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "hal/nonvolatile_memory.hpp"
+
+namespace armsig::test {
+
+class RamMemory final : public hal::NonvolatileMemory {
+ public:
+  std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(8 * 1024, hal::kErasedByte);
+  // Bytes that may still be changed before the power goes; what is under way then stops there.
+  std::optional<std::size_t> bytes_left;
+  std::size_t changed = 0;
+
+ private:
+  [[nodiscard]] hal::MemoryLayout do_layout() const override {
+    return {.page_bytes = 256, .pages_per_sector = 16, .sectors = 2};
+  }
+  Result<void> do_read(std::size_t address, std::span<std::uint8_t> into) override {
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(address), into.size(), into.begin());
+    return {};
+  }
+  Result<void> change(std::size_t at, std::uint8_t value) {
+    if (bytes_left && *bytes_left == 0) return std::unexpected(Error::kStorageFault);
+    if (bytes_left) --*bytes_left;
+    bytes[at] = value;
+    ++changed;
+    return {};
+  }
+  Result<void> do_erase_sector(std::size_t sector) override {
+    for (std::size_t i = 0; i < 4096; ++i) {
+      if (auto done = change(sector * 4096 + i, hal::kErasedByte); !done) return done;
+    }
+    return {};
+  }
+  Result<void> do_program_page(std::size_t address, std::span<const std::uint8_t> page) override {
+    for (std::size_t i = 0; i < page.size(); ++i) {
+      if (bytes[address + i] != hal::kErasedByte) return std::unexpected(Error::kNotErased);
+    }
+    for (std::size_t i = 0; i < page.size(); ++i) {
+      if (auto done = change(address + i, page[i]); !done) return done;
+    }
+    return {};
+  }
+};
+
+}  // namespace armsig::test
