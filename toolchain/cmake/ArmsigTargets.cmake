@@ -16,7 +16,8 @@ endif()
 # no exceptions, no RTTI, and no implicit use of a heap.
 function(armsig_controller_library name)
   add_library(${name} STATIC ${ARGN})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_include_directories(${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/armsig>)
   target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
-  target_link_libraries(${name} PRIVATE armsig_warnings)
+  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:armsig_warnings>)
 endfunction()
