@@ -48,6 +48,7 @@ Result<void> SuggestionSearch::start(const Refined& refined, const SuggestionCon
   refined_ = &refined;
   config_ = config;
   if (config_.sigma_m == 0) config_.sigma_m = refined.quality.sigma_m;
+  config_.sigma_m = std::hypot(config_.sigma_m, refined.quality.unexplained_m);
   ARMSIG_CHECK(config_.sigma_m > 0);
   next_candidate_ = kFirstCandidate;
   information_ = refined.information;
