@@ -78,6 +78,18 @@ void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
   }
 }
 
+// As --correct wants it.
+std::string in_words(const refinement::ReadingTerms& terms) {
+  std::string words;
+  const auto add = [&](bool term, std::string_view word) {
+    if (term) words += fmt::format("{}{}", words.empty() ? "" : ",", word);
+  };
+  add(terms.gain, "gain");
+  add(terms.first, "first-order");
+  add(terms.second, "second-order");
+  return words;
+}
+
 // The figures that count, whichever the method: they are not those of the fit.
 void print_accuracy(const Found& found, const SignatureRecord& record) {
   fmt::print("\nHow accurate it is\n\n");
@@ -88,6 +100,11 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
                1e3 * left_out.largest_m);
   } else {
     fmt::print("  too few rows to leave some of them out of the fit\n");
+  }
+  if (found.refinement && found.refinement->offered) {
+    fmt::print("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
+               1e3 * found.refinement->offered->left_out_mean_m,
+               in_words(found.refinement->offered->terms));
   }
   if (record.predicted_tool_error_m) {
     fmt::print("  predicted tool error, 1 sigma: {:.3f} mm RMS over the joint limits\n",
@@ -115,6 +132,10 @@ nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::si
                              {"cos_2_rad", c.cos_2},
                              {"sin_2_rad", c.sin_2}});
     }
+  }
+  if (outcome.offered) {
+    json["corrections_offered"] = {{"correct", in_words(outcome.offered->terms)},
+                                   {"left_out_mean_m", outcome.offered->left_out_mean_m}};
   }
   for (std::size_t k = 0; outcome.fitted.receiver_offsets && k < receivers; ++k) {
     json["range_offsets_m"].push_back(refined.receiver_offsets_m[k]);

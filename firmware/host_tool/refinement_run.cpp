@@ -19,6 +19,12 @@ constexpr double kContradictingShare = 0.5;
 constexpr std::size_t kFewestMixed = 6;
 // Radians or metres; zeros nearer to the drawing's are nothing to mention.
 constexpr double kNotableShift = 0.05;
+// Corrections that nobody asked for are tried on logs up to this long: a second or two.
+constexpr std::size_t kMostRowsToOffer = 3000;
+
+bool any(const refinement::ReadingTerms& terms) {
+  return terms.gain || terms.first || terms.second;
+}
 
 class Run {
  public:
@@ -167,9 +173,6 @@ std::expected<void, Refusal> Run::refit(const Signature& start) {
 
 Read<void> Run::fit_further(const FurtherUnknowns& further) {
   const std::size_t n = nominal_.joints.size();
-  const auto any = [](const refinement::ReadingTerms& terms) {
-    return terms.gain || terms.first || terms.second;
-  };
   refinement::ReadingTerms terms = further.readings;
   config_.request.receiver_offsets = further.receiver_offsets;
   config_.request.scale = further.scale;
@@ -204,8 +207,7 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
   if (auto placed = place_targets(start); !placed) return std::unexpected(placed.error());
   if (auto fitted = fit(start); !fitted) return std::unexpected(fitted.error());
   const refinement::ReadingTerms& terms = further.readings;
-  if (terms.gain || terms.first || terms.second || further.choose_readings ||
-      further.receiver_offsets || further.scale) {
+  if (any(terms) || further.choose_readings || further.receiver_offsets || further.scale) {
     if (auto fitted = fit_further(further); !fitted) return std::unexpected(fitted.error());
   }
   derive_parameters(refined_->signature, nominal_);
@@ -215,6 +217,7 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                             .rejected_lines = log_.rejected_lines(verdicts_),
                             .undetermined = {},
                             .cross_validation = {},
+                            .offered = {},
                             .drawing_rms_m = drawing_rms_m_,
                             .zeros = zeros_,
                             .predicted_tool_error_m = {}};
@@ -232,6 +235,13 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
   const auto crossed =
       refinement::cross_validate(refined_->signature, rows, config_, verdicts_, *scratch);
   if (crossed) outcome.cross_validation = *crossed;
+  if (crossed && config_.request.readings.empty() && !further.choose_readings &&
+      rows.size() <= kMostRowsToOffer) {
+    refinement::CrossValidation best;
+    const auto chosen = refinement::choose_reading_terms(refined_->signature, rows, config_,
+                                                         verdicts_, *scratch, best);
+    if (chosen && any(*chosen)) outcome.offered = OfferedCorrections{*chosen, best.mean_m};
+  }
   outcome.refined = std::move(refined_);
   return outcome;
 }

@@ -22,12 +22,19 @@ struct FurtherUnknowns {
   bool scale = false;
 };
 
+// Corrections of the readings that were not asked for, and would help.
+struct OfferedCorrections {
+  refinement::ReadingTerms terms;
+  double left_out_mean_m = 0;  // cross-validated, with them
+};
+
 struct RefinementOutcome {
   std::unique_ptr<refinement::Refined> refined;                 // too large for a stack
   refinement::ParameterRequest fitted;                          // beside axes and targets
   std::vector<std::size_t> rejected_lines;                      // gross outliers
   std::vector<std::string> undetermined;                        // in words
   std::optional<refinement::CrossValidation> cross_validation;  // none of too few rows
+  std::optional<OfferedCorrections> offered;
   std::optional<double>
       drawing_rms_m;               // of the drawing with base and tool fitted; from drawings only
   std::vector<std::string> zeros;  // in words: those far from the drawing's

@@ -256,7 +256,9 @@ TEST(Refined, chooses_the_corrections_that_help) {
   const Outcome plain = refine(folder, rows, "--correct readings-that-help --json");
   ASSERT_EQ(plain.status, 0) << plain.err;
   EXPECT_FALSE(json::parse(plain.out)["refinement"].contains("reading_corrections"));
+  EXPECT_FALSE(json::parse(plain.out)["refinement"].contains("corrections_offered"));
   shrink_reading(rows);
+  expect_said(refine(folder, rows), "with corrections of the joint readings");
   const Outcome corrected = refine(folder, rows, "--correct readings-that-help --json");
   ASSERT_EQ(corrected.status, 0) << corrected.err;
   EXPECT_TRUE(json::parse(corrected.out)["refinement"].contains("reading_corrections"));
