@@ -43,8 +43,9 @@ void SweepStatistics::add(const SweepPoint& point) {
   const Matrix3 shape = point.covariance_m2 / variance;
   variance_sum += variance;
   shape_sum += shape;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) score_sum.block<3, 3>(3 * i, 3 * j) += (x[i] * x[j]) * shape;
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j)
+      score_sum.block<3, 3>(3 * i, 3 * j) += (x[i] * x[j]) * shape;
 }
 
 double SweepStatistics::motion_freedom() const {

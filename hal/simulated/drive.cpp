@@ -6,11 +6,11 @@
 namespace armsig::simulated {
 namespace {
 
+using canopen::kPdoOff;
 using canopen::NmtCommand;
 using canopen::NmtState;
 using canopen::cia402::State;
 
-constexpr std::uint32_t kPdoOff = 1U << 31;
 constexpr std::uint16_t kEmergencyHeartbeat = 0x8130;
 constexpr std::uint16_t kEmergencyPdoLength = 0x8210;
 constexpr std::uint16_t kEmergencyFollowing = 0x8611;

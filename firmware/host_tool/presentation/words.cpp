@@ -15,7 +15,7 @@ std::string reading_in_words(JointType type, double reading) {
 }
 
 std::string refusal_in_words(const Refusal& refusal, JointType type) {
-  const std::string phrase(describe(refusal.error));
+  std::string phrase(describe(refusal.error));
   switch (refusal.error) {
     case Error::kTooFewPoints:
       return fmt::format("{}: {:.0f} of at least {:.0f}", phrase, refusal.found, refusal.needed);
