@@ -24,7 +24,7 @@ constexpr std::array<const char*, 4> kIndexNames{
     "Maximum normal deviation from a line", "Deviation from perpendicular between lines",
     "Maximum radial deviation of a grid point", "Maximum orientational deviation"};
 
-struct Options : CommonOptions {
+struct DemoOptions : CommonOptions {
   std::string out = "armsig-demo";
   std::uint64_t seed = 1;
 };
@@ -131,7 +131,7 @@ Read<std::vector<std::string>> write_signatures(const std::vector<DemoRobot>& ro
   return files;
 }
 
-void print_story(const std::vector<DemoRobot>& robots, const Options& options) {
+void print_story(const std::vector<DemoRobot>& robots, const DemoOptions& options) {
   const DemoPlan plan;
   fmt::print(
       "armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman measured theirs "
@@ -160,7 +160,7 @@ void print_story(const std::vector<DemoRobot>& robots, const Options& options) {
   fmt::print("Signatures and truths are in {}/. Next: armsig identify --help\n", options.out);
 }
 
-int run(const Options& options) {
+int run(const DemoOptions& options) {
   std::vector<DemoRobot> robots;
   Progress progress("Identifying seven arms", kRobots);
   for (std::size_t k = 0; k < kRobots; ++k) {
@@ -184,7 +184,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_demo(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DemoOptions>();
   CLI::App* command = app.add_subcommand("demo", "the whole story on a simulated Puma 560");
   command->add_option("--out", options->out, "folder for the signatures")->capture_default_str();
   command->add_option("--seed", options->seed, "of the sensor's noise")->capture_default_str();

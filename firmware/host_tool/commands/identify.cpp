@@ -16,14 +16,14 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct IdentifyOptions : CommonOptions {
   std::string arm, measurements, sensor, out, serial;
   std::string method = "encoder";
   std::vector<std::string> correct;
 };
 
 // The words of --correct.
-Read<FurtherUnknowns> further_unknowns(const Options& options) {
+Read<FurtherUnknowns> further_unknowns(const IdentifyOptions& options) {
   FurtherUnknowns further;
   if (options.correct.empty()) return further;
   if (options.method != "refined") {
@@ -46,7 +46,7 @@ Read<FurtherUnknowns> further_unknowns(const Options& options) {
 }
 
 // Gives every row of the file to `take`.
-Read<void> read_all(const Options& options, const Arm& arm, const char* what,
+Read<void> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
                     const std::function<Read<void>(const MeasurementRow&)>& take) {
   auto reader = MeasurementReader::open(options.measurements, types_of(arm));
   if (!reader) return std::unexpected(reader.error());
@@ -65,7 +65,7 @@ Read<void> read_all(const Options& options, const Arm& arm, const char* what,
 // A file that can be read again: features are validated in a second pass.
 bool is_repeatable(const std::string& path) { return std::filesystem::is_regular_file(path); }
 
-Read<Found> identified_by_features(const Options& options, const Arm& arm,
+Read<Found> identified_by_features(const IdentifyOptions& options, const Arm& arm,
                                    IdentificationRun& identification) {
   const auto method =
       options.method == "paper" ? features::Method::kPaper : features::Method::kEncoder;
@@ -95,7 +95,7 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
                .validation = validation};
 }
 
-int run(const Options& options) {
+int run(const IdentifyOptions& options) {
   const auto further = further_unknowns(options);
   if (!further) return fail(further.error(), kBadInput, options);
   const auto arm = read_arm_file(options.arm);
@@ -146,7 +146,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_identify(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<IdentifyOptions>();
   CLI::App* command = app.add_subcommand("identify", "find the arm signature from measured sweeps");
   command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
   command->add_option("--measurements", options->measurements, "sweeps (CSV)")->required();
