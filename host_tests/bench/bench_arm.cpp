@@ -32,6 +32,7 @@ struct Options {
   std::vector<double> target_mm{30, 20, 120};
   double sigma_mm = 1e3 * simulated::kDemoRangeSigma;
   double ping_ms = 20;
+  double step_us = 250;
   int sensor_node = 0;
   PlantConfiguration plant;
 };
@@ -69,7 +70,7 @@ PlantConfiguration plant_of(Options& options) {
 }
 
 void serve(const Options& options, Plant& plant) {
-  constexpr hal::Duration kStep = std::chrono::microseconds(250);
+  const hal::Duration step(std::llround(1e3 * options.step_us));
   auto console = linux_hal::SocketConsole::open(options.console);
   if (!console) {
     throw CLI::ValidationError(options.console + ": " + std::string(describe(console.error())));
@@ -87,7 +88,7 @@ void serve(const Options& options, Plant& plant) {
                                             : answer(plant, line->text());
       (void)(*console)->write_line(line->client, reply);
     }
-    clock.wait_until(clock.now() + kStep);
+    clock.wait_until(clock.now() + step);
   }
 }
 
@@ -131,6 +132,10 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--ping-ms", options.ping_ms, "from one ping of the sensor to the next")
       ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--step-us", options.step_us,
+                 "from one look at the buses to the next; a small part of the master's period")
+      ->check(CLI::Range(50.0, 5000.0))
       ->capture_default_str();
   app.add_option("--seed", plant.seed, "of the noise")->capture_default_str();
   try {

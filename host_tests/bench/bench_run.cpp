@@ -31,7 +31,7 @@ using Changes = std::vector<std::pair<std::string, std::string>>;
 const std::string kModbus =
     "  modbus:\n"
     "    device: /tmp/armsig-bench/sensor\n"
-    "    poll_period_ms: 5\n"
+    "    poll_period_ms: 10\n"
     "    answer_timeout_ms: 1000\n";
 const std::string kCan = "  can:\n    node: 32\n    reading_period_ms: 10\n";
 
@@ -51,7 +51,7 @@ Changes small() {
 
 BenchProcess emulated_arm() {
   return BenchProcess({"--target-mm", "150,0,50", "--start-deg", "0,-90,90,30,0,0", "--ping-ms",
-                       "8", "--sensor-node", "32"});
+                       "10", "--step-us", "1500", "--sensor-node", "32"});
 }
 
 const Vector3& target_in_hand() {

@@ -55,7 +55,9 @@ class DaemonProcess {
     start();
   }
   ~DaemonProcess() {
-    if (child_ > 0) EXPECT_EQ(end(SIGTERM), 0);
+    if (child_ > 0) {
+      EXPECT_EQ(end(SIGTERM), 0);
+    }
     std::filesystem::remove_all(directory_);
   }
   DaemonProcess(const DaemonProcess&) = delete;
