@@ -203,6 +203,7 @@ TEST(DaemonConfiguration, refuses_counts_of_points_and_pings_that_cannot_be) {
 TEST(DaemonConfiguration, refuses_what_is_not_positive_or_no_number) {
   expect_refused("joints:", "speed_deg_per_s: 60", "speed_deg_per_s: 0", "above 0");
   expect_refused("joints:", "following_error_deg: 3", "following_error_deg: .nan", "not a");
+  expect_refused("joints:", "motor_speed_deg_per_s: 120", "motor_speed_deg_per_s: 12", "below");
   expect_refused("motion:", "tool_speed_mm_per_s: 250", "tool_speed_mm_per_s: -250", "above 0");
   expect_refused("supervision:", "latest_tick_ms: 10", "latest_tick_ms: 1e9", "at most a day");
   expect_refused("sensor:", "air_c: [0, 45]", "air_c: [45, 0]", "lowest");
