@@ -140,7 +140,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
                configuration.drives.axes.size(), configuration.can_interface,
                configuration.console);
     std::fflush(stdout);
-    watch.begin(report);
+    watch.begin(report, configuration.priority);
     serve(*controller, clock, configuration.controller.period, watch, stop);
     shut_down(master, clock, configuration.controller.period);
   } catch (const std::system_error& error) {

@@ -33,6 +33,7 @@ struct Options {
   double sigma_mm = 1e3 * simulated::kDemoRangeSigma;
   double ping_ms = 20;
   double step_us = 250;
+  int priority = 40;
   int sensor_node = 0;
   PlantConfiguration plant;
 };
@@ -76,7 +77,7 @@ void serve(const Options& options, Plant& plant) {
     throw CLI::ValidationError(options.console + ": " + std::string(describe(console.error())));
   }
   // Late answers would be a fault of the bench and not of what is tested on it.
-  (void)linux_hal::become_real_time(40);
+  (void)linux_hal::become_real_time(options.priority);
   fmt::print("# {} drives on {}, requests at {}\n", plant.joints(), options.plant.can_interface,
              options.console);
   std::fflush(stdout);
@@ -136,6 +137,9 @@ int run(int argc, char** argv) {
   app.add_option("--step-us", options.step_us,
                  "from one look at the buses to the next; a small part of the master's period")
       ->check(CLI::Range(50.0, 5000.0))
+      ->capture_default_str();
+  app.add_option("--priority", options.priority, "SCHED_FIFO; 0: ordinary scheduling")
+      ->check(CLI::Range(0, 99))
       ->capture_default_str();
   app.add_option("--seed", plant.seed, "of the noise")->capture_default_str();
   try {
