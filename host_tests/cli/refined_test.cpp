@@ -311,6 +311,13 @@ TEST(Refined, names_what_is_missing) {
   few.rows.resize(8);
   expect_refused(folder, refine(folder, few), 1, "24 measured numbers, and the unknowns need 27");
 
+  // As many numbers as unknowns, and nothing left to tell the noise by.
+  Csv bare = good;
+  keep_mixed(bare);
+  bare.rows.resize(9);
+  for (Fields& row : bare.rows) row[bare.column("sigma_mm")] = "";
+  expect_refused(folder, refine(folder, bare), 1, "27 measured numbers, and the unknowns need 30");
+
   Csv equal = good;
   keep_mixed(equal);
   for (Fields& row : equal.rows) row = equal.rows.front();
