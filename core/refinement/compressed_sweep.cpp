@@ -157,26 +157,28 @@ std::size_t place(std::span<const Observation> rows, const Chain& chain, JointTy
   sweep.middle = 0.5 * (lowest + highest);
   sweep.half_length = 0.5 * (highest - lowest);
   sweep.from_nodes.setZero();
-  std::array<double, 3> at{lowest, highest, sweep.middle};
+  sweep.nodes = {lowest, highest, sweep.middle};
   if (sweep.revolute) {
     for (int k = 0; k < 3; ++k) {
       const double d = 2.0 * kPi / 3.0 * k;
-      at[static_cast<std::size_t>(k)] = sweep.middle + d;
+      sweep.nodes[static_cast<std::size_t>(k)] = sweep.middle + d;
       sweep.from_nodes.col(k) << 1.0 / 3.0, 2.0 / 3.0 * std::cos(d), 2.0 / 3.0 * std::sin(d);
     }
   } else {
     sweep.from_nodes.col(0) << 0.5, -0.5, 0;
     sweep.from_nodes.col(1) << 0.5, 0.5, 0;
   }
-  const JointMotion held = chain.motion(rows.front().readings);
-  for (std::size_t k = 0; k < 3; ++k) {
-    sweep.nodes[k] = held;
-    chain.move(sweep.nodes[k], sweep.joint, at[k]);
-  }
   return fitted;
 }
 
 }  // namespace
+
+JointMotion node_motion(const CompressedSweep& sweep, const Chain& chain, const JointVector& held,
+                        std::size_t node) {
+  JointMotion motion = chain.motion(held);
+  chain.move(motion, sweep.joint, sweep.nodes[node]);
+  return motion;
+}
 
 Vector3 sweep_regressors(const CompressedSweep& sweep, const Chain& chain,
                          const JointVector& readings) {
