@@ -6,6 +6,7 @@
 
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/foreign_columns.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/identification_run.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
@@ -16,7 +17,7 @@ namespace armsig::tool {
 namespace {
 
 struct Options : CommonOptions {
-  std::string arm, measurements, sensor, out, serial;
+  std::string arm, measurements, columns, sensor, out, serial;
   std::string method = "encoder";
 };
 
@@ -101,6 +102,16 @@ nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome) {
   return json;
 }
 
+// The file as it is, or with its columns mapped: what was made of what is said first.
+Read<MeasurementReader> open_measurements(const Options& options, const JointTypes& types) {
+  if (options.columns.empty()) return MeasurementReader::open(options.measurements, types);
+  ARMSIG_TRY(mapped, map_measurements(options.measurements, options.columns, types));
+  fmt::print(stderr, "{}", in_words(mapped));
+  auto reader = MeasurementReader::over(mapped.text, options.measurements, types);
+  if (!reader) reader.error().column = 0;  // of the mapped line, not of the file's
+  return reader;
+}
+
 int run(const Options& options) {
   const auto arm = read_arm_file(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
@@ -114,11 +125,12 @@ int run(const Options& options) {
   const bool refine = options.method == "refined";
   IdentificationRun identification(arm->arm, sensor, options.measurements,
                                    refine ? KeepLog::kYes : KeepLog::kNo);
-  auto reader = MeasurementReader::open(options.measurements, types_of(arm->arm));
+  auto reader = open_measurements(options, types_of(arm->arm));
   if (!reader) return fail(reader.error(), kBadInput, options);
   Progress progress("Reading measurements", 1000);
   for (MeasurementRow row;;) {
-    const auto more = reader->next(row);
+    auto more = reader->next(row);
+    if (!more && !options.columns.empty()) more.error().column = 0;
     if (!more) return fail(more.error(), kBadInput, options);
     if (!*more) break;
     const auto taken = identification.take(row);
@@ -186,6 +198,9 @@ void add_identify(CLI::App& app, int& status) {
       ->capture_default_str();
   command->add_option("--sensor", options->sensor,
                       "sensor description (YAML), where the rows are ranges to receivers");
+  command->add_option("--columns", options->columns,
+                      "measurements of other software: auto, or x_mm=THEIR NAME,target=#1,... "
+                      "(semicolons, decimal commas and lines before the header are understood)");
   command->add_option("--serial", options->serial, "serial number of the arm, for the record");
   command->add_option("--out", options->out, "signature file to write (YAML)")->required();
   add_common(*command, *options);
