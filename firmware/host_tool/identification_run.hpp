@@ -41,6 +41,8 @@ class IdentificationRun {
                     KeepLog keep_log = KeepLog::kNo);
 
   [[nodiscard]] Read<void> take(const MeasurementRow& row);
+  // Where a row has its target, by its ranges where it has those; nothing where it says too little.
+  [[nodiscard]] Read<std::optional<LocatedRow>> located(const MeasurementRow& row);
   // By the features of the sweeps alone.
   [[nodiscard]] Read<Identified> finish(features::Method method) const;
   // By everything measured, started from the features, or from the drawing where the sweeps give
@@ -48,7 +50,6 @@ class IdentificationRun {
   [[nodiscard]] Read<std::pair<Identified, RefinementOutcome>> finish_refined();
 
  private:
-  [[nodiscard]] Read<std::optional<LocatedRow>> located(const MeasurementRow& row);
   [[nodiscard]] Read<std::optional<LocatedRow>> located_by_ranges(const MeasurementRow& row,
                                                                   LocatedRow result);
   [[nodiscard]] Read<double> range_scale(const MeasurementRow& row) const;
