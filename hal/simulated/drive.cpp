@@ -190,7 +190,7 @@ void Drive::do_take(const hal::ReceivedCanFrame& received) {
   if (frame.id == canopen::kNmtId) {
     take_nmt(frame);
   } else if (frame.id == canopen::kSyncId) {
-    take_sync();
+    if (fault_ != DriveFault::kSyncLost) take_sync();
   } else if (frame.id == (settings_.receive_pdo & (kPdoOff | 0x7FFU))) {
     take_receive_pdo(frame);
   } else if (function == canopen::kHeartbeatId) {

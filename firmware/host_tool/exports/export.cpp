@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/base/check.hpp"
+#include "firmware/host_tool/exports/provenance.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -28,6 +29,10 @@ std::vector<std::string> export_formats() {
 }
 
 Read<std::string> export_text(const std::string& format, const SignatureRecord& record) {
+  if (!record.corrections.empty()) {
+    return cannot_hold(format, "its joint readings are corrected, and not by an offset alone",
+                       "a signature identified without --correct");
+  }
   for (const Format& known : kFormats) {
     if (format == known.name) return known.text(record);
   }

@@ -72,6 +72,19 @@ std::string remedy_in_words(Error error) {
   }
 }
 
+std::string lines_in_words(const std::vector<std::size_t>& lines) {
+  std::string words;
+  for (std::size_t k = 0; k < lines.size();) {
+    std::size_t last = k;
+    while (last + 1 < lines.size() && lines[last + 1] == lines[last] + 1) ++last;
+    if (!words.empty()) words += ", ";
+    words += fmt::format("{}", lines[k]);
+    if (last > k) words += fmt::format("{}{}", last > k + 1 ? " to " : ", ", lines[last]);
+    k = last + 1;
+  }
+  return words;
+}
+
 std::string duration_in_words(double seconds) {
   const auto whole = std::llround(seconds);
   if (whole >= 3600) return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);

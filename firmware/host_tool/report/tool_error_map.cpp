@@ -9,7 +9,7 @@
 #include "core/frames/alignment.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
-#include "firmware/host_tool/refinement_run.hpp"
+#include "firmware/host_tool/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -75,8 +75,12 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
   for (int n = 1; n <= kMapPoints; ++n) {
     const JointVector q = evenly_spread_configuration(signature.types, record.nominal.limits, n);
     ToolErrorAt at;
-    at.p_S = kinematics::target_position(signature, q, target);
-    at.drawing_m = (kinematics::target_position(drawn, q, drawn.targets[*tool]) - at.p_S).norm();
+    const JointVector turned =
+        refinement::true_readings(record.readings(), signature.configuration, q);
+    at.p_S = kinematics::target_position(signature, turned, target);
+    const Vector3 p_drawn = kinematics::target_position(
+        drawn, effective_readings(record.nominal, q), drawn.targets[*tool]);
+    at.drawing_m = (p_drawn - at.p_S).norm();
     if (estimate != nullptr) {
       at.predicted_m = std::sqrt(uncertainty::tool_covariance(*estimate, q, *tool).trace());
     }

@@ -6,7 +6,7 @@
 #include "core/identification.hpp"
 #include "core/refinement/chain.hpp"
 #include "core/uncertainty/feature_information.hpp"
-#include "firmware/host_tool/refinement_run.hpp"
+#include "firmware/host_tool/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -19,7 +19,8 @@ constexpr double kDerivativeStep = 1e-2;
 
 std::unique_ptr<refinement::Refined> estimate_behind(const SignatureRecord& record) {
   if (record.covariance) {
-    return estimate_from(record.signature, record.nominal, *record.covariance);
+    auto estimate = estimate_of(record, "");
+    return estimate ? std::move(*estimate) : nullptr;
   }
   if (record.signature.features.size() != record.signature.joint_count()) return nullptr;
   auto estimate = std::make_unique<refinement::Refined>();

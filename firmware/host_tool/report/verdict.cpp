@@ -84,12 +84,22 @@ void say_how_sure(const SignatureRecord& record, const std::vector<SweepPicture>
     used += feature.quality.used;
     rejected += feature.quality.rejected;
   }
+  if (record.fit) {
+    used = record.fit->rows_used;
+    rejected = record.fit->rows_rejected;
+  }
   if (used > 0) {
     const std::string outliers = rejected == 0 ? "none was rejected as an outlier"
                                  : rejected == 1
                                      ? "one more was rejected as an outlier"
                                      : fmt::format("{} more were rejected as outliers", rejected);
     verdict.sentences.push_back(fmt::format("It rests on {} measured points; {}.", used, outliers));
+  }
+  if (record.fit && record.fit->left_out) {
+    verdict.sentences.push_back(fmt::format(
+        "Points that were left out of the fit in turn are {} from where it puts them (root mean "
+        "square), the sensor's own noise included.",
+        millimetres(record.fit->left_out->rms_m)));
   }
   const auto waves = std::ranges::count_if(
       sweeps, [](const SweepPicture& sweep) { return sweep.wave && sweep.wave->significant(); });
