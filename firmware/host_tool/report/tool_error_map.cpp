@@ -91,9 +91,7 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
   map.predicted_rms_m = record.predicted_tool_error_m;
   if (estimate != nullptr) {
     if (!map.predicted_rms_m) {
-      const auto& limits = record.nominal.limits;
-      map.predicted_rms_m =
-          uncertainty::predicted_rms(*estimate, std::span(limits.begin(), limits.end()), *tool);
+      map.predicted_rms_m = uncertainty::predicted_rms(*estimate, record.nominal.limits, *tool);
     }
     map.joint_share = joint_share(record, *estimate, *tool);
   }
