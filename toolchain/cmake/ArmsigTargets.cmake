@@ -18,4 +18,8 @@ function(armsig_controller_library name)
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
   target_link_libraries(${name} PRIVATE armsig_warnings)
+  if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
+    # Images are built without a cache of objects; reading Eigen once halves the time.
+    target_precompile_headers(${name} PRIVATE <Eigen/Dense> <algorithm> <expected> <optional> <span>)
+  endif()
 endfunction()
