@@ -25,7 +25,7 @@ struct Target {
 
 struct Signature {
   FixedVector<JointType, kMaxJoints> types;
-  JointVector configuration;           // the signature configuration, joint readings
+  JointVector configuration;           // the signature configuration, effective readings
   FixedVector<Pose, kMaxFrames> X_SL;  // link frames 0 ... n in the sensor frame, (15)
   FixedVector<s_model::Parameters, kMaxJoints> s_model;  // of B_i, (18)
   FixedVector<DhJoint, kMaxJoints> pseudo_dh;  // (9)-(12), offsets (19), first joint (22)-(23)

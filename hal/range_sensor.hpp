@@ -7,12 +7,10 @@
 #include <optional>
 
 #include "core/base/error.hpp"
-#include "core/base/fixed_vector.hpp"
+#include "core/base/flight_time.hpp"
 #include "hal/clock.hpp"
 
 namespace armsig::hal {
-
-inline constexpr std::size_t kMaxReceivers = 8;
 
 // What one receiver heard. A range is the flight time times the speed of sound at the air
 // temperature (ALGORITHMS, section 1), which is the measurement stage's business.

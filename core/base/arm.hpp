@@ -42,20 +42,42 @@ struct JointCoupling {
   double ratio = 0;
 };
 
+using JointCouplings = FixedVector<JointCoupling, kMaxJoints>;
+
 struct Arm {
   FixedVector<DhJoint, kMaxJoints> joints;
   FixedVector<JointLimits, kMaxJoints> limits;  // as many as joints
-  FixedVector<JointCoupling, kMaxJoints> couplings;
+  JointCouplings couplings;
 };
 
 // The readings that move the joints: each coupled one with its share of the other's reading added.
 // Precondition: one reading a joint.
-[[nodiscard]] inline JointVector effective_readings(const Arm& arm, const JointVector& readings) {
+[[nodiscard]] inline JointVector effective_readings(const JointCouplings& couplings,
+                                                    const JointVector& readings) {
   JointVector effective = readings;
-  for (const JointCoupling& coupling : arm.couplings) {
+  for (const JointCoupling& coupling : couplings) {
     effective[coupling.joint] += coupling.ratio * readings[coupling.from];
   }
   return effective;
+}
+[[nodiscard]] inline JointVector effective_readings(const Arm& arm, const JointVector& readings) {
+  return effective_readings(arm.couplings, readings);
+}
+
+// The readings whose effective_readings() are `effective`. Preconditions: one value a joint; no
+// coupling leads back, through others, to the joint that it moves.
+[[nodiscard]] inline JointVector readings_for(const JointCouplings& couplings,
+                                              const JointVector& effective) {
+  JointVector readings = effective;
+  // Every pass settles the joints that hang on settled ones.
+  for (std::size_t pass = 0; pass < effective.size(); ++pass) {
+    JointVector next = effective;
+    for (const JointCoupling& coupling : couplings) {
+      next[coupling.joint] -= coupling.ratio * readings[coupling.from];
+    }
+    readings = next;
+  }
+  return readings;
 }
 
 }  // namespace armsig

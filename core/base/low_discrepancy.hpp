@@ -21,7 +21,7 @@ namespace armsig {
 }
 
 // The n-th joint configuration, n >= 1, evenly spread within the limits; a revolute joint that can
-// turn more than once stays within half a turn of zero.
+// turn more than once stays within one turn, as near to zero as its limits let it.
 [[nodiscard]] inline JointVector evenly_spread_configuration(
     const FixedVector<JointType, kMaxJoints>& types,
     const FixedVector<JointLimits, kMaxJoints>& limits, int n) {
@@ -30,8 +30,9 @@ namespace armsig {
   for (std::size_t i = 0; i < types.size(); ++i) {
     auto [lower, upper] = limits[i];
     if (types[i] == JointType::kRevolute && upper - lower > 2 * kPi) {
-      lower = std::max(lower, -kPi);
-      upper = std::min(upper, kPi);
+      const double middle = std::clamp(0.0, lower + kPi, upper - kPi);
+      lower = middle - kPi;
+      upper = middle + kPi;
     }
     q.push_back(lower + van_der_corput(n, kPrimes[i]) * (upper - lower));
   }

@@ -44,7 +44,7 @@ class ConstrainedFit {
         Z_(statistics.motion.rotated_right_hand_sides()),
         shape_inverse_(statistics.shape().inverse()),
         whitening_(shape_inverse_.llt().matrixL()),
-        score_(statistics.score_sum) {}
+        score_(statistics.score_covariance()) {}
 
   // The motion of greatest likelihood, from a start in its neighbourhood.
   // Errors: kSingular, kNotConverged.

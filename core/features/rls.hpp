@@ -10,7 +10,6 @@
 // The rows left over are the residuals; only their sums of products E^T E are kept. No matrix is
 // ever squared or inverted, so a million updates cost no more digits than ten, in float as in
 // double; the covariance form (core/features/rls_covariance.hpp) loses them.
-// Weights: multiply the whole row by the square root of its weight.
 #pragma once
 
 #include <cmath>
@@ -35,16 +34,19 @@ class SquareRootRls {
   using Coefficients = Eigen::Matrix<Scalar, kRegressors, kRightHandSides>;
   using Products = Eigen::Matrix<Scalar, kRightHandSides, kRightHandSides>;
 
-  // One measurement: right_hand_sides = coefficients^T * regressors + noise. All numbers must be
-  // finite.
-  void update(const Regressors& regressors, const RightHandSides& right_hand_sides) {
+  // One measurement: right_hand_sides = coefficients^T * regressors + noise of variance 1 / weight.
+  // All numbers must be finite, the weight not negative.
+  void update(const Regressors& regressors, const RightHandSides& right_hand_sides,
+              Scalar weight = 1) {
     Scalar row[kColumns];
     for (int j = 0; j < kRegressors; ++j) row[j] = regressors[j];
     for (int j = 0; j < kRightHandSides; ++j) row[kRegressors + j] = right_hand_sides[j];
-    for (int i = 0; i < kRegressors; ++i) rotate_row<kColumns>(factor_[i], row, i);
-    for (int i = 0, k = 0; i < kRightHandSides; ++i)
+    rotate_into<kRegressors>(factor_, row, weight);
+    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
+      const Scalar weighted = weight * row[kRegressors + i];
       for (int j = i; j < kRightHandSides; ++j, ++k)
-        residuals_[k] += row[kRegressors + i] * row[kRegressors + j];
+        residuals_[k] += weighted * row[kRegressors + j];
+    }
   }
 
   // R, upper triangular. Its rows and those of Z stand for all the measurements: feeding them to
@@ -52,14 +54,17 @@ class SquareRootRls {
   // data.
   [[nodiscard]] Factor factor() const {
     Factor R = Factor::Zero();
-    for (int i = 0; i < kRegressors; ++i)
-      for (int j = i; j < kRegressors; ++j) R(i, j) = factor_[i][j];
+    for (int i = 0; i < kRegressors; ++i) {
+      R(i, i) = std::sqrt(factor_[i][i]);
+      for (int j = i + 1; j < kRegressors; ++j) R(i, j) = R(i, i) * factor_[i][j];
+    }
     return R;
   }
   [[nodiscard]] Coefficients rotated_right_hand_sides() const {
     Coefficients Z;
     for (int i = 0; i < kRegressors; ++i)
-      for (int j = 0; j < kRightHandSides; ++j) Z(i, j) = factor_[i][kRegressors + j];
+      for (int j = 0; j < kRightHandSides; ++j)
+        Z(i, j) = std::sqrt(factor_[i][i]) * factor_[i][kRegressors + j];
     return Z;
   }
 
@@ -82,14 +87,11 @@ class SquareRootRls {
   // do not tell from those before it gets the coefficient 0 (a basic solution; complete where
   // rank() is full).
   [[nodiscard]] Coefficients solve() const {
-    Coefficients solution = rotated_right_hand_sides();
+    Coefficients solution = Coefficients::Zero();
     for (int i = kRegressors - 1; i >= 0; --i) {
-      if (!is_independent(i)) {
-        solution.row(i).setZero();
-        continue;
-      }
+      if (!is_independent(i)) continue;
+      for (int k = 0; k < kRightHandSides; ++k) solution(i, k) = factor_[i][kRegressors + k];
       for (int j = i + 1; j < kRegressors; ++j) solution.row(i) -= factor_[i][j] * solution.row(j);
-      solution.row(i) /= factor_[i][i];
     }
     return solution;
   }
@@ -98,6 +100,7 @@ class SquareRootRls {
   // weight; infinite where the measurements say nothing about it.
   [[nodiscard]] Scalar prediction_variance(const Regressors& x) const {
     Regressors solved = Regressors::Zero();
+    Scalar variance = 0;
     for (int i = 0; i < kRegressors; ++i) {
       Scalar rest = x[i];
       Scalar size = std::abs(x[i]);
@@ -106,12 +109,13 @@ class SquareRootRls {
         size += std::abs(factor_[j][i] * solved[j]);
       }
       if (is_independent(i)) {
-        solved[i] = rest / factor_[i][i];
+        solved[i] = rest;
+        variance += rest * rest / factor_[i][i];
       } else if (std::abs(rest) > kDependent * size) {
         return std::numeric_limits<Scalar>::infinity();
       }
     }
-    return solved.squaredNorm();
+    return variance;
   }
 
   // R^-1, with R^-1 R^-T the covariance of a column of coefficients for noise of unit variance.
@@ -120,12 +124,9 @@ class SquareRootRls {
     if (rank() < kRegressors) return std::unexpected(Error::kSingular);
     Factor inverse = Factor::Zero();
     for (int k = 0; k < kRegressors; ++k) {
-      inverse(k, k) = 1 / factor_[k][k];
-      for (int i = k - 1; i >= 0; --i) {
-        Scalar sum = 0;
-        for (int j = i + 1; j <= k; ++j) sum += factor_[i][j] * inverse(j, k);
-        inverse(i, k) = -sum / factor_[i][i];
-      }
+      inverse(k, k) = 1 / std::sqrt(factor_[k][k]);
+      for (int i = k - 1; i >= 0; --i)
+        for (int j = i + 1; j <= k; ++j) inverse(i, k) -= factor_[i][j] * inverse(j, k);
     }
     return inverse;
   }
@@ -136,12 +137,12 @@ class SquareRootRls {
   static constexpr Scalar kDependent = 1000 * std::numeric_limits<Scalar>::epsilon();
 
   [[nodiscard]] bool is_independent(int i) const {
-    Scalar column = 0;
-    for (int j = 0; j <= i; ++j) column += factor_[j][i] * factor_[j][i];
-    return factor_[i][i] * factor_[i][i] > kDependent * kDependent * column;
+    Scalar column = factor_[i][i];
+    for (int j = 0; j < i; ++j) column += factor_[j][j] * factor_[j][i] * factor_[j][i];
+    return factor_[i][i] > kDependent * kDependent * column;
   }
 
-  Scalar factor_[kRegressors][kColumns] = {};                           // [R Z]
+  Scalar factor_[kRegressors][kColumns] = {};  // D^-1/2 [R Z], its unit diagonal replaced by D
   Scalar residuals_[kRightHandSides * (kRightHandSides + 1) / 2] = {};  // E^T E, upper triangle
 };
 

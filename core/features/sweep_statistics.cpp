@@ -8,6 +8,20 @@
 #include <Eigen/LU>
 
 namespace armsig::features {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+// The products a_i b_j of the upper triangle, row by row: 00 01 02 11 12 22.
+Vector6 products(const Vector3& a, const Vector3& b) {
+  return {a[0] * b[0], a[0] * b[1], a[0] * b[2], a[1] * b[1], a[1] * b[2], a[2] * b[2]};
+}
+
+Vector6 upper_triangle(const Matrix3& a) {
+  return {a(0, 0), a(0, 1), a(0, 2), a(1, 1), a(1, 2), a(2, 2)};
+}
+
+}  // namespace
 
 Vector3 motion_regressors(JointType type, double moved) {
   if (type == JointType::kPrismatic) return {1, moved, 0};
@@ -17,8 +31,9 @@ Vector3 motion_regressors(JointType type, double moved) {
 
 GeometryFactor::Row geometry_columns(const Vector3& p) {
   GeometryFactor::Row row;
-  row << 1, p, p.x() * p.x(), p.x() * p.y(), p.x() * p.z(), p.y() * p.y(), p.y() * p.z(),
-      p.z() * p.z();
+  row[0] = 1;
+  row.segment<3>(1) = p;
+  row.tail<6>() = products(p, p);
   return row;
 }
 
@@ -34,17 +49,28 @@ void SweepStatistics::add(const SweepPoint& point) {
   ++count;
 
   const double variance = point.variance();
-  const double weight = 1 / std::sqrt(variance);
-  const Vector3 x = weight * regressors(point);
+  const double weight = 1 / variance;
+  const Vector3 x = regressors(point);
   const Vector3 p = point.p_S - origin_S;
-  motion.update(x, weight * p);
-  geometry.add(weight * geometry_columns(p));
+  motion.update(x, p, weight);
+  geometry.add(geometry_columns(p), weight);
 
-  const Matrix3 shape = point.covariance_m2 / variance;
+  const Matrix3 shape = weight * point.covariance_m2;
   variance_sum += variance;
   shape_sum += shape;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) score_sum.block<3, 3>(3 * i, 3 * j) += (x[i] * x[j]) * shape;
+  const Vector6 shapes = upper_triangle(shape);
+  const Vector6 pairs = products(x, weight * x);
+  for (Eigen::Index column = 0; column < 6; ++column)
+    score_sum.col(column) += shapes[column] * pairs;
+}
+
+Eigen::Matrix<double, 9, 9> SweepStatistics::score_covariance() const {
+  constexpr Eigen::Index kPlace[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  Eigen::Matrix<double, 9, 9> covariance;
+  for (Eigen::Index row = 0; row < 9; ++row)
+    for (Eigen::Index column = 0; column < 9; ++column)
+      covariance(row, column) = score_sum(kPlace[row / 3][column / 3], kPlace[row % 3][column % 3]);
+  return covariance;
 }
 
 double SweepStatistics::motion_freedom() const {

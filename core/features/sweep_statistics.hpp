@@ -60,9 +60,9 @@ struct SweepStatistics {
   GeometryFactor geometry;
   double variance_sum = 0;              // of variance()
   Matrix3 shape_sum = Matrix3::Zero();  // of covariance / variance()
-  // Sum of weight * regressors regressors^T (x) covariance / variance(): the covariance of the
-  // score of the motion fit, true also where the covariance changes along the sweep.
-  Eigen::Matrix<double, 9, 9> score_sum = Eigen::Matrix<double, 9, 9>::Zero();
+  // Sum of weight * (products of the regressors) (products of covariance / variance())^T, each in
+  // the order 00 01 02 11 12 22: what score_covariance() is made of.
+  Eigen::Matrix<double, 6, 6> score_sum = Eigen::Matrix<double, 6, 6>::Zero();
 
   SweepStatistics() = default;
   SweepStatistics(JointType joint, const SweepPoint& origin)
@@ -76,6 +76,9 @@ struct SweepStatistics {
   }
   // The mean covariance of a point over its mean variance per axis (trace 3).
   [[nodiscard]] Matrix3 shape() const { return shape_sum / static_cast<double>(count); }
+  // Sum of weight * regressors regressors^T (x) covariance / variance(): the covariance of the
+  // score of the motion fit, true also where the covariance changes along the sweep.
+  [[nodiscard]] Eigen::Matrix<double, 9, 9> score_covariance() const;
   [[nodiscard]] double mean_variance() const { return variance_sum / static_cast<double>(count); }
   // Residuals left over by the motion fit: how many, and their sum of squares, each over its
   // variance along its direction.

@@ -1,46 +1,72 @@
 // SPDX-License-Identifier: MIT
-// Rows of measurements compressed into a triangular factor by Givens rotations.
+// Rows of measurements compressed into a triangular factor by Givens rotations without square roots
+// (Gentleman, "Least squares computations by Givens transformations without square roots", J. Inst.
+// Maths Applics 12, 1973): as stable as those with, at two thirds of the cost.
+//
+// The factor is kept as R = D^1/2 U, U with a unit diagonal: D in the place of that diagonal.
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 #include <Eigen/Core>
 
 namespace armsig::features {
 
-// Rotates `row` into the row `kept` of a triangular factor so that row[pivot] vanishes; entries
-// before the pivot are taken as zero already.
-template <int kColumns, typename Scalar>
-inline void rotate_row(Scalar* kept, Scalar* row, int pivot) {
-  const Scalar length = std::sqrt(kept[pivot] * kept[pivot] + row[pivot] * row[pivot]);
-  if (length == 0) return;
-  const Scalar scale = 1 / length;
-  const Scalar c = kept[pivot] * scale;
-  const Scalar s = row[pivot] * scale;
-  kept[pivot] = length;
-  for (int j = pivot + 1; j < kColumns; ++j) {
+// Rotates `row`, of weight `weight`, into row kPivot of the factor, whose pivot's square and
+// remaining entries are kept[kPivot] and kept[kPivot + 1...]: row[kPivot] vanishes, the rest of the
+// row and its weight are what is left for the next one. A row of weight 0 changes nothing.
+template <int kPivot, int kColumns, typename Scalar>
+inline void rotate_row(Scalar (&kept)[kColumns], Scalar (&row)[kColumns], Scalar& weight) {
+  const Scalar x = row[kPivot];
+  const Scalar weighted = weight * x;
+  const Scalar square = kept[kPivot] + weighted * x;
+  if (!(square > 0)) return;
+  const Scalar inverse = 1 / square;
+  const Scalar c = kept[kPivot] * inverse;
+  const Scalar s = weighted * inverse;
+  kept[kPivot] = square;
+  weight *= c;
+#pragma GCC unroll 16
+  for (int j = kPivot + 1; j < kColumns; ++j) {
     const Scalar above = kept[j];
-    kept[j] = c * above + s * row[j];
-    row[j] = c * row[j] - s * above;
+    const Scalar below = row[j];
+    row[j] = below - x * above;
+    kept[j] = c * above + s * below;
   }
 }
 
-// R, upper triangular, with R^T R = X^T X for all the rows of X added: whatever least squares can
-// say about any linear combination of the columns, its sum of squares included, |X v| = |R v|.
+// Rotates `row` into the rows kPivot to kRows - 1 of the factor.
+template <int kRows, int kPivot = 0, int kColumns, typename Scalar>
+inline void rotate_into(Scalar (&factor)[kRows][kColumns], Scalar (&row)[kColumns],
+                        Scalar& weight) {
+  if constexpr (kPivot < kRows) {
+    rotate_row<kPivot>(factor[kPivot], row, weight);
+    rotate_into<kRows, kPivot + 1>(factor, row, weight);
+  }
+}
+
+// R, upper triangular, with R^T R = X^T W X for all the rows of X added, W their weights: whatever
+// least squares can say about any linear combination of the columns, its sum of squares included,
+// |W^1/2 X v| = |R v|.
 template <int kColumns>
 class TriangularFactor {
  public:
   using Row = Eigen::Matrix<double, kColumns, 1>;
   using Matrix = Eigen::Matrix<double, kColumns, kColumns>;
 
-  void add(Row row) {
-    for (int i = 0; i < kColumns; ++i) rotate_row<kColumns>(rows_[i], row.data(), i);
+  void add(const Row& columns, double weight = 1) {
+    double row[kColumns];
+    for (int j = 0; j < kColumns; ++j) row[j] = columns[j];
+    rotate_into<kColumns>(rows_, row, weight);
   }
 
   [[nodiscard]] Matrix matrix() const {
     Matrix R = Matrix::Zero();
-    for (int i = 0; i < kColumns; ++i)
-      for (int j = i; j < kColumns; ++j) R(i, j) = rows_[i][j];
+    for (int i = 0; i < kColumns; ++i) {
+      R(i, i) = std::sqrt(rows_[i][i]);
+      for (int j = i + 1; j < kColumns; ++j) R(i, j) = R(i, i) * rows_[i][j];
+    }
     return R;
   }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/check.hpp"
+#include "core/base/low_discrepancy.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -31,17 +32,6 @@ constexpr std::array<Departure, 6> kStraightWrist = {
 bool settled(const ClosedForm& form, const InverseSolution& solution, const Posture& posture) {
   return solution.verdict == Verdict::kConverged && solution.regularity > kClearOfFolds &&
          posture_of(form, solution.q) == posture;
-}
-
-// The k-th number of the van der Corput sequence: fills (0, 1) evenly for any count.
-double van_der_corput(int k, int base) {
-  double value = 0;
-  double digit = 1;
-  for (; k > 0; k /= base) {
-    digit /= base;
-    value += digit * (k % base);
-  }
-  return value;
 }
 
 JointVector fixed_start(const Chain& chain, int k) {

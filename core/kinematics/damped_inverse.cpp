@@ -300,7 +300,7 @@ class DampedSolver {
     return v - J.transpose().lazyProduct(x.head<6>());
   }
 
-  InverseSolution finish(bool stationary) const {
+  [[nodiscard]] InverseSolution finish(bool stationary) const {
     InverseSolution solution;
     solution.q.resize(chain_.joint_count);
     for (Eigen::Index i = 0; i < n_; ++i) solution.q[static_cast<std::size_t>(i)] = q_[i];

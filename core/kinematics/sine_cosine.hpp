@@ -26,10 +26,13 @@ struct SineCosineConstants<double> {
   // 160,000 turns; beyond, the library's functions take over.
   static constexpr double kLargestAngle = 1e6;
   static constexpr double kRound = 0x1.8p52;  // adding it rounds to an integer in the low bits
+  // Pi in three parts whose products with the number of turns are exact, hence not
+  // std::numbers::pi. NOLINTBEGIN(modernize-use-std-numbers)
   static constexpr double kOneOverPi = 0x1.45f306dc9c883p-2;
   static constexpr double kPi1 = 0x1.921fb544p+1;  // 33 bits
   static constexpr double kPi2 = 0x1.0b4611a6p-33;
   static constexpr double kPi3 = 0x1.3198a2e037073p-68;
+  // NOLINTEND(modernize-use-std-numbers)
   static constexpr std::array<double, 8> kSine = {
       -0x1.5555555555555p-3,  0x1.1111111111107p-7,  -0x1.a01a01a018aadp-13, 0x1.71de3a5456710p-19,
       -0x1.ae6455a1d6d16p-26, 0x1.6124015b4d09ap-33, -0x1.ae5138bb6e53dp-41, 0x1.89a485b963ce2p-49};
@@ -42,10 +45,12 @@ template <>
 struct SineCosineConstants<float> {
   static constexpr float kLargestAngle = 2e4F;  // 3,000 turns
   static constexpr float kRound = 0x1.8p23F;
+  // NOLINTBEGIN(modernize-use-std-numbers)
   static constexpr float kOneOverPi = 0x1.45f306p-2F;
   static constexpr float kPi1 = 0x1.92p+1F;  // 11 bits
   static constexpr float kPi2 = 0x1.fb4p-11F;
   static constexpr float kPi3 = 0x1.4442d2p-23F;
+  // NOLINTEND(modernize-use-std-numbers)
   static constexpr std::array<float, 4> kSine = {-0x1.555554p-3F, 0x1.11104ep-7F, -0x1.9fb686p-13F,
                                                  0x1.61a18ap-19F};
   static constexpr std::array<float, 4> kCosine = {0x1.555556p-5F, -0x1.6c163ep-10F,

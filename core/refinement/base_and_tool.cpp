@@ -21,15 +21,15 @@ constexpr double kAtRest = 1e-20;
 class Rows {
  public:
   Rows(const Arm& arm, std::span<const Observation> log, std::span<const Target> targets)
-      : arm_(arm), log_(log), targets_(targets), readings_{arm.couplings, {}} {}
+      : arm_(arm), log_(log), targets_(targets) {}
 
   template <typename Visit>
   void for_each(std::size_t target, Visit visit) const {
     for (const Observation& row : log_) {
       if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition || row.target != target)
         continue;
-      const JointVector coupled = coupled_readings(readings_, row.readings);
-      visit(row, drawn_frames(arm_, coupled)[targets_[target].link]);
+      const JointVector effective = effective_readings(arm_, row.readings);
+      visit(row, drawn_frames(arm_, effective)[targets_[target].link]);
     }
   }
 
@@ -37,7 +37,6 @@ class Rows {
   const Arm& arm_;
   std::span<const Observation> log_;
   std::span<const Target> targets_;
-  ReadingModel readings_;
 };
 
 Vector12 link_vector(const Pose& X_BL) {
@@ -83,14 +82,14 @@ Vector3 place_target(const Rows& rows, std::size_t target, const Pose& X_SB) {
 
 }  // namespace
 
-FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm, const JointVector& coupled) {
+FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm, const JointVector& effective) {
   FixedVector<Pose, kMaxFrames> X_BL;
   X_BL.push_back({});
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {
     const DhJoint& joint = arm.joints[i];
     const bool revolute = joint.type == JointType::kRevolute;
-    const Matrix3 R_z = rotation_z(joint.theta_rad + (revolute ? coupled[i] : 0));
-    const Vector3 p(joint.a_m, 0, joint.d_m + (revolute ? 0 : coupled[i]));
+    const Matrix3 R_z = rotation_z(joint.theta_rad + (revolute ? effective[i] : 0));
+    const Vector3 p(joint.a_m, 0, joint.d_m + (revolute ? 0 : effective[i]));
     X_BL.push_back(X_BL.back() * Pose{R_z * rotation_x(joint.alpha_rad), R_z * p});
   }
   return X_BL;
@@ -122,6 +121,7 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
 
   const Rows rows(arm, log, targets);
   BaseAndTool found;
+  found.main = main;
   Candidate best;
   double scale = 0;
   for (int pass = 0; pass < kRobustPasses; ++pass) {

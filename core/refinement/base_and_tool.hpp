@@ -18,14 +18,15 @@ namespace armsig::refinement {
 struct BaseAndTool {
   Pose X_SB;
   FixedVector<Vector3, kMaxTargets>
-      p_LT;          // targets in their links' frames; zero where not observed
-  double rms_m = 0;  // residual lengths of the rows that carry at least half weight
+      p_LT;              // targets in their links' frames; zero where not observed
+  std::size_t main = 0;  // index of the target that the base was found from
+  double rms_m = 0;      // residual lengths of the rows that carry at least half weight
 };
 
-// The arm's links 0 ... n in its base frame by the drawing, at coupled readings (standard
+// The arm's links 0 ... n in its base frame by the drawing, at effective readings (standard
 // Denavit-Hartenberg, (2) of the paper).
 [[nodiscard]] FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm,
-                                                         const JointVector& coupled);
+                                                         const JointVector& effective);
 
 // Fits base and targets to the position rows of `log` whose use is kFit. `targets` says on which
 // link each target is; their positions are not used. The base is found from the target on the last

@@ -20,9 +20,9 @@ Chain::Chain(const Signature& signature, const ReadingModel& readings)
   const std::size_t n = types_.size();
   ARMSIG_CHECK(X_SL_.size() == n + 1 && signature.configuration.size() == n);
   ARMSIG_CHECK(readings.corrections.empty() || readings.corrections.size() == n);
-  const JointVector coupled = coupled_readings(readings_, signature.configuration);
   for (std::size_t i = 0; i < n; ++i) {
-    configuration_[i] = {coupled[i], corrected_reading(readings_, i, coupled[i])};
+    const double effective = signature.configuration[i];
+    configuration_[i] = {effective, corrected_reading(readings_, i, effective)};
     B_[i] = X_SL_[i].inverse() * X_SL_[i + 1];
   }
 }
@@ -30,7 +30,7 @@ Chain::Chain(const Signature& signature, const ReadingModel& readings)
 JointMotion Chain::motion(const JointVector& readings) const {
   ARMSIG_CHECK(readings.size() == types_.size());
   JointMotion motion;
-  const JointVector coupled = coupled_readings(readings_, readings);
+  const JointVector coupled = effective_readings(readings_.couplings, readings);
   for (std::size_t i = 0; i < types_.size(); ++i) {
     motion.joints[i].coupled = coupled[i];
     move(motion, i, corrected_reading(readings_, i, coupled[i]) - configuration_[i].corrected);

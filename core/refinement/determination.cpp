@@ -125,6 +125,9 @@ void settle_covariance(double weighted_squares, Refined& refined) {
     if ((excess || quality.sigma_is_estimated) && variance_factor > 0) {
       refined.information.scale(1 / quality.noise_factor);
     }
+    if (quality.covariance_enlarged) {
+      quality.unexplained_m = quality.sigma_m * std::sqrt(variance_factor - 1);
+    }
     if (quality.sigma_is_estimated) {
       quality.sigma_m *= quality.noise_factor;
       quality.noise_factor = 1;

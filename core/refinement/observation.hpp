@@ -6,11 +6,10 @@
 #include <cstdint>
 
 #include "core/base/arm.hpp"
+#include "core/base/flight_time.hpp"
 #include "core/base/pose.hpp"
 
 namespace armsig::refinement {
-
-inline constexpr std::size_t kMaxReceivers = 8;
 
 enum class ObservationKind : std::uint8_t {
   kPosition,  // the target's position, three scalars

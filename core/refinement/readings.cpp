@@ -5,14 +5,6 @@
 
 namespace armsig::refinement {
 
-JointVector coupled_readings(const ReadingModel& model, const JointVector& readings) {
-  JointVector coupled = readings;
-  for (const JointCoupling& coupling : model.couplings) {
-    coupled[coupling.joint] += coupling.ratio * readings[coupling.from];
-  }
-  return coupled;
-}
-
 double corrected_reading(const ReadingModel& model, std::size_t joint, double coupled) {
   if (model.corrections.empty()) return coupled;
   const ReadingCorrection& c = model.corrections[joint];
@@ -24,6 +16,31 @@ double corrected_reading(const ReadingModel& model, std::size_t joint, double co
     corrected += c.cos_2 * std::cos(2 * coupled) + c.sin_2 * std::sin(2 * coupled);
   }
   return corrected;
+}
+
+JointVector true_readings(const ReadingModel& model, const JointVector& configuration,
+                          const JointVector& readings) {
+  JointVector turned = effective_readings(model.couplings, readings);
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    turned[i] = configuration[i] + corrected_reading(model, i, turned[i]) -
+                corrected_reading(model, i, configuration[i]);
+  }
+  return turned;
+}
+
+JointVector encoder_readings(const ReadingModel& model, const JointVector& configuration,
+                             const JointVector& turned) {
+  JointVector effective = turned;
+  // The corrections' slope is their size: every pass takes another two digits.
+  constexpr int kPasses = 10;
+  for (std::size_t i = 0; !model.corrections.empty() && i < effective.size(); ++i) {
+    const double wanted =
+        turned[i] - configuration[i] + corrected_reading(model, i, configuration[i]);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      effective[i] += wanted - corrected_reading(model, i, effective[i]);
+    }
+  }
+  return readings_for(model.couplings, effective);
 }
 
 }  // namespace armsig::refinement

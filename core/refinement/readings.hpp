@@ -23,16 +23,23 @@ struct ReadingCorrection {
 };
 
 struct ReadingModel {
-  FixedVector<JointCoupling, kMaxJoints> couplings;
+  JointCouplings couplings;
   FixedVector<ReadingCorrection, kMaxJoints> corrections;  // none, or one per joint
 };
 
-// The coupled readings: each joint's reading plus ratio times the raw reading of the joint it hangs
-// on.
-[[nodiscard]] JointVector coupled_readings(const ReadingModel& model, const JointVector& readings);
-
-// The motion of joint `joint` that its coupled reading `coupled` stands for, corrections applied.
+// The motion of joint `joint` that its effective reading `coupled` stands for, corrections applied.
 [[nodiscard]] double corrected_reading(const ReadingModel& model, std::size_t joint,
                                        double coupled);
+
+// The readings by which the axes of a signature turn: coupled and corrected, so that they are
+// `configuration` (effective readings) where the encoders read the signature configuration. The
+// axes hold what the corrections are there.
+[[nodiscard]] JointVector true_readings(const ReadingModel& model, const JointVector& configuration,
+                                        const JointVector& readings);
+
+// The readings at which true_readings() gives `turned`; exact for corrections below 0.1.
+[[nodiscard]] JointVector encoder_readings(const ReadingModel& model,
+                                           const JointVector& configuration,
+                                           const JointVector& turned);
 
 }  // namespace armsig::refinement

@@ -74,6 +74,9 @@ struct FitQuality {
   // sigma does not explain the residuals, and the covariance has been enlarged by its square.
   double noise_factor = 1;
   bool covariance_enlarged = false;
+  // 1 sigma of a scalar that the residuals show beyond the stated sigma, where that was enlarged:
+  // what the arm does and no axis line can say (gears, bending, warmth).
+  double unexplained_m = 0;
 };
 
 // The estimate with its uncertainty. About 50 KiB: keep it out of small stacks.

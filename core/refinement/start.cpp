@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/refinement/zero_offsets.hpp"
+
 namespace armsig::refinement {
 
 namespace {
@@ -72,10 +74,9 @@ Signature drawn_signature(const Arm& arm, const BaseAndTool& fitted,
                           std::span<const Observation> log, std::span<const Target> targets) {
   ARMSIG_CHECK(!log.empty());
   Signature signature;
-  signature.configuration = middle_row(log).readings;
-  const JointVector coupled = coupled_readings({arm.couplings, {}}, signature.configuration);
+  signature.configuration = effective_readings(arm, middle_row(log).readings);
   for (const DhJoint& joint : arm.joints) signature.types.push_back(joint.type);
-  for (const Pose& X_BL : drawn_frames(arm, coupled)) {
+  for (const Pose& X_BL : drawn_frames(arm, signature.configuration)) {
     signature.X_SL.push_back(fitted.X_SB * X_BL);
   }
   for (std::size_t t = 0; t < targets.size(); ++t) {
@@ -90,18 +91,32 @@ std::expected<void, Refusal> refine_from_drawing(const Arm& arm, std::span<const
                                                  std::span<const Target> targets,
                                                  const RefinementConfig& config,
                                                  std::span<RowOutcome> outcomes, Refined& refined,
-                                                 const StartLimits& limits, BaseAndTool* drawn) {
-  ARMSIG_TRY(fitted, fit_base_and_tool(arm, log, targets));
-  if (drawn != nullptr) *drawn = fitted;
-  if (!(fitted.rms_m <= limits.drawn_rms_m)) {
-    return std::unexpected(Refusal{Error::kNotConverged, fitted.rms_m, limits.drawn_rms_m});
-  }
-  const Signature start = drawn_signature(arm, fitted, log, targets);
+                                                 const StartLimits& limits, DrawingReport* report,
+                                                 std::span<const Observation> positions) {
+  if (positions.empty()) positions = log;
   RefinementConfig coupled = config;
   coupled.readings.couplings = arm.couplings;
-  const std::expected<void, Refusal> done = refine(start, log, coupled, outcomes, refined);
-  if (!done) return done;
-  return believe(start, refined, limits);
+  const auto refine_near = [&](const Arm& near,
+                               const BaseAndTool& fitted) -> std::expected<void, Refusal> {
+    if (!(fitted.rms_m <= limits.drawn_rms_m)) {
+      return std::unexpected(Refusal{Error::kNotConverged, fitted.rms_m, limits.drawn_rms_m});
+    }
+    const Signature start = drawn_signature(near, fitted, log, targets);
+    const std::expected<void, Refusal> done = refine(start, log, coupled, outcomes, refined);
+    if (!done) return done;
+    return believe(start, refined, limits);
+  };
+  ARMSIG_TRY(fitted, fit_base_and_tool(arm, positions, targets));
+  if (report != nullptr) *report = {fitted.rms_m, {}};
+  const std::expected<void, Refusal> done = refine_near(arm, fitted);
+  if (done || (done.error().error != Error::kNotConverged &&
+               done.error().error != Error::kTooManyOutliers)) {
+    return done;
+  }
+  const auto zeroed = fit_zeros(arm, positions, targets);
+  if (!zeroed || !refine_near(zeroed->arm, zeroed->fitted)) return done;
+  if (report != nullptr) report->zero_shifts = zeroed->shifts;
+  return {};
 }
 
 }  // namespace armsig::refinement

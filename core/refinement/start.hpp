@@ -7,6 +7,13 @@
 
 namespace armsig::refinement {
 
+// What was found on the way from a drawing.
+struct DrawingReport {
+  double drawn_rms_m = 0;  // of the drawing as it is, base and targets fitted
+  JointVector
+      zero_shifts;  // of the joints' zeros, where the drawing's led nowhere; empty otherwise
+};
+
 // What a drawing can be wrong by, and a fit be left with, and still be believed.
 struct StartLimits {
   double drawn_rms_m = 0.5;        // residual lengths with base and targets fitted only
@@ -20,13 +27,16 @@ struct StartLimits {
                                         std::span<const Observation> log,
                                         std::span<const Target> targets);
 
-// fit_base_and_tool(), then refine() from there; the couplings are those of `arm`. `drawn`, where
-// not null, receives the first of the two for comparison. A minimum that is not the true one leaves
-// residuals far above any sensor, or needs an arm unlike its drawing: either is refused as
-// kNotConverged (found and allowed RMS [m], or deviation), never returned. Errors: those of both.
+// fit_base_and_tool(), then refine() from there; where that leads to no arm like its drawing,
+// fit_zeros() first. The couplings are those of `arm`. `report` may be null. `positions` are what
+// the base is found from where the log holds ranges instead (targets by the same index); none: the
+// log. A minimum that is not the true one leaves residuals far above any sensor, or needs an arm
+// unlike its drawing: either is refused as kNotConverged (found and allowed RMS [m], or deviation),
+// never returned. Errors: those of both.
 [[nodiscard]] std::expected<void, Refusal> refine_from_drawing(
     const Arm& arm, std::span<const Observation> log, std::span<const Target> targets,
     const RefinementConfig& config, std::span<RowOutcome> outcomes, Refined& refined,
-    const StartLimits& limits = {}, BaseAndTool* drawn = nullptr);
+    const StartLimits& limits = {}, DrawingReport* report = nullptr,
+    std::span<const Observation> positions = {});
 
 }  // namespace armsig::refinement

@@ -34,7 +34,8 @@ constexpr double kRejectedShare = 0.3;
 constexpr std::array<double, 6> kDriftSizes{1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
 
 double sigma_of(const Refined& refined, const Observation& row) {
-  return row.sigma_m > 0 ? row.sigma_m : refined.quality.sigma_m;
+  return std::hypot(row.sigma_m > 0 ? row.sigma_m : refined.quality.sigma_m,
+                    refined.quality.unexplained_m);
 }
 
 struct Evidence {

@@ -34,7 +34,7 @@ struct DriftReport {
 };
 
 // Judges every row of `log` whose use is not kIgnore. Rows without a stated sigma take that of the
-// refinement. `scratch` is for work.
+// refinement; to either comes what the refinement left unexplained. `scratch` is for work.
 // Errors: kNotFinite (index of the row); kTooFewPoints (rows used, 1); kTooManyOutliers (rows
 // rejected, rows allowed).
 [[nodiscard]] Judged<DriftReport> check_drift(const refinement::Refined& refined,

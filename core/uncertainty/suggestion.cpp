@@ -19,9 +19,9 @@ using refinement::StateVector;
 namespace {
 
 // Candidates follow the configurations of the volume in the same even sequence.
-constexpr std::size_t kFirstCandidate = 1000;
+constexpr int kFirstCandidate = 1000;
 // Candidates outside the box are passed over, up to so many for one inside.
-constexpr std::size_t kPatience = 20;
+constexpr int kPatience = 20;
 // Of the climb from the best candidate: first step as a share of a joint's range.
 constexpr double kFirstStep = 0.1;
 constexpr int kClimbRounds = 12;
@@ -48,22 +48,23 @@ Result<void> SuggestionSearch::start(const Refined& refined, const SuggestionCon
   refined_ = &refined;
   config_ = config;
   if (config_.sigma_m == 0) config_.sigma_m = refined.quality.sigma_m;
+  config_.sigma_m = std::hypot(config_.sigma_m, refined.quality.unexplained_m);
   ARMSIG_CHECK(config_.sigma_m > 0);
   next_candidate_ = kFirstCandidate;
   information_ = refined.information;
   volume_.reset(refined.layout.size());
   const Chain chain(refined.signature, refined.readings);
-  const std::span<const JointLimits> limits(config_.limits.data(), config_.limits.size());
-  std::size_t inside = 0;
-  for (std::size_t k = 0; k < config_.volume * kPatience && inside < config_.volume; ++k) {
+  const auto& types = refined_->signature.types;
+  int inside = 0;
+  for (int k = 1; k <= config_.volume * kPatience && inside < config_.volume; ++k) {
     RowBlock<3> rows;
-    const JointVector readings = spread_configuration(limits, k);
+    const JointVector readings = work_configuration(types, config_.limits, k);
     if (!config_.box.contains(rows_at(refined, chain, readings, config_.target, rows))) continue;
     volume_.absorb(rows);
     ++inside;
   }
   if (inside == 0) return std::unexpected(Error::kOutOfReach);
-  volume_.scale(1 / std::sqrt(static_cast<double>(inside)));
+  volume_.scale(1 / std::sqrt(inside));
   return {};
 }
 
@@ -131,7 +132,7 @@ void SuggestionSearch::climb(const Chain& chain, JointVector& readings, double& 
 }
 
 Result<JointVector> SuggestionSearch::best_pose(const Chain& chain, const JointVector* present) {
-  const std::span<const JointLimits> limits(config_.limits.data(), config_.limits.size());
+  const auto& types = refined_->signature.types;
   JointVector best;
   double best_gain = -1;
   RowBlock<3> rows;
@@ -140,9 +141,9 @@ Result<JointVector> SuggestionSearch::best_pose(const Chain& chain, const JointV
     best_gain = gain(rows);
     best = *present;
   }
-  std::size_t inside = 0;
-  for (std::size_t k = 0; k < config_.candidates * kPatience && inside < config_.candidates; ++k) {
-    const JointVector readings = spread_configuration(limits, next_candidate_++);
+  int inside = 0;
+  for (int k = 0; k < config_.candidates * kPatience && inside < config_.candidates; ++k) {
+    const JointVector readings = work_configuration(types, config_.limits, next_candidate_++);
     if (!config_.box.contains(rows_at(*refined_, chain, readings, config_.target, rows))) continue;
     ++inside;
     if (const double gained = gain(rows); gained > best_gain) {

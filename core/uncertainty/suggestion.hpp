@@ -23,10 +23,10 @@ struct Box {
 struct SuggestionConfig {
   FixedVector<JointLimits, kMaxJoints> limits;  // one per joint
   Box box;
-  std::size_t target = 0;        // index into Signature::targets
-  double sigma_m = 0;            // of the poses to come; 0: as in the refinement
-  std::size_t candidates = 400;  // looked at for every pose
-  std::size_t volume = 150;      // configurations that stand for the work volume
+  std::size_t target = 0;  // index into Signature::targets
+  double sigma_m = 0;      // of the sensor, for the poses to come; 0: as in the refinement
+  int candidates = 400;    // looked at for every pose
+  int volume = 150;        // configurations that stand for the work volume
 };
 
 struct Suggestion {
@@ -63,7 +63,7 @@ class SuggestionSearch {
 
   const refinement::Refined* refined_ = nullptr;
   SuggestionConfig config_;
-  std::size_t next_candidate_ = 0;
+  int next_candidate_ = 0;
   refinement::SquareRootFactor information_;  // R
   refinement::SquareRootFactor volume_;       // V
 };

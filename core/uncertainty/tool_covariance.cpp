@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "core/base/low_discrepancy.hpp"
+
 namespace armsig::uncertainty {
 
 using refinement::Chain;
@@ -40,21 +42,17 @@ Matrix3 covariance_at(const Refined& refined, const Chain& chain, const JointVec
   return covariance;
 }
 
-// The van der Corput sequence in base `base`: element k of an even cover of (0, 1).
-double radical_inverse(std::size_t k, std::size_t base) {
-  double inverse = 0;
-  double digit = 1;
-  for (; k > 0; k /= base) {
-    digit /= static_cast<double>(base);
-    inverse += digit * static_cast<double>(k % base);
-  }
-  return inverse;
-}
-
 }  // namespace
 
 Matrix3 tool_covariance(const Refined& refined, const JointVector& readings, std::size_t target) {
   return covariance_at(refined, Chain(refined.signature, refined.readings), readings, target);
+}
+
+JointVector work_configuration(const FixedVector<JointType, kMaxJoints>& types,
+                               const FixedVector<JointLimits, kMaxJoints>& limits, int n) {
+  // The first elements of the larger bases run along a diagonal; later ones do not.
+  constexpr int kSkipped = 19;
+  return evenly_spread_configuration(types, limits, n + kSkipped);
 }
 
 Vector3 tool_position(const Refined& refined, const JointVector& readings, std::size_t target) {
@@ -62,26 +60,15 @@ Vector3 tool_position(const Refined& refined, const JointVector& readings, std::
   return chain.point(chain.motion(readings), refined.signature.targets[target]);
 }
 
-JointVector spread_configuration(std::span<const JointLimits> limits, std::size_t index) {
-  constexpr std::array<std::size_t, kMaxJoints> kPrimes{2, 3, 5, 7, 11, 13, 17, 19};
-  // The first elements of the larger bases run along a diagonal; later ones do not.
-  constexpr std::size_t kSkipped = 20;
-  JointVector readings;
-  for (std::size_t i = 0; i < limits.size(); ++i) {
-    const double share = radical_inverse(index + kSkipped, kPrimes[i]);
-    readings.push_back(limits[i].lower + share * (limits[i].upper - limits[i].lower));
-  }
-  return readings;
-}
-
-double predicted_rms(const Refined& refined, std::span<const JointLimits> limits,
-                     std::size_t target, std::size_t count) {
+double predicted_rms(const Refined& refined, const FixedVector<JointLimits, kMaxJoints>& limits,
+                     std::size_t target, int count) {
   const Chain chain(refined.signature, refined.readings);
   double sum = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    sum += covariance_at(refined, chain, spread_configuration(limits, k), target).trace();
+  for (int k = 1; k <= count; ++k) {
+    const JointVector readings = work_configuration(refined.signature.types, limits, k);
+    sum += covariance_at(refined, chain, readings, target).trace();
   }
-  return std::sqrt(sum / static_cast<double>(count));
+  return std::sqrt(sum / count);
 }
 
 }  // namespace armsig::uncertainty

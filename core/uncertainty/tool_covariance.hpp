@@ -3,8 +3,6 @@
 // configuration (section 6 of ALGORITHMS).
 #pragma once
 
-#include <span>
-
 #include "core/refinement/refinement.hpp"
 
 namespace armsig::uncertainty {
@@ -18,15 +16,15 @@ namespace armsig::uncertainty {
 [[nodiscard]] Vector3 tool_position(const refinement::Refined& refined, const JointVector& readings,
                                     std::size_t target);
 
-// Configurations spread evenly over the joint limits: the Halton sequence, which leaves no gaps and
-// is the same on every machine. `index` counts from 0.
-[[nodiscard]] JointVector spread_configuration(std::span<const JointLimits> limits,
-                                               std::size_t index);
+// Configuration n >= 1 of those that stand for the work volume: spread evenly over the joint
+// limits.
+[[nodiscard]] JointVector work_configuration(const FixedVector<JointType, kMaxJoints>& types,
+                                             const FixedVector<JointLimits, kMaxJoints>& limits,
+                                             int n);
 
-// Predicted RMS error [m] of the position of target `target` over the first `count` spread
-// configurations.
+// Predicted RMS error [m] of the position of target `target` over the first `count` of them.
 [[nodiscard]] double predicted_rms(const refinement::Refined& refined,
-                                   std::span<const JointLimits> limits, std::size_t target,
-                                   std::size_t count = 200);
+                                   const FixedVector<JointLimits, kMaxJoints>& limits,
+                                   std::size_t target, int count = 200);
 
 }  // namespace armsig::uncertainty

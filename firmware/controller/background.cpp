@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/controller/background.hpp"
 
+#include "core/base/error_name.hpp"
+
 namespace armsig::controller {
 
 Background::Background(const Configuration& configuration, hal::RangeSensor& sensor,
@@ -41,7 +43,7 @@ void Background::tell_changes() {
   Line line;
   line.text("# mode ").text(name(snapshot.mode));
   if (snapshot.fault) {
-    line.text(" reason=\"").text(describe(snapshot.fault->error)).text("\"");
+    line.reason(snapshot.fault->error);
     if (snapshot.fault->joint) line.text(" joint=").integer(*snapshot.fault->joint + 1);
     if (snapshot.fault->code != 0) line.text(" code=").integer(snapshot.fault->code);
   }
@@ -135,7 +137,7 @@ void Background::reply(const Verdict& verdict) {
     line.text("ok").text(out_.view());
   } else {
     line.text("error ")
-        .integer(static_cast<std::uint64_t>(verdict.error()))
+        .text(name(verdict.error()))
         .text(" ")
         .text(describe(verdict.error()))
         .text(out_.view());

@@ -107,11 +107,6 @@ Checked check_motion(const Configuration& c) {
 }
 
 Checked check_measuring(const Configuration& c) {
-  if (c.sensor.receivers.p_S.size() > hal::kMaxReceivers) {
-    return refused("sensor.receivers", Error::kCapacityExceeded, {},
-                   static_cast<double>(c.sensor.receivers.p_S.size()),
-                   static_cast<double>(hal::kMaxReceivers));
-  }
   if (const auto array = measurement::check(c.sensor.receivers); !array) {
     return refused("sensor.receivers", array.error());
   }

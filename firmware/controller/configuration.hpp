@@ -70,6 +70,8 @@ struct SweepPlan {
 struct GridTask {
   evaluation::Grid grid;
   std::array<JointVector, 3> taught;  // readings at origin, x axis, xy plane of the workspace
+  // How long the tool stays at each vertex after it is told, for a measuring machine to read it.
+  hal::Duration dwell{};
 };
 
 struct Configuration {

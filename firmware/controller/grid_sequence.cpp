@@ -26,7 +26,7 @@ Result<void> GridSequence::begin() {
   R_0T_ = origin.R;
   walk_.emplace(configuration_.grid.grid, taught[0]);
   checking_ = true;
-  moving_ = false;
+  moving_ = told_ = false;
   touched_ = 0;
   return {};
 }
@@ -38,7 +38,7 @@ void GridSequence::end(Error error, std::optional<std::size_t> joint) {
   Line line;
   line.text("# touch-grid ended touched=").integer(touched_);
   if (joint) line.text(" joint=").integer(*joint + 1);
-  announcer_.say(line.text(" reason=\"").text(describe(error)).text("\""));
+  announcer_.say(line.reason(error));
 }
 
 void GridSequence::step() {
@@ -55,15 +55,21 @@ void GridSequence::step() {
       return;
     }
     if (!mover_.has_arrived(configuration_.dwell.settle)) return;
-    moving_ = false;
-    ++touched_;
-    announcer_.say(Line()
-                       .text("# touched vertex=")
-                       .integer(touched_)
-                       .text(" of=")
-                       .integer(configuration_.grid.grid.vertex_count()));
+    if (!told_) tell_touched();
+    if (!mover_.has_arrived(configuration_.dwell.settle + configuration_.grid.dwell)) return;
+    moving_ = told_ = false;
   }
   go_on();
+}
+
+void GridSequence::tell_touched() {
+  told_ = true;
+  ++touched_;
+  announcer_.say(Line()
+                     .text("# touched vertex=")
+                     .integer(touched_)
+                     .text(" of=")
+                     .integer(configuration_.grid.grid.vertex_count()));
 }
 
 void GridSequence::go_on() {

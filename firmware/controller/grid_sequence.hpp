@@ -27,6 +27,7 @@ class GridSequence {
 
  private:
   [[nodiscard]] evaluation::ToolModel model() const;
+  void tell_touched();
   void go_on();
 
   const Configuration& configuration_;
@@ -37,6 +38,7 @@ class GridSequence {
   std::optional<evaluation::VertexWalk> walk_;
   bool checking_ = false;  // every vertex is solved for before the arm moves
   bool moving_ = false;
+  bool told_ = false;  // that the tool is at the vertex
   Pose X_0W_;
   Matrix3 R_0T_ = Matrix3::Identity();
   std::size_t touched_ = 0;

@@ -70,7 +70,7 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
   Line line;
   line.text("# identify ended");
   if (joint) line.text(" joint=").integer(*joint + 1);
-  announcer_.say(line.text(" reason=\"").text(describe(error)).text("\""));
+  announcer_.say(line.reason(error));
 }
 
 std::size_t IdentificationSequence::points_planned() const {
@@ -187,7 +187,7 @@ void IdentificationSequence::take_error(Error error) {
     pause_for(error);
     return;
   }
-  announcer_.say(Line().text("# identify point lost: ").text(describe(error)));
+  announcer_.say(Line().text("# identify point lost").reason(error));
   if (++lost_in_a_row_ >= kLostInARow) {
     pause_for(error);
   } else if (stage_ == Stage::kSweeping) {
@@ -200,10 +200,7 @@ void IdentificationSequence::take_error(Error error) {
 void IdentificationSequence::pause_for(Error error) {
   paused_ = true;
   pause_reason_ = error;
-  announcer_.say(Line()
-                     .text("# identify paused reason=\"")
-                     .text(describe(error))
-                     .text("\", go on with resume"));
+  announcer_.say(Line().text("# identify paused").reason(error).text(" go on with resume"));
 }
 
 void IdentificationSequence::take(const MeasuredPoint& point) {

@@ -21,6 +21,7 @@ enum class CommandKind : std::uint8_t {
   kDisable,        // any mode but Starting and Faulted
   kReset,          // Faulted
   kStop,           // any mode: quick stop, Faulted with kEmergencyStop
+  kHalt,           // Holding, Servoing, Sweeping: the move and the sequence end in a ramp
   kMove,           // Holding, or Sweeping at rest
   kBeginSequence,  // Holding
   kEndSequence,    // any mode; a move under way is finished

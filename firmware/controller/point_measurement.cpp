@@ -69,19 +69,18 @@ Result<double> PointMeasurement::speed_in(const hal::RangeReading& reading) {
 }
 
 Result<std::optional<MeasuredPoint>> PointMeasurement::take(const hal::RangeReading& reading) {
-  const auto none = std::optional<MeasuredPoint>{};
   const auto speed = speed_in(reading);
   if (!speed) {
     if (auto taken = take_error(speed.error()); !taken) return std::unexpected(taken.error());
-    return none;
+    return std::optional<MeasuredPoint>();
   }
-  if (!median_ || reading.at < began_) return none;
+  if (!median_ || reading.at < began_) return std::optional<MeasuredPoint>();
   const measurement::ReceiverArray& receivers = configuration_.sensor.receivers;
   if (reading.receivers.size() != receivers.p_S.size()) {
     if (auto taken = take_error(Error::kSensorMalformed); !taken) {
       return std::unexpected(taken.error());
     }
-    return none;
+    return std::optional<MeasuredPoint>();
   }
   FlightTimes flights;
   for (const hal::ReceiverReading& receiver : reading.receivers) {
@@ -93,14 +92,14 @@ Result<std::optional<MeasuredPoint>> PointMeasurement::take(const hal::RangeRead
     end();
     return std::unexpected(added.error());
   }
-  if (median_->pings() < configuration_.dwell.pings) return none;
+  if (median_->pings() < configuration_.dwell.pings) return std::optional<MeasuredPoint>();
   const auto position = measurement::trilaterate(receivers, median_->median());
   if (position) {
     const MeasuredPoint point{position->p_S, position->covariance_m2, median_->pings()};
     end();
     return std::optional(point);
   }
-  if (median_->pings() < configuration_.dwell.most_pings) return none;
+  if (median_->pings() < configuration_.dwell.most_pings) return std::optional<MeasuredPoint>();
   end();
   return std::unexpected(position.error());
 }

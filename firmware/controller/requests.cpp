@@ -6,7 +6,8 @@ namespace armsig::controller {
 namespace {
 
 constexpr std::string_view kVerbs =
-    " verbs=status,enable,disable,reset,stop,move,identify,pause,resume,candidate,accept,rollback,"
+    " verbs=status,enable,disable,reset,stop,halt,move,identify,pause,resume,candidate,accept,"
+    "rollback,"
     "signature,touch-grid,log,help";
 
 }  // namespace
@@ -17,6 +18,7 @@ Background::Verdict Background::serve(const Request& request) {
   if (verb == "log") return log(request);
   if (!request.arguments.empty()) return std::unexpected(Error::kUnknownRequest);
   if (verb == "stop") return command(CommandKind::kStop);
+  if (verb == "halt") return command(CommandKind::kHalt);
   if (verb == "enable") return command(CommandKind::kEnable);
   if (verb == "disable") return command(CommandKind::kDisable);
   if (verb == "reset") return command(CommandKind::kReset);

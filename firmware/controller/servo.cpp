@@ -19,6 +19,7 @@ Servo::Servo(const Configuration& configuration, hal::JointDrives& drives, hal::
     : configuration_(configuration), drives_(drives), clock_(clock), link_(link) {
   ARMSIG_CHECK(drives.count() == configuration.drawing.joints.size());
   commanded_.resize(drives.count());
+  speed_.resize(drives.count());
 }
 
 void Servo::tick(hal::Duration lateness) {
@@ -106,6 +107,11 @@ std::optional<Error> Servo::take(const Command& command) {
     case CommandKind::kStop:
       fail(Error::kEmergencyStop);
       return std::nullopt;
+    case CommandKind::kHalt:
+      if (!has_torque()) return Error::kWrongMode;
+      in_sequence_ = false;
+      brake();
+      return std::nullopt;
     case CommandKind::kMove:
       return begin(command.move);
     case CommandKind::kBeginSequence:
@@ -129,8 +135,22 @@ std::optional<Error> Servo::begin(const Move& move) {
     if (std::abs(move.from[joint] - commanded_[joint]) > kSameReading) return Error::kWrongMode;
   }
   move_ = move;
-  move_began_ = now_;
+  course_s_ = brake_ = 0;
+  pace_ = 1;
   return std::nullopt;
+}
+
+// The arm stays on its path, which was checked, and slows down as fast as the joint that has the
+// longest to brake may.
+void Servo::brake() {
+  if (!move_ || brake_ > 0) return;
+  double longest_s = 0;
+  for (std::size_t joint = 0; joint < speed_.size(); ++joint) {
+    longest_s =
+        std::max(longest_s, std::abs(speed_[joint]) / configuration_.limits.acceleration[joint]);
+  }
+  const double period_s = hal::seconds(configuration_.period);
+  brake_ = period_s / std::max(longest_s, period_s);
 }
 
 void Servo::step_mode() {
@@ -151,14 +171,19 @@ void Servo::step_mode() {
 
 void Servo::step_move() {
   if (!move_) return;
-  const double elapsed_s = hal::seconds(now_ - move_began_ + configuration_.period);
-  const auto q = readings_at(*move_, configuration_, link_.models[model_], commanded_, elapsed_s);
+  const double period_s = hal::seconds(configuration_.period);
+  pace_ = std::max(0.0, pace_ - brake_);
+  course_s_ += pace_ * period_s;
+  const auto q = readings_at(*move_, configuration_, link_.models[model_], commanded_, course_s_);
   if (!q) {
     fail(q.error());
     return;
   }
+  for (std::size_t joint = 0; joint < q->size(); ++joint) {
+    speed_[joint] = ((*q)[joint] - commanded_[joint]) / period_s;
+  }
   commanded_ = *q;
-  if (elapsed_s >= move_->duration_s) move_.reset();
+  if (course_s_ >= move_->duration_s || pace_ == 0) move_.reset();
 }
 
 bool Servo::is_settled() const {
@@ -186,7 +211,7 @@ void Servo::publish(hal::Duration lateness) {
   out.positions = drives_.positions();
   out.commanded = commanded_;
   out.moving = move_.has_value();
-  out.left_s = move_ ? std::max(0.0, move_->duration_s - hal::seconds(now_ - move_began_)) : 0;
+  out.left_s = move_ ? std::max(0.0, move_->duration_s - course_s_) : 0;
   out.settled = has_torque() ? now_ - unsettled_at_ : hal::Duration::zero();
   out.now = now_;
   out.model = model_;

@@ -26,6 +26,7 @@ class Servo {
   void take_commands();
   [[nodiscard]] std::optional<Error> take(const Command& command);
   [[nodiscard]] std::optional<Error> begin(const Move& move);
+  void brake();
   void step_mode();
   void step_move();
   void command_drives();
@@ -44,9 +45,14 @@ class Servo {
   bool in_sequence_ = false;
   std::optional<Move> move_;
   hal::Instant now_;
-  hal::Instant move_began_;
+  // How far the move under way is, in seconds of its plan. It advances by a period a tick, slower
+  // while a halt brakes it, so that a late tick makes the move longer and never jump.
+  double course_s_ = 0;
+  double pace_ = 1;   // of the course
+  double brake_ = 0;  // by how much the pace falls in a tick
   hal::Instant unsettled_at_;
   JointVector commanded_;
+  JointVector speed_;  // of the commanded readings, in the last tick of a move
   std::size_t model_ = 0;
   std::uint32_t handled_ = 0;
   std::optional<Error> refused_;

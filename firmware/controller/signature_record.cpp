@@ -45,7 +45,7 @@ class Reader {
     return value;
   }
   double real() {
-    const double value = std::bit_cast<double>(integer(8));
+    const auto value = std::bit_cast<double>(integer(8));
     finite_ = finite_ && std::isfinite(value);
     return value;
   }

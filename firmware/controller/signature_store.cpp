@@ -101,7 +101,7 @@ Result<void> SignatureStore::program(std::size_t at, std::span<const std::uint8_
 
 Result<bool> SignatureStore::step_write() {
   ARMSIG_CHECK(writing_.has_value());
-  Writing& w = *writing_;
+  RecordWriting& w = *writing_;
   const std::size_t page = memory_.layout().page_bytes;
   Result<void> done;
   if (w.erased < sectors_per_slot()) {

@@ -15,6 +15,14 @@
 
 namespace armsig::controller {
 
+// How far the writing of a record is.
+struct RecordWriting {
+  RecordImage image{};
+  std::size_t slot = 0;
+  std::size_t erased = 0;  // sectors
+  std::size_t pages = 0;   // programmed
+};
+
 class SignatureStore {
  public:
   static constexpr std::size_t kLargestPage = 512;
@@ -43,13 +51,6 @@ class SignatureStore {
   [[nodiscard]] Result<void> revoke();
 
  private:
-  struct Writing {
-    RecordImage image{};
-    std::size_t slot = 0;
-    std::size_t erased = 0;  // sectors
-    std::size_t pages = 0;   // programmed
-  };
-
   [[nodiscard]] std::size_t record_pages() const;
   [[nodiscard]] std::size_t sectors_per_slot() const;
   [[nodiscard]] std::size_t address(std::size_t slot) const;
@@ -60,7 +61,7 @@ class SignatureStore {
   hal::NonvolatileMemory& memory_;
   std::optional<std::size_t> active_;  // slot
   std::uint32_t newest_ = 0;           // sequence number, of all valid records
-  std::optional<Writing> writing_;
+  std::optional<RecordWriting> writing_;
 };
 
 }  // namespace armsig::controller

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // `status` and `signature`: what the controller says about itself.
+#include "core/base/error_name.hpp"
 #include "firmware/controller/background.hpp"
 
 namespace armsig::controller {
@@ -20,7 +21,7 @@ void Background::tell_status() {
   const Snapshot& s = mover_.now();
   out_.text(" mode=").text(name(s.mode));
   if (s.fault) {
-    out_.text(" fault=\"").text(describe(s.fault->error)).text("\"");
+    out_.text(" fault=").text(name(s.fault->error));
     if (s.fault->joint) out_.text(" fault_joint=").integer(*s.fault->joint + 1);
     if (s.fault->code != 0) out_.text(" fault_code=").integer(s.fault->code);
   }
@@ -34,9 +35,9 @@ void Background::tell_status() {
   out_.text(" y_mm=").number(1e3 * s.X_RT.p.y(), 3);
   out_.text(" z_mm=").number(1e3 * s.X_RT.p.z(), 3);
   out_.text(" model=").text(link_.models[s.model].identified ? "signature" : "drawing");
-  out_.text(" sensor=\"");
-  out_.text(measurement_.trouble() ? describe(*measurement_.trouble()) : "well").text("\"");
-  if (store_error_) out_.text(" store=\"").text(describe(*store_error_)).text("\"");
+  out_.text(" sensor=");
+  out_.text(measurement_.trouble() ? name(*measurement_.trouble()) : "well");
+  if (store_error_) out_.text(" store=").text(name(*store_error_));
   if (identification_.is_running()) {
     out_.text(" sequence=").text(identification_.is_paused() ? "paused" : "identifying");
     out_.text(" points=").integer(identification_.points_done());

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/error_name.hpp"
+
 namespace armsig::controller {
 namespace {
 
@@ -54,6 +56,10 @@ Line& Line::number(double value, unsigned decimals) {
     integer(scaled / digit % 10);
   }
   return *this;
+}
+
+Line& Line::reason(Error error) {
+  return text(" error=").text(name(error)).text(" reason=\"").text(describe(error)).text("\"");
 }
 
 std::optional<double> parse_number(std::string_view text) {

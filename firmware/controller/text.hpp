@@ -20,6 +20,8 @@ class Line {
   Line& integer(std::uint64_t value);
   // With `decimals` digits after the point, at most 9.
   Line& number(double value, unsigned decimals);
+  // Why something ended: ` error=NAME reason="words"`.
+  Line& reason(Error error);
   [[nodiscard]] std::string_view view() const { return {characters_.data(), characters_.size()}; }
 
  private:

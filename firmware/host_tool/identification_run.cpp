@@ -6,27 +6,19 @@
 #include <fmt/core.h>
 
 #include "core/kinematics/s_model_chain.hpp"
-#include "core/measurement/speed_of_sound.hpp"
-#include "core/measurement/trilateration.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/ranging.hpp"
 
 namespace armsig::tool {
 
-measurement::ReceiverArray receivers_of(const SensorDescription& sensor) {
-  measurement::ReceiverArray array;
-  for (const Vector3& p_S : sensor.receivers_S) array.p_S.push_back(p_S);
-  array.range_sigma_m = sensor.range_sigma_m;
-  array.facing_S = sensor.facing_S.value_or(Vector3::Zero());
-  return array;
-}
-
 IdentificationRun::IdentificationRun(const Arm& nominal, std::optional<SensorDescription> sensor,
-                                     std::string file, KeepLog keep_log)
+                                     std::string file, Purpose purpose)
     : nominal_(nominal),
       sensor_(std::move(sensor)),
       file_(file),
       sweeps_(nominal, std::move(file)) {
-  if (keep_log == KeepLog::kYes) log_.emplace();
+  if (purpose == Purpose::kRefinement) log_.emplace();
+  if (purpose == Purpose::kValidatedFeatures) validation_.emplace(nominal_, file_);
 }
 
 Read<void> IdentificationRun::take(const MeasurementRow& row) {
@@ -35,27 +27,37 @@ Read<void> IdentificationRun::take(const MeasurementRow& row) {
     air_sum_c_ += *row.air_c;
     ++air_count_;
   }
-  if (log_) {
-    const auto scale = range_scale(row);
-    if (!scale) return std::unexpected(scale.error());
-    log_->add(row, sensor_, *scale);
-  }
-  auto found = located(row);
-  if (!found) return std::unexpected(found.error());
-  if (!*found) return {};
-  if (auto problem = sweeps_.add(**found)) return std::unexpected(*problem);
+  const auto scale = range_scale(row, sensor_, file_);
+  if (!scale) return std::unexpected(scale.error());
+  if (log_) log_->add(row, sensor_, *scale);
+  const std::optional<LocatedRow> found = located(row, *scale, counts_);
+  if (!found) return {};
+  if (log_ && !row.ranges_m.empty()) log_->add_located(found->p_S);
+  if (auto problem = sweeps_.add(*found)) return std::unexpected(*problem);
+  if (validation_) validation_->learn(*found);
   return {};
 }
 
-Read<std::optional<LocatedRow>> IdentificationRun::located(const MeasurementRow& row) {
+std::optional<LocatedRow> IdentificationRun::located(const MeasurementRow& row, double scale,
+                                                     RowCounts& counts) const {
   LocatedRow result;
   result.line = row.line;
   result.sweep = row.sweep;
   result.target = row.target;
   result.q = effective_readings(nominal_, row.q);
-  if (!row.ranges_m.empty()) return located_by_ranges(row, result);
+  if (!row.ranges_m.empty()) {
+    const auto position = locate(row, *sensor_, scale);
+    if (!position) {
+      ++(position.error() == Error::kTooFewReceivers ? counts.missing : counts.inconsistent);
+      return std::nullopt;
+    }
+    counts.excluded_ranges += position->excluded.size();
+    result.p_S = position->p_S;
+    result.covariance_m2 = position->covariance_m2;
+    return result;
+  }
   if (!row.p_S) {
-    ++counts_.missing;
+    ++counts.missing;
     return std::nullopt;
   }
   result.p_S = *row.p_S;
@@ -63,52 +65,19 @@ Read<std::optional<LocatedRow>> IdentificationRun::located(const MeasurementRow&
   return result;
 }
 
-Read<std::optional<LocatedRow>> IdentificationRun::located_by_ranges(const MeasurementRow& row,
-                                                                     LocatedRow result) {
-  const auto line = static_cast<int>(row.line);
-  if (!sensor_) {
-    return std::unexpected(Problem{file_, line, 0, "the rows are ranges to receivers",
-                                   "--sensor with a description of where the receivers stand"});
-  }
-  if (row.ranges_m.size() != sensor_->receivers_S.size()) {
-    return std::unexpected(
-        Problem{file_, line, 0, fmt::format("ranges to {} receivers", row.ranges_m.size()),
-                fmt::format("{}, as the sensor description has", sensor_->receivers_S.size())});
-  }
-  const auto scale = range_scale(row);
-  if (!scale) return std::unexpected(scale.error());
-  measurement::Ranges ranges;
-  for (const std::optional<double>& range_m : row.ranges_m) {
-    ranges.push_back({.metres = *scale * range_m.value_or(0), .valid = range_m.has_value()});
-  }
-  const auto position = measurement::trilaterate(receivers_of(*sensor_), ranges);
-  if (!position) {
-    ++(position.error() == Error::kTooFewReceivers ? counts_.missing : counts_.inconsistent);
-    return std::nullopt;
-  }
-  counts_.excluded_ranges += position->excluded.size();
-  result.p_S = position->p_S;
-  result.covariance_m2 = position->covariance_m2;
-  return result;
+bool IdentificationRun::settle_validation(features::Method method) {
+  return validation_->settle(method, [this](const SweptArm& swept) -> std::optional<Signature> {
+    auto signature = signature_from(swept);
+    if (!signature) return std::nullopt;
+    return *std::move(signature);
+  });
 }
 
-// What the ranges of a row are to be multiplied by: the speed of sound of its air over that they
-// were computed with.
-Read<double> IdentificationRun::range_scale(const MeasurementRow& row) const {
-  if (row.ranges_m.empty() || !sensor_ || !sensor_->calibrated_at_c) return 1.0;
-  const auto line = static_cast<int>(row.line);
-  if (!row.air_c) {
-    return std::unexpected(Problem{file_, line, 0, "no air temperature",
-                                   "a column air_c: the sensor's ranges depend on it"});
-  }
-  const auto speed = measurement::speed_of_sound(*row.air_c);
-  const auto assumed = measurement::speed_of_sound(*sensor_->calibrated_at_c);
-  if (!speed || !assumed) {
-    return std::unexpected(Problem{file_, line, 0,
-                                   fmt::format("an air temperature of {} °C", *row.air_c),
-                                   "an air temperature in degrees Celsius"});
-  }
-  return *speed / *assumed;
+void IdentificationRun::score(const MeasurementRow& row) {
+  RowCounts ignored;
+  const auto scale = range_scale(row, sensor_, file_);
+  const auto found = scale ? located(row, *scale, ignored) : std::nullopt;
+  if (found) validation_->score(*found);
 }
 
 Problem IdentificationRun::mirrored(const IdentificationFailure& failure) const {
@@ -180,7 +149,8 @@ void IdentificationRun::add_targets_of_mixed_poses(Signature& signature) const {
   }
 }
 
-Read<std::pair<Identified, RefinementOutcome>> IdentificationRun::finish_refined() {
+Read<std::pair<Identified, RefinementOutcome>> IdentificationRun::finish_refined(
+    const FurtherUnknowns& further) {
   Identified identified{.signature = {}, .counts = counts_, .air_celsius = {}, .warnings = {}};
   std::optional<Signature> start;
   if (const auto swept = sweeps_.finish(features::Method::kEncoder)) {
@@ -192,10 +162,12 @@ Read<std::pair<Identified, RefinementOutcome>> IdentificationRun::finish_refined
     identified.warnings.push_back(swept.error().what +
                                   "; started from the arm description instead of from features");
   }
-  auto outcome = run_refinement(nominal_, start, *log_, sensor_, file_);
+  auto outcome = run_refinement(nominal_, start, *log_, sensor_, further, file_);
   if (!outcome) return std::unexpected(outcome.error());
   identified.signature = outcome->refined->signature;
+  identified.counts.mixed = sweeps_.mixed_rows();
   if (air_count_ > 0) identified.air_celsius = air_sum_c_ / static_cast<double>(air_count_);
+  for (const std::string& zero : outcome->zeros) identified.warnings.push_back(zero);
   for (const std::string& open : outcome->undetermined) identified.warnings.push_back(open);
   return std::pair(std::move(identified), std::move(*outcome));
 }

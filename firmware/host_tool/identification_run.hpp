@@ -2,12 +2,13 @@
 // Measured rows in, arm signature out: what `armsig identify` and `armsig demo` run.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/identification.hpp"
-#include "core/measurement/receivers.hpp"
+#include "firmware/host_tool/feature_validation.hpp"
 #include "firmware/host_tool/formats/measurements.hpp"
 #include "firmware/host_tool/formats/sensor_file.hpp"
 #include "firmware/host_tool/refinement_run.hpp"
@@ -30,28 +31,38 @@ struct Identified {
   std::vector<std::string> warnings;
 };
 
-enum class KeepLog : bool { kNo, kYes };
+// What the rows are taken for.
+enum class Purpose : std::uint8_t {
+  kFeatures,
+  kValidatedFeatures,  // features, and how well they predict rows left out
+  kRefinement,         // keeps every row
+};
 
 class IdentificationRun {
  public:
   // `file` names the measurements in problems; a sensor is needed where they are ranges.
   // Precondition: the receivers of `sensor` have passed measurement::check.
-  // The refinement needs the log; without it memory does not grow with the rows.
   IdentificationRun(const Arm& nominal, std::optional<SensorDescription> sensor, std::string file,
-                    KeepLog keep_log = KeepLog::kNo);
+                    Purpose purpose = Purpose::kFeatures);
 
   [[nodiscard]] Read<void> take(const MeasurementRow& row);
   // By the features of the sweeps alone.
   [[nodiscard]] Read<Identified> finish(features::Method method) const;
   // By everything measured, started from the features, or from the drawing where the sweeps give
-  // none. Precondition: the log was kept.
-  [[nodiscard]] Read<std::pair<Identified, RefinementOutcome>> finish_refined();
+  // none. Purpose kRefinement.
+  [[nodiscard]] Read<std::pair<Identified, RefinementOutcome>> finish_refined(
+      const FurtherUnknowns& further);
+
+  // Purpose kValidatedFeatures: after all rows were taken, settle_validation() by the method, then
+  // every row again into score(). False where rows are too few to leave some of them out.
+  [[nodiscard]] bool settle_validation(features::Method method);
+  void score(const MeasurementRow& row);
+  [[nodiscard]] refinement::CrossValidation validation() const { return validation_->result(); }
 
  private:
-  [[nodiscard]] Read<std::optional<LocatedRow>> located(const MeasurementRow& row);
-  [[nodiscard]] Read<std::optional<LocatedRow>> located_by_ranges(const MeasurementRow& row,
-                                                                  LocatedRow result);
-  [[nodiscard]] Read<double> range_scale(const MeasurementRow& row) const;
+  // Nothing, and counted, where the row gives no position.
+  [[nodiscard]] std::optional<LocatedRow> located(const MeasurementRow& row, double scale,
+                                                  RowCounts& counts) const;
   [[nodiscard]] Read<Signature> signature_from(const SweptArm& swept) const;
   void add_targets_of_mixed_poses(Signature& signature) const;
   [[nodiscard]] Problem mirrored(const IdentificationFailure& failure) const;
@@ -61,12 +72,10 @@ class IdentificationRun {
   std::string file_;
   SweepSet sweeps_;
   std::optional<MeasurementLog> log_;
+  std::optional<FeatureValidation> validation_;
   RowCounts counts_;
   double air_sum_c_ = 0;
   std::size_t air_count_ = 0;
 };
-
-// The receivers of a sensor description, as core wants them.
-[[nodiscard]] measurement::ReceiverArray receivers_of(const SensorDescription& sensor);
 
 }  // namespace armsig::tool

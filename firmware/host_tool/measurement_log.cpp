@@ -38,23 +38,45 @@ void MeasurementLog::add(const MeasurementRow& row, const std::optional<SensorDe
   }
 }
 
+void MeasurementLog::add_located(const Vector3& p_S) {
+  refinement::Observation position = observations_.back();
+  position.kind = refinement::ObservationKind::kPosition;
+  position.p_S = p_S;
+  located_.push_back(position);
+  located_numbers_.push_back(target_numbers_.back());
+}
+
 std::optional<int> MeasurementLog::index_targets(const FixedVector<Target, kMaxTargets>& targets) {
-  for (std::size_t k = 0; k < observations_.size(); ++k) {
-    const auto* found = std::ranges::find(targets, target_numbers_[k], &Target::number);
-    if (found == targets.end()) return target_numbers_[k];
-    observations_[k].target = static_cast<std::size_t>(found - targets.begin());
-  }
-  return std::nullopt;
+  const auto index = [&](std::vector<refinement::Observation>& rows,
+                         const std::vector<int>& numbers) -> std::optional<int> {
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const auto* found = std::ranges::find(targets, numbers[k], &Target::number);
+      if (found == targets.end()) return numbers[k];
+      rows[k].target = static_cast<std::size_t>(found - targets.begin());
+    }
+    return std::nullopt;
+  };
+  if (const auto unknown = index(observations_, target_numbers_)) return unknown;
+  return index(located_, located_numbers_);
 }
 
 const refinement::Observation* MeasurementLog::first_position(int target) const {
-  for (std::size_t k = 0; k < observations_.size(); ++k) {
-    if (target_numbers_[k] == target &&
-        observations_[k].kind == refinement::ObservationKind::kPosition) {
-      return &observations_[k];
+  const std::vector<int>& numbers = located_.empty() ? target_numbers_ : located_numbers_;
+  const auto found = std::ranges::find(numbers, target);
+  if (found == numbers.end()) return nullptr;
+  const auto& first = positions()[static_cast<std::size_t>(found - numbers.begin())];
+  return first.kind == refinement::ObservationKind::kPosition ? &first : nullptr;
+}
+
+std::vector<std::size_t> MeasurementLog::rejected_lines(
+    const std::vector<refinement::RowOutcome>& outcomes) const {
+  std::vector<std::size_t> lines;
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    if (outcomes[k].rejected && (lines.empty() || lines.back() != lines_[k])) {
+      lines.push_back(lines_[k]);
     }
   }
-  return nullptr;
+  return lines;
 }
 
 std::vector<Target> MeasurementLog::targets(std::size_t joints) const {

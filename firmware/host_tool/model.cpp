@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/model.hpp"
 
+#include <algorithm>
+
 #include <fmt/core.h>
 
 #include "core/kinematics/forward.hpp"
@@ -21,7 +23,15 @@ Read<std::optional<Target>> find_target(const SignatureRecord& record, const std
 }
 
 kinematics::Chain chain_of_record(const SignatureRecord& record) {
-  return kinematics::make_chain(record.signature.pseudo_dh, record.nominal.limits);
+  FixedVector<JointLimits, kMaxJoints> effective = record.nominal.limits;
+  for (const JointCoupling& coupling : record.nominal.couplings) {
+    const JointLimits& from = record.nominal.limits[coupling.from];
+    const auto [least, most] =
+        std::minmax({coupling.ratio * from.lower, coupling.ratio * from.upper});
+    effective[coupling.joint].lower += least;
+    effective[coupling.joint].upper += most;
+  }
+  return kinematics::make_chain(record.signature.pseudo_dh, effective);
 }
 
 Pose point_in_last_frame(const SignatureRecord& record, const kinematics::Chain& chain,

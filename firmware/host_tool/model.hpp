@@ -16,7 +16,8 @@ namespace armsig::tool {
                                                       const std::string& file,
                                                       std::optional<int> number);
 
-// The pseudo Denavit-Hartenberg chain of a signature, with the joint limits of the drawing.
+// The pseudo Denavit-Hartenberg chain of a signature, with the joint limits of the drawing: those
+// of a coupled joint as wide as its effective reading gets.
 [[nodiscard]] kinematics::Chain chain_of_record(const SignatureRecord& record);
 
 // Pose of the point asked for in Denavit-Hartenberg frame n of `chain`: the target with the

@@ -15,8 +15,13 @@ namespace armsig::tool {
 [[nodiscard]] SignatureRecord record_of(const Identified& identified, const ArmDescription& arm,
                                         const std::string& method, const std::string& serial);
 
-// What the refinement says of its own accuracy.
-void add_uncertainty(SignatureRecord& record, const RefinementOutcome& outcome);
+// What the refinement found beside the signature, and says of its own accuracy.
+void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
+                    std::size_t receivers);
+
+// What the features say of their own accuracy; nothing where their covariances do not tell.
+void add_features(SignatureRecord& record,
+                  const std::optional<refinement::CrossValidation>& validation);
 
 // A signature computed rather than measured (method "exact").
 [[nodiscard]] SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm);

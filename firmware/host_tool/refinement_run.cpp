@@ -1,169 +1,258 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/refinement_run.hpp"
 
-#include <algorithm>
+#include <cmath>
 
-#include <Eigen/Cholesky>
 #include <fmt/core.h>
 
 #include "core/identification.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/host_tool/estimate.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/refinement_words.hpp"
 
 namespace armsig::tool {
 namespace {
 
-refinement::RefinementConfig config_of(const Arm& nominal,
-                                       const std::optional<SensorDescription>& sensor) {
-  refinement::RefinementConfig config;
-  config.readings.couplings = nominal.couplings;
-  if (sensor) {
-    for (const Vector3& p_S : sensor->receivers_S) {
-      if (!config.receivers.full()) config.receivers.push_back(p_S);
+// Mixed poses that the sweeps speak against are blunders, unless most of them are.
+constexpr double kContradictingShare = 0.5;
+constexpr std::size_t kFewestMixed = 6;
+// Radians or metres; zeros nearer to the drawing's are nothing to mention.
+constexpr double kNotableShift = 0.05;
+// Corrections that nobody asked for are tried on logs up to this long: a second or two.
+constexpr std::size_t kMostRowsToOffer = 3000;
+
+bool any(const refinement::ReadingTerms& terms) {
+  return terms.gain || terms.first || terms.second;
+}
+
+class Run {
+ public:
+  Run(const Arm& nominal, MeasurementLog& log, const std::optional<SensorDescription>& sensor,
+      const std::string& file)
+      : nominal_(nominal),
+        log_(log),
+        file_(file),
+        verdicts_(log.observations().size()),
+        refined_(std::make_unique<refinement::Refined>()) {
+    config_.readings.couplings = nominal.couplings;
+    if (!sensor) return;
+    for (const Vector3& p_S : sensor->receivers_S) config_.receivers.push_back(p_S);
+  }
+
+  [[nodiscard]] Read<RefinementOutcome> operator()(const std::optional<Signature>& start,
+                                                   const FurtherUnknowns& further);
+
+ private:
+  [[nodiscard]] Read<void> place_targets(const std::optional<Signature>& start);
+  [[nodiscard]] Read<void> fit(const std::optional<Signature>& start);
+  [[nodiscard]] Read<void> fit_further(const FurtherUnknowns& further);
+  [[nodiscard]] std::expected<void, Refusal> refit(const Signature& start);
+  [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
+  [[nodiscard]] std::unexpected<Problem> refuse(const Refusal& refusal) const;
+  [[nodiscard]] std::unexpected<Problem> suspecting(Problem problem) const;
+  [[nodiscard]] std::span<const Target> targets() const {
+    return {targets_.data(), targets_.size()};
+  }
+
+  const Arm& nominal_;
+  MeasurementLog& log_;
+  const std::string& file_;
+  refinement::RefinementConfig config_;
+  FixedVector<Target, kMaxTargets> targets_;
+  std::vector<refinement::RowOutcome> verdicts_;
+  std::unique_ptr<refinement::Refined> refined_;
+  std::optional<double> drawing_rms_m_;
+  std::vector<std::string> zeros_;
+};
+
+// With the reading that seems to be to blame, where one is found.
+std::unexpected<Problem> Run::suspecting(Problem problem) const {
+  const auto suspicion = refinement::suspect_readings(nominal_, log_.positions(), targets());
+  if (suspicion) {
+    problem.what += "; " + in_words(*suspicion);
+    problem.expected = remedy_for(*suspicion);
+  }
+  return std::unexpected(std::move(problem));
+}
+
+std::unexpected<Problem> Run::refuse(const Refusal& refusal) const {
+  Problem problem = refinement_problem(refusal, file_);
+  if (refusal.error == Error::kNotConverged || refusal.error == Error::kTooManyOutliers) {
+    return suspecting(std::move(problem));
+  }
+  return std::unexpected(std::move(problem));
+}
+
+Read<void> Run::place_targets(const std::optional<Signature>& start) {
+  if (start) {
+    targets_ = start->targets;
+  } else {
+    const std::vector<Target> seen = log_.targets(nominal_.joints.size());
+    if (seen.size() > kMaxTargets) {
+      return std::unexpected(Problem{file_, 0, 0, fmt::format("{} targets", seen.size()),
+                                     fmt::format("at most {}", kMaxTargets)});
     }
+    for (const Target& target : seen) targets_.push_back(target);
   }
-  return config;
+  if (const auto unknown = log_.index_targets(targets_)) {
+    return std::unexpected(
+        Problem{file_, 0, 0, fmt::format("target {} is in no sweep that gave a feature", *unknown),
+                "a sweep of each target, or targets on the last link"});
+  }
+  return {};
 }
 
-std::string in_words(const refinement::Undetermined& open, const Signature& signature) {
-  const std::string phrase(refinement::describe(open.open));
-  switch (open.open) {
-    case refinement::Open::kTarget:
-      return fmt::format("target {}: {}", signature.targets[open.index].number, phrase);
-    case refinement::Open::kReceiverOffset:
-      return fmt::format("receiver {}: {}", open.index + 1, phrase);
-    default:
-      return fmt::format("joint {}: {}", open.index + 1, phrase);
+std::optional<std::size_t> Run::contradicting_mixed() const {
+  std::size_t mixed = 0;
+  std::size_t rejected = 0;
+  const auto& rows = log_.observations();
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (rows[k].sweep != 0) continue;
+    ++mixed;
+    if (verdicts_[k].rejected) ++rejected;
   }
+  const bool most =
+      static_cast<double>(rejected) > kContradictingShare * static_cast<double>(mixed);
+  return mixed >= kFewestMixed && most ? std::optional(rejected) : std::nullopt;
 }
 
-Problem refused(const std::string& file, const Refusal& refusal) {
-  std::string what(describe(refusal.error));
-  if (refusal.error == Error::kTooFewPoints) {
-    what =
-        fmt::format("{:.0f} measured numbers for {:.0f} unknowns", refusal.found, refusal.needed);
-  } else if (refusal.error == Error::kNotConverged) {
-    what = "no arm near the description explains the measurements";
-  } else if (refusal.error == Error::kTooManyOutliers) {
-    what = fmt::format("{:.0f} rows contradict the others, at most {:.0f} may", refusal.found,
-                       refusal.needed);
+// Axes and targets alone.
+Read<void> Run::fit(const std::optional<Signature>& start) {
+  const auto& rows = log_.observations();
+  if (start) {
+    const auto done = refinement::refine(*start, rows, config_, verdicts_, *refined_);
+    if (!done) return refuse(done.error());
+    if (const auto contradicting = contradicting_mixed()) {
+      return suspecting({file_, 0, 0,
+                         fmt::format("{} rows with sweep 0 contradict the sweeps", *contradicting),
+                         "sweeps and poses of one arm, in one place, with rigid targets"});
+    }
+    return {};
   }
-  return {file, 0, 0, what, remedy_in_words(refusal.error)};
+  std::size_t numbers = 0;
+  std::size_t positions = 0;
+  for (const auto& row : rows) {
+    numbers += row.kind == refinement::ObservationKind::kPosition ? 3 : 1;
+  }
+  for (const auto& row : log_.positions()) {
+    if (row.kind == refinement::ObservationKind::kPosition) ++positions;
+  }
+  std::size_t unknowns = 3 * targets_.size();
+  for (const DhJoint& joint : nominal_.joints) {
+    unknowns += joint.type == JointType::kRevolute ? 4 : 2;
+  }
+  if (numbers < unknowns) {
+    return refuse(
+        Refusal{Error::kTooFewPoints, static_cast<double>(numbers), static_cast<double>(unknowns)});
+  }
+  refinement::DrawingReport report;
+  const auto done = refinement::refine_from_drawing(nominal_, rows, targets(), config_, verdicts_,
+                                                    *refined_, {}, &report, log_.positions());
+  if (!done && done.error().error == Error::kTooFewPoints && positions < numbers) {
+    return std::unexpected(
+        Problem{file_, 0, 0,
+                fmt::format("{:.0f} positions of a target on the last link to find the base from",
+                            done.error().found),
+                "rows in which three receivers or more heard it, at four poses or more"});
+  }
+  if (!done) return refuse(done.error());
+  drawing_rms_m_ = report.drawn_rms_m;
+  for (std::size_t j = 0; j < report.zero_shifts.size(); ++j) {
+    if (std::abs(report.zero_shifts[j]) < kNotableShift) continue;
+    zeros_.push_back(fmt::format("joint {}: its zero is about {} from the drawing's", j + 1,
+                                 reading_in_words(nominal_.joints[j].type, report.zero_shifts[j])));
+  }
+  return {};
+}
+
+std::expected<void, Refusal> Run::refit(const Signature& start) {
+  const Signature from = start;
+  return refinement::refine(from, log_.observations(), config_, verdicts_, *refined_);
+}
+
+Read<void> Run::fit_further(const FurtherUnknowns& further) {
+  const std::size_t n = nominal_.joints.size();
+  refinement::ReadingTerms terms = further.readings;
+  config_.request.receiver_offsets = further.receiver_offsets;
+  config_.request.scale = further.scale;
+  if (further.choose_readings) {
+    const auto scratch = std::make_unique<refinement::Refined>();
+    refinement::CrossValidation best;
+    const auto chosen = refinement::choose_reading_terms(refined_->signature, log_.observations(),
+                                                         config_, verdicts_, *scratch, best);
+    if (!chosen) return refuse(chosen.error());
+    terms = *chosen;
+  }
+  if (any(terms)) config_.request.readings.resize(n, terms);
+  const auto done = refit(refined_->signature);
+  if (!done) return refuse(done.error());
+  if (further.choose_readings) return {};
+  for (const refinement::Undetermined& open : refined_->undetermined) {
+    if (open.open != refinement::Open::kReadingGain &&
+        open.open != refinement::Open::kReadingFirst &&
+        open.open != refinement::Open::kReadingSecond &&
+        open.open != refinement::Open::kReceiverOffset) {
+      continue;
+    }
+    return std::unexpected(
+        Problem{file_, 0, 0, in_words(open, refined_->signature),
+                "rows that cover more of the joint's range, or --correct without it"});
+  }
+  return {};
+}
+
+Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
+                                        const FurtherUnknowns& further) {
+  if (auto placed = place_targets(start); !placed) return std::unexpected(placed.error());
+  if (auto fitted = fit(start); !fitted) return std::unexpected(fitted.error());
+  const refinement::ReadingTerms& terms = further.readings;
+  if (any(terms) || further.choose_readings || further.receiver_offsets || further.scale) {
+    if (auto fitted = fit_further(further); !fitted) return std::unexpected(fitted.error());
+  }
+  derive_parameters(refined_->signature, nominal_);
+
+  RefinementOutcome outcome{.refined = nullptr,
+                            .fitted = config_.request,
+                            .rejected_lines = log_.rejected_lines(verdicts_),
+                            .undetermined = {},
+                            .cross_validation = {},
+                            .offered = {},
+                            .drawing_rms_m = drawing_rms_m_,
+                            .zeros = zeros_,
+                            .predicted_tool_error_m = {}};
+  auto& rows = log_.observations();
+  for (std::size_t k = 0; k < verdicts_.size(); ++k) {
+    if (verdicts_[k].rejected) rows[k].use = refinement::RowUse::kIgnore;
+  }
+  for (const refinement::Undetermined& open : refined_->undetermined) {
+    outcome.undetermined.push_back(in_words(open, refined_->signature));
+  }
+  if (const auto tool = tool_target(refined_->signature)) {
+    outcome.predicted_tool_error_m = uncertainty::predicted_rms(*refined_, nominal_.limits, *tool);
+  }
+  const auto scratch = std::make_unique<refinement::Refined>();
+  const auto crossed =
+      refinement::cross_validate(refined_->signature, rows, config_, verdicts_, *scratch);
+  if (crossed) outcome.cross_validation = *crossed;
+  if (crossed && config_.request.readings.empty() && !further.choose_readings &&
+      rows.size() <= kMostRowsToOffer) {
+    refinement::CrossValidation best;
+    const auto chosen = refinement::choose_reading_terms(refined_->signature, rows, config_,
+                                                         verdicts_, *scratch, best);
+    if (chosen && any(*chosen)) outcome.offered = OfferedCorrections{*chosen, best.mean_m};
+  }
+  outcome.refined = std::move(refined_);
+  return outcome;
 }
 
 }  // namespace
 
-std::optional<std::size_t> tool_target(const Signature& signature) {
-  for (std::size_t k = signature.targets.size(); k-- > 0;) {
-    if (signature.targets[k].link == signature.joint_count()) return k;
-  }
-  return std::nullopt;
-}
-
-Eigen::MatrixXd covariance_of(const refinement::Refined& refined) {
-  const std::size_t n = refined.layout.size();
-  const auto size = static_cast<Eigen::Index>(n);
-  Eigen::MatrixXd half(size, size);  // columns R^-T e_i, so that P = half^T half
-  for (std::size_t i = 0; i < n; ++i) {
-    refinement::StateVector column{};
-    column[i] = 1;
-    refined.information.solve_transposed(column);
-    for (std::size_t k = 0; k < n; ++k) {
-      half(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) = column[k];
-    }
-  }
-  return half.transpose() * half;
-}
-
-std::unique_ptr<refinement::Refined> estimate_from(const Signature& signature, const Arm& nominal,
-                                                   const Eigen::MatrixXd& covariance) {
-  std::array<bool, kMaxTargets> observed{};
-  for (std::size_t k = 0; k < signature.targets.size(); ++k) observed[k] = true;
-  const auto layout = refinement::make_layout(signature, observed, {}, 0);
-  const auto size = static_cast<Eigen::Index>(layout ? layout->size() : 0);
-  if (!layout || covariance.rows() != size) return nullptr;
-
-  // Scaled to a unit diagonal, so that radians and metres do not spoil each other's digits.
-  const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
-  const Eigen::VectorXd inverse_sigma = sigma.cwiseInverse();
-  const Eigen::MatrixXd correlation =
-      inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> information(
-      correlation.llt().solve(Eigen::MatrixXd::Identity(size, size)));
-  if (information.info() != Eigen::Success) return nullptr;
-  const Eigen::MatrixXd factor =
-      Eigen::MatrixXd(information.matrixU()) * inverse_sigma.asDiagonal();
-  if (!factor.allFinite()) return nullptr;
-
-  auto estimate = std::make_unique<refinement::Refined>();
-  estimate->signature = signature;
-  estimate->readings.couplings = nominal.couplings;
-  estimate->layout = *layout;
-  estimate->information.reset(layout->size());
-  for (std::size_t i = 0; i < layout->size(); ++i) {
-    for (std::size_t j = i; j < layout->size(); ++j) {
-      estimate->information.set_entry(
-          i, j, factor(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
-    }
-  }
-  return estimate;
-}
-
 Read<RefinementOutcome> run_refinement(const Arm& nominal, const std::optional<Signature>& start,
                                        MeasurementLog& log,
                                        const std::optional<SensorDescription>& sensor,
-                                       const std::string& file) {
-  FixedVector<Target, kMaxTargets> targets;
-  if (start) {
-    targets = start->targets;
-  } else {
-    for (const Target& target : log.targets(nominal.joints.size())) {
-      if (!targets.full()) targets.push_back(target);
-    }
-  }
-  if (const auto unknown = log.index_targets(targets)) {
-    return std::unexpected(
-        Problem{file, 0, 0, fmt::format("target {} is in no sweep that gave a feature", *unknown),
-                "a sweep of each target, or targets on the last link"});
-  }
-
-  const refinement::RefinementConfig config = config_of(nominal, sensor);
-  RefinementOutcome outcome{.refined = std::make_unique<refinement::Refined>(),
-                            .rejected_lines = {},
-                            .undetermined = {},
-                            .cross_validation = {},
-                            .drawing_rms_m = {}};
-  refinement::Refined& refined = *outcome.refined;
-  std::vector<refinement::Observation>& observations = log.observations();
-  std::vector<refinement::RowOutcome> verdicts(observations.size());
-  refinement::BaseAndTool drawn;
-  const auto done = start ? refinement::refine(*start, observations, config, verdicts, refined)
-                          : refinement::refine_from_drawing(
-                                nominal, observations, std::span(targets.begin(), targets.end()),
-                                config, verdicts, refined, {}, &drawn);
-  if (!done) return std::unexpected(refused(file, done.error()));
-  if (!start) outcome.drawing_rms_m = drawn.rms_m;
-  derive_parameters(refined.signature, nominal);
-
-  for (std::size_t k = 0; k < verdicts.size(); ++k) {
-    if (!verdicts[k].rejected) continue;
-    observations[k].use = refinement::RowUse::kIgnore;
-    if (outcome.rejected_lines.empty() || outcome.rejected_lines.back() != log.line(k)) {
-      outcome.rejected_lines.push_back(log.line(k));
-    }
-  }
-  for (const refinement::Undetermined& open : refined.undetermined) {
-    outcome.undetermined.push_back(in_words(open, refined.signature));
-  }
-  if (const auto tool = tool_target(refined.signature)) {
-    outcome.predicted_tool_error_m = uncertainty::predicted_rms(
-        refined, std::span(nominal.limits.begin(), nominal.limits.end()), *tool);
-  }
-  const auto scratch = std::make_unique<refinement::Refined>();
-  const auto crossed =
-      refinement::cross_validate(refined.signature, observations, config, verdicts, *scratch);
-  if (crossed) outcome.cross_validation = *crossed;
-  return outcome;
+                                       const FurtherUnknowns& further, const std::string& file) {
+  return Run(nominal, log, sensor, file)(start, further);
 }
 
 }  // namespace armsig::tool

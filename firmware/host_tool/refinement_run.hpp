@@ -14,14 +14,31 @@
 
 namespace armsig::tool {
 
+// What is to be found beside axes and targets.
+struct FurtherUnknowns {
+  refinement::ReadingTerms readings;  // of every joint
+  bool choose_readings = false;       // those terms that predict rows left out better
+  bool receiver_offsets = false;
+  bool scale = false;
+};
+
+// Corrections of the readings that were not asked for, and would help.
+struct OfferedCorrections {
+  refinement::ReadingTerms terms;
+  double left_out_mean_m = 0;  // cross-validated, with them
+};
+
 struct RefinementOutcome {
-  std::unique_ptr<refinement::Refined> refined;  // too large for a stack
-  std::vector<std::size_t> rejected_lines;       // gross outliers
-  std::vector<std::string> undetermined;         // in words
-  refinement::CrossValidation cross_validation;
+  std::unique_ptr<refinement::Refined> refined;                 // too large for a stack
+  refinement::ParameterRequest fitted;                          // beside axes and targets
+  std::vector<std::size_t> rejected_lines;                      // gross outliers
+  std::vector<std::string> undetermined;                        // in words
+  std::optional<refinement::CrossValidation> cross_validation;  // none of too few rows
+  std::optional<OfferedCorrections> offered;
   std::optional<double>
-      drawing_rms_m;  // of the drawing with base and tool fitted; from drawings only
-  double predicted_tool_error_m = 0;
+      drawing_rms_m;               // of the drawing with base and tool fitted; from drawings only
+  std::vector<std::string> zeros;  // in words: those far from the drawing's
+  std::optional<double> predicted_tool_error_m;  // with a target on the last link only
 };
 
 // Refines from `start` where there is one, otherwise from the drawing with base and targets
@@ -30,19 +47,7 @@ struct RefinementOutcome {
                                                      const std::optional<Signature>& start,
                                                      MeasurementLog& log,
                                                      const std::optional<SensorDescription>& sensor,
+                                                     const FurtherUnknowns& further,
                                                      const std::string& file);
-
-// Covariance of the unknowns, in the order of the layout.
-[[nodiscard]] Eigen::MatrixXd covariance_of(const refinement::Refined& refined);
-
-// An estimate rebuilt from a signature and the covariance that came with it. Empty where they do
-// not fit together.
-[[nodiscard]] std::unique_ptr<refinement::Refined> estimate_from(const Signature& signature,
-                                                                 const Arm& nominal,
-                                                                 const Eigen::MatrixXd& covariance);
-
-// Index of a target on the last link, whose position is what a tool error is about; nothing without
-// one.
-[[nodiscard]] std::optional<std::size_t> tool_target(const Signature& signature);
 
 }  // namespace armsig::tool

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/sweeps.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/core.h>
@@ -35,6 +36,7 @@ std::string SweepSet::reading(std::size_t joint, double value) const {
 std::optional<Problem> SweepSet::add(const LocatedRow& row) {
   if (row.sweep == 0) {
     ++mixed_rows_;
+    mixed_targets_.insert(row.target);
     return std::nullopt;
   }
   const std::size_t swept = row.sweep - 1;
@@ -47,6 +49,10 @@ std::optional<Problem> SweepSet::add(const LocatedRow& row) {
     if (j == swept) continue;
     const Held& held = sweep.held[j];
     if (std::abs(row.q[j] - held.reading) > held_tolerance(nominal_.joints[j].type)) {
+      if (hangs_on(j, swept)) {
+        sweep.carried = std::min(j, sweep.carried.value_or(j));
+        continue;
+      }
       return at(row.line,
                 fmt::format("sweep {} moves joint {} as well: {} here, {} in line {}", row.sweep,
                             j + 1, reading(j, row.q[j]), reading(j, held.reading), held.line),
@@ -61,6 +67,34 @@ std::optional<Problem> SweepSet::add(const LocatedRow& row) {
   const auto added = estimator->second.add(row.q[swept], row.p_S, row.covariance_m2);
   if (!added) return at(row.line, std::string(describe(added.error())), "finite numbers");
   return std::nullopt;
+}
+
+bool SweepSet::hangs_on(std::size_t joint, std::size_t from) const {
+  return std::ranges::any_of(nominal_.couplings, [&](const JointCoupling& coupling) {
+    return coupling.joint == joint && coupling.from == from;
+  });
+}
+
+Read<void> SweepSet::check_carried() const {
+  std::map<int, std::size_t> link_of;
+  for (const auto& [swept, sweep] : sweeps_) {
+    for (const auto& [target, estimator] : sweep.targets) link_of[target] = swept + 1;
+  }
+  for (const int target : mixed_targets_) link_of[target] = nominal_.joints.size();
+  for (const auto& [swept, sweep] : sweeps_) {
+    if (!sweep.carried) continue;
+    for (const auto& [target, estimator] : sweep.targets) {
+      if (link_of[target] <= *sweep.carried) continue;
+      return std::unexpected(
+          at(0,
+             fmt::format("sweep {} carries joint {} along, because their readings are coupled: "
+                         "target {} follows no circle about axis {}",
+                         swept + 1, *sweep.carried + 1, target, swept + 1),
+             fmt::format("--method refined, which takes such a sweep; or a target on link {}",
+                         swept + 1)));
+    }
+  }
+  return {};
 }
 
 // Per joint, the reading that the sweeps of the joints beyond it hold it at; the last joint, which
@@ -136,6 +170,9 @@ Read<SweptArm> SweepSet::finish(features::Method method) const {
           at(0, fmt::format("joint {} is not swept", j + 1),
              fmt::format("a sweep of each of the {} joints", nominal_.joints.size())));
     }
+  }
+  if (auto circles = check_carried(); !circles) {
+    return std::unexpected(std::move(circles).error());
   }
   SweptArm swept;
   auto signature_configuration = configuration();

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -54,11 +55,16 @@ class SweepSet {
   };
   struct Sweep {
     FixedVector<Held, kMaxJoints> held;  // the swept joint's own entry is its first reading
+    // The innermost joint whose reading is coupled to the swept one's, from 0.
+    std::optional<std::size_t> carried;
     std::map<int, features::SweepEstimator> targets;
   };
 
   [[nodiscard]] Problem at(std::size_t line, std::string what, std::string expected) const;
   [[nodiscard]] std::string reading(std::size_t joint, double value) const;
+  [[nodiscard]] bool hangs_on(std::size_t joint, std::size_t from) const;
+  // A sweep whose target is on a link beyond a joint that it carries along: no circle.
+  [[nodiscard]] Read<void> check_carried() const;
   [[nodiscard]] Read<JointVector> configuration() const;
   [[nodiscard]] Read<features::JointFeature> joint_feature(std::size_t joint,
                                                            features::Method method) const;
@@ -68,6 +74,7 @@ class SweepSet {
   Arm nominal_;
   std::string file_;
   std::map<std::size_t, Sweep> sweeps_;  // by joint, from 0
+  std::set<int> mixed_targets_;          // seen in rows with sweep 0: on the last link
   std::size_t mixed_rows_ = 0;
 };
 

@@ -33,7 +33,7 @@ inline constexpr std::uint16_t kStatusFollowingError = 1U << 13;
 [[nodiscard]] State decode_state(std::uint16_t status_word);
 
 // Commands of the controlword 6040h, by their bit patterns with every optional bit 0.
-enum class Command : std::uint16_t {
+enum class Command : std::uint8_t {
   kDisableVoltage = 0x00,
   kQuickStop = 0x02,
   kShutdown = 0x06,

@@ -23,7 +23,8 @@ constexpr double kFeedbackMargin = 4;
 // A drive that boots more often than this after one reset does not stay up.
 constexpr unsigned kMostBootUps = 3;
 
-// Faults after which the drive's own settings are in doubt, so that it must be set up again.
+// Faults after which the drive's own settings are in doubt, so that it must be set up again. Another
+// master may have changed any of them, or reset the drive.
 bool needs_setup(Error fault) {
   switch (fault) {
     case Error::kDriveEmergency:
@@ -31,7 +32,6 @@ bool needs_setup(Error fault) {
     case Error::kDriveDroppedOut:
     case Error::kTransitionTimeout:
     case Error::kFeedbackImplausible:
-    case Error::kSecondMaster:
     case Error::kBusBusy:
       return false;
     default:

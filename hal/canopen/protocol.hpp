@@ -31,6 +31,11 @@ inline constexpr std::uint32_t kHeartbeatId = 0x700;
 inline constexpr std::uint32_t kFunctionMask = 0x780;
 inline constexpr std::uint32_t kNodeMask = 0x07F;
 
+// Flags in the COB-ID of a PDO, subindex 1 of its communication parameter (CiA 301, 7.5.2.35): the
+// PDO does not exist; it answers no remote frame.
+inline constexpr std::uint32_t kPdoOff = 1U << 31;
+inline constexpr std::uint32_t kNoRemote = 1U << 30;
+
 // Lengths of the PDOs of this system: 6040h with 607Ah, 6041h with 6064h.
 inline constexpr std::uint8_t kDrivePdoBytes = 6;
 

@@ -16,11 +16,11 @@ namespace {
 
 constexpr std::size_t kCachePageBytes = 4096;
 
-Error error_of(int number) {
+Error storage_error(int number) {
   return number == ENOSPC || number == EDQUOT ? Error::kStorageFull : Error::kStorageFault;
 }
 
-std::unexpected<Error> last_error() { return std::unexpected(error_of(errno)); }
+std::unexpected<Error> last_error() { return std::unexpected(storage_error(errno)); }
 
 Result<void> write_all(int file, std::span<const std::uint8_t> bytes, std::size_t address) {
   while (!bytes.empty()) {

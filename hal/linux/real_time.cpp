@@ -13,7 +13,7 @@ namespace armsig::linux_hal {
 namespace {
 
 // Far more than the calls of a tick need, and little of the 8 MiB that a main thread has.
-constexpr std::size_t kStackBytes = 256 * 1024;
+constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
 
 void touch_stack() {
   std::byte stack[kStackBytes];

@@ -21,7 +21,7 @@ constexpr hal::Duration kLongestSleep = std::chrono::milliseconds(50);
 modbus_t* as_modbus(void* context) { return static_cast<modbus_t*>(context); }
 
 // What libmodbus's errno says about the sensor. Timeouts are kSensorSilent.
-Error error_of(int number) {
+Error sensor_error(int number) {
   switch (number) {
     case ETIMEDOUT:
     case EINTR:
@@ -129,7 +129,7 @@ Result<hal::RangeReading> RtuRangeSensor::measure() {
       profile.function == kHoldingRegisters ? &modbus_read_registers : &modbus_read_input_registers;
   if (read(context, range.first, range.count, registers.data()) != range.count) {
     const int number = errno;
-    const Error error = error_of(number);
+    const Error error = sensor_error(number);
     if (error == Error::kSensorException) {
       exception_ = static_cast<std::uint8_t>(number - MODBUS_ENOBASE);
     }

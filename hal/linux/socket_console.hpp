@@ -18,7 +18,7 @@ namespace armsig::linux_hal {
 class SocketConsole final : public hal::Console {
  public:
   static constexpr std::size_t kMaxClients = 8;
-  static constexpr std::size_t kReplyBytes = 16 * 1024;
+  static constexpr std::size_t kReplyBytes = std::size_t{16} * 1024;
 
   // Listens at `path`, taking the place of a socket that nobody listens at any more. To be called
   // before other threads are started: the file creation mask changes meanwhile.

@@ -13,7 +13,7 @@ constexpr std::uint8_t kLargestUnit = 247;
 Result<RegisterRange> registers_of(const Profile& profile) {
   const bool sane = profile.unit >= 1 && profile.unit <= kLargestUnit &&
                     (profile.function == 3 || profile.function == 4) && profile.receivers >= 1 &&
-                    profile.receivers <= hal::kMaxReceivers && profile.flight_stride >= 2 &&
+                    profile.receivers <= kMaxReceivers && profile.flight_stride >= 2 &&
                     profile.celsius_a_step > 0 && profile.seconds_a_step > 0;
   if (!sane) return std::unexpected(Error::kProfileInvalid);
   const std::size_t last_flight =

@@ -64,7 +64,7 @@ std::expected<Registers, Failure> decode(const ReadRequest& request,
     return fail(Error::kSensorException, answer[2]);
   }
   if (answer[1] != request.function) return fail(Error::kSensorWrongUnit);
-  const std::size_t data_bytes = 2U * request.registers.count;
+  const std::size_t data_bytes = std::size_t{2} * request.registers.count;
   if (answer[2] != data_bytes || answer.size() != kOverheadBytes + data_bytes) {
     return fail(Error::kSensorMalformed);
   }

@@ -6,11 +6,11 @@
 namespace armsig::simulated {
 namespace {
 
+using canopen::kPdoOff;
 using canopen::NmtCommand;
 using canopen::NmtState;
 using canopen::cia402::State;
 
-constexpr std::uint32_t kPdoOff = 1U << 31;
 constexpr std::uint16_t kEmergencyHeartbeat = 0x8130;
 constexpr std::uint16_t kEmergencyPdoLength = 0x8210;
 constexpr std::uint16_t kEmergencyFollowing = 0x8611;
@@ -190,7 +190,7 @@ void Drive::do_take(const hal::ReceivedCanFrame& received) {
   if (frame.id == canopen::kNmtId) {
     take_nmt(frame);
   } else if (frame.id == canopen::kSyncId) {
-    take_sync();
+    if (fault_ != DriveFault::kSyncLost) take_sync();
   } else if (frame.id == (settings_.receive_pdo & (kPdoOff | 0x7FFU))) {
     take_receive_pdo(frame);
   } else if (function == canopen::kHeartbeatId) {

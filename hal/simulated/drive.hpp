@@ -39,6 +39,7 @@ enum class DriveFault : std::uint8_t {
   kPositionJump,    // the reported position is off by `code` counts from now on
   kPreOperational,  // leaves the NMT state Operational
   kSdoSilent,       // SDO requests are not answered
+  kSyncLost,        // hears no SYNC
 };
 
 class Drive final : public CanDevice {

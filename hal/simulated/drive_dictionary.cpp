@@ -10,6 +10,8 @@
 namespace armsig::simulated {
 namespace {
 
+using canopen::kNoRemote;
+using canopen::kPdoOff;
 using canopen::load;
 using canopen::store;
 
@@ -22,9 +24,6 @@ constexpr AbortCode kMappingTooLong = 0x06040042;
 constexpr AbortCode kWrongLength = 0x06070010;
 constexpr AbortCode kNoSuchSubindex = 0x06090011;
 constexpr AbortCode kInvalidValue = 0x06090030;
-
-constexpr std::uint32_t kPdoOff = 1U << 31;
-constexpr std::uint32_t kNoRemote = 1U << 30;
 
 constexpr bool is_pdo_parameter(std::uint16_t index) {
   return (index >= 0x1400 && index < 0x1410) || (index >= 0x1800 && index < 0x1810);
@@ -74,11 +73,10 @@ void DriveDictionary::restore() {
 void DriveDictionary::add_pdos() {
   using enum Access;
   for (std::uint16_t pdo = 0; pdo < 2; ++pdo) {
-    const auto offset = static_cast<std::uint16_t>(pdo);
     const std::uint32_t id = 0x100U * pdo + node_;
     for (const std::uint16_t base : {std::uint16_t{0x1400}, std::uint16_t{0x1800}}) {
-      const auto parameter = static_cast<std::uint16_t>(base + offset);
-      const auto mapping = static_cast<std::uint16_t>(base + 0x200 + offset);
+      const auto parameter = static_cast<std::uint16_t>(base + pdo);
+      const auto mapping = static_cast<std::uint16_t>(base + 0x200 + pdo);
       const bool out = base == 0x1800;
       add(parameter, 0, 1, kReadOnly, 2);
       add(parameter, 1, 4, kReadWrite, out ? kNoRemote | (0x180 + id) : 0x200 + id);
@@ -147,7 +145,9 @@ AbortCode DriveDictionary::check_mapping(const Object& object, std::uint32_t val
   if (object.subindex == 0) {
     if (value > kMaxEntries) return kMappingTooLong;
     std::uint32_t bits = 0;
-    for (std::uint8_t entry = 1; entry <= value; ++entry) bits += get(object.index, entry) & 0xFF;
+    for (unsigned entry = 1; entry <= value; ++entry) {
+      bits += get(object.index, static_cast<std::uint8_t>(entry)) & 0xFF;
+    }
     return bits > 64 ? kMappingTooLong : 0;
   }
   if (get(object.index, 0) != 0) return kUnsupportedAccess;
@@ -192,15 +192,20 @@ std::optional<hal::CanFrame> DriveDictionary::serve(const hal::CanFrame& request
   return answer;
 }
 
+std::uint8_t DriveDictionary::entries(std::uint16_t mapping) const {
+  return static_cast<std::uint8_t>(get(mapping));
+}
+
 std::uint8_t DriveDictionary::pdo_bytes(std::uint16_t mapping) const {
   std::uint32_t bits = 0;
-  for (std::uint8_t entry = 1; entry <= get(mapping); ++entry) bits += get(mapping, entry) & 0xFF;
+  for (std::uint8_t entry = 1; entry <= entries(mapping); ++entry)
+    bits += get(mapping, entry) & 0xFF;
   return static_cast<std::uint8_t>(bits / 8);
 }
 
 hal::CanFrame DriveDictionary::pack(std::uint16_t mapping, std::uint32_t id) const {
   hal::CanFrame frame{.id = id & 0x7FFU};
-  for (std::uint8_t entry = 1; entry <= get(mapping); ++entry) {
+  for (std::uint8_t entry = 1; entry <= entries(mapping); ++entry) {
     const std::uint32_t what = get(mapping, entry);
     const std::uint32_t value =
         get(static_cast<std::uint16_t>(what >> 16), static_cast<std::uint8_t>((what >> 8) & 0xFF));
@@ -213,7 +218,7 @@ hal::CanFrame DriveDictionary::pack(std::uint16_t mapping, std::uint32_t id) con
 
 void DriveDictionary::unpack(std::uint16_t mapping, const hal::CanFrame& frame) {
   std::size_t at = 0;
-  for (std::uint8_t entry = 1; entry <= get(mapping); ++entry) {
+  for (std::uint8_t entry = 1; entry <= entries(mapping); ++entry) {
     const std::uint32_t what = get(mapping, entry);
     std::uint32_t value = 0;
     for (unsigned byte = 0; byte < (what & 0xFF) / 8; ++byte) {

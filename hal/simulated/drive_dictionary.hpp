@@ -56,6 +56,7 @@ class DriveDictionary {
   void add(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes, Access access,
            std::uint32_t value);
   void add_pdos();
+  [[nodiscard]] std::uint8_t entries(std::uint16_t mapping) const;  // kMaxEntries at most
   [[nodiscard]] Object* find(std::uint16_t index, std::uint8_t subindex);
   [[nodiscard]] const Object* find(std::uint16_t index, std::uint8_t subindex) const;
   [[nodiscard]] AbortCode absent(std::uint16_t index) const;

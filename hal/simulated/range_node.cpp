@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/check.hpp"
+#include "hal/canopen/range_sensor.hpp"
 
 namespace armsig::simulated {
 namespace {
@@ -12,7 +13,6 @@ namespace {
 using canopen::NmtCommand;
 using canopen::NmtState;
 
-constexpr std::size_t kMaxReceivers = 6;
 constexpr std::uint32_t kPdoStep = 0x100;
 
 std::uint32_t nanoseconds(double flight_s) {
@@ -29,7 +29,7 @@ void RangeNode::send(const hal::CanFrame& frame) {
 }
 
 void RangeNode::publish(const hal::RangeReading& reading) {
-  ARMSIG_CHECK(reading.receivers.size() <= kMaxReceivers);
+  ARMSIG_CHECK(reading.receivers.size() <= canopen::kMaxCanReceivers);
   if (nmt_ != NmtState::kOperational) return;
   hal::CanFrame opening{.id = canopen::kTransmitPdo1Id + node_, .length = 4};
   for (std::size_t j = 0; j < reading.receivers.size(); ++j) {

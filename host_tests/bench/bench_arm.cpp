@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // armsig_bench_arm: an emulated arm on SocketCAN with its range sensor, as a process of its own.
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -30,6 +31,7 @@ struct Options {
   std::vector<double> start_deg;
   std::vector<double> target_mm{30, 20, 120};
   double sigma_mm = 1e3 * simulated::kDemoRangeSigma;
+  double ping_ms = 20;
   int sensor_node = 0;
   PlantConfiguration plant;
 };
@@ -60,6 +62,7 @@ PlantConfiguration plant_of(Options& options) {
   }
   for (const double start_deg : options.start_deg) plant.start.push_back(radians(start_deg));
   plant.sensor_node = static_cast<std::uint8_t>(options.sensor_node);
+  plant.ping_period = hal::Duration(std::llround(1e6 * options.ping_ms));
   plant.field = simulated::demo_sensor();
   plant.field.range_sigma_m = 1e-3 * options.sigma_mm;
   return plant;
@@ -125,6 +128,9 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--sigma-mm", options.sigma_mm, "noise of a range, 1 sigma")
       ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--ping-ms", options.ping_ms, "from one ping of the sensor to the next")
+      ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
   app.add_option("--seed", plant.seed, "of the noise")->capture_default_str();
   try {

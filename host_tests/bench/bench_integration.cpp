@@ -2,6 +2,7 @@
 // The master and the sensor backends against the emulated arm, which is a process of its own: real
 // SocketCAN, a real serial line. Run it by host_tests/bench/run.
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -226,6 +227,7 @@ TEST(Bench, a_blocked_motor_and_a_lost_sync_end_in_the_drives_own_emergencies) {
   EXPECT_TRUE(master.run_until([&] { return master.faulted(); }));
   EXPECT_EQ(master.master.status(0).fault, Error::kDriveEmergency);
   EXPECT_EQ(master.master.status(0).fault_code, 0x8700U);
+  arm.order("lose-sync frames=0");
   ASSERT_TRUE(master.recover());
 }
 
@@ -295,9 +297,15 @@ TEST(Bench, no_frame_of_others_does_lasting_harm) {
   const char* const frames =
       "(for f in 000#0200 000#8100 080# 201#0F00FFFFFF7F 601#2B40600000000000 77F#05 703#00 "
       "181#11 083#1023000000000000 701#7F 12345678#0102 123#R 7FF#0102030405060708; do "
-      "cansend vcan0 $f; done; cangen vcan0 -n 400 -g 2 -I r -L r -D r) >/dev/null 2>&1 &";
-  ASSERT_EQ(std::system(frames), 0);
-  master.run(300);
+      "cansend vcan0 $f; done; cangen vcan0 -n 400 -g 2 -I r -L r -D r) >/dev/null 2>&1";
+  std::atomic<bool> ended{false};
+  std::thread others([&] {
+    EXPECT_EQ(std::system(frames), 0);
+    ended = true;
+  });
+  EXPECT_TRUE(master.run_until([&] { return ended.load(); }));
+  others.join();
+  master.run(50);
   for (std::size_t i = 0; i < master.master.count(); ++i) {
     const hal::DriveStatus status = master.master.status(i);
     if (status.condition == DriveCondition::kFaulted) {
@@ -324,7 +332,10 @@ TEST(Bench, an_independent_decoder_reads_every_frame_of_the_real_bus) {
     arm.order("drive joint=3 kind=emergency code=0x2310");
     master.run(20);
   }
-  ASSERT_EQ(std::system(("kill $(cat " + log + ".pid); sleep 0.3").c_str()), 0);
+  // What candump has not written yet it writes when it ends.
+  const std::string end = "kill $(cat " + log + ".pid); for i in $(seq 300); do kill -0 $(cat " +
+                          log + ".pid) 2>/dev/null || exit 0; sleep 0.1; done; exit 1";
+  ASSERT_EQ(std::system(end.c_str()), 0);
   const std::string read = "tshark -r " + log + " -d can.subdissector,canopen ";
   const std::string found = log + ".txt";
   const auto lines = [&](const std::string& command) {

@@ -35,6 +35,7 @@ constexpr std::array kDriveFaults{
     std::pair{std::string_view("jump"), DriveFault::kPositionJump},
     std::pair{std::string_view("pre-operational"), DriveFault::kPreOperational},
     std::pair{std::string_view("sdo"), DriveFault::kSdoSilent},
+    std::pair{std::string_view("sync"), DriveFault::kSyncLost},
 };
 constexpr std::array kSensorFaults{
     std::pair{std::string_view("none"), SensorFault::kNone},
@@ -133,7 +134,7 @@ std::string lose_sync(Plant& plant, Request& request) {
 
 constexpr std::string_view kHelp =
     "ok status | hand | drive joint=N kind=none|emergency|silent|heartbeat|feedback|blocked|power|"
-    "reboot|deaf|jump|pre-operational|sdo [code=N] | sensor kind=none|stale|silent|crc|unit|"
+    "reboot|deaf|jump|pre-operational|sdo|sync [code=N] | sensor kind=none|stale|silent|crc|unit|"
     "exception|short|unplugged | field [air_c=] [thermometer_error_k=] [sigma_mm=] [dropout=] "
     "[multipath=] | lose-sync frames=N";
 

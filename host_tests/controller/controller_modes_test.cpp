@@ -143,16 +143,6 @@ TEST(Faults, a_blocked_motor_ends_in_a_following_error) {
   EXPECT_EQ(puma.now().fault->joint, 0U);
 }
 
-TEST(Faults, bus_off_ends_in_a_quick_stop) {
-  Moving puma;
-  puma.cabinet->master_port().go_bus_off();
-  ASSERT_TRUE(puma.run_until(Mode::kFaulted, 0.1));
-  puma.run(0.3);
-  for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_NE(puma.cabinet->drive(i).state(), State::kOperationEnabled) << i;
-  }
-}
-
 TEST(Faults, the_operators_stop_ends_every_mode) {
   {
     PumaCabinet idle;

@@ -185,12 +185,33 @@ TEST(RefinementAccuracy, predicts_the_bound_of_an_independent_model) {
   EXPECT_NEAR(std::sqrt(predicted / cramer_rao_variance(cell, log, poses)), 1, 0.02);
 }
 
+// "Figures to expect" of ALGORITHMS: tool error as a factor against the drawing.
+struct Expected {
+  double arc_deg = 0;
+  double refined = 0;
+  double with_mixed = 0;
+};
+constexpr std::array<Expected, 4> kExpected{
+    {{60, 4, 12.5}, {90, 8, 14.5}, {120, 11, 17}, {180, 19, 22}}};
+
+double factor(const Trials& trials) { return std::sqrt(trials.nominal / trials.observed); }
+
+TEST(RefinementAccuracy, sweeps_alone_improve_on_the_drawing_by_the_factors_expected) {
+  for (const Expected& expected : kExpected) {
+    const Trials trials = run(40, false, expected.arc_deg, 0);
+    EXPECT_GE(factor(trials), expected.refined) << expected.arc_deg;
+    EXPECT_NEAR(std::sqrt(trials.predicted / trials.observed), 1, 0.1) << expected.arc_deg;
+    RecordProperty(std::to_string(expected.arc_deg), std::to_string(factor(trials)));
+  }
+}
+
 TEST(RefinementAccuracy, mixed_poses_improve_on_sweeps_by_the_factors_expected) {
-  // "Figures to expect" of ALGORITHMS: 12.5, 14.5, 17, 22.
-  EXPECT_GT(std::sqrt(run(25, false, 60, 30).nominal / run(25, false, 60, 30).observed), 12.5);
-  const Trials wide = run(25, false, 180, 30);
-  EXPECT_GT(std::sqrt(wide.nominal / wide.observed), 22);
-  EXPECT_NEAR(std::sqrt(wide.predicted / wide.observed), 1, 0.1);
+  for (const Expected& expected : kExpected) {
+    const Trials trials = run(40, false, expected.arc_deg, 30);
+    EXPECT_GE(factor(trials), expected.with_mixed) << expected.arc_deg;
+    EXPECT_NEAR(std::sqrt(trials.predicted / trials.observed), 1, 0.1) << expected.arc_deg;
+    RecordProperty(std::to_string(expected.arc_deg), std::to_string(factor(trials)));
+  }
 }
 
 TEST(RefinementAccuracy, a_fifth_of_gross_outliers_costs_less_than_a_quarter) {

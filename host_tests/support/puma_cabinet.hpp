@@ -83,11 +83,12 @@ struct PumaCabinet {
     return mode() == mode_wanted;
   }
   // The reply to `request`; empty if none comes within a second.
-  std::string ask(const std::string& request) {
-    const std::size_t before = console.replies.size();
-    console.requests.push_back(request);
-    for (int i = 0; i < 500 && console.replies.size() == before; ++i) cabinet->step();
-    return console.replies.size() == before ? "" : console.replies.back();
+  std::string ask(const std::string& request) { return ask(console, request); }
+  std::string ask(LineConsole& from, const std::string& request) {
+    const std::size_t before = from.replies.size();
+    from.requests.push_back(request);
+    for (int i = 0; i < 500 && from.replies.size() == before; ++i) cabinet->step();
+    return from.replies.size() == before ? "" : from.replies.back();
   }
   bool enable() {
     return run_until(controller::Mode::kIdle) && ask("enable") == "ok" &&
@@ -95,7 +96,8 @@ struct PumaCabinet {
   }
 
   LineConsole console;
-  std::array<hal::Console*, 1> consoles{&console};
+  LineConsole other;  // a second operator's
+  std::array<hal::Console*, 2> consoles{&console, &other};
   RamMemory memory;
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };

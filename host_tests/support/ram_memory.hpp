@@ -16,6 +16,7 @@ class RamMemory final : public hal::NonvolatileMemory {
   // Bytes that may still be changed before the power goes; what is under way then stops there.
   std::optional<std::size_t> bytes_left;
   std::size_t changed = 0;
+  std::optional<Error> refusal;  // of every change
 
  private:
   [[nodiscard]] hal::MemoryLayout do_layout() const override {
@@ -26,6 +27,7 @@ class RamMemory final : public hal::NonvolatileMemory {
     return {};
   }
   Result<void> change(std::size_t at, std::uint8_t value) {
+    if (refusal) return std::unexpected(*refusal);
     if (bytes_left && *bytes_left == 0) return std::unexpected(Error::kStorageFault);
     if (bytes_left) --*bytes_left;
     bytes[at] = value;

@@ -115,7 +115,7 @@ struct Cell {
 // What an exact identification of the cell would give.
 inline Signature signature_of(const Cell& cell, const JointVector& configuration) {
   Signature signature;
-  signature.configuration = configuration;
+  signature.configuration = cell.effective(configuration);
   for (const DhJoint& joint : cell.arm.joints) signature.types.push_back(joint.type);
   const std::size_t n = cell.arm.joints.size();
   for (std::size_t i = 0; i <= n; ++i) signature.X_SL.push_back(cell.frame(configuration, i));

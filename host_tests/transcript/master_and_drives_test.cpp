@@ -248,6 +248,20 @@ TEST(MasterAndDrives, the_interface_taken_down_and_up_can_be_reset) {
   EXPECT_TRUE(arm.power_up_and_enable());
 }
 
+// Another master's reset leaves the drives without what they were told: they are told it again.
+TEST(MasterAndDrives, drives_that_another_master_has_reset_are_set_up_anew) {
+  EmulatedArm arm(puma_drives());
+  ASSERT_TRUE(arm.power_up_and_enable());
+  simulated::VirtualCanPort stranger;
+  arm.bus.connect(stranger);
+  ASSERT_TRUE(stranger.send(nmt_frame(NmtCommand::kResetNode, 0)));
+  arm.run(50);
+  EXPECT_EQ(arm.master->status(0).fault, Error::kSecondMaster);
+  arm.following = false;
+  arm.master->reset_faults();
+  EXPECT_TRUE(arm.power_up_and_enable());
+}
+
 TEST(MasterAndDrives, every_fault_can_be_reset_and_the_arm_enabled_again) {
   for (const DriveFault fault :
        {DriveFault::kEmergency, DriveFault::kSilent, DriveFault::kHeartbeatLost,

@@ -128,10 +128,25 @@ TEST(Layout, says_how_many_unknowns_are_too_many) {
 TEST(Readings, coupling_adds_the_raw_reading_of_the_other_joint) {
   ReadingModel model;
   model.couplings.push_back({2, 1, -1.0});
-  const JointVector coupled = coupled_readings(model, {0.1, 0.2, 0.7});
+  const JointVector coupled = true_readings(model, {0, 0, 0}, {0.1, 0.2, 0.7});
   EXPECT_EQ(coupled[0], 0.1);
   EXPECT_EQ(coupled[1], 0.2);
   EXPECT_DOUBLE_EQ(coupled[2], 0.5);
+}
+
+TEST(Readings, corrections_vanish_at_the_signature_configuration_and_can_be_undone) {
+  ReadingModel model;
+  model.corrections.push_back({0.01, 0.002, 0.003, 0.004, 0.005});
+  model.corrections.push_back({-0.02, 0, 0, 0.01, 0});
+  const JointVector configuration{0.5, -1.2};
+  const JointVector at_rest = true_readings(model, configuration, configuration);
+  EXPECT_DOUBLE_EQ(at_rest[0], 0.5);
+  EXPECT_DOUBLE_EQ(at_rest[1], -1.2);
+  const JointVector readings{1.7, 2.9};
+  const JointVector back =
+      encoder_readings(model, configuration, true_readings(model, configuration, readings));
+  EXPECT_NEAR(back[0], 1.7, 1e-14);
+  EXPECT_NEAR(back[1], 2.9, 1e-14);
 }
 
 TEST(Readings, correction_is_gain_and_two_harmonics) {

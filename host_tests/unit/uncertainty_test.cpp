@@ -70,11 +70,12 @@ TEST(ToolCovariance, grows_away_from_what_was_measured) {
             10 * tool_covariance(*refined, configuration, 0).trace());
 }
 
-TEST(SpreadConfiguration, stays_inside_the_limits_and_covers_them_evenly) {
-  const std::array<JointLimits, 3> limits{{{-1, 2}, {0, 0.5}, {3, 4}}};
+TEST(WorkConfiguration, stays_inside_the_limits_and_covers_them_evenly) {
+  const FixedVector<JointType, kMaxJoints> types(3, JointType::kPrismatic);
+  const FixedVector<JointLimits, kMaxJoints> limits{{-1, 2}, {0, 0.5}, {3, 4}};
   std::array<double, 3> mean{};
-  for (std::size_t k = 0; k < 1000; ++k) {
-    const JointVector q = spread_configuration(limits, k);
+  for (int k = 1; k <= 1000; ++k) {
+    const JointVector q = work_configuration(types, limits, k);
     ASSERT_EQ(q.size(), 3U);
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_GE(q[i], limits[i].lower);

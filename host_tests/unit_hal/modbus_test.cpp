@@ -139,7 +139,7 @@ TEST(ModbusProfile, refuses_profiles_that_contradict_themselves) {
   EXPECT_EQ(registers_of({.unit = 248}).error(), Error::kProfileInvalid);
   EXPECT_EQ(registers_of({.function = 6}).error(), Error::kProfileInvalid);
   EXPECT_EQ(registers_of({.receivers = 0}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.receivers = 9}).error(), Error::kProfileInvalid);
+  EXPECT_EQ(registers_of({.receivers = 17}).error(), Error::kProfileInvalid);
   EXPECT_EQ(registers_of({.flight_stride = 1}).error(), Error::kProfileInvalid);
   EXPECT_EQ(registers_of({.seconds_a_step = 0}).error(), Error::kProfileInvalid);
   EXPECT_EQ(registers_of({.first_flight = 200}).error(), Error::kProfileInvalid);

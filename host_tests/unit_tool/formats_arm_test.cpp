@@ -212,6 +212,11 @@ TEST(ArmFile, refuses_couplings_that_make_no_sense) {
                                 "{joint: 2, from: 1, ratio: 2}]\n")),
             "A.yaml:7:43: the coupling of joint 2 from joint 1 is given twice; expected each pair "
             "once");
+  EXPECT_EQ(message_of(arm_with(joints,
+                                "coupling: [{joint: 2, from: 1, ratio: 1}, "
+                                "{joint: 1, from: 2, ratio: 2}]\n")),
+            "A.yaml:7:43: joint 1 hangs, through others, on itself; expected couplings that lead "
+            "from inner joints to outer ones, or the other way");
 }
 
 TEST(ArmFile, refuses_what_is_not_yaml) {

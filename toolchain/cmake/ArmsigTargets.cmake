@@ -7,7 +7,8 @@ target_compile_options(armsig_warnings INTERFACE
 if(ARMSIG_SANITIZE)
   # The check of dynamic types needs RTTI, which the controller's libraries are built without.
   target_compile_options(armsig_warnings INTERFACE
-    -fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    -fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer
+    -D_GLIBCXX_ASSERTIONS)
   target_link_options(armsig_warnings INTERFACE -fsanitize=address,undefined)
 endif()
 
@@ -15,9 +16,10 @@ endif()
 # no exceptions, no RTTI, and no implicit use of a heap.
 function(armsig_controller_library name)
   add_library(${name} STATIC ${ARGN})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_include_directories(${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/armsig>)
   target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
-  target_link_libraries(${name} PRIVATE armsig_warnings)
+  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:armsig_warnings>)
   if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
     # Images are built without a cache of objects; reading Eigen once halves the time.
     target_precompile_headers(${name} PRIVATE <Eigen/Dense> <algorithm> <expected> <optional> <span>)

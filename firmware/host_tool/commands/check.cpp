@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: MIT
 // armsig check: is the arm still the one that was identified?
+#include <algorithm>
+
 #include <fmt/core.h>
 
 #include "core/uncertainty/drift.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/estimate.hpp"
+#include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/measurement_log.hpp"
+#include "firmware/host_tool/nominal_fit.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/ranging.hpp"
 #include "firmware/host_tool/record.hpp"
 
 namespace armsig::tool {
 namespace {
 
 struct Options : CommonOptions {
-  std::string signature, measurements, sensor;
+  std::string signature, measurements, sensor, arm;
 };
 
 std::string what_moved(const uncertainty::DriftReport& report, std::size_t joints) {
@@ -38,8 +44,20 @@ const char* word_of(uncertainty::Verdict verdict) {
   return "consistent";
 }
 
-void print_for_a_person(const uncertainty::DriftReport& report, std::size_t joints,
+struct Checked {
+  uncertainty::DriftReport report;
+  std::optional<ResidualSummary> nominal;
+  std::vector<std::size_t> rejected_lines;
+};
+
+void print_residuals(const char* of, double rms_m, double mean_m, double largest_m) {
+  fmt::print("  {:<38}{:8.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n", of, 1e3 * rms_m,
+             1e3 * mean_m, 1e3 * largest_m);
+}
+
+void print_for_a_person(const Checked& checked, std::size_t joints,
                         const std::string& measurements) {
+  const uncertainty::DriftReport& report = checked.report;
   fmt::print("{}: {}\n\n", measurements, uncertainty::describe(report.verdict));
   if (report.verdict == uncertainty::Verdict::kDrifted) {
     fmt::print("  most likely {}\n", what_moved(report, joints));
@@ -49,10 +67,87 @@ void print_for_a_person(const uncertainty::DriftReport& report, std::size_t join
   }
   fmt::print("  {} rows, {} of them outliers\n", report.rows + report.rows_rejected,
              report.rows_rejected);
-  fmt::print("  residuals: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n", 1e3 * report.rms_m,
-             1e3 * report.mean_m, 1e3 * report.largest_m);
+  if (!checked.rejected_lines.empty()) {
+    fmt::print("  outliers, by line: {}\n", lines_in_words(checked.rejected_lines));
+  }
+  if (checked.nominal) {
+    const ResidualSummary& nominal = *checked.nominal;
+    print_residuals("before: drawing, base and tool fitted", nominal.rms_m, nominal.mean_m,
+                    nominal.largest_m);
+  } else {
+    fmt::print("  before: these rows are too few to fit base and tool to the drawing\n");
+  }
+  print_residuals("after: the signature as it is", report.rms_m, report.mean_m, report.largest_m);
   fmt::print("  chi-square {:.1f} with {} degrees of freedom; healthy arms stay below {:.1f}\n",
              report.chi_square, report.freedom, report.allowed);
+}
+
+nlohmann::ordered_json json_of(const Checked& checked, int status) {
+  const uncertainty::DriftReport& report = checked.report;
+  nlohmann::ordered_json json{{"status", status},
+                              {"verdict", word_of(report.verdict)},
+                              {"link", report.link},
+                              {"noise_factor", report.noise_factor},
+                              {"chi_square", report.chi_square},
+                              {"degrees_of_freedom", report.freedom},
+                              {"allowed", report.allowed},
+                              {"rows", report.rows},
+                              {"rows_rejected", report.rows_rejected},
+                              {"rejected_lines", checked.rejected_lines},
+                              {"rms_m", report.rms_m},
+                              {"mean_m", report.mean_m},
+                              {"largest_m", report.largest_m}};
+  if (checked.nominal) {
+    json["nominal"] = {{"rms_m", checked.nominal->rms_m},
+                       {"mean_m", checked.nominal->mean_m},
+                       {"largest_m", checked.nominal->largest_m}};
+  }
+  return json;
+}
+
+// Every row of the file, its ranges in metres of its own air.
+Read<MeasurementLog> read_log(const Options& options, const Signature& signature,
+                              const std::optional<SensorDescription>& sensor) {
+  MeasurementLog log;
+  const auto rows = read_measurements(
+      options.measurements, signature.types, [&](const MeasurementRow& row) -> Read<void> {
+        const auto scale = range_scale(row, sensor, options.measurements);
+        if (!scale) return std::unexpected(scale.error());
+        log.add(row, sensor, *scale);
+        if (row.ranges_m.empty()) return {};
+        if (const auto position = locate(row, *sensor, *scale)) log.add_located(position->p_S);
+        return {};
+      });
+  if (!rows) return std::unexpected(rows.error());
+  if (const auto unknown = log.index_targets(signature.targets)) {
+    return std::unexpected(Problem{options.measurements, 0, 0,
+                                   fmt::format("target {} is not in the signature", *unknown),
+                                   "targets that it has"});
+  }
+  return log;
+}
+
+// The drawing to compare with: the one that the signature keeps, or another one.
+Read<Arm> drawing_for(const Options& options, const SignatureRecord& record) {
+  if (options.arm.empty()) return record.nominal;
+  const auto arm = read_arm_file(options.arm);
+  if (!arm) return std::unexpected(arm.error());
+  if (!std::ranges::equal(types_of(arm->arm), record.signature.types)) {
+    return std::unexpected(Problem{options.arm, 0, 0, "its joints are not those of the signature",
+                                   "an arm with the same joint types"});
+  }
+  return arm->arm;
+}
+
+Problem problem_of(const Refusal& refusal, const std::string& file) {
+  if (refusal.error == Error::kTooManyOutliers) {
+    return {file, 0, 0,
+            fmt::format("{:.0f} rows are far from what the signature predicts, at most {:.0f} may",
+                        refusal.found, refusal.needed),
+            "poses of the arm that was identified, seen from where the sensor stood"};
+  }
+  return {file, 0, 0, std::string(describe(refusal.error)),
+          "measured poses of a target of the signature"};
 }
 
 int run(const Options& options) {
@@ -60,56 +155,36 @@ int run(const Options& options) {
   if (!record) return fail(record.error(), kBadInput, options);
   const auto estimate = estimate_of(*record, options.signature);
   if (!estimate) return fail(estimate.error(), kBadInput, options);
+  const auto drawing = drawing_for(options, *record);
+  if (!drawing) return fail(drawing.error(), kBadInput, options);
   std::optional<SensorDescription> sensor;
   if (!options.sensor.empty()) {
     const auto read = read_checked_sensor(options.sensor);
     if (!read) return fail(read.error(), kBadInput, options);
     sensor = *read;
   }
-  MeasurementLog log;
-  const auto rows = read_measurements(options.measurements, record->signature.types,
-                                      [&](const MeasurementRow& row) -> Read<void> {
-                                        log.add(row, sensor, 1.0);
-                                        return {};
-                                      });
-  if (!rows) return fail(rows.error(), kBadInput, options);
-  if (const auto unknown = log.index_targets(record->signature.targets)) {
-    return fail({options.measurements, 0, 0,
-                 fmt::format("target {} is not in the signature", *unknown), "targets that it has"},
-                kBadInput, options);
-  }
+  const Signature& signature = record->signature;
+  auto log = read_log(options, signature, sensor);
+  if (!log) return fail(log.error(), kBadInput, options);
 
-  std::vector<refinement::RowOutcome> outcomes(log.observations().size());
+  std::vector<refinement::RowOutcome> outcomes(log->observations().size());
   const auto scratch = std::make_unique<refinement::SquareRootFactor>();
   refinement::Receivers receivers;
-  if (sensor) {
-    for (const Vector3& p_S : sensor->receivers_S) {
-      if (!receivers.full()) receivers.push_back(p_S);
-    }
-  }
+  if (sensor) receivers = receivers_of(*sensor).p_S;
   const auto report =
-      uncertainty::check_drift(**estimate, log.observations(), receivers, outcomes, *scratch);
-  if (!report) {
-    return fail({options.measurements, 0, 0, std::string(describe(report.error().error)),
-                 "measured poses of a target of the signature"},
-                kNoAnswer, options);
-  }
+      uncertainty::check_drift(**estimate, log->observations(), receivers, outcomes, *scratch);
+  if (!report) return fail(problem_of(report.error(), options.measurements), kNoAnswer, options);
+
+  Checked checked{.report = *report,
+                  .nominal = nominal_residuals(*drawing, log->observations(), log->positions(),
+                                               {signature.targets.data(), signature.targets.size()},
+                                               receivers, outcomes),
+                  .rejected_lines = log->rejected_lines(outcomes)};
   const int status = report->verdict == uncertainty::Verdict::kConsistent ? kDone : kNoAnswer;
   if (options.json) {
-    print_json({{"status", status},
-                {"verdict", word_of(report->verdict)},
-                {"link", report->link},
-                {"noise_factor", report->noise_factor},
-                {"chi_square", report->chi_square},
-                {"degrees_of_freedom", report->freedom},
-                {"allowed", report->allowed},
-                {"rows", report->rows},
-                {"rows_rejected", report->rows_rejected},
-                {"rms_m", report->rms_m},
-                {"mean_m", report->mean_m},
-                {"largest_m", report->largest_m}});
+    print_json(json_of(checked, status));
   } else {
-    print_for_a_person(*report, record->signature.joint_count(), options.measurements);
+    print_for_a_person(checked, signature.joint_count(), options.measurements);
   }
   return status;
 }
@@ -123,6 +198,8 @@ void add_check(CLI::App& app, int& status) {
   command->add_option("--signature", options->signature, "signature with covariance (YAML)")
       ->required();
   command->add_option("--measurements", options->measurements, "held-out poses (CSV)")->required();
+  command->add_option("--arm", options->arm,
+                      "arm description (YAML) to compare with (default: the signature's)");
   command->add_option("--sensor", options->sensor,
                       "sensor description (YAML), where the rows are ranges to receivers");
   add_common(*command, *options);

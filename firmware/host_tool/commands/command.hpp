@@ -2,6 +2,7 @@
 // What the commands of `armsig` have in common: exit status, problems, results for programs.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -11,7 +12,7 @@
 
 namespace armsig::tool {
 
-enum ExitStatus : int {
+enum ExitStatus : std::uint8_t {
   kDone = 0,
   kNoAnswer = 1,  // the data do not support an answer: refused, not converged, drifted
   kBadInput = 2,  // wrong usage or unreadable input
@@ -37,6 +38,8 @@ void add_solve(CLI::App& app, int& status);
 void add_check(CLI::App& app, int& status);
 void add_suggest(CLI::App& app, int& status);
 void add_evaluate(CLI::App& app, int& status);
+void add_export(CLI::App& app, int& status);
+void add_import(CLI::App& app, int& status);
 void add_connect(CLI::App& app, int& status);
 
 // The flag --json of a command.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // armsig identify: measurements to a signature.
-#include <algorithm>
+#include <filesystem>
+#include <functional>
 
 #include <fmt/core.h>
 
@@ -8,8 +9,8 @@
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/identification_run.hpp"
+#include "firmware/host_tool/identify_report.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
-#include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/record.hpp"
 
 namespace armsig::tool {
@@ -18,90 +19,85 @@ namespace {
 struct Options : CommonOptions {
   std::string arm, measurements, sensor, out, serial;
   std::string method = "encoder";
+  std::vector<std::string> correct;
 };
 
-void print_for_a_person(const Options& options, const SignatureRecord& record,
-                        const RowCounts& counts) {
-  const Signature& signature = record.signature;
-  std::size_t rejected = 0;
-  for (const auto& feature : signature.features) rejected += feature.quality.rejected;
-  fmt::print("{}: arm signature from {} by the {} method\n\n", record.arm_name,
-             options.measurements, options.method);
-  fmt::print("  {} rows: {} rejected as outliers", counts.rows, rejected);
-  if (counts.missing > 0) fmt::print(", {} without a position", counts.missing);
-  if (counts.inconsistent > 0) {
-    fmt::print(", {} with ranges that do not meet in a point", counts.inconsistent);
+// The words of --correct.
+Read<FurtherUnknowns> further_unknowns(const Options& options) {
+  FurtherUnknowns further;
+  if (options.correct.empty()) return further;
+  if (options.method != "refined") {
+    return std::unexpected(Problem{"--correct", 0, 0, "the method is " + options.method,
+                                   "--method refined, which can find corrections"});
   }
-  if (counts.excluded_ranges > 0) {
-    fmt::print(", {} single ranges not believed", counts.excluded_ranges);
+  for (const std::string& word : options.correct) {
+    further.readings.gain |= word == "gain";
+    further.readings.first |= word == "first-order";
+    further.readings.second |= word == "second-order";
+    further.choose_readings |= word == "readings-that-help";
+    further.receiver_offsets |= word == "range-offsets";
+    further.scale |= word == "scale";
   }
-  if (counts.mixed > 0) {
-    fmt::print(", {} with sweep 0, which this method does not use", counts.mixed);
+  if (further.receiver_offsets && options.sensor.empty()) {
+    return std::unexpected(Problem{"--correct", 0, 0, "range-offsets without receivers",
+                                   "ranges, and --sensor with where the receivers stand"});
   }
-  if (record.air_c) fmt::print("; air {:.1f} °C", *record.air_c);
-  fmt::print("\n\n");
-  if (!signature.features.empty()) {
-    fmt::print("What the sweeps say (residuals are root mean squares)\n\n{}\n",
-               sweep_table(signature));
-  }
-  fmt::print("Pseudo Denavit-Hartenberg parameters\n\n{}\n{}", dh_table(signature.pseudo_dh),
-             near_parallel_note(signature));
+  return further;
 }
 
-std::string lines_in_words(const std::vector<std::size_t>& lines) {
-  constexpr std::size_t kMostShown = 20;
-  std::string words;
-  for (std::size_t k = 0; k < std::min(lines.size(), kMostShown); ++k) {
-    words += fmt::format("{}{}", k == 0 ? "" : ", ", lines[k]);
-  }
-  if (lines.size() > kMostShown) words += fmt::format(" and {} more", lines.size() - kMostShown);
-  return words;
-}
-
-void print_refinement(const RefinementOutcome& outcome) {
-  const refinement::FitQuality& quality = outcome.refined->quality;
-  fmt::print("\nThe refinement\n\n");
-  if (outcome.drawing_rms_m) {
-    fmt::print("  drawing, base and tool fitted   {:8.3f} mm RMS\n", 1e3 * *outcome.drawing_rms_m);
-  }
-  fmt::print("  residual of the fit             {:8.3f} mm RMS, {} measurements\n",
-             1e3 * quality.rms_m, quality.rows_used);
-  const refinement::CrossValidation& crossed = outcome.cross_validation;
-  if (crossed.rows > 0) {
-    fmt::print(
-        "  poses left out of the fit       {:8.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
-        1e3 * crossed.rms_m, 1e3 * crossed.mean_m, 1e3 * crossed.largest_m);
-  }
-  fmt::print("  predicted tool error, 1 sigma   {:8.3f} mm RMS over the joint limits\n",
-             1e3 * outcome.predicted_tool_error_m);
-  if (quality.covariance_enlarged) {
-    fmt::print(
-        "  the residuals are {:.1f} times the stated noise; the uncertainty is enlarged by as "
-        "much\n",
-        quality.noise_factor);
-  }
-  if (!outcome.rejected_lines.empty()) {
-    fmt::print("  outliers, by line               {}\n", lines_in_words(outcome.rejected_lines));
+// Gives every row of the file to `take`.
+Read<void> read_all(const Options& options, const Arm& arm, const char* what,
+                    const std::function<Read<void>(const MeasurementRow&)>& take) {
+  auto reader = MeasurementReader::open(options.measurements, types_of(arm));
+  if (!reader) return std::unexpected(reader.error());
+  Progress progress(what, 1000);
+  for (MeasurementRow row;;) {
+    const auto more = reader->next(row);
+    if (!more) return std::unexpected(more.error());
+    if (!*more) return {};
+    if (auto taken = take(row); !taken) return taken;
+    if (const auto share = reader->progress()) {
+      progress.update(static_cast<std::size_t>(1000 * *share));
+    }
   }
 }
 
-nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome) {
-  nlohmann::ordered_json json{{"rms_m", outcome.refined->quality.rms_m},
-                              {"iterations", outcome.refined->quality.iterations},
-                              {"noise_factor", outcome.refined->quality.noise_factor},
-                              {"predicted_tool_error_m", outcome.predicted_tool_error_m},
-                              {"rejected_lines", outcome.rejected_lines},
-                              {"undetermined", outcome.undetermined},
-                              {"cross_validation",
-                               {{"rows", outcome.cross_validation.rows},
-                                {"mean_m", outcome.cross_validation.mean_m},
-                                {"rms_m", outcome.cross_validation.rms_m},
-                                {"largest_m", outcome.cross_validation.largest_m}}}};
-  if (outcome.drawing_rms_m) json["drawing_rms_m"] = *outcome.drawing_rms_m;
-  return json;
+// A file that can be read again: features are validated in a second pass.
+bool is_repeatable(const std::string& path) { return std::filesystem::is_regular_file(path); }
+
+Read<Found> identified_by_features(const Options& options, const Arm& arm,
+                                   IdentificationRun& identification) {
+  const auto method =
+      options.method == "paper" ? features::Method::kPaper : features::Method::kEncoder;
+  auto identified = identification.finish(method);
+  if (!identified) return std::unexpected(identified.error());
+  Found found{.identified = std::move(*identified), .refinement = {}, .validation = {}};
+  if (!is_repeatable(options.measurements) || !identification.settle_validation(method)) {
+    return found;
+  }
+  const auto scored =
+      read_all(options, arm, "Scoring rows left out", [&](const MeasurementRow& row) -> Read<void> {
+        identification.score(row);
+        return {};
+      });
+  if (!scored) return std::unexpected(scored.error());
+  found.validation = identification.validation();
+  return found;
+}
+
+Read<Found> identified_by_refinement(IdentificationRun& identification,
+                                     const FurtherUnknowns& further) {
+  auto refined = identification.finish_refined(further);
+  if (!refined) return std::unexpected(refined.error());
+  const auto validation = refined->second.cross_validation;
+  return Found{.identified = std::move(refined->first),
+               .refinement = std::move(refined->second),
+               .validation = validation};
 }
 
 int run(const Options& options) {
+  const auto further = further_unknowns(options);
+  if (!further) return fail(further.error(), kBadInput, options);
   const auto arm = read_arm_file(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   std::optional<SensorDescription> sensor;
@@ -113,59 +109,36 @@ int run(const Options& options) {
 
   const bool refine = options.method == "refined";
   IdentificationRun identification(arm->arm, sensor, options.measurements,
-                                   refine ? KeepLog::kYes : KeepLog::kNo);
-  auto reader = MeasurementReader::open(options.measurements, types_of(arm->arm));
-  if (!reader) return fail(reader.error(), kBadInput, options);
-  Progress progress("Reading measurements", 1000);
-  for (MeasurementRow row;;) {
-    const auto more = reader->next(row);
-    if (!more) return fail(more.error(), kBadInput, options);
-    if (!*more) break;
-    const auto taken = identification.take(row);
-    if (!taken) return fail(taken.error(), kNoAnswer, options);
-    if (const auto share = reader->progress()) {
-      progress.update(static_cast<std::size_t>(1000 * *share));
-    }
-  }
+                                   refine ? Purpose::kRefinement : Purpose::kValidatedFeatures);
+  ExitStatus status = kBadInput;
+  const auto read =
+      read_all(options, arm->arm, "Reading measurements", [&](const MeasurementRow& row) {
+        auto taken = identification.take(row);
+        if (!taken) status = kNoAnswer;
+        return taken;
+      });
+  if (!read) return fail(read.error(), status, options);
+  const auto found = refine ? identified_by_refinement(identification, *further)
+                            : identified_by_features(options, arm->arm, identification);
+  if (!found) return fail(found.error(), kNoAnswer, options);
 
-  Read<Identified> identified;
-  std::optional<RefinementOutcome> refinement;
+  SignatureRecord record = record_of(found->identified, *arm, options.method, options.serial);
+  const std::size_t receivers = sensor ? sensor->receivers_S.size() : 0;
   if (refine) {
-    auto refined = identification.finish_refined();
-    if (!refined) return fail(refined.error(), kNoAnswer, options);
-    identified = std::move(refined->first);
-    refinement = std::move(refined->second);
+    add_refinement(record, *found->refinement, receivers);
   } else {
-    identified = identification.finish(options.method == "paper" ? features::Method::kPaper
-                                                                 : features::Method::kEncoder);
-    if (!identified) return fail(identified.error(), kNoAnswer, options);
+    add_features(record, found->validation);
   }
-
-  SignatureRecord record = record_of(*identified, *arm, options.method, options.serial);
-  if (refinement) add_uncertainty(record, *refinement);
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);
   for (const std::string& warning : record.warnings) {
     fmt::print(stderr, "armsig: warning: {}\n", warning);
   }
+  const ReportedFiles files{options.measurements, options.out};
   if (options.json) {
-    nlohmann::ordered_json json{{"status", 0},
-                                {"arm", record.arm_name},
-                                {"method", record.method},
-                                {"rows", identified->counts.rows},
-                                {"rows_missing", identified->counts.missing},
-                                {"rows_inconsistent", identified->counts.inconsistent},
-                                {"ranges_excluded", identified->counts.excluded_ranges},
-                                {"rows_mixed", identified->counts.mixed},
-                                {"warnings", record.warnings},
-                                {"signature", signature_json(record.signature)},
-                                {"out", options.out}};
-    if (refinement) json["refinement"] = refinement_json(*refinement);
-    print_json(json);
+    print_json(json_of(*found, record, files, receivers));
   } else {
-    print_for_a_person(options, record, identified->counts);
-    if (refinement) print_refinement(*refinement);
-    fmt::print("\nWritten: {}\n", options.out);
+    print_identified(*found, record, files, receivers);
   }
   return kDone;
 }
@@ -184,6 +157,15 @@ void add_identify(CLI::App& app, int& status) {
           "refined: maximum likelihood over all rows, those with sweep 0 too")
       ->check(CLI::IsMember({"encoder", "paper", "refined"}))
       ->capture_default_str();
+  command
+      ->add_option("--correct", options->correct,
+                   "find as well, with --method refined: gain, first-order, second-order (errors "
+                   "of every joint reading: proportional, once a turn, twice a turn), "
+                   "readings-that-help (those of the three by which rows left out are predicted "
+                   "better), range-offsets (of each receiver), scale (of all lengths)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(
+          {"gain", "first-order", "second-order", "readings-that-help", "range-offsets", "scale"}));
   command->add_option("--sensor", options->sensor,
                       "sensor description (YAML), where the rows are ranges to receivers");
   command->add_option("--serial", options->serial, "serial number of the arm, for the record");

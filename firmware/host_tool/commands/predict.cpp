@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 // armsig predict: forward kinematics of a signature.
+#include <cmath>
+
 #include <fmt/core.h>
 
 #include "core/kinematics/s_model_chain.hpp"
+#include "core/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/estimate.hpp"
 #include "firmware/host_tool/formats/poses.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/model.hpp"
@@ -14,6 +18,7 @@ namespace {
 struct Options : CommonOptions {
   std::string signature, joints, out;
   std::optional<int> target;
+  bool sigma = false;
 };
 
 // The point asked for, with the orientation of the link that it is on.
@@ -24,30 +29,86 @@ Pose predicted(const Signature& signature, const JointVector& q,
           kinematics::target_position(signature, q, *target)};
 }
 
+// 1 sigma along x, y, z of a target's position at each of the readings.
+Read<std::vector<Vector3>> sigmas_of(const SignatureRecord& record, const std::string& file,
+                                     const Target& target, const std::vector<JointVector>& joints) {
+  const auto estimate = estimate_of(record, file);
+  if (!estimate) return std::unexpected(estimate.error());
+  std::size_t index = 0;
+  while (record.signature.targets[index].number != target.number) ++index;
+  std::vector<Vector3> sigmas_m;
+  sigmas_m.reserve(joints.size());
+  for (const JointVector& q : joints) {
+    const Matrix3 covariance = uncertainty::tool_covariance(**estimate, q, index);
+    sigmas_m.emplace_back(covariance.diagonal().cwiseSqrt());
+  }
+  return sigmas_m;
+}
+
+double rms_length(const std::vector<Vector3>& vectors) {
+  double squares = 0;
+  for (const Vector3& v : vectors) squares += v.squaredNorm();
+  return std::sqrt(squares / static_cast<double>(vectors.size()));
+}
+
+// Uncertain is a measured point: a sigma without --target is that of the only one on the last link.
+Read<std::optional<Target>> target_for(const Options& options, const SignatureRecord& record) {
+  if (options.target || !options.sigma) {
+    return find_target(record, options.signature, options.target);
+  }
+  const Target* tool = nullptr;
+  int tools = 0;
+  std::string numbers;
+  for (const Target& target : record.signature.targets) {
+    numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", target.number);
+    if (target.link != record.signature.joint_count()) continue;
+    tool = &target;
+    ++tools;
+  }
+  if (tools == 1) return *tool;
+  return std::unexpected(
+      Problem{options.signature, 0, 0, "--sigma does not say of which target",
+              numbers.empty() ? "a signature with targets" : "--target with one of " + numbers});
+}
+
 int run(const Options& options) {
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const Signature& signature = record->signature;
-  const auto target = find_target(*record, options.signature, options.target);
+  const auto target = target_for(options, *record);
   if (!target) return fail(target.error(), kBadInput, options);
   const auto joints = read_joint_poses(options.joints, signature.types);
   if (!joints) return fail(joints.error(), kBadInput, options);
 
   std::vector<Pose> poses;
   poses.reserve(joints->size());
+  const refinement::ReadingModel readings = record->readings();
   for (const JointVector& q : *joints) {
-    poses.push_back(predicted(signature, effective_readings(record->nominal, q), *target));
+    poses.push_back(predicted(
+        signature, refinement::true_readings(readings, signature.configuration, q), *target));
+  }
+  std::vector<Vector3> sigmas_m;
+  if (options.sigma) {
+    auto found = sigmas_of(*record, options.signature, **target, *joints);
+    if (!found) return fail(found.error(), kBadInput, options);
+    sigmas_m = std::move(*found);
   }
   const std::string what =
       *target ? fmt::format("target {}", (*target)->number) : std::string("the last link's frame");
-  const auto written =
-      write_tool_poses(options.out, poses,
-                       fmt::format("{}: poses of {} in the sensor frame", record->arm_name, what));
+  const auto written = write_tool_poses(
+      options.out, poses,
+      fmt::format("{}: poses of {} in the sensor frame", record->arm_name, what), sigmas_m);
   if (!written) return fail(written.error(), kBadInput, options);
   if (options.json) {
-    print_json({{"status", 0}, {"poses", poses.size()}, {"of", what}, {"out", options.out}});
+    nlohmann::ordered_json json{
+        {"status", 0}, {"poses", poses.size()}, {"of", what}, {"out", options.out}};
+    if (options.sigma) json["rms_sigma_m"] = rms_length(sigmas_m);
+    print_json(json);
   } else {
     fmt::print("{} poses of {} in {}\n", poses.size(), what, options.out);
+    if (options.sigma) {
+      fmt::print("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(sigmas_m));
+    }
   }
   return kDone;
 }
@@ -62,6 +123,10 @@ void add_predict(CLI::App& app, int& status) {
   command->add_option("--joints", options->joints, "joint readings (CSV: q1_deg, ...)")->required();
   command->add_option("--target", options->target,
                       "number of a target point (default: the last link's frame)");
+  command->add_flag("--sigma", options->sigma,
+                    "add the predicted error of each position, 1 sigma: sigma_x_m, sigma_y_m, "
+                    "sigma_z_m, and sigma_m of all three (of the only target on the last link, "
+                    "where --target names none)");
   command->add_option("--out", options->out, "poses to write (CSV)")->required();
   add_common(*command, *options);
   command->callback([options, &status] { status = run(*options); });

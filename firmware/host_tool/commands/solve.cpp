@@ -38,30 +38,64 @@ bool is_solved(kinematics::Verdict verdict) {
   return verdict == kinematics::Verdict::kConverged || verdict == kinematics::Verdict::kDegraded;
 }
 
+// Limits are met exactly but for rounding.
+constexpr double kAtLimit = 1e-9;
+
+struct Answer {
+  kinematics::Verdict verdict = kinematics::Verdict::kOutOfReach;
+  JointVector readings;  // of the encoders
+};
+
 class Solver {
  public:
   Solver(const SignatureRecord& record, const std::optional<Target>& target)
       : chain_(chain_of_record(record)),
         form_(kinematics::closed_form(chain_)),
         X_0S_(record.signature.X_SL[0].inverse()),
-        X_nP_(point_in_last_frame(record, chain_, target)) {}
+        X_nP_(point_in_last_frame(record, chain_, target)),
+        readings_(record.readings()),
+        configuration_(record.signature.configuration),
+        limits_(record.nominal.limits) {}
 
-  [[nodiscard]] Result<kinematics::InverseSolution> solve(const Pose& X_SP,
-                                                          const JointVector* seed) const {
+  [[nodiscard]] Result<Answer> solve(const Pose& X_SP, const JointVector* seed) const {
     const Pose X_0n = X_0S_ * X_SP * X_nP_.inverse();
-    if (seed != nullptr) return kinematics::inverse(chain_, X_0n, *seed);
+    if (seed != nullptr) {
+      ARMSIG_TRY(solution,
+                 kinematics::inverse(chain_, X_0n,
+                                     refinement::true_readings(readings_, configuration_, *seed)));
+      return answer(solution);
+    }
     ARMSIG_TRY(solutions, kinematics::cold_start(chain_, form_, X_0n));
-    if (!solutions.empty()) return solutions[0].solution;
-    kinematics::InverseSolution none;
-    none.verdict = kinematics::Verdict::kOutOfReach;
-    return none;
+    Answer nearest;
+    for (const kinematics::NamedSolution& named : solutions) {
+      const Answer found = answer(named.solution);
+      if (is_solved(found.verdict)) return found;
+      if (nearest.readings.empty()) nearest = found;
+    }
+    return nearest;
   }
 
  private:
+  // The limits of coupled joints are those of their own readings.
+  [[nodiscard]] Answer answer(const kinematics::InverseSolution& solution) const {
+    Answer answer{solution.verdict,
+                  refinement::encoder_readings(readings_, configuration_, solution.q)};
+    for (std::size_t i = 0; i < answer.readings.size(); ++i) {
+      const double reading = answer.readings[i];
+      const bool inside =
+          reading >= limits_[i].lower - kAtLimit && reading <= limits_[i].upper + kAtLimit;
+      if (is_solved(answer.verdict) && !inside) answer.verdict = kinematics::Verdict::kJointLimit;
+    }
+    return answer;
+  }
+
   kinematics::Chain chain_;
   kinematics::ClosedForm form_;
   Pose X_0S_;
   Pose X_nP_;
+  refinement::ReadingModel readings_;
+  JointVector configuration_;
+  FixedVector<JointLimits, kMaxJoints> limits_;
 };
 
 int run(const Options& options) {
@@ -75,11 +109,6 @@ int run(const Options& options) {
                  fmt::format("target {} is on link {}", (*target)->number, (*target)->link),
                  fmt::format("a target on the last link, {}", joints)},
                 kBadInput, options);
-  }
-  if (!record->nominal.couplings.empty()) {
-    return fail({options.signature, 0, 0, "the readings of this arm are coupled",
-                 "an arm without coupling: its joint limits are those of the readings"},
-                kNoAnswer, options);
   }
   const auto poses = read_tool_poses(options.poses);
   if (!poses) return fail(poses.error(), kBadInput, options);
@@ -106,7 +135,7 @@ int run(const Options& options) {
                    "poses that the arm reaches within its joint limits"},
                   kNoAnswer, options);
     }
-    solutions.push_back(solution->q);
+    solutions.push_back(solution->readings);
   }
   const auto written = write_joint_poses(
       options.out, record->signature.types, solutions,

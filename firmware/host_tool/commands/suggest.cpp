@@ -39,6 +39,11 @@ int run(const Options& options) {
   config.limits = record->nominal.limits;
   config.target = *target;
   config.sigma_m = options.sigma_mm ? 1e-3 * *options.sigma_mm : 0;
+  if (!(config.sigma_m > 0) && !((*estimate)->quality.sigma_m > 0)) {
+    return fail({options.signature, 0, 0, "the signature does not say how noisy the sensor is",
+                 "--sigma-mm"},
+                kBadInput, options);
+  }
   if (!options.box_mm.empty()) {
     config.box.lower_S = 1e-3 * Vector3(options.box_mm[0], options.box_mm[1], options.box_mm[2]);
     config.box.upper_S = 1e-3 * Vector3(options.box_mm[3], options.box_mm[4], options.box_mm[5]);

@@ -35,6 +35,17 @@ Read<DhJoint> read_dh(const YamlMap& map) {
   return DhJoint{type, theta_rad, d_m, a_m, alpha_rad};
 }
 
+// Whether the couplings that move `joint` lead back to it.
+bool leads_back(const JointCouplings& couplings, std::size_t joint) {
+  std::array<bool, kMaxJoints> moves{};  // joints that move it
+  for (std::size_t pass = 0; pass < couplings.size(); ++pass) {
+    for (const JointCoupling& coupling : couplings) {
+      if (coupling.joint == joint || moves[coupling.joint]) moves[coupling.from] = true;
+    }
+  }
+  return moves[joint];
+}
+
 Read<JointCoupling> read_coupling(const YamlNode& node,
                                   const FixedVector<DhJoint, kMaxJoints>& joints) {
   ARMSIG_TRY(map, YamlMap::open(node, "a coupling", {"joint", "from", "ratio"}));
@@ -119,9 +130,9 @@ Read<JointLimits> read_limits(const YamlMap& map, JointType type) {
   return JointLimits{found->unit.to_si(values[0]), found->unit.to_si(values[1])};
 }
 
-Read<FixedVector<JointCoupling, kMaxJoints>> read_couplings(
-    const YamlNode& list, const FixedVector<DhJoint, kMaxJoints>& joints) {
-  FixedVector<JointCoupling, kMaxJoints> couplings;
+Read<JointCouplings> read_couplings(const YamlNode& list,
+                                    const FixedVector<DhJoint, kMaxJoints>& joints) {
+  JointCouplings couplings;
   ARMSIG_TRY(items, read_list(list, "coupling", 0, kMaxJoints));
   for (const YamlNode& node : *items) {
     ARMSIG_TRY(coupling, read_coupling(node, joints));
@@ -133,11 +144,16 @@ Read<FixedVector<JointCoupling, kMaxJoints>> read_couplings(
                         "each pair once");
     }
     couplings.push_back(coupling);
+    if (leads_back(couplings, coupling.joint)) {
+      return problem_at(
+          node, fmt::format("joint {} hangs, through others, on itself", coupling.joint + 1),
+          "couplings that lead from inner joints to outer ones, or the other way");
+    }
   }
   return couplings;
 }
 
-std::string couplings_text(const FixedVector<JointCoupling, kMaxJoints>& couplings) {
+std::string couplings_text(const JointCouplings& couplings) {
   if (couplings.empty()) return {};
   std::string text = "coupling:\n";
   for (const JointCoupling& coupling : couplings) {

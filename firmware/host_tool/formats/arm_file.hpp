@@ -34,9 +34,9 @@ struct ArmDescription {
 [[nodiscard]] Read<std::string> read_tag(const std::string& path);
 
 // The `coupling` list, shared with the signature file.
-[[nodiscard]] Read<FixedVector<JointCoupling, kMaxJoints>> read_couplings(
-    const YamlNode& list, const FixedVector<DhJoint, kMaxJoints>& joints);
-[[nodiscard]] std::string couplings_text(const FixedVector<JointCoupling, kMaxJoints>& couplings);
+[[nodiscard]] Read<JointCouplings> read_couplings(const YamlNode& list,
+                                                  const FixedVector<DhJoint, kMaxJoints>& joints);
+[[nodiscard]] std::string couplings_text(const JointCouplings& couplings);
 
 // Two readings, the lower first, in the unit of the joint (limits_deg, limits_mm, ...); without
 // them +-180 degrees for a revolute joint. `map` must know all four keys.

@@ -48,6 +48,9 @@ Read<std::vector<Pose>> tool_poses_from(LineReader lines) {
   std::vector<Quantity> quantities;
   for (const char* name : {"x", "y", "z"}) quantities.push_back({name, Dimension::kLength});
   for (const char* name : {"qw", "qx", "qy", "qz"}) quantities.push_back({name, Dimension::kNone});
+  for (const char* name : {"sigma_x", "sigma_y", "sigma_z", "sigma"}) {
+    quantities.push_back({.name = name, .dimension = Dimension::kLength, .required = false});
+  }
   ARMSIG_TRY(table, CsvTable::open(std::move(lines), std::move(quantities)));
   std::vector<Pose> poses;
   for (;;) {
@@ -112,14 +115,20 @@ Read<void> write_joint_poses(const std::string& path, const JointTypes& types,
 }
 
 Read<void> write_tool_poses(const std::string& path, std::span<const Pose> poses,
-                            std::string_view comment) {
-  std::string text = comment_text(comment) + "x_m,y_m,z_m,qw,qx,qy,qz\n";
+                            std::string_view comment, std::span<const Vector3> sigmas_m) {
+  ARMSIG_CHECK(sigmas_m.empty() || sigmas_m.size() == poses.size());
+  std::string text = comment_text(comment) + "x_m,y_m,z_m,qw,qx,qy,qz";
+  text += sigmas_m.empty() ? "\n" : ",sigma_x_m,sigma_y_m,sigma_z_m,sigma_m\n";
   bool all_finite = true;
-  for (const Pose& X : poses) {
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const Pose& X = poses[k];
     const Eigen::Quaterniond q(X.R);
-    all_finite =
-        append_row(text, std::array{X.p.x(), X.p.y(), X.p.z(), q.w(), q.x(), q.y(), q.z()}) &&
-        all_finite;
+    std::vector<double> row{X.p.x(), X.p.y(), X.p.z(), q.w(), q.x(), q.y(), q.z()};
+    if (!sigmas_m.empty()) {
+      const Vector3& sigma_m = sigmas_m[k];
+      row.insert(row.end(), {sigma_m.x(), sigma_m.y(), sigma_m.z(), sigma_m.norm()});
+    }
+    all_finite = append_row(text, row) && all_finite;
   }
   return write_poses(path, text, all_finite);
 }

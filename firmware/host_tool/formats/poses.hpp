@@ -21,7 +21,8 @@ namespace armsig::tool {
                                                                std::string_view file,
                                                                const JointTypes& types);
 
-// Refuses a quaternion whose length is not 1 within 1e-3, and scales the others to 1.
+// Refuses a quaternion whose length is not 1 within 1e-3, and scales the others to 1. Passes over
+// the sigmas that write_tool_poses may add.
 [[nodiscard]] Read<std::vector<Pose>> read_tool_poses(const std::string& path);
 [[nodiscard]] Read<std::vector<Pose>> parse_tool_poses(std::string_view text,
                                                        std::string_view file);
@@ -31,7 +32,10 @@ namespace armsig::tool {
 [[nodiscard]] Read<void> write_joint_poses(const std::string& path, const JointTypes& types,
                                            std::span<const JointVector> poses,
                                            std::string_view comment = {});
+// `sigmas_m`: none, or one vector per pose: the position's 1 sigma along x, y, z, to which its
+// length is added as a column of its own.
 [[nodiscard]] Read<void> write_tool_poses(const std::string& path, std::span<const Pose> poses,
-                                          std::string_view comment = {});
+                                          std::string_view comment = {},
+                                          std::span<const Vector3> sigmas_m = {});
 
 }  // namespace armsig::tool

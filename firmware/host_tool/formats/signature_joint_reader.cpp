@@ -4,7 +4,9 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -108,6 +110,33 @@ Read<s_model::Parameters> read_s_model(const YamlNode& node, const std::string& 
   return s_model::Parameters{beta_rad, d_m, a_m, alpha_rad, gamma_rad, b_m};
 }
 
+// What was fitted of the errors of a reading: pairs of cosine and sine, of revolute joints.
+Read<void> read_correction(const YamlNode& node, const std::string& name, JointType type,
+                           SignatureRecord& record) {
+  std::vector<std::string> known{"gain"};
+  if (type == JointType::kRevolute) {
+    known.insert(known.end(), {"cos_1_rad", "sin_1_rad", "cos_2_rad", "sin_2_rad"});
+  }
+  ARMSIG_TRY(map, YamlMap::open(node, "reading_correction of " + name, known));
+  refinement::ReadingTerms& terms = record.fitted.readings.back();
+  refinement::ReadingCorrection& correction = record.corrections.back();
+  terms.gain = map.find("gain") != nullptr;
+  terms.first = map.find("cos_1_rad") != nullptr || map.find("sin_1_rad") != nullptr;
+  terms.second = map.find("cos_2_rad") != nullptr || map.find("sin_2_rad") != nullptr;
+  const std::array<std::tuple<bool, std::string_view, double*>, 5> numbers{
+      std::tuple{terms.gain, "gain", &correction.gain},
+      std::tuple{terms.first, "cos_1_rad", &correction.cos_1},
+      std::tuple{terms.first, "sin_1_rad", &correction.sin_1},
+      std::tuple{terms.second, "cos_2_rad", &correction.cos_2},
+      std::tuple{terms.second, "sin_2_rad", &correction.sin_2}};
+  for (const auto& [given, key, number] : numbers) {
+    if (!given) continue;
+    ARMSIG_TRY(value, map.number(key));
+    *number = value;
+  }
+  return {};
+}
+
 }  // namespace
 
 Read<void> read_signature_joint(const YamlNode& node, SignatureRecord& record) {
@@ -123,7 +152,7 @@ Read<void> read_signature_joint(const YamlNode& node, SignatureRecord& record) {
   ARMSIG_TRY(map, YamlMap::open(node, name,
                                 {"type", reading_key, offset_key, "pseudo_dh", "s_model",
                                  "axis_direction", "axis_point_m", "x_direction", "y_direction",
-                                 "nominal", limits_key, "sweep"}));
+                                 "nominal", limits_key, "reading_correction", "sweep"}));
   ARMSIG_TRY(type, read_joint_type(map));
   ARMSIG_TRY(reading, map.number(reading_key));
   ARMSIG_TRY(offset, map.number(offset_key));
@@ -143,6 +172,11 @@ Read<void> read_signature_joint(const YamlNode& node, SignatureRecord& record) {
     return std::unexpected(std::move(limits_node).error());
   }
   ARMSIG_TRY(limits, read_limits(map, type));
+  record.fitted.readings.push_back({});
+  record.corrections.push_back({});
+  if (const YamlNode* correction = map.find("reading_correction")) {
+    if (auto done = read_correction(*correction, name, type, record); !done) return done;
+  }
   if (const YamlNode* sweep = map.find("sweep")) {
     ARMSIG_TRY(feature, read_feature(*sweep, name, type));
     signature.features.push_back(feature);

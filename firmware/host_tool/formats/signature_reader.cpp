@@ -30,6 +30,13 @@ Read<void> read_joints(const YamlMap& root, SignatureRecord& record) {
   for (const YamlNode& node : *list) {
     if (auto joint = read_signature_joint(node, record); !joint) return joint;
   }
+  const auto fitted = [](const refinement::ReadingTerms& terms) {
+    return terms.gain || terms.first || terms.second;
+  };
+  if (std::ranges::none_of(record.fitted.readings, fitted)) {
+    record.fitted.readings.clear();
+    record.corrections.clear();
+  }
   if (!signature.features.empty() && signature.features.size() != signature.joint_count()) {
     return problem_at(*list_node,
                       fmt::format("{} of {} joints have a sweep", signature.features.size(),
@@ -115,6 +122,40 @@ Read<void> read_origin(const YamlMap& root, SignatureRecord& record) {
   return {};
 }
 
+constexpr int kMostRows = 2'000'000'000;
+
+Read<FitRecord> read_fit(const YamlNode& node) {
+  ARMSIG_TRY(map, YamlMap::open(node, "fit",
+                                {"rows_used", "rows_rejected", "rms_m", "left_out_rows",
+                                 "left_out_mean_m", "left_out_rms_m"}));
+  ARMSIG_TRY(used, map.integer("rows_used", 0, kMostRows));
+  ARMSIG_TRY(rejected, map.integer("rows_rejected", 0, kMostRows));
+  ARMSIG_TRY(rms_m, map.number("rms_m"));
+  FitRecord fit{static_cast<std::size_t>(used), static_cast<std::size_t>(rejected), rms_m, {}};
+  if (map.find("left_out_rows") == nullptr) return fit;
+  ARMSIG_TRY(rows, map.integer("left_out_rows", 1, kMostRows));
+  ARMSIG_TRY(mean_m, map.number("left_out_mean_m"));
+  ARMSIG_TRY(left_out_rms_m, map.number("left_out_rms_m"));
+  fit.left_out = FitRecord::LeftOut{static_cast<std::size_t>(rows), mean_m, left_out_rms_m};
+  return fit;
+}
+
+// What was found of the sensor.
+Read<void> read_sensor_errors(const YamlMap& root, SignatureRecord& record) {
+  if (const YamlNode* node = root.find("range_offsets_m")) {
+    ARMSIG_TRY(list, read_list(*node, "range_offsets_m", 1, kMaxReceivers));
+    ARMSIG_TRY(offsets_m, read_numbers(*node, "range_offsets_m", list->size()));
+    for (const double offset_m : offsets_m) record.receiver_offsets_m.push_back(offset_m);
+    record.fitted.receiver_offsets = true;
+  }
+  if (root.find("length_scale") != nullptr) {
+    ARMSIG_TRY(scale, root.number("length_scale"));
+    record.scale = scale;
+    record.fitted.scale = true;
+  }
+  return {};
+}
+
 // What a signature may have and need not.
 Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
   if (root.find("air_c") != nullptr) {
@@ -125,9 +166,17 @@ Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
     ARMSIG_TRY(sigma_m, root.number("sigma_m"));
     record.sigma_m = sigma_m;
   }
+  if (root.find("unexplained_m") != nullptr) {
+    ARMSIG_TRY(unexplained_m, root.number("unexplained_m"));
+    record.unexplained_m = unexplained_m;
+  }
   if (root.find("predicted_tool_error_m") != nullptr) {
     ARMSIG_TRY(error_m, root.number("predicted_tool_error_m"));
     record.predicted_tool_error_m = error_m;
+  }
+  if (const YamlNode* node = root.find("fit")) {
+    ARMSIG_TRY(fit, read_fit(*node));
+    record.fit = fit;
   }
   if (const YamlNode* node = root.find("warnings")) {
     constexpr std::size_t kMostWarnings = 1000;
@@ -159,16 +208,23 @@ Read<SignatureRecord> record_from(const YamlNode& root) {
                       fmt::format("armsig: {}", kSignatureTag));
   }
   if (auto seal = check_seal(root); !seal) return std::unexpected(std::move(seal).error());
-  ARMSIG_TRY(map, YamlMap::open(root, "the signature",
-                                {"armsig", "name", "serial", "method", "time", "version", "air_c",
-                                 "sigma_m", "predicted_tool_error_m", "warnings", "base", "joints",
-                                 "last_link", "coupling", "targets", "covariance_of", "covariance",
-                                 std::string(kCrcKey)}));
+  ARMSIG_TRY(map, YamlMap::open(root, "the signature", {"armsig",        "name",
+                                                        "serial",        "method",
+                                                        "time",          "version",
+                                                        "air_c",         "sigma_m",
+                                                        "unexplained_m", "predicted_tool_error_m",
+                                                        "fit",           "range_offsets_m",
+                                                        "length_scale",  "warnings",
+                                                        "base",          "joints",
+                                                        "last_link",     "coupling",
+                                                        "targets",       "covariance_of",
+                                                        "covariance",    std::string(kCrcKey)}));
   SignatureRecord record;
   ARMSIG_TRY(X_S0, read_base(map));
   auto done = read_origin(map, record);
   if (done) done = read_joints(map, record);
   if (done) done = read_extras(map, record);
+  if (done) done = read_sensor_errors(map, record);
   if (done) done = read_targets(map, record.signature);
   if (done) done = check_agreement(record.signature, X_S0);
   if (!done) return std::unexpected(std::move(done).error());

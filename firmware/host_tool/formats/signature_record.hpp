@@ -9,9 +9,25 @@
 #include <Eigen/Core>
 
 #include "core/base/arm.hpp"
+#include "core/base/flight_time.hpp"
+#include "core/refinement/parameters.hpp"
+#include "core/refinement/readings.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::tool {
+
+// How well the signature explains what it was fitted to, and rows that it was not fitted to.
+struct FitRecord {
+  std::size_t rows_used = 0;
+  std::size_t rows_rejected = 0;
+  double rms_m = 0;  // of the residual lengths of the rows used
+  struct LeftOut {
+    std::size_t rows = 0;
+    double mean_m = 0;
+    double rms_m = 0;
+  };
+  std::optional<LeftOut> left_out;  // cross-validated
+};
 
 struct SignatureRecord {
   Signature signature;
@@ -19,17 +35,29 @@ struct SignatureRecord {
   std::string serial;  // may be empty
   std::string method;  // "paper", "encoder", "refined", or "exact": computed, not measured
   Arm nominal;         // the drawing: rows, limits, couplings; as many joints as the signature
+  // What was fitted beside axes and targets (its unknowns are part of the covariance), and found.
+  refinement::ParameterRequest fitted;
+  FixedVector<refinement::ReadingCorrection, kMaxJoints> corrections;  // none, or one per joint
+  FixedVector<double, kMaxReceivers> receiver_offsets_m;  // as many as receivers, where fitted
+  double scale = 0;  // a measured length is (1 + scale) times the true one
   // 1-sigma squares and products of the parameters, and what they are ("axis lines, 4 a revolute
   // joint, 2 a prismatic one; m and rad"). Symmetric.
   std::optional<Eigen::MatrixXd> covariance;
   std::string covariance_of;
   std::optional<double>
-      sigma_m;  // noise of the measurements per axis, 1 sigma, as the fit found it
+      sigma_m;               // noise of the measurements per axis, 1 sigma: as stated, or as found
+  double unexplained_m = 0;  // what the residuals show beyond it, 1 sigma per axis
   std::optional<double> predicted_tool_error_m;  // RMS over the work volume
+  std::optional<FitRecord> fit;
   std::optional<double> air_c;
   std::string time;     // UTC, ISO 8601: 1986-04-07T12:00:00Z
   std::string version;  // of the armsig that made it
   std::vector<std::string> warnings;
+
+  // From what the encoders read to how far the joints have turned.
+  [[nodiscard]] refinement::ReadingModel readings() const {
+    return {nominal.couplings, corrections};
+  }
 };
 
 }  // namespace armsig::tool

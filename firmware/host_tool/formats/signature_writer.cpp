@@ -82,6 +82,28 @@ std::string feature_text(const features::JointFeature& feature) {
   return text + matrix_text(feature.covariance, 8);
 }
 
+// The corrections that were fitted; empty where there are none.
+std::string correction_text(const SignatureRecord& record, std::size_t i) {
+  if (record.fitted.readings.empty()) return {};
+  const refinement::ReadingTerms& terms = record.fitted.readings[i];
+  const refinement::ReadingCorrection& c = record.corrections[i];
+  const bool revolute = record.signature.types[i] == JointType::kRevolute;
+  std::string text;
+  const auto add = [&](std::string_view key, double value) {
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", key, number_text(value));
+  };
+  if (terms.gain) add("gain", c.gain);
+  if (terms.first && revolute) {
+    add("cos_1_rad", c.cos_1);
+    add("sin_1_rad", c.sin_1);
+  }
+  if (terms.second && revolute) {
+    add("cos_2_rad", c.cos_2);
+    add("sin_2_rad", c.sin_2);
+  }
+  return text.empty() ? text : fmt::format("    reading_correction: {{{}}}\n", text);
+}
+
 std::string joint_text(const SignatureRecord& record, std::size_t i) {
   const Signature& signature = record.signature;
   const JointType type = signature.types[i];
@@ -113,6 +135,7 @@ std::string joint_text(const SignatureRecord& record, std::size_t i) {
                              number_text(nominal.theta_rad), number_text(nominal.d_m),
                              number_text(nominal.a_m), number_text(nominal.alpha_rad)));
   add(fmt::format("limits_{}", unit), list_text(std::array{limits.lower, limits.upper}));
+  text += correction_text(record, i);
   if (!signature.features.empty()) text += feature_text(signature.features[i]);
   return text;
 }
@@ -135,6 +158,17 @@ std::string last_link_text(const Pose& X_SL) {
       vector_text(X_SL.R.col(2)));
 }
 
+std::string fit_text(const FitRecord& fit) {
+  std::string text = fmt::format("fit:\n  rows_used: {}\n  rows_rejected: {}\n  rms_m: {}\n",
+                                 fit.rows_used, fit.rows_rejected, number_text(fit.rms_m));
+  if (!fit.left_out) return text;
+  return text + fmt::format(
+                    "  left_out_rows: {}  # cross-validated\n  left_out_mean_m: {}\n"
+                    "  left_out_rms_m: {}\n",
+                    fit.left_out->rows, number_text(fit.left_out->mean_m),
+                    number_text(fit.left_out->rms_m));
+}
+
 std::string body_text(const SignatureRecord& record) {
   const Signature& signature = record.signature;
   std::string text =
@@ -147,9 +181,22 @@ std::string body_text(const SignatureRecord& record) {
     text += fmt::format("sigma_m: {}  # noise of the measurements per axis\n",
                         number_text(*record.sigma_m));
   }
+  if (record.unexplained_m > 0) {
+    text += fmt::format("unexplained_m: {}  # per axis, beyond that noise\n",
+                        number_text(record.unexplained_m));
+  }
   if (record.predicted_tool_error_m) {
     text += fmt::format("predicted_tool_error_m: {}  # RMS over the work volume\n",
                         number_text(*record.predicted_tool_error_m));
+  }
+  if (record.fit) text += fit_text(*record.fit);
+  if (record.fitted.receiver_offsets) {
+    text += fmt::format("range_offsets_m: {}\n", list_text({record.receiver_offsets_m.data(),
+                                                            record.receiver_offsets_m.size()}));
+  }
+  if (record.fitted.scale) {
+    text += fmt::format("length_scale: {}  # a measured length is 1 + this times the true one\n",
+                        number_text(record.scale));
   }
   if (!record.warnings.empty()) text += "warnings:\n";
   for (const std::string& warning : record.warnings) {
@@ -175,6 +222,8 @@ bool counts_agree(const SignatureRecord& record) {
   return n > 0 && signature.configuration.size() == n && signature.X_SL.size() == n + 1 &&
          signature.s_model.size() == n && signature.pseudo_dh.size() == n &&
          (signature.features.empty() || signature.features.size() == n) &&
+         record.fitted.readings.size() == record.corrections.size() &&
+         (record.corrections.empty() || record.corrections.size() == n) &&
          record.nominal.joints.size() == n && record.nominal.limits.size() == n;
 }
 

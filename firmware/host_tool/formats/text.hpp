@@ -9,6 +9,9 @@
 
 namespace armsig::tool {
 
+// What some editors begin a file of UTF-8 with.
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 // `text` in double quotes, clipped to 40 bytes, bytes that a terminal can't show as \xNN.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 

@@ -13,7 +13,18 @@
 
 namespace armsig::tool {
 
-enum class Dimension : std::uint8_t { kNone, kInteger, kAngle, kLength, kTemperature };
+enum class Dimension : std::uint8_t {
+  kNone,
+  kInteger,
+  kAngle,
+  kLength,
+  kTemperature,
+  kTime,
+  kAngularSpeed,
+  kSpeed,
+  kAngularAcceleration,
+  kAcceleration,
+};
 
 // value_SI = value * multiply / divide; one of the two factors is 1. A length in millimetres is
 // divided by 1000: one rounding; 0.001, which is no double, would make it two.

@@ -20,7 +20,6 @@ namespace {
 
 // More than any of our maps has; keeps the search for equal keys short.
 constexpr std::size_t kMostKeys = 256;
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 // Builds the tree from yaml-cpp's events; keeps the first problem and ignores what follows it.
 class TreeBuilder final : public YAML::EventHandler {

@@ -15,7 +15,7 @@ std::string reading_in_words(JointType type, double reading) {
 }
 
 std::string refusal_in_words(const Refusal& refusal, JointType type) {
-  const std::string phrase(describe(refusal.error));
+  std::string phrase(describe(refusal.error));
   switch (refusal.error) {
     case Error::kTooFewPoints:
       return fmt::format("{}: {:.0f} of at least {:.0f}", phrase, refusal.found, refusal.needed);
@@ -70,6 +70,19 @@ std::string remedy_in_words(Error error) {
     default:
       return "consistent measurements";
   }
+}
+
+std::string lines_in_words(const std::vector<std::size_t>& lines) {
+  std::string words;
+  for (std::size_t k = 0; k < lines.size();) {
+    std::size_t last = k;
+    while (last + 1 < lines.size() && lines[last + 1] == lines[last] + 1) ++last;
+    if (!words.empty()) words += ", ";
+    words += fmt::format("{}", lines[k]);
+    if (last > k) words += fmt::format("{}{}", last > k + 1 ? " to " : ", ", lines[last]);
+    k = last + 1;
+  }
+  return words;
 }
 
 std::string duration_in_words(double seconds) {

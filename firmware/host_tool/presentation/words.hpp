@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
@@ -17,6 +18,9 @@ namespace armsig::tool {
 
 // What the person can do about it.
 [[nodiscard]] std::string remedy_in_words(Error error);
+
+// `12, 17 to 20, 44`: the lines of a file, in rising order.
+[[nodiscard]] std::string lines_in_words(const std::vector<std::size_t>& lines);
 
 // `3 h 20 min`, `12 min 5 s`, `8 s`.
 [[nodiscard]] std::string duration_in_words(double seconds);

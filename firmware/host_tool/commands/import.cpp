@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// armsig import: an arm description out of the file of other software.
+#include "firmware/host_tool/imports/import.hpp"
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/presentation/signature_tables.hpp"
+
+namespace armsig::tool {
+namespace {
+
+struct Options : CommonOptions {
+  std::string urdf, base, tip, dh, name, out;
+};
+
+int run(const Options& options) {
+  auto imported = options.urdf.empty() ? import_dh(options.dh)
+                                       : import_urdf(options.urdf, options.base, options.tip);
+  if (!imported) return fail(imported.error(), kBadInput, options);
+  if (!options.name.empty()) imported->description.name = options.name;
+  const auto written = write_arm_file(options.out, imported->description);
+  if (!written) return fail(written.error(), kBadInput, options);
+  if (options.json) {
+    print_json({{"status", 0},
+                {"arm", imported->description.name},
+                {"joints", imported->description.arm.joints.size()},
+                {"joint_names", imported->joint_names},
+                {"notes", imported->notes},
+                {"out", options.out}});
+    return kDone;
+  }
+  fmt::print("{}\n\n{}", imported->description.name, dh_table(imported->description.arm.joints));
+  for (std::size_t i = 0; i < imported->joint_names.size(); ++i) {
+    fmt::print("{}{} is {}", i == 0 ? "\n  " : ", ", i + 1, imported->joint_names[i]);
+  }
+  fmt::print("\n");
+  for (const std::string& note : imported->notes) fmt::print("  Note: {}.\n", note);
+  fmt::print("\nWritten: {}\n", options.out);
+  return kDone;
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, int& status) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("import", "make an arm description from URDF or Denavit-Hartenberg rows");
+  CLI::Option* urdf = command->add_option("--urdf", options->urdf, "robot description (URDF)");
+  CLI::Option* base = command->add_option("--base", options->base, "link that joint 1 stands on");
+  CLI::Option* tip = command->add_option("--tip", options->tip, "last link");
+  CLI::Option* dh = command->add_option("--dh", options->dh,
+                                        "standard or modified Denavit-Hartenberg rows (CSV)");
+  urdf->needs(base)->needs(tip)->excludes(dh);
+  base->needs(urdf);
+  tip->needs(urdf);
+  command->add_option("--name", options->name, "name of the arm, instead of the file's");
+  command->add_option("--out", options->out, "arm description to write (YAML)")->required();
+  add_common(*command, *options);
+  command->callback([options, urdf, dh, &status] {
+    if (urdf->count() + dh->count() == 0) throw CLI::RequiredError("--urdf or --dh");
+    status = run(*options);
+  });
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/core.h>
+
+#include "core/base/error.hpp"
+#include "firmware/host_tool/exports/dh_rows.hpp"
+#include "firmware/host_tool/exports/export.hpp"
+#include "firmware/host_tool/exports/provenance.hpp"
+#include "firmware/host_tool/formats/csv_text.hpp"
+#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/host_tool/formats/units.hpp"
+
+namespace armsig::tool {
+namespace {
+
+std::string heading(const SignatureRecord& record, const std::string& convention, const Pose& X_S0,
+                    const Pose& X_FL) {
+  return comment_text(
+      provenance(record) + convention +
+      "The reading is added to theta of a revolute joint, to d of a prismatic one.\n"
+      "Pose of the last link in the sensor frame = base * product of the rows * tool.\n"
+      "base: " +
+      pose_words(X_S0) + "\ntool: " + pose_words(X_FL) + "\n" + coupling_lines(record.nominal));
+}
+
+std::string limits_text(const JointLimits& limits) {
+  return number_text(limits.lower) + "," + number_text(limits.upper);
+}
+
+}  // namespace
+
+Read<std::string> dh_csv_text(const SignatureRecord& record) {
+  ARMSIG_TRY(standard, standard_rows("dh-csv", record));
+  std::string text =
+      heading(record,
+              "Standard (distal) Denavit-Hartenberg: Rot(z, theta) Trans(0, 0, d) Trans(a, 0, 0) "
+              "Rot(x, alpha).\n",
+              standard.X_S0, standard.X_FL) +
+      "joint,type,theta_rad,d_m,a_m,alpha_rad,lower_rad_or_m,upper_rad_or_m\n";
+  for (std::size_t i = 0; i < standard.rows.size(); ++i) {
+    const DhJoint& row = standard.rows[i];
+    text += fmt::format("{},{},{},{},{},{},{}\n", i + 1, word_of(row.type),
+                        number_text(row.theta_rad), number_text(row.d_m), number_text(row.a_m),
+                        number_text(row.alpha_rad), limits_text(record.nominal.limits[i]));
+  }
+  return text;
+}
+
+Read<std::string> mdh_csv_text(const SignatureRecord& record) {
+  ARMSIG_TRY(standard, standard_rows("mdh-csv", record));
+  const ModifiedRows modified = modified_rows(standard);
+  std::string text =
+      heading(record,
+              "Modified (Craig) Denavit-Hartenberg: Rot(x, alpha_prev) Trans(a_prev, 0, 0) "
+              "Rot(z, theta) Trans(0, 0, d).\n",
+              modified.X_S0, modified.X_FL) +
+      "joint,type,alpha_prev_rad,a_prev_m,theta_rad,d_m,lower_rad_or_m,upper_rad_or_m\n";
+  for (std::size_t i = 0; i < modified.rows.size(); ++i) {
+    const ModifiedRow& row = modified.rows[i];
+    text += fmt::format("{},{},{},{},{},{},{}\n", i + 1, word_of(row.type),
+                        number_text(row.alpha_prev_rad), number_text(row.a_prev_m),
+                        number_text(row.theta_rad), number_text(row.d_m),
+                        limits_text(record.nominal.limits[i]));
+  }
+  return text;
+}
+
+}  // namespace armsig::tool

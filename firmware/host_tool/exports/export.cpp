@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/exports/export.hpp"
+
+#include <array>
+
+#include "core/base/check.hpp"
+
+namespace armsig::tool {
+namespace {
+
+struct Format {
+  const char* name;
+  Read<std::string> (*text)(const SignatureRecord&);
+};
+constexpr std::array kFormats{
+    Format{"urdf", urdf_text},         Format{"ur-yaml", ur_yaml_text},
+    Format{"linuxcnc", linuxcnc_text}, Format{"dh-csv", dh_csv_text},
+    Format{"mdh-csv", mdh_csv_text},   Format{"rtb", rtb_text},
+    Format{"json", json_text},
+};
+
+}  // namespace
+
+std::vector<std::string> export_formats() {
+  std::vector<std::string> names;
+  for (const Format& format : kFormats) names.emplace_back(format.name);
+  return names;
+}
+
+Read<std::string> export_text(const std::string& format, const SignatureRecord& record) {
+  for (const Format& known : kFormats) {
+    if (format == known.name) return known.text(record);
+  }
+  ARMSIG_CHECK(false);
+}
+
+}  // namespace armsig::tool

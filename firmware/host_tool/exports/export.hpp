@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// A signature in the formats of other software. Each function gives the text of the file, or why
+// the format can't hold this arm.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/host_tool/formats/problem.hpp"
+#include "firmware/host_tool/formats/signature_record.hpp"
+
+namespace armsig::tool {
+
+// The largest distance from `armsig predict` that an export may have anywhere in the work volume.
+inline constexpr double kExportTolerance_m = 1e-9;
+
+// Robot description of ROS, from the axes: root link `sensor`, then `base_link`, `link_1` ...,
+// `last_link` (the frame that predict answers for) and a link a target. A coupled joint gets a
+// mimic joint about the same axis before it.
+[[nodiscard]] Read<std::string> urdf_text(const SignatureRecord& record);
+
+// Calibrated kinematics of the Universal Robots drivers, from the axes. Six revolute joints.
+[[nodiscard]] Read<std::string> ur_yaml_text(const SignatureRecord& record);
+
+// Pseudo Denavit-Hartenberg rows, standard (distal) or modified (Craig).
+[[nodiscard]] Read<std::string> dh_csv_text(const SignatureRecord& record);
+[[nodiscard]] Read<std::string> mdh_csv_text(const SignatureRecord& record);
+
+// HAL settings of LinuxCNC's genserkins: modified rows, mm; the joint offsets, which genserkins
+// lacks, as `offset` components. Six revolute joints; couplings by `unrotate` where they are whole
+// numbers from the joint before.
+[[nodiscard]] Read<std::string> linuxcnc_text(const SignatureRecord& record);
+
+// Source for the Robotics Toolbox for Python: a DHRobot called `robot`.
+[[nodiscard]] Read<std::string> rtb_text(const SignatureRecord& record);
+
+// Everything as JSON: axes, rows, base, last link, joint frames, targets.
+[[nodiscard]] Read<std::string> json_text(const SignatureRecord& record);
+
+// Names of the formats, in the order of the documentation.
+[[nodiscard]] std::vector<std::string> export_formats();
+
+// The text in the format of that name. Precondition: one of export_formats().
+[[nodiscard]] Read<std::string> export_text(const std::string& format,
+                                            const SignatureRecord& record);
+
+}  // namespace armsig::tool

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// A signature as a tree of links and joints, the way URDF and the kinematics files of Universal
+// Robots describe an arm: every joint turns about, or slides along, the z axis of its own frame.
+//
+// The frames come from the axes, not from Denavit-Hartenberg parameters, so that nearly parallel
+// axes cost no digits. Each stands where the drawing puts it, moved onto the actual axis by the
+// shortest way: meshes and limits made for the drawing keep their meaning.
+#pragma once
+
+#include "firmware/host_tool/formats/signature_record.hpp"
+
+namespace armsig::tool {
+
+struct JointFrames {
+  Pose X_SB;  // base of the drawing in the sensor frame, laid over the actual axes
+  // Joint i in the link before it (the base for joint 1) at reading zero.
+  FixedVector<Pose, kMaxJoints> X_PJ;
+  // Link i (1 ... n, at index i - 1) in the sensor frame, at the signature configuration.
+  FixedVector<Pose, kMaxJoints> X_SK;
+  Pose X_KL;  // the frame that `armsig predict` answers for, in the last link
+};
+
+[[nodiscard]] JointFrames joint_frames(const SignatureRecord& record);
+
+// Pose of the last link's frame in the sensor frame: X_SB prod X_PJ motion(q) X_KL.
+[[nodiscard]] Pose last_link_pose(const JointFrames& frames,
+                                  const FixedVector<JointType, kMaxJoints>& types,
+                                  const JointVector& q);
+
+// R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), the fixed-axis angles of URDF; exact to rounding near
+// pitch = +-90 degrees too, where only roll - yaw or roll + yaw is determined.
+struct RollPitchYaw {
+  double roll_rad = 0;
+  double pitch_rad = 0;
+  double yaw_rad = 0;
+};
+[[nodiscard]] RollPitchYaw roll_pitch_yaw(const Matrix3& R);
+
+}  // namespace armsig::tool

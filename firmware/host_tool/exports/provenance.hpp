@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// What every export says about itself, and what several formats can't hold.
+#pragma once
+
+#include <string>
+
+#include "firmware/host_tool/formats/problem.hpp"
+#include "firmware/host_tool/formats/signature_record.hpp"
+
+namespace armsig::tool {
+
+// Lines of text: arm, serial number, method, time, version.
+[[nodiscard]] std::string provenance(const SignatureRecord& record);
+
+// "x_m=...,y_m=...,z_m=...,qw=...,qx=...,qy=...,qz=..."
+[[nodiscard]] std::string pose_words(const Pose& X);
+
+// One line a coupling: "effective reading of joint 3 = reading 3 + 1 * reading 2".
+[[nodiscard]] std::string coupling_lines(const Arm& arm);
+
+// The same problem, named after the format.
+[[nodiscard]] std::unexpected<Problem> cannot_hold(std::string_view format, std::string what,
+                                                   std::string expected);
+
+// Refuses an arm without exactly six revolute joints.
+[[nodiscard]] Read<void> need_six_revolute(std::string_view format, const Signature& signature);
+
+}  // namespace armsig::tool

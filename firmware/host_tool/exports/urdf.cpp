@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/exports/export.hpp"
+#include "firmware/host_tool/exports/joint_frames.hpp"
+#include "firmware/host_tool/exports/provenance.hpp"
+#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/host_tool/formats/units.hpp"
+
+namespace armsig::tool {
+namespace {
+
+std::string escaped(std::string_view text) {
+  std::string xml;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        xml += "&amp;";
+        break;
+      case '<':
+        xml += "&lt;";
+        break;
+      case '>':
+        xml += "&gt;";
+        break;
+      case '"':
+        xml += "&quot;";
+        break;
+      default:
+        xml += c;
+    }
+  }
+  return xml;
+}
+
+// A comment of XML may not hold two hyphens in a row.
+std::string comment(std::string text) {
+  for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;)
+    text[at] = '-', text[at + 1] = ' ';
+  return fmt::format("<!--\n{}-->\n", text);
+}
+
+std::string origin(const Pose& X) {
+  const RollPitchYaw angles = roll_pitch_yaw(X.R);
+  return fmt::format(R"(    <origin xyz="{} {} {}" rpy="{} {} {}"/>)"
+                     "\n",
+                     number_text(X.p.x()), number_text(X.p.y()), number_text(X.p.z()),
+                     number_text(angles.roll_rad), number_text(angles.pitch_rad),
+                     number_text(angles.yaw_rad));
+}
+
+std::string link(const std::string& name) { return fmt::format("  <link name=\"{}\"/>\n", name); }
+
+std::string fixed(const std::string& name, const std::string& parent, const std::string& child,
+                  const Pose& X_PC) {
+  return fmt::format(
+             "  <joint name=\"{}\" type=\"fixed\">\n"
+             "    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n",
+             name, parent, child) +
+         origin(X_PC) + "  </joint>\n" + link(child);
+}
+
+struct MovingJoint {
+  std::string name, parent, child;
+  JointType type = JointType::kRevolute;
+  Pose X_PJ;
+  JointLimits limits;
+  std::string mimic;  // an element, or nothing
+};
+
+std::string moving(const MovingJoint& joint) {
+  return fmt::format(
+             "  <joint name=\"{}\" type=\"{}\">\n"
+             "    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n",
+             joint.name, word_of(joint.type), joint.parent, joint.child) +
+         origin(joint.X_PJ) + "    <axis xyz=\"0 0 1\"/>\n" +
+         fmt::format("    <limit lower=\"{}\" upper=\"{}\" effort=\"0\" velocity=\"0\"/>\n",
+                     number_text(joint.limits.lower), number_text(joint.limits.upper)) +
+         joint.mimic + "  </joint>\n" + link(joint.child);
+}
+
+}  // namespace
+
+Read<std::string> urdf_text(const SignatureRecord& record) {
+  const Signature& signature = record.signature;
+  const JointFrames frames = joint_frames(record);
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" +
+                     comment(provenance(record) +
+                             "last_link is the frame that `armsig predict` answers for, sensor its "
+                             "frame of reference.\n"
+                             "The signature knows no efforts and speeds: effort and velocity are 0 "
+                             "until you set them.\n") +
+                     fmt::format("<robot name=\"{}\">\n", escaped(record.arm_name)) +
+                     link("sensor") + fixed("sensor_to_base", "sensor", "base_link", frames.X_SB);
+  std::string parent = "base_link";
+  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
+    Pose X_PJ = frames.X_PJ[i];
+    for (const JointCoupling& coupling : record.nominal.couplings) {
+      if (coupling.joint != i) continue;
+      const JointLimits& from = record.nominal.limits[coupling.from];
+      const auto [lower, upper] =
+          std::minmax({coupling.ratio * from.lower, coupling.ratio * from.upper});
+      const std::string suffix = fmt::format("{}_from_{}", i + 1, coupling.from + 1);
+      text +=
+          moving({"joint_" + suffix,
+                  parent,
+                  "link_" + suffix,
+                  signature.types[i],
+                  X_PJ,
+                  {lower, upper},
+                  fmt::format("    <mimic joint=\"joint_{}\" multiplier=\"{}\" offset=\"0\"/>\n",
+                              coupling.from + 1, number_text(coupling.ratio))});
+      parent = "link_" + suffix;
+      X_PJ = Pose{};
+    }
+    const std::string child = fmt::format("link_{}", i + 1);
+    text += moving({fmt::format("joint_{}", i + 1), parent, child, signature.types[i], X_PJ,
+                    record.nominal.limits[i], ""});
+    parent = child;
+  }
+  text += fixed("to_last_link", parent, "last_link", frames.X_KL);
+  for (const Target& target : signature.targets) {
+    const Pose X_KS = frames.X_SK[target.link - 1].inverse();
+    text +=
+        fixed(fmt::format("to_target_{}", target.number), fmt::format("link_{}", target.link),
+              fmt::format("target_{}", target.number), {Matrix3::Identity(), X_KS * target.p_S});
+  }
+  return text + "</robot>\n";
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// What the drawing alone would make of some rows: the figure to compare a signature with.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "core/refinement/observation.hpp"
+#include "core/signature.hpp"
+
+namespace armsig::tool {
+
+struct ResidualSummary {
+  std::size_t rows = 0;
+  double mean_m = 0;  // of the residual lengths
+  double rms_m = 0;
+  double largest_m = 0;
+};
+
+// Residuals of the arm as drawn, its base and targets fitted to `positions`, over those rows of
+// `log` that `judged` does not reject. Nothing where the positions do not tell base and targets.
+[[nodiscard]] std::optional<ResidualSummary> nominal_residuals(
+    const Arm& nominal, std::span<const refinement::Observation> log,
+    std::span<const refinement::Observation> positions, std::span<const Target> targets,
+    const refinement::Receivers& receivers, std::span<const refinement::RowOutcome> judged);
+
+}  // namespace armsig::tool

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/linux/daemon_configuration.hpp"
+#include "firmware/linux/refusals.hpp"
+#include "firmware/linux/sections.hpp"
+#include "firmware/linux/settings.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+using tool::add_names;
+using tool::Dimension;
+using tool::problem_at;
+using tool::Read;
+using tool::YamlMap;
+using tool::YamlNode;
+
+constexpr int kMost = 1'000;
+
+// Where the section is absent its defaults are good.
+template <typename F>
+Read<void> in_section(const YamlMap& root, std::string_view name,
+                      const std::vector<std::string>& known, const F& read) {
+  const YamlNode* node = root.find(name);
+  if (node == nullptr) return {};
+  ARMSIG_TRY(map, YamlMap::open(*node, std::string(name), known));
+  Settings settings(map);
+  read(settings);
+  return settings.done();
+}
+
+Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
+  std::vector<std::string> known{"interface", "bits_per_second", "master_node", "sdo_attempts",
+                                 "missed_feedback_limit"};
+  for (const char* time :
+       {"heartbeat", "heartbeat_timeout", "boot_timeout", "sdo_timeout", "transition_timeout"}) {
+    add_names(known, time, Dimension::kTime);
+  }
+  ARMSIG_TRY(node, root.require("can"));
+  ARMSIG_TRY(map, YamlMap::open(*node, "can", known));
+  ARMSIG_TRY(interface, map.text("interface"));
+  constexpr std::size_t kLongestName = 15;
+  if (interface.size() > kLongestName) {
+    return problem_at(*map.find("interface"), "interface: " + tool::in_quotes(interface),
+                      "the name of a network interface, at most 15 characters");
+  }
+  c.can_interface = interface;
+  Settings settings(map);
+  settings.integer("bits_per_second", 125'000, 1'000'000, c.drives.bits_per_second)
+      .integer("master_node", 1, canopen::kLargestNode, c.drives.master_node)
+      .time("heartbeat", c.drives.heartbeat)
+      .time("heartbeat_timeout", c.drives.heartbeat_timeout)
+      .time("boot_timeout", c.drives.boot_timeout)
+      .time("sdo_timeout", c.drives.sdo_timeout)
+      .integer("sdo_attempts", 1, kMost, c.drives.sdo_attempts)
+      .time("transition_timeout", c.drives.transition_timeout)
+      .integer("missed_feedback_limit", 1, kMost, c.drives.missed_feedback_limit);
+  return settings.done();
+}
+
+Read<void> read_motion(const YamlMap& root, DaemonConfiguration& c) {
+  controller::MotionLimits& limits = c.controller.limits;
+  std::vector<std::string> known{"least_regularity"};
+  add_names(known, "tool_speed", Dimension::kSpeed);
+  add_names(known, "tool_turn_rate", Dimension::kAngularSpeed);
+  return in_section(root, "motion", known, [&](Settings& settings) {
+    settings.quantity("tool_speed", Dimension::kSpeed, limits.tool_speed)
+        .quantity("tool_turn_rate", Dimension::kAngularSpeed, limits.tool_turn_rate)
+        .share("least_regularity", limits.least_regularity);
+  });
+}
+
+Read<void> read_dwell(const YamlMap& root, DaemonConfiguration& c) {
+  controller::Dwell& dwell = c.controller.dwell;
+  std::vector<std::string> known{"tolerance_rad_or_m", "pings", "most_pings"};
+  add_names(known, "settle", Dimension::kTime);
+  return in_section(root, "dwell", known, [&](Settings& settings) {
+    settings.share("tolerance_rad_or_m", dwell.tolerance)
+        .time("settle", dwell.settle)
+        .integer("pings", 1, kMost, dwell.pings)
+        .integer("most_pings", 1, kMost, dwell.most_pings);
+  });
+}
+
+Read<void> read_sweeps(const YamlMap& root, DaemonConfiguration& c) {
+  controller::SweepPlan& plan = c.controller.sweeps;
+  std::vector<std::string> known{"points", "most_points", "held_out_poses", "held_out_reach",
+                                 "target"};
+  add_names(known, "arc", Dimension::kAngle);
+  add_names(known, "axis_sigma", Dimension::kAngle);
+  add_names(known, "point_sigma", Dimension::kLength);
+  return in_section(root, "sweeps", known, [&](Settings& settings) {
+    settings.quantity("arc", Dimension::kAngle, plan.arc_rad)
+        .integer("points", 1, kMost, plan.points)
+        .integer("most_points", 1, kMost, plan.most_points)
+        .quantity("axis_sigma", Dimension::kAngle, plan.axis_sigma_rad)
+        .quantity("point_sigma", Dimension::kLength, plan.point_sigma_m)
+        .integer("held_out_poses", 1, kMost, plan.held_out_poses)
+        .share("held_out_reach", plan.held_out_reach)
+        .integer("target", 1, kMost, plan.target);
+  });
+}
+
+Read<void> read_supervision(const YamlMap& root, DaemonConfiguration& c) {
+  std::vector<std::string> known;
+  add_names(known, "latest_tick", Dimension::kTime);
+  return in_section(root, "supervision", known, [&](Settings& settings) {
+    settings.time("latest_tick", c.controller.supervision.latest_tick);
+  });
+}
+
+Read<void> read_top(const YamlMap& root, DaemonConfiguration& c) {
+  ARMSIG_TRY(name, root.text("name"));
+  ARMSIG_TRY(console, root.text("console"));
+  ARMSIG_TRY(store, root.text("store"));
+  c.name = name;
+  c.console = console;
+  c.store = store;
+  Settings settings(root);
+  settings.time("period", c.controller.period).integer("priority", 1, 99, c.priority);
+  if (auto done = settings.done(); !done) return done;
+  c.drives.period = c.controller.period;
+  return {};
+}
+
+Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
+  if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
+    return std::unexpected(std::move(tag).error());
+  }
+  std::vector<std::string> known{"armsig", "name",   "console", "store",  "priority",
+                                 "joints", "can",    "sensor",  "motion", "supervision",
+                                 "dwell",  "sweeps", "grid"};
+  add_names(known, "period", Dimension::kTime);
+  ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));
+  DaemonConfiguration c;
+  ARMSIG_TRY(joints, root.require("joints"));
+  ARMSIG_TRY(sensor, root.require("sensor"));
+  const auto read_all = [&]() -> Read<void> {
+    if (auto ok = read_top(root, c); !ok) return ok;
+    if (auto ok = read_joints(*joints, c); !ok) return ok;
+    if (auto ok = read_can(root, c); !ok) return ok;
+    if (auto ok = read_sensor(*sensor, c); !ok) return ok;
+    for (const auto read : {read_motion, read_supervision, read_dwell, read_sweeps}) {
+      if (auto ok = read(root, c); !ok) return ok;
+    }
+    const auto drives = canopen::check(c.drives);
+    if (!drives) return std::unexpected(problem_of(drives.error(), node));
+    c.bus_load = drives->bus_load();
+    if (const YamlNode* grid = root.find("grid")) {
+      if (auto ok = read_grid(*grid, c); !ok) return ok;
+    }
+    const auto checked = controller::check(c.controller);
+    if (!checked) return std::unexpected(problem_of(checked.error(), node));
+    return {};
+  };
+  if (auto read = read_all(); !read) return std::unexpected(std::move(read).error());
+  return c;
+}
+
+}  // namespace
+
+Read<DaemonConfiguration> parse_configuration(std::string_view text, std::string_view file) {
+  const auto parse = [&]() -> Read<DaemonConfiguration> {
+    ARMSIG_TRY(root, tool::parse_yaml(text));
+    return configuration_from(root);
+  };
+  return tool::in_file(file, parse());
+}
+
+Read<DaemonConfiguration> read_configuration(const std::string& path) {
+  ARMSIG_TRY(text, tool::read_text_file(path));
+  return parse_configuration(text, path);
+}
+
+}  // namespace armsig::daemon

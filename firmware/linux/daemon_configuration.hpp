@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The one file that armsigd is configured by (docs/controller.md; firmware/linux/reference.yaml is
+// a commented example), checked as a whole before a frame is sent or anything moves.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "firmware/controller/configuration.hpp"
+#include "firmware/host_tool/formats/problem.hpp"
+#include "hal/canopen/configuration.hpp"
+#include "hal/canopen/range_sensor.hpp"
+#include "hal/linux/rtu_range_sensor.hpp"
+
+namespace armsig::daemon {
+
+inline constexpr std::string_view kConfigurationTag = "controller/1";
+
+struct DaemonConfiguration {
+  std::string name;
+  controller::Configuration controller;
+  canopen::Configuration drives;
+  std::string can_interface;
+  std::variant<linux_hal::RtuRangeSensorConfiguration, canopen::RangeNodeConfiguration> sensor;
+  Vector3 p_nT = Vector3::Zero();  // the emitter in the frame of the last link, by the drawing
+  std::string console;             // path of the Unix socket
+  std::string store;               // path of the file that keeps the signatures
+  int priority = 80;               // of the servo thread, SCHED_FIFO
+  double bus_load = 0;             // of the CAN bus at worst, 1 being all of it
+};
+
+// Reads and checks everything that can be wrong in a configuration: units, unknown keys, values,
+// and what the values say together. The problem names file, line and column.
+[[nodiscard]] tool::Read<DaemonConfiguration> read_configuration(const std::string& path);
+[[nodiscard]] tool::Read<DaemonConfiguration> parse_configuration(std::string_view text,
+                                                                  std::string_view file);
+
+}  // namespace armsig::daemon

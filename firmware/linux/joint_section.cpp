@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/linux/sections.hpp"
+#include "firmware/linux/settings.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+using tool::add_names;
+using tool::Dimension;
+using tool::Read;
+using tool::YamlMap;
+using tool::YamlNode;
+
+constexpr int kLargestNode = canopen::kLargestNode;
+
+Dimension speed_of(JointType type) {
+  return type == JointType::kRevolute ? Dimension::kAngularSpeed : Dimension::kSpeed;
+}
+Dimension acceleration_of(JointType type) {
+  return type == JointType::kRevolute ? Dimension::kAngularAcceleration : Dimension::kAcceleration;
+}
+
+// Keys with the units of both types: a unit of the other type is told apart from an unknown key.
+std::vector<std::string> known_keys() {
+  std::vector<std::string> known{"type",       "node",     "counts_per_revolution",
+                                 "gear_ratio", "reversed", "zero_counts"};
+  for (const char* angle : {"theta", "alpha"}) add_names(known, angle, Dimension::kAngle);
+  for (const char* length : {"d", "a", "lead"}) add_names(known, length, Dimension::kLength);
+  for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
+    for (const char* reading : {"limits", "following_error", "following_window", "sweep_at"}) {
+      add_names(known, reading, tool::dimension_of(type));
+    }
+    add_names(known, "speed", speed_of(type));
+    add_names(known, "acceleration", acceleration_of(type));
+  }
+  return known;
+}
+
+// A quantity that the joint must have, in the units of its type, above zero.
+Read<double> positive(const YamlMap& map, std::string_view name, Dimension dimension) {
+  ARMSIG_TRY(told, map.require_quantity(name, dimension));
+  ARMSIG_TRY(number, tool::read_number(*told.value, told.key->text));
+  if (!(number > 0)) {
+    return tool::problem_at(*told.value, fmt::format("{}: {}", told.key->text, number),
+                            "a number above 0");
+  }
+  return told.unit.to_si(number);
+}
+
+// A key in a unit of the other type of joint.
+Read<void> refuse_other_units(const YamlMap& map, JointType type) {
+  const bool turns = type == JointType::kRevolute;
+  const JointType other = turns ? JointType::kPrismatic : JointType::kRevolute;
+  const auto refuse = [&](std::string_view name, Dimension wrong, Dimension right) -> Read<void> {
+    ARMSIG_TRY(found, map.find_quantity(name, wrong));
+    if (!found) return {};
+    return tool::problem_at(
+        *found->key,
+        fmt::format("{} on {}, which is {}", found->key->text, map.name(), tool::word_of(type)),
+        tool::any_of(tool::names_of(name, right)));
+  };
+  for (const char* reading : {"following_error", "following_window", "sweep_at"}) {
+    if (auto ok = refuse(reading, tool::dimension_of(other), tool::dimension_of(type)); !ok) {
+      return ok;
+    }
+  }
+  if (auto ok = refuse("speed", speed_of(other), speed_of(type)); !ok) return ok;
+  return refuse("acceleration", acceleration_of(other), acceleration_of(type));
+}
+
+Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
+  canopen::AxisConfiguration axis;
+  canopen::ScalingConfiguration& scaling = axis.scaling;
+  scaling.type = type;
+  ARMSIG_TRY(node, map.integer("node", 1, kLargestNode));
+  axis.node = static_cast<canopen::NodeId>(node);
+  ARMSIG_TRY(counts, map.number("counts_per_revolution"));
+  ARMSIG_TRY(ratio, map.number("gear_ratio"));
+  scaling.counts_per_revolution = counts;
+  scaling.gear_ratio = ratio;
+  if (type == JointType::kPrismatic) {
+    ARMSIG_TRY(lead_m, positive(map, "lead", Dimension::kLength));
+    scaling.lead_m = lead_m;
+  } else {
+    ARMSIG_TRY(lead, map.find_quantity("lead", Dimension::kLength));
+    if (lead) {
+      return tool::problem_at(
+          *lead->key, fmt::format("{} on {}, which is revolute", lead->key->text, map.name()),
+          "no lead");
+    }
+  }
+  Settings settings(map);
+  settings.flag("reversed", scaling.reversed)
+      .integer("zero_counts", std::numeric_limits<std::int32_t>::min() + 1,
+               std::numeric_limits<std::int32_t>::max(), scaling.zero_counts)
+      .quantity("following_window", tool::dimension_of(type), axis.following_window);
+  if (auto done = settings.done(); !done) return std::unexpected(done.error());
+  return axis;
+}
+
+Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
+  Arm& arm = c.controller.drawing;
+  ARMSIG_TRY(map,
+             YamlMap::open(node, fmt::format("joint {}", arm.joints.size() + 1), known_keys()));
+  ARMSIG_TRY(type, tool::read_joint_type(map));
+  if (auto ok = refuse_other_units(map, type); !ok) return ok;
+  ARMSIG_TRY(theta_rad, map.quantity("theta", Dimension::kAngle));
+  ARMSIG_TRY(d_m, map.quantity("d", Dimension::kLength));
+  ARMSIG_TRY(a_m, map.quantity("a", Dimension::kLength));
+  ARMSIG_TRY(alpha_rad, map.quantity("alpha", Dimension::kAngle));
+  ARMSIG_TRY(limits, tool::read_limits(map, type));
+  // A drive moves as far as it is told: no limits by default here.
+  ARMSIG_TRY(stated, map.require_quantity("limits", tool::dimension_of(type)));
+  (void)stated;
+  ARMSIG_TRY(axis, read_axis(map, type));
+  ARMSIG_TRY(speed, positive(map, "speed", speed_of(type)));
+  ARMSIG_TRY(acceleration, positive(map, "acceleration", acceleration_of(type)));
+  ARMSIG_TRY(following_error, positive(map, "following_error", tool::dimension_of(type)));
+  ARMSIG_TRY(sweep_at, map.quantity("sweep_at", tool::dimension_of(type)));
+  axis.limits = limits;
+  axis.largest_speed = speed;
+  arm.joints.push_back({type, theta_rad, d_m, a_m, alpha_rad});
+  arm.limits.push_back(limits);
+  c.drives.axes.push_back(axis);
+  c.controller.limits.speed.push_back(speed);
+  c.controller.limits.acceleration.push_back(acceleration);
+  c.controller.supervision.following_error.push_back(following_error);
+  c.controller.sweeps.configuration.push_back(sweep_at);
+  return {};
+}
+
+}  // namespace
+
+Read<void> read_joints(const YamlNode& list, DaemonConfiguration& c) {
+  ARMSIG_TRY(joints, tool::read_list(list, "joints", 1, kMaxJoints));
+  for (const YamlNode& node : *joints) {
+    if (auto read = read_joint(node, c); !read) return read;
+  }
+  return {};
+}
+
+}  // namespace armsig::daemon

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+// armsigd: the controller on embedded Linux.
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/linux/daemon.hpp"
+#include "firmware/linux/virtual_run.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+constexpr int kWrongUsage = 2;
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+struct Options {
+  std::string configuration;
+  bool check = false;
+  bool is_virtual = false;
+  std::string truth;
+  std::string console;
+  std::string store;
+  VirtualOptions emulated;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.set_version_flag("--version", "armsigd " ARMSIG_VERSION);
+  app.add_option("configuration", options.configuration, "the YAML file of the cabinet")
+      ->required();
+  CLI::Option* check =
+      app.add_flag("--check", options.check, "only check the configuration; open and send nothing");
+  CLI::Option* is_virtual = app.add_flag("--virtual", options.is_virtual,
+                                         "run about an emulated arm instead of the cabinet");
+  check->excludes(is_virtual);
+  app.add_option("--console", options.console, "Unix socket, instead of the configured one");
+  app.add_option("--store", options.store, "file of signatures, instead of the configured one");
+  app.add_option("--truth", options.truth,
+                 "--virtual: the arm as it was built (arm description); otherwise it is drawn "
+                 "from the usual tolerances")
+      ->needs(is_virtual);
+  app.add_option("--seed", options.emulated.seed, "--virtual: of those tolerances and the noise")
+      ->needs(is_virtual)
+      ->capture_default_str();
+  app.add_option("--speed", options.emulated.speed,
+                 "--virtual: times real time; 0: as fast as it goes")
+      ->needs(is_virtual)
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+void tell(const DaemonConfiguration& c) {
+  const auto& grid = c.controller.grid;
+  fmt::print(
+      "{}: {} joints at {:g} Hz on {}, bus load at most {:.1f} %, sensor on {} with {} "
+      "receivers",
+      c.name, c.drives.axes.size(), 1 / hal::seconds(c.controller.period), c.can_interface,
+      100 * c.bus_load,
+      std::holds_alternative<canopen::RangeNodeConfiguration>(c.sensor) ? "CAN" : "Modbus",
+      c.controller.sensor.receivers.p_S.size());
+  if (!grid.taught[0].empty()) {
+    fmt::print(", grid of {} vertices over {:g} x {:g} x {:g} mm", grid.grid.vertex_count(),
+               1e3 * grid.grid.size_m[0], 1e3 * grid.grid.size_m[1], 1e3 * grid.grid.size_m[2]);
+  }
+  fmt::print("\n");
+}
+
+int refuse(const tool::Problem& problem) {
+  fmt::print(stderr, "armsigd: {}\n", tool::render(problem));
+  return kWrongUsage;
+}
+
+int run(Options& options) {
+  auto configuration = read_configuration(options.configuration);
+  if (!configuration) return refuse(configuration.error());
+  if (!options.console.empty()) configuration->console = options.console;
+  if (!options.store.empty()) configuration->store = options.store;
+  if (options.check) {
+    tell(*configuration);
+    return 0;
+  }
+  if (!options.is_virtual) return run_cabinet(*configuration, stop_requested);
+  if (!options.truth.empty()) {
+    const auto truth = tool::read_arm_file(options.truth);
+    if (!truth) return refuse(truth.error());
+    if (truth->arm.joints.size() != configuration->drives.axes.size()) {
+      return refuse(
+          {.file = options.truth,
+           .what = fmt::format("an arm of {} joints", truth->arm.joints.size()),
+           .expected = fmt::format("{}, as configured", configuration->drives.axes.size())});
+    }
+    options.emulated.truth = truth->arm;
+  }
+  return run_virtual(*configuration, options.emulated, stop_requested);
+}
+
+int parse_and_run(int argc, char** argv) {
+  CLI::App app{"The controller of one robot arm: servo, identification, signature store.",
+               "armsigd"};
+  Options options;
+  add_options(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Error& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  }
+  return run(options);
+}
+
+}  // namespace
+}  // namespace armsig::daemon
+
+int main(int argc, char** argv) {
+  const auto stop = [](int) { armsig::daemon::stop_requested = 1; };
+  std::signal(SIGTERM, stop);
+  std::signal(SIGINT, stop);
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return armsig::daemon::parse_and_run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "armsigd: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/linux/refusals.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "firmware/host_tool/formats/yaml_map.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+using tool::Problem;
+using tool::YamlNode;
+
+// The value under `name`, or under `name` with a unit; `map` itself where the key is absent and its
+// default is to blame.
+const YamlNode& value_of(const YamlNode& map, std::string_view name) {
+  for (std::size_t i = 0; i < map.keys.size(); ++i) {
+    const std::string_view key = map.keys[i].text;
+    if (key == name || key.starts_with(std::string(name) + "_")) return map.items[i];
+  }
+  return map;
+}
+
+// A setting of one joint, or of all of them.
+const YamlNode& joint_value(const YamlNode& root, std::optional<std::size_t> joint,
+                            std::string_view name) {
+  const YamlNode* list = root.find("joints");
+  if (list == nullptr) return root;
+  if (!joint || *joint >= list->items.size()) return *list;
+  return value_of(list->items[*joint], name);
+}
+
+// Settings of the controller that the file tells joint by joint.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kOfJoints{{
+    {"arm.joints", "theta"},
+    {"arm.limits", "limits"},
+    {"limits.speed", "speed"},
+    {"limits.acceleration", "acceleration"},
+    {"supervision.following_error", "following_error"},
+    {"sweeps.configuration", "sweep_at"},
+}};
+
+const YamlNode& place_of(const controller::ConfigurationRefusal& refusal, const YamlNode& root) {
+  for (const auto& [setting, name] : kOfJoints) {
+    if (refusal.setting == setting) return joint_value(root, refusal.joint, name);
+  }
+  const std::size_t dot = refusal.setting.find('.');
+  if (dot == std::string_view::npos) return value_of(root, refusal.setting);
+  std::string_view section = refusal.setting.substr(0, dot);
+  std::string_view name = refusal.setting.substr(dot + 1);
+  if (section == "limits") section = "motion";
+  if (name == "taught") name = "corners";
+  const YamlNode* found = root.find(section);
+  return found == nullptr ? root : value_of(*found, name);
+}
+
+const YamlNode& in_can(const YamlNode& root, std::string_view name) {
+  const YamlNode* can = root.find("can");
+  return can == nullptr ? root : value_of(*can, name);
+}
+
+const YamlNode& place_of(const canopen::ConfigurationRefusal& refusal, const YamlNode& root) {
+  switch (refusal.error) {
+    case Error::kNodeOutOfRange:
+    case Error::kNodeTwice: {
+      if (refusal.axis) return joint_value(root, refusal.axis, "node");
+      const YamlNode* sensor = root.find("sensor");
+      const YamlNode* can = sensor == nullptr ? nullptr : sensor->find("can");
+      return can == nullptr ? in_can(root, "master_node") : value_of(*can, "node");
+    }
+    case Error::kScaleInvalid:
+    case Error::kResolutionTooCoarse:
+      return joint_value(root, refusal.axis, "counts_per_revolution");
+    case Error::kBusOverload:
+      return value_of(root, "period");
+    case Error::kPeriodInvalid:
+      return refusal.axis ? joint_value(root, refusal.axis, "speed") : in_can(root, "interface");
+    default:
+      return joint_value(root, refusal.axis, "limits");
+  }
+}
+
+std::string joint_words(std::optional<std::size_t> joint) {
+  return joint ? fmt::format("joint {}: ", *joint + 1) : std::string();
+}
+
+Problem problem(const YamlNode& place, std::string what, std::string expected) {
+  return tool::problem_at(place, std::move(what), std::move(expected)).error();
+}
+
+}  // namespace
+
+Problem problem_of(const controller::ConfigurationRefusal& refusal, const YamlNode& root) {
+  return problem(place_of(refusal, root),
+                 fmt::format("{}{}: {}, found {:.6g}", joint_words(refusal.joint), refusal.setting,
+                             describe(refusal.error), refusal.found),
+                 fmt::format("the bound {:.6g} kept (radians, metres, seconds)", refusal.needed));
+}
+
+Problem problem_of(const canopen::ConfigurationRefusal& refusal, const YamlNode& root) {
+  const YamlNode& place = place_of(refusal, root);
+  const std::string what = joint_words(refusal.axis) + std::string(describe(refusal.error));
+  switch (refusal.error) {
+    case Error::kBusOverload:
+      return problem(place, fmt::format("{}: {:.1f} %", what, 100 * refusal.found),
+                     fmt::format("at most {:.0f} %: a longer period, fewer joints or a faster bus",
+                                 100 * refusal.needed));
+    case Error::kNodeTwice:
+      return problem(place, fmt::format("{}: node {:.0f}", what, refusal.found),
+                     "a node number of its own for each drive, the sensor and the master");
+    case Error::kScaleInvalid:
+    case Error::kResolutionTooCoarse:
+      return problem(
+          place,
+          fmt::format("{}, found {:.6g} counts a revolution of the output", what, refusal.found),
+          "counts of a motor revolution, and motor revolutions of one of the output");
+    case Error::kPeriodInvalid:
+      return problem(place, fmt::format("{}, found {:.6g}", what, refusal.found),
+                     fmt::format("times that the drives can be told and that suit each other; the "
+                                 "bound here is {:.6g} s",
+                                 refusal.needed));
+    default:
+      return problem(place, fmt::format("{}, found {:.6g}", what, refusal.found),
+                     fmt::format("the bound {:.6g} kept (radians, metres)", refusal.needed));
+  }
+}
+
+}  // namespace armsig::daemon

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+// What the portable checks refuse, told at its place in the configuration file.
+#pragma once
+
+#include "firmware/host_tool/formats/yaml_tree.hpp"
+#include "firmware/linux/daemon_configuration.hpp"
+
+namespace armsig::daemon {
+
+[[nodiscard]] tool::Problem problem_of(const controller::ConfigurationRefusal& refusal,
+                                       const tool::YamlNode& root);
+[[nodiscard]] tool::Problem problem_of(const canopen::ConfigurationRefusal& refusal,
+                                       const tool::YamlNode& root);
+
+}  // namespace armsig::daemon

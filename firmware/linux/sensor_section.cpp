@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/base/pose.hpp"
+#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/linux/sections.hpp"
+#include "firmware/linux/settings.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+using tool::add_names;
+using tool::Dimension;
+using tool::problem_at;
+using tool::Read;
+using tool::YamlMap;
+using tool::YamlNode;
+
+constexpr double kKelvin = 1;
+
+Read<Vector3> read_point(const YamlNode& node, const std::string& name) {
+  std::vector<std::string> known;
+  for (const char* axis : {"x", "y", "z"}) add_names(known, axis, Dimension::kLength);
+  ARMSIG_TRY(map, YamlMap::open(node, name, known));
+  ARMSIG_TRY(x_m, map.quantity("x", Dimension::kLength));
+  ARMSIG_TRY(y_m, map.quantity("y", Dimension::kLength));
+  ARMSIG_TRY(z_m, map.quantity("z", Dimension::kLength));
+  return Vector3(x_m, y_m, z_m);
+}
+
+Read<void> read_path(const YamlMap& map, bool& echo) {
+  const YamlNode* node = map.find("path");
+  if (node == nullptr) return {};
+  if (node->text != "one-way" && node->text != "echo") {
+    return problem_at(*node, "path: " + tool::in_quotes(node->text), "one-way or echo");
+  }
+  echo = node->text == "echo";
+  return {};
+}
+
+void read_freshness(Settings& settings, hal::FreshnessLimits& freshness) {
+  settings.time("silent_after", freshness.silent_after).time("stale_after", freshness.stale_after);
+}
+
+Read<char> read_parity(const YamlMap& map) {
+  const YamlNode* node = map.find("parity");
+  if (node == nullptr || node->text == "even") return 'E';
+  if (node->text == "odd") return 'O';
+  if (node->text == "none") return 'N';
+  return problem_at(*node, "parity: " + tool::in_quotes(node->text), "even, odd or none");
+}
+
+Read<void> read_modbus(const YamlNode& node, DaemonConfiguration& c) {
+  std::vector<std::string> known{
+      "device",   "baud",           "parity",       "stop_bits",       "unit",
+      "function", "status",         "sequence",     "air_temperature", "celsius_a_step",
+      "path",     "receiver_count", "first_flight", "flight_stride",   "seconds_a_step",
+      "words"};
+  for (const char* time : {"poll_period", "answer_timeout", "silent_after", "stale_after"}) {
+    add_names(known, time, Dimension::kTime);
+  }
+  ARMSIG_TRY(map, YamlMap::open(node, "modbus", known));
+  constexpr int kLargestUnit = 247;
+  constexpr int kLargestRegister = 0xFFFF;
+  linux_hal::RtuRangeSensorConfiguration sensor;
+  modbus::Profile& profile = sensor.profile;
+  ARMSIG_TRY(device, map.text("device"));
+  ARMSIG_TRY(parity, read_parity(map));
+  sensor.device = device;
+  sensor.parity = parity;
+  Settings settings(map);
+  settings.integer("baud", 1200, 921'600, sensor.baud)
+      .integer("stop_bits", 1, 2, sensor.stop_bits)
+      .time("poll_period", sensor.poll_period)
+      .time("answer_timeout", sensor.answer_timeout)
+      .integer("unit", 1, kLargestUnit, profile.unit)
+      .integer("function", 3, 4, profile.function)
+      .integer("status", 0, kLargestRegister, profile.status)
+      .integer("sequence", 0, kLargestRegister, profile.sequence)
+      .integer("air_temperature", 0, kLargestRegister, profile.air_temperature)
+      .share("celsius_a_step", profile.celsius_a_step)
+      .integer("receiver_count", 0, kLargestRegister, profile.receiver_count)
+      .integer("first_flight", 0, kLargestRegister, profile.first_flight)
+      .integer("flight_stride", 2, kLargestRegister, profile.flight_stride)
+      .share("seconds_a_step", profile.seconds_a_step);
+  read_freshness(settings, sensor.freshness);
+  if (auto done = settings.done(); !done) return done;
+  if (const YamlNode* words = map.find("words")) {
+    if (words->text != "high-first" && words->text != "low-first") {
+      return problem_at(*words, "words: " + tool::in_quotes(words->text),
+                        "high-first or low-first");
+    }
+    profile.high_word_first = words->text == "high-first";
+  }
+  if (auto path = read_path(map, profile.echo); !path) return path;
+  profile.receivers = c.controller.sensor.receivers.p_S.size();
+  if (const auto registers = modbus::registers_of(profile); !registers) {
+    return problem_at(
+        node, std::string(describe(registers.error())),
+        fmt::format("at most {} registers from the first to the last", modbus::kMaxRegisters));
+  }
+  c.sensor = sensor;
+  return {};
+}
+
+Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
+  std::vector<std::string> known{"node", "path"};
+  for (const char* time : {"reading_period", "silent_after", "stale_after"}) {
+    add_names(known, time, Dimension::kTime);
+  }
+  ARMSIG_TRY(map, YamlMap::open(node, "can", known));
+  canopen::RangeNodeConfiguration sensor;
+  ARMSIG_TRY(number, map.integer("node", 1, canopen::kLargestNode));
+  sensor.node = static_cast<canopen::NodeId>(number);
+  sensor.receivers = c.controller.sensor.receivers.p_S.size();
+  hal::Duration period = std::chrono::milliseconds(20);
+  Settings settings(map);
+  settings.time("reading_period", period);
+  read_freshness(settings, sensor.freshness);
+  if (auto done = settings.done(); !done) return done;
+  if (auto path = read_path(map, sensor.echo); !path) return path;
+  if (!canopen::check(sensor)) {
+    return problem_at(node, fmt::format("{} receivers on CAN", sensor.receivers),
+                      fmt::format("at most {}", canopen::kMaxCanReceivers));
+  }
+  c.drives.other_nodes.push_back(sensor.node);
+  for (const canopen::PeriodicFrame& frame : canopen::traffic(sensor, period)) {
+    c.drives.other_traffic.push_back(frame);
+  }
+  c.sensor = sensor;
+  return {};
+}
+
+Read<void> read_array(const YamlMap& map, DaemonConfiguration& c) {
+  controller::Sensor& sensor = c.controller.sensor;
+  ARMSIG_TRY(node, map.require("receivers"));
+  ARMSIG_TRY(list, tool::read_list(*node, "receivers", 3, hal::kMaxReceivers));
+  for (const YamlNode& item : *list) {
+    ARMSIG_TRY(p_S, read_point(item, fmt::format("receiver {}", sensor.receivers.p_S.size() + 1)));
+    sensor.receivers.p_S.push_back(p_S);
+  }
+  ARMSIG_TRY(sigma, map.require_quantity("range_sigma", Dimension::kLength));
+  (void)sigma;
+  Settings settings(map);
+  settings.quantity("range_sigma", Dimension::kLength, sensor.receivers.range_sigma_m)
+      .share("largest_air_step_k", sensor.largest_air_step_kelvin)
+      .time("reading_timeout", sensor.reading_timeout);
+  if (auto done = settings.done(); !done) return done;
+  if (const YamlNode* facing = map.find("facing")) {
+    ARMSIG_TRY(facing_S, tool::read_vector3(*facing, "facing"));
+    sensor.receivers.facing_S = facing_S;
+  }
+  if (const YamlNode* air = map.find("air_c")) {
+    ARMSIG_TRY(bounds, tool::read_numbers(*air, "air_c", 2));
+    if (!(bounds[0] + kKelvin <= bounds[1])) {
+      return problem_at(*air, fmt::format("air_c: {} to {}", bounds[0], bounds[1]),
+                        "the lowest plausible temperature first, then the highest");
+    }
+    sensor.lowest_air_celsius = bounds[0];
+    sensor.highest_air_celsius = bounds[1];
+  }
+  if (const auto array = measurement::check(sensor.receivers); !array) {
+    return problem_at(*node, std::string(describe(array.error())),
+                      "receivers, and where they need it `facing`, that tell where a target is");
+  }
+  return {};
+}
+
+}  // namespace
+
+Read<void> read_sensor(const YamlNode& node, DaemonConfiguration& c) {
+  std::vector<std::string> known{"receivers", "facing", "air_c", "largest_air_step_k",
+                                 "emitter",   "modbus", "can"};
+  add_names(known, "range_sigma", Dimension::kLength);
+  add_names(known, "reading_timeout", Dimension::kTime);
+  ARMSIG_TRY(map, YamlMap::open(node, "the sensor", known));
+  if (auto array = read_array(map, c); !array) return array;
+  ARMSIG_TRY(emitter, map.require("emitter"));
+  ARMSIG_TRY(p_nT, read_point(*emitter, "the emitter"));
+  c.p_nT = p_nT;
+  const YamlNode* serial = map.find("modbus");
+  const YamlNode* can = map.find("can");
+  if ((serial == nullptr) == (can == nullptr)) {
+    return problem_at(can == nullptr ? node : *can,
+                      can == nullptr ? "the sensor is on no bus" : "the sensor is on two buses",
+                      "modbus or can");
+  }
+  return serial != nullptr ? read_modbus(*serial, c) : read_can(*can, c);
+}
+
+}  // namespace armsig::daemon

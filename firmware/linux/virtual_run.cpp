@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/linux/virtual_run.hpp"
+
+#include <array>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "firmware/linux/daemon.hpp"
+#include "firmware/virtual_cabinet/virtual_cabinet.hpp"
+#include "hal/linux/file_memory.hpp"
+#include "hal/linux/socket_console.hpp"
+#include "hal/linux/steady_clock.hpp"
+#include "hal/simulated/demo_sensor.hpp"
+#include "hal/simulated/tolerances.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualOptions& options) {
+  const controller::Configuration& c = configuration.controller;
+  simulated::Random random(options.seed);
+  cabinet::World world;
+  world.arm.arm = options.truth ? *options.truth : simulated::drawn_arm(c.drawing, {}, random);
+  world.arm.X_S0 = simulated::demo_base_pose();
+  world.arm.targets.push_back(
+      {.number = c.sweeps.target, .link = c.drawing.joints.size(), .p_L = configuration.p_nT});
+  world.start = c.sweeps.configuration;
+  for (const Vector3& p_S : c.sensor.receivers.p_S) world.sensor.receivers_S.push_back(p_S);
+  world.sensor.range_sigma_m = c.sensor.receivers.range_sigma_m;
+  world.seed = options.seed;
+  return world;
+}
+
+}  // namespace
+
+int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& options,
+                const volatile std::sig_atomic_t& stop) {
+  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout);
+  auto console = linux_hal::SocketConsole::open(configuration.console);
+  if (!memory || !console) {
+    fmt::print(stderr, "armsigd: {}: {}\n", !memory ? configuration.store : configuration.console,
+               describe(!memory ? memory.error() : console.error()));
+    return 1;
+  }
+  const std::array<hal::Console*, 1> consoles{console->get()};
+  const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
+      configuration.controller, configuration.drives, world_of(configuration, options), *memory,
+      consoles);
+  fmt::print("armsigd: {}: virtual cabinet, console at {}\n", configuration.name,
+             configuration.console);
+  std::fflush(stdout);
+  linux_hal::SteadyClock clock;
+  const hal::Instant real = clock.now();
+  const hal::Instant imagined = cabinet->clock().now();
+  while (stop == 0) {
+    cabinet->step();
+    if (options.speed > 0) {
+      const double elapsed_s = hal::seconds(cabinet->clock().now() - imagined);
+      clock.wait_until(real + hal::Duration(std::llround(1e9 * elapsed_s / options.speed)));
+    }
+  }
+  return 0;
+}
+
+}  // namespace armsig::daemon

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// armsigd --virtual: the same controller about an emulated arm, at a desk.
+#pragma once
+
+#include <csignal>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/arm.hpp"
+#include "firmware/linux/daemon_configuration.hpp"
+
+namespace armsig::daemon {
+
+struct VirtualOptions {
+  std::optional<Arm> truth;  // the arm as it was built; none: drawn from the usual tolerances
+  std::uint64_t seed = 1;    // of those, and of the sensor's noise
+  double speed = 1;          // times real time; 0: as fast as it goes
+};
+
+// Runs the virtual cabinet of `configuration` until `stop` is set; the arm hangs under its sensor
+// as in the demonstration. Console and store are real. Returns the exit status of the process.
+[[nodiscard]] int run_virtual(const DaemonConfiguration& configuration,
+                              const VirtualOptions& options,
+                              const volatile std::sig_atomic_t& stop);
+
+}  // namespace armsig::daemon

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+// `check`, `suggest` and `predict --sigma` as a user meets them: what a signature with a covariance
+// is good for.
+#include <nlohmann/json.hpp>
+
+#include "host_tests/cli/predictions.hpp"
+
+namespace armsig::cli {
+namespace {
+
+using nlohmann::json;
+
+// A signature s.yaml from sweeps and poses, and held-out poses of the same arm.
+Csv identified(const Folder& folder, const std::string& method = "refined") {
+  write_file(folder / "arm.yaml", kPuma560);
+  const std::string simulate = "simulate --arm arm.yaml --hand-target-mm 80,30,120 --sigma-mm 0.2 ";
+  EXPECT_EQ(run_tool(folder, simulate + "--tolerances 1 --arc 120 --points 20 --mixed-poses 20 "
+                                        "--seed 3 --out m.csv --truth-out truth.yaml")
+                .status,
+            0);
+  EXPECT_EQ(run_tool(folder, simulate + "--truth truth.yaml --points 4 --mixed-poses 30 --seed 4 "
+                                        "--out held.csv")
+                .status,
+            0);
+  const Outcome outcome = run_tool(
+      folder, "identify --arm arm.yaml --measurements m.csv --out s.yaml --method " + method);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  Csv held = Csv::read(folder / "held.csv");
+  std::erase_if(held.rows, [&](const Fields& row) { return row[held.column("sweep")] != "0"; });
+  held.write(folder / "held.csv");
+  return held;
+}
+
+Outcome check(const Folder& folder, const Csv& rows, const std::string& options = "") {
+  rows.write(folder / "held.csv");
+  return run_tool(folder, "check --signature s.yaml --measurements held.csv " + options);
+}
+
+void add_to(Csv& rows, const std::string& column, double value) {
+  for (Fields& row : rows.rows) {
+    std::string& field = row[rows.column(column)];
+    field = std::to_string(std::stod(field) + value);
+  }
+}
+
+TEST(Check, finds_a_healthy_arm_consistent_and_far_better_than_its_drawing) {
+  const Folder folder;
+  const Csv held = identified(folder);
+  const Outcome outcome = check(folder, held, "--json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["verdict"], "consistent");
+  EXPECT_EQ(result["rows"], 30);
+  EXPECT_LT(result["rms_m"], 6e-4);
+  EXPECT_GT(result["nominal"]["rms_m"], 3 * result["rms_m"].get<double>());
+  const Outcome words = check(folder, held);
+  EXPECT_NE(words.out.find("before: drawing, base and tool fitted"), std::string::npos);
+  EXPECT_NE(words.out.find("after: the signature as it is"), std::string::npos);
+}
+
+TEST(Check, compares_with_another_drawing_where_it_is_given_one) {
+  const Folder folder;
+  const Csv held = identified(folder);
+  std::string other = kPuma560;
+  other.replace(other.find("a_mm: 431.8"), 11, "a_mm: 531.8");
+  write_file(folder / "other.yaml", other);
+  const auto nominal_rms_m = [&](const std::string& options) {
+    const Outcome outcome = check(folder, held, "--json " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return json::parse(outcome.out)["nominal"]["rms_m"].get<double>();
+  };
+  EXPECT_GT(nominal_rms_m("--arm other.yaml"), 2 * nominal_rms_m(""));
+  write_file(folder / "other.yaml", kTwoJointArm);
+  EXPECT_EQ(check(folder, held, "--arm other.yaml").status, 2);
+}
+
+TEST(Check, answers_for_signatures_of_every_method) {
+  for (const char* method : {"encoder", "paper"}) {
+    const Folder folder;
+    const Csv held = identified(folder, method);
+    const Outcome outcome = check(folder, held, "--json");
+    EXPECT_EQ(json::parse(outcome.out)["verdict"], "consistent") << method << outcome.out;
+  }
+}
+
+TEST(Check, finds_the_zero_of_a_joint_that_has_moved) {
+  const Folder folder;
+  Csv held = identified(folder);
+  add_to(held, "q3_deg", 0.2);
+  const Outcome outcome = check(folder, held);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.out.find("held.csv: drifted"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("zero of joint 3"), std::string::npos) << outcome.out;
+}
+
+TEST(Check, finds_a_sensor_worse_than_stated) {
+  const Folder folder;
+  identified(folder);
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm arm.yaml --hand-target-mm 80,30,120 --sigma-mm 1 --truth "
+                     "truth.yaml --points 4 --mixed-poses 40 --seed 9 --out noisy.csv")
+                .status,
+            0);
+  Csv noisy = Csv::read(folder / "noisy.csv");
+  for (Fields& row : noisy.rows) row[noisy.column("sigma_mm")] = "0.2";
+  const Outcome outcome = check(folder, noisy);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.out.find("sensor worse than stated"), std::string::npos) << outcome.out;
+}
+
+// Gears err by more than the tracker: no fit of axes explains that, and no arm is ill for it.
+TEST(Check, does_not_blame_arm_or_sensor_for_what_the_identification_left_unexplained) {
+  const Folder folder;
+  Csv held = identified(folder);
+  const auto bend = [](Csv& rows) {
+    for (Fields& row : rows.rows) {
+      row[rows.column("sigma_mm")] = "0.01";
+      std::string& q = row[rows.column("q3_deg")];
+      q = std::to_string(std::stod(q) + 0.05 * std::sin(7 * std::stod(q) / 57.3));
+    }
+  };
+  Csv measured = Csv::read(folder / "m.csv");
+  std::erase_if(measured.rows,
+                [&](const Fields& row) { return row[measured.column("sweep")] != "0"; });
+  measured.rows.insert(measured.rows.end(), held.rows.begin() + 15, held.rows.end());
+  held.rows.resize(15);
+  bend(held);
+  bend(measured);
+  measured.write(folder / "m.csv");
+  const Outcome found = run_tool(
+      folder, "identify --arm arm.yaml --measurements m.csv --method refined --out s.yaml");
+  ASSERT_EQ(found.status, 0) << found.err;
+  EXPECT_NE(found.out.find("times the stated noise"), std::string::npos) << found.out;
+  EXPECT_NE(read_file(folder / "s.yaml").find("unexplained_m: "), std::string::npos);
+  const Outcome healthy = check(folder, held);
+  EXPECT_EQ(healthy.status, 0) << healthy.out;
+}
+
+TEST(Check, sets_a_blunder_apart_and_names_its_line) {
+  const Folder folder;
+  Csv held = identified(folder);
+  held.rows[4][held.column("y_mm")] = "4000";
+  const Outcome outcome = check(folder, held);
+  EXPECT_EQ(outcome.status, 0) << outcome.out;
+  EXPECT_NE(outcome.out.find("outliers, by line: 6\n"), std::string::npos) << outcome.out;
+}
+
+TEST(Check, refuses_what_it_cannot_judge) {
+  const Folder folder;
+  Csv held = identified(folder);
+  const std::string measured = " --measurements held.csv";
+  const Outcome exact = run_tool(folder, "check --signature truth.yaml" + measured);
+  EXPECT_EQ(exact.status, 2);
+  EXPECT_NE(exact.err.find("no covariance"), std::string::npos) << exact.err;
+  EXPECT_EQ(run_tool(folder, "check --signature none.yaml" + measured).status, 2);
+  EXPECT_EQ(run_tool(folder, "check --signature s.yaml --measurements none.csv").status, 2);
+  for (Fields& row : held.rows) row[held.column("target")] = "7";
+  const Outcome unknown = check(folder, held);
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("target 7 is not in the signature"), std::string::npos);
+  for (Fields& row : held.rows) row[held.column("target")] = "1";
+  add_to(held, "x_mm", 300);
+  for (std::size_t k = 0; k < held.rows.size(); k += 2) held.rows[k][held.column("z_mm")] = "9000";
+  EXPECT_EQ(check(folder, held).status, 1);
+}
+
+TEST(Check, takes_ranges_in_the_air_that_they_were_measured_in) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  const std::string sensor =
+      "armsig: sensor/1\nname: frame\nrange_sigma_mm: 0.2\npath: one-way\nfacing: [0, 0, 1]\n"
+      "receivers:\n"
+      "  - {x_mm: 0, y_mm: 0, z_mm: 0}\n  - {x_mm: 1500, y_mm: 0, z_mm: 0}\n"
+      "  - {x_mm: 0, y_mm: 1500, z_mm: 0}\n  - {x_mm: 1500, y_mm: 1500, z_mm: 300}\n";
+  write_file(folder / "r.yaml", sensor);
+  const std::string simulate =
+      "simulate --arm arm.yaml --sensor r.yaml --hand-target-mm 80,30,120 --air-c 20 ";
+  ASSERT_EQ(run_tool(folder, simulate + "--tolerances 1 --mixed-poses 20 --seed 3 --out m.csv "
+                                        "--truth-out truth.yaml")
+                .status,
+            0);
+  const Outcome found = run_tool(folder,
+                                 "identify --arm arm.yaml --sensor r.yaml --measurements m.csv "
+                                 "--method refined --out s.yaml");
+  ASSERT_EQ(found.status, 0) << found.err;
+  ASSERT_EQ(run_tool(folder, simulate + "--truth truth.yaml --points 4 --mixed-poses 30 --seed 4 "
+                                        "--out held.csv")
+                .status,
+            0);
+  const std::string check = "check --signature s.yaml --measurements held.csv ";
+  const Outcome healthy = run_tool(folder, check + "--sensor r.yaml");
+  EXPECT_EQ(healthy.status, 0) << healthy.out << healthy.err;
+  // Ranges computed for air of 10 degrees, measured in air of 20: 1.7 % too short.
+  write_file(folder / "cold.yaml", sensor + "calibrated_at_c: 10\n");
+  EXPECT_EQ(run_tool(folder, check + "--sensor cold.yaml").status, 1);
+  const Outcome without = run_tool(folder, check);
+  EXPECT_EQ(without.status, 2);
+  EXPECT_NE(without.err.find("--sensor"), std::string::npos) << without.err;
+}
+
+TEST(Predict, adds_the_sigma_of_every_pose) {
+  const Folder folder;
+  const Csv held = identified(folder);
+  write_joint_poses(held, folder / "q.csv");
+  const Outcome outcome =
+      run_tool(folder, "predict --signature s.yaml --joints q.csv --target 1 --sigma --out p.csv");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Csv poses = Csv::read(folder / "p.csv");
+  for (std::size_t k = 0; k < poses.rows.size(); ++k) {
+    const double sum = std::hypot(poses.number(k, "sigma_x_m"), poses.number(k, "sigma_y_m"),
+                                  poses.number(k, "sigma_z_m"));
+    EXPECT_GT(poses.number(k, "sigma_x_m"), 1e-5);
+    EXPECT_LT(sum, 1e-3);
+    EXPECT_NEAR(poses.number(k, "sigma_m"), sum, 1e-12);
+  }
+  // What it has written can be solved.
+  EXPECT_EQ(run_tool(folder,
+                     "solve --signature s.yaml --poses p.csv --seed q.csv --target 1 --out "
+                     "back.csv")
+                .status,
+            0);
+}
+
+TEST(Predict, takes_a_sigma_for_that_of_the_only_target_on_the_last_link) {
+  const Folder folder;
+  Csv held = identified(folder);
+  write_joint_poses(held, folder / "q.csv");
+  const std::string sigma = "predict --signature s.yaml --joints q.csv --sigma --out p.csv";
+  const Outcome one = run_tool(folder, sigma);
+  EXPECT_EQ(one.status, 0) << one.err;
+  EXPECT_NE(one.out.find("poses of target 1"), std::string::npos) << one.out;
+  // Every second row of another target beside the first, as it were.
+  for (std::size_t k = 0; k < held.rows.size(); k += 2) held.rows[k][held.column("target")] = "2";
+  held.write(folder / "m.csv");
+  ASSERT_EQ(
+      run_tool(folder, "identify --arm arm.yaml --measurements m.csv --method refined --out s.yaml")
+          .status,
+      0);
+  const Outcome two = run_tool(folder, sigma);
+  EXPECT_EQ(two.status, 2);
+  EXPECT_NE(two.err.find("--target with one of 1, 2"), std::string::npos) << two.err;
+}
+
+TEST(Predict, refuses_a_sigma_without_a_covariance) {
+  const Folder folder;
+  const Csv held = identified(folder);
+  write_joint_poses(held, folder / "q.csv");
+  EXPECT_EQ(run_tool(folder,
+                     "predict --signature truth.yaml --joints q.csv --target 1 --sigma --out p.csv")
+                .status,
+            2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "p.csv"));
+}
+
+TEST(Suggest, gives_poses_inside_the_limits_and_what_each_buys) {
+  const Folder folder;
+  identified(folder);
+  const Outcome outcome =
+      run_tool(folder, "suggest --signature s.yaml --count 5 --out next.csv --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  double before_m = result["predicted_rms_m"];
+  for (const double after_m : result["predicted_rms_m_after"]) {
+    EXPECT_LT(after_m, before_m);
+    before_m = after_m;
+  }
+  const Csv next = Csv::read(folder / "next.csv");
+  ASSERT_EQ(next.rows.size(), 5U);
+  for (std::size_t k = 0; k < next.rows.size(); ++k) {
+    EXPECT_LE(std::abs(next.number(k, "q1_deg")), 160);
+    EXPECT_LE(std::abs(next.number(k, "q5_deg")), 100);
+  }
+  EXPECT_NE(run_tool(folder, "suggest --signature s.yaml --count 2 --out next.csv")
+                .out.find("Expected tool error after it"),
+            std::string::npos);
+}
+
+TEST(Suggest, stays_where_the_sensor_sees_the_target) {
+  const Folder folder;
+  identified(folder);
+  const Outcome outcome = run_tool(
+      folder,
+      "suggest --signature s.yaml --count 4 --out q.csv --box-mm=-3000,-3000,-3000,3000,3000,0");
+  if (outcome.status == 0) {
+    const Csv poses = predict(folder, "s.yaml", "1");
+    for (std::size_t k = 0; k < poses.rows.size(); ++k) EXPECT_LE(poses.number(k, "z_m"), 0);
+  }
+  const Outcome nowhere = run_tool(
+      folder, "suggest --signature s.yaml --out q.csv --box-mm=9000,9000,9000,9100,9100,9100");
+  EXPECT_EQ(nowhere.status, 1);
+  EXPECT_NE(nowhere.err.find("box"), std::string::npos) << nowhere.err;
+}
+
+TEST(Suggest, says_when_what_was_measured_will_do) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm arm.yaml --hand-target-mm 80,30,120 --arc 300 --points 100 "
+                     "--sigma-mm 0.2 --mixed-poses 100 --out m.csv")
+                .status,
+            0);
+  ASSERT_EQ(
+      run_tool(folder, "identify --arm arm.yaml --measurements m.csv --method refined --out s.yaml")
+          .status,
+      0);
+  const Outcome outcome = run_tool(folder, "suggest --signature s.yaml --count 1 --out n.csv");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("what was measured already will do"), std::string::npos)
+      << outcome.out;
+}
+
+TEST(Suggest, refuses_a_signature_without_a_covariance) {
+  const Folder folder;
+  identified(folder);
+  EXPECT_EQ(run_tool(folder, "suggest --signature truth.yaml --out n.csv").status, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "n.csv"));
+}
+
+}  // namespace
+}  // namespace armsig::cli

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// What signatures predict, through the command.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "host_tests/cli/files.hpp"
+
+namespace armsig::cli {
+
+// Joint poses from the rows with sweep 0, for `predict`.
+inline void write_joint_poses(const Csv& measurements, const std::filesystem::path& path) {
+  Csv poses;
+  Fields columns;
+  for (const std::string& name : measurements.header) {
+    if (name.starts_with('q')) columns.push_back(name);
+  }
+  poses.header = columns;
+  for (const Fields& row : measurements.rows) {
+    if (row[measurements.column("sweep")] != "0") continue;
+    Fields pose;
+    for (const std::string& name : columns) pose.push_back(row[measurements.column(name)]);
+    poses.rows.push_back(pose);
+  }
+  poses.write(path);
+}
+
+inline Csv predict(const Folder& folder, const std::string& signature, const std::string& target) {
+  const Outcome outcome = run_tool(folder, "predict --signature " + signature +
+                                               " --joints q.csv --out p.csv --target " + target);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  return Csv::read(folder / "p.csv");
+}
+
+inline double largest_distance(const Csv& a, const Csv& b) {
+  EXPECT_EQ(a.rows.size(), b.rows.size());
+  double largest = 0;
+  for (std::size_t k = 0; k < a.rows.size(); ++k) {
+    largest = std::max(largest, std::hypot(a.number(k, "x_m") - b.number(k, "x_m"),
+                                           a.number(k, "y_m") - b.number(k, "y_m"),
+                                           a.number(k, "z_m") - b.number(k, "z_m")));
+  }
+  return largest;
+}
+
+}  // namespace armsig::cli

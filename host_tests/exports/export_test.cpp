@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// Exports evaluated in Python by the conventions of the software that reads them.
+#include <sstream>
+
+#include "host_tests/exports/exported_arm.hpp"
+
+namespace armsig::cli {
+namespace {
+
+struct Difference {
+  double distance_m = 1;
+  double turn = 1;
+};
+
+Difference read_back(const Folder& folder, const std::string& format) {
+  const Outcome exported = export_as(folder, format);
+  EXPECT_EQ(exported.status, 0) << exported.err;
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && /usr/bin/python3 '" ARMSIG_READ_EXPORT "' " + format +
+                              " export.out q.csv p.csv >.read 2>&1";
+  const int status = std::system(command.c_str());  // NOLINT(cert-env33-c): our own command line
+  const std::string said = read_file(folder / ".read");
+  EXPECT_EQ(status, 0) << said;
+  Difference difference;
+  std::istringstream(said) >> difference.distance_m >> difference.turn;
+  return difference;
+}
+
+void expect_same_poses(const Folder& folder, const std::vector<std::string>& formats) {
+  for (const std::string& format : formats) {
+    SCOPED_TRACE(format);
+    const Difference difference = read_back(folder, format);
+    EXPECT_LT(difference.distance_m, kExportTolerance_m);
+    EXPECT_LT(difference.turn, 1e-9);
+  }
+}
+
+const std::vector<std::string> kAllButUrdf{"ur-yaml", "linuxcnc", "dh-csv",
+                                           "mdh-csv", "rtb",      "json"};
+
+TEST(Export, gives_the_poses_of_an_individual_puma_in_every_format) {
+  const Folder folder;
+  make_individual(folder, kPuma560);
+  expect_same_poses(folder, kAllButUrdf);
+}
+
+TEST(Export, holds_real_arms_whose_nearly_parallel_axes_put_d_hundreds_of_metres_away) {
+  const std::string arm = shared_arm("ur10e-individual-a");
+  if (arm.empty()) GTEST_SKIP() << "no arm descriptions in " << ARMSIG_SHARED_DATA;
+  const Folder folder;
+  make_individual(folder, arm, "");
+  expect_same_poses(folder, kAllButUrdf);
+}
+
+TEST(Export, holds_prismatic_joints_where_the_format_can) {
+  const Folder folder;
+  make_individual(folder, kStanfordArm);
+  expect_same_poses(folder, {"dh-csv", "mdh-csv", "rtb", "json"});
+}
+
+TEST(Export, carries_couplings_along) {
+  const Folder folder;
+  make_individual(folder, kCoupledArm);
+  expect_same_poses(folder, {"linuxcnc", "dh-csv", "mdh-csv", "rtb", "json"});
+}
+
+TEST(Export, refuses_a_prismatic_joint_where_the_format_knows_none) {
+  const Folder folder;
+  make_individual(folder, kStanfordArm);
+  for (const char* format : {"linuxcnc", "ur-yaml"}) {
+    const Outcome outcome = export_as(folder, format);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.err, std::string("armsig: truth.yaml: ") + format +
+                               " can't hold this arm: joint 3 is prismatic; expected six revolute "
+                               "joints; urdf holds any arm\n");
+    EXPECT_FALSE(std::filesystem::exists(folder / "export.out"));
+  }
+}
+
+TEST(Export, refuses_another_number_of_joints_where_the_format_needs_six) {
+  const Folder folder;
+  make_individual(folder, kTwoJointArm);
+  for (const char* format : {"linuxcnc", "ur-yaml"}) {
+    const Outcome outcome = export_as(folder, format);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.err.find("it has 2 joints"), std::string::npos) << outcome.err;
+  }
+}
+
+TEST(Export, refuses_couplings_that_the_format_cannot_express) {
+  const Folder folder;
+  std::string arm = kCoupledArm;
+  make_individual(folder, arm);
+  EXPECT_NE(export_as(folder, "ur-yaml").err.find("its joints are coupled"), std::string::npos);
+  arm.replace(arm.find("ratio: -1"), 9, "ratio: 0.5");
+  make_individual(folder, arm);
+  const Outcome outcome = export_as(folder, "linuxcnc");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("joint 3 is coupled to joint 2 by 0.5"), std::string::npos);
+}
+
+TEST(Export, refuses_rows_for_axes_too_nearly_parallel_and_names_formats_that_hold_them) {
+  const Folder folder;
+  std::string arm = kTwoJointArm;
+  arm.replace(arm.find("alpha_deg: 90"), 13, "alpha_deg: 7e-7");
+  make_individual(folder, arm, "");
+  const Outcome outcome = export_as(folder, "dh-csv");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("so nearly parallel"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("expected urdf, ur-yaml or json"), std::string::npos) << outcome.err;
+  expect_same_poses(folder, {"json"});
+}
+
+TEST(Export, refuses_an_unknown_format_as_wrong_usage) {
+  const Folder folder;
+  make_individual(folder, kTwoJointArm);
+  EXPECT_EQ(export_as(folder, "step").status, 2);
+}
+
+}  // namespace
+}  // namespace armsig::cli

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+// Every way in which a controller's configuration can be wrong is refused at its place in the file.
+#include "firmware/linux/daemon_configuration.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/base/pose.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+std::string reference() {
+  std::ifstream file(ARMSIG_REFERENCE);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The reference without the grid, which takes long to place, and with the first `from` after `near`
+// put as `to`.
+struct Changed {
+  std::string text;
+  int line = 0;
+};
+Changed change(const std::string& near, const std::string& from, const std::string& to) {
+  Changed changed{reference().substr(0, reference().find("\ngrid:") + 1), 0};
+  std::size_t at = changed.text.find(near);
+  at = at == std::string::npos ? at : changed.text.find(from, at);
+  if (at == std::string::npos) {
+    ADD_FAILURE() << near << " / " << from << " is not in the reference";
+    return changed;
+  }
+  changed.line = 1 + static_cast<int>(std::count(
+                         changed.text.begin(), changed.text.begin() + static_cast<long>(at), '\n'));
+  changed.text.replace(at, from.size(), to);
+  return changed;
+}
+
+void expect_refused(const std::string& near, const std::string& from, const std::string& to,
+                    const std::string& words) {
+  const Changed changed = change(near, from, to);
+  const auto read = parse_configuration(changed.text, "cabinet.yaml");
+  ASSERT_FALSE(read) << from << " -> " << to << " was accepted";
+  const std::string message = tool::render(read.error());
+  EXPECT_EQ(read.error().line, changed.line) << message;
+  EXPECT_GT(read.error().column, 0) << message;
+  EXPECT_FALSE(read.error().expected.empty()) << message;
+  EXPECT_NE(message.find(words), std::string::npos) << message;
+  EXPECT_TRUE(message.starts_with("cabinet.yaml:")) << message;
+}
+
+TEST(DaemonConfiguration, of_the_reference_is_read_as_it_is_written) {
+  const auto read = read_configuration(ARMSIG_REFERENCE);
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const controller::Configuration& c = read->controller;
+  EXPECT_EQ(read->name, "Puma 560");
+  EXPECT_EQ(read->can_interface, "can0");
+  EXPECT_EQ(c.period, std::chrono::milliseconds(2));
+  ASSERT_EQ(c.drawing.joints.size(), 6U);
+  EXPECT_DOUBLE_EQ(c.drawing.joints[1].a_m, 0.4318);
+  EXPECT_DOUBLE_EQ(c.drawing.limits[1].lower, radians(-225));
+  EXPECT_DOUBLE_EQ(c.limits.speed[3], radians(90));
+  EXPECT_DOUBLE_EQ(c.limits.acceleration[0], radians(180));
+  EXPECT_DOUBLE_EQ(c.supervision.following_error[5], radians(3));
+  EXPECT_DOUBLE_EQ(c.sweeps.configuration[2], radians(90));
+  EXPECT_DOUBLE_EQ(c.sweeps.arc_rad, radians(180));
+  EXPECT_EQ(read->drives.axes[4].node, 5);
+  EXPECT_DOUBLE_EQ(read->drives.axes[4].scaling.gear_ratio, 100);
+  EXPECT_EQ(c.sensor.receivers.p_S.size(), 8U);
+  EXPECT_DOUBLE_EQ(c.sensor.receivers.range_sigma_m, 0.2e-3);
+  EXPECT_EQ(c.grid.grid.vertex_count(), 252U);
+  EXPECT_EQ(c.grid.taught[0].size(), 6U);
+  EXPECT_EQ(c.grid.dwell, std::chrono::milliseconds(100));
+  ASSERT_TRUE(std::holds_alternative<linux_hal::RtuRangeSensorConfiguration>(read->sensor));
+  const auto& line = std::get<linux_hal::RtuRangeSensorConfiguration>(read->sensor);
+  EXPECT_EQ(line.parity, 'E');
+  EXPECT_EQ(line.profile.receivers, 8U);
+  // Table of bit times of docs: SYNC, twelve PDOs and seven heartbeats at 1 Mbit/s.
+  EXPECT_GT(read->bus_load, 0.6);
+  EXPECT_LT(read->bus_load, 0.8);
+}
+
+TEST(DaemonConfiguration, of_a_sensor_on_can_counts_its_frames_and_starts_its_node) {
+  std::string text = change("  modbus:", "  modbus:", "  can: {node: 32}\n  mo: ").text;
+  text = text.substr(0, text.find("  mo: ")) + text.substr(text.find("\nmotion:") + 1);
+  for (const char* last : {"    - {x_mm: 500,   y_mm: 500,   z_mm: 800}\n",
+                           "    - {x_mm: -500,  y_mm: 500,   z_mm: 800}\n"}) {
+    const std::size_t at = text.find(last);
+    ASSERT_NE(at, std::string::npos);
+    text.erase(at, std::string(last).size());
+  }
+  const auto read = parse_configuration(text, "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  EXPECT_TRUE(std::holds_alternative<canopen::RangeNodeConfiguration>(read->sensor));
+  ASSERT_EQ(read->drives.other_nodes.size(), 1U);
+  EXPECT_EQ(read->drives.other_nodes[0], 32);
+  EXPECT_EQ(read->drives.other_traffic.size(), 4U);
+}
+
+TEST(DaemonConfiguration, refuses_an_unknown_key_and_names_the_one_that_was_meant) {
+  expect_refused("can:", "heartbeat_timeout_ms", "heartbeat_timout_ms", "heartbeat_timeout_ms");
+  expect_refused("joints:", "gear_ratio", "gear", "unknown key");
+  expect_refused("dwell:", "most_pings", "max_pings", "most_pings");
+}
+
+TEST(DaemonConfiguration, refuses_a_key_without_its_unit) {
+  expect_refused("joints:", "speed_deg_per_s: 60", "speed: 60", "speed_deg_per_s");
+  expect_refused("armsig:", "period_ms: 2", "period: 2", "period_ms");
+}
+
+TEST(DaemonConfiguration, refuses_units_of_the_other_type_of_joint) {
+  expect_refused("joints:", "limits_deg: [-160, 160]", "limits_mm: [-160, 160]", "limits_deg");
+  expect_refused("joints:", "speed_deg_per_s: 60", "speed_mm_per_s: 60", "speed_deg_per_s");
+  expect_refused("joints:", "sweep_at_deg: 0", "sweep_at_mm: 0", "sweep_at_deg");
+}
+
+TEST(DaemonConfiguration, refuses_degrees_told_as_radians) {
+  expect_refused("joints:", "limits_deg: [-160, 160]", "limits_rad: [-160, 160]", "wrong unit");
+}
+
+TEST(DaemonConfiguration, refuses_reversed_limits) {
+  expect_refused("joints:", "[-225, 45]", "[45, -225]", "the lower limit first");
+}
+
+TEST(DaemonConfiguration, refuses_a_joint_without_limits) {
+  const std::string limits = " limits_deg: [-160, 160],";
+  const Changed changed = change("joints:", limits, "");
+  const auto read = parse_configuration(changed.text, "cabinet.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(tool::render(read.error()).find("limits_deg"), std::string::npos);
+}
+
+TEST(DaemonConfiguration, refuses_a_node_that_is_given_twice) {
+  expect_refused("joints:", "node: 4", "node: 3", "node 3");
+  expect_refused("joints:", "node: 6", "node: 127", "node 127");
+}
+
+TEST(DaemonConfiguration, refuses_a_node_that_cannot_be) {
+  expect_refused("joints:", "node: 1", "node: 128", "1 to 127");
+  expect_refused("joints:", "node: 1", "node: 0", "1 to 127");
+}
+
+TEST(DaemonConfiguration, refuses_counts_in_a_wrong_unit) {
+  expect_refused("joints:", "counts_per_revolution: 4000", "counts_per_revolution: 4", "counts");
+  expect_refused("joints:", "counts_per_revolution: 4000", "counts_per_revolution: -4000",
+                 "not a positive number");
+  expect_refused("joints:", "counts_per_revolution: 4000", "counts_per_revolution: 4e9",
+                 "32-bit counts");
+}
+
+TEST(DaemonConfiguration, refuses_a_bus_that_would_be_overloaded) {
+  expect_refused("armsig:", "period_ms: 2", "period_ms: 1", "at most 80 %");
+}
+
+TEST(DaemonConfiguration, refuses_a_period_that_drives_cannot_be_told) {
+  const Changed changed = change("armsig:", "period_ms: 2", "period_ms: 2.0005");
+  EXPECT_FALSE(parse_configuration(changed.text, "cabinet.yaml"));
+}
+
+TEST(DaemonConfiguration, refuses_a_heartbeat_that_is_slower_than_its_time_out) {
+  const Changed changed = change("can:", "heartbeat_ms: 50", "heartbeat_ms: 500");
+  EXPECT_FALSE(parse_configuration(changed.text, "cabinet.yaml"));
+}
+
+TEST(DaemonConfiguration, refuses_receivers_that_cannot_locate_a_target) {
+  std::string text = change("sensor:", "z_mm: 0}", "z_mm: 0}").text;
+  for (std::size_t at = text.find("z_mm: 800"); at != std::string::npos;
+       at = text.find("z_mm: 800")) {
+    text.replace(at, 9, "z_mm: 0");
+  }
+  text.replace(text.find("facing: [0, 0, -1]"), 18, "facing: [1, 0, 0]");
+  const auto read = parse_configuration(text, "cabinet.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(tool::render(read.error()).find("one plane"), std::string::npos);
+}
+
+TEST(DaemonConfiguration, refuses_a_sensor_on_no_bus_or_on_two) {
+  expect_refused("sensor:", "  modbus:", "  can: {node: 32}\n  modbus:", "two buses");
+  std::string text = change("sensor:", "  modbus:", "  mo: ").text;
+  text = text.substr(0, text.find("  mo: ")) + text.substr(text.find("\nmotion:") + 1);
+  const auto read = parse_configuration(text, "cabinet.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(tool::render(read.error()).find("no bus"), std::string::npos);
+}
+
+TEST(DaemonConfiguration, refuses_a_signature_configuration_outside_the_limits) {
+  expect_refused("joints:", "sweep_at_deg: 30", "sweep_at_deg: 175", "joint limit");
+}
+
+TEST(DaemonConfiguration, refuses_counts_of_points_and_pings_that_cannot_be) {
+  expect_refused("sweeps:", "points: 24", "points: 3", "sweeps.points");
+  expect_refused("sweeps:", "most_points: 48", "most_points: 500", "sweeps.most_points");
+  expect_refused("dwell:", "pings: 5", "pings: 0", "pings");
+  expect_refused("sweeps:", "held_out_poses: 8", "held_out_poses: 1", "held_out_poses");
+}
+
+TEST(DaemonConfiguration, refuses_what_is_not_positive_or_no_number) {
+  expect_refused("joints:", "speed_deg_per_s: 60", "speed_deg_per_s: 0", "above 0");
+  expect_refused("joints:", "following_error_deg: 3", "following_error_deg: .nan", "not a");
+  expect_refused("motion:", "tool_speed_mm_per_s: 250", "tool_speed_mm_per_s: -250", "above 0");
+  expect_refused("supervision:", "latest_tick_ms: 10", "latest_tick_ms: 1e9", "at most a day");
+  expect_refused("sensor:", "air_c: [0, 45]", "air_c: [45, 0]", "lowest");
+}
+
+TEST(DaemonConfiguration, refuses_words_that_it_does_not_know) {
+  expect_refused("sensor:", "parity: even", "parity: mark", "even, odd or none");
+  expect_refused("sensor:", "path: one-way", "path: both", "one-way or echo");
+  expect_refused("sensor:", "words: high-first", "words: big", "high-first");
+  expect_refused("joints:", "reversed: no", "reversed: maybe", "yes or no");
+  expect_refused("can:", "interface: can0", "interface: can-of-a-very-long-name", "15 characters");
+}
+
+TEST(DaemonConfiguration, refuses_registers_too_far_apart_for_one_request) {
+  const Changed changed = change("sensor:", "first_flight: 4", "first_flight: 400");
+  const auto read = parse_configuration(changed.text, "cabinet.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(tool::render(read.error()).find("125 registers"), std::string::npos);
+}
+
+TEST(DaemonConfiguration, refuses_a_grid_that_the_arm_cannot_reach_and_corners_outside_limits) {
+  const std::string head = reference().substr(0, reference().find("\ngrid:") + 1);
+  const auto too_large = parse_configuration(
+      head + "grid: {size_mm: [90000, 90000, 90000], count: [2, 2, 2], corners: automatic}\n", "f");
+  ASSERT_FALSE(too_large);
+  EXPECT_NE(tool::render(too_large.error()).find("out of reach"), std::string::npos);
+  const std::string corner =
+      "{q1_deg: 0, q2_deg: -90, q3_deg: 90, q4_deg: 0, q5_deg: 200, q6_deg: 0}";
+  const auto outside = parse_configuration(
+      head + "grid: {size_mm: [10, 10, 10], count: [2, 2, 2], corners: {origin: " + corner +
+          ", on_x: " + corner + ", in_xy: " + corner + "}}\n",
+      "f");
+  ASSERT_FALSE(outside);
+  EXPECT_NE(tool::render(outside.error()).find("joint limit"), std::string::npos);
+}
+
+TEST(DaemonConfiguration, refuses_another_kind_of_file) {
+  const auto read = parse_configuration("armsig: arm/1\nname: x\n", "arm.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(tool::render(read.error()).find("controller/1"), std::string::npos);
+  EXPECT_FALSE(read_configuration("/nonexistent/cabinet.yaml"));
+}
+
+}  // namespace
+}  // namespace armsig::daemon

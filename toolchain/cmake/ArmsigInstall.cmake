@@ -1,0 +1,39 @@
+# What `cmake --install` puts where: the command with its manual page and completion, and core as a CMake package
+# (find_package(armsig), armsig::core). `cpack -G DEB` makes a Debian package of the same.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+install(TARGETS armsig RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/docs/man/armsig.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${PROJECT_SOURCE_DIR}/toolchain/completion/armsig
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}
+        FILES_MATCHING PATTERN "*.md" PATTERN man EXCLUDE)
+
+# Headers are included from the root of the project: "core/base/pose.hpp".
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/core DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/armsig
+        FILES_MATCHING PATTERN "*.hpp")
+set_target_properties(armsig_core PROPERTIES EXPORT_NAME core)
+target_compile_features(armsig_core PUBLIC cxx_std_23)
+install(TARGETS armsig_core EXPORT armsigTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/armsig)
+install(EXPORT armsigTargets NAMESPACE armsig:: DESTINATION ${package_dir})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/armsigConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/armsigConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/armsigConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/armsigConfig.cmake ${PROJECT_BINARY_DIR}/armsigConfigVersion.cmake
+        DESTINATION ${package_dir})
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME armsig)
+set(CPACK_PACKAGE_CONTACT "armsig <armsig@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "finds the arm signature of a robot arm")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev (>= 3.4)")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Finds the actual kinematic parameters of one robot arm from sweeps of one joint at a time.")
+include(CPack)
