@@ -24,14 +24,19 @@ struct CompressedSweep {
   bool sigma_stated = false;
   std::size_t joint = 0;  // index of the swept joint
   bool revolute = true;
-  double middle = 0;       // of the swept joint's motion
-  double half_length = 0;  // of it
-  std::array<JointMotion, 3> nodes;
+  double middle = 0;                     // of the swept joint's motion
+  double half_length = 0;                // of it
+  std::array<double, 3> nodes{};         // values of it
   Matrix3 from_nodes = Matrix3::Zero();  // [c; A; B] = from_nodes [p(d_1); p(d_2); p(d_3)]
   Matrix3 W = Matrix3::Zero();           // 1/m; 1 where no sigma was stated
   Matrix3 Z = Matrix3::Zero();           // one column a coordinate
   double residual_squares = 0;  // what no circle or line can explain, in the units of W squared
 };
+
+// How far the joints have moved at a node of a sweep whose other joints are held as in `held`, the
+// readings of any of its rows.
+[[nodiscard]] JointMotion node_motion(const CompressedSweep& sweep, const Chain& chain,
+                                      const JointVector& held, std::size_t node);
 
 // [1, cos d, sin d] or [1, d, 0] of one row of the sweep, d about its middle: with the coefficients
 // from_nodes [p(d_1); ...] the position of its target, without the chain.

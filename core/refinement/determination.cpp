@@ -11,6 +11,8 @@ namespace {
 constexpr double kOnAxis_m = 0.02;
 // Residual sums above their expectation by so many of its sigma are no accident (1 in 2,000).
 constexpr double kExcessSigmas = 3.3;
+// Degrees of freedom from which on a sigma found from the residuals says what it is worth.
+constexpr double kFewestFreedom = 3;
 
 Open open_kind(const Problem& problem, const Parameter& parameter) {
   const bool at_rest = problem.largest_motion()[parameter.index] == 0;
@@ -123,8 +125,12 @@ void settle_covariance(double weighted_squares, Refined& refined) {
     const bool excess = variance_factor > 1 + kExcessSigmas * std::sqrt(2 / freedom);
     quality.covariance_enlarged = excess && !quality.sigma_is_estimated;
     if ((excess || quality.sigma_is_estimated) && variance_factor > 0) {
-      refined.information.scale(1 / quality.noise_factor);
+      // The errors over a sigma found from few residuals follow Student's law, which is wider.
+      const double wider =
+          quality.sigma_is_estimated && freedom >= kFewestFreedom ? freedom / (freedom - 2) : 1;
+      refined.information.scale(1 / (quality.noise_factor * std::sqrt(wider)));
     }
+    if (excess || quality.sigma_is_estimated) quality.noise_freedom = freedom;
     if (quality.covariance_enlarged) {
       quality.unexplained_m = quality.sigma_m * std::sqrt(variance_factor - 1);
     }

@@ -17,8 +17,9 @@
 
 namespace armsig::refinement {
 
-// Largest number of unknowns: the packed square-root factor of that size takes 37 KiB.
-inline constexpr std::size_t kMaxParameters = 96;
+// Largest number of unknowns: the packed square-root factor of that size takes 26 KiB. Enough for
+// eight joints with every correction and one target, or with a target on each link.
+inline constexpr std::size_t kMaxParameters = 80;
 
 enum class ParameterKind : std::uint8_t {
   kAxisDirection,   // rotation of the axis about x, y of its link frame [rad]

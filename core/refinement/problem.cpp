@@ -61,8 +61,9 @@ void Problem::for_each_unit(Single single, Sweep sweep) const {
 Matrix3 Problem::node_positions(const CompressedSweep& sweep, const Chain& chain) const {
   Matrix3 p_nodes;
   for (int k = 0; k < 3; ++k) {
-    p_nodes.row(k) = chain.point(sweep.nodes[static_cast<std::size_t>(k)],
-                                 estimate_.signature.targets[sweep.target]);
+    const JointMotion motion =
+        node_motion(sweep, chain, log_[sweep.first_row].readings, static_cast<std::size_t>(k));
+    p_nodes.row(k) = chain.point(motion, estimate_.signature.targets[sweep.target]);
   }
   return p_nodes;
 }
@@ -170,7 +171,8 @@ void Problem::add_sweep(const CompressedSweep& sweep, const Chain& chain, double
   block.clear(layout.size());
   Matrix3 residual = sweep.Z;
   for (int node = 0; node < 3; ++node) {
-    const JointMotion& motion = sweep.nodes[static_cast<std::size_t>(node)];
+    const JointMotion motion =
+        node_motion(sweep, chain, log_[sweep.first_row].readings, static_cast<std::size_t>(node));
     PointJacobian jacobian;
     chain.point_and_jacobian(motion, target, jacobian);
     note(motion, target.link, jacobian);

@@ -22,6 +22,8 @@ constexpr double kHarmlessStep = 0.05;
 constexpr double kLeastScaleSigma = 1e-3;
 // Rows that may be rejected before the fit itself is in doubt.
 constexpr double kRejectedShare = 0.4;
+// Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
+constexpr std::size_t kToTellNoise = 3;
 
 std::unexpected<Refusal> refuse(Error error, double found, double needed) {
   return std::unexpected(Refusal{error, found, needed});
@@ -32,6 +34,7 @@ struct Survey {
   std::array<bool, kMaxTargets> observed{};
   std::size_t rows = 0;
   std::size_t scalars = 0;
+  bool noise_unknown = false;
 };
 
 std::expected<Survey, Refusal> survey(const Signature& start, std::span<const Observation> log) {
@@ -44,6 +47,7 @@ std::expected<Survey, Refusal> survey(const Signature& start, std::span<const Ob
     if (!is_finite(row)) return refuse(Error::kNotFinite, static_cast<double>(k), 0);
     if (row.use != RowUse::kFit) continue;
     survey.observed[row.target] = true;
+    survey.noise_unknown = survey.noise_unknown || !(row.sigma_m > 0);
     ++survey.rows;
     survey.scalars += row.kind == ObservationKind::kPosition ? 3 : 1;
     if (first == nullptr) first = &row;
@@ -107,9 +111,10 @@ std::expected<void, Refusal> refine(const Signature& start, std::span<const Obse
   ARMSIG_TRY(surveyed, survey(start, log));
   ARMSIG_TRY(layout,
              make_layout(start, surveyed.observed, config.request, config.receivers.size()));
-  if (surveyed.scalars < layout.size()) {
+  const std::size_t needed = layout.size() + (surveyed.noise_unknown ? kToTellNoise : 0);
+  if (surveyed.scalars < needed) {
     return refuse(Error::kTooFewPoints, static_cast<double>(surveyed.scalars),
-                  static_cast<double>(layout.size()));
+                  static_cast<double>(needed));
   }
   refined.signature = start;
   refined.signature.s_model.clear();

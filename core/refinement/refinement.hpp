@@ -77,6 +77,8 @@ struct FitQuality {
   // 1 sigma of a scalar that the residuals show beyond the stated sigma, where that was enlarged:
   // what the arm does and no axis line can say (gears, bending, warmth).
   double unexplained_m = 0;
+  // Degrees of freedom that the noise was found with; 0 where it is what was stated.
+  double noise_freedom = 0;
 };
 
 // The estimate with its uncertainty. About 50 KiB: keep it out of small stacks.
@@ -95,7 +97,8 @@ struct Refined {
 // Preconditions: X_SL, configuration and targets of `start` are set; targets, receivers and joint
 // numbers of the log exist; `start` is not `refined.signature`.
 // Errors: kNotFinite (found: index of the row); kCapacityExceeded (unknowns, capacity);
-// kTooFewPoints (measured scalars, unknowns); kJointDidNotMove (no joint moved in any row);
+// kTooFewPoints (measured scalars, unknowns, and 3 more to find a sigma that was not stated);
+// kJointDidNotMove (no joint moved in any row);
 // kTooManyOutliers (rows rejected, rows allowed); kScaleUndetermined; kSingular; kNotConverged
 // (last step in sigma, bound).
 [[nodiscard]] std::expected<void, Refusal> refine(const Signature& start,

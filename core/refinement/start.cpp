@@ -55,15 +55,19 @@ std::expected<void, Refusal> believe(const Signature& start, const Refined& refi
   const double stated = quality.sigma_is_estimated ? 0 : kCoarse * quality.sigma_m;
   const double allowed_m = std::max(limits.rms_m, stated);
   if (!(quality.rms_m <= allowed_m)) return refuse(quality.rms_m, allowed_m);
-  // The angle between neighbouring axes is the same whatever the base and the joints' zeros.
-  for (std::size_t i = 0; i + 1 < start.joint_count(); ++i) {
-    const auto twist = [i](const Signature& s) {
-      const Vector3 a = s.X_SL[i].R.col(2);
-      const Vector3 b = s.X_SL[i + 1].R.col(2);
-      return std::atan2(a.cross(b).norm(), a.dot(b));
-    };
-    const double change = std::abs(twist(refined.signature) - twist(start));
-    if (!(change <= limits.twist_rad)) return refuse(change, limits.twist_rad);
+  // The angle between neighbouring axes is the same whatever the base and the joints' zeros; that
+  // between others tells an axis that has turned about.
+  const auto angle = [](const Signature& s, std::size_t i, std::size_t j) {
+    const Vector3 a = s.X_SL[i].R.col(2);
+    const Vector3 b = s.X_SL[j].R.col(2);
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  };
+  for (std::size_t i = 0; i < start.joint_count(); ++i) {
+    for (std::size_t j = i + 1; j < start.joint_count(); ++j) {
+      const double allowed = j == i + 1 ? limits.twist_rad : limits.turned_rad;
+      const double change = std::abs(angle(refined.signature, i, j) - angle(start, i, j));
+      if (!(change <= allowed)) return refuse(change, allowed);
+    }
   }
   return {};
 }

@@ -16,9 +16,10 @@ struct DrawingReport {
 
 // What a drawing can be wrong by, and a fit be left with, and still be believed.
 struct StartLimits {
-  double drawn_rms_m = 0.5;        // residual lengths with base and targets fitted only
-  double rms_m = 5e-3;             // residual lengths of the refined arm
-  double twist_rad = radians(10);  // change of the angle between two neighbouring axes
+  double drawn_rms_m = 0.5;         // residual lengths with base and targets fitted only
+  double rms_m = 5e-3;              // residual lengths of the refined arm
+  double twist_rad = radians(10);   // change of the angle between two neighbouring axes
+  double turned_rad = radians(60);  // between any two, at the readings of drawn_signature()
 };
 
 // The signature that the drawing predicts: base and targets as fitted, at the readings of the row

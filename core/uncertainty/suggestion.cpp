@@ -77,7 +77,8 @@ double SuggestionSearch::predicted_rms_m() const {
     information_.solve_transposed(row);
     for (std::size_t j = i; j < n; ++j) sum += row[j] * row[j];
   }
-  return std::sqrt(sum);
+  const double unexplained_m = refined_->quality.unexplained_m;
+  return std::sqrt(sum + 3 * unexplained_m * unexplained_m);
 }
 
 double SuggestionSearch::gain(const RowBlock<3>& rows) const {

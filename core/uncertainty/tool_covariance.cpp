@@ -31,12 +31,13 @@ Matrix3 covariance_at(const Refined& refined, const Chain& chain, const JointVec
     for (std::size_t c = 0; c < n; ++c) y[k][c] = block.rows[k][c];
     refined.information.solve_transposed(y[k]);
   }
-  Matrix3 covariance;
+  const double unexplained_m = refined.quality.unexplained_m;
+  Matrix3 covariance = unexplained_m * unexplained_m * Matrix3::Identity();
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       double sum = 0;
       for (std::size_t c = 0; c < n; ++c) sum += y[i][c] * y[j][c];
-      covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = sum;
+      covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) += sum;
     }
   }
   return covariance;

@@ -8,7 +8,8 @@
 namespace armsig::uncertainty {
 
 // Covariance [m^2] of the position of target `target` in the sensor frame at joint readings
-// `readings`. Precondition: the information of `refined` is regular, as refine() leaves it.
+// `readings`, with what the refinement left unexplained. Precondition: the information of `refined`
+// is regular, as refine() leaves it.
 [[nodiscard]] Matrix3 tool_covariance(const refinement::Refined& refined,
                                       const JointVector& readings, std::size_t target);
 

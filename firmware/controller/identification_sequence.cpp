@@ -68,9 +68,9 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
   if (!has_verdict()) forget_candidate();
   mover_.send(CommandKind::kEndSequence);
   Line line;
-  line.text("# identify ended");
+  line.text("# identify ended").reason(error);
   if (joint) line.text(" joint=").integer(*joint + 1);
-  announcer_.say(line.reason(error));
+  announcer_.say(line);
 }
 
 std::size_t IdentificationSequence::points_planned() const {

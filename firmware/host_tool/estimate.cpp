@@ -51,6 +51,7 @@ std::unique_ptr<refinement::Refined> rebuilt(const SignatureRecord& record) {
   }
   estimate->quality.sigma_m = record.sigma_m.value_or(0);
   estimate->quality.unexplained_m = record.unexplained_m;
+  estimate->quality.noise_freedom = record.noise_freedom;
   return estimate;
 }
 

@@ -61,6 +61,7 @@ void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
   add_covariance(record, refined);
   record.sigma_m = refined.quality.sigma_m;
   record.unexplained_m = refined.quality.unexplained_m;
+  record.noise_freedom = refined.quality.noise_freedom;
   record.predicted_tool_error_m = outcome.predicted_tool_error_m;
   record.fitted = outcome.fitted;
   if (!outcome.fitted.readings.empty()) record.corrections = refined.readings.corrections;

@@ -131,12 +131,8 @@ Read<void> Run::fit(const std::optional<Signature>& start) {
     return {};
   }
   std::size_t numbers = 0;
-  std::size_t positions = 0;
   for (const auto& row : rows) {
     numbers += row.kind == refinement::ObservationKind::kPosition ? 3 : 1;
-  }
-  for (const auto& row : log_.positions()) {
-    if (row.kind == refinement::ObservationKind::kPosition) ++positions;
   }
   std::size_t unknowns = 3 * targets_.size();
   for (const DhJoint& joint : nominal_.joints) {
@@ -149,12 +145,17 @@ Read<void> Run::fit(const std::optional<Signature>& start) {
   refinement::DrawingReport report;
   const auto done = refinement::refine_from_drawing(nominal_, rows, targets(), config_, verdicts_,
                                                     *refined_, {}, &report, log_.positions());
-  if (!done && done.error().error == Error::kTooFewPoints && positions < numbers) {
+  // What the base lacks is counted in rows, what the unknowns lack in numbers.
+  const bool no_base = !done && done.error().error == Error::kTooFewPoints &&
+                       done.error().needed < static_cast<double>(unknowns);
+  if (no_base) {
     return std::unexpected(
         Problem{file_, 0, 0,
                 fmt::format("{:.0f} positions of a target on the last link to find the base from",
                             done.error().found),
-                "rows in which three receivers or more heard it, at four poses or more"});
+                config_.receivers.empty()
+                    ? "rows of a target on the last link, at four poses or more"
+                    : "rows in which three receivers or more heard it, at four poses or more"});
   }
   if (!done) return refuse(done.error());
   drawing_rms_m_ = report.drawn_rms_m;

@@ -23,9 +23,9 @@ Problem refinement_problem(const Refusal& refusal, const std::string& file) {
   };
   switch (refusal.error) {
     case Error::kTooFewPoints:
-      return problem(
-          fmt::format("{:.0f} measured numbers for {:.0f} unknowns", refusal.found, refusal.needed),
-          "more rows: a position counts three numbers, a range one");
+      return problem(fmt::format("{:.0f} measured numbers, and the unknowns need {:.0f}",
+                                 refusal.found, refusal.needed),
+                     "more rows: a position counts three numbers, a range one");
     case Error::kJointDidNotMove:
       return problem("no joint moves: all poses are equal", "rows at different joint readings");
     case Error::kCoincidentPoints:

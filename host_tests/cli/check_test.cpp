@@ -168,7 +168,7 @@ TEST(Check, takes_ranges_in_the_air_that_they_were_measured_in) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
   const std::string sensor =
-      "armsig: sensor/1\nname: frame\nrange_sigma_mm: 0.2\npath: one-way\nfacing: [0, 0, 1]\n"
+      "armsig: sensor/1\nname: frame\nrange_sigma_mm: 0.2\npath: one-way\n"
       "receivers:\n"
       "  - {x_mm: 0, y_mm: 0, z_mm: 0}\n  - {x_mm: 1500, y_mm: 0, z_mm: 0}\n"
       "  - {x_mm: 0, y_mm: 1500, z_mm: 0}\n  - {x_mm: 1500, y_mm: 1500, z_mm: 300}\n";

@@ -239,6 +239,10 @@ TEST(Refined, finds_stores_and_applies_corrections_of_the_readings) {
   EXPECT_EQ(
       run_tool(folder, "suggest --signature s.yaml --count 2 --sigma-mm 0.2 --out n.csv").status,
       0);
+  const Outcome exported =
+      run_tool(folder, "export --signature s.yaml --format urdf --out arm.urdf");
+  EXPECT_EQ(exported.status, 1);
+  EXPECT_NE(exported.err.find("its joint readings are corrected"), std::string::npos);
   Csv first = Csv::read(folder / "q.csv");
   first.rows.resize(1);
   first.write(folder / "q.csv");
@@ -305,7 +309,14 @@ TEST(Refined, names_what_is_missing) {
   Csv few = good;
   keep_mixed(few);
   few.rows.resize(8);
-  expect_refused(folder, refine(folder, few), 1, "24 measured numbers for 27 unknowns");
+  expect_refused(folder, refine(folder, few), 1, "24 measured numbers, and the unknowns need 27");
+
+  // As many numbers as unknowns, and nothing left to tell the noise by.
+  Csv bare = good;
+  keep_mixed(bare);
+  bare.rows.resize(9);
+  for (Fields& row : bare.rows) row[bare.column("sigma_mm")] = "";
+  expect_refused(folder, refine(folder, bare), 1, "27 measured numbers, and the unknowns need 30");
 
   Csv equal = good;
   keep_mixed(equal);

@@ -32,7 +32,7 @@ constexpr std::array<const char*, 4> kIndexNames{
     "Maximum normal deviation from a line", "Deviation from perpendicular between lines",
     "Maximum radial deviation of a grid point", "Maximum orientational deviation"};
 
-struct Options : CommonOptions {
+struct DemoOptions : CommonOptions {
   std::string out = "armsig-demo";
   std::uint64_t seed = 1;
 };
@@ -177,7 +177,7 @@ Read<std::optional<std::string>> write_report(const std::string& folder) {
 }
 
 void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::string>& report,
-                 const Options& options) {
+                 const DemoOptions& options) {
   const DemoPlan plan;
   fmt::print(
       "armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman measured theirs "
@@ -211,7 +211,7 @@ void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::
   if (report) fmt::print("\nThe report of robot 1, to open in a browser: {}\n", *report);
 }
 
-int run(const Options& options) {
+int run(const DemoOptions& options) {
   std::vector<DemoRobot> robots;
   std::vector<MeasurementRow> rows_of_robot1;
   const auto keep = [&](const MeasurementRow& row) { rows_of_robot1.push_back(row); };
@@ -241,7 +241,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_demo(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DemoOptions>();
   CLI::App* command = app.add_subcommand("demo", "the whole story on a simulated Puma 560");
   command->add_option("--out", options->out, "folder for the report and the files it is made of")
       ->capture_default_str();

@@ -18,7 +18,7 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct IdentifyOptions : CommonOptions {
   std::string arm, measurements, columns, sensor, out, serial;
   std::string method = "encoder";
   std::vector<std::string> correct;
@@ -26,7 +26,7 @@ struct Options : CommonOptions {
 };
 
 // The words of --correct.
-Read<FurtherUnknowns> further_unknowns(const Options& options) {
+Read<FurtherUnknowns> further_unknowns(const IdentifyOptions& options) {
   FurtherUnknowns further;
   if (options.correct.empty()) return further;
   if (options.method != "refined") {
@@ -49,7 +49,7 @@ Read<FurtherUnknowns> further_unknowns(const Options& options) {
 }
 
 // The file as it is, or with its columns mapped.
-Read<MeasurementReader> open_measurements(const Options& options, const JointTypes& types) {
+Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const JointTypes& types) {
   if (!options.mapped) return MeasurementReader::open(options.measurements, types);
   auto reader = MeasurementReader::over(options.mapped->text, options.measurements, types);
   if (!reader) reader.error().column = 0;  // of the mapped line, not of the file's
@@ -57,7 +57,7 @@ Read<MeasurementReader> open_measurements(const Options& options, const JointTyp
 }
 
 // Gives every row of the file to `take`.
-Read<void> read_all(const Options& options, const Arm& arm, const char* what,
+Read<void> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
                     const std::function<Read<void>(const MeasurementRow&)>& take) {
   auto reader = open_measurements(options, types_of(arm));
   if (!reader) return std::unexpected(reader.error());
@@ -77,7 +77,7 @@ Read<void> read_all(const Options& options, const Arm& arm, const char* what,
 // A file that can be read again: features are validated in a second pass.
 bool is_repeatable(const std::string& path) { return std::filesystem::is_regular_file(path); }
 
-Read<Found> identified_by_features(const Options& options, const Arm& arm,
+Read<Found> identified_by_features(const IdentifyOptions& options, const Arm& arm,
                                    IdentificationRun& identification) {
   const auto method =
       options.method == "paper" ? features::Method::kPaper : features::Method::kEncoder;
@@ -108,7 +108,7 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
                .validation = validation};
 }
 
-int run(Options options) {
+int run(IdentifyOptions options) {
   const auto further = further_unknowns(options);
   if (!further) return fail(further.error(), kBadInput, options);
   const auto arm = read_arm_file(options.arm);
@@ -165,7 +165,7 @@ int run(Options options) {
 }  // namespace
 
 void add_identify(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<IdentifyOptions>();
   CLI::App* command = app.add_subcommand("identify", "find the arm signature from measured sweeps");
   command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
   command->add_option("--measurements", options->measurements, "sweeps (CSV)")->required();

@@ -11,12 +11,12 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct ReportOptions : CommonOptions {
   ReportFiles files;
   std::string out;
 };
 
-int run(const Options& options) {
+int run(const ReportOptions& options) {
   const auto input = read_report_input(options.files);
   if (!input) return fail(input.error(), kBadInput, options);
   const auto report = report_json(*input);
@@ -43,7 +43,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_report(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportOptions>();
   CLI::App* command =
       app.add_subcommand("report", "a page that shows the signature (HTML, readable offline)");
   command->add_option("--signature", options->files.signature, "signature (YAML)")->required();

@@ -40,7 +40,8 @@ inline constexpr double kExportTolerance_m = 1e-9;
 // Names of the formats, in the order of the documentation.
 [[nodiscard]] std::vector<std::string> export_formats();
 
-// The text in the format of that name. Precondition: one of export_formats().
+// The text in the format of that name; none of them holds corrections of the readings.
+// Precondition: one of export_formats().
 [[nodiscard]] Read<std::string> export_text(const std::string& format,
                                             const SignatureRecord& record);
 

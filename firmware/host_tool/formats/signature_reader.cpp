@@ -170,6 +170,10 @@ Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
     ARMSIG_TRY(unexplained_m, root.number("unexplained_m"));
     record.unexplained_m = unexplained_m;
   }
+  if (root.find("noise_freedom") != nullptr) {
+    ARMSIG_TRY(noise_freedom, root.number("noise_freedom"));
+    record.noise_freedom = noise_freedom;
+  }
   if (root.find("predicted_tool_error_m") != nullptr) {
     ARMSIG_TRY(error_m, root.number("predicted_tool_error_m"));
     record.predicted_tool_error_m = error_m;
@@ -208,17 +212,30 @@ Read<SignatureRecord> record_from(const YamlNode& root) {
                       fmt::format("armsig: {}", kSignatureTag));
   }
   if (auto seal = check_seal(root); !seal) return std::unexpected(std::move(seal).error());
-  ARMSIG_TRY(map, YamlMap::open(root, "the signature", {"armsig",        "name",
-                                                        "serial",        "method",
-                                                        "time",          "version",
-                                                        "air_c",         "sigma_m",
-                                                        "unexplained_m", "predicted_tool_error_m",
-                                                        "fit",           "range_offsets_m",
-                                                        "length_scale",  "warnings",
-                                                        "base",          "joints",
-                                                        "last_link",     "coupling",
-                                                        "targets",       "covariance_of",
-                                                        "covariance",    std::string(kCrcKey)}));
+  ARMSIG_TRY(map, YamlMap::open(root, "the signature",
+                                {"armsig",
+                                 "name",
+                                 "serial",
+                                 "method",
+                                 "time",
+                                 "version",
+                                 "air_c",
+                                 "sigma_m",
+                                 "unexplained_m",
+                                 "noise_freedom",
+                                 "predicted_tool_error_m",
+                                 "fit",
+                                 "range_offsets_m",
+                                 "length_scale",
+                                 "warnings",
+                                 "base",
+                                 "joints",
+                                 "last_link",
+                                 "coupling",
+                                 "targets",
+                                 "covariance_of",
+                                 "covariance",
+                                 std::string(kCrcKey)}));
   SignatureRecord record;
   ARMSIG_TRY(X_S0, read_base(map));
   auto done = read_origin(map, record);

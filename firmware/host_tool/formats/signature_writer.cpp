@@ -185,6 +185,9 @@ std::string body_text(const SignatureRecord& record) {
     text += fmt::format("unexplained_m: {}  # per axis, beyond that noise\n",
                         number_text(record.unexplained_m));
   }
+  if (record.noise_freedom > 0) {
+    text += fmt::format("noise_freedom: {}\n", number_text(record.noise_freedom));
+  }
   if (record.predicted_tool_error_m) {
     text += fmt::format("predicted_tool_error_m: {}  # RMS over the work volume\n",
                         number_text(*record.predicted_tool_error_m));
