@@ -130,7 +130,8 @@ int run(const SolveOptions& options) {
     const JointVector* seed = seeds.empty() ? nullptr : &seeds[std::min(k, seeds.size() - 1)];
     const auto solution = solver.solve((*poses)[k], seed);
     if (!solution || !is_solved(solution->verdict)) {
-      const std::string why(solution ? verdict_word(solution->verdict) : describe(solution.error()));
+      const std::string why(solution ? verdict_word(solution->verdict)
+                                     : describe(solution.error()));
       return fail({options.poses, 0, 0, fmt::format("pose {}: {}", k + 1, why),
                    "poses that the arm reaches within its joint limits"},
                   kNoAnswer, options);
