@@ -33,7 +33,8 @@ std::vector<Target> skeleton(const SignatureRecord& record, const Pose& X_SB,
   return points;
 }
 
-BentLine at(const Signature& signature, const JointVector& q, const std::vector<Target>& points) {
+BentLine line_at(const Signature& signature, const JointVector& q,
+                 const std::vector<Target>& points) {
   BentLine line;
   for (const Target& point : points) {
     line.push_back(kinematics::target_position(signature, q, point));
@@ -76,7 +77,7 @@ ArmDrawing arm_drawing(const SignatureRecord& record) {
   const auto nominal = skeleton(record, frames.X_SB, frames.X_SN, tool);
   ArmDrawing drawing{.has_tool = tool.has_value(), .poses = path(record), .frames = {}};
   for (const JointVector& q : drawing.poses) {
-    drawing.frames.push_back({at(drawn, q, nominal), at(record.signature, q, actual)});
+    drawing.frames.push_back({line_at(drawn, q, nominal), line_at(record.signature, q, actual)});
   }
   return drawing;
 }

@@ -21,7 +21,7 @@ constexpr std::size_t kShownPoints = 600;
 
 // Pictures need no 17 digits: micrometres for places, nanometres for residuals.
 double rounded(double value, double unit) { return std::round(value / unit) * unit; }
-Json place(const Vector3& p) {
+Json rounded_place(const Vector3& p) {
   return {rounded(p.x(), 1e-6), rounded(p.y(), 1e-6), rounded(p.z(), 1e-6)};
 }
 Json exactly(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
@@ -56,7 +56,7 @@ Json about_json(const ReportInput& input) {
 
 Json line_json(const BentLine& line) {
   Json points = Json::array();
-  for (const Vector3& p : line) points.push_back(place(p));
+  for (const Vector3& p : line) points.push_back(rounded_place(p));
   return points;
 }
 
@@ -74,7 +74,7 @@ Json arm_json(const SignatureRecord& record) {
 }
 
 Json point_json(const PointResidual& point) {
-  return {rounded(point.reading, 1e-7),      place(point.p_S),
+  return {rounded(point.reading, 1e-7),      rounded_place(point.p_S),
           rounded(point.radial_m, 1e-9),     rounded(point.normal_m, 1e-9),
           rounded(point.tangential_m, 1e-9), point.rejected ? 1 : 0};
 }
@@ -158,7 +158,7 @@ Json parameters_json(const SignatureRecord& record, const refinement::Refined* e
 Json map_json(const ToolErrorMap& map) {
   Json points = Json::array();
   for (const ToolErrorAt& at : map.points) {
-    Json point = place(at.p_S);
+    Json point = rounded_place(at.p_S);
     point.push_back(rounded(at.drawing_m, 1e-8));
     point.push_back(at.predicted_m ? Json(rounded(*at.predicted_m, 1e-9)) : Json(nullptr));
     points.push_back(std::move(point));

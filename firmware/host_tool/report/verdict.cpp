@@ -16,7 +16,7 @@ constexpr double kDominant = 0.5;
 constexpr double kScaleOfInterest = 1e-4;
 
 // As the page writes lengths.
-std::string in_millimetres(double metres) {
+std::string length_in_words(double metres) {
   if (metres < 1e-5) return fmt::format("{:.1f} µm", 1e6 * metres);
   return fmt::format("{:.{}f} mm", 1e3 * metres, metres < 1e-3 ? 3 : 2);
 }
@@ -34,11 +34,11 @@ void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
   verdict.sentences.push_back(fmt::format(
       "Over the whole joint space the drawing misses by {} (root mean square, its base and tool "
       "fitted), the signature by {}. This arm is simulated, so that its true error is known.",
-      in_millimetres(before_m), in_millimetres(after_m)));
+      length_in_words(before_m), length_in_words(after_m)));
   if (map.predicted_rms_m) {
     verdict.sentences.push_back(
         fmt::format("From the measurements alone the signature predicted an error of {} (1σ).",
-                    in_millimetres(*map.predicted_rms_m)));
+                    length_in_words(*map.predicted_rms_m)));
   }
 }
 
@@ -51,7 +51,7 @@ void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
     verdict.sentences.push_back(fmt::format(
         "Drawing and signature differ by {} over the joint space, and the signature itself is "
         "uncertain by {} (1σ).",
-        in_millimetres(before_m), in_millimetres(after_m)));
+        length_in_words(before_m), length_in_words(after_m)));
     return;
   }
   verdict.headline =
@@ -60,7 +60,7 @@ void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
   verdict.sentences.push_back(fmt::format(
       "Over the whole joint space the drawing, its base and tool fitted, is {} (root mean square) "
       "from the signature; the signature is uncertain by {} (1σ).",
-      in_millimetres(before_m), in_millimetres(after_m)));
+      length_in_words(before_m), length_in_words(after_m)));
 }
 
 void judge_without_covariance(const std::optional<ToolErrorMap>& map, Verdict& verdict) {
@@ -70,7 +70,7 @@ void judge_without_covariance(const std::optional<ToolErrorMap>& map, Verdict& v
     return;
   }
   verdict.headline = fmt::format("The drawing is {} from this signature over the joint space.",
-                                 in_millimetres(map->drawing_rms_m));
+                                 length_in_words(map->drawing_rms_m));
   verdict.sentences.emplace_back(
       "How sure the signature is can't be said: the file holds neither covariance nor sweeps.");
 }
@@ -99,7 +99,7 @@ void say_how_sure(const SignatureRecord& record, const std::vector<SweepPicture>
     verdict.sentences.push_back(fmt::format(
         "Points that were left out of the fit in turn are {} from where it puts them (root mean "
         "square), the sensor's own noise included.",
-        in_millimetres(record.fit->left_out->rms_m)));
+        length_in_words(record.fit->left_out->rms_m)));
   }
   const auto waves = std::ranges::count_if(
       sweeps, [](const SweepPicture& sweep) { return sweep.wave && sweep.wave->significant(); });
@@ -191,7 +191,7 @@ std::string residuals_in_words(const SweepPicture& sweep) {
       "of "
       "it, which is why the residuals show half. A signature with constant offsets can't hold it.",
       degrees(wave.amplitude_rad()), degrees(wave.sigma_rad),
-      in_millimetres(wave.amplitude_rad() * sweep.feature.radius_m));
+      length_in_words(wave.amplitude_rad() * sweep.feature.radius_m));
 }
 
 }  // namespace armsig::tool
