@@ -16,7 +16,7 @@ class ByteStream {
   Result<void> write(std::span<const std::uint8_t> bytes) { return do_write(bytes); }
 
   // Takes what has arrived, at most into.size() bytes, and returns how many; never blocks.
-  // Errors: kBusDown.
+  // Errors: kBusDown, kCharactersLost (told once; reading goes on behind the gap).
   Result<std::size_t> read(std::span<std::uint8_t> into) { return do_read(into); }
 
  protected:

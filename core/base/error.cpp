@@ -142,6 +142,8 @@ std::string_view describe(Error error) {
       return "the line is too long";
     case Error::kNotText:
       return "the line is not text";
+    case Error::kCharactersLost:
+      return "characters of the serial line were lost";
     case Error::kConsoleGone:
       return "the console client is gone";
     case Error::kSystemRefused:

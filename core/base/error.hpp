@@ -92,6 +92,7 @@ enum class Error : std::uint8_t {
   kStorageFault,       // the device failed
   kLineTooLong,        // a console line above its bound
   kNotText,            // a console line with bytes that are no text
+  kCharactersLost,     // a serial line was not emptied in time
   kConsoleGone,        // the client has left or does not take its replies
   kSystemRefused,      // the operating system refused a resource
   // Controller.

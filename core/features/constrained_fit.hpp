@@ -81,10 +81,11 @@ class ConstrainedFit {
     MotionJacobian<kParameters> weighted;
     for (int i = 0; i < 9; i += 3)
       weighted.template middleRows<3>(i) = shape_inverse_ * D.template middleRows<3>(i);
-    const Covariance inverse_information = root * root.transpose();
-    const MotionJacobian<kParameters> influence = weighted * inverse_information;
-    const MotionJacobian<kParameters> scored = score_ * influence;
-    return influence.transpose() * scored;
+    // Plain sums: for products of this size Eigen would prepare a heap.
+    const Covariance inverse_information = root.lazyProduct(root.transpose());
+    const MotionJacobian<kParameters> influence = weighted.lazyProduct(inverse_information);
+    const MotionJacobian<kParameters> scored = score_.lazyProduct(influence);
+    return Covariance(influence.transpose().lazyProduct(scored));
   }
 
  private:

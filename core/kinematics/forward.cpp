@@ -9,9 +9,13 @@ namespace {
 // Written where the caller wants it, so that nothing is initialised twice.
 template <typename Scalar>
 [[gnu::always_inline]] inline Result<PoseT<Scalar>> stored(const Frame<Scalar>& frame) {
-  Result<PoseT<Scalar>> result;
-  frame.store_pose(*result);
-  return result;
+  if constexpr (Lanes<Scalar>::kCount == 1) {
+    return PoseT<Scalar>{frame.R, frame.p};
+  } else {
+    Result<PoseT<Scalar>> result;
+    frame.store_pose(*result);
+    return result;
+  }
 }
 
 template <typename Scalar>

@@ -64,12 +64,12 @@ struct JointAxes {
 struct NoAxes {};
 
 // A whole frame [R p], frame 0 at first: one pack with a spare lane where a register holds three
-// rows, else a pack of two rows and a single one.
-template <typename Scalar, bool kOnePack = (Lanes<Scalar>::kCount >= 4)>
+// rows, a pack of two rows and a single one, or three single ones.
+template <typename Scalar, std::size_t kRowsAtOnce = Lanes<Scalar>::kCount>
 struct Frame;
 
 template <typename Scalar>
-struct Frame<Scalar, true> {
+struct Frame<Scalar, 4> {
   using V = Pack<Scalar>;
   FrameRows<V> rows{V{1, 0, 0, 0}, V{0, 1, 0, 0}, V{0, 0, 1, 0}, V{0, 0, 0, 0}};
 
@@ -107,7 +107,7 @@ struct Frame<Scalar, true> {
 };
 
 template <typename Scalar>
-struct Frame<Scalar, false> {
+struct Frame<Scalar, 2> {
   using V = Pack<Scalar>;
   FrameRows<V> rows01{V{1, 0}, V{0, 1}, V{0, 0}, V{0, 0}};
   FrameRows<Scalar> row2{0, 0, 1, 0};
@@ -139,6 +139,95 @@ struct Frame<Scalar, false> {
   static void store_column(Scalar* to, const V& rows01, Scalar row2) {
     store(to, rows01);
     to[2] = row2;
+  }
+};
+
+// A vector that is brought from the frame of a link to the frame before it.
+template <typename Scalar>
+struct Brought {
+  Scalar x, y, z;
+
+  // By Rot(x, alpha) of link i, then by Rot(z, theta).
+  [[gnu::always_inline]] void twist(const ChainT<Scalar>& chain, std::size_t i) {
+    const Scalar c = chain.cos_alpha[i];
+    const Scalar s = chain.sin_alpha[i];
+    const Scalar twisted = c * y - s * z;
+    z = s * y + c * z;
+    y = twisted;
+  }
+  [[gnu::always_inline]] void turn(const JointTerms<Scalar>& terms, std::size_t i) {
+    const Scalar turned = terms.cosine[i] * x - terms.sine[i] * y;
+    y = terms.sine[i] * x + terms.cosine[i] * y;
+    x = turned;
+  }
+};
+
+template <typename Scalar>
+struct Frame<Scalar, 1> {
+  Eigen::Matrix<Scalar, 3, 3> R;
+  Eigen::Matrix<Scalar, 3, 1> p;
+
+  // Frame n. Alone, its x and z axes and its origin are brought to frame 0 from the tip, which
+  // keeps all in registers; with the frames between, one row after the other from the base.
+  template <typename Axes>
+  [[gnu::always_inline]] void advance_all(const ChainT<Scalar>& chain,
+                                          const JointTerms<Scalar>& terms, Axes& axes) {
+    if constexpr (std::is_same_v<Axes, NoAxes>) {
+      bring_to_base(chain, terms);
+    } else {
+      for (std::size_t k = 0; k < 3; ++k) advance_row(chain, terms, axes, k);
+    }
+  }
+  [[gnu::always_inline]] void store_pose(PoseT<Scalar>& X) const {
+    X.R = R;
+    X.p = p;
+  }
+
+ private:
+  [[gnu::always_inline]] void bring_to_base(const ChainT<Scalar>& chain,
+                                            const JointTerms<Scalar>& terms) {
+    // The last link alone, written out.
+    std::size_t i = chain.joint_count - 1;
+    const Scalar s = terms.sine[i];
+    const Scalar c = terms.cosine[i];
+    Brought<Scalar> x{c, s, 0};
+    Brought<Scalar> z{0, -chain.sin_alpha[i], chain.cos_alpha[i]};
+    Brought<Scalar> o{chain.x[i], chain.y[i], terms.z[i]};
+    z.x = -s * z.y;
+    z.y = c * z.y;
+    o.turn(terms, i);
+    while (i-- > 0) {
+      x.twist(chain, i);
+      z.twist(chain, i);
+      o.twist(chain, i);
+      o.x += chain.x[i];
+      o.y += chain.y[i];
+      o.z += terms.z[i];
+      x.turn(terms, i);
+      z.turn(terms, i);
+      o.turn(terms, i);
+    }
+    R.col(0) << x.x, x.y, x.z;
+    R.col(1) << z.y * x.z - z.z * x.y, z.z * x.x - z.x * x.z, z.x * x.y - z.y * x.x;
+    R.col(2) << z.x, z.y, z.z;
+    p << o.x, o.y, o.z;
+  }
+
+  [[gnu::always_inline]] void advance_row(const ChainT<Scalar>& chain,
+                                          const JointTerms<Scalar>& terms, JointAxes<Scalar>& axes,
+                                          std::size_t k) {
+    FrameRows<Scalar> row{k == 0 ? Scalar(1) : 0, k == 1 ? Scalar(1) : 0, k == 2 ? Scalar(1) : 0,
+                          0};
+    for (std::size_t i = 0; i < chain.joint_count; ++i) {
+      axes.axis[i][k] = row.z;
+      axes.origin[i][k] = row.p;
+      row.advance(chain, terms, i);
+    }
+    const auto at = static_cast<Eigen::Index>(k);
+    R(at, 0) = row.x;
+    R(at, 1) = row.y;
+    R(at, 2) = row.z;
+    p[at] = row.p;
   }
 };
 
@@ -201,6 +290,18 @@ template <typename Scalar>
   if (chain.has_prismatic) [[unlikely]] {
     if (!prismatic_heights(chain, q, terms)) return false;
     terms.z = terms.height.data();
+  }
+  if constexpr (kCount == 1) {
+    for (std::size_t j = 0; j < chain.joint_count; ++j) {
+      Scalar angle = chain.theta[j];
+      if (chain.revolute[j]) [[likely]]
+        angle += q[j];
+      if (!(std::abs(angle) <= SineCosineConstants<Scalar>::kLargestAngle)) [[unlikely]] {
+        return large_angles(chain, q, terms);
+      }
+      sine_cosine_of_one(angle, terms.sine[j], terms.cosine[j]);
+    }
+    return true;
   }
   PackMask<Scalar> in_reach = pack_terms(chain, q, terms, 0);
   if constexpr (2 * kCount == kMaxJoints) {

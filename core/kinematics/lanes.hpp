@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 #ifdef __SSE2__
 #include <immintrin.h>
@@ -20,6 +21,25 @@ namespace armsig::kinematics {
 template <typename Scalar>
 struct Lanes;
 
+// Scalar processors: one number at a time, as itself. A vector that the compiler has to take apart
+// would pass through memory.
+#if defined(__arm__) && !defined(__ARM_NEON)
+template <>
+struct Lanes<double> {
+  static constexpr std::size_t kCount = 1;
+  using Integer = std::int64_t;
+  using Pack = double;
+  using Mask = Integer;
+};
+
+template <>
+struct Lanes<float> {
+  static constexpr std::size_t kCount = 1;
+  using Integer = std::int32_t;
+  using Pack = float;
+  using Mask = Integer;
+};
+#else
 template <>
 struct Lanes<double> {
 #ifdef __AVX2__
@@ -39,6 +59,7 @@ struct Lanes<float> {
   using Pack [[gnu::vector_size(kCount * sizeof(float))]] = float;
   using Mask [[gnu::vector_size(kCount * sizeof(float))]] = Integer;
 };
+#endif
 
 template <typename Scalar>
 using Pack = typename Lanes<Scalar>::Pack;
@@ -54,16 +75,26 @@ template <typename To, typename From>
   return to;
 }
 
+// A pack of one is read and written as itself: through std::memcpy it would take the way of two
+// integers.
 template <typename V, typename T>
 [[nodiscard]] inline V load(const T* from) {
-  V pack;
-  std::memcpy(&pack, from, sizeof(pack));
-  return pack;
+  if constexpr (std::is_same_v<V, T>) {
+    return *from;
+  } else {
+    V pack;
+    std::memcpy(&pack, from, sizeof(pack));
+    return pack;
+  }
 }
 
 template <typename V, typename T>
 inline void store(T* to, const V& pack) {
-  std::memcpy(to, &pack, sizeof(pack));
+  if constexpr (std::is_same_v<V, T>) {
+    *to = pack;
+  } else {
+    std::memcpy(to, &pack, sizeof(pack));
+  }
 }
 
 // Whether every lane of `mask` is set.
@@ -79,9 +110,15 @@ template <typename Mask>
     return _mm256_movemask_epi8(bits_as<__m256i>(mask)) == -1;
   }
 #endif
-  bool result = true;
-  for (std::size_t i = 0; i < sizeof(Mask) / sizeof(mask[0]); ++i) result = result && mask[i] != 0;
-  return result;
+  if constexpr (std::is_integral_v<Mask>) {
+    return mask != 0;
+  } else {
+    bool result = true;
+    for (std::size_t i = 0; i < sizeof(Mask) / sizeof(mask[0]); ++i) {
+      result = result && mask[i] != 0;
+    }
+    return result;
+  }
 }
 
 }  // namespace armsig::kinematics

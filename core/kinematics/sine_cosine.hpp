@@ -72,6 +72,16 @@ template <typename V, typename Scalar>
   return (c[0] + c[1] * u) + u2 * (c[2] + c[3] * u);
 }
 
+// The same without pairs, for processors that work on one term at a time: fewer registers.
+template <std::size_t kFirst = 0, typename Scalar, std::size_t kTerms>
+[[nodiscard]] inline Scalar nested(const std::array<Scalar, kTerms>& c, Scalar u) {
+  if constexpr (kFirst + 1 == kTerms) {
+    return c[kFirst];
+  } else {
+    return c[kFirst] + u * nested<kFirst + 1>(c, u);
+  }
+}
+
 // For every lane |angle| <= kLargestAngle (else the result is meaningless).
 template <typename Scalar>
 [[gnu::always_inline]] inline void sine_cosine(Pack<Scalar> angle, Pack<Scalar>& sine,
@@ -91,6 +101,21 @@ template <typename Scalar>
   const Bits sign = bits_as<Bits>(shifted) << kSignBit;  // odd half turns negate both
   sine = bits_as<V>(bits_as<Bits>(s) ^ sign);
   cosine = bits_as<V>(bits_as<Bits>(c) ^ sign);
+}
+
+// One angle on a processor that works on one term at a time.
+template <typename Scalar>
+[[gnu::always_inline]] inline void sine_cosine_of_one(Scalar angle, Scalar& sine, Scalar& cosine) {
+  using Constants = SineCosineConstants<Scalar>;
+  const Scalar shifted = angle * Constants::kOneOverPi + Constants::kRound;
+  const Scalar k = shifted - Constants::kRound;
+  const Scalar r = ((angle - k * Constants::kPi1) - k * Constants::kPi2) - k * Constants::kPi3;
+  const Scalar u = r * r;
+  const Scalar s = r + r * (u * nested(Constants::kSine, u));
+  const Scalar c = Scalar(1) + u * (Scalar(-0.5) + u * nested(Constants::kCosine, u));
+  const bool odd = (bits_as<typename Lanes<Scalar>::Integer>(shifted) & 1) != 0;
+  sine = odd ? -s : s;
+  cosine = odd ? -c : c;
 }
 
 }  // namespace armsig::kinematics

@@ -45,9 +45,6 @@ Vector12 link_vector(const Pose& X_BL) {
   return g;
 }
 
-// Exact data would leave a scale of zero, and no row a weight.
-constexpr double kLeastScale_m = 1e-9;
-
 double huber(double residual, double scale) {
   return residual <= 2 * scale ? 1 : 2 * scale / residual;
 }

@@ -10,8 +10,8 @@ namespace armsig::refinement {
 
 namespace {
 
-constexpr int kRobustPasses = 12;
-constexpr std::size_t kFewestRows = 4;
+constexpr int kSweepPasses = 12;
+constexpr std::size_t kFewestSweepRows = 4;
 // Least diagonal of the factor relative to its largest: an arc of about 5 degrees. Below it the
 // three regressors are hardly apart and the rows are better taken one by one.
 constexpr double kLeastDiagonal = 1e-4;
@@ -104,7 +104,7 @@ bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOu
            SmallFactor& factor) {
   const auto rows = static_cast<double>(fitted);
   const double freedom = rows / (rows - regressors);
-  for (int pass = 0; pass < kRobustPasses; ++pass) {
+  for (int pass = 0; pass < kSweepPasses; ++pass) {
     factor = factor_of(view, outcomes);
     if (!factor.determined(regressors)) return false;
     const Matrix3 fit = factor.solve(regressors);
@@ -118,7 +118,7 @@ bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOu
     double scale = std::sqrt(squares.median() / kMedianChiSquare3 * freedom);
     if (view.rows.front().sigma_m > 0) scale = std::max(scale, 1.0);
     // The gate only once Huber's convex fit has found the circle.
-    const bool gated = pass >= kRobustPasses / 2;
+    const bool gated = pass >= kSweepPasses / 2;
     std::size_t used = 0;
     double change = 0;
     for (std::size_t k = 0; k < view.rows.size(); ++k) {
@@ -131,7 +131,7 @@ bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOu
       outcomes[k].rejected = weight == 0;
       if (weight > 0) ++used;
     }
-    if (2 * used < fitted || used < kFewestRows) return false;
+    if (2 * used < fitted || used < kFewestSweepRows) return false;
     if (change == 0 || (gated && change < 1e-6)) return true;
   }
   factor = factor_of(view, outcomes);
@@ -205,7 +205,7 @@ bool compress_sweep(std::span<const Observation> log, std::size_t first, std::si
                     CompressedSweep& sweep) {
   const View view{log.subspan(first, count), chain, sweep, log[first].p_S};
   const std::size_t fitted = place(view.rows, chain, type, sweep);
-  if (fitted < kFewestRows || !(sweep.half_length > 0)) return false;
+  if (fitted < kFewestSweepRows || !(sweep.half_length > 0)) return false;
   const int regressors = sweep.revolute ? 3 : 2;
   const std::span<RowOutcome> marked = outcomes.subspan(first, count);
   for (RowOutcome& outcome : marked) outcome = {};

@@ -23,6 +23,9 @@ inline constexpr double kGate3 = 5.7;
 inline constexpr double kMedianChiSquare1 = 0.4549364;
 inline constexpr double kMedianChiSquare3 = 2.3659739;
 
+// Exact data would leave a scale of zero, and no row a weight.
+inline constexpr double kLeastScale_m = 1e-9;
+
 struct RobustThresholds {
   double knee = kHuberKnee3;
   double gate = kGate3;

@@ -11,16 +11,15 @@ namespace armsig::refinement {
 
 namespace {
 
-constexpr int kMaxSteps = 60;
+constexpr int kMostSteps = 60;
 constexpr double kLargestDamping = 1e8;
 // Of a step, in metres and radians, below which nothing more is gained.
 constexpr double kLastStep = 1e-9;
 // More than this is not left by lengths drawn wrong by centimetres.
 constexpr double kGood_m = 0.1;
 // Another quarter of a turn must explain the log that much better.
-constexpr double kConvincing = 0.5;
+constexpr double kConvincingTurn = 0.5;
 constexpr int kQuarterTurnedJoints = 3;
-constexpr double kLeastScale_m = 1e-9;
 
 // Rotation and shift of the base, target, zeros.
 constexpr int kUnknowns = 9 + static_cast<int>(kMaxJoints);
@@ -43,7 +42,7 @@ class ZeroFit {
 
   void run() {
     double damping = 1e-3;
-    for (int step = 0; step < kMaxSteps && damping < kLargestDamping; ++step) {
+    for (int step = 0; step < kMostSteps && damping < kLargestDamping; ++step) {
       const double scale = residual_scale();
       linearise(scale);
       const double before = cost(scale);
@@ -175,7 +174,7 @@ Judged<ZeroedDrawing> fit_zeros(const Arm& arm, std::span<const Observation> log
         best_from = trial_from;
       }
     }
-    if (best.fitted.rms_m > kConvincing * before_m) break;
+    if (best.fitted.rms_m > kConvincingTurn * before_m) break;
     from = best_from;
   }
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {

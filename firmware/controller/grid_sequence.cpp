@@ -36,9 +36,9 @@ void GridSequence::end(Error error, std::optional<std::size_t> joint) {
   walk_.reset();
   mover_.send(CommandKind::kEndSequence);
   Line line;
-  line.text("# touch-grid ended touched=").integer(touched_);
+  line.text("# touch-grid ended touched=").integer(touched_).reason(error);
   if (joint) line.text(" joint=").integer(*joint + 1);
-  announcer_.say(line.reason(error));
+  announcer_.say(line);
 }
 
 void GridSequence::step() {

@@ -63,14 +63,14 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
   stage_ = Stage::kNone;
   paused_ = false;
   pause_reason_.reset();
-  sweep_.reset();
+  work_.emplace<std::monostate>();
   measurement_.end();
   if (!has_verdict()) forget_candidate();
   mover_.send(CommandKind::kEndSequence);
   Line line;
-  line.text("# identify ended");
+  line.text("# identify ended").reason(error);
   if (joint) line.text(" joint=").integer(*joint + 1);
-  announcer_.say(line.reason(error));
+  announcer_.say(line);
 }
 
 std::size_t IdentificationSequence::points_planned() const {
@@ -89,8 +89,8 @@ void IdentificationSequence::tell_progress(std::string_view what) const {
   Line line;
   line.text("# identify ").text(what).text(" joint=").integer(joint_ + 1);
   line.text(" points=").integer(points_done_).text(" planned=").integer(points_planned());
-  if (sweep_ && sweep_->axis_sigma_rad()) {
-    line.text(" axis_sigma_deg=").number(degrees(*sweep_->axis_sigma_rad()), 5);
+  if (const Sweep* sweep = std::get_if<Sweep>(&work_); sweep && sweep->axis_sigma_rad()) {
+    line.text(" axis_sigma_deg=").number(degrees(*sweep->axis_sigma_rad()), 5);
   }
   announcer_.say(line.text(" left_s=").number(left_s(), 0));
 }
@@ -127,12 +127,12 @@ void IdentificationSequence::step() {
   }
 }
 
-void IdentificationSequence::begin_sweep() { sweep_.emplace(configuration_, joint_); }
+void IdentificationSequence::begin_sweep() { work_.emplace<Sweep>(configuration_, joint_); }
 
 void IdentificationSequence::go_on() {
   JointVector q = configuration_.sweeps.configuration;
   if (stage_ == Stage::kSweeping) {
-    const auto reading = sweep_->next();
+    const auto reading = sweep().next();
     if (!reading) {
       finish_sweep();
       return;
@@ -191,7 +191,7 @@ void IdentificationSequence::take_error(Error error) {
   if (++lost_in_a_row_ >= kLostInARow) {
     pause_for(error);
   } else if (stage_ == Stage::kSweeping) {
-    sweep_->skip();
+    sweep().skip();
   } else {
     ++held_out_;
   }
@@ -220,15 +220,15 @@ void IdentificationSequence::take(const MeasuredPoint& point) {
     ++held_out_;
     return;
   }
-  if (auto added = sweep_->add(readings[joint_], point.p_S, point.covariance_m2); !added) {
+  if (auto added = sweep().add(readings[joint_], point.p_S, point.covariance_m2); !added) {
     end(added.error(), joint_);
     return;
   }
-  if (sweep_->done() % 10 == 0) tell_progress("sweep");
+  if (sweep().done() % 10 == 0) tell_progress("sweep");
 }
 
 void IdentificationSequence::finish_sweep() {
-  const auto feature = sweep_->feature();
+  const auto feature = sweep().feature();
   if (!feature) {
     end(feature.error().error, joint_);
     return;
@@ -240,7 +240,7 @@ void IdentificationSequence::finish_sweep() {
     return;
   }
   --joint_;
-  sweep_.reset();
+  work_.emplace<std::monostate>();
   finish_sweeps();
 }
 
@@ -253,11 +253,12 @@ void IdentificationSequence::finish_sweeps() {
   }
   candidate_ = *identified;
   add_targets(*candidate_);
+  auto& reference = work_.emplace<Signature>();
   if (active_ != nullptr) {
-    reference_ = *active_;
-    lay_over(reference_, *candidate_);
+    reference = *active_;
+    lay_over(reference, *candidate_);
   } else {
-    reference_ = evaluation::drawing_as_model(configuration_.drawing, *candidate_);
+    reference = evaluation::drawing_as_model(configuration_.drawing, *candidate_);
   }
   stage_ = Stage::kHeldOut;
 }
@@ -283,7 +284,7 @@ void IdentificationSequence::add_targets(Signature& signature) const {
 }
 
 void IdentificationSequence::finish_held_out() {
-  report_ = compare(*candidate_, reference_, log_);
+  report_ = compare(*candidate_, *std::get_if<Signature>(&work_), log_);
   announcer_.say(Line()
                      .text("# candidate held_out=")
                      .integer(report_.poses)

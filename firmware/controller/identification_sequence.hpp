@@ -8,6 +8,7 @@
 #pragma once
 
 #include <optional>
+#include <variant>
 
 #include "core/signature.hpp"
 #include "firmware/controller/announcer.hpp"
@@ -55,6 +56,7 @@ class IdentificationSequence {
 
   void go_on();
   void begin_sweep();
+  [[nodiscard]] Sweep& sweep() { return *std::get_if<Sweep>(&work_); }  // kSweeping
   void finish_sweep();
   void finish_sweeps();
   void finish_held_out();
@@ -81,10 +83,11 @@ class IdentificationSequence {
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
   hal::Instant began_;
-  std::optional<Sweep> sweep_;
+  // While sweeping the sweep under way; on held-out poses the active model, laid over the
+  // candidate. Both are large.
+  std::variant<std::monostate, Sweep, Signature> work_;
   FixedVector<features::JointFeature, kMaxJoints> features_;
   std::optional<Signature> candidate_;
-  Signature reference_;  // the active model, laid over the candidate
   HeldOutReport report_;
   MeasurementLog log_;
 };

@@ -47,7 +47,21 @@ Result<JointVector> solve(const Configuration& configuration, const Model& model
     case Verdict::kNotConverged:
       break;
   }
-  return std::unexpected(Error::kNotConverged);
+  const bool singular = solution.regularity < configuration.limits.least_regularity;
+  return std::unexpected(singular ? Error::kSingularPath : Error::kNotConverged);
+}
+
+// Twice the length of the stretched arm: no two places of its flange are further apart.
+double longest_way(const Arm& arm) {
+  double length = 0;
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    const DhJoint& row = arm.joints[i];
+    const auto [lower, upper] = arm.limits[i];
+    const double slide = row.type == JointType::kPrismatic ? std::max(-lower, upper) : 0;
+    length += std::hypot(row.a_m, std::abs(row.d_m) + std::max(0.0, slide));
+  }
+  constexpr double kManufacturing = 1.05;
+  return 2 * kManufacturing * length;
 }
 
 bool finite(const JointVector& q) {
@@ -99,6 +113,14 @@ Planned plan_line(const Configuration& configuration, const Model& model, const 
   double duration =
       std::max({kShortest_s, kPeakSpeed * (X_RT_to.p - X_RT_from->p).norm() / limits.tool_speed,
                 kPeakSpeed * turn / limits.tool_turn_rate});
+  if ((flange_pose(model, X_RT_to).p - flange_pose(model, *X_RT_from).p).norm() >
+      longest_way(configuration.drawing)) {
+    return refused(Error::kOutOfReach);
+  }
+  // Where the line begins counts as well.
+  if (const auto begin = solve(configuration, model, *X_RT_from, from, {}); !begin) {
+    return refused(begin.error());
+  }
   JointVector before = from;
   JointVector slope_before(from.size());
   for (int k = 1; k <= kLineSamples; ++k) {

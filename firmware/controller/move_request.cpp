@@ -25,7 +25,7 @@ struct Key {
 Key split(std::string_view key) {
   const std::size_t underscore = key.find('_');
   if (underscore == std::string_view::npos) return {key, {}};
-  return {key.substr(0, underscore), key.substr(underscore + 1)};
+  return {head(key, underscore), tail(key, underscore + 1)};
 }
 
 // q1 ... q8: the joint from 0.
@@ -96,9 +96,9 @@ Background::Verdict Background::move_tool(const Request& request, double pace) {
     const auto number = parse_number(value);
     const auto [name, unit] = split(key);
     const bool relative = name.size() == 2 && name[0] == 'd';
-    const auto axis = letter(relative ? name.substr(1) : name, "xyz");
+    const auto axis = letter(relative ? tail(name, 1) : name, "xyz");
     const bool is_quaternion = name.size() == 2 && name[0] == 'q' && unit.empty();
-    const auto part = is_quaternion ? letter(name.substr(1), "wxyz") : std::nullopt;
+    const auto part = is_quaternion ? letter(tail(name, 1), "wxyz") : std::nullopt;
     if (!part && !(axis && (unit == "mm" || unit == "m"))) {
       return std::unexpected(Error::kUnknownRequest);
     }

@@ -17,7 +17,7 @@ std::string_view next_word(std::string_view& rest) {
   while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
   std::size_t length = 0;
   while (length < rest.size() && !is_blank(rest[length])) ++length;
-  const std::string_view word = rest.substr(0, length);
+  const std::string_view word = head(rest, length);
   rest.remove_prefix(length);
   return word;
 }
@@ -113,12 +113,12 @@ Result<Request> parse_request(std::string_view line) {
       return std::unexpected(Error::kUnknownRequest);
     }
     if (request.arguments.full()) return std::unexpected(Error::kCapacityExceeded);
-    const std::string_view key = word.substr(0, equals);
+    const std::string_view key = head(word, equals);
     if (std::ranges::any_of(request.arguments,
                             [&](const auto& argument) { return argument.first == key; })) {
       return std::unexpected(Error::kUnknownRequest);
     }
-    request.arguments.push_back({key, word.substr(equals + 1)});
+    request.arguments.push_back({key, tail(word, equals + 1)});
   }
   return request;
 }

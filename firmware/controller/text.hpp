@@ -28,6 +28,17 @@ class Line {
   FixedVector<char, 1024> characters_;
 };
 
+// The first `count` characters of `text`, and all from `begin` on; at most its length. Without
+// std::string_view::substr(), which can throw and so brings exceptions into an image.
+[[nodiscard]] constexpr std::string_view head(std::string_view text, std::size_t count) {
+  text.remove_suffix(text.size() - count);
+  return text;
+}
+[[nodiscard]] constexpr std::string_view tail(std::string_view text, std::size_t begin) {
+  text.remove_prefix(begin);
+  return text;
+}
+
 // Decimal, with an optional sign, point and exponent; empty for anything else.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 

@@ -21,16 +21,6 @@ Arm built_robot(std::size_t robot) {
   return simulated::drawn_arm(puma560(), simulated::Tolerances{}, random);
 }
 
-SensorDescription demo_sensor_description() {
-  SensorDescription sensor;
-  for (const Vector3& p_S : simulated::demo_sensor().receivers_S) {
-    sensor.receivers_S.push_back(p_S);
-  }
-  sensor.range_sigma_m = simulated::kDemoRangeSigma;
-  sensor.facing_S = simulated::demo_sensor_facing();
-  return sensor;
-}
-
 Read<DemoMethod> judged(const IdentificationRun& run, features::Method method, const Arm& drawing,
                         const Signature& truth, std::size_t* rejected) {
   const auto identified = run.finish(method);
@@ -52,7 +42,20 @@ Read<DemoMethod> judged(const IdentificationRun& run, features::Method method, c
 
 }  // namespace
 
-Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed, const DemoPlan& plan) {
+SensorDescription demo_sensor_description() {
+  SensorDescription sensor;
+  sensor.name = "eight receivers above the arm";
+  for (const Vector3& p_S : simulated::demo_sensor().receivers_S) {
+    sensor.receivers_S.push_back(p_S);
+  }
+  sensor.range_sigma_m = simulated::kDemoRangeSigma;
+  sensor.facing_S = simulated::demo_sensor_facing();
+  return sensor;
+}
+
+Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed,
+                               const std::function<void(const MeasurementRow&)>& watch,
+                               const DemoPlan& plan) {
   const Arm drawing = puma560();
   simulated::SimulatedArm built{
       .arm = built_robot(robot), .X_S0 = simulated::demo_base_pose(), .targets = {}};
@@ -70,6 +73,7 @@ Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed, cons
   Read<void> taken;
   simulate(simulation, [&](const MeasurementRow& row) {
     if (taken) taken = run.take(row);
+    if (watch) watch(row);
   });
   if (!taken) return std::unexpected(taken.error());
 

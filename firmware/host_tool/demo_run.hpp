@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "core/evaluation/comparison.hpp"
 #include "firmware/host_tool/formats/problem.hpp"
+#include "firmware/host_tool/formats/sensor_file.hpp"
 #include "firmware/host_tool/simulation.hpp"
 
 namespace armsig::tool {
@@ -37,8 +39,13 @@ struct DemoRobot {
 };
 
 // Robot 0 and 1: the robots of Table 2. Others: drawn about Table 1 with the usual tolerances, each
-// with its own seed. `noise_seed` repeats the measurement of the same robot.
-[[nodiscard]] Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed,
-                                             const DemoPlan& plan = {});
+// with its own seed. `noise_seed` repeats the measurement of the same robot. `watch`, where there
+// is one, sees every measured row.
+[[nodiscard]] Read<DemoRobot> run_demo_robot(
+    std::size_t robot, std::uint64_t noise_seed,
+    const std::function<void(const MeasurementRow&)>& watch = {}, const DemoPlan& plan = {});
+
+// The sensor that measures.
+[[nodiscard]] SensorDescription demo_sensor_description();
 
 }  // namespace armsig::tool

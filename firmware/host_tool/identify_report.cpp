@@ -79,7 +79,7 @@ void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
 }
 
 // As --correct wants it.
-std::string in_words(const refinement::ReadingTerms& terms) {
+std::string terms_in_words(const refinement::ReadingTerms& terms) {
   std::string words;
   const auto add = [&](bool term, std::string_view word) {
     if (term) words += fmt::format("{}{}", words.empty() ? "" : ",", word);
@@ -104,7 +104,7 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
   if (found.refinement && found.refinement->offered) {
     fmt::print("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
                1e3 * found.refinement->offered->left_out_mean_m,
-               in_words(found.refinement->offered->terms));
+               terms_in_words(found.refinement->offered->terms));
   }
   if (record.predicted_tool_error_m) {
     fmt::print("  predicted tool error, 1 sigma: {:.3f} mm RMS over the joint limits\n",
@@ -134,7 +134,7 @@ nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::si
     }
   }
   if (outcome.offered) {
-    json["corrections_offered"] = {{"correct", in_words(outcome.offered->terms)},
+    json["corrections_offered"] = {{"correct", terms_in_words(outcome.offered->terms)},
                                    {"left_out_mean_m", outcome.offered->left_out_mean_m}};
   }
   for (std::size_t k = 0; outcome.fitted.receiver_offsets && k < receivers; ++k) {

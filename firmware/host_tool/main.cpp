@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   add_check(app, status);
   add_suggest(app, status);
   add_evaluate(app, status);
+  add_report(app, status);
   add_export(app, status);
   add_import(app, status);
   add_connect(app, status);

@@ -125,7 +125,7 @@ Read<void> read_top(const YamlMap& root, DaemonConfiguration& c) {
   c.console = console;
   c.store = store;
   Settings settings(root);
-  settings.time("period", c.controller.period).integer("priority", 1, 99, c.priority);
+  settings.time("period", c.controller.period).integer("priority", 0, 99, c.priority);
   if (auto done = settings.done(); !done) return done;
   c.drives.period = c.controller.period;
   return {};

@@ -29,8 +29,6 @@
 namespace armsig::daemon {
 namespace {
 
-// Between two steps of the background: short against anything that a person or a sensor notices.
-constexpr hal::Duration kBackgroundPause = std::chrono::milliseconds(1);
 constexpr unsigned kTicksBetweenLooks = 256;
 
 void complain(std::string_view what, std::string_view why) {
@@ -72,12 +70,13 @@ void warn_about(const linux_hal::RealTimeReport& report) {
 // The thread of everything but the tick, until it is destroyed.
 class BackgroundThread {
  public:
-  explicit BackgroundThread(controller::Controller& controller)
-      : thread_([this, &controller] {
+  // A step a period: short against anything that a person or a sensor notices.
+  BackgroundThread(controller::Controller& controller, hal::Duration period)
+      : thread_([this, &controller, period] {
           linux_hal::SteadyClock clock;
           while (!stop_) {
             controller.background();
-            clock.wait_until(clock.now() + kBackgroundPause);
+            clock.wait_until(clock.now() + period);
           }
         }) {}
   ~BackgroundThread() {
@@ -134,14 +133,14 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   const auto controller = std::make_unique<controller::Controller>(
       configuration.controller, master, backend->sensor(), clock, *memory, consoles);
   try {
-    const BackgroundThread background(*controller);
+    const BackgroundThread background(*controller, configuration.controller.period);
     const linux_hal::RealTimeReport report = linux_hal::become_real_time(configuration.priority);
     warn_about(report);
     fmt::print("armsigd: {}: {} joints on {}, console at {}\n", configuration.name,
                configuration.drives.axes.size(), configuration.can_interface,
                configuration.console);
     std::fflush(stdout);
-    watch.begin(report);
+    watch.begin(report, configuration.priority);
     serve(*controller, clock, configuration.controller.period, watch, stop);
     shut_down(master, clock, configuration.controller.period);
   } catch (const std::system_error& error) {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -40,7 +41,7 @@ std::vector<std::string> known_keys() {
     for (const char* reading : {"limits", "following_error", "following_window", "sweep_at"}) {
       add_names(known, reading, tool::dimension_of(type));
     }
-    add_names(known, "speed", speed_of(type));
+    for (const char* speed : {"speed", "motor_speed"}) add_names(known, speed, speed_of(type));
     add_names(known, "acceleration", acceleration_of(type));
   }
   return known;
@@ -74,7 +75,9 @@ Read<void> refuse_other_units(const YamlMap& map, JointType type) {
       return ok;
     }
   }
-  if (auto ok = refuse("speed", speed_of(other), speed_of(type)); !ok) return ok;
+  for (const char* speed : {"speed", "motor_speed"}) {
+    if (auto ok = refuse(speed, speed_of(other), speed_of(type)); !ok) return ok;
+  }
   return refuse("acceleration", acceleration_of(other), acceleration_of(type));
 }
 
@@ -108,6 +111,23 @@ Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
   return axis;
 }
 
+// The fastest that the motor can turn the joint: of no use to plans, but positions that change far
+// faster are disbelieved.
+Read<double> read_motor_speed(const YamlMap& map, JointType type, double speed) {
+  double motor_speed = speed;
+  Settings settings(map);
+  settings.quantity("motor_speed", speed_of(type), motor_speed);
+  if (auto done = settings.done(); !done) return std::unexpected(std::move(done).error());
+  if (motor_speed < speed) {
+    const auto told = *map.require_quantity("motor_speed", speed_of(type));
+    return tool::problem_at(*told.value,
+                            fmt::format("{}: {} is below the speed of {}", told.key->text,
+                                        told.value->text, map.name()),
+                            "at least that speed");
+  }
+  return motor_speed;
+}
+
 Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   Arm& arm = c.controller.drawing;
   ARMSIG_TRY(map,
@@ -128,7 +148,8 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(following_error, positive(map, "following_error", tool::dimension_of(type)));
   ARMSIG_TRY(sweep_at, map.quantity("sweep_at", tool::dimension_of(type)));
   axis.limits = limits;
-  axis.largest_speed = speed;
+  ARMSIG_TRY(motor_speed, read_motor_speed(map, type, speed));
+  axis.largest_speed = motor_speed;
   arm.joints.push_back({type, theta_rad, d_m, a_m, alpha_rad});
   arm.limits.push_back(limits);
   c.drives.axes.push_back(axis);

@@ -14,9 +14,9 @@ std::int64_t page_faults(int who) {
 
 }  // namespace
 
-void ProcessWatch::begin(const linux_hal::RealTimeReport& report) {
+void ProcessWatch::begin(const linux_hal::RealTimeReport& report, int priority) {
   memory_locked_ = !report.memory_not_locked;
-  real_time_ = !report.priority_not_given;
+  real_time_ = priority > 0 && !report.priority_not_given;
   heap_calls_before_ = heap_calls().value_or(0);
   faults_before_ = page_faults(RUSAGE_SELF);
   servo_faults_before_ = servo_faults_ = page_faults(RUSAGE_THREAD);

@@ -18,7 +18,7 @@ namespace armsig::daemon {
 class ProcessWatch {
  public:
   // By the servo thread when everything is started; `report` is what it was granted.
-  void begin(const linux_hal::RealTimeReport& report);
+  void begin(const linux_hal::RealTimeReport& report, int priority);
   // By the servo thread, now and then.
   void look();
 

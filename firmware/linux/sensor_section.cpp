@@ -140,7 +140,7 @@ Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
 Read<void> read_array(const YamlMap& map, DaemonConfiguration& c) {
   controller::Sensor& sensor = c.controller.sensor;
   ARMSIG_TRY(node, map.require("receivers"));
-  ARMSIG_TRY(list, tool::read_list(*node, "receivers", 3, hal::kMaxReceivers));
+  ARMSIG_TRY(list, tool::read_list(*node, "receivers", 3, kMaxReceivers));
   for (const YamlNode& item : *list) {
     ARMSIG_TRY(p_S, read_point(item, fmt::format("receiver {}", sensor.receivers.p_S.size() + 1)));
     sensor.receivers.p_S.push_back(p_S);

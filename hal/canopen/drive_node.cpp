@@ -23,8 +23,8 @@ constexpr double kFeedbackMargin = 4;
 // A drive that boots more often than this after one reset does not stay up.
 constexpr unsigned kMostBootUps = 3;
 
-// Faults after which the drive's own settings are in doubt, so that it must be set up again. Another
-// master may have changed any of them, or reset the drive.
+// Faults after which the drive's own settings are in doubt, so that it must be set up again.
+// Another master may have changed any of them, or reset the drive.
 bool needs_setup(Error fault) {
   switch (fault) {
     case Error::kDriveEmergency:

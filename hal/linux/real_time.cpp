@@ -30,6 +30,7 @@ RealTimeReport become_real_time(int priority) {
   mallopt(M_MMAP_MAX, 0);
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) report.memory_not_locked = errno;
   touch_stack();
+  if (priority == 0) return report;
   sched_param parameters{};
   parameters.sched_priority = priority;
   if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) report.priority_not_given = errno;

@@ -17,9 +17,10 @@ struct RealTimeReport {
 };
 
 // Locks all memory, present and future, touches the stack that ticks will use, keeps the allocator
-// from giving memory back, and puts the calling thread under SCHED_FIFO at `priority` (1 to 99).
-// Call it from the thread of the servo loop when everything else is started: other threads keep
-// their scheduling, and an unprivileged process may be unable to map more memory afterwards.
+// from giving memory back, and puts the calling thread under SCHED_FIFO at `priority` (1 to 99; 0
+// leaves it as it is). Call it from the thread of the servo loop when everything else is started:
+// other threads keep their scheduling, and an unprivileged process may be unable to map more memory
+// afterwards.
 [[nodiscard]] RealTimeReport become_real_time(int priority);
 
 // A sentence for an operator about a missing permission.

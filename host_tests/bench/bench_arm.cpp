@@ -32,6 +32,8 @@ struct Options {
   std::vector<double> target_mm{30, 20, 120};
   double sigma_mm = 1e3 * simulated::kDemoRangeSigma;
   double ping_ms = 20;
+  double step_us = 250;
+  int priority = 40;
   int sensor_node = 0;
   PlantConfiguration plant;
 };
@@ -69,13 +71,13 @@ PlantConfiguration plant_of(Options& options) {
 }
 
 void serve(const Options& options, Plant& plant) {
-  constexpr hal::Duration kStep = std::chrono::microseconds(250);
+  const hal::Duration step(std::llround(1e3 * options.step_us));
   auto console = linux_hal::SocketConsole::open(options.console);
   if (!console) {
     throw CLI::ValidationError(options.console + ": " + std::string(describe(console.error())));
   }
   // Late answers would be a fault of the bench and not of what is tested on it.
-  (void)linux_hal::become_real_time(40);
+  (void)linux_hal::become_real_time(options.priority);
   fmt::print("# {} drives on {}, requests at {}\n", plant.joints(), options.plant.can_interface,
              options.console);
   std::fflush(stdout);
@@ -87,7 +89,7 @@ void serve(const Options& options, Plant& plant) {
                                             : answer(plant, line->text());
       (void)(*console)->write_line(line->client, reply);
     }
-    clock.wait_until(clock.now() + kStep);
+    clock.wait_until(clock.now() + step);
   }
 }
 
@@ -131,6 +133,13 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--ping-ms", options.ping_ms, "from one ping of the sensor to the next")
       ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--step-us", options.step_us,
+                 "from one look at the buses to the next; a small part of the master's period")
+      ->check(CLI::Range(50.0, 5000.0))
+      ->capture_default_str();
+  app.add_option("--priority", options.priority, "SCHED_FIFO; 0: ordinary scheduling")
+      ->check(CLI::Range(0, 99))
       ->capture_default_str();
   app.add_option("--seed", plant.seed, "of the noise")->capture_default_str();
   try {

@@ -31,9 +31,9 @@ using Changes = std::vector<std::pair<std::string, std::string>>;
 const std::string kModbus =
     "  modbus:\n"
     "    device: /tmp/armsig-bench/sensor\n"
-    "    poll_period_ms: 5\n"
-    "    answer_timeout_ms: 1000\n";
-const std::string kCan = "  can:\n    node: 32\n    reading_period_ms: 10\n";
+    "    poll_period_ms: 15\n"
+    "    answer_timeout_ms: 2000\n";
+const std::string kCan = "  can:\n    node: 32\n    reading_period_ms: 15\n";
 
 // The sensor on CAN has six receivers: three PDOs of two.
 Changes sensor_on_can() {
@@ -49,9 +49,9 @@ Changes small() {
           {"count: [6, 6, 7]", "count: [2, 2, 2]"}};
 }
 
-BenchProcess emulated_arm() {
+BenchProcess emulated_arm(const char* priority = "0") {
   return BenchProcess({"--target-mm", "150,0,50", "--start-deg", "0,-90,90,30,0,0", "--ping-ms",
-                       "8", "--sensor-node", "32"});
+                       "15", "--step-us", "2000", "--sensor-node", "32", "--priority", priority});
 }
 
 const Vector3& target_in_hand() {
@@ -140,7 +140,7 @@ void run_all(const Changes& changes, bool full) {
   DaemonProcess daemon(bench_configuration(changes), arm.sensor_device);
   const auto configuration = daemon::read_configuration(daemon.configuration_path());
   ASSERT_TRUE(configuration) << tool::render(configuration.error());
-  ASSERT_NO_FATAL_FAILURE(identify_and_accept(daemon, std::chrono::seconds(full ? 600 : 120)));
+  ASSERT_NO_FATAL_FAILURE(identify_and_accept(daemon, std::chrono::seconds(full ? 900 : 300)));
   const auto readings = touch(daemon, arm, configuration->controller.grid);
   ASSERT_EQ(readings.p_W.size(), configuration->controller.grid.grid.vertex_count());
   if (full) expect_the_indices_of_table_3(*configuration, readings);
@@ -172,8 +172,10 @@ double number_in(const std::string& text, const std::string& key) {
 }
 
 TEST(BenchRun, ticks_beside_cyclictest_without_heap_and_page_faults) {
-  BenchProcess arm = emulated_arm();
-  DaemonProcess daemon(bench_configuration({}), arm.sensor_device);
+  BenchProcess arm = emulated_arm("40");
+  DaemonProcess daemon(
+      bench_configuration({{"priority: 0", "priority: 80"}, {"period_ms: 20", "period_ms: 2"}}),
+      arm.sensor_device);
   ASSERT_TRUE(daemon.enable());
   const bool beside =
       std::system("command -v cyclictest >/dev/null 2>&1") == 0 &&

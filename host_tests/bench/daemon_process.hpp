@@ -109,6 +109,7 @@ class DaemonProcess {
       const std::string line = told_.front();
       told_.pop_front();
       if (line.starts_with(words)) return line;
+      if (line.starts_with("# identify ended") || line.starts_with("# touch-grid ended")) break;
       others += line + "\n";
     }
     ADD_FAILURE() << "no \"" << words << "\" among:\n" << others;

@@ -111,6 +111,27 @@ TEST(Export, refuses_rows_for_axes_too_nearly_parallel_and_names_formats_that_ho
   expect_same_poses(folder, {"json"});
 }
 
+TEST(Export, refuses_readings_that_are_corrected_by_more_than_an_offset) {
+  const Folder folder;
+  make_individual(folder, kPuma560);
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.1 --mixed-poses 20 --out "
+                     "m.csv")
+                .status,
+            0);
+  const Outcome identified =
+      run_tool(folder,
+               "identify --arm arm.yaml --measurements m.csv --method refined --correct gain --out "
+               "truth.yaml");
+  ASSERT_EQ(identified.status, 0) << identified.err;
+  for (const std::string& format : kAllButUrdf) {
+    const Outcome outcome = export_as(folder, format);
+    EXPECT_EQ(outcome.status, 1) << format;
+    EXPECT_NE(outcome.err.find("its joint readings are corrected"), std::string::npos)
+        << outcome.err;
+  }
+}
+
 TEST(Export, refuses_an_unknown_format_as_wrong_usage) {
   const Folder folder;
   make_individual(folder, kTwoJointArm);

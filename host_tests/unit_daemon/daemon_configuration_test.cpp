@@ -102,7 +102,7 @@ TEST(DaemonConfiguration, of_a_sensor_on_can_counts_its_frames_and_starts_its_no
 
 TEST(DaemonConfiguration, refuses_an_unknown_key_and_names_the_one_that_was_meant) {
   expect_refused("can:", "heartbeat_timeout_ms", "heartbeat_timout_ms", "heartbeat_timeout_ms");
-  expect_refused("joints:", "gear_ratio", "gear", "unknown key");
+  expect_refused("joints:", "gear_ratio", "gearing", "unknown key");
   expect_refused("dwell:", "most_pings", "max_pings", "most_pings");
 }
 
@@ -147,8 +147,11 @@ TEST(DaemonConfiguration, refuses_counts_in_a_wrong_unit) {
   expect_refused("joints:", "counts_per_revolution: 4000", "counts_per_revolution: 4", "counts");
   expect_refused("joints:", "counts_per_revolution: 4000", "counts_per_revolution: -4000",
                  "not a positive number");
-  expect_refused("joints:", "counts_per_revolution: 4000", "counts_per_revolution: 4e9",
-                 "32-bit counts");
+  const Changed fine =
+      change("joints:", "counts_per_revolution: 4000", "counts_per_revolution: 4e9");
+  const auto read = parse_configuration(fine.text, "cabinet.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(tool::render(read.error()).find("32-bit counts"), std::string::npos);
 }
 
 TEST(DaemonConfiguration, refuses_a_bus_that_would_be_overloaded) {
@@ -200,6 +203,7 @@ TEST(DaemonConfiguration, refuses_counts_of_points_and_pings_that_cannot_be) {
 TEST(DaemonConfiguration, refuses_what_is_not_positive_or_no_number) {
   expect_refused("joints:", "speed_deg_per_s: 60", "speed_deg_per_s: 0", "above 0");
   expect_refused("joints:", "following_error_deg: 3", "following_error_deg: .nan", "not a");
+  expect_refused("joints:", "motor_speed_deg_per_s: 120", "motor_speed_deg_per_s: 12", "below");
   expect_refused("motion:", "tool_speed_mm_per_s: 250", "tool_speed_mm_per_s: -250", "above 0");
   expect_refused("supervision:", "latest_tick_ms: 10", "latest_tick_ms: 1e9", "at most a day");
   expect_refused("sensor:", "air_c: [0, 45]", "air_c: [45, 0]", "lowest");

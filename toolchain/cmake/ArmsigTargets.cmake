@@ -20,4 +20,8 @@ function(armsig_controller_library name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/armsig>)
   target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
   target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:armsig_warnings>)
+  if(CMAKE_SYSTEM_NAME STREQUAL "Generic")
+    # Images are built without a cache of objects; reading Eigen once halves the time.
+    target_precompile_headers(${name} PRIVATE <Eigen/Dense> <algorithm> <expected> <optional> <span>)
+  endif()
 endfunction()

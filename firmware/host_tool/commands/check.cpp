@@ -18,7 +18,7 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct CheckOptions : CommonOptions {
   std::string signature, measurements, sensor, arm;
 };
 
@@ -32,7 +32,7 @@ std::string what_moved(const uncertainty::DriftReport& report, std::size_t joint
                      report.link + 1);
 }
 
-const char* word_of(uncertainty::Verdict verdict) {
+const char* verdict_word(uncertainty::Verdict verdict) {
   switch (verdict) {
     case uncertainty::Verdict::kConsistent:
       return "consistent";
@@ -85,7 +85,7 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
 nlohmann::ordered_json json_of(const Checked& checked, int status) {
   const uncertainty::DriftReport& report = checked.report;
   nlohmann::ordered_json json{{"status", status},
-                              {"verdict", word_of(report.verdict)},
+                              {"verdict", verdict_word(report.verdict)},
                               {"link", report.link},
                               {"noise_factor", report.noise_factor},
                               {"chi_square", report.chi_square},
@@ -106,7 +106,7 @@ nlohmann::ordered_json json_of(const Checked& checked, int status) {
 }
 
 // Every row of the file, its ranges in metres of its own air.
-Read<MeasurementLog> read_log(const Options& options, const Signature& signature,
+Read<MeasurementLog> read_log(const CheckOptions& options, const Signature& signature,
                               const std::optional<SensorDescription>& sensor) {
   MeasurementLog log;
   const auto rows = read_measurements(
@@ -128,7 +128,7 @@ Read<MeasurementLog> read_log(const Options& options, const Signature& signature
 }
 
 // The drawing to compare with: the one that the signature keeps, or another one.
-Read<Arm> drawing_for(const Options& options, const SignatureRecord& record) {
+Read<Arm> drawing_for(const CheckOptions& options, const SignatureRecord& record) {
   if (options.arm.empty()) return record.nominal;
   const auto arm = read_arm_file(options.arm);
   if (!arm) return std::unexpected(arm.error());
@@ -150,7 +150,7 @@ Problem problem_of(const Refusal& refusal, const std::string& file) {
           "measured poses of a target of the signature"};
 }
 
-int run(const Options& options) {
+int run(const CheckOptions& options) {
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const auto estimate = estimate_of(*record, options.signature);
@@ -192,7 +192,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_check(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand(
       "check", "is the arm still the one identified? residuals on held-out poses");
   command->add_option("--signature", options->signature, "signature with covariance (YAML)")

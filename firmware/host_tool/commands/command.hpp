@@ -38,6 +38,7 @@ void add_solve(CLI::App& app, int& status);
 void add_check(CLI::App& app, int& status);
 void add_suggest(CLI::App& app, int& status);
 void add_evaluate(CLI::App& app, int& status);
+void add_report(CLI::App& app, int& status);
 void add_export(CLI::App& app, int& status);
 void add_import(CLI::App& app, int& status);
 void add_connect(CLI::App& app, int& status);

@@ -23,7 +23,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-struct Options {
+struct ConnectOptions {
   std::string path;
   double timeout_s = 60;
 };
@@ -31,7 +31,7 @@ struct Options {
 // --- For a script: a request a line, its reply, the next ---------------------------------------
 
 // Replies go to standard output, what the controller says unasked to standard error.
-int talk_for_a_script(ConsoleClient& console, const Options& options) {
+int talk_for_a_script(ConsoleClient& console, const ConnectOptions& options) {
   const milliseconds longest(static_cast<milliseconds::rep>(1e3 * options.timeout_s));
   bool good = true;
   for (std::string request; std::getline(std::cin, request);) {
@@ -130,7 +130,7 @@ int talk_to_a_person(ConsoleClient& console) {
   }
 }
 
-int run(const Options& options) {
+int run(const ConnectOptions& options) {
   auto console = ConsoleClient::open(options.path);
   if (!console) return fail(console.error(), kBadInput, {});
   return ::isatty(STDIN_FILENO) == 1 ? talk_to_a_person(*console)
@@ -140,7 +140,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_connect(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConnectOptions>();
   CLI::App* command = app.add_subcommand(
       "connect",
       "the controller's console; from a pipe: a request a line, status 1 if any reply is an error");

@@ -2,29 +2,37 @@
 // armsig demo: the whole story on a simulated Puma 560.
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include <fmt/core.h>
 
+#include "core/base/error.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/demo_run.hpp"
+#include "firmware/host_tool/formats/measurement_writer.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/formats/text_file.hpp"
 #include "firmware/host_tool/paper_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/record.hpp"
+#include "firmware/host_tool/report/report.hpp"
 
 namespace armsig::tool {
 namespace {
 
+constexpr const char* kArmFile = "puma560.yaml";
+constexpr const char* kSensorFile = "sensor.yaml";
+constexpr const char* kMeasurementsFile = "robot1-measurements.csv";
 constexpr std::size_t kRobots = 7;  // as many as the paper identified
 constexpr std::array<const char*, 4> kIndexNames{
     "Maximum normal deviation from a line", "Deviation from perpendicular between lines",
     "Maximum radial deviation of a grid point", "Maximum orientational deviation"};
 
-struct Options : CommonOptions {
+struct DemoOptions : CommonOptions {
   std::string out = "armsig-demo";
   std::uint64_t seed = 1;
 };
@@ -105,18 +113,39 @@ nlohmann::ordered_json demo_json(const std::vector<DemoRobot>& robots) {
   return {{"status", 0}, {"robots", std::move(list)}};
 }
 
-Read<std::vector<std::string>> write_signatures(const std::vector<DemoRobot>& robots,
-                                                const std::string& folder) {
+// Everything that a person needs to go on from the demonstration: drawing, sensor and measurements
+// of robot 1, the signatures and truths of all.
+Read<std::vector<std::string>> write_files(const std::vector<DemoRobot>& robots,
+                                           const std::vector<MeasurementRow>& rows_of_robot1,
+                                           const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return std::unexpected(Problem{folder, 0, 0, error.message(), "a folder to write to"});
   std::vector<std::string> files;
+  const auto named = [&](const std::string& name) {
+    files.push_back(folder + "/" + name);
+    return files.back();
+  };
+  const ArmDescription drawing{.name = "Puma 560", .arm = puma560()};
+  if (auto written = write_arm_file(named(kArmFile), drawing); !written) {
+    return std::unexpected(written.error());
+  }
+  const SensorDescription sensor = demo_sensor_description();
+  if (auto written = write_sensor_file(named(kSensorFile), sensor); !written) {
+    return std::unexpected(written.error());
+  }
+  ARMSIG_TRY(writer, MeasurementWriter::create(named(kMeasurementsFile),
+                                               {.types = types_of(drawing.arm),
+                                                .receivers = sensor.receivers_S.size(),
+                                                .air = true,
+                                                .sigma = false}));
+  for (const MeasurementRow& row : rows_of_robot1) writer.write(row);
+  if (auto written = writer.commit(); !written) return std::unexpected(written.error());
+
   for (std::size_t k = 0; k < robots.size(); ++k) {
     const ArmDescription arm{.name = "Puma 560, " + robots[k].name, .arm = puma560()};
-    const auto write = [&](const char* kind, const SignatureRecord& record) -> Read<void> {
-      const std::string path = fmt::format("{}/robot{}-{}.yaml", folder, k + 1, kind);
-      files.push_back(path);
-      return write_signature_file(path, record);
+    const auto write = [&](const char* kind, const SignatureRecord& record) {
+      return write_signature_file(named(fmt::format("robot{}-{}.yaml", k + 1, kind)), record);
     };
     const auto record = [&](const Signature& signature, const char* method) {
       return record_of({.signature = signature, .counts = {}, .air_celsius = 20.0, .warnings = {}},
@@ -131,7 +160,24 @@ Read<std::vector<std::string>> write_signatures(const std::vector<DemoRobot>& ro
   return files;
 }
 
-void print_story(const std::vector<DemoRobot>& robots, const Options& options) {
+// The page about robot 1; nothing where armsig was built without pages.
+Read<std::optional<std::string>> write_report(const std::string& folder) {
+  const auto input = read_report_input({.signature = folder + "/robot1-encoder.yaml",
+                                        .measurements = folder + "/" + kMeasurementsFile,
+                                        .sensor = folder + "/" + kSensorFile,
+                                        .truth = folder + "/robot1-truth.yaml"});
+  if (!input) return std::unexpected(input.error());
+  const auto page = report_page(report_json(*input));
+  if (!page) return std::nullopt;
+  const std::string path = folder + "/report.html";
+  if (auto written = write_text_file(path, *page); !written) {
+    return std::unexpected(written.error());
+  }
+  return path;
+}
+
+void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::string>& report,
+                 const DemoOptions& options) {
   const DemoPlan plan;
   fmt::print(
       "armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman measured theirs "
@@ -157,26 +203,37 @@ void print_story(const std::vector<DemoRobot>& robots, const Options& options) {
   fmt::print("Table 3. Touching a 25 x 25 x 60 cm grid: improvement factors\n\n{}\n",
              table3_text(robots));
   fmt::print("{}\n", tool_error_table(robots));
-  fmt::print("Signatures and truths are in {}/. Next: armsig identify --help\n", options.out);
+  fmt::print(
+      "Drawing, sensor, measurements, signatures and truths are in {}/.\n"
+      "Robot 1 again, by the command for your own arm:\n"
+      "  armsig identify --arm {}/{} --measurements {}/{} --sensor {}/{} --out signature.yaml\n",
+      options.out, options.out, kArmFile, options.out, kMeasurementsFile, options.out, kSensorFile);
+  if (report) fmt::print("\nThe report of robot 1, to open in a browser: {}\n", *report);
 }
 
-int run(const Options& options) {
+int run(const DemoOptions& options) {
   std::vector<DemoRobot> robots;
+  std::vector<MeasurementRow> rows_of_robot1;
+  const auto keep = [&](const MeasurementRow& row) { rows_of_robot1.push_back(row); };
   Progress progress("Identifying seven arms", kRobots);
   for (std::size_t k = 0; k < kRobots; ++k) {
     progress.update(k);
-    auto robot = run_demo_robot(k, options.seed + k);
+    auto robot =
+        k == 0 ? run_demo_robot(k, options.seed + k, keep) : run_demo_robot(k, options.seed + k);
     if (!robot) return fail(robot.error(), kNoAnswer, options);
     robots.push_back(std::move(*robot));
   }
-  const auto files = write_signatures(robots, options.out);
+  const auto files = write_files(robots, rows_of_robot1, options.out);
   if (!files) return fail(files.error(), kBadInput, options);
+  const auto report = write_report(options.out);
+  if (!report) return fail(report.error(), kBadInput, options);
   if (options.json) {
     auto json = demo_json(robots);
     json["files"] = *files;
+    json["report"] = *report ? nlohmann::ordered_json(**report) : nullptr;
     print_json(json);
   } else {
-    print_story(robots, options);
+    print_story(robots, *report, options);
   }
   return kDone;
 }
@@ -184,9 +241,10 @@ int run(const Options& options) {
 }  // namespace
 
 void add_demo(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DemoOptions>();
   CLI::App* command = app.add_subcommand("demo", "the whole story on a simulated Puma 560");
-  command->add_option("--out", options->out, "folder for the signatures")->capture_default_str();
+  command->add_option("--out", options->out, "folder for the report and the files it is made of")
+      ->capture_default_str();
   command->add_option("--seed", options->seed, "of the sensor's noise")->capture_default_str();
   add_common(*command, *options);
   command->callback([options, &status] { status = run(*options); });

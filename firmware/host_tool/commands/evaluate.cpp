@@ -12,7 +12,7 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct EvaluateOptions : CommonOptions {
   std::string arm, signature, truth;
 };
 
@@ -42,7 +42,7 @@ Read<Signature> read_truth(const std::string& path, const Signature& signature) 
   return signature_of(arm->arm, signature.configuration, Pose{}, {});
 }
 
-int run(const Options& options) {
+int run(const EvaluateOptions& options) {
   const auto arm = read_arm_file(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   const auto record = read_signature_file(options.signature);
@@ -76,7 +76,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command =
       app.add_subcommand("evaluate", "the grid-touching task with and without the signature");
   command->add_option("--arm", options->arm, "arm description (YAML): the ideal model")->required();

@@ -11,11 +11,11 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct ExportOptions : CommonOptions {
   std::string signature, format, out;
 };
 
-int run(const Options& options) {
+int run(const ExportOptions& options) {
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const auto text = in_file(options.signature, export_text(options.format, *record));
@@ -37,7 +37,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_export(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand("export", "write a signature for other software");
   command->add_option("--signature", options->signature, "signature (YAML)")->required();
   command->add_option("--format", options->format, "what to write")

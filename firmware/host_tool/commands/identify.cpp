@@ -5,8 +5,10 @@
 
 #include <fmt/core.h>
 
+#include "core/base/error.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/foreign_columns.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/identification_run.hpp"
 #include "firmware/host_tool/identify_report.hpp"
@@ -16,14 +18,15 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
-  std::string arm, measurements, sensor, out, serial;
+struct IdentifyOptions : CommonOptions {
+  std::string arm, measurements, columns, sensor, out, serial;
   std::string method = "encoder";
   std::vector<std::string> correct;
+  std::optional<MappedMeasurements> mapped;  // by `columns`
 };
 
 // The words of --correct.
-Read<FurtherUnknowns> further_unknowns(const Options& options) {
+Read<FurtherUnknowns> further_unknowns(const IdentifyOptions& options) {
   FurtherUnknowns further;
   if (options.correct.empty()) return further;
   if (options.method != "refined") {
@@ -45,14 +48,23 @@ Read<FurtherUnknowns> further_unknowns(const Options& options) {
   return further;
 }
 
+// The file as it is, or with its columns mapped.
+Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const JointTypes& types) {
+  if (!options.mapped) return MeasurementReader::open(options.measurements, types);
+  auto reader = MeasurementReader::over(options.mapped->text, options.measurements, types);
+  if (!reader) reader.error().column = 0;  // of the mapped line, not of the file's
+  return reader;
+}
+
 // Gives every row of the file to `take`.
-Read<void> read_all(const Options& options, const Arm& arm, const char* what,
+Read<void> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
                     const std::function<Read<void>(const MeasurementRow&)>& take) {
-  auto reader = MeasurementReader::open(options.measurements, types_of(arm));
+  auto reader = open_measurements(options, types_of(arm));
   if (!reader) return std::unexpected(reader.error());
   Progress progress(what, 1000);
   for (MeasurementRow row;;) {
-    const auto more = reader->next(row);
+    auto more = reader->next(row);
+    if (!more && options.mapped) more.error().column = 0;
     if (!more) return std::unexpected(more.error());
     if (!*more) return {};
     if (auto taken = take(row); !taken) return taken;
@@ -65,14 +77,15 @@ Read<void> read_all(const Options& options, const Arm& arm, const char* what,
 // A file that can be read again: features are validated in a second pass.
 bool is_repeatable(const std::string& path) { return std::filesystem::is_regular_file(path); }
 
-Read<Found> identified_by_features(const Options& options, const Arm& arm,
+Read<Found> identified_by_features(const IdentifyOptions& options, const Arm& arm,
                                    IdentificationRun& identification) {
   const auto method =
       options.method == "paper" ? features::Method::kPaper : features::Method::kEncoder;
   auto identified = identification.finish(method);
   if (!identified) return std::unexpected(identified.error());
   Found found{.identified = std::move(*identified), .refinement = {}, .validation = {}};
-  if (!is_repeatable(options.measurements) || !identification.settle_validation(method)) {
+  if ((!options.mapped && !is_repeatable(options.measurements)) ||
+      !identification.settle_validation(method)) {
     return found;
   }
   const auto scored =
@@ -95,11 +108,17 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
                .validation = validation};
 }
 
-int run(const Options& options) {
+int run(IdentifyOptions options) {
   const auto further = further_unknowns(options);
   if (!further) return fail(further.error(), kBadInput, options);
   const auto arm = read_arm_file(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
+  if (!options.columns.empty()) {
+    auto mapped = map_measurements(options.measurements, options.columns, types_of(arm->arm));
+    if (!mapped) return fail(mapped.error(), kBadInput, options);
+    fmt::print(stderr, "{}", in_words(*mapped));
+    options.mapped = std::move(*mapped);
+  }
   std::optional<SensorDescription> sensor;
   if (!options.sensor.empty()) {
     const auto read = read_checked_sensor(options.sensor);
@@ -146,7 +165,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_identify(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<IdentifyOptions>();
   CLI::App* command = app.add_subcommand("identify", "find the arm signature from measured sweeps");
   command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
   command->add_option("--measurements", options->measurements, "sweeps (CSV)")->required();
@@ -168,6 +187,9 @@ void add_identify(CLI::App& app, int& status) {
           {"gain", "first-order", "second-order", "readings-that-help", "range-offsets", "scale"}));
   command->add_option("--sensor", options->sensor,
                       "sensor description (YAML), where the rows are ranges to receivers");
+  command->add_option("--columns", options->columns,
+                      "measurements of other software: auto, or x_mm=THEIR NAME,target=#1,... "
+                      "(semicolons, decimal commas and lines before the header are understood)");
   command->add_option("--serial", options->serial, "serial number of the arm, for the record");
   command->add_option("--out", options->out, "signature file to write (YAML)")->required();
   add_common(*command, *options);

@@ -10,11 +10,11 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct ImportOptions : CommonOptions {
   std::string urdf, base, tip, dh, name, out;
 };
 
-int run(const Options& options) {
+int run(const ImportOptions& options) {
   auto imported = options.urdf.empty() ? import_dh(options.dh)
                                        : import_urdf(options.urdf, options.base, options.tip);
   if (!imported) return fail(imported.error(), kBadInput, options);
@@ -43,7 +43,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_import(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
       app.add_subcommand("import", "make an arm description from URDF or Denavit-Hartenberg rows");
   CLI::Option* urdf = command->add_option("--urdf", options->urdf, "robot description (URDF)");

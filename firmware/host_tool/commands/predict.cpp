@@ -15,7 +15,7 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct PredictOptions : CommonOptions {
   std::string signature, joints, out;
   std::optional<int> target;
   bool sigma = false;
@@ -52,7 +52,8 @@ double rms_length(const std::vector<Vector3>& vectors) {
 }
 
 // Uncertain is a measured point: a sigma without --target is that of the only one on the last link.
-Read<std::optional<Target>> target_for(const Options& options, const SignatureRecord& record) {
+Read<std::optional<Target>> target_for(const PredictOptions& options,
+                                       const SignatureRecord& record) {
   if (options.target || !options.sigma) {
     return find_target(record, options.signature, options.target);
   }
@@ -71,7 +72,7 @@ Read<std::optional<Target>> target_for(const Options& options, const SignatureRe
               numbers.empty() ? "a signature with targets" : "--target with one of " + numbers});
 }
 
-int run(const Options& options) {
+int run(const PredictOptions& options) {
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const Signature& signature = record->signature;
@@ -116,7 +117,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_predict(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PredictOptions>();
   CLI::App* command =
       app.add_subcommand("predict", "where joint readings put the arm: forward kinematics");
   command->add_option("--signature", options->signature, "signature (YAML)")->required();

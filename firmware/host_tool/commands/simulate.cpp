@@ -16,7 +16,7 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct SimulateOptions : CommonOptions {
   std::string arm, truth, tolerances, sensor, out, truth_out;
   double arc_deg = 180;
   std::size_t points = 36;
@@ -37,7 +37,7 @@ struct Options : CommonOptions {
 constexpr std::uint64_t kArmStream = 0;
 
 // The arm as built, and where its base is.
-Read<simulated::SimulatedArm> build(const Options& options, const Arm& drawing) {
+Read<simulated::SimulatedArm> build(const SimulateOptions& options, const Arm& drawing) {
   simulated::SimulatedArm built;
   built.X_S0 = simulated::demo_base_pose();
   built.arm = drawing;
@@ -68,7 +68,7 @@ Read<simulated::SimulatedArm> build(const Options& options, const Arm& drawing) 
   return built;
 }
 
-Read<SimulatedSensor> sensor_of(const Options& options) {
+Read<SimulatedSensor> sensor_of(const SimulateOptions& options) {
   if (options.sensor.empty()) {
     return simulated::CartesianConfig{.sigma_m = 1e-3 * options.sigma_mm,
                                       .dropout_probability = options.dropouts,
@@ -100,7 +100,7 @@ MeasurementLayout layout_of(const Simulation& simulation, std::string_view comme
   return layout;
 }
 
-Read<JointVector> configuration_of(const Options& options, const Arm& arm) {
+Read<JointVector> configuration_of(const SimulateOptions& options, const Arm& arm) {
   if (options.configuration.empty()) return middle_of_limits(arm);
   if (options.configuration.size() != arm.joints.size()) {
     return std::unexpected(
@@ -116,7 +116,7 @@ Read<JointVector> configuration_of(const Options& options, const Arm& arm) {
   return configuration;
 }
 
-int run(const Options& options) {
+int run(const SimulateOptions& options) {
   const auto arm = read_arm_file(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   auto built = build(options, arm->arm);
@@ -175,7 +175,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_simulate(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = app.add_subcommand("simulate", "measurements of a simulated arm");
   command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
   auto* truth = command->add_option("--truth", options->truth,

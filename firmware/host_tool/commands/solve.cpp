@@ -12,12 +12,12 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct SolveOptions : CommonOptions {
   std::string signature, poses, seed, out;
   std::optional<int> target;
 };
 
-const char* word_of(kinematics::Verdict verdict) {
+const char* verdict_word(kinematics::Verdict verdict) {
   switch (verdict) {
     case kinematics::Verdict::kConverged:
       return "solved";
@@ -98,7 +98,7 @@ class Solver {
   FixedVector<JointLimits, kMaxJoints> limits_;
 };
 
-int run(const Options& options) {
+int run(const SolveOptions& options) {
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const auto target = find_target(*record, options.signature, options.target);
@@ -130,7 +130,8 @@ int run(const Options& options) {
     const JointVector* seed = seeds.empty() ? nullptr : &seeds[std::min(k, seeds.size() - 1)];
     const auto solution = solver.solve((*poses)[k], seed);
     if (!solution || !is_solved(solution->verdict)) {
-      const std::string why(solution ? word_of(solution->verdict) : describe(solution.error()));
+      const std::string why(solution ? verdict_word(solution->verdict)
+                                     : describe(solution.error()));
       return fail({options.poses, 0, 0, fmt::format("pose {}: {}", k + 1, why),
                    "poses that the arm reaches within its joint limits"},
                   kNoAnswer, options);
@@ -152,7 +153,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_solve(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SolveOptions>();
   CLI::App* command =
       app.add_subcommand("solve", "which joint readings reach a pose: inverse kinematics");
   command->add_option("--signature", options->signature, "signature (YAML)")->required();

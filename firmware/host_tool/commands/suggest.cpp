@@ -13,7 +13,7 @@
 namespace armsig::tool {
 namespace {
 
-struct Options : CommonOptions {
+struct SuggestOptions : CommonOptions {
   std::string signature, out;
   std::size_t count = 30;
   std::optional<double> sigma_mm;
@@ -24,7 +24,7 @@ struct Options : CommonOptions {
 // time.
 constexpr double kWorthwhile = 0.05;
 
-int run(const Options& options) {
+int run(const SuggestOptions& options) {
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const auto estimate = estimate_of(*record, options.signature);
@@ -107,7 +107,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_suggest(CLI::App& app, int& status) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SuggestOptions>();
   CLI::App* command = app.add_subcommand("suggest", "the next poses worth measuring");
   command->add_option("--signature", options->signature, "signature with covariance (YAML)")
       ->required();

@@ -30,8 +30,8 @@ std::vector<std::string> export_formats() {
 
 Read<std::string> export_text(const std::string& format, const SignatureRecord& record) {
   if (!record.corrections.empty()) {
-    return cannot_hold(format, "its joint readings are corrected",
-                       "a signature identified without corrections of the readings");
+    return cannot_hold(format, "its joint readings are corrected, and not by an offset alone",
+                       "a signature identified without --correct");
   }
   for (const Format& known : kFormats) {
     if (format == known.name) return known.text(record);

@@ -49,6 +49,7 @@ JointFrames joint_frames(const SignatureRecord& record) {
     const Pose X_SK = moved_onto_axis(X_SN, signature.X_SL[i].p, signature.X_SL[i].R.col(2));
     frames.X_PJ.push_back(X_SK_before.inverse() * X_SK * motion(row.type, -q));
     frames.X_SK.push_back(X_SK);
+    frames.X_SN.push_back(X_SN);
     X_SK_before = X_SK;
     X_SN = X_SN * Pose{rotation_x(row.alpha_rad), Vector3(row.a_m, 0, 0)};
   }

@@ -17,6 +17,7 @@ struct JointFrames {
   FixedVector<Pose, kMaxJoints> X_PJ;
   // Link i (1 ... n, at index i - 1) in the sensor frame, at the signature configuration.
   FixedVector<Pose, kMaxJoints> X_SK;
+  FixedVector<Pose, kMaxJoints> X_SN;  // the same where the drawing has them, laid over the axes
   Pose X_KL;  // the frame that `armsig predict` answers for, in the last link
 };
 

@@ -13,7 +13,7 @@
 namespace armsig::tool {
 namespace {
 
-constexpr std::string_view kFormat = "linuxcnc";
+constexpr std::string_view kLinuxCncFormat = "linuxcnc";
 
 // genserkins takes `unrotate` times the angle of the joint before from a joint's own.
 Read<std::string> unrotate_lines(const Arm& arm) {
@@ -26,7 +26,7 @@ Read<std::string> unrotate_lines(const Arm& arm) {
         coupling.ratio == std::round(coupling.ratio) && std::abs(coupling.ratio) < 100;
     if (!whole || coupling.from + 1 != coupling.joint || coupled[coupling.from]) {
       return cannot_hold(
-          kFormat,
+          kLinuxCncFormat,
           fmt::format("joint {} is coupled to joint {} by {}", coupling.joint + 1,
                       coupling.from + 1, coupling.ratio),
           "a coupling by a whole number to the joint before, which is not coupled itself; urdf "
@@ -52,11 +52,11 @@ JointVector offsets_rad(const Arm& arm, const ModifiedRows& modified) {
 }  // namespace
 
 Read<std::string> linuxcnc_text(const SignatureRecord& record) {
-  if (auto six = need_six_revolute(kFormat, record.signature); !six) {
+  if (auto six = need_six_revolute(kLinuxCncFormat, record.signature); !six) {
     return std::unexpected(std::move(six).error());
   }
   ARMSIG_TRY(unrotate, unrotate_lines(record.nominal));
-  ARMSIG_TRY(standard, standard_rows(kFormat, record));
+  ARMSIG_TRY(standard, standard_rows(kLinuxCncFormat, record));
   const ModifiedRows modified = modified_rows(standard);
   const JointVector offsets = offsets_rad(record.nominal, modified);
   std::string text = comment_text(

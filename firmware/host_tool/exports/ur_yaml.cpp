@@ -14,7 +14,7 @@
 namespace armsig::tool {
 namespace {
 
-constexpr std::string_view kFormat = "ur-yaml";
+constexpr std::string_view kUrFormat = "ur-yaml";
 constexpr std::array kLinks{"shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"};
 
 std::string link_text(const char* name, const Pose& X) {
@@ -28,11 +28,11 @@ std::string link_text(const char* name, const Pose& X) {
 }  // namespace
 
 Read<std::string> ur_yaml_text(const SignatureRecord& record) {
-  if (auto six = need_six_revolute(kFormat, record.signature); !six) {
+  if (auto six = need_six_revolute(kUrFormat, record.signature); !six) {
     return std::unexpected(std::move(six).error());
   }
   if (!record.nominal.couplings.empty()) {
-    return cannot_hold(kFormat, "its joints are coupled", "uncoupled joints; urdf holds any");
+    return cannot_hold(kUrFormat, "its joints are coupled", "uncoupled joints; urdf holds any");
   }
   const JointFrames frames = joint_frames(record);
   std::string links;

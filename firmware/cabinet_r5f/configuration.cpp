@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/cabinet_r5f/configuration.hpp"
+
+#include "firmware/host_tool/paper_arms.hpp"
+
+namespace armsig::cabinet {
+namespace {
+
+constexpr std::size_t kJoints = 6;
+constexpr double kRangeSigma_m = 0.2e-3;
+
+}  // namespace
+
+FixedVector<Vector3, kReceivers> receivers_S() {
+  return {{-1.0, -1.0, 0.0}, {1.0, -1.0, 0.0},  {1.0, 1.0, 0.0},
+          {-1.0, 1.0, 0.0},  {-0.5, -0.5, 0.8}, {0.5, 0.5, 0.8}};
+}
+
+controller::Configuration controller_configuration() {
+  controller::Configuration c;
+  c.drawing = tool::puma560();
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    c.limits.speed.push_back(1.5);
+    c.limits.acceleration.push_back(6.0);
+    c.supervision.following_error.push_back(0.08);
+  }
+  for (const Vector3& p_S : receivers_S()) c.sensor.receivers.p_S.push_back(p_S);
+  c.sensor.receivers.range_sigma_m = kRangeSigma_m;
+  c.sensor.receivers.facing_S = -Vector3::UnitZ();
+  c.dwell.tolerance = 1e-4;
+  c.sweeps.configuration = {0, radians(-90), radians(90), radians(30), 0, 0};
+  c.sweeps.arc_rad = radians(120);
+  c.sweeps.points = 12;
+  c.sweeps.most_points = 16;
+  c.sweeps.held_out_poses = 6;
+  // The workspace before the sensor, as it was taught; readings in degrees.
+  c.grid.grid.count = {3, 3, 3};
+  return c;
+}
+
+canopen::Configuration drive_configuration() {
+  canopen::Configuration c;
+  const Arm drawing = tool::puma560();
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    c.axes.push_back({.node = static_cast<canopen::NodeId>(i + 1),
+                      .scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
+                      .limits = drawing.limits[i],
+                      .largest_speed = 2.0});
+  }
+  const canopen::RangeNodeConfiguration sensor = sensor_configuration();
+  c.other_nodes.push_back(sensor.node);
+  for (const auto& frame : canopen::traffic(sensor, std::chrono::milliseconds(20))) {
+    c.other_traffic.push_back(frame);
+  }
+  return c;
+}
+
+canopen::RangeNodeConfiguration sensor_configuration() {
+  return {.node = 32, .receivers = kReceivers};
+}
+
+}  // namespace armsig::cabinet

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// The controller on core 0 of the R5F: drives and range sensor on CAN0, console on UART0.
+#include <array>
+
+#include "core/base/check.hpp"
+#include "firmware/cabinet_r5f/configuration.hpp"
+#include "firmware/cabinet_r5f/emulated_world.hpp"
+#include "firmware/cabinet_r5f/platform.hpp"
+#include "firmware/controller/controller.hpp"
+#include "hal/canopen/master.hpp"
+#include "hal/r5f/bank_memory.hpp"
+#include "hal/r5f/can_controller.hpp"
+#include "hal/r5f/cycle_clock.hpp"
+#include "hal/r5f/uart.hpp"
+#include "hal/serial_console.hpp"
+#include "toolchain/boards/r5f/protection.hpp"
+#include "toolchain/boards/stack.hpp"
+
+namespace armsig::cabinet {
+namespace {
+
+constexpr std::uintptr_t kUart0 = 0xFF00'0000;
+constexpr std::uintptr_t kCan0 = 0xFF06'0000;
+
+[[gnu::section(".bank")]] r5f::BankMemory::Bank bank;
+
+[[noreturn]] void run() {
+  static r5f::CycleClock clock;
+  [[gnu::section(".bss.near")]] static r5f::Uart uart(kUart0, r5f::Parity::kNone);
+  static hal::SerialConsole console(uart);
+  static r5f::CanController bus(kCan0, clock, forced_can_state());
+  static r5f::BankMemory memory(bank);
+  static canopen::RangeSensor sensor(sensor_configuration());
+  const auto drives = canopen::check(drive_configuration());
+  ARMSIG_CHECK(drives);
+  [[gnu::section(".bss.near")]] static canopen::Master master(*drives, bus, &sensor);
+  static const controller::Configuration configuration = controller_configuration();
+  ARMSIG_CHECK(controller::check(configuration));
+  static const std::array<hal::Console*, 1> consoles{&console};
+  static controller::Controller controller(configuration, master, sensor, clock, memory, consoles);
+  hal::Watchdog& dog = watchdog();
+
+  console.broadcast("# armsig cabinet");
+  if (dog.caused_reset()) console.broadcast("# reset by the watchdog");
+  hal::Instant next = clock.now();
+  for (;;) {
+    controller.tick(clock.wait_until(next));
+    dog.kick();
+    controller.background();
+    next += configuration.period;
+    // Ticks that a long step of the background has cost are left out, not made up for: the drives
+    // get a whole period to answer each SYNC.
+    if (const hal::Instant now = clock.now(); now > next) next = now + configuration.period;
+  }
+}
+
+}  // namespace
+}  // namespace armsig::cabinet
+
+std::span<const armsig::board::Region> armsig::board::regions() {
+  constexpr std::uint8_t kLowerHalf = 0x0F;
+  constexpr std::uint8_t kUpperHalf = 0xF0;
+  static constexpr std::array kRegions{
+      Region{0x0000'0000, 16, kCodeUncached, 0},   // ATCM: vectors, start-up
+      Region{0x0002'0000, 16, kData, 0},           // BTCM: stack
+      Region{0xFFFC'0000, 18, kCode, kUpperHalf},  // OCM: code
+      Region{0xFFFC'0000, 18, kData, kLowerHalf},  // OCM: data
+      Region{0xFF00'0000, 21, kDevice, 0},         // peripherals of the low-power domain
+      Region{cabinet::kEmulatedWorldAt, cabinet::kEmulatedWorldLog2, kShared, 0},
+  };
+  return kRegions;
+}
+
+extern "C" [[noreturn]] void armsig_main() {
+  // A symbol for the check of the image: how much of its RAM is the measurement log.
+  asm volatile(".global armsig_log_bytes\n.set armsig_log_bytes, %c0"
+               :
+               : "i"(sizeof(armsig::controller::MeasurementLog)));
+  armsig::cabinet::run();
+}

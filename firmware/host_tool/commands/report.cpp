@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// armsig report: a signature for the eye.
+#include "firmware/host_tool/report/report.hpp"
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/host_tool/report/report_input.hpp"
+
+namespace armsig::tool {
+namespace {
+
+struct ReportOptions : CommonOptions {
+  ReportFiles files;
+  std::string out;
+};
+
+int run(const ReportOptions& options) {
+  const auto input = read_report_input(options.files);
+  if (!input) return fail(input.error(), kBadInput, options);
+  const auto report = report_json(*input);
+  const auto page = report_page(report);
+  if (!page) return fail(page.error(), kNoAnswer, options);
+  const auto written = write_text_file(options.out, *page);
+  if (!written) return fail(written.error(), kBadInput, options);
+  if (options.json) {
+    print_json({{"status", 0},
+                {"verdict", report["verdict"]},
+                {"sweeps", report["sweeps"].size()},
+                {"bytes", page->size()},
+                {"out", options.out}});
+    return kDone;
+  }
+  fmt::print("{}\n", report["verdict"]["headline"].get<std::string>());
+  for (const auto& sentence : report["verdict"]["sentences"]) {
+    fmt::print("  {}\n", sentence.get<std::string>());
+  }
+  fmt::print("\nWritten: {}; open it in a browser\n", options.out);
+  return kDone;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, int& status) {
+  auto options = std::make_shared<ReportOptions>();
+  CLI::App* command =
+      app.add_subcommand("report", "a page that shows the signature (HTML, readable offline)");
+  command->add_option("--signature", options->files.signature, "signature (YAML)")->required();
+  CLI::Option* measurements =
+      command->add_option("--measurements", options->files.measurements,
+                          "what it was identified from (CSV): adds the sweeps");
+  command
+      ->add_option("--sensor", options->files.sensor,
+                   "sensor description (YAML), where the rows are ranges to receivers")
+      ->needs(measurements);
+  command->add_option("--truth", options->files.truth,
+                      "exact signature of the arm (YAML), where it is simulated");
+  command->add_option("--out", options->out, "page to write (HTML)")->required();
+  add_common(*command, *options);
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace armsig::tool

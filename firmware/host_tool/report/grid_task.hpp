@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The paper's task, touching a grid, before and after: with the drawing and with the signature.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "core/evaluation/comparison.hpp"
+#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/host_tool/report/uncertain_signature.hpp"
+
+namespace armsig::tool {
+
+struct GridTask {
+  evaluation::Comparison comparison;
+  // 0: on the arm itself, which is known. Otherwise the median over so many arms drawn from the
+  // covariance: the arms that this signature may belong to.
+  std::size_t drawn_arms = 0;
+};
+
+// Nothing where the grid can't be touched, and where neither truth nor estimate says how far the
+// signature may be from the arm. `estimate` may be null.
+[[nodiscard]] std::optional<GridTask> grid_task(const SignatureRecord& record,
+                                                const refinement::Refined* estimate,
+                                                const std::optional<Signature>& truth);
+
+}  // namespace armsig::tool

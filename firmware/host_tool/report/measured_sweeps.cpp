@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/report/measured_sweeps.hpp"
+
+#include <algorithm>
+
+#include "core/base/error.hpp"
+#include "firmware/host_tool/ranging.hpp"
+
+namespace armsig::tool {
+
+void MeasuredSweeps::add(const LocatedRow& row) {
+  if (row.sweep == 0) {
+    ++mixed;
+    return;
+  }
+  const std::size_t joint = row.sweep - 1;
+  const auto key = [](const MeasuredSweep& sweep) { return std::pair(sweep.joint, sweep.target); };
+  auto place = std::ranges::lower_bound(sweeps, std::pair(joint, row.target), {}, key);
+  if (place == sweeps.end() || key(*place) != std::pair(joint, row.target)) {
+    place = sweeps.insert(place, {.joint = joint, .target = row.target, .points = {}});
+  }
+  place->points.push_back({row.q[joint], row.p_S, row.covariance_m2});
+}
+
+namespace {
+
+// Nothing where the row gives no position.
+Read<std::optional<LocatedRow>> located(const MeasurementRow& row, const Arm& nominal,
+                                        const std::optional<SensorDescription>& sensor,
+                                        const std::string& path) {
+  LocatedRow result{.line = row.line,
+                    .sweep = row.sweep,
+                    .target = row.target,
+                    .q = effective_readings(nominal, row.q)};
+  ARMSIG_TRY(scale, range_scale(row, sensor, path));
+  if (row.ranges_m.empty()) {
+    if (!row.p_S) return std::nullopt;
+    result.p_S = *row.p_S;
+    if (row.sigma_m) result.covariance_m2 = Matrix3::Identity() * (*row.sigma_m * *row.sigma_m);
+    return result;
+  }
+  const auto position = locate(row, *sensor, scale);
+  if (!position) return std::nullopt;
+  result.p_S = position->p_S;
+  result.covariance_m2 = position->covariance_m2;
+  return result;
+}
+
+}  // namespace
+
+Read<MeasuredSweeps> read_measured_sweeps(const std::string& path, const SignatureRecord& record,
+                                          const std::optional<SensorDescription>& sensor) {
+  MeasuredSweeps measured;
+  const auto rows =
+      read_measurements(path, record.signature.types, [&](const MeasurementRow& row) -> Read<void> {
+        ARMSIG_TRY(found, located(row, record.nominal, sensor, path));
+        if (found) {
+          measured.add(*found);
+        } else {
+          ++measured.not_located;
+        }
+        return {};
+      });
+  if (!rows) return std::unexpected(rows.error());
+  measured.rows = *rows;
+  return measured;
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// The measurements behind a signature, kept for the eye: every point of every sweep.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/host_tool/identification_run.hpp"
+
+namespace armsig::tool {
+
+struct MeasuredPoint {
+  double reading = 0;  // of the swept joint
+  Vector3 p_S = Vector3::Zero();
+  Matrix3 covariance_m2 = Matrix3::Zero();  // zero where not stated
+};
+
+// One target followed through the sweep of one joint.
+struct MeasuredSweep {
+  std::size_t joint = 0;  // from 0
+  int target = 0;
+  std::vector<MeasuredPoint> points;
+};
+
+struct MeasuredSweeps {
+  std::vector<MeasuredSweep> sweeps;  // by joint, then target
+  std::size_t rows = 0;
+  std::size_t not_located = 0;  // no position, or ranges that do not meet
+  std::size_t mixed = 0;        // poses in which any joint may have moved
+
+  void add(const LocatedRow& row);
+};
+
+// Reads the measurements of the arm that `record` describes. Problems are those of the file, and of
+// ranges without a sensor.
+[[nodiscard]] Read<MeasuredSweeps> read_measured_sweeps(
+    const std::string& path, const SignatureRecord& record,
+    const std::optional<SensorDescription>& sensor);
+
+}  // namespace armsig::tool

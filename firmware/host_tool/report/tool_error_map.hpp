@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// How far the tool is from where a model puts it, all over the work volume: by the drawing, and
+// with the signature.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/host_tool/report/uncertain_signature.hpp"
+
+namespace armsig::tool {
+
+struct ToolErrorAt {
+  Vector3 p_S = Vector3::Zero();
+  double drawing_m = 0;               // distance of the drawing's tool from the signature's
+  std::optional<double> predicted_m;  // 1 sigma of the signature's, all three directions together
+};
+
+struct ToolErrorMap {
+  std::vector<ToolErrorAt> points;        // at configurations spread evenly within the joint limits
+  double drawing_rms_m = 0;               // over many more configurations
+  std::optional<double> predicted_rms_m;  // as the record says, where it does
+  // Where the truth is known.
+  std::optional<double> true_drawing_rms_m;
+  std::optional<double> true_rms_m;
+  // Share of the predicted variance that each joint's axis brings, of all axes.
+  std::vector<double> joint_share;
+};
+
+// Nothing for an arm without a target on its last link. The drawing is laid over the axes and has
+// its tool where the arm has it at the signature configuration. `estimate` may be null.
+[[nodiscard]] std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
+                                                         const refinement::Refined* estimate,
+                                                         const std::optional<Signature>& truth);
+
+}  // namespace armsig::tool

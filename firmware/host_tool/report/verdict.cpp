@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/report/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+namespace armsig::tool {
+namespace {
+
+constexpr double kShortArc_rad = kPi / 3;
+// A joint that brings more than its share of the remaining variance.
+constexpr double kDominant = 0.5;
+// Errors of the scale of an encoder below this move a tool at 1 m by less than 0.1 mm.
+constexpr double kScaleOfInterest = 1e-4;
+
+// As the page writes lengths.
+std::string millimetres(double metres) {
+  if (metres < 1e-5) return fmt::format("{:.1f} µm", 1e6 * metres);
+  return fmt::format("{:.{}f} mm", 1e3 * metres, metres < 1e-3 ? 3 : 2);
+}
+
+std::string times(double factor) {
+  return factor < 10 ? fmt::format("{:.1f}", factor) : fmt::format("{:.0f}", factor);
+}
+
+void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
+  const double before_m = *map.true_drawing_rms_m;
+  const double after_m = *map.true_rms_m;
+  verdict.headline =
+      fmt::format("The arm signature puts the tool {} times nearer than the drawing.",
+                  times(before_m / after_m));
+  verdict.sentences.push_back(fmt::format(
+      "Over the whole joint space the drawing misses by {} (root mean square, its base and tool "
+      "fitted), the signature by {}. This arm is simulated, so that its true error is known.",
+      millimetres(before_m), millimetres(after_m)));
+  if (map.predicted_rms_m) {
+    verdict.sentences.push_back(
+        fmt::format("From the measurements alone the signature predicted an error of {} (1σ).",
+                    millimetres(*map.predicted_rms_m)));
+  }
+}
+
+void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
+  const double before_m = map.drawing_rms_m;
+  const double after_m = *map.predicted_rms_m;
+  if (before_m < 2 * after_m) {
+    verdict.headline =
+        "The measurements can't tell this arm from its drawing: nothing is gained yet.";
+    verdict.sentences.push_back(fmt::format(
+        "Drawing and signature differ by {} over the joint space, and the signature itself is "
+        "uncertain by {} (1σ).",
+        millimetres(before_m), millimetres(after_m)));
+    return;
+  }
+  verdict.headline =
+      fmt::format("The arm signature should put the tool about {} times nearer than the drawing.",
+                  times(before_m / after_m));
+  verdict.sentences.push_back(fmt::format(
+      "Over the whole joint space the drawing, its base and tool fitted, is {} (root mean square) "
+      "from the signature; the signature is uncertain by {} (1σ).",
+      millimetres(before_m), millimetres(after_m)));
+}
+
+void judge_without_covariance(const std::optional<ToolErrorMap>& map, Verdict& verdict) {
+  if (!map) {
+    verdict.headline =
+        "An arm signature; no target on the last link says how well it places a tool.";
+    return;
+  }
+  verdict.headline = fmt::format("The drawing is {} from this signature over the joint space.",
+                                 millimetres(map->drawing_rms_m));
+  verdict.sentences.emplace_back(
+      "How sure the signature is can't be said: the file holds neither covariance nor sweeps.");
+}
+
+// How sure: what the scatter says, and what it cannot.
+void say_how_sure(const SignatureRecord& record, const std::vector<SweepPicture>& sweeps,
+                  Verdict& verdict) {
+  std::size_t used = 0;
+  std::size_t rejected = 0;
+  for (const features::JointFeature& feature : record.signature.features) {
+    used += feature.quality.used;
+    rejected += feature.quality.rejected;
+  }
+  if (record.fit) {
+    used = record.fit->rows_used;
+    rejected = record.fit->rows_rejected;
+  }
+  if (used > 0) {
+    const std::string outliers = rejected == 0 ? "none was rejected as an outlier"
+                                 : rejected == 1
+                                     ? "one more was rejected as an outlier"
+                                     : fmt::format("{} more were rejected as outliers", rejected);
+    verdict.sentences.push_back(fmt::format("It rests on {} measured points; {}.", used, outliers));
+  }
+  if (record.fit && record.fit->left_out) {
+    verdict.sentences.push_back(fmt::format(
+        "Points that were left out of the fit in turn are {} from where it puts them (root mean "
+        "square), the sensor's own noise included.",
+        millimetres(record.fit->left_out->rms_m)));
+  }
+  const auto waves = std::ranges::count_if(
+      sweeps, [](const SweepPicture& sweep) { return sweep.wave && sweep.wave->significant(); });
+  if (record.method != "exact") {
+    verdict.sentences.push_back(fmt::format(
+        "The 1σ comes from the scatter of the points. What repeats in every sweep alike "
+        "(load, heat, a bent link{}) is not in it; poses measured apart show it.",
+        waves > 0 ? ", the encoder errors below" : ""));
+  }
+}
+
+void add_joint_steps(const std::vector<SweepPicture>& sweeps, Verdict& verdict) {
+  for (const SweepPicture& sweep : sweeps) {
+    const features::SweepQuality& quality = sweep.feature.quality;
+    if (sweep.wave && sweep.wave->significant()) {
+      verdict.next_steps.push_back(
+          fmt::format("Look at the encoder of joint {}: its readings err by {:.3f}° once per turn.",
+                      sweep.joint + 1, degrees(sweep.wave->amplitude_rad())));
+    }
+    const double scale_error = std::abs(quality.encoder_ratio - 1);
+    if (scale_error > 5 * quality.encoder_ratio_sigma && scale_error > kScaleOfInterest) {
+      verdict.next_steps.push_back(fmt::format(
+          "Check the gear ratio of joint {} and the scale of the sensor: the reading and the "
+          "measured motion differ by {:.3f} %.",
+          sweep.joint + 1, 100 * scale_error));
+    }
+    if (sweep.feature.type == JointType::kRevolute && quality.arc() < kShortArc_rad) {
+      verdict.next_steps.push_back(fmt::format(
+          "Sweep joint {} further: {:.0f}° of arc leave the centre of its circle uncertain.",
+          sweep.joint + 1, degrees(quality.arc())));
+    }
+  }
+}
+
+}  // namespace
+
+Verdict verdict(const SignatureRecord& record, const std::vector<SweepPicture>& sweeps,
+                const std::optional<ToolErrorMap>& map) {
+  Verdict verdict;
+  if (map && map->true_rms_m) {
+    judge_with_truth(*map, verdict);
+  } else if (map && map->predicted_rms_m) {
+    judge_by_prediction(*map, verdict);
+  } else {
+    judge_without_covariance(map, verdict);
+  }
+  say_how_sure(record, sweeps, verdict);
+  add_joint_steps(sweeps, verdict);
+  if (map && !map->joint_share.empty()) {
+    const auto most = std::ranges::max_element(map->joint_share);
+    if (*most > kDominant) {
+      verdict.next_steps.push_back(
+          fmt::format("Measure joint {} again, with more points or a longer arc: {:.0f} % of the "
+                      "remaining uncertainty comes from its axis.",
+                      most - map->joint_share.begin() + 1, 100 * *most));
+    }
+  }
+  if (record.method == "encoder" || record.method == "paper") {
+    verdict.next_steps.emplace_back(
+        "Identify with --method refined: it uses all measurements at once, and further poses.");
+  } else if (record.covariance) {
+    verdict.next_steps.emplace_back(
+        "Ask armsig suggest for the next poses worth measuring, if this is not enough.");
+  }
+  verdict.next_steps.emplace_back(
+      "Measure ten poses that had no part in this, and let armsig check judge.");
+  return verdict;
+}
+
+std::string residuals_in_words(const SweepPicture& sweep) {
+  if (sweep.feature.type == JointType::kPrismatic) {
+    return "Distances from the line that the target moves along.";
+  }
+  if (!sweep.wave) {
+    return "Less than half a turn: a once-per-turn error of the encoder can't be told from a "
+           "shifted "
+           "circle.";
+  }
+  const EncoderWave& wave = *sweep.wave;
+  if (!wave.significant()) {
+    return fmt::format(
+        "Scatter without a pattern: no once-per-turn error of the encoder above {:.3f}° "
+        "(3σ).",
+        degrees(3 * wave.sigma_rad));
+  }
+  return fmt::format(
+      "A sinusoid, once per turn: the readings of this joint err by {:.3f}° ± {:.3f}° ({} at the "
+      "target). So does an encoder whose disk is mounted off its centre. The circle takes up part "
+      "of "
+      "it, which is why the residuals show half. A signature with constant offsets can't hold it.",
+      degrees(wave.amplitude_rad()), degrees(wave.sigma_rad),
+      millimetres(wave.amplitude_rad() * sweep.feature.radius_m));
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// What a person wants to know first: how much better, how sure, what to do next.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/host_tool/report/sweep_picture.hpp"
+#include "firmware/host_tool/report/tool_error_map.hpp"
+
+namespace armsig::tool {
+
+struct Verdict {
+  std::string headline;
+  std::vector<std::string> sentences;   // how much better, how sure
+  std::vector<std::string> next_steps;  // the most useful first
+};
+
+[[nodiscard]] Verdict verdict(const SignatureRecord& record,
+                              const std::vector<SweepPicture>& sweeps,
+                              const std::optional<ToolErrorMap>& map);
+
+// What the residuals of a sweep tell, in one or two sentences.
+[[nodiscard]] std::string residuals_in_words(const SweepPicture& sweep);
+
+}  // namespace armsig::tool

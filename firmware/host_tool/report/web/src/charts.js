@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Residuals against the reading, and the map of the tool error, by uPlot.
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import { colour, degrees, fixed, signed } from './text.js';
+
+const kDirections = [
+  { index: 2, name: 'radial', flat: 'across' },
+  { index: 3, name: 'normal', flat: 'across, other way' },
+  { index: 4, name: 'tangential', flat: 'along' },
+];
+
+const axis = (label, size, unit = '') => ({
+  label, labelSize: 18, size, gap: 6, font: '12px system-ui', labelFont: '12px system-ui', labelGap: 0,
+  values: (_, ticks) => ticks.map((tick) => `${signed(tick)}${unit}`),
+  stroke: colour('soft'), grid: { stroke: colour('line'), width: 1 }, ticks: { show: false },
+});
+
+const dots = (name, size) => ({ show: true, size, width: 0, fill: colour(name), stroke: colour(name) });
+
+function widthOf(host) {
+  return Math.max(240, host.clientWidth);
+}
+
+// Redraws with the width of its place. Returns what to call when colours change.
+function keepDrawn(host, options, data) {
+  let plot;
+  const draw = () => {
+    plot?.destroy();
+    plot = new uPlot({ ...options(), width: widthOf(host) }, data, host);
+  };
+  draw();
+  let width = host.clientWidth;
+  new ResizeObserver(() => {
+    if (host.clientWidth === width || host.clientWidth === 0) return;
+    width = host.clientWidth;
+    plot.setSize({ width: widthOf(host), height: plot.height });
+  }).observe(host);
+  return draw;
+}
+
+export function residualChart(host, sweep) {
+  const unit = sweep.revolute ? degrees : (metres) => 1e3 * metres;
+  const accepted = sweep.points.filter((point) => !point[5]);
+  const largest = 1e3 * Math.max(1e-9, ...accepted.flatMap((point) => kDirections.map(({ index }) => Math.abs(point[index]))));
+  const edge = 1.35 * largest;
+  const clamp = (millimetres) => Math.max(-edge, Math.min(edge, millimetres));
+
+  // One row a point; the curve of a wave has rows of its own.
+  const rows = sweep.points.map((point) => ({ x: unit(point[0]), point }));
+  if (sweep.wave?.significant) for (const at of sweep.wave.curve) rows.push({ x: unit(at[0]), curve: at });
+  rows.sort((a, b) => a.x - b.x);
+  const data = [rows.map((row) => row.x)];
+  for (const { index } of kDirections) data.push(rows.map(({ point }) => (point && !point[5] ? 1e3 * point[index] : null)));
+  data.push(rows.map(({ point }) => {
+    if (!point?.[5]) return null;
+    const furthest = kDirections.map(({ index }) => point[index]).sort((a, b) => Math.abs(b) - Math.abs(a))[0];
+    return clamp(1e3 * furthest);
+  }));
+  data.push(rows.map(({ curve }) => (curve ? 1e3 * curve[2] : null)));
+  data.push(rows.map(({ curve }) => (curve ? 1e3 * curve[1] : null)));
+
+  const value = (_, number) => (number === null || number === undefined ? '' : `${fixed(number, 3)} mm`);
+  const scatter = (label, name) => ({ label, value, stroke: colour(name), paths: () => null, points: dots(name, 4.5) });
+  const curve = (label, name) => ({ label, value, stroke: colour(name), width: 2, spanGaps: true, points: { show: false } });
+  const series = () => [
+    { label: 'reading' },
+    ...kDirections.map(({ name, flat }) => scatter(sweep.revolute ? name : flat, name)),
+    { ...scatter('rejected', 'rejected'), points: { show: true, size: 11, width: 2, stroke: colour('rejected'), fill: 'transparent' } },
+    curve('encoder wave, tangential', 'tangential'),
+    curve('encoder wave, radial', 'radial'),
+  ];
+  const shown = (_, k) => k < 4 || (k === 4 && sweep.rejected > 0) || (k > 4 && sweep.wave?.significant);
+  return keepDrawn(host, () => {
+    const drawn = series().filter(shown);
+    return {
+      height: 190,
+      legend: { live: false, markers: { width: 2, stroke: (_, k) => drawn[k].stroke, fill: (_, k) => (drawn[k].label === 'rejected' ? 'transparent' : drawn[k].stroke) } },
+      cursor: { drag: { x: true, y: false } },
+      scales: { x: { time: false }, y: { range: [-1.45 * largest, 1.45 * largest] } },
+      axes: [axis('', 26, sweep.revolute ? '°' : ' mm'), axis('residual, mm', 64)],
+      series: drawn,
+    };
+  }, data.filter(shown));
+}
+
+// Points (r, z) in classes with a colour each.
+export function mapChart(host, points, classes) {
+  const sorted = points.slice().sort((a, b) => a.r - b.r);
+  const data = [sorted.map((point) => point.r)];
+  classes.forEach((_, k) => data.push(sorted.map((point) => (point.class === k ? point.z : null))));
+  const zs = points.map((point) => point.z);
+  const margin = 0.06 * (Math.max(...zs) - Math.min(...zs));
+  return keepDrawn(host, () => ({
+    height: 380,
+    legend: { show: false },
+    cursor: { show: false },
+    scales: { x: { time: false }, y: { range: [Math.min(...zs) - margin, Math.max(...zs) + margin] } },
+    axes: [axis('distance from the first axis, m', 46), axis('height along it, m', 64)],
+    series: [{}, ...classes.map(({ colour: fill }) => ({
+      stroke: fill, paths: () => null, points: { show: true, size: 8, width: 0, fill, stroke: fill },
+    }))],
+  }), data);
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// Fills the page with the report that armsig put into it.
+import { ArmView, hasWebGl } from './arm_view.js';
+import { residualChart } from './charts.js';
+import { circleMagnification, drawCircle } from './circle_view.js';
+import { showErrorMap } from './error_map.js';
+import { aboutTable, gridTable, parameterTable } from './tables.js';
+import { degrees, element, fixed, length } from './text.js';
+import './page.css';
+
+const report = JSON.parse(document.getElementById('report').textContent);
+const by = (id) => document.getElementById(id);
+const redraws = [];
+
+function verdict() {
+  const { about, map } = report;
+  document.title = `${about.arm}: arm signature`;
+  by('eyebrow').textContent = [about.arm, about.serial && `no. ${about.serial}`, about.time.slice(0, 10)].filter(Boolean).join(', ');
+  by('headline').textContent = report.verdict.headline;
+  by('sentences').append(...report.verdict.sentences.map((text) => element('p', {}, text)));
+  by('next-steps').append(...report.verdict.next_steps.map((text) => element('li', {}, text)));
+  by('warnings').append(...about.warnings.map((text) => element('p', { class: 'warning' }, text)));
+  by('version').textContent = about.version;
+  if (map === null) return;
+  const known = map.true_rms_m !== null;
+  const before = known ? map.true_drawing_rms_m : map.drawing_rms_m;
+  const after = known ? map.true_rms_m : map.predicted_rms_m;
+  const bar = (name, value, colour) => element('div', { class: 'bar' },
+    element('span', {}, name),
+    element('div', { class: 'track' }, element('div', { class: 'fill', style: `background:var(--${colour});width:${(100 * value) / Math.max(before, after ?? 0)}%` })),
+    element('span', { class: 'value' }, length(value)));
+  by('before-after').append(bar('By the drawing', before, 'nominal'));
+  if (after !== null) by('before-after').append(bar(known ? 'By the signature' : 'By the signature, 1σ', after, 'actual'));
+}
+
+function armControls(view) {
+  const magnify = by('magnify');
+  const pose = by('pose');
+  pose.max = report.arm.frames.length - 1;
+  const largest = view.largestDifference();
+  magnify.value = Math.max(0, Math.min(3.3, Math.log10((0.16 * view.size) / Math.max(largest, 1e-9)))).toFixed(2);
+  const show = () => {
+    const times = 10 ** magnify.value;
+    by('magnify-value').textContent = `× ${times < 10 ? times.toFixed(1) : Math.round(times)}`;
+    by('pose-value').textContent = pose.value === '0' ? 'signature configuration'
+      : report.arm.frames[pose.value].q.map((q, i) => (report.parameters.rows[i].revolute ? `${Math.round(degrees(q))}°` : `${Math.round(1e3 * q)} mm`)).join(' ');
+    view.set(Number(pose.value), times);
+  };
+  magnify.addEventListener('input', show);
+  pose.addEventListener('input', show);
+  by('show-sweeps').addEventListener('change', (event) => { view.sweeps.visible = event.target.checked; view.render(); });
+  by('show-map').addEventListener('change', (event) => { view.map.visible = event.target.checked; view.render(); });
+  let moving = false;
+  let last = 0;
+  const step = (now) => {
+    if (!moving) return;
+    if (now - last > 90) {
+      last = now;
+      pose.value = (Number(pose.value) + 1) % report.arm.frames.length;
+      show();
+    }
+    requestAnimationFrame(step);
+  };
+  by('play').addEventListener('click', () => {
+    moving = !moving;
+    by('play').textContent = moving ? 'Stop' : 'Move';
+    if (moving) requestAnimationFrame(step);
+  });
+  if (report.sweeps.length === 0) by('sweeps-toggle').remove();
+  show();
+  redraws.push(() => view.repaint());
+}
+
+function sweepFacts(sweep) {
+  const facts = [];
+  if (sweep.revolute) {
+    facts.push(`${fixed(degrees(sweep.highest - sweep.lowest), 1)}° of arc`, `radius ${length(sweep.radius_m)}`);
+  } else {
+    facts.push(`${length(sweep.highest - sweep.lowest)} of travel`);
+  }
+  facts.push(`${sweep.used} points`, sweep.rejected === 0 ? 'none rejected' : `${sweep.rejected} rejected`);
+  return facts.join(', ');
+}
+
+function sweepRms(sweep) {
+  const rms = (name, metres) => `${name} ${fixed(1e3 * metres, 3)}`;
+  return `RMS, mm: ${sweep.revolute
+    ? [rms('radial', sweep.rms_radial_m), rms('normal', sweep.rms_normal_m), rms('tangential', sweep.rms_tangential_m)].join(', ')
+    : [rms('across', sweep.rms_normal_m), rms('along', sweep.rms_tangential_m)].join(', ')}`;
+}
+
+function sweeps(webGl) {
+  if (report.sweeps.length === 0) {
+    by('sweeps').append(element('p', {}, 'Give armsig report the measurements (--measurements) to see the sweeps.'));
+    return;
+  }
+  for (const sweep of report.sweeps) {
+    const chart = element('div', { class: 'chart' });
+    const canvas = element('canvas');
+    const figure = element('figure', {}, canvas, element('figcaption'));
+    const block = element('div', { class: 'sweep' },
+      element('header', {}, element('h3', {}, `Joint ${sweep.joint}`), element('span', { class: 'facts' }, sweepFacts(sweep)),
+        element('span', { class: 'facts' }, sweepRms(sweep))),
+      figure, chart,
+      element('p', { class: sweep.wave?.significant ? 'words found' : 'words muted' }, sweep.words));
+    by('sweeps').append(block);
+    redraws.push(residualChart(chart, sweep));
+    if (!webGl || !sweep.revolute) {
+      figure.remove();
+      chart.style.gridColumn = '1 / -1';
+      continue;
+    }
+    figure.querySelector('figcaption').textContent = `residuals × ${circleMagnification(sweep)}`;
+    drawCircle(canvas, sweep);
+    redraws.push(() => drawCircle(canvas, sweep));
+  }
+}
+
+const webGl = hasWebGl();
+let view = null;
+verdict();
+if (webGl) {
+  view = new ArmView(by('arm'), report);
+  armControls(view);
+} else {
+  by('arm-section').querySelector('.stage').replaceChildren(element('p', { style: 'padding:16px' }, 'This browser has no WebGL: the arm can’t be shown in three dimensions.'));
+  by('arm-section').querySelector('.controls').remove();
+}
+sweeps(webGl);
+parameterTable(report);
+redraws.push(showErrorMap(report, view));
+gridTable(report);
+aboutTable(report.about);
+
+const redrawAll = () => { for (const redraw of redraws) redraw(); };
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redrawAll);
+// Paper is white.
+addEventListener('beforeprint', () => { document.documentElement.dataset.theme = 'light'; redrawAll(); });
+addEventListener('afterprint', () => { delete document.documentElement.dataset.theme; redrawAll(); });

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// The tables: parameters, the grid task, what was measured.
+import { decimalsFor, degrees, element, fixed, length } from './text.js';
+
+const cell = (text, kind = '') => element('td', kind ? { class: kind } : {}, text);
+const head = (...names) => element('thead', {}, element('tr', {}, ...names.map((name, k) => element('th', k < 2 ? { class: 'text' } : {}, name))));
+
+const kParameters = [
+  { key: 'theta_rad', name: 'θ offset', unit: '°', scale: degrees, least: 3, most: 4 },
+  { key: 'd_m', name: 'd', unit: 'mm', scale: (m) => 1e3 * m, least: 2, most: 4 },
+  { key: 'a_m', name: 'a', unit: 'mm', scale: (m) => 1e3 * m, least: 2, most: 4 },
+  { key: 'alpha_rad', name: 'α', unit: '°', scale: degrees, least: 3, most: 4 },
+];
+
+// Degrees or millimetres; a parameter known no better tells nothing.
+const kTelling = 0.5;
+
+const turn = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+
+export function parameterTable(report) {
+  const table = document.getElementById('parameters');
+  const body = element('tbody');
+  const last = report.parameters.rows.length;
+  let far = false;
+  for (const row of report.parameters.rows) {
+    kParameters.forEach(({ key, name, unit, scale, least, most }, k) => {
+      const sigma = row.sigma === null ? null : scale(row.sigma[key]);
+      const decimals = decimalsFor(sigma, sigma !== null && sigma > 1 ? 0 : least, most);
+      // θ and d of the first row and all of the last depend on where their outer frames are put.
+      const free = (row.joint === 1 && k < 2) || row.joint === last;
+      // Beside a far common normal these mean nothing by themselves.
+      const large = !free && Math.abs(row.actual.d_m) > 2 && (key === 'd_m' || (k < 3 && !(sigma < kTelling)));
+      far ||= large;
+      let difference = row.actual[key] - row.nominal[key];
+      if (unit === '°') difference = turn(difference);
+      const tr = element('tr', k === 0 ? { class: 'first' } : {},
+        cell(k === 0 ? `${row.joint} ${row.revolute ? 'revolute' : 'prismatic'}` : '', 'text'),
+        cell(`${name}, ${unit}${free ? ' †' : ''}${large ? ' *' : ''}`, 'text'),
+        cell(fixed(scale(row.nominal[key]), least)),
+        cell(fixed(scale(row.actual[key]), decimals), 'actual'),
+        cell(sigma === null || sigma === 0 ? '' : `± ${fixed(sigma, decimals)}`, 'sigma'),
+        cell(free || large ? '' : fixed(scale(difference), decimals)));
+      tr.dataset.joint = row.joint;
+      tr.dataset.parameter = key;
+      body.append(tr);
+    });
+  }
+  table.append(head('Joint', 'Parameter', 'Drawing', 'Signature', '1σ', 'Difference'), body);
+  const notes = document.getElementById('parameter-notes');
+  notes.append(element('p', {}, '† depends on the choice of the first and last frame, which is free.'));
+  if (far) notes.append(element('p', { id: 'near-parallel' }, `* ${report.parameters.near_parallel.replace(/\s+/g, ' ').trim()}`));
+  if (report.parameters.rows[0].sigma === null) notes.append(element('p', {}, 'The signature says nothing of its own uncertainty: no 1σ.'));
+}
+
+export function gridTable(report) {
+  const { grid } = report;
+  if (grid === null) {
+    document.getElementById('grid-section').remove();
+    return;
+  }
+  const size = grid.grid_m.map((metres) => Math.round(100 * metres)).join(' × ');
+  document.getElementById('grid-lead').textContent =
+    `A tool sent to every point of a grid of ${size} cm, by the drawing and by the signature. ` +
+    (grid.drawn_arms === 0
+      ? 'The true arm is known, as it is simulated.'
+      : `The true arm is not known: medians over ${grid.drawn_arms} arms that the measurements allow.`);
+  const angle = (radians) => `${fixed(degrees(radians), 3)}°`;
+  const rows = [
+    ['normal_deviation_m', 'Largest deviation from a straight line', length],
+    ['perpendicular_deviation_rad', 'Largest deviation from a right angle', angle],
+    ['radial_deviation_m', 'Largest distance of a point from its place', length],
+    ['orientation_deviation_rad', 'Largest turn of the tool', angle],
+  ];
+  const body = element('tbody');
+  rows.forEach(([key, name, words], k) => {
+    body.append(element('tr', { class: 'first' }, cell(name, 'text'), cell(words(grid.ideal[key])),
+      cell(words(grid.with_signature[key]), 'actual'), cell(`${fixed(grid.improvement[k], 1)} ×`)));
+  });
+  document.getElementById('grid').append(
+    element('thead', {}, element('tr', {}, element('th', { class: 'text' }), ...['Drawing', 'Signature', 'Better by'].map((name) => element('th', {}, name)))), body);
+}
+
+export function aboutTable(about) {
+  const rows = [
+    ['Arm', about.serial ? `${about.arm}, serial number ${about.serial}` : about.arm],
+    ['Method', { paper: 'features by the fit of the 1986 paper', encoder: 'circles that follow the joint reading', refined: 'maximum likelihood over everything measured', exact: 'computed, not measured' }[about.method] ?? about.method],
+    ['Identified', about.time.replace('T', ' ').replace('Z', ' UTC')],
+    ['Air', about.air_c === null ? 'temperature not stated' : `${fixed(about.air_c, 1)} °C`],
+    ['Program', `armsig ${about.version}`],
+    ['Signature', `${about.signature.name}, CRC-32 ${about.signature.crc32}`],
+  ];
+  if (about.measurements) rows.push(['Measurements', `${about.measurements.name}, CRC-32 ${about.measurements.crc32}`]);
+  if (about.rows !== undefined) {
+    const parts = [`${about.rows} rows`];
+    if (about.rows_not_located > 0) parts.push(`${about.rows_not_located} without a usable position`);
+    if (about.rows_mixed > 0) parts.push(`${about.rows_mixed} poses outside the sweeps`);
+    rows.push(['Rows', parts.join(', ')]);
+  }
+  if (about.sigma_m !== null) rows.push(['Noise, 1σ', `${length(about.sigma_m)} per axis, as the fit found it`]);
+  document.getElementById('about').append(element('tbody', {}, ...rows.map(([name, value]) => element('tr', { class: 'first' }, element('th', { class: 'text' }, name), element('td', {}, value)))));
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Numbers in words, and elements.
+
+export function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === 'style') made.style.cssText = value;
+    else made.setAttribute(name, value);
+  }
+  made.append(...children);
+  return made;
+}
+
+export const degrees = (radians) => (radians * 180) / Math.PI;
+
+// A minus sign as long as a plus.
+export const signed = (text) => String(text).replace('-', '\u2212');
+export const fixed = (value, decimals) => {
+  const text = value.toFixed(decimals);
+  return signed(/^-0\.?0*$/.test(text) ? text.slice(1) : text);
+};
+
+// A length in millimetres, a tiny one in micrometres.
+export function length(metres) {
+  const size = Math.abs(metres);
+  if (size < 1e-5 && size > 0) return `${fixed(1e6 * metres, 1)} \u00b5m`;
+  return `${fixed(1e3 * metres, size < 1e-3 ? 3 : 2)} mm`;
+}
+
+// Decimals that show two digits of a standard deviation, at least `least` and at most `most`.
+export function decimalsFor(sigma, least, most) {
+  if (!(sigma > 0)) return most;
+  return Math.min(most, Math.max(least, 1 - Math.floor(Math.log10(sigma))));
+}
+
+export const colour = (name) =>
+  getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();

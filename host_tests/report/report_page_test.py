@@ -1,0 +1,191 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""The page of `armsig report` in a headless Chromium: report_page_test.py ARMSIG
+
+It opens without a word on the console, with and without WebGL, on a desk and on a phone; its numbers are those of the
+signature file; it is small and asks for nothing from elsewhere; it says in words what a sinusoid of the residuals means.
+"""
+import csv
+import html.parser
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import yaml
+
+armsig = sys.argv.pop(1)
+chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+NO_WEBGL = ["--disable-gpu", "--disable-3d-apis"]
+
+
+def run(*words):
+    done = subprocess.run([armsig, *words], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise AssertionError(f"armsig {' '.join(words)}: {done.stderr}")
+    return done.stdout
+
+
+class Page(html.parser.HTMLParser):
+    """Text by id and table cells by row, of a page after its scripts have run."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.ids, self.rows, self.cells, self.open = {}, [], None, []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag in ("br", "meta", "input", "link", "img"):
+            return
+        self.open.append((tag, attributes.get("id")))
+        if tag == "tr":
+            self.rows.append((attributes, []))
+        if tag in ("td", "th") and self.rows:
+            self.rows[-1][1].append("")
+
+    def handle_endtag(self, tag):
+        while self.open and self.open.pop()[0] != tag:
+            pass
+
+    def handle_data(self, data):
+        tags = [tag for tag, _ in self.open]
+        if "script" in tags or "style" in tags:
+            return
+        for _, name in self.open:
+            if name:
+                self.ids[name] = self.ids.get(name, "") + data
+        if ("td" in tags or "th" in tags) and self.rows and self.rows[-1][1]:
+            self.rows[-1][1][-1] += data
+
+    def parameter(self, joint, name):
+        for attributes, cells in self.rows:
+            if attributes.get("data-joint") == str(joint) and attributes.get("data-parameter") == name:
+                return cells
+        raise AssertionError(f"no row for {name} of joint {joint}")
+
+
+def opened(path, flags, size="1280,900"):
+    """The page as the browser has it, and what it said on the console."""
+    with tempfile.TemporaryDirectory() as profile:
+        done = subprocess.run(
+            [chromium, "--headless=new", "--no-sandbox", f"--user-data-dir={profile}", "--enable-logging=stderr",
+             f"--window-size={size}", "--virtual-time-budget=3000", *flags, "--dump-dom", f"file://{path}"],
+            capture_output=True, text=True, timeout=240)
+    return Page(done.stdout), [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
+
+
+def number(text):
+    return float(text.replace("\u2212", "-").replace("±", "").replace("°", "").replace(",", ""))
+
+
+@unittest.skipUnless(chromium, "no chromium; toolchain/setup installs it")
+class ReportPage(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        os.chdir(cls.folder.name)
+        run("demo", "--out", "demo")
+        cls.path = os.path.abspath("demo/report.html")
+        with open(cls.path) as file:
+            cls.text = file.read()
+        cls.page, cls.console = opened(cls.path, WEBGL)
+        with open("demo/robot1-encoder.yaml") as file:
+            cls.signature = yaml.load(file, yaml.CSafeLoader)
+        cls.data = json.loads(re.search(r'id="report">(.*?)</script>', cls.text, re.S)[1])
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_opens_in_silence(self):
+        self.assertEqual(self.console, [])
+        self.assertIn("nearer than the drawing", self.page.ids["headline"])
+
+    def test_opens_in_silence_on_a_phone_and_without_webgl(self):
+        page, console = opened(self.path, NO_WEBGL, "390,844")
+        self.assertEqual(console, [])
+        self.assertIn("no WebGL", page.ids["arm-section"])
+        self.assertEqual(page.parameter(3, "a_m"), self.page.parameter(3, "a_m"))
+
+    def test_is_small_and_self_contained(self):
+        self.assertLess(len(self.text.encode()), 2_000_000)
+        outside = re.findall(r'(?:src|href)\s*=\s*["\']?(?:https?:)?//', self.text)
+        self.assertEqual(outside, [])
+        self.assertNotIn("@ARMSIG", self.text)
+        for licence in ("three 0.", "uplot 1."):
+            self.assertIn(licence, self.text)
+
+    def test_has_the_numbers_of_the_signature(self):
+        for joint, stated in enumerate(self.signature["joints"], 1):
+            for key, name in (("theta_rad", "theta_offset_rad"), ("d_m", "d_m"), ("a_m", "a_m"), ("alpha_rad", "alpha_rad")):
+                exact = self.data["parameters"]["rows"][joint - 1]["actual"][key]
+                self.assertEqual(exact, stated["pseudo_dh"][name])
+                cells = self.page.parameter(joint, key)
+                scale = 1e3 if key.endswith("_m") else 180 / math.pi
+                decimals = len(cells[3].partition(".")[2])
+                self.assertEqual(number(cells[3]), float(f"{scale * exact:.{decimals}f}"), (joint, key))
+                sigma = scale * self.data["parameters"]["rows"][joint - 1]["sigma"][key]
+                if sigma > 0:
+                    self.assertAlmostEqual(number(cells[4]), sigma, delta=0.5001 * 10 ** -decimals)
+            sweep, shown = stated["sweep"], self.data["sweeps"][joint - 1]
+            for ours, theirs in (("radius_m", "radius_m"), ("used", "used"), ("rejected", "rejected"),
+                                 ("rms_radial_m", "residual_radial_m"), ("rms_normal_m", "residual_normal_m"),
+                                 ("rms_tangential_m", "residual_tangential_m")):
+                self.assertAlmostEqual(shown[ours], sweep[theirs], delta=1e-11)  # fitted again, from 17 digits
+            self.assertEqual(len(shown["points"]), sweep["used"] + sweep["rejected"])
+        with open("demo/robot1-encoder.yaml") as file:
+            self.assertIn(self.page.ids["about"].split("CRC-32 ")[1][:10], file.read())
+
+    def test_explains_parameters_of_nearly_parallel_axes(self):
+        self.assertGreater(self.data["parameters"]["rows"][1]["actual"]["d_m"], 100)
+        self.assertIn("nearly parallel", self.page.ids["near-parallel"])
+
+    def test_shows_the_task_as_the_demonstration_prints_it(self):
+        evaluated = json.loads(run("evaluate", "--json", "--arm", "demo/puma560.yaml", "--signature",
+                                   "demo/robot1-encoder.yaml", "--truth", "demo/robot1-truth.yaml"))["evaluation"]
+        for index in evaluated["with_signature"]:
+            self.assertAlmostEqual(self.data["grid"]["with_signature"][index], evaluated["with_signature"][index], delta=1e-12)
+        for improvement in evaluated["improvement"]:
+            self.assertIn(f"{improvement:.1f} ×", self.page.ids["grid"])
+
+    def test_says_in_words_what_a_sinusoid_means(self):
+        with open("demo/robot1-measurements.csv", newline="") as file:
+            lines = [line for line in file if not line.startswith("#")]
+        rows = list(csv.DictReader(lines))
+        for row in rows:
+            if row["sweep"] == "4":
+                reading = math.radians(float(row["q4_deg"]))
+                row["q4_deg"] = str(math.degrees(reading + math.radians(0.1) * math.sin(reading)))
+        with open("eccentric.csv", "w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0].keys())
+            writer.writeheader()
+            writer.writerows(rows)
+        run("identify", "--arm", "demo/puma560.yaml", "--measurements", "eccentric.csv", "--sensor", "demo/sensor.yaml",
+            "--out", "s.yaml")
+        run("report", "--signature", "s.yaml", "--measurements", "eccentric.csv", "--sensor", "demo/sensor.yaml", "--out",
+            "r.html")
+        page, console = opened(os.path.abspath("r.html"), WEBGL)
+        self.assertEqual(console, [])
+        found = re.search(r"A sinusoid, once per turn: the readings of this joint err by ([0-9.]+)° ± ([0-9.]+)°",
+                          page.ids["sweeps"])
+        self.assertTrue(found)
+        self.assertAlmostEqual(float(found[1]), 0.1, delta=max(0.003, 5 * float(found[2])))
+        self.assertIn("disk is mounted off its centre", page.ids["sweeps"])
+        self.assertIn("encoder of joint 4", page.ids["next-steps"])
+
+    def test_does_without_measurements(self):
+        run("report", "--signature", "demo/robot2-encoder.yaml", "--out", "bare.html")
+        page, console = opened(os.path.abspath("bare.html"), WEBGL)
+        self.assertEqual(console, [])
+        self.assertIn("should put the tool about", page.ids["headline"])
+        self.assertIn("--measurements", page.ids["sweeps"])
+
+
+unittest.main(argv=[sys.argv[0]])
