@@ -47,6 +47,8 @@ canopen::Configuration drive_configuration() {
                       .limits = drawing.limits[i],
                       .largest_speed = 2.0});
   }
+  // A long step of the background may cost some ticks, and with them their SYNC.
+  c.missed_feedback_limit = 5;
   const canopen::RangeNodeConfiguration sensor = sensor_configuration();
   c.other_nodes.push_back(sensor.node);
   for (const auto& frame : canopen::traffic(sensor, std::chrono::milliseconds(20))) {

@@ -65,6 +65,7 @@ std::span<const armsig::board::Region> armsig::board::regions() {
       Region{0x0002'0000, 16, kData, 0},           // BTCM: stack
       Region{0xFFFC'0000, 18, kCode, kUpperHalf},  // OCM: code
       Region{0xFFFC'0000, 18, kData, kLowerHalf},  // OCM: data
+      Region{0xFFFE'0000, 13, kCode, 0},           // its last 8 KiB
       Region{0xFF00'0000, 21, kDevice, 0},         // peripherals of the low-power domain
       Region{cabinet::kEmulatedWorldAt, cabinet::kEmulatedWorldLog2, kShared, 0},
   };

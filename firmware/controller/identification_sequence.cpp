@@ -253,6 +253,12 @@ void IdentificationSequence::finish_sweeps() {
   }
   candidate_ = *identified;
   add_targets(*candidate_);
+  lay_reference();
+  stage_ = Stage::kHeldOut;
+}
+
+// A function of its own, so that its signature is not on the stack beside that of identify().
+[[gnu::noinline]] void IdentificationSequence::lay_reference() {
   auto& reference = work_.emplace<Signature>();
   if (active_ != nullptr) {
     reference = *active_;
@@ -260,7 +266,6 @@ void IdentificationSequence::finish_sweeps() {
   } else {
     reference = evaluation::drawing_as_model(configuration_.drawing, *candidate_);
   }
-  stage_ = Stage::kHeldOut;
 }
 
 // Every sweep has seen the one target pass the signature configuration: weighted mean.

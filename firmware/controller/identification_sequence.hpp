@@ -59,6 +59,7 @@ class IdentificationSequence {
   [[nodiscard]] Sweep& sweep() { return *std::get_if<Sweep>(&work_); }  // kSweeping
   void finish_sweep();
   void finish_sweeps();
+  void lay_reference();
   void finish_held_out();
   void add_targets(Signature& signature) const;
   void go_to(const JointVector& q);
