@@ -133,6 +133,7 @@ class Collector {
 Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const Pose& X_0n,
                              const JointVector& reference, const InverseOptions& options) {
   ARMSIG_CHECK(reference.empty() || reference.size() == chain.joint_count);
+  if (!X_0n.p.allFinite() || !X_0n.R.allFinite()) return std::unexpected(Error::kNotFinite);
   for (const double reading : reference) {
     if (!std::isfinite(reading)) return std::unexpected(Error::kNotFinite);
   }

@@ -178,7 +178,7 @@ void Problem::add_sweep(const CompressedSweep& sweep, const Chain& chain, double
     note(motion, target.link, jacobian);
     residual.noalias() -= scaled * sweep.W.col(node) * jacobian.p_S.transpose();
     Eigen::Matrix<double, 9, 3> gradient;
-    for (int k = 0; k < 3; ++k) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
       gradient.middleRows<3>(3 * k) = weight * scaled * sweep.W(k, node) * Matrix3::Identity();
       if (layout.scale == kNoColumn) continue;
       for (int c = 0; c < 3; ++c) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 
@@ -87,7 +88,7 @@ Matrix3 spread_rotation(int k) {
   constexpr double kPsi = 1.533751168755204288118041;
   const double s = k + 0.5;
   const double share = s / kStarts;
-  const double alpha = 2 * kPi * s / std::sqrt(2.0);
+  const double alpha = 2 * kPi * s / std::numbers::sqrt2;
   const double beta = 2 * kPi * s / kPsi;
   const double r = std::sqrt(share);
   const double t = std::sqrt(1 - share);

@@ -51,8 +51,7 @@ bool is_finite(const Observation& row) {
   const bool measured =
       row.kind == ObservationKind::kPosition ? row.p_S.allFinite() : std::isfinite(row.range_m);
   return measured && std::isfinite(row.sigma_m) &&
-         std::all_of(row.readings.begin(), row.readings.end(),
-                     [](double reading) { return std::isfinite(reading); });
+         std::ranges::all_of(row.readings, [](double reading) { return std::isfinite(reading); });
 }
 
 PredictedRange predict_range(const Refined& estimate, const Receivers& receivers,
