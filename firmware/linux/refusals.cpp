@@ -23,6 +23,7 @@ const YamlNode& value_of(const YamlNode& map, std::string_view name) {
     const std::string_view key = map.keys[i].text;
     if (key == name || key.starts_with(std::string(name) + "_")) return map.items[i];
   }
+  // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the tree outlives what points into it
   return map;
 }
 
@@ -30,6 +31,7 @@ const YamlNode& value_of(const YamlNode& map, std::string_view name) {
 const YamlNode& joint_value(const YamlNode& root, std::optional<std::size_t> joint,
                             std::string_view name) {
   const YamlNode* list = root.find("joints");
+  // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the tree outlives what points into it
   if (list == nullptr) return root;
   if (!joint || *joint >= list->items.size()) return *list;
   return value_of(list->items[*joint], name);
