@@ -169,7 +169,7 @@ Read<std::optional<std::string>> write_report(const std::string& folder) {
   if (!input) return std::unexpected(input.error());
   const auto page = report_page(report_json(*input));
   if (!page) return std::nullopt;
-  const std::string path = folder + "/report.html";
+  std::string path = folder + "/report.html";
   if (auto written = write_text_file(path, *page); !written) {
     return std::unexpected(written.error());
   }

@@ -70,13 +70,13 @@ class DhReader {
     ImportedArm imported{{"imported arm", arm_}, {}, {}};
     if (modified_) move_to_standard(imported);
     if (!has_limits_) {
-      imported.notes.push_back("the file has no limits: -180 to 180 degrees for every joint");
+      imported.notes.emplace_back("the file has no limits: -180 to 180 degrees for every joint");
     }
     return imported;
   }
 
  private:
-  std::unexpected<Problem> bad(std::string what, std::string expected) const {
+  [[nodiscard]] std::unexpected<Problem> bad(std::string what, std::string expected) const {
     return problem_at(static_cast<int>(lines_.number()), 0, std::move(what), std::move(expected));
   }
 
@@ -128,7 +128,8 @@ class DhReader {
                "theta_rad, d_m (or _deg, _mm)");
   }
 
-  Read<double> value(const std::vector<std::string_view>& fields, std::size_t kind) const {
+  [[nodiscard]] Read<double> value(const std::vector<std::string_view>& fields,
+                                   std::size_t kind) const {
     const Column& column = columns_[kind];
     if (!column.position) return 0.0;
     const auto number = parse_number(fields[*column.position]);

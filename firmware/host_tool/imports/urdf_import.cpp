@@ -131,7 +131,7 @@ class ChainReader {
 
  private:
   // The joints from base to tip, found from the tip upwards.
-  Read<std::vector<const XMLElement*>> path_of_joints() const {
+  [[nodiscard]] Read<std::vector<const XMLElement*>> path_of_joints() const {
     for (const std::string& name : {base_, tip_}) {
       if (auto found = find_link(name); !found) return std::unexpected(std::move(found).error());
     }
@@ -150,7 +150,7 @@ class ChainReader {
     return path;
   }
 
-  Read<void> find_link(const std::string& name) const {
+  [[nodiscard]] Read<void> find_link(const std::string& name) const {
     std::vector<std::string> names;
     for (const XMLElement* link = robot_.FirstChildElement("link"); link != nullptr;
          link = link->NextSiblingElement("link")) {
@@ -161,7 +161,7 @@ class ChainReader {
     return at(robot_, "there is no link " + in_quotes(name), meant.empty() ? any_of(names) : meant);
   }
 
-  const XMLElement* joint_to(const std::string& link) const {
+  [[nodiscard]] const XMLElement* joint_to(const std::string& link) const {
     for (const XMLElement* joint = robot_.FirstChildElement("joint"); joint != nullptr;
          joint = joint->NextSiblingElement("joint")) {
       if (child_attribute(*joint, "child", "link") == link) return joint;
