@@ -41,12 +41,12 @@ double estimated_limit(double freedom) {
 }
 
 // The prediction's variance at `point` over the variance of the point.
-double leverage(const SweepStatistics& accepted, const SweepPoint& point) {
+double leverage(const MotionStatistics& accepted, const SweepPoint& point) {
   return accepted.motion.prediction_variance(accepted.regressors(point)) / point.variance();
 }
 
 // r^T (variance_factor * covariance + rounding)^-1 r, with r the residual of the point.
-double chi_square(const SweepStatistics& about, const Coefficients& fit, double variance_factor,
+double chi_square(const MotionStatistics& about, const Coefficients& fit, double variance_factor,
                   const SweepPoint& point) {
   const Vector3 r = point.p_S - about.origin_S - fit.transpose() * about.regressors(point);
   Matrix3 covariance = variance_factor * point.covariance_m2;
@@ -87,8 +87,8 @@ Order by_reading(const WaitingPoints& waiting) {
 
 // The accepted statistics to build on; without any, empty ones about the middle of the waiting
 // points, coordinate by coordinate, which no outlier can drag away.
-SweepStatistics base(const SweepStatistics& accepted, const WaitingPoints& waiting,
-                     const Order& order) {
+MotionStatistics base(const MotionStatistics& accepted, const WaitingPoints& waiting,
+                      const Order& order) {
   if (accepted.count > 0) return accepted;
   const std::size_t middle = waiting.size() / 2;
   SweepPoint origin = waiting[order[middle]];
@@ -108,7 +108,8 @@ struct Row {
 };
 using Rows = FixedVector<Row, kGateCapacity>;
 
-Rows weighted_rows(const SweepStatistics& about, const WaitingPoints& waiting, const Order& order) {
+Rows weighted_rows(const MotionStatistics& about, const WaitingPoints& waiting,
+                   const Order& order) {
   Rows rows;
   for (const std::uint8_t i : order) {
     const double weight = 1 / std::sqrt(waiting[i].variance());
@@ -127,7 +128,7 @@ double squared_distance(const Row& row, const Coefficients& fit) {
 // A fit through the points accepted before and a minimal subset of the waiting ones: one from each
 // third (half) of the range of readings, or, every second time, from anywhere, in case all those of
 // one third are wrong.
-MotionRls candidate(const SweepStatistics& before, const Rows& rows, int trial,
+MotionRls candidate(const MotionStatistics& before, const Rows& rows, int trial,
                     Sequence& sequence) {
   const std::size_t size =
       std::min(static_cast<std::size_t>(motion_unknowns(before.type)), rows.size());
@@ -149,7 +150,7 @@ struct RobustStart {
 // Least median of squares, then, at the scale that the median shows, the candidate that explains
 // most (truncated squares): the median alone cannot tell candidates apart where more than half of
 // the points share one reading.
-RobustStart robust_start(const SweepStatistics& before, const Rows& rows, bool sigma_is_known) {
+RobustStart robust_start(const MotionStatistics& before, const Rows& rows, bool sigma_is_known) {
   const auto unknowns = static_cast<std::size_t>(motion_unknowns(before.type));
   const std::size_t middle = std::min(rows.size() / 2 + (unknowns + 1) / 2, rows.size()) - 1;
   double least_median = kInfinity;
@@ -185,7 +186,7 @@ RobustStart robust_start(const SweepStatistics& before, const Rows& rows, bool s
 
 }  // namespace
 
-GateScale gate_scale(const SweepStatistics& accepted, bool sigma_is_known) {
+GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known) {
   const double freedom = accepted.motion_freedom();
   const double variance = freedom < 1 ? 0 : accepted.motion_chi_square() / freedom;
   // A stated sigma may be too small, by a factor that the residuals show; it is never made smaller.
@@ -196,32 +197,33 @@ GateScale gate_scale(const SweepStatistics& accepted, bool sigma_is_known) {
   return {variance, 4 * estimated_limit(freedom)};
 }
 
-bool predicts(const SweepStatistics& accepted, const SweepPoint& point) {
+bool predicts(const MotionStatistics& accepted, const SweepPoint& point) {
   return accepted.count > 0 && leverage(accepted, point) < kMostPredictionVariance;
 }
 
-bool passes_gate(const SweepStatistics& accepted, bool sigma_is_known, const SweepPoint& point) {
+bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const SweepPoint& point) {
   const Coefficients fit = accepted.motion.solve();
   const GateScale scale = gate_scale(accepted, sigma_is_known);
   return chi_square(accepted, fit, scale.variance, point) <=
          scale.limit * (1 + leverage(accepted, point));
 }
 
-Verdicts judge_together(const SweepStatistics& accepted, bool sigma_is_known,
+Verdicts judge_together(const MotionStatistics& accepted, bool sigma_is_known,
                         const WaitingPoints& waiting) {
   Verdicts verdicts{};
   if (waiting.empty()) return verdicts;
   const Order order = by_reading(waiting);
-  const SweepStatistics before = base(accepted, waiting, order);
+  const MotionStatistics before = base(accepted, waiting, order);
   const RobustStart start =
       robust_start(before, weighted_rows(before, waiting, order), sigma_is_known);
 
-  SweepStatistics current = before;
+  MotionStatistics current = before;
   current.motion = start.motion;
   GateScale scale{start.variance, kGateChiSquare};
   for (int round = 0; round < kMostRounds; ++round) {
     const Coefficients fit = current.motion.solve();
-    SweepStatistics next = before;
+    MotionStatistics next = before;
+    FixedVector<SweepPoint, MotionRls::kBlockRows> passed;
     bool changed = false;
     for (const std::uint8_t i : order) {
       const SweepPoint& point = waiting[i];
@@ -236,9 +238,13 @@ Verdicts judge_together(const SweepStatistics& accepted, bool sigma_is_known,
           alone || chi_square(current, fit, scale.variance, point) <= scale.limit * spread;
       changed = changed || passes != verdict;
       verdict = passes;
-      if (passes) next.add(point);
+      if (passes) passed.push_back(point);
+      if (!passed.full()) continue;
+      next.add(passed);
+      passed.clear();
     }
     if (!changed) break;
+    next.add(passed);
     current = next;
     scale = gate_scale(current, sigma_is_known);
   }

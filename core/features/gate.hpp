@@ -31,17 +31,17 @@ struct GateScale {
   double variance = 0;  // by which the points' covariances are multiplied; at least 1 where stated
   double limit = 0;     // of the innovation's chi-square
 };
-[[nodiscard]] GateScale gate_scale(const SweepStatistics& accepted, bool sigma_is_known);
+[[nodiscard]] GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known);
 
 // Whether the accepted points predict `point` well enough to judge it alone.
-[[nodiscard]] bool predicts(const SweepStatistics& accepted, const SweepPoint& point);
+[[nodiscard]] bool predicts(const MotionStatistics& accepted, const SweepPoint& point);
 
 // Judges `point` alone. Precondition: predicts(accepted, point).
-[[nodiscard]] bool passes_gate(const SweepStatistics& accepted, bool sigma_is_known,
+[[nodiscard]] bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known,
                                const SweepPoint& point);
 
 // Judges the waiting points together, on top of those accepted before. `accepted` may be empty.
-[[nodiscard]] Verdicts judge_together(const SweepStatistics& accepted, bool sigma_is_known,
+[[nodiscard]] Verdicts judge_together(const MotionStatistics& accepted, bool sigma_is_known,
                                       const WaitingPoints& waiting);
 
 }  // namespace armsig::features
