@@ -81,6 +81,7 @@ std::vector<std::size_t> MeasurementLog::rejected_lines(
 
 std::vector<Target> MeasurementLog::targets(std::size_t joints) const {
   std::vector<Target> targets;
+  targets.reserve(outermost_sweep_.size());
   for (const auto& [number, sweep] : outermost_sweep_) {
     targets.push_back({.number = number, .link = sweep == 0 ? joints : sweep});
   }

@@ -168,6 +168,7 @@ Read<void> Run::fit(const std::optional<Signature>& start) {
 }
 
 std::expected<void, Refusal> Run::refit(const Signature& start) {
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): `start` may be part of *refined_
   const Signature from = start;
   return refinement::refine(from, log_.observations(), config_, verdicts_, *refined_);
 }

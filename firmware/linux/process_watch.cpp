@@ -3,6 +3,8 @@
 
 #include <sys/resource.h>
 
+#include "hal/linux/heap_calls.hpp"
+
 namespace armsig::daemon {
 namespace {
 
@@ -17,7 +19,7 @@ std::int64_t page_faults(int who) {
 void ProcessWatch::begin(const linux_hal::RealTimeReport& report, int priority) {
   memory_locked_ = !report.memory_not_locked;
   real_time_ = priority > 0 && !report.priority_not_given;
-  heap_calls_before_ = heap_calls().value_or(0);
+  heap_calls_before_ = linux_hal::heap_calls();
   faults_before_ = page_faults(RUSAGE_SELF);
   servo_faults_before_ = servo_faults_ = page_faults(RUSAGE_THREAD);
 }
@@ -30,12 +32,7 @@ void ProcessWatch::tell(controller::Line& line) const {
   };
   line.text(" memory_locked=").text(memory_locked_ ? "yes" : "no");
   line.text(" real_time=").text(real_time_ ? "yes" : "no");
-  line.text(" heap_calls=");
-  if (const auto calls = heap_calls()) {
-    line.integer(*calls - heap_calls_before_);
-  } else {
-    line.text("unknown");
-  }
+  line.text(" heap_calls=").integer(linux_hal::heap_calls() - heap_calls_before_);
   line.text(" page_faults=").integer(difference(page_faults(RUSAGE_SELF), faults_before_));
   line.text(" servo_page_faults=").integer(difference(servo_faults_, servo_faults_before_));
 }

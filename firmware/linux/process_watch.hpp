@@ -11,10 +11,6 @@
 
 namespace armsig::daemon {
 
-// Calls of malloc and its kin, operator new included, by all threads since the process began; empty
-// where they cannot be counted (another C library than glibc, the sanitizers).
-[[nodiscard]] std::optional<std::uint64_t> heap_calls();
-
 class ProcessWatch {
  public:
   // By the servo thread when everything is started; `report` is what it was granted.

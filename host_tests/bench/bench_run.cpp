@@ -26,8 +26,6 @@
 namespace armsig::bench {
 namespace {
 
-using Changes = std::vector<std::pair<std::string, std::string>>;
-
 const std::string kModbus =
     "  modbus:\n"
     "    device: /tmp/armsig-bench/sensor\n"
@@ -127,8 +125,7 @@ void expect_the_indices_of_table_3(const daemon::DaemonConfiguration& configurat
 
 void identify_and_accept(DaemonProcess& daemon, std::chrono::seconds longest) {
   ASSERT_TRUE(daemon.enable());
-  ASSERT_EQ(daemon.ask("identify"), "ok");
-  ASSERT_TRUE(daemon.hear("# identify done", longest));
+  ASSERT_TRUE(daemon.identify(longest));
   ASSERT_TRUE(daemon.is_in("holding"));
   std::printf("%s\n", daemon.ask("candidate").c_str());
   ASSERT_EQ(daemon.ask("accept"), "ok");
@@ -137,7 +134,7 @@ void identify_and_accept(DaemonProcess& daemon, std::chrono::seconds longest) {
 // Everything that the issue asks of the bench run, in its order.
 void run_all(const Changes& changes, bool full) {
   BenchProcess arm = emulated_arm();
-  DaemonProcess daemon(bench_configuration(changes), arm.sensor_device);
+  DaemonProcess daemon(changes, arm.sensor_device);
   const auto configuration = daemon::read_configuration(daemon.configuration_path());
   ASSERT_TRUE(configuration) << tool::render(configuration.error());
   ASSERT_NO_FATAL_FAILURE(identify_and_accept(daemon, std::chrono::seconds(full ? 900 : 300)));
@@ -173,9 +170,8 @@ double number_in(const std::string& text, const std::string& key) {
 
 TEST(BenchRun, ticks_beside_cyclictest_without_heap_and_page_faults) {
   BenchProcess arm = emulated_arm("40");
-  DaemonProcess daemon(
-      bench_configuration({{"priority: 0", "priority: 80"}, {"period_ms: 20", "period_ms: 2"}}),
-      arm.sensor_device);
+  DaemonProcess daemon({{"priority: 0", "priority: 80"}, {"period_ms: 20", "period_ms: 2"}},
+                       arm.sensor_device);
   ASSERT_TRUE(daemon.enable());
   const bool beside =
       std::system("command -v cyclictest >/dev/null 2>&1") == 0 &&

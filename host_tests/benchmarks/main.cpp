@@ -9,6 +9,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "hal/linux/heap_calls.hpp"
 #include "host_tests/benchmarks/rows.hpp"
 
 namespace armsig::benchmarks {
@@ -48,9 +49,9 @@ int count(const char* wanted, std::size_t calls) {
     if (name(row) != wanted) continue;
     const Work work = row.prepare();
     work(1);
-    const std::size_t before = armsig::benchmarks::heap_calls();
+    const std::uint64_t before = armsig::linux_hal::heap_calls();
     armsig_counted(work, calls);
-    const std::size_t used = armsig::benchmarks::heap_calls() - before;
+    const std::uint64_t used = armsig::linux_hal::heap_calls() - before;
     std::printf("%.0f\n", static_cast<double>(used) / static_cast<double>(calls));
     return EXIT_SUCCESS;
   }

@@ -29,9 +29,6 @@ struct Row {
 
 std::vector<Row>& rows();
 
-// Heap calls (malloc, calloc, realloc, memalign and all that end there) of this process so far.
-std::size_t heap_calls();
-
 // Makes the compiler believe that `value` is used.
 template <typename T>
 inline void keep(const T& value) {

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: MIT
-// Counts what is taken from the heap, so that a test can show that nothing is.
+// Shows in a test that nothing is taken from the heap.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
+
+#include "hal/linux/heap_calls.hpp"
 
 namespace armsig::testing {
 
-// Counts the allocations of this thread since its construction: malloc and its kin, and with them
-// operator new. Use:
+// Counts the allocations of this thread since its construction. Use:
 //   const AllocationGuard guard;
 //   ... code under test ...
-//   const std::size_t allocations = guard.count();   // before any assertion, which may allocate
+//   const std::uint64_t allocations = guard.count();   // before any assertion, which may allocate
 class AllocationGuard {
  public:
-  AllocationGuard();
-  [[nodiscard]] std::size_t count() const;
+  [[nodiscard]] std::uint64_t count() const {
+    return linux_hal::heap_calls_of_this_thread() - before_;
+  }
 
  private:
-  std::size_t before_;
+  std::uint64_t before_ = linux_hal::heap_calls_of_this_thread();
 };
 
 }  // namespace armsig::testing

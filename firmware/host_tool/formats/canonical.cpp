@@ -2,6 +2,7 @@
 #include "firmware/host_tool/formats/canonical.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -34,8 +35,8 @@ void append(std::string& out, const YamlNode& node, std::string_view omitted_key
       out += ']';
       return;
     case YamlNode::Kind::kMap: {
-      std::vector<std::size_t> order;
-      for (std::size_t i = 0; i < node.keys.size(); ++i) order.push_back(i);
+      std::vector<std::size_t> order(node.keys.size());
+      std::iota(order.begin(), order.end(), std::size_t{0});
       std::ranges::sort(order, {},
                         [&](std::size_t i) -> const std::string& { return node.keys[i].text; });
       out += '{';

@@ -62,6 +62,7 @@ bool looks_like_a_joint(std::string_view name) {
 
 std::vector<Quantity> joint_quantities(const FixedVector<JointType, kMaxJoints>& types) {
   std::vector<Quantity> quantities;
+  quantities.reserve(types.size());
   for (std::size_t i = 0; i < types.size(); ++i) {
     quantities.push_back({fmt::format("q{}", i + 1), dimension_of(types[i]), true, false,
                           fmt::format("joint {} is {}", i + 1, word_of(types[i]))});

@@ -165,6 +165,7 @@ class Mapper {
       }
       if (auto problem = contradiction(path_, mapped_, types_)) return std::unexpected(*problem);
       std::vector<std::string> names;
+      names.reserve(mapped_.columns.size());
       for (const MappedColumn& column : mapped_.columns) names.push_back(column.ours);
       write(names, number);
       break;

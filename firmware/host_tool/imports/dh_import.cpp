@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
 
 #include <fmt/core.h>
@@ -14,7 +15,7 @@
 namespace armsig::tool {
 namespace {
 
-enum ColumnName : std::size_t {
+enum ColumnName : std::uint8_t {
   kTheta,
   kD,
   kA,

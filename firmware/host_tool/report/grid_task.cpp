@@ -16,6 +16,7 @@ constexpr std::size_t kDrawnArms = 15;
 
 double median(const std::vector<evaluation::Indices>& all, double evaluation::Indices::* index) {
   std::vector<double> values;
+  values.reserve(all.size());
   for (const evaluation::Indices& indices : all) values.push_back(indices.*index);
   std::ranges::sort(values);
   return values[values.size() / 2];

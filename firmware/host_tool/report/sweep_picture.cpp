@@ -26,6 +26,7 @@ Directions directions_at(const features::JointFeature& feature, double reading) 
 
 void mark_rejected(std::vector<PointResidual>& points, std::size_t rejected) {
   std::vector<PointResidual*> furthest;
+  furthest.reserve(points.size());
   for (PointResidual& point : points) furthest.push_back(&point);
   std::ranges::sort(furthest, std::greater{}, [](const PointResidual* point) {
     return Vector3(point->radial_m, point->normal_m, point->tangential_m).squaredNorm();

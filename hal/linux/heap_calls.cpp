@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: MIT
-#include "host_tests/support/allocation_guard.hpp"
+#include "hal/linux/heap_calls.hpp"
 
+#include <atomic>
 #include <cerrno>
+#include <cstddef>
 #include <cstdlib>
 
 namespace {
 
-thread_local std::size_t allocations = 0;
+std::atomic<std::uint64_t> calls{0};
+thread_local std::uint64_t calls_of_this_thread = 0;
+
+void count() {
+  calls.fetch_add(1, std::memory_order_relaxed);
+  ++calls_of_this_thread;
+}
 
 }  // namespace
 
@@ -21,7 +29,7 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_allocation)(c
 namespace {
 
 // The sanitizer owns malloc and offers a hook instead.
-void on_allocation(const volatile void* /*memory*/, std::size_t /*size*/) { ++allocations; }
+void on_allocation(const volatile void* /*memory*/, std::size_t /*size*/) { count(); }
 void on_release(const volatile void* /*memory*/) {}
 const int installed = __sanitizer_install_malloc_and_free_hooks(&on_allocation, &on_release);
 
@@ -29,38 +37,37 @@ const int installed = __sanitizer_install_malloc_and_free_hooks(&on_allocation, 
 
 #else
 
-// Replacements for glibc's own, which stay reachable under their internal names; operator new and
-// Eigen come here too.
+// Replacements for glibc's own, which stay reachable under their internal names.
 extern "C" {
 // NOLINTBEGIN(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp): glibc's names
 void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_calloc(std::size_t items, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 // NOLINTEND(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp)
 
 void* malloc(std::size_t size) {
-  ++allocations;
+  count();
   return __libc_malloc(size);
 }
-void* calloc(std::size_t count, std::size_t size) {
-  ++allocations;
-  return __libc_calloc(count, size);
+void* calloc(std::size_t items, std::size_t size) {
+  count();
+  return __libc_calloc(items, size);
 }
 void* realloc(void* memory, std::size_t size) {
-  ++allocations;
+  count();
   return __libc_realloc(memory, size);
 }
 void* memalign(std::size_t alignment, std::size_t size) {
-  ++allocations;
+  count();
   return __libc_memalign(alignment, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocations;
+  count();
   return __libc_memalign(alignment, size);
 }
 int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-  ++allocations;
+  count();
   *memory = __libc_memalign(alignment, size);
   return *memory == nullptr ? ENOMEM : 0;
 }
@@ -68,10 +75,10 @@ int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
 
 #endif
 
-namespace armsig::testing {
+namespace armsig::linux_hal {
 
-AllocationGuard::AllocationGuard() : before_(allocations) {}
+std::uint64_t heap_calls() { return calls.load(std::memory_order_relaxed); }
 
-std::size_t AllocationGuard::count() const { return allocations - before_; }
+std::uint64_t heap_calls_of_this_thread() { return calls_of_this_thread; }
 
-}  // namespace armsig::testing
+}  // namespace armsig::linux_hal
