@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "hal/simulated/arm.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 #include "host_tests/bench/bench_process.hpp"
+#include "host_tests/bench/bus_recording.hpp"
 #include "host_tests/bench/daemon_process.hpp"
 
 namespace armsig::bench {
@@ -158,7 +160,13 @@ TEST(BenchRun, small_over_modbus) { run_all(small(), false); }
 TEST(BenchRun, small_with_the_sensor_on_can) {
   Changes changes = small();
   for (const auto& change : sensor_on_can()) changes.push_back(change);
+  std::optional<BusRecording> recording;
+  if (BusRecording::possible()) recording.emplace();
   run_all(changes, false);
+  if (!recording) return;
+  recording->end();
+  std::printf("%d frames recorded\n", recording->frames());
+  recording->expect_canopen_throughout();
 }
 
 // What `name`= in `text` is; -1 if it is not there.

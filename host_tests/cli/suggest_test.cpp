@@ -41,7 +41,8 @@ TEST(Predict, takes_a_sigma_for_that_of_the_only_target_on_the_last_link) {
   EXPECT_EQ(one.status, 0) << one.err;
   EXPECT_NE(one.out.find("poses of target 1"), std::string::npos) << one.out;
   // Every second row of another target beside the first, as it were.
-  for (std::size_t k = 0; k < held.rows.size(); k += 2) held.rows[k][held.column("target")] = std::string("2");
+  for (std::size_t k = 0; k < held.rows.size(); k += 2)
+    held.rows[k][held.column("target")] = std::string("2");
   held.write(folder / "m.csv");
   ASSERT_EQ(
       run_tool(folder, "identify --arm arm.yaml --measurements m.csv --method refined --out s.yaml")
