@@ -30,35 +30,61 @@ bool drawing_binds_the_sense(const FixedVector<JointType, kMaxJoints>& types) {
 std::expected<Signature, IdentificationFailure> identify(
     const FixedVector<features::JointFeature, kMaxJoints>& features,
     const JointVector& configuration, const Arm& nominal) {
-  ARMSIG_CHECK(!features.empty() && configuration.size() == features.size() &&
-               nominal.joints.size() == features.size());
-  Signature signature;
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    ARMSIG_CHECK(features[i].type == nominal.joints[i].type);
-    if (!is_usable(features[i], configuration[i])) {
+  std::expected<Signature, IdentificationFailure> identified;
+  identified->features = features;
+  identified->configuration = configuration;
+  Identification identification(*identified, nominal);
+  for (;;) {
+    const auto more = identification.step();
+    if (!more) return std::unexpected(more.error());
+    if (!*more) return identified;
+  }
+}
+
+Identification::Identification(Signature& signature, const Arm& nominal)
+    : signature_(signature), nominal_(nominal) {
+  const std::size_t n = signature.features.size();
+  ARMSIG_CHECK(n > 0 && signature.configuration.size() == n && nominal.joints.size() == n);
+}
+
+std::expected<bool, IdentificationFailure> Identification::step() {
+  if (!sense_) {
+    if (auto placed = place_frames(); !placed) return std::unexpected(placed.error());
+    sense_.emplace(nominal_, signature_.configuration, frames::axis_lines(signature_));
+    return true;
+  }
+  if (sense_->step()) return true;
+  if (auto judged = judge_sense(); !judged) return std::unexpected(judged.error());
+  derive_parameters(signature_, nominal_);
+  return false;
+}
+
+std::expected<void, IdentificationFailure> Identification::place_frames() {
+  signature_.types.clear();
+  for (std::size_t i = 0; i < signature_.features.size(); ++i) {
+    const features::JointFeature& feature = signature_.features[i];
+    ARMSIG_CHECK(feature.type == nominal_.joints[i].type);
+    if (!is_usable(feature, signature_.configuration[i])) {
       return std::unexpected(IdentificationFailure{{Error::kNotFinite}, i, {}});
     }
-    signature.types.push_back(features[i].type);
+    signature_.types.push_back(feature.type);
   }
-  signature.configuration = configuration;
-  signature.features = features;
+  signature_.X_SL = frames::link_frames(signature_.features, signature_.configuration);
+  return {};
+}
 
-  signature.X_SL = frames::link_frames(features, configuration);
-
-  const frames::SenseCheck sense =
-      frames::check_sense(nominal, configuration, frames::axis_lines(signature));
+std::expected<void, IdentificationFailure> Identification::judge_sense() {
+  const frames::SenseCheck& sense = sense_->result();
   const bool turned_over = sense.verdict == frames::SenseVerdict::kJointsReversed ||
                            sense.verdict == frames::SenseVerdict::kSensorMirrored;
-  if (turned_over && drawing_binds_the_sense(signature.types)) {
+  if (turned_over && drawing_binds_the_sense(signature_.types)) {
     const auto* first = std::ranges::find(sense.reversed, true);
     const std::size_t joint = first == sense.reversed.end() ? 0 : first - sense.reversed.begin();
     const Refusal refusal{Error::kMirroredSense, sense.angle_rad, frames::kMatchAngleRad};
     return std::unexpected(IdentificationFailure{refusal, joint, sense});
   }
-  signature.description_matches = sense.verdict == frames::SenseVerdict::kAgrees;
-
-  derive_parameters(signature, nominal);
-  return signature;
+  signature_.description_matches = sense.verdict == frames::SenseVerdict::kAgrees;
+  return {};
 }
 
 void derive_parameters(Signature& signature, const Arm& branch) {

@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <expected>
+#include <optional>
 #include <span>
 
 #include "core/base/arm.hpp"
@@ -44,6 +45,24 @@ struct IdentificationFailure {
 [[nodiscard]] std::expected<Signature, IdentificationFailure> identify(
     const FixedVector<features::JointFeature, kMaxJoints>& features,
     const JointVector& configuration, const Arm& nominal);
+
+// identify(), a bounded step at a time, for those who have a tick to keep.
+class Identification {
+ public:
+  // `signature` has the features and the configuration, and gets the rest. Both must outlive it.
+  Identification(Signature& signature, const Arm& nominal);
+
+  // False if the signature is whole. After an error it is not to be called again.
+  [[nodiscard]] std::expected<bool, IdentificationFailure> step();
+
+ private:
+  [[nodiscard]] std::expected<void, IdentificationFailure> place_frames();
+  [[nodiscard]] std::expected<void, IdentificationFailure> judge_sense();
+
+  Signature& signature_;
+  const Arm& nominal_;
+  std::optional<frames::SenseChecking> sense_;  // empty until the frames are placed
+};
 
 // S-Model and pseudo Denavit-Hartenberg parameters from the link frames X_SL, which stay as they
 // are. Also for a signature whose frames a refinement has changed. `branch` is the drawing, or any

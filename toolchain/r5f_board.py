@@ -14,6 +14,10 @@ ARM = BUILD / "arm_r5f" / "arm_r5f.elf"
 BANK_AT, BANK_BYTES = 0xFFFFDC00, 8192  # toolchain/boards/r5f/r5f.ld
 
 
+class Failure(Exception):
+    """The board has not done what was expected of it."""
+
+
 class Line:
     """One serial line or monitor of the board, on a Unix socket."""
 
@@ -75,6 +79,25 @@ class Board:
             self.monitor(f"qom-set /machine/soc/rpu-cluster/rpu-cpu[{core}] start-powered-off false")
         self.reset()
         self.monitor("cont")
+
+    def expect(self, words, seconds):
+        """The console's next line that begins with `words`. The sequence's end and a fault end the wait, if they are not it."""
+        deadline = time.monotonic() + seconds
+        while (left := deadline - time.monotonic()) > 0:
+            line = self.console.read_line(left)
+            if line is None:
+                break
+            print(line, flush=True)
+            if line.startswith(words):
+                return line
+            if line.startswith(("# mode faulted", "# identify ended", "# identify paused", "# touch-grid ended", "error ")):
+                raise Failure(f"expected '{words}': {line}")
+        raise Failure(f"'{words}' has not come in {seconds} s")
+
+    def ask(self, request, seconds=60):
+        """The reply to a request: what stands after `ok`."""
+        self.console.send(request + "\n")
+        return self.expect("ok", seconds)
 
     def monitor(self, command):
         self.monitor_line.send(command + "\n")

@@ -22,7 +22,8 @@ constexpr double kRoundingMargin = 256;
 // 99.99 % quantile of chi-square over its degrees of freedom (Wilson and Hilferty).
 double significant_misfit(double freedom) {
   const double b = 2 / (9 * freedom);
-  return std::pow(1 - b + 3.719 * std::sqrt(b), 3);
+  const double root = 1 - b + 3.719 * std::sqrt(b);
+  return root * root * root;
 }
 
 // Mean products of the residuals about a motion; the weights of the points are those of the fit.
@@ -46,7 +47,8 @@ Result<void> describe_circle(const SweepStatistics& statistics, const CircleFit&
 
   ARMSIG_TRY(plane, plane_of_rotation(statistics.geometry));
   ARMSIG_TRY(best_circle, centre_of_rotation(statistics.geometry, plane));
-  const double weights = std::pow(statistics.geometry.matrix()(0, 0), 2);
+  const double weight = statistics.geometry.matrix()(0, 0);
+  const double weights = weight * weight;
   const double normal = plane_residual_squares(statistics.geometry, plane) / weights;
   const double in_plane = 2 * best_circle.radius_m;
   const double radial = circle_residual_squares(statistics.geometry, plane.normal_S, best_circle) /

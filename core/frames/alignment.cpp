@@ -12,10 +12,9 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Cost, and on request its Gauss-Newton equations in (turn about `pivot` times size, translation),
-// so that all six unknowns are lengths.
+// The Gauss-Newton equations of the cost in (turn about `pivot` times size, translation), so that
+// all six unknowns are lengths.
 struct Equations {
-  double cost_m2 = 0;
   Matrix6 hessian = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
 };
@@ -37,7 +36,6 @@ Equations equations(const AxisLines& lines_A, const AxisLines& lines_B, const Po
                     const Vector3& pivot_A, double size_m) {
   Equations sums;
   const auto add = [&sums](const Eigen::Matrix<double, 3, 6>& jacobian, const Vector3& residual) {
-    sums.cost_m2 += residual.squaredNorm();
     sums.hessian += jacobian.transpose() * jacobian;
     sums.gradient += jacobian.transpose() * residual;
   };
@@ -56,6 +54,18 @@ Equations equations(const AxisLines& lines_A, const AxisLines& lines_B, const Po
   return sums;
 }
 
+double cost(const AxisLines& lines_A, const AxisLines& lines_B, const Pose& X_AB, double size_m) {
+  double cost_m2 = 0;
+  for (std::size_t i = 0; i < lines_A.size(); ++i) {
+    const Vector3& axis_A = lines_A[i].direction;
+    cost_m2 += (size_m * (X_AB.R * lines_B[i].direction - axis_A)).squaredNorm();
+    if (!is_revolute(lines_A[i])) continue;
+    const Vector3 apart = X_AB * lines_B[i].point - lines_A[i].point;
+    cost_m2 += (apart - axis_A * axis_A.dot(apart)).squaredNorm();
+  }
+  return cost_m2;
+}
+
 // X_AB after a turn about the pivot and a translation, both in A.
 Pose moved(const Pose& X_AB, const Vector3& pivot_A, const Vector3& turn_rad,
            const Vector3& translation) {
@@ -65,40 +75,6 @@ Pose moved(const Pose& X_AB, const Vector3& pivot_A, const Vector3& turn_rad,
   // By way of the quaternion, which keeps the product of many turns a rotation.
   const Matrix3 R = Eigen::Quaterniond(turn * X_AB.R).normalized().toRotationMatrix();
   return {R, pivot_A + turn * (X_AB.p - pivot_A) + translation};
-}
-
-struct Descent {
-  Pose X_AB;
-  double cost_m2 = 0;
-};
-
-Descent descend(const AxisLines& lines_A, const AxisLines& lines_B, const Pose& start) {
-  constexpr int kMaxSteps = 30;
-  constexpr int kMaxHalvings = 8;
-  constexpr double kDeterminedFraction = 1e-4;  // the square of one part in a hundred
-  constexpr double kNegligibleStep = 1e-13;     // of the size of the arm
-  constexpr double kNoWorse = 1.0 + 1e-12;      // a cost that differs by rounding is no worse
-  const double size_m = arm_size(lines_A);
-  const Vector3 mean_B = mean_point(lines_B);
-  Descent best{start, 0};
-  for (int step_count = 0; step_count < kMaxSteps; ++step_count) {
-    const Vector3 pivot_A = best.X_AB * mean_B;
-    const Equations here = equations(lines_A, lines_B, best.X_AB, pivot_A, size_m);
-    best.cost_m2 = here.cost_m2;
-    Eigen::JacobiSVD<Matrix6> svd(here.hessian, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    svd.setThreshold(kDeterminedFraction);
-    Vector6 step = svd.solve(Vector6(-here.gradient));
-    bool improved = false;
-    for (int halving = 0; halving < kMaxHalvings && !improved; ++halving, step *= 0.5) {
-      const Pose X_AB = moved(best.X_AB, pivot_A, step.head<3>() / size_m, step.tail<3>());
-      const double cost_m2 = equations(lines_A, lines_B, X_AB, pivot_A, size_m).cost_m2;
-      if (cost_m2 > here.cost_m2 * kNoWorse) continue;
-      improved = true;
-      best = {X_AB, cost_m2};
-    }
-    if (!improved || step.norm() < kNegligibleStep * size_m) break;
-  }
-  return best;
 }
 
 }  // namespace
@@ -116,32 +92,76 @@ double Alignment::worst_distance_m() const {
 }
 
 Alignment align(const AxisLines& lines_A, const AxisLines& lines_B) {
-  ARMSIG_CHECK(!lines_A.empty() && lines_A.size() == lines_B.size());
-  constexpr int kStarts = 24;
-  constexpr double kClearlyBetter = 1e-6;  // of the size squared: two starts that found one minimum
-  const double equal_cost_m2 = kClearlyBetter * arm_size(lines_A) * arm_size(lines_A);
-  Descent best;
-  for (int i = 0; i < kStarts; ++i) {
-    // z to one of six sides of a cube, then a quarter turn about it.
-    const int side = i / 4;
-    const Matrix3 tilt = side < 4
-                             ? rotation_x(side * kPi / 2)
-                             : rotation_about(Vector3::UnitY(), (side == 4 ? 1 : -1) * kPi / 2);
-    const Matrix3 R_AB = tilt * rotation_z((i % 4) * kPi / 2);
-    const Pose start{R_AB, mean_point(lines_A) - R_AB * mean_point(lines_B)};
-    const Descent found = descend(lines_A, lines_B, start);
-    if (i == 0 || found.cost_m2 < best.cost_m2 - equal_cost_m2) best = found;
+  Aligning aligning(lines_A, lines_B);
+  while (aligning.step()) {
   }
+  return aligning.result();
+}
 
-  Alignment alignment{best.X_AB, {}, best.cost_m2};
-  for (std::size_t i = 0; i < lines_A.size(); ++i) {
-    const Vector3 direction_A = best.X_AB.R * lines_B[i].direction;
+Aligning::Aligning(const AxisLines& lines_A, const AxisLines& lines_B)
+    : lines_A_(lines_A),
+      lines_B_(lines_B),
+      size_m_(arm_size(lines_A)),
+      mean_B_(mean_point(lines_B)),
+      descent_(start()) {
+  ARMSIG_CHECK(!lines_A.empty() && lines_A.size() == lines_B.size());
+}
+
+// z to one of six sides of a cube, then a quarter turn about it.
+Aligning::Descent Aligning::start() const {
+  const int side = starts_ / 4;
+  const Matrix3 tilt = side < 4 ? rotation_x(side * kPi / 2)
+                                : rotation_about(Vector3::UnitY(), (side == 4 ? 1 : -1) * kPi / 2);
+  const Matrix3 R_AB = tilt * rotation_z((starts_ % 4) * kPi / 2);
+  const Pose X_AB{R_AB, mean_point(lines_A_) - R_AB * mean_B_};
+  return {X_AB, cost(lines_A_, lines_B_, X_AB, size_m_)};
+}
+
+bool Aligning::step() {
+  constexpr int kStarts = 24;
+  constexpr int kMaxSteps = 30;
+  constexpr double kClearlyBetter = 1e-6;  // of the size squared: two starts that found one minimum
+  if (starts_ == kStarts) return false;
+  if (descend() && ++steps_ < kMaxSteps) return true;
+  const double equal_cost_m2 = kClearlyBetter * size_m_ * size_m_;
+  if (starts_ == 0 || descent_.cost_m2 < best_.cost_m2 - equal_cost_m2) best_ = descent_;
+  steps_ = 0;
+  if (++starts_ == kStarts) return false;
+  descent_ = start();
+  return true;
+}
+
+bool Aligning::descend() {
+  constexpr int kMaxHalvings = 8;
+  constexpr double kDeterminedFraction = 1e-4;  // the square of one part in a hundred
+  constexpr double kNegligibleStep = 1e-13;     // of the size of the arm
+  constexpr double kNoWorse = 1.0 + 1e-12;      // a cost that differs by rounding is no worse
+  const Pose X_AB = descent_.X_AB;
+  const Vector3 pivot_A = X_AB * mean_B_;
+  const Equations here = equations(lines_A_, lines_B_, X_AB, pivot_A, size_m_);
+  Eigen::JacobiSVD<Matrix6> svd(here.hessian, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  svd.setThreshold(kDeterminedFraction);
+  Vector6 step = svd.solve(Vector6(-here.gradient));
+  for (int halving = 0; halving < kMaxHalvings; ++halving, step *= 0.5) {
+    const Pose X_next = moved(X_AB, pivot_A, step.head<3>() / size_m_, step.tail<3>());
+    const double cost_m2 = cost(lines_A_, lines_B_, X_next, size_m_);
+    if (cost_m2 > descent_.cost_m2 * kNoWorse) continue;
+    descent_ = {X_next, cost_m2};
+    return step.norm() >= kNegligibleStep * size_m_;
+  }
+  return false;
+}
+
+Alignment Aligning::result() const {
+  Alignment alignment{best_.X_AB, {}, best_.cost_m2};
+  for (std::size_t i = 0; i < lines_A_.size(); ++i) {
+    const Vector3 direction_A = best_.X_AB.R * lines_B_[i].direction;
     Misalignment left;
-    left.angle_rad = std::atan2(direction_A.cross(lines_A[i].direction).norm(),
-                                direction_A.dot(lines_A[i].direction));
-    if (is_revolute(lines_A[i])) {
-      const Vector3 apart = best.X_AB * lines_B[i].point - lines_A[i].point;
-      left.distance_m = lines_A[i].direction.cross(apart).norm();
+    left.angle_rad = std::atan2(direction_A.cross(lines_A_[i].direction).norm(),
+                                direction_A.dot(lines_A_[i].direction));
+    if (is_revolute(lines_A_[i])) {
+      const Vector3 apart = best_.X_AB * lines_B_[i].point - lines_A_[i].point;
+      left.distance_m = lines_A_[i].direction.cross(apart).norm();
     }
     alignment.joints.push_back(left);
   }

@@ -32,4 +32,34 @@ struct Alignment {
 // Preconditions: 1 to 8 lines, as many in B as in A, of the same types; finite.
 [[nodiscard]] Alignment align(const AxisLines& lines_A, const AxisLines& lines_B);
 
+// align(), one Gauss-Newton step at a time, for those who have a tick to keep.
+class Aligning {
+ public:
+  Aligning(const AxisLines& lines_A, const AxisLines& lines_B);
+
+  // False if nothing is left to do. At most 24 * 30 steps.
+  bool step();
+  // Precondition: step() has returned false.
+  [[nodiscard]] Alignment result() const;
+
+ private:
+  struct Descent {
+    Pose X_AB;
+    double cost_m2 = 0;
+  };
+
+  [[nodiscard]] Descent start() const;
+  // Improves descent_; whether another step may do so, too.
+  [[nodiscard]] bool descend();
+
+  AxisLines lines_A_;
+  AxisLines lines_B_;
+  double size_m_;
+  Vector3 mean_B_;
+  int starts_ = 0;  // that have been followed to their ends
+  int steps_ = 0;   // from the present one
+  Descent descent_;
+  Descent best_;
+};
+
 }  // namespace armsig::frames

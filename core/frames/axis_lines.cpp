@@ -29,8 +29,11 @@ void move_points_near_arm(AxisLines& lines) {
   }
 }
 
-AxisLines axes_of_frames(const FixedVector<Pose, kMaxFrames>& X_WL,
-                         const FixedVector<JointType, kMaxJoints>& types) {
+}  // namespace
+
+AxisLines axis_lines(const FixedVector<Pose, kMaxFrames>& X_WL,
+                     const FixedVector<JointType, kMaxJoints>& types) {
+  ARMSIG_CHECK(X_WL.size() == types.size() + 1);
   AxisLines lines;
   for (std::size_t i = 0; i < types.size(); ++i) {
     lines.push_back({types[i], X_WL[i].R.col(2), X_WL[i].p});
@@ -39,17 +42,14 @@ AxisLines axes_of_frames(const FixedVector<Pose, kMaxFrames>& X_WL,
   return lines;
 }
 
-}  // namespace
-
 AxisLines axis_lines(const Arm& arm, const JointVector& readings) {
   FixedVector<JointType, kMaxJoints> types;
   for (const DhJoint& row : arm.joints) types.push_back(row.type);
-  return axes_of_frames(link_frames(arm.joints, readings).X_0L, types);
+  return axis_lines(link_frames(arm.joints, readings).X_0L, types);
 }
 
 AxisLines axis_lines(const Signature& signature) {
-  ARMSIG_CHECK(signature.X_SL.size() == signature.types.size() + 1);
-  return axes_of_frames(signature.X_SL, signature.types);
+  return axis_lines(signature.X_SL, signature.types);
 }
 
 double arm_size(const AxisLines& lines) {

@@ -22,6 +22,10 @@ using AxisLines = FixedVector<AxisLine, kMaxJoints>;
 // In the arm's base frame at the given readings (effective ones: couplings applied).
 [[nodiscard]] AxisLines axis_lines(const Arm& arm, const JointVector& readings);
 
+// Of link frames 0 ... n at some readings, in the frame W that they are told in.
+[[nodiscard]] AxisLines axis_lines(const FixedVector<Pose, kMaxFrames>& X_WL,
+                                   const FixedVector<JointType, kMaxJoints>& types);
+
 // In the sensor frame at the signature configuration.
 [[nodiscard]] AxisLines axis_lines(const Signature& signature);
 

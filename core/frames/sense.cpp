@@ -36,21 +36,27 @@ bool may_match(const AxisLines& drawn, const AxisLines& found) {
   return true;
 }
 
-bool explains(const AxisLines& drawn, const AxisLines& found) {
-  return may_match(drawn, found) && is_match(align(found, drawn), drawn, kRefusalShare);
+AxisLines with_reversed(const AxisLines& lines, JointSet reversed) {
+  AxisLines turned = lines;
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    if (contains(reversed, i)) turned[i].direction = -turned[i].direction;
+  }
+  return turned;
 }
 
-bool matches_with_reversed(const Arm& nominal, const JointVector& configuration,
-                           const AxisLines& identified, JointSet reversed) {
-  AxisLines found = identified;
-  JointVector negated = configuration;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (!contains(reversed, i)) continue;
-    found[i].direction = -found[i].direction;
-    negated[i] = -negated[i];
+JointVector with_negated(const JointVector& readings, JointSet reversed) {
+  JointVector negated = readings;
+  for (std::size_t i = 0; i < negated.size(); ++i) {
+    if (contains(reversed, i)) negated[i] = -negated[i];
   }
-  return explains(axis_lines(nominal, negated), found) ||
-         explains(axis_lines(nominal, configuration), found);
+  return negated;
+}
+
+// The next larger set of as many joints; larger than any set of n joints after their last one.
+JointSet next_of_as_many(JointSet set) {
+  const JointSet lowest = set & (~set + 1);
+  const JointSet carried = set + lowest;
+  return carried | ((carried ^ set) >> 2) / lowest;
 }
 
 // Reflection of all positions through a point; any other reflection is this one and a rotation. The
@@ -68,33 +74,89 @@ AxisLines reflected(const AxisLines& lines) {
 
 SenseCheck check_sense(const Arm& nominal, const JointVector& configuration,
                        const AxisLines& identified) {
+  SenseChecking checking(nominal, configuration, identified);
+  while (checking.step()) {
+  }
+  return checking.result();
+}
+
+SenseChecking::SenseChecking(const Arm& nominal, const JointVector& configuration,
+                             const AxisLines& identified)
+    : nominal_(nominal), configuration_(configuration), identified_(identified) {
   const std::size_t n = nominal.joints.size();
   ARMSIG_CHECK(configuration.size() == n && identified.size() == n);
-  const AxisLines drawn = axis_lines(nominal, configuration);
-  const Alignment as_drawn = align(identified, drawn);
+  check_.reversed.resize(n, false);
+  drawn_ = axis_lines(nominal, configuration);
+  aligning_.emplace(identified_, drawn_);
+}
 
-  SenseCheck check;
-  check.reversed.resize(n, false);
-  check.angle_rad = as_drawn.worst_angle_rad();
-  check.distance_m = as_drawn.worst_distance_m();
-  if (is_match(as_drawn, drawn, 1.0)) return check;
-
-  const JointSet all = (1U << n) - 1U;
-  for (int count = 1; count <= static_cast<int>(n); ++count) {
-    for (JointSet reversed = 1; reversed <= all; ++reversed) {
-      if (std::popcount(reversed) != count) continue;
-      if (!matches_with_reversed(nominal, configuration, identified, reversed)) continue;
-      check.verdict = SenseVerdict::kJointsReversed;
-      for (std::size_t i = 0; i < n; ++i) check.reversed[i] = contains(reversed, i);
-      return check;
-    }
-    if (count == 1 && explains(drawn, reflected(identified))) {
-      check.verdict = SenseVerdict::kSensorMirrored;
-      return check;
-    }
+bool SenseChecking::step() {
+  if (aligning_) {
+    if (aligning_->step()) return true;
+    if (judge()) return false;
+    aligning_.reset();
   }
-  check.verdict = SenseVerdict::kNoMatch;
-  return check;
+  if (advance()) {
+    begin();
+    return true;
+  }
+  check_.verdict = SenseVerdict::kNoMatch;
+  return false;
+}
+
+// Fewest joints first; a mirrored sensor is as likely as one reversed joint.
+bool SenseChecking::advance() {
+  const std::size_t n = identified_.size();
+  switch (explanation_) {
+    case Explanation::kAsDrawn:
+      reversed_ = 1;
+      break;
+    case Explanation::kNegated:
+      explanation_ = Explanation::kReversed;
+      return true;
+    case Explanation::kReversed: {
+      const int count = std::popcount(reversed_);
+      reversed_ = next_of_as_many(reversed_);
+      if (reversed_ < 1U << n) break;
+      reversed_ = (1U << (count + 1)) - 1U;
+      if (count == 1) {
+        explanation_ = Explanation::kMirrored;
+        return true;
+      }
+      break;
+    }
+    case Explanation::kMirrored:
+      break;
+  }
+  explanation_ = Explanation::kNegated;
+  return reversed_ < 1U << n;
+}
+
+void SenseChecking::begin() {
+  const bool mirrored = explanation_ == Explanation::kMirrored;
+  const bool negated = explanation_ == Explanation::kNegated;
+  const AxisLines found = mirrored ? reflected(identified_) : with_reversed(identified_, reversed_);
+  drawn_ = axis_lines(nominal_, negated ? with_negated(configuration_, reversed_) : configuration_);
+  if (may_match(drawn_, found)) aligning_.emplace(found, drawn_);
+}
+
+bool SenseChecking::judge() {
+  const Alignment alignment = aligning_->result();
+  if (explanation_ == Explanation::kAsDrawn) {
+    check_.angle_rad = alignment.worst_angle_rad();
+    check_.distance_m = alignment.worst_distance_m();
+    return is_match(alignment, drawn_, 1.0);
+  }
+  if (!is_match(alignment, drawn_, kRefusalShare)) return false;
+  if (explanation_ == Explanation::kMirrored) {
+    check_.verdict = SenseVerdict::kSensorMirrored;
+    return true;
+  }
+  check_.verdict = SenseVerdict::kJointsReversed;
+  for (std::size_t i = 0; i < identified_.size(); ++i) {
+    check_.reversed[i] = contains(reversed_, i);
+  }
+  return true;
 }
 
 }  // namespace armsig::frames

@@ -6,6 +6,9 @@
 // do not match, the fewest reversed joints that make them match are looked for.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "core/frames/alignment.hpp"
 
 namespace armsig::frames {
@@ -42,5 +45,38 @@ struct SenseCheck {
 // Preconditions: one reading and one identified line a joint, of the drawing's types.
 [[nodiscard]] SenseCheck check_sense(const Arm& nominal, const JointVector& configuration,
                                      const AxisLines& identified);
+
+// check_sense(), a bounded step at a time: a step of an alignment, or a look at one explanation.
+// `nominal` and `configuration` must outlive it.
+class SenseChecking {
+ public:
+  SenseChecking(const Arm& nominal, const JointVector& configuration, const AxisLines& identified);
+
+  // False if nothing is left to do.
+  bool step();
+  // Precondition: step() has returned false.
+  [[nodiscard]] const SenseCheck& result() const { return check_; }
+
+ private:
+  // What the identified axes are compared with: the drawing as it is; the drawing with some joints
+  // reversed, at minus their readings or at the readings as they are; a mirror image.
+  enum class Explanation : std::uint8_t { kAsDrawn, kNegated, kReversed, kMirrored };
+
+  // To the next explanation; false if there is none.
+  [[nodiscard]] bool advance();
+  // Begins to lay its axes over each other, unless it can't match.
+  void begin();
+  // Whether the alignment settles the verdict.
+  [[nodiscard]] bool judge();
+
+  const Arm& nominal_;
+  const JointVector& configuration_;
+  AxisLines identified_;
+  AxisLines drawn_;  // of the explanation
+  Explanation explanation_ = Explanation::kAsDrawn;
+  unsigned reversed_ = 0;  // bit i: joint i
+  std::optional<Aligning> aligning_;
+  SenseCheck check_;
+};
 
 }  // namespace armsig::frames

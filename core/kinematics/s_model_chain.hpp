@@ -26,16 +26,24 @@ template <typename Scalar>
   return {X.R.template cast<Scalar>(), X.p.template cast<Scalar>()};
 }
 
+// Link frames 0 ... n at readings `configuration`.
 template <typename Scalar>
-[[nodiscard]] SModelChain<Scalar> chain_of(const Signature& signature) {
+[[nodiscard]] SModelChain<Scalar> chain_of(const FixedVector<JointType, kMaxJoints>& types,
+                                           const JointVector& configuration,
+                                           const FixedVector<Pose, kMaxFrames>& X_SL) {
   SModelChain<Scalar> chain;
-  chain.types = signature.types;
-  chain.configuration = signature.configuration;
-  chain.X_S0 = cast<Scalar>(signature.X_SL[0]);
-  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
-    chain.B.push_back(cast<Scalar>(signature.X_SL[i].inverse() * signature.X_SL[i + 1]));
+  chain.types = types;
+  chain.configuration = configuration;
+  chain.X_S0 = cast<Scalar>(X_SL[0]);
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    chain.B.push_back(cast<Scalar>(X_SL[i].inverse() * X_SL[i + 1]));
   }
   return chain;
+}
+
+template <typename Scalar>
+[[nodiscard]] SModelChain<Scalar> chain_of(const Signature& signature) {
+  return chain_of<Scalar>(signature.types, signature.configuration, signature.X_SL);
 }
 
 // Pose of link frame `link` (0 ... n) in the sensor frame at effective readings q.

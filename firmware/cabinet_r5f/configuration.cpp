@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/cabinet_r5f/configuration.hpp"
 
+#include <array>
+
 #include "firmware/host_tool/paper_arms.hpp"
 
 namespace armsig::cabinet {
@@ -8,6 +10,12 @@ namespace {
 
 constexpr std::size_t kJoints = 6;
 constexpr double kRangeSigma_m = 0.2e-3;
+
+JointVector readings_deg(const std::array<double, kJoints>& degrees) {
+  JointVector readings;
+  for (const double angle : degrees) readings.push_back(radians(angle));
+  return readings;
+}
 
 }  // namespace
 
@@ -33,8 +41,10 @@ controller::Configuration controller_configuration() {
   c.sweeps.points = 12;
   c.sweeps.most_points = 16;
   c.sweeps.held_out_poses = 6;
-  // The workspace before the sensor, as it was taught; readings in degrees.
   c.grid.grid.count = {3, 3, 3};
+  c.grid.taught = {readings_deg({72.58, -166.78, 23.61, 81.31, 53.15, 92.79}),
+                   readings_deg({95.77, -161.15, 6.57, 94.89, 65.51, 105.31}),
+                   readings_deg({62.85, -156.95, -12.59, 54.57, 59.56, 123.93})};
   return c;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/controller/background.hpp"
 
+#include <algorithm>
+
 #include "core/base/error_name.hpp"
 
 namespace armsig::controller {
@@ -27,6 +29,7 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
 }
 
 void Background::step() {
+  const hal::Instant began = clock_.now();
   mover_.refresh();
   tell_changes();
   identification_.measure_step(measurement_.step(clock_.now()));
@@ -34,6 +37,7 @@ void Background::step() {
   grid_.step();
   step_store();
   step_consoles();
+  longest_step_ = std::max(longest_step_, clock_.now() - began);
 }
 
 void Background::tell_changes() {

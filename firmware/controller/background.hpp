@@ -76,6 +76,7 @@ class Background {
   Storing storing_ = Storing::kNothing;
   std::size_t model_ = 0;  // to be adopted
 
+  hal::Duration longest_step_{};
   Mode told_mode_ = Mode::kStarting;
   std::optional<Client> storing_for_;  // who waits for accept or rollback
   std::optional<Client> waiting_;      // who waits for the tick to take a command

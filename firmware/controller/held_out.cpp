@@ -3,43 +3,64 @@
 
 #include <cmath>
 
-#include "core/frames/alignment.hpp"
-#include "core/kinematics/s_model_chain.hpp"
+#include "core/frames/link_frames.hpp"
 
 namespace armsig::controller {
+namespace {
 
-void lay_over(Signature& active, const Signature& candidate) {
-  FixedVector<Pose, kMaxFrames> X_AL;
-  for (std::size_t k = 0; k < active.X_SL.size(); ++k) {
-    X_AL.push_back(kinematics::link_pose(active, candidate.configuration, k));
-  }
-  active.X_SL = X_AL;
-  active.configuration = candidate.configuration;
-  const Pose X_SA = frames::align(frames::axis_lines(candidate), frames::axis_lines(active)).X_AB;
-  for (Pose& X : active.X_SL) X = X_SA * X;
-  active.targets = candidate.targets;
+using kinematics::SModelChain;
+
+SModelChain<double> chain_of_model(const Signature* active, const Arm& drawing,
+                                   const JointVector& q) {
+  if (active != nullptr) return kinematics::chain_of<double>(*active);
+  FixedVector<JointType, kMaxJoints> types;
+  for (const DhJoint& row : drawing.joints) types.push_back(row.type);
+  return kinematics::chain_of<double>(types, q, frames::link_frames(drawing.joints, q).X_0L);
 }
 
-HeldOutReport compare(const Signature& candidate, const Signature& active,
-                      const MeasurementLog& log) {
-  HeldOutReport report;
-  double candidate_m2 = 0;
-  double active_m2 = 0;
-  for (const LogEntry& row : log) {
-    if (row.sweep != 0) continue;
-    const auto miss = [&](const Signature& model) {
-      return (kinematics::target_position(model, row.readings, model.targets[0]) - row.p_S)
-          .squaredNorm();
-    };
-    candidate_m2 += miss(candidate);
-    active_m2 += miss(active);
-    ++report.poses;
+Pose last_frame(const SModelChain<double>& chain, const JointVector& q) {
+  return kinematics::link_pose(chain, q, chain.types.size());
+}
+
+frames::AxisLines axes_at(const SModelChain<double>& chain, const JointVector& q) {
+  FixedVector<Pose, kMaxFrames> X_WL;
+  for (std::size_t k = 0; k <= chain.types.size(); ++k) {
+    X_WL.push_back(kinematics::link_pose(chain, q, k));
   }
-  if (report.poses == 0) return report;
-  const auto count = static_cast<double>(report.poses);
-  report.candidate_rms_m = std::sqrt(candidate_m2 / count);
-  report.active_rms_m = std::sqrt(active_m2 / count);
-  return report;
+  return frames::axis_lines(X_WL, chain.types);
+}
+
+}  // namespace
+
+HeldOutComparison::HeldOutComparison(const Signature& candidate, const Signature* active,
+                                     const Arm& drawing)
+    : candidate_{kinematics::chain_of<double>(candidate),
+                 candidate.X_SL.back().inverse() * candidate.targets[0].p_S},
+      active_{chain_of_model(active, drawing, candidate.configuration), {}},
+      aligning_(frames::axis_lines(candidate), axes_at(active_.chain, candidate.configuration)) {}
+
+bool HeldOutComparison::step() {
+  if (aligning_.step()) return true;
+  active_.chain.X_S0 = aligning_.result().X_AB * active_.chain.X_S0;
+  const JointVector& q = candidate_.chain.configuration;
+  active_.p_L =
+      last_frame(active_.chain, q).inverse() * (last_frame(candidate_.chain, q) * candidate_.p_L);
+  return false;
+}
+
+void HeldOutComparison::judge(const JointVector& readings, const Vector3& p_S) {
+  const auto miss_m2 = [&](const Predictor& model) {
+    return (last_frame(model.chain, readings) * model.p_L - p_S).squaredNorm();
+  };
+  candidate_m2_ += miss_m2(candidate_);
+  active_m2_ += miss_m2(active_);
+  ++poses_;
+}
+
+HeldOutReport HeldOutComparison::report() const {
+  if (poses_ == 0) return {};
+  const auto count = static_cast<double>(poses_);
+  return {poses_, std::sqrt(candidate_m2_ / count), std::sqrt(active_m2_ / count)};
 }
 
 }  // namespace armsig::controller

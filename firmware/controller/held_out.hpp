@@ -2,8 +2,9 @@
 // Which of two models predicts poses better that neither was fitted to.
 #pragma once
 
+#include "core/frames/alignment.hpp"
+#include "core/kinematics/s_model_chain.hpp"
 #include "core/signature.hpp"
-#include "firmware/controller/measurement_log.hpp"
 
 namespace armsig::controller {
 
@@ -15,13 +16,33 @@ struct HeldOutReport {
   [[nodiscard]] bool is_better() const { return poses > 0 && candidate_rms_m < active_rms_m; }
 };
 
-// Rewrites `active`, at any signature configuration and in any sensor frame, as a model to be
-// compared with `candidate`: at its configuration, in its sensor frame, with its target where the
-// candidate has it at the signature configuration, as it would be taught.
-void lay_over(Signature& active, const Signature& candidate);
+// A candidate and the active model, the latter laid over the former: its axes over the candidate's
+// at the candidate's signature configuration, and there with the same target, as it would be
+// taught. Its own signature configuration and sensor frame may be any.
+class HeldOutComparison {
+ public:
+  // `active` null: the drawing. Both signatures have one target, on the hand. Precondition: as many
+  // joints in all three.
+  HeldOutComparison(const Signature& candidate, const Signature* active, const Arm& drawing);
 
-// The rows of `log` with sweep 0. Both have one target, on the hand.
-[[nodiscard]] HeldOutReport compare(const Signature& candidate, const Signature& active,
-                                    const MeasurementLog& log);
+  // A bounded step of laying one over the other; false if nothing is left to do.
+  bool step();
+  // The target was seen at p_S. Precondition: step() has returned false.
+  void judge(const JointVector& readings, const Vector3& p_S);
+  [[nodiscard]] HeldOutReport report() const;
+
+ private:
+  struct Predictor {
+    kinematics::SModelChain<double> chain;
+    Vector3 p_L = Vector3::Zero();  // of the target, in the last link frame
+  };
+
+  Predictor candidate_;
+  Predictor active_;
+  frames::Aligning aligning_;
+  std::size_t poses_ = 0;
+  double candidate_m2_ = 0;
+  double active_m2_ = 0;
+};
 
 }  // namespace armsig::controller

@@ -7,8 +7,6 @@
 #include <Eigen/Dense>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/evaluation/tool_error.hpp"
-#include "core/identification.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -41,9 +39,9 @@ void IdentificationSequence::begin(const Signature* active) {
   joint_ = held_out_ = points_done_ = 0;
   lost_in_a_row_ = 0;
   began_ = mover_.now().now;
-  features_.clear();
   log_.clear();
   forget_candidate();
+  candidate_.emplace().configuration = configuration_.sweeps.configuration;
   begin_sweep();
 }
 
@@ -138,6 +136,12 @@ void IdentificationSequence::go_on() {
       return;
     }
     q[joint_] = *reading;
+  } else if (stage_ == Stage::kIdentifying) {
+    step_identification();
+    return;
+  } else if (stage_ == Stage::kComparing) {
+    if (!comparison().step()) stage_ = Stage::kHeldOut;
+    return;
   } else if (stage_ == Stage::kHeldOut) {
     if (held_out_ == configuration_.sweeps.held_out_poses) {
       finish_held_out();
@@ -217,6 +221,7 @@ void IdentificationSequence::take(const MeasuredPoint& point) {
                     .sigma_m = std::sqrt(point.covariance_m2.trace() / 3)});
   }
   if (!sweeping) {
+    comparison().judge(readings, point.p_S);
     ++held_out_;
     return;
   }
@@ -234,62 +239,50 @@ void IdentificationSequence::finish_sweep() {
     return;
   }
   tell_progress("swept");
-  features_.push_back(*feature);
-  if (++joint_ < configuration_.drawing.joints.size()) {
+  candidate_->features.push_back(*feature);
+  if (joint_ + 1 < configuration_.drawing.joints.size()) {
+    ++joint_;
     begin_sweep();
     return;
   }
-  --joint_;
-  work_.emplace<std::monostate>();
-  finish_sweeps();
+  work_.emplace<Identification>(*candidate_, configuration_.drawing);
+  stage_ = Stage::kIdentifying;
 }
 
-void IdentificationSequence::finish_sweeps() {
-  const auto identified =
-      identify(features_, configuration_.sweeps.configuration, configuration_.drawing);
-  if (!identified) {
-    end(identified.error().refusal.error, identified.error().joint);
+void IdentificationSequence::step_identification() {
+  const auto more = identification().step();
+  if (!more) {
+    end(more.error().refusal.error, more.error().joint);
     return;
   }
-  candidate_ = *identified;
-  add_targets(*candidate_);
-  lay_reference();
-  stage_ = Stage::kHeldOut;
-}
-
-// A function of its own, so that its signature is not on the stack beside that of identify().
-[[gnu::noinline]] void IdentificationSequence::lay_reference() {
-  auto& reference = work_.emplace<Signature>();
-  if (active_ != nullptr) {
-    reference = *active_;
-    lay_over(reference, *candidate_);
-  } else {
-    reference = evaluation::drawing_as_model(configuration_.drawing, *candidate_);
-  }
+  if (*more) return;
+  add_targets();
+  work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
+  stage_ = Stage::kComparing;
 }
 
 // Every sweep has seen the one target pass the signature configuration: weighted mean.
-void IdentificationSequence::add_targets(Signature& signature) const {
+void IdentificationSequence::add_targets() {
   Matrix3 information = Matrix3::Zero();
   Vector3 weighted = Vector3::Zero();
-  for (std::size_t i = 0; i < features_.size(); ++i) {
-    const double reading = configuration_.sweeps.configuration[i];
-    const Matrix3 covariance = features_[i].target_covariance_at(reading);
+  for (std::size_t i = 0; i < candidate_->features.size(); ++i) {
+    const features::JointFeature& feature = candidate_->features[i];
+    const double reading = candidate_->configuration[i];
+    const Matrix3 covariance = feature.target_covariance_at(reading);
     const Matrix3 weight =
         (covariance + 1e-14 * Matrix3::Identity()).inverse();  // never singular: 0.1 micrometre
     information += weight;
-    weighted += weight * features_[i].target_at(reading);
+    weighted += weight * feature.target_at(reading);
   }
   const Matrix3 covariance = information.inverse();
-  signature.targets.clear();
-  signature.targets.push_back({.number = configuration_.sweeps.target,
-                               .link = signature.joint_count(),
-                               .p_S = covariance * weighted,
-                               .covariance_m2 = covariance});
+  candidate_->targets.push_back({.number = configuration_.sweeps.target,
+                                 .link = candidate_->joint_count(),
+                                 .p_S = covariance * weighted,
+                                 .covariance_m2 = covariance});
 }
 
 void IdentificationSequence::finish_held_out() {
-  report_ = compare(*candidate_, *std::get_if<Signature>(&work_), log_);
+  report_ = comparison().report();
   announcer_.say(Line()
                      .text("# candidate held_out=")
                      .integer(report_.poses)

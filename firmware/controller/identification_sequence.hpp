@@ -10,9 +10,10 @@
 #include <optional>
 #include <variant>
 
-#include "core/signature.hpp"
+#include "core/identification.hpp"
 #include "firmware/controller/announcer.hpp"
 #include "firmware/controller/held_out.hpp"
+#include "firmware/controller/measurement_log.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
 #include "firmware/controller/sweep.hpp"
@@ -21,7 +22,14 @@ namespace armsig::controller {
 
 class IdentificationSequence {
  public:
-  enum class Stage : std::uint8_t { kNone, kSweeping, kHeldOut, kReturning };
+  enum class Stage : std::uint8_t {
+    kNone,
+    kSweeping,
+    kIdentifying,
+    kComparing,  // the active model is laid over the candidate
+    kHeldOut,
+    kReturning
+  };
 
   IdentificationSequence(const Configuration& configuration, Mover& mover,
                          PointMeasurement& measurement, const Announcer& announcer);
@@ -56,12 +64,14 @@ class IdentificationSequence {
 
   void go_on();
   void begin_sweep();
-  [[nodiscard]] Sweep& sweep() { return *std::get_if<Sweep>(&work_); }  // kSweeping
+  // Of the stage.
+  [[nodiscard]] Sweep& sweep() { return *std::get_if<Sweep>(&work_); }
+  [[nodiscard]] Identification& identification() { return *std::get_if<Identification>(&work_); }
+  [[nodiscard]] HeldOutComparison& comparison() { return *std::get_if<HeldOutComparison>(&work_); }
   void finish_sweep();
-  void finish_sweeps();
-  void lay_reference();
+  void step_identification();
   void finish_held_out();
-  void add_targets(Signature& signature) const;
+  void add_targets();
   void go_to(const JointVector& q);
   void take(const MeasuredPoint& point);
   void take_error(Error error);
@@ -84,11 +94,8 @@ class IdentificationSequence {
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
   hal::Instant began_;
-  // While sweeping the sweep under way; on held-out poses the active model, laid over the
-  // candidate. Both are large.
-  std::variant<std::monostate, Sweep, Signature> work_;
-  FixedVector<features::JointFeature, kMaxJoints> features_;
-  std::optional<Signature> candidate_;
+  std::variant<std::monostate, Sweep, Identification, HeldOutComparison> work_;
+  std::optional<Signature> candidate_;  // being made until there is a verdict
   HeldOutReport report_;
   MeasurementLog log_;
 };

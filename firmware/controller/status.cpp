@@ -51,6 +51,7 @@ void Background::tell_status() {
   out_.text(" ticks=").integer(s.execution.total);
   tell(out_, "late", s.lateness);
   tell(out_, "exec", s.execution);
+  out_.text(" step_max_us=").number(1e6 * hal::seconds(longest_step_), 1);
 }
 
 void Background::tell_signature() {

@@ -97,7 +97,8 @@ std::optional<double> parse_number(std::string_view text) {
   }
   if (at != text.size()) return std::nullopt;
   // One division or multiplication by an exact power of ten, so that "0.1" is the nearest double.
-  const double power = std::pow(10.0, std::abs(exponent));
+  double power = 1;
+  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
   value = exponent < 0 ? value / power : value * power;
   if (!std::isfinite(value)) return std::nullopt;
   return negative ? -value : value;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Known answers for the self-tests on a target: poses of the arms of the shared data, and exact
-// sweeps of robot 1 of Table 2. make_known_answers computed them, apart from the code under test.
+// sweeps of robot 1 of Table 2. make_known_answers computes them when the image is built, apart
+// from the code under test.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "core/base/arm.hpp"
 
@@ -46,7 +48,7 @@ struct SweptArm {
   std::array<HeldOutPose, kPoses> held_out;
 };
 
-extern const std::array<KnownArm, 10> kArms;
+extern const std::span<const KnownArm> kArms;
 extern const SweptArm kSwept;
 
 }  // namespace armsig::selftest

@@ -23,6 +23,7 @@
 #include "hal/simulated/demo_sensor.hpp"
 #include "host_tests/bench/bench_master.hpp"
 #include "host_tests/bench/bench_process.hpp"
+#include "host_tests/bench/bus_recording.hpp"
 
 namespace armsig::bench {
 namespace {
@@ -30,10 +31,6 @@ namespace {
 using hal::DriveCondition;
 using linux_hal::RtuRangeSensor;
 using std::chrono::milliseconds;
-
-bool have(const char* program) {
-  return std::system(("command -v " + std::string(program) + " >/dev/null 2>&1").c_str()) == 0;
-}
 
 std::string content(const std::string& path) {
   std::ifstream file(path);
@@ -317,10 +314,8 @@ TEST(Bench, no_frame_of_others_does_lasting_harm) {
 }
 
 TEST(Bench, an_independent_decoder_reads_every_frame_of_the_real_bus) {
-  if (!have("tshark") || !have("candump")) GTEST_SKIP() << "tshark or can-utils are not installed";
-  const std::string log = "/dev/shm/armsig_candump_" + std::to_string(::getpid()) + ".log";
-  const std::string start = "exec candump -L vcan0 >" + log + " & echo $! >" + log + ".pid";
-  ASSERT_EQ(std::system(start.c_str()), 0);
+  if (!BusRecording::possible()) GTEST_SKIP() << "tshark or can-utils are not installed";
+  BusRecording recording;
   {
     BenchProcess arm({"--sensor-node", "32"});
     canopen::RangeSensor sensor({.node = 32, .receivers = 6});
@@ -332,23 +327,10 @@ TEST(Bench, an_independent_decoder_reads_every_frame_of_the_real_bus) {
     arm.order("drive joint=3 kind=emergency code=0x2310");
     master.run(20);
   }
-  // What candump has not written yet it writes when it ends.
-  const std::string end = "kill $(cat " + log + ".pid); for i in $(seq 300); do kill -0 $(cat " +
-                          log + ".pid) 2>/dev/null || exit 0; sleep 0.1; done; exit 1";
-  ASSERT_EQ(std::system(end.c_str()), 0);
-  const std::string read = "tshark -r " + log + " -d can.subdissector,canopen ";
-  const std::string found = log + ".txt";
-  const auto lines = [&](const std::string& command) {
-    EXPECT_EQ(std::system((command + " 2>/dev/null | wc -l >" + found).c_str()), 0);
-    return std::stoi(content(found));
-  };
-  const int frames = lines("cat " + log);
-  EXPECT_GT(frames, 1000);
-  EXPECT_EQ(lines(read + "-Y canopen"), frames);
-  EXPECT_EQ(lines(read + "-Y '_ws.malformed || _ws.expert.severity >= \"Warning\"'"), 0);
-  EXPECT_EQ(lines(read + "-T fields -e _ws.col.Info | grep -e Unknown -e Reserved"), 0);
-  EXPECT_EQ(lines(read + "-Y 'can.id == 0x083 && canopen.em.err_code == 0x2310'"), 1);
-  EXPECT_EQ(std::system(("rm -f " + log + " " + log + ".pid " + found).c_str()), 0);
+  recording.end();
+  EXPECT_GT(recording.frames(), 1000);
+  recording.expect_canopen_throughout();
+  EXPECT_EQ(recording.frames_that("can.id == 0x083 && canopen.em.err_code == 0x2310"), 1);
 }
 
 }  // namespace

@@ -58,23 +58,36 @@ class BenchMaster {
     while (!condition() && clock_.now() < end) tick();
     return condition();
   }
-  bool run_until(hal::DriveCondition condition) {
-    return run_until([&] { return master.all(condition); });
+  // Every drive comes to `condition`, unless one faults first.
+  testing::AssertionResult become(hal::DriveCondition condition) {
+    run_until([&] { return master.all(condition) || faulted(); });
+    if (master.all(condition)) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << conditions();
   }
   void run(unsigned ticks) {
     for (unsigned i = 0; i < ticks; ++i) tick();
   }
 
-  // From power-up, or from faults reset, to every drive enabled and holding.
-  bool enable() {
+  // From power-up to every drive enabled and holding.
+  testing::AssertionResult enable() {
     following = false;
-    const bool enabled = run_until(hal::DriveCondition::kDisabled) && master.enable() &&
-                         run_until(hal::DriveCondition::kEnabled);
-    following = enabled;
+    const auto disabled = become(hal::DriveCondition::kDisabled);
+    if (!disabled) return disabled;
+    if (!master.enable()) return testing::AssertionFailure() << "no enable: " << conditions();
+    const auto enabled = become(hal::DriveCondition::kEnabled);
+    following = static_cast<bool>(enabled);
     return enabled;
   }
-  bool recover() {
-    following = false;
+  // The same from whatever a fault left. A host that stands still for a second while the drives are
+  // set up makes a fault of its own: the operator tries again.
+  testing::AssertionResult recover() {
+    for (int i = 0; i < 2; ++i) {
+      following = false;
+      master.reset_faults();
+      const auto enabled = enable();
+      if (enabled) return enabled;
+      std::printf("once more: %s\n", enabled.message());
+    }
     master.reset_faults();
     return enable();
   }
@@ -83,6 +96,16 @@ class BenchMaster {
       if (master.status(i).fault) return true;
     }
     return false;
+  }
+  [[nodiscard]] std::string conditions() const {
+    std::string text;
+    for (std::size_t i = 0; i < master.count(); ++i) {
+      const hal::DriveStatus status = master.status(i);
+      text += " joint " + std::to_string(i + 1) + ": condition " +
+              std::to_string(static_cast<int>(status.condition));
+      if (status.fault) text += " (" + std::string(describe(*status.fault)) + ")";
+    }
+    return text;
   }
   // Joint targets in a minimum-jerk move that takes `ticks`.
   void move(const JointVector& goal, unsigned ticks) {

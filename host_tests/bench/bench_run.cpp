@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -21,12 +22,11 @@
 #include "hal/simulated/arm.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 #include "host_tests/bench/bench_process.hpp"
+#include "host_tests/bench/bus_recording.hpp"
 #include "host_tests/bench/daemon_process.hpp"
 
 namespace armsig::bench {
 namespace {
-
-using Changes = std::vector<std::pair<std::string, std::string>>;
 
 const std::string kModbus =
     "  modbus:\n"
@@ -127,8 +127,7 @@ void expect_the_indices_of_table_3(const daemon::DaemonConfiguration& configurat
 
 void identify_and_accept(DaemonProcess& daemon, std::chrono::seconds longest) {
   ASSERT_TRUE(daemon.enable());
-  ASSERT_EQ(daemon.ask("identify"), "ok");
-  ASSERT_TRUE(daemon.hear("# identify done", longest));
+  ASSERT_TRUE(daemon.identify(longest));
   ASSERT_TRUE(daemon.is_in("holding"));
   std::printf("%s\n", daemon.ask("candidate").c_str());
   ASSERT_EQ(daemon.ask("accept"), "ok");
@@ -137,7 +136,7 @@ void identify_and_accept(DaemonProcess& daemon, std::chrono::seconds longest) {
 // Everything that the issue asks of the bench run, in its order.
 void run_all(const Changes& changes, bool full) {
   BenchProcess arm = emulated_arm();
-  DaemonProcess daemon(bench_configuration(changes), arm.sensor_device);
+  DaemonProcess daemon(changes, arm.sensor_device);
   const auto configuration = daemon::read_configuration(daemon.configuration_path());
   ASSERT_TRUE(configuration) << tool::render(configuration.error());
   ASSERT_NO_FATAL_FAILURE(identify_and_accept(daemon, std::chrono::seconds(full ? 900 : 300)));
@@ -161,7 +160,13 @@ TEST(BenchRun, small_over_modbus) { run_all(small(), false); }
 TEST(BenchRun, small_with_the_sensor_on_can) {
   Changes changes = small();
   for (const auto& change : sensor_on_can()) changes.push_back(change);
+  std::optional<BusRecording> recording;
+  if (BusRecording::possible()) recording.emplace();
   run_all(changes, false);
+  if (!recording) return;
+  recording->end();
+  std::printf("%d frames recorded\n", recording->frames());
+  recording->expect_canopen_throughout();
 }
 
 // What `name`= in `text` is; -1 if it is not there.
@@ -173,9 +178,8 @@ double number_in(const std::string& text, const std::string& key) {
 
 TEST(BenchRun, ticks_beside_cyclictest_without_heap_and_page_faults) {
   BenchProcess arm = emulated_arm("40");
-  DaemonProcess daemon(
-      bench_configuration({{"priority: 0", "priority: 80"}, {"period_ms: 20", "period_ms: 2"}}),
-      arm.sensor_device);
+  DaemonProcess daemon({{"priority: 0", "priority: 80"}, {"period_ms: 20", "period_ms: 2"}},
+                       arm.sensor_device);
   ASSERT_TRUE(daemon.enable());
   const bool beside =
       std::system("command -v cyclictest >/dev/null 2>&1") == 0 &&

@@ -16,7 +16,7 @@ bool try_reachable(int poses, std::mt19937_64& random) {
   int missed = 0;
   for (const KnownArm& arm : armsig::test::six_joint_arms()) {
     const int of_arm = armsig::test::missed_poses(arm, poses, random);
-    std::printf("| %s | %d | %d |\n", arm.name, poses, of_arm);
+    std::printf("| %s | %d | %d |\n", arm.name.c_str(), poses, of_arm);
     missed += of_arm;
   }
   const KnownArm unseen = armsig::test::perturbed_puma(random);
@@ -33,7 +33,8 @@ bool try_cold_starts(int poses, std::mt19937_64& random) {
   for (const KnownArm& arm :
        {armsig::test::ur10e_individual_a(), armsig::test::ur10e_individual_b()}) {
     const auto trial = armsig::test::try_cold_starts(arm, poses, random);
-    std::printf("| %s | %d | %d | %d |\n", arm.name, trial.poses, trial.none, trial.not_near);
+    std::printf("| %s | %d | %d | %d |\n", arm.name.c_str(), trial.poses, trial.none,
+                trial.not_near);
     good = good && trial.none == 0 && trial.not_near == 0;
   }
   return good;
@@ -48,7 +49,7 @@ bool try_singular(int poses, std::mt19937_64& random) {
   for (const KnownArm& arm : armsig::test::six_joint_arms()) {
     armsig::test::SingularTrial trial;
     armsig::test::try_singular_poses(arm, poses, random, trial);
-    std::printf("| %s | %d | %d |", arm.name, trial.poses, trial.faults());
+    std::printf("| %s | %d | %d |", arm.name.c_str(), trial.poses, trial.faults());
     for (const int count : trial.verdicts) std::printf(" %d |", count);
     std::printf("\n");
     good = good && trial.faults() == 0;

@@ -66,7 +66,7 @@ inline Outcome export_as(const Folder& folder, const std::string& format) {
 
 // What an arm of the shared data says, or nothing where the data are absent.
 inline std::string shared_arm(const std::string& name) {
-  return read_file(std::string(ARMSIG_SHARED_DATA) + "/arms/" + name + ".yaml");
+  return read_file(std::filesystem::path(ARMSIG_SHARED_DATA) / "arms" / (name + ".yaml"));
 }
 
 }  // namespace armsig::cli

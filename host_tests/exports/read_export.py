@@ -67,7 +67,7 @@ def couple(path, q):
     return effective
 
 
-def dh_csv(path):
+def rows_csv(path, link):
     rows = rows_of(path)
     base, tool = stated_pose(path, "base"), stated_pose(path, "tool")
 
@@ -79,28 +79,19 @@ def dh_csv(path):
                 theta += reading
             else:
                 d += reading
-            T = T @ rotation("z", theta) @ shift(0, 0, d) @ shift(float(row["a_m"]), 0, 0) @ \
-                rotation("x", float(row["alpha_rad"]))
+            T = T @ link(row, theta, d)
         return T @ tool
     return pose
+
+
+def dh_csv(path):
+    return rows_csv(path, lambda row, theta, d: rotation("z", theta) @ shift(0, 0, d) @
+                    shift(float(row["a_m"]), 0, 0) @ rotation("x", float(row["alpha_rad"])))
 
 
 def mdh_csv(path):
-    rows = rows_of(path)
-    base, tool = stated_pose(path, "base"), stated_pose(path, "tool")
-
-    def pose(q):
-        T = base
-        for row, reading in zip(rows, couple(path, q), strict=True):
-            theta, d = float(row["theta_rad"]), float(row["d_m"])
-            if row["type"] == "revolute":
-                theta += reading
-            else:
-                d += reading
-            T = T @ rotation("x", float(row["alpha_prev_rad"])) @ \
-                shift(float(row["a_prev_m"]), 0, 0) @ rotation("z", theta) @ shift(0, 0, d)
-        return T @ tool
-    return pose
+    return rows_csv(path, lambda row, theta, d: rotation("x", float(row["alpha_prev_rad"])) @
+                    shift(float(row["a_prev_m"]), 0, 0) @ rotation("z", theta) @ shift(0, 0, d))
 
 
 def linuxcnc(path):

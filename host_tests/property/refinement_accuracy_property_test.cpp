@@ -190,8 +190,9 @@ TEST(RefinementAccuracy, predicts_the_bound_of_an_independent_model) {
   EXPECT_NEAR(std::sqrt(predicted / cramer_rao_variance(cell, log, poses)), 1, 0.02);
 }
 
-// Tool error as a factor against the drawing: with mixed poses the floors of "Figures to expect";
-// of sweeps alone what a target 8.5 cm from the last axis lets the Cramer-Rao bound reach.
+// Tool error as a factor against the drawing: with mixed poses the floors of "Figures to expect".
+// Of sweeps alone what the Cramer-Rao bound lets this target reach, 8.5 cm from the last axis and
+// 12 cm before it; figures_to_expect_test.cpp has the floors, with the target of the features.
 struct Expected {
   double arc_deg = 0;
   double refined = 0;

@@ -43,7 +43,8 @@ JointVector stretched() {
 double squared(double x) { return x * x; }
 
 // RMS over arms and poses of the tool error by the drawing, over that by the signature.
-double improvement_factor(double arc_deg, features::Method method) {
+template <typename Identify>
+double improvement_factor(double arc_deg, Purpose purpose, const Identify& identify) {
   const Arm drawing = puma560();
   const JointVector configuration = stretched();
   ErrorSums sums;
@@ -58,9 +59,9 @@ double improvement_factor(double arc_deg, features::Method method) {
                                 .plan = plan_sweeps(drawing, configuration, radians(arc_deg), 30),
                                 .sensor = simulated::CartesianConfig{.sigma_m = 0.2e-3},
                                 .seed = static_cast<std::uint64_t>(n)};
-    IdentificationRun run(drawing, std::nullopt, "");
+    IdentificationRun run(drawing, std::nullopt, "", purpose);
     simulate(simulation, [&](const MeasurementRow& row) { EXPECT_TRUE(run.take(row)); });
-    const auto identified = run.finish(method);
+    const Read<Identified> identified = identify(run);
     EXPECT_TRUE(identified) << (identified ? "" : render(identified.error()));
     if (!identified) return 0;
     const Signature truth = truth_of(built, configuration);
@@ -77,6 +78,19 @@ double improvement_factor(double arc_deg, features::Method method) {
   return sums.factor();
 }
 
+double improvement_factor(double arc_deg, features::Method method) {
+  return improvement_factor(arc_deg, Purpose::kFeatures,
+                            [&](IdentificationRun& run) { return run.finish(method); });
+}
+
+double factor_of_refinement(double arc_deg) {
+  return improvement_factor(arc_deg, Purpose::kRefinement,
+                            [](IdentificationRun& run) -> Read<Identified> {
+                              ARMSIG_TRY(found, run.finish_refined({}));
+                              return std::move(found.first);
+                            });
+}
+
 TEST(FiguresToExpect, are_reached_by_the_papers_fit) {
   EXPECT_GE(improvement_factor(60, features::Method::kPaper), 1.6);
   EXPECT_GE(improvement_factor(90, features::Method::kPaper), 3.6);
@@ -89,6 +103,13 @@ TEST(FiguresToExpect, are_reached_by_the_encoder_referenced_circle) {
   EXPECT_GE(improvement_factor(90, features::Method::kEncoder), 6.1);
   EXPECT_GE(improvement_factor(120, features::Method::kEncoder), 9.2);
   EXPECT_GE(improvement_factor(180, features::Method::kEncoder), 14);
+}
+
+TEST(FiguresToExpect, are_reached_by_the_refinement_of_sweeps_alone) {
+  EXPECT_GE(factor_of_refinement(60), 4);
+  EXPECT_GE(factor_of_refinement(90), 8);
+  EXPECT_GE(factor_of_refinement(120), 11);
+  EXPECT_GE(factor_of_refinement(180), 19);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "core/refinement/start.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "host_tests/support/shared_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::refinement {
@@ -118,20 +119,6 @@ TEST(RefineFromDrawing, refuses_the_log_of_another_arm) {
   EXPECT_EQ(done.error().error, Error::kNotConverged);
 }
 
-// The UR5's drawing, as arms/ur5.yaml states it.
-Arm ur5() {
-  constexpr JointType kR = JointType::kRevolute;
-  Arm arm = test::make_arm({{kR, 0, 0.089159, 0, kPi / 2},
-                            {kR, 0, 0, -0.425, 0},
-                            {kR, 0, 0, -0.39225, 0},
-                            {kR, 0, 0.10915, 0, kPi / 2},
-                            {kR, 0, 0.09465, 0, -kPi / 2},
-                            {kR, 0, 0.0823, 0, 0}},
-                           {});
-  arm.limits.resize(6, {-2 * kPi, 2 * kPi});
-  return arm;
-}
-
 Log ur5_log(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::string line;
@@ -161,7 +148,8 @@ double score_other_half(Log log, std::uint64_t seed, const ReadingTerms& terms) 
   config.request.readings.resize(6, terms);
   const auto refined = std::make_unique<Refined>();
   std::vector<RowOutcome> outcomes(log.size());
-  EXPECT_TRUE(refine_from_drawing(ur5(), log, one_target(), config, outcomes, *refined));
+  EXPECT_TRUE(
+      refine_from_drawing(test::shared_arm("ur5"), log, one_target(), config, outcomes, *refined));
   double sum = 0;
   double count = 0;
   for (std::size_t k = 0; k < log.size(); ++k) {

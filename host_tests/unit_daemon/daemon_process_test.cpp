@@ -1,27 +1,18 @@
 // SPDX-License-Identifier: MIT
 // armsigd as its operator meets it: --check, and a whole identification about the emulated arm.
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <csignal>
-#include <optional>
 #include <string>
-#include <thread>
-#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/console_client.hpp"
 #include "host_tests/cli/run_tool.hpp"
+#include "host_tests/support/console_process.hpp"
 
 namespace armsig::cli {
 namespace {
-
-using std::chrono::seconds;
 
 Outcome run_daemon(const Folder& folder, const std::string& arguments) {
   const std::string command = "cd '" + folder.path().string() +
@@ -33,72 +24,13 @@ Outcome run_daemon(const Folder& folder, const std::string& arguments) {
 }
 
 // armsigd --virtual, as fast as it goes, with console and store in the folder.
-class VirtualDaemon {
+class VirtualDaemon : public test::ConsoleProcess {
  public:
   explicit VirtualDaemon(const Folder& folder, const std::string& speed = "0")
-      : console_path_((folder / "console").string()) {
-    const std::string store = (folder / "store").string();
-    std::vector<std::string> words{ARMSIG_DAEMON, ARMSIG_REFERENCE, "--virtual",
-                                   "--console",   console_path_,    "--store",
-                                   store,         "--speed",        speed};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    posix_spawn_file_actions_t actions{};
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    EXPECT_EQ(::posix_spawn(&child_, arguments[0], &actions, nullptr, arguments.data(), environ),
-              0);
-    posix_spawn_file_actions_destroy(&actions);
-    for (int i = 0; i < 600 && !console_; ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      auto opened = tool::ConsoleClient::open(console_path_);
-      if (opened) console_.emplace(std::move(*opened));
-    }
-    EXPECT_TRUE(console_) << "armsigd did not start";
-  }
-  ~VirtualDaemon() { end(SIGTERM); }
-  VirtualDaemon(const VirtualDaemon&) = delete;
-  VirtualDaemon& operator=(const VirtualDaemon&) = delete;
-
-  // The exit status after `signal`; -1 if it was killed.
-  int end(int signal) {
-    if (child_ <= 0) return -1;
-    ::kill(child_, signal);
-    int status = 0;
-    EXPECT_EQ(::waitpid(child_, &status, 0), child_);
-    child_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  std::string ask(const std::string& request) {
-    if (!console_ || !console_->send(request)) return "gone";
-    while (const auto line = console_->receive(seconds(60))) {
-      if (tool::is_reply(*line)) return *line;
-    }
-    return "silent";
-  }
-  // Whether the controller says `words` unasked, or has said them.
-  bool hears(const std::string& words, seconds longest = seconds(120)) {
-    const auto end = std::chrono::steady_clock::now() + longest;
-    while (console_ && std::chrono::steady_clock::now() < end) {
-      const auto line = console_->receive(seconds(1));
-      if (line && line->starts_with(words)) return true;
-    }
-    return false;
-  }
-  bool is_in(const std::string& mode) {
-    for (int i = 0; i < 600; ++i) {
-      if (ask("status").find("mode=" + mode + " ") != std::string::npos) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    return false;
-  }
-  [[nodiscard]] const std::string& console_path() const { return console_path_; }
-
- private:
-  std::string console_path_;
-  pid_t child_ = -1;
-  std::optional<tool::ConsoleClient> console_;
+      : ConsoleProcess({ARMSIG_DAEMON, ARMSIG_REFERENCE, "--virtual", "--console",
+                        (folder / "console").string(), "--store", (folder / "store").string(),
+                        "--speed", speed},
+                       (folder / "console").string()) {}
 };
 
 TEST(Daemon, checks_a_configuration_without_opening_anything) {
@@ -163,12 +95,12 @@ TEST(Daemon, identifies_the_emulated_arm_and_knows_it_after_it_was_killed) {
     EXPECT_EQ(daemon.ask("enable"), "ok");
     ASSERT_TRUE(daemon.is_in("holding"));
     EXPECT_EQ(daemon.ask("identify"), "ok");
-    ASSERT_TRUE(daemon.hears("# identify done"));
+    ASSERT_TRUE(daemon.hear("# identify done"));
     ASSERT_TRUE(daemon.is_in("holding"));
     EXPECT_NE(daemon.ask("candidate").find("better=yes"), std::string::npos);
     EXPECT_EQ(daemon.ask("accept"), "ok");
     EXPECT_TRUE(daemon.ask("signature").starts_with("ok model=signature sequence=1"));
-    daemon.end(SIGKILL);
+    EXPECT_EQ(daemon.end(SIGKILL), -1);
   }
   VirtualDaemon daemon(folder);
   EXPECT_TRUE(daemon.ask("signature").starts_with("ok model=signature sequence=1"));

@@ -187,7 +187,7 @@ TEST(SocketConsole, a_line_too_long_is_refused_once_and_the_next_one_is_heard) {
   const auto console = SocketConsole::open(path);
   ASSERT_TRUE(console);
   const Operator person(path);
-  person.say(std::string(3000, 'x') + "\nstatus\n");
+  person.say(std::string(3000, 'x').append("\nstatus\n"));
   const auto refused = read_line(**console);
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->error, Error::kLineTooLong);

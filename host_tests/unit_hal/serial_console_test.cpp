@@ -72,7 +72,7 @@ TEST(SerialConsole, hands_out_two_lines_that_came_together_one_after_the_other) 
 
 TEST(SerialConsole, throws_away_a_line_that_is_too_long_or_no_text) {
   Serial serial;
-  EXPECT_EQ(serial.read(std::string(kMaxConsoleLine + 1, 'a') + "\n"),
+  EXPECT_EQ(serial.read(std::string(kMaxConsoleLine + 1, 'a').append("\n")),
             describe(Error::kLineTooLong));
   EXPECT_EQ(serial.read("sta\x01tus\n"), describe(Error::kNotText));
   EXPECT_EQ(serial.read("status\n"), "status");

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <array>
+
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
@@ -22,8 +24,11 @@ std::string heading(const SignatureRecord& record, const std::string& convention
       pose_words(X_S0) + "\ntool: " + pose_words(X_FL) + "\n" + coupling_lines(record.nominal));
 }
 
-std::string limits_text(const JointLimits& limits) {
-  return number_text(limits.lower) + "," + number_text(limits.upper);
+std::string row_text(std::size_t joint, JointType type, const std::array<double, 4>& parameters,
+                     const JointLimits& limits) {
+  std::string text = fmt::format("{},{}", joint + 1, word_of(type));
+  for (const double parameter : parameters) text += "," + number_text(parameter);
+  return text + "," + number_text(limits.lower) + "," + number_text(limits.upper) + "\n";
 }
 
 }  // namespace
@@ -38,9 +43,8 @@ Read<std::string> dh_csv_text(const SignatureRecord& record) {
       "joint,type,theta_rad,d_m,a_m,alpha_rad,lower_rad_or_m,upper_rad_or_m\n";
   for (std::size_t i = 0; i < standard.rows.size(); ++i) {
     const DhJoint& row = standard.rows[i];
-    text += fmt::format("{},{},{},{},{},{},{}\n", i + 1, word_of(row.type),
-                        number_text(row.theta_rad), number_text(row.d_m), number_text(row.a_m),
-                        number_text(row.alpha_rad), limits_text(record.nominal.limits[i]));
+    text += row_text(i, row.type, {row.theta_rad, row.d_m, row.a_m, row.alpha_rad},
+                     record.nominal.limits[i]);
   }
   return text;
 }
@@ -56,10 +60,8 @@ Read<std::string> mdh_csv_text(const SignatureRecord& record) {
       "joint,type,alpha_prev_rad,a_prev_m,theta_rad,d_m,lower_rad_or_m,upper_rad_or_m\n";
   for (std::size_t i = 0; i < modified.rows.size(); ++i) {
     const ModifiedRow& row = modified.rows[i];
-    text += fmt::format("{},{},{},{},{},{},{}\n", i + 1, word_of(row.type),
-                        number_text(row.alpha_prev_rad), number_text(row.a_prev_m),
-                        number_text(row.theta_rad), number_text(row.d_m),
-                        limits_text(record.nominal.limits[i]));
+    text += row_text(i, row.type, {row.alpha_prev_rad, row.a_prev_m, row.theta_rad, row.d_m},
+                     record.nominal.limits[i]);
   }
   return text;
 }

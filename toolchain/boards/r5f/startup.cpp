@@ -93,4 +93,7 @@ extern "C" {
 
 // A pure virtual method called: our mistake.
 [[noreturn]] void __cxa_pure_virtual() { __builtin_trap(); }
+
+// The library's own would raise a signal, and with it bring the heap.
+[[noreturn]] void abort() { __builtin_trap(); }
 }

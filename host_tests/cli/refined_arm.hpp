@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// A simulated Puma, measured in sweeps and mixed poses, and `identify --method refined` of it.
+#pragma once
+
+#include <string>
+
+#include "host_tests/cli/predictions.hpp"
+
+namespace armsig::cli {
+
+// Sweeps and mixed poses of a Puma made to the usual tolerances, with one target on its hand.
+inline Csv simulated(const Folder& folder, const std::string& options = "",
+                     const std::string& arm = kPuma560) {
+  write_file(folder / "arm.yaml", arm);
+  const Outcome outcome =
+      run_tool(folder,
+               "simulate --arm arm.yaml --tolerances 1 --hand-target-mm 80,30,120 --arc 90 "
+               "--points 20 --mixed-poses 40 --seed 11 --out good.csv --truth-out truth.yaml " +
+                   options);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  return Csv::read(folder / "good.csv");
+}
+
+inline Outcome refine(const Folder& folder, const Csv& rows, const std::string& options = "") {
+  rows.write(folder / "m.csv");
+  return run_tool(folder,
+                  "identify --arm arm.yaml --measurements m.csv --method refined --out "
+                  "s.yaml " +
+                      options);
+}
+
+inline void keep_mixed(Csv& csv) {
+  std::erase_if(csv.rows, [&](const Fields& row) { return row[csv.column("sweep")] != "0"; });
+}
+
+// Largest error of the target's position over the mixed poses of good.csv.
+inline double error_m(const Folder& folder) {
+  write_joint_poses(Csv::read(folder / "good.csv"), folder / "q.csv");
+  return largest_distance(predict(folder, "s.yaml", "1"), predict(folder, "truth.yaml", "1"));
+}
+
+inline void expect_refused(const Folder& folder, const Outcome& outcome, int status,
+                           const std::string& words) {
+  EXPECT_EQ(outcome.status, status) << outcome.out;
+  EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "s.yaml"));
+}
+
+inline void expect_said(const Outcome& outcome, const std::string& words) {
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE((outcome.out + outcome.err).find(words), std::string::npos)
+      << outcome.out << outcome.err;
+}
+
+}  // namespace armsig::cli
