@@ -6,16 +6,19 @@
 namespace armsig::kinematics {
 namespace {
 
-// Written where the caller wants it, so that nothing is initialised twice.
+// Written where the caller wants it, so that nothing is initialised twice: a result declared in an
+// inner block would be copied there.
 template <typename Scalar>
 [[gnu::always_inline]] inline Result<PoseT<Scalar>> stored(const Frame<Scalar>& frame) {
-  if constexpr (Lanes<Scalar>::kCount == 1) {
-    return PoseT<Scalar>{frame.R, frame.p};
-  } else {
-    Result<PoseT<Scalar>> result;
-    frame.store_pose(*result);
-    return result;
-  }
+  Result<PoseT<Scalar>> result;
+  frame.store_pose(*result);
+  return result;
+}
+
+template <typename Scalar>
+  requires(Lanes<Scalar>::kCount == 1)
+[[gnu::always_inline]] inline Result<PoseT<Scalar>> stored(const Frame<Scalar>& frame) {
+  return PoseT<Scalar>{frame.R, frame.p};
 }
 
 template <typename Scalar>
