@@ -2,10 +2,12 @@
 // Gauss-Newton on accumulated statistics: the fit of a constrained motion, such as a circle, to the
 // triangular factor of the unconstrained one.
 //
-// With Phi (3 regressors x 3 coordinates) the coefficients that a motion of parameters psi has, the
-// squared distance of all the points from it is, up to a constant,
-//   | (R Phi(psi) - Z) W |^2,   W W^T = inverse of the mean covariance shape of a point,
-// whose nine rows are all that each step reads.
+// With Phi (3 regressors x 3 coordinates) the coefficients of a motion, the squared distance of all
+// the points from it is, up to a constant,
+//   | (R Phi - Z) W |^2,   W W^T = inverse of the mean covariance shape of a point.
+// Row 0 of Phi, the target at the origin reading, is free and R is triangular: it makes row 0 of
+// the difference vanish whatever the others are. So only rows 1 and 2, the parameters psi of the
+// motion about that target, are left to iterate on: six numbers that each step reads.
 #pragma once
 
 #include <cmath>
@@ -20,35 +22,46 @@
 
 namespace armsig::features {
 
-// d Phi / d psi, Phi taken row by row.
-template <int kParameters>
-using MotionJacobian = Eigen::Matrix<double, 9, kParameters>;
+// Rows 1 and 2 of Phi.
+using MotionRows = Eigen::Matrix<double, 2, 3>;
 
-// Motion: a plain struct of parameters with
+// Their derivative by psi, row 1 before row 2.
+template <int kParameters>
+using MotionJacobian = Eigen::Matrix<double, 6, kParameters>;
+
+// Motion: a plain struct with the parameters psi and
 //   static constexpr int kParameters
-//   MotionRls::Coefficients coefficients() const
+//   MotionRows rows() const
 //   MotionJacobian<kParameters> jacobian() const
 //   Motion moved(const Eigen::Matrix<double, kParameters, 1>& step) const
-//   bool is_small(const Eigen::Matrix<double, kParameters, 1>& step) const   at the level of
-//   rounding
+//   bool is_small(const Eigen::Matrix<double, kParameters, 1>& step) const   so small that the next
+//   step, smaller by the noise over the size of the motion, is rounding
 template <typename Motion>
 class ConstrainedFit {
  public:
   static constexpr int kParameters = Motion::kParameters;
   using Step = Eigen::Matrix<double, kParameters, 1>;
-  using Covariance = Eigen::Matrix<double, kParameters, kParameters>;
+  // Of (target, psi).
+  using Covariance = Eigen::Matrix<double, 3 + kParameters, 3 + kParameters>;
 
   // Precondition: at least one point, each with a positive definite covariance.
-  explicit ConstrainedFit(const SweepStatistics& statistics)
-      : R_(statistics.motion.factor()),
+  explicit ConstrainedFit(const MotionStatistics& statistics)
+      : statistics_(statistics),
+        R_(statistics.motion.factor()),
         Z_(statistics.motion.rotated_right_hand_sides()),
-        shape_inverse_(statistics.shape().inverse()),
-        whitening_(shape_inverse_.llt().matrixL()),
-        score_(statistics.score_covariance()) {}
+        shape_(statistics.shape()),
+        shape_inverse_(shape_.inverse()),
+        whitening_(shape_inverse_.llt().matrixL()) {}
+
+  struct Fitted {
+    Motion motion;
+    // Of psi: inverse * inverse^T is its covariance where every point has the same.
+    typename SquareRootRls<kParameters, 1>::Factor inverse;
+  };
 
   // The motion of greatest likelihood, from a start in its neighbourhood.
   // Errors: kSingular, kNotConverged.
-  [[nodiscard]] Result<Motion> maximise_likelihood(Motion motion) const {
+  [[nodiscard]] Result<Fitted> maximise_likelihood(Motion motion) const {
     double least = cost(motion);
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
       const Linearised linearised = linearise(motion);
@@ -67,24 +80,48 @@ class ConstrainedFit {
           step /= 2;
         }
       }
-      if (!improved || motion.is_small(step)) return motion;
+      if (improved && !motion.is_small(step)) continue;
+      ARMSIG_TRY(inverse, linearised.inverse_factor());
+      return Fitted{motion, inverse};
     }
     return std::unexpected(Error::kNotConverged);
   }
 
-  // H^-1 M H^-1, with H the information at `motion` and M the covariance of the score: the inverse
-  // of H where every point has the same covariance, true also where they differ.
-  // Errors: kSingular.
-  [[nodiscard]] Result<Covariance> covariance(const Motion& motion) const {
-    ARMSIG_TRY(root, linearise(motion).inverse_factor());
-    const MotionJacobian<kParameters> D = motion.jacobian();
-    MotionJacobian<kParameters> weighted;
-    for (int i = 0; i < 9; i += 3)
-      weighted.template middleRows<3>(i) = shape_inverse_ * D.template middleRows<3>(i);
+  // Row 0 of Phi that goes with `motion`: the target at the origin reading, about the origin.
+  [[nodiscard]] Vector3 target(const Motion& motion) const {
+    const Eigen::RowVector3d rest = Z_.row(0) - R_.template block<1, 2>(0, 1) * motion.rows();
+    return rest.transpose() / R_(0, 0);
+  }
+
+  // H^-1 M H^-1, with H the information and M the covariance of the score: the inverse of H where
+  // every point has the same covariance, true also where they differ.
+  [[nodiscard]] Covariance covariance(const Fitted& fitted) const {
+    using OfPsi = Eigen::Matrix<double, kParameters, kParameters>;
+    using OnTarget = Eigen::Matrix<double, 3, kParameters>;
+    const MotionJacobian<kParameters> D = fitted.motion.jacobian();
+    // How the target follows psi, for row 0 to stay zero.
+    const OnTarget follows =
+        (R_(0, 1) * D.template topRows<3>() + R_(0, 2) * D.template bottomRows<3>()) / -R_(0, 0);
     // Plain sums: for products of this size Eigen would prepare a heap.
-    const Covariance inverse_information = root.lazyProduct(root.transpose());
-    const MotionJacobian<kParameters> influence = weighted.lazyProduct(inverse_information);
-    const MotionJacobian<kParameters> scored = score_.lazyProduct(influence);
+    const OfPsi of_psi = fitted.inverse.lazyProduct(fitted.inverse.transpose());
+    const OnTarget with_target = follows.lazyProduct(of_psi);
+    Covariance inverse;
+    inverse.template topLeftCorner<3, 3>() =
+        shape_ / (R_(0, 0) * R_(0, 0)) + with_target.lazyProduct(follows.transpose());
+    inverse.template topRightCorner<3, kParameters>() = with_target;
+    inverse.template bottomLeftCorner<kParameters, 3>() = with_target.transpose();
+    inverse.template bottomRightCorner<kParameters, kParameters>() = of_psi;
+    if (statistics_.has_one_covariance()) return inverse;
+
+    Eigen::Matrix<double, 9, 3 + kParameters> weighted;
+    weighted.setZero();
+    weighted.template topLeftCorner<3, 3>() = shape_inverse_;
+    for (int i = 0; i < 6; i += 3)
+      weighted.template block<3, kParameters>(3 + i, 3) =
+          shape_inverse_.lazyProduct(D.template middleRows<3>(i));
+    const Eigen::Matrix<double, 9, 3 + kParameters> influence = weighted.lazyProduct(inverse);
+    const Eigen::Matrix<double, 9, 3 + kParameters> scored =
+        statistics_.score_covariance().lazyProduct(influence);
     return Covariance(influence.transpose().lazyProduct(scored));
   }
 
@@ -94,32 +131,46 @@ class ConstrainedFit {
   static constexpr int kMostHalvings = 40;
   static constexpr double kFlat = 1e-9;
 
+  // The lower two rows of `R Phi`, in units of the noise.
+  [[nodiscard]] MotionRows seen(const MotionRows& rows) const {
+    MotionRows product;
+    product.row(0) = R_(1, 1) * rows.row(0) + R_(1, 2) * rows.row(1);
+    product.row(1) = R_(2, 2) * rows.row(1);
+    return product.lazyProduct(whitening_);
+  }
+  [[nodiscard]] MotionRows measured() const {
+    return Z_.template bottomRows<2>().lazyProduct(whitening_);
+  }
+
   [[nodiscard]] double cost(const Motion& motion) const {
-    const double squares = ((R_ * motion.coefficients() - Z_) * whitening_).squaredNorm();
+    const double squares = (seen(motion.rows()) - measured()).squaredNorm();
     return std::isfinite(squares) ? squares : std::numeric_limits<double>::infinity();
   }
 
   [[nodiscard]] Linearised linearise(const Motion& motion) const {
-    const Matrix3 rest = (Z_ - R_ * motion.coefficients()) * whitening_;
+    const MotionRows rest = measured() - seen(motion.rows());
     const MotionJacobian<kParameters> D = motion.jacobian();
-    MotionJacobian<kParameters> rows;
-    for (int k = 0; k < kParameters; ++k) {
-      Matrix3 change;
-      for (int i = 0; i < 3; ++i) change.row(i) = D.template block<3, 1>(3 * i, k).transpose();
-      const Matrix3 seen = R_ * change * whitening_;
-      for (int i = 0; i < 3; ++i) rows.template block<3, 1>(3 * i, k) = seen.row(i).transpose();
+    typename Linearised::Block block;
+    for (int k = 0; k <= kParameters; ++k) {
+      MotionRows moves = rest;
+      if (k < kParameters) {
+        MotionRows change;
+        for (int i = 0; i < 2; ++i) change.row(i) = D.template block<3, 1>(3 * i, k).transpose();
+        moves = seen(change);
+      }
+      for (int i = 0; i < 6; ++i) block.columns[k][i] = moves(i / 3, i % 3);
     }
     Linearised linearised;
-    for (int i = 0; i < 9; ++i)
-      linearised.update(rows.row(i).transpose(), Eigen::Matrix<double, 1, 1>(rest(i / 3, i % 3)));
+    linearised.update(block);
     return linearised;
   }
 
+  const MotionStatistics& statistics_;
   Matrix3 R_;
   Matrix3 Z_;
+  Matrix3 shape_;
   Matrix3 shape_inverse_;
   Matrix3 whitening_;
-  Eigen::Matrix<double, 9, 9> score_;
 };
 
 }  // namespace armsig::features

@@ -2,9 +2,9 @@
 // The encoder-referenced circle: p = c + A cos t + B sin t with |A| = |B|, A perpendicular to B.
 //
 // The unconstrained model is linear (9 unknowns) and its triangular factor says everything that the
-// points said. The circle (7 unknowns) of greatest likelihood is found on that factor alone, by
-// Gauss-Newton from the closed form of orthogonal Procrustes: the cost does not grow with the
-// sweep.
+// points said. The circle (7 unknowns) of greatest likelihood is found on that factor alone: in the
+// closed form of orthogonal Procrustes where the points are equally good in all directions, by
+// Gauss-Newton from there where not. The cost does not grow with the sweep.
 #pragma once
 
 #include "core/base/error.hpp"
@@ -26,6 +26,6 @@ struct CircleFit {
 };
 
 // Errors: kSingular (the readings do not determine a circle), kNotConverged.
-[[nodiscard]] Result<CircleFit> encoder_circle(const SweepStatistics& statistics);
+[[nodiscard]] Result<CircleFit> encoder_circle(const MotionStatistics& statistics);
 
 }  // namespace armsig::features

@@ -6,13 +6,11 @@
 namespace armsig::features {
 namespace {
 
-// The five free parameters, as steps: point at the origin reading, turns about the two directions
-// across.
+// The two parameters about the target, as steps: turns about the two directions across.
 struct Line {
-  static constexpr int kParameters = 5;
+  static constexpr int kParameters = 2;
   using Step = Eigen::Matrix<double, kParameters, 1>;
 
-  Vector3 point;  // about the origin of the statistics
   Vector3 direction;
 
   [[nodiscard]] Eigen::Matrix<double, 3, 2> across() const {
@@ -22,57 +20,57 @@ struct Line {
     return basis;
   }
 
-  // p = point + direction t
-  [[nodiscard]] MotionRls::Coefficients coefficients() const {
-    MotionRls::Coefficients phi = MotionRls::Coefficients::Zero();
-    phi.row(0) = point;
-    phi.row(1) = direction;
-    return phi;
+  // p = target + direction t
+  [[nodiscard]] MotionRows rows() const {
+    MotionRows rows = MotionRows::Zero();
+    rows.row(0) = direction;
+    return rows;
   }
 
   [[nodiscard]] MotionJacobian<kParameters> jacobian() const {
     MotionJacobian<kParameters> D = MotionJacobian<kParameters>::Zero();
-    D.block<3, 3>(0, 0).setIdentity();
-    D.block<3, 2>(3, 3) = -cross_matrix(direction) * across();
+    D.topRows<3>() = -cross_matrix(direction) * across();
     return D;
   }
 
   [[nodiscard]] Line moved(const Step& step) const {
-    const Vector3 turn = across() * step.tail<2>();
+    const Vector3 turn = across() * step;
     const double angle = turn.norm();
     const Vector3 turned =
         angle > 0 ? Vector3(rotation_about(turn / angle, angle) * direction) : direction;
-    return {point + step.head<3>(), turned.normalized()};
+    return {turned.normalized()};
   }
 
   [[nodiscard]] bool is_small(const Step& step) const {
-    constexpr double kRounding = 1e-15;
-    return step.norm() < kRounding * (1 + point.norm());
+    constexpr double kSmall = 1e-12;
+    return step.norm() < kSmall;
   }
 };
 
 }  // namespace
 
 MotionRls::Coefficients LineFit::motion(const Vector3& origin_S) const {
-  return Line{point_S - origin_S, direction_S}.coefficients();
+  MotionRls::Coefficients phi = MotionRls::Coefficients::Zero();
+  phi.row(0) = point_S - origin_S;
+  phi.row(1) = direction_S;
+  return phi;
 }
 
-Result<LineFit> encoder_line(const SweepStatistics& statistics) {
-  const MotionRls::Coefficients phi = statistics.motion.solve();
-  if (statistics.motion.rank() < 2 || !(phi.row(1).norm() > 0))
+Result<LineFit> encoder_line(const MotionStatistics& statistics) {
+  const Vector3 velocity = statistics.motion.solve().row(1);
+  if (statistics.motion.rank() < 2 || !(velocity.norm() > 0))
     return std::unexpected(Error::kSingular);
   const ConstrainedFit<Line> fit(statistics);
-  const Line start{phi.row(0), phi.row(1).transpose().normalized()};
-  ARMSIG_TRY(line, fit.maximise_likelihood(start));
-  ARMSIG_TRY(covariance, fit.covariance(line));
+  ARMSIG_TRY(fitted, fit.maximise_likelihood({velocity.normalized()}));
+  const Line& line = fitted.motion;
 
   LineFit result;
-  result.point_S = statistics.origin_S + line.point;
+  result.point_S = statistics.origin_S + fit.target(line);
   result.direction_S = line.direction;
   Eigen::Matrix<double, 7, 5> spread = Eigen::Matrix<double, 7, 5>::Zero();
   spread.block<3, 3>(0, 0).setIdentity();
   spread.block<3, 2>(3, 3) = line.across();
-  const Eigen::Matrix<double, 7, 5> carried = spread * covariance;
+  const Eigen::Matrix<double, 7, 5> carried = spread * fit.covariance(fitted);
   result.covariance = carried * spread.transpose();
   return result;
 }

@@ -20,6 +20,6 @@ struct LineFit {
 };
 
 // Errors: kSingular (the readings do not determine a line), kNotConverged.
-[[nodiscard]] Result<LineFit> encoder_line(const SweepStatistics& statistics);
+[[nodiscard]] Result<LineFit> encoder_line(const MotionStatistics& statistics);
 
 }  // namespace armsig::features

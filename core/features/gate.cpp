@@ -46,7 +46,7 @@ double leverage(const MotionRls& motion, const Vector3& regressors, const SweepP
 }
 
 // r^T (variance_factor * covariance + rounding)^-1 r, with r the residual of the point.
-double chi_square(const SweepStatistics& about, const Coefficients& fit, double variance_factor,
+double chi_square(const MotionStatistics& about, const Coefficients& fit, double variance_factor,
                   const SweepPoint& point) {
   const Vector3 r = point.p_S - about.origin_S - fit.transpose() * about.regressors(point);
   Matrix3 covariance = variance_factor * point.covariance_m2;
@@ -59,7 +59,7 @@ double chi_square(const SweepStatistics& about, const Coefficients& fit, double 
 
 }  // namespace
 
-GateScale gate_scale(const SweepStatistics& accepted, bool sigma_is_known) {
+GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known) {
   const double freedom = accepted.motion_freedom();
   const double variance = freedom < 1 ? 0 : accepted.motion_chi_square() / freedom;
   // A stated sigma may be too small, by a factor that the residuals show; it is never made smaller.
@@ -70,19 +70,20 @@ GateScale gate_scale(const SweepStatistics& accepted, bool sigma_is_known) {
   return {variance, 4 * estimated_limit(freedom)};
 }
 
-bool predicts(const SweepStatistics& accepted, const SweepPoint& point) {
+bool predicts(const MotionStatistics& accepted, const SweepPoint& point) {
   return accepted.count > 0 &&
          leverage(accepted.motion, accepted.regressors(point), point) < kMostPredictionVariance;
 }
 
-bool passes_gate(const SweepStatistics& accepted, bool sigma_is_known, const SweepPoint& point) {
+bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const SweepPoint& point) {
   const Coefficients fit = accepted.motion.solve();
   const GateScale scale = gate_scale(accepted, sigma_is_known);
   return chi_square(accepted, fit, scale.variance, point) <=
          scale.limit * (1 + leverage(accepted.motion, accepted.regressors(point), point));
 }
 
-Judging::Judging(const SweepStatistics& accepted, bool sigma_is_known, const WaitingPoints& waiting)
+Judging::Judging(const MotionStatistics& accepted, bool sigma_is_known,
+                 const WaitingPoints& waiting)
     : accepted_(accepted),
       sigma_is_known_(sigma_is_known),
       waiting_(waiting),
@@ -126,7 +127,7 @@ bool Judging::step() {
 
 // The accepted statistics to build on; without any, empty ones about the middle of the waiting
 // points, coordinate by coordinate, which no outlier can drag away.
-SweepStatistics Judging::base() const {
+MotionStatistics Judging::base() const {
   if (accepted_.count > 0) return accepted_;
   const std::size_t middle = waiting_.size() / 2;
   SweepPoint origin = waiting_[order_[middle]];
@@ -224,7 +225,6 @@ void Judging::judge(std::size_t place) {
       alone || chi_square(next_, fit_, scale_.variance, point) <= scale_.limit * spread;
   changed_ = changed_ || passes != verdict;
   verdict = passes;
-  if (passes) next_.add(point);
 }
 
 void Judging::end_round() {
@@ -232,6 +232,14 @@ void Judging::end_round() {
     stage_ = Stage::kOver;
     return;
   }
+  FixedVector<SweepPoint, MotionRls::kBlockRows> passed;
+  for (const std::uint8_t i : order_) {
+    if (verdicts_[i]) passed.push_back(waiting_[i]);
+    if (!passed.full()) continue;
+    next_.add(passed);
+    passed.clear();
+  }
+  next_.add(passed);
   motion_ = next_.motion;
   scale_ = gate_scale(next_, sigma_is_known_);
   next_ = base();

@@ -32,13 +32,13 @@ struct GateScale {
   double variance = 0;  // by which the points' covariances are multiplied; at least 1 where stated
   double limit = 0;     // of the innovation's chi-square
 };
-[[nodiscard]] GateScale gate_scale(const SweepStatistics& accepted, bool sigma_is_known);
+[[nodiscard]] GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known);
 
 // Whether the accepted points predict `point` well enough to judge it alone.
-[[nodiscard]] bool predicts(const SweepStatistics& accepted, const SweepPoint& point);
+[[nodiscard]] bool predicts(const MotionStatistics& accepted, const SweepPoint& point);
 
 // Judges `point` alone. Precondition: predicts(accepted, point).
-[[nodiscard]] bool passes_gate(const SweepStatistics& accepted, bool sigma_is_known,
+[[nodiscard]] bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known,
                                const SweepPoint& point);
 
 // Judges the waiting points together, on top of those accepted before, of which there may be none;
@@ -46,7 +46,7 @@ struct GateScale {
 // it, unchanged.
 class Judging {
  public:
-  Judging(const SweepStatistics& accepted, bool sigma_is_known, const WaitingPoints& waiting);
+  Judging(const MotionStatistics& accepted, bool sigma_is_known, const WaitingPoints& waiting);
 
   // False if nothing is left to do.
   bool step();
@@ -75,7 +75,7 @@ class Judging {
     std::uint64_t state_ = 1;
   };
 
-  [[nodiscard]] SweepStatistics base() const;
+  [[nodiscard]] MotionStatistics base() const;
   [[nodiscard]] Vector3 weighted_position(std::size_t row) const;
   [[nodiscard]] MotionRls candidate();
   [[nodiscard]] double squared_distance(std::size_t row, const Coefficients& fit) const;
@@ -85,7 +85,7 @@ class Judging {
   void judge(std::size_t place);
   void end_round();
 
-  const SweepStatistics& accepted_;
+  const MotionStatistics& accepted_;
   bool sigma_is_known_;
   const WaitingPoints& waiting_;
   Order order_;
@@ -97,8 +97,8 @@ class Judging {
   double least_cost_;
   int round_ = 0;
   bool changed_ = false;
-  MotionRls motion_;      // that points are judged by
-  SweepStatistics next_;  // base() and the points that have passed in this round
+  MotionRls motion_;       // that points are judged by
+  MotionStatistics next_;  // base(), and at the end of a round the points that have passed in it
   Coefficients fit_;
   GateScale scale_;
   Verdicts verdicts_{};

@@ -12,6 +12,7 @@
 // double; the covariance form (core/features/rls_covariance.hpp) loses them.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -19,6 +20,7 @@
 #include <Eigen/Core>
 
 #include "core/base/error.hpp"
+#include "core/base/lanes.hpp"
 #include "core/features/triangular_factor.hpp"
 
 namespace armsig::features {
@@ -47,6 +49,41 @@ class SquareRootRls {
       for (int j = i; j < kRightHandSides; ++j, ++k)
         residuals_[k] += weighted * row[kRegressors + j];
     }
+  }
+
+  // Measurements taken in together, column by column: regressors, then right-hand sides, each times
+  // the root of its measurement's weight. Rows of zeros are no measurement.
+  static constexpr std::size_t kBlockRows = 16;
+  using Column = std::array<Scalar, kBlockRows>;
+  struct Block {
+    alignas(32) std::array<Column, kRegressors + kRightHandSides> columns{};
+  };
+
+  // The same as an update by each measurement of `block`, which it destroys, at a fraction of the
+  // cost where the processor has lanes: one Householder reflection a regressor, written for the
+  // factor as it is kept. With D the pivot's square, u the row, x the block's column of it and y
+  // any other, D' = D + x.x and c = sqrt(D / D'):
+  //   u' = (D u + x.y) / D',   y' = y - ((1 + c) x.y / x.x - c u) x.
+  void update(Block& block) {
+    for (int i = 0; i < kRegressors; ++i) {
+      const Column& x = block.columns[i];
+      const Scalar squares = product(x, x);
+      if (!(squares > 0)) continue;
+      const Scalar before = factor_[i][i];
+      factor_[i][i] += squares;
+      const Scalar inverse = 1 / factor_[i][i];
+      const Scalar c = std::sqrt(before * inverse);
+      const Scalar along = (1 + c) / squares;
+      for (int j = i + 1; j < kColumns; ++j) {
+        const Scalar above = factor_[i][j];
+        const Scalar xy = product(x, block.columns[j]);
+        factor_[i][j] = (before * above + xy) * inverse;
+        subtract(along * xy - c * above, x, block.columns[j]);
+      }
+    }
+    for (int i = 0, k = 0; i < kRightHandSides; ++i)
+      for (int j = i; j < kRightHandSides; ++j, ++k)
+        residuals_[k] += product(block.columns[kRegressors + i], block.columns[kRegressors + j]);
   }
 
   // R, upper triangular. Its rows and those of Z stand for all the measurements: feeding them to
@@ -135,6 +172,19 @@ class SquareRootRls {
   static constexpr int kColumns = kRegressors + kRightHandSides;
   // A pivot this small beside its column is rounding.
   static constexpr Scalar kDependent = 1000 * std::numeric_limits<Scalar>::epsilon();
+
+  static Scalar product(const Column& a, const Column& b) {
+    Pack<Scalar> sum{};
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < kBlockRows; k += Lanes<Scalar>::kCount)
+      sum += load<Pack<Scalar>>(&a[k]) * load<Pack<Scalar>>(&b[k]);
+    return sum_of_lanes<Scalar>(sum);
+  }
+  static void subtract(Scalar factor, const Column& x, Column& from) {
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < kBlockRows; k += Lanes<Scalar>::kCount)
+      store(&from[k], load<Pack<Scalar>>(&from[k]) - factor * load<Pack<Scalar>>(&x[k]));
+  }
 
   [[nodiscard]] bool is_independent(int i) const {
     Scalar column = factor_[i][i];

@@ -2,10 +2,14 @@
 #include "core/features/sweep_statistics.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <Eigen/LU>
+
+#include "core/base/sine_cosine.hpp"
 
 namespace armsig::features {
 namespace {
@@ -21,12 +25,23 @@ Vector6 upper_triangle(const Matrix3& a) {
   return {a(0, 0), a(0, 1), a(0, 2), a(1, 1), a(1, 2), a(2, 2)};
 }
 
+// Without a branch a number.
+bool same_bits(const Matrix3& a, const Matrix3& b) {
+  std::uint64_t difference = 0;
+#pragma GCC unroll 9
+  for (int i = 0; i < 9; ++i)
+    difference |=
+        std::bit_cast<std::uint64_t>(a.data()[i]) ^ std::bit_cast<std::uint64_t>(b.data()[i]);
+  return difference == 0;
+}
+
 }  // namespace
 
 Vector3 motion_regressors(JointType type, double moved) {
   if (type == JointType::kPrismatic) return {1, moved, 0};
-  const double half = std::sin(moved / 2);
-  return {1, std::sin(moved), 2 * half * half};
+  // By half of the angle, so that 1 - cos t keeps its digits where t is small.
+  const auto [s, c] = sine_and_cosine(moved / 2);
+  return {1, 2 * s * c, 2 * s * s};
 }
 
 GeometryFactor::Row geometry_columns(const Vector3& p) {
@@ -43,41 +58,131 @@ double rounding_variance(const SweepPoint& point, double speed) {
   return rounding * rounding;
 }
 
-void SweepStatistics::add(const SweepPoint& point) {
-  lowest_reading = count == 0 ? point.reading : std::min(lowest_reading, point.reading);
-  highest_reading = count == 0 ? point.reading : std::max(highest_reading, point.reading);
-  ++count;
-
+void MotionStatistics::add(const SweepPoint& point) {
   const double variance = point.variance();
   const double weight = 1 / variance;
   const Vector3 x = regressors(point);
-  const Vector3 p = point.p_S - origin_S;
-  motion.update(x, p, weight);
-  geometry.add(geometry_columns(p), weight);
-
-  const Matrix3 shape = weight * point.covariance_m2;
+  if (count == 0) first_covariance_m2 = point.covariance_m2;
+  if (has_one_covariance() && same_bits(point.covariance_m2, first_covariance_m2)) {
+    ++same_covariance;
+  } else {
+    add_covariance(point, x, weight);
+  }
+  if (count == 0) lowest_reading = highest_reading = point.reading;
+  lowest_reading = std::min(lowest_reading, point.reading);
+  highest_reading = std::max(highest_reading, point.reading);
+  ++count;
   variance_sum += variance;
-  shape_sum += shape;
-  const Vector6 shapes = upper_triangle(shape);
-  const Vector6 pairs = products(x, weight * x);
-  for (Eigen::Index column = 0; column < 6; ++column)
-    score_sum.col(column) += shapes[column] * pairs;
+  motion.update(x, point.p_S - origin_S, weight);
 }
 
-Eigen::Matrix<double, 9, 9> SweepStatistics::score_covariance() const {
+void MotionStatistics::add(std::span<const SweepPoint> points) {
+  while (!points.empty()) {
+    const auto together = points.first(std::min(points.size(), MotionRls::kBlockRows));
+    if (fit_together(together)) {
+      add_together(together);
+    } else {
+      for (const SweepPoint& point : together) add(point);
+    }
+    points = points.subspan(together.size());
+  }
+}
+
+// Whether the points share the covariance of all before them, and their angles are not too large.
+bool MotionStatistics::fit_together(std::span<const SweepPoint> points) const {
+  if (!has_one_covariance()) return false;
+  const Matrix3& covariance = count == 0 ? points.front().covariance_m2 : first_covariance_m2;
+  return std::ranges::all_of(points, [&](const SweepPoint& point) {
+    return same_bits(point.covariance_m2, covariance) &&
+           std::abs(point.reading - origin_reading) <= SineCosineConstants<double>::kLargestAngle;
+  });
+}
+
+void MotionStatistics::add_together(std::span<const SweepPoint> points) {
+  if (count == 0) {
+    first_covariance_m2 = points.front().covariance_m2;
+    lowest_reading = highest_reading = points.front().reading;
+  }
+  same_covariance += points.size();
+  count += points.size();
+  const double variance = points.front().variance();
+  variance_sum += variance * static_cast<double>(points.size());
+  const double root = 1 / std::sqrt(variance);
+
+  MotionRls::Block block;
+  auto& [ones, first, second, x, y, z] = block.columns;
+  alignas(32) MotionRls::Column moved{};
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double reading = points[k].reading;
+    lowest_reading = std::min(lowest_reading, reading);
+    highest_reading = std::max(highest_reading, reading);
+    moved[k] = reading - origin_reading;
+    ones[k] = root;
+    x[k] = root * (points[k].p_S.x() - origin_S.x());
+    y[k] = root * (points[k].p_S.y() - origin_S.y());
+    z[k] = root * (points[k].p_S.z() - origin_S.z());
+  }
+  // motion_regressors() for as many points as there are lanes.
+  using V = Pack<double>;
+  for (std::size_t k = 0; k < MotionRls::kBlockRows; k += Lanes<double>::kCount) {
+    const V t = load<V>(&moved[k]);
+    const V weight = load<V>(&ones[k]);
+    if (type == JointType::kPrismatic) {
+      store(&first[k], weight * t);
+      continue;
+    }
+    V s;
+    V c;
+    sine_cosine<double>(0.5 * t, s, c);
+    const V twice = 2 * weight * s;
+    store(&first[k], twice * c);
+    store(&second[k], twice * s);
+  }
+  motion.update(block);
+}
+
+// From the first point on whose covariance is another one.
+void MotionStatistics::add_covariance(const SweepPoint& point, const Vector3& x, double weight) {
+  if (has_one_covariance()) {
+    score_sum = score_sums();
+    shape_sum = static_cast<double>(count) * shape();
+  }
+  const Matrix3 of_point = weight * point.covariance_m2;
+  shape_sum += of_point;
+  score_sum += products(x, weight * x) * upper_triangle(of_point).transpose();
+}
+
+Matrix3 MotionStatistics::shape() const {
+  if (has_one_covariance()) return first_covariance_m2 * (3 / first_covariance_m2.trace());
+  return shape_sum / static_cast<double>(count);
+}
+
+void SweepStatistics::add(const SweepPoint& point) {
+  MotionStatistics::add(point);
+  geometry.add(geometry_columns(point.p_S - origin_S), 1 / point.variance());
+}
+
+Eigen::Matrix<double, 6, 6> MotionStatistics::score_sums() const {
+  if (!has_one_covariance()) return score_sum;
+  const Matrix3 R = motion.factor();
+  return upper_triangle(R.transpose() * R) * upper_triangle(shape()).transpose();
+}
+
+Eigen::Matrix<double, 9, 9> MotionStatistics::score_covariance() const {
   constexpr Eigen::Index kPlace[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  const Eigen::Matrix<double, 6, 6> sums = score_sums();
   Eigen::Matrix<double, 9, 9> covariance;
   for (Eigen::Index row = 0; row < 9; ++row)
     for (Eigen::Index column = 0; column < 9; ++column)
-      covariance(row, column) = score_sum(kPlace[row / 3][column / 3], kPlace[row % 3][column % 3]);
+      covariance(row, column) = sums(kPlace[row / 3][column / 3], kPlace[row % 3][column % 3]);
   return covariance;
 }
 
-double SweepStatistics::motion_freedom() const {
+double MotionStatistics::motion_freedom() const {
   return 3 * (static_cast<double>(count) - motion.rank());
 }
 
-double SweepStatistics::motion_chi_square() const {
+double MotionStatistics::motion_chi_square() const {
   return (shape().inverse() * motion.residual_products()).trace();
 }
 

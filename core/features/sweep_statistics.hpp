@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -48,8 +49,9 @@ using GeometryFactor = TriangularFactor<10>;
 // themselves, and of the reading at the speed with which it moves the point.
 [[nodiscard]] double rounding_variance(const SweepPoint& point, double speed);
 
-// Every point enters with the weight 1 / variance(); plain data, may be copied and logged whole.
-struct SweepStatistics {
+// What the encoder-referenced fits need of a sweep. Every point enters with the weight 1 /
+// variance(); plain data, may be copied and logged whole.
+struct MotionStatistics {
   JointType type = JointType::kRevolute;
   double origin_reading = 0;
   Vector3 origin_S = Vector3::Zero();
@@ -57,25 +59,31 @@ struct SweepStatistics {
   double lowest_reading = 0;
   double highest_reading = 0;
   MotionRls motion;
-  GeometryFactor geometry;
-  double variance_sum = 0;              // of variance()
+  double variance_sum = 0;  // of variance()
+  // Of the first point, and how many of the first points have that very covariance. As long as all
+  // have, the two sums below are not kept: they follow from it and the factor.
+  Matrix3 first_covariance_m2 = Matrix3::Identity();
+  std::size_t same_covariance = 0;
   Matrix3 shape_sum = Matrix3::Zero();  // of covariance / variance()
   // Sum of weight * (products of the regressors) (products of covariance / variance())^T, each in
   // the order 00 01 02 11 12 22: what score_covariance() is made of.
   Eigen::Matrix<double, 6, 6> score_sum = Eigen::Matrix<double, 6, 6>::Zero();
 
-  SweepStatistics() = default;
-  SweepStatistics(JointType joint, const SweepPoint& origin)
+  MotionStatistics() = default;
+  MotionStatistics(JointType joint, const SweepPoint& origin)
       : type(joint), origin_reading(origin.reading), origin_S(origin.p_S) {}
 
   void add(const SweepPoint& point);
+  // The same for many points, at a fraction of the cost where their covariances are the same.
+  void add(std::span<const SweepPoint> points);
 
   [[nodiscard]] double arc() const { return highest_reading - lowest_reading; }
   [[nodiscard]] Vector3 regressors(const SweepPoint& point) const {
     return motion_regressors(type, point.reading - origin_reading);
   }
+  [[nodiscard]] bool has_one_covariance() const { return same_covariance == count; }
   // The mean covariance of a point over its mean variance per axis (trace 3).
-  [[nodiscard]] Matrix3 shape() const { return shape_sum / static_cast<double>(count); }
+  [[nodiscard]] Matrix3 shape() const;
   // Sum of weight * regressors regressors^T (x) covariance / variance(): the covariance of the
   // score of the motion fit, true also where the covariance changes along the sweep.
   [[nodiscard]] Eigen::Matrix<double, 9, 9> score_covariance() const;
@@ -84,6 +92,21 @@ struct SweepStatistics {
   // variance along its direction.
   [[nodiscard]] double motion_freedom() const;
   [[nodiscard]] double motion_chi_square() const;
+
+ private:
+  [[nodiscard]] bool fit_together(std::span<const SweepPoint> points) const;
+  void add_together(std::span<const SweepPoint> points);
+  void add_covariance(const SweepPoint& point, const Vector3& x, double weight);
+  [[nodiscard]] Eigen::Matrix<double, 6, 6> score_sums() const;
+};
+
+// With the geometry, that of the paper's regressions and of the misfits along and across the plane.
+struct SweepStatistics : MotionStatistics {
+  GeometryFactor geometry;
+
+  using MotionStatistics::MotionStatistics;
+
+  void add(const SweepPoint& point);
 };
 
 }  // namespace armsig::features

@@ -12,7 +12,7 @@
 #include <cstddef>
 
 #include "core/base/arm.hpp"
-#include "core/kinematics/lanes.hpp"
+#include "core/base/lanes.hpp"
 
 namespace armsig::kinematics {
 

@@ -140,12 +140,12 @@ Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const P
   InverseOptions unlimited = options;
   unlimited.max_step.clear();
   unlimited.respect_limits = false;
-  unlimited.max_iterations = std::min(options.max_iterations, kIterationsPerStart);
   Collector collector(chain, form, reference);
   if (!reference.empty()) {
     ARMSIG_TRY(solution, inverse(chain, X_0n, reference, unlimited));
     collector.add(solution);
   }
+  unlimited.max_iterations = std::min(options.max_iterations, kIterationsPerStart);
   if (form.design != Design::kOther) {
     for (unsigned k = 0; k < 8; ++k) {
       const Posture posture{(k & 4U) != 0, (k & 2U) != 0, (k & 1U) != 0};

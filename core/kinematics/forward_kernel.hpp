@@ -12,7 +12,7 @@
 
 #include "core/base/check.hpp"
 #include "core/kinematics/forward.hpp"
-#include "core/kinematics/sine_cosine.hpp"
+#include "core/base/sine_cosine.hpp"
 
 namespace armsig::kinematics {
 

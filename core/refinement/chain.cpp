@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "core/base/sine_cosine.hpp"
+
 namespace armsig::refinement {
 
 namespace {
@@ -52,8 +54,9 @@ void Chain::move(JointMotion& motion, std::size_t joint, double moved) const {
   // A joint at rest keeps the exact cosine and sine of zero, so that its derivatives are exact
   // zeros that cost nothing in the filter.
   const bool turns = types_[joint] == JointType::kRevolute && moved != 0;
-  one.cosine = turns ? std::cos(moved) : 1;
-  one.sine = turns ? std::sin(moved) : 0;
+  const SineCosine turn = turns ? sine_and_cosine(moved) : SineCosine{};
+  one.cosine = turn.cosine;
+  one.sine = turn.sine;
 }
 
 Vector3 Chain::point(const JointMotion& motion, const Target& target) const {
@@ -90,8 +93,10 @@ void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
   // moves r to a + R (r - a); turning its axis by w adds w x (R r) - R (w x r), shifting it by t
   // adds t - R t.
   Matrix3 R_SF = X_SL_[0].R;
+  bool moved = false;  // until a joint has, the frames are those of the signature configuration
   for (std::size_t i = 0; i < link; ++i) {
     const JointMotion::One& joint = motion.joints[i];
+    moved = moved || joint.moved != 0;
     if (joint.moved == 0) {
       // At rest: all its derivatives vanish, and its frame is not turned.
     } else if (types_[i] == JointType::kRevolute) {
@@ -112,7 +117,7 @@ void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
       jacobian.axis[i].col(1) = joint.moved * R_SF.col(0);
       jacobian.motion[i] = R_SF.col(2);
     }
-    if (i + 1 < link) R_SF = R_SF.lazyProduct(B_[i].R).eval();
+    if (i + 1 < link) R_SF = moved ? R_SF.lazyProduct(B_[i].R).eval() : X_SL_[i + 1].R;
   }
   jacobian.target.noalias() = R_SF.lazyProduct(X_SL_[link - 1].R.transpose());
 }

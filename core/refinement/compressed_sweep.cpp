@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/sine_cosine.hpp"
+#include "core/features/sweep_statistics.hpp"
 #include "core/refinement/robust.hpp"
 
 namespace armsig::refinement {
@@ -16,48 +18,14 @@ constexpr std::size_t kFewestSweepRows = 4;
 // three regressors are hardly apart and the rows are better taken one by one.
 constexpr double kLeastDiagonal = 1e-4;
 
-// Triangular factor of rows [1, f, g | x, y, z].
-struct SmallFactor {
-  std::array<std::array<double, 6>, 3> rows{};
-  double residual_squares = 0;
+using features::MotionRls;
 
-  void absorb(std::array<double, 6> row) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (row[j] == 0) continue;
-      const double norm = std::sqrt(rows[j][j] * rows[j][j] + row[j] * row[j]);
-      const double c = rows[j][j] / norm;
-      const double s = row[j] / norm;
-      for (std::size_t k = j; k < 6; ++k) {
-        const double upper = rows[j][k];
-        rows[j][k] = c * upper + s * row[k];
-        row[k] = c * row[k] - s * upper;
-      }
-    }
-    residual_squares += row[3] * row[3] + row[4] * row[4] + row[5] * row[5];
+bool determined(const Matrix3& R, int regressors) {
+  for (int i = 0; i < regressors; ++i) {
+    if (!(R(i, i) > kLeastDiagonal * R(0, 0))) return false;
   }
-
-  // Upper triangle and right-hand sides; `regressors` of the three columns are in use.
-  [[nodiscard]] Matrix3 solve(int regressors) const {
-    Matrix3 solution = Matrix3::Zero();
-    for (int j = regressors; j-- > 0;) {
-      const auto& row = rows[static_cast<std::size_t>(j)];
-      Vector3 sum(row[3], row[4], row[5]);
-      for (int k = j + 1; k < regressors; ++k) {
-        sum -= row[static_cast<std::size_t>(k)] * solution.row(k).transpose();
-      }
-      solution.row(j) = sum.transpose() / row[static_cast<std::size_t>(j)];
-    }
-    return solution;
-  }
-
-  [[nodiscard]] bool determined(int regressors) const {
-    for (int j = 0; j < regressors; ++j) {
-      const auto i = static_cast<std::size_t>(j);
-      if (!(rows[i][i] > kLeastDiagonal * rows[0][0])) return false;
-    }
-    return true;
-  }
-};
+  return true;
+}
 
 bool same_sweep(const Observation& a, const Observation& b) {
   if (b.kind != ObservationKind::kPosition || b.sweep != a.sweep || b.target != a.target ||
@@ -85,29 +53,38 @@ double residual_length(const View& view, const Observation& row, const Matrix3& 
   return (row.p_S - view.p_first - predicted).norm() / sigma;
 }
 
-SmallFactor factor_of(const View& view, std::span<const RowOutcome> outcomes) {
-  SmallFactor factor;
+MotionRls factor_of(const View& view, std::span<const RowOutcome> outcomes) {
+  MotionRls factor;
+  MotionRls::Block block;
+  std::size_t filled = 0;
   for (std::size_t k = 0; k < view.rows.size(); ++k) {
     const Observation& row = view.rows[k];
     if (row.use != RowUse::kFit || outcomes[k].weight == 0) continue;
     const double w = std::sqrt(outcomes[k].weight) / (row.sigma_m > 0 ? row.sigma_m : 1.0);
     const Vector3 f = sweep_regressors(view.sweep, view.chain, row.readings);
-    const Vector3 p = w * (row.p_S - view.p_first);
-    factor.absorb({w * f[0], w * f[1], w * f[2], p.x(), p.y(), p.z()});
+    for (int i = 0; i < 3; ++i) {
+      block.columns[i][filled] = w * f[i];
+      block.columns[3 + i][filled] = w * (row.p_S[i] - view.p_first[i]);
+    }
+    if (++filled < MotionRls::kBlockRows) continue;
+    factor.update(block);
+    block = {};
+    filled = 0;
   }
+  factor.update(block);
   return factor;
 }
 
 // Robust fit of the regressors over `fitted` rows; leaves the weights in `outcomes` and the factor
 // of the rows so weighted. False without half of the rows.
 bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOutcome> outcomes,
-           SmallFactor& factor) {
+           MotionRls& factor) {
   const auto rows = static_cast<double>(fitted);
   const double freedom = rows / (rows - regressors);
   for (int pass = 0; pass < kSweepPasses; ++pass) {
     factor = factor_of(view, outcomes);
-    if (!factor.determined(regressors)) return false;
-    const Matrix3 fit = factor.solve(regressors);
+    if (!determined(factor.factor(), regressors)) return false;
+    const Matrix3 fit = factor.solve();
     LogHistogram squares;
     for (std::size_t k = 0; k < view.rows.size(); ++k) {
       if (view.rows[k].use != RowUse::kFit) continue;
@@ -135,7 +112,7 @@ bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOu
     if (change == 0 || (gated && change < 1e-6)) return true;
   }
   factor = factor_of(view, outcomes);
-  return factor.determined(regressors);
+  return determined(factor.factor(), regressors);
 }
 
 // Joint, range of the motion, nodes: a third of a turn apart, or the two ends of the line. Returns
@@ -173,17 +150,13 @@ std::size_t place(std::span<const Observation> rows, const Chain& chain, JointTy
 
 }  // namespace
 
-JointMotion node_motion(const CompressedSweep& sweep, const Chain& chain, const JointVector& held,
-                        std::size_t node) {
-  JointMotion motion = chain.motion(held);
-  chain.move(motion, sweep.joint, sweep.nodes[node]);
-  return motion;
-}
-
 Vector3 sweep_regressors(const CompressedSweep& sweep, const Chain& chain,
                          const JointVector& readings) {
   const double d = chain.motion_of(sweep.joint, readings) - sweep.middle;
-  if (sweep.revolute) return {1, std::cos(d), std::sin(d)};
+  if (sweep.revolute) {
+    const auto [sine, cosine] = sine_and_cosine(d);
+    return {1, cosine, sine};
+  }
   return {1, d / sweep.half_length, 0};
 }
 
@@ -209,7 +182,7 @@ bool compress_sweep(std::span<const Observation> log, std::size_t first, std::si
   const int regressors = sweep.revolute ? 3 : 2;
   const std::span<RowOutcome> marked = outcomes.subspan(first, count);
   for (RowOutcome& outcome : marked) outcome = {};
-  SmallFactor factor;
+  MotionRls factor;
   if (!weigh(view, regressors, fitted, marked, factor)) {
     for (RowOutcome& outcome : marked) outcome = {};
     return false;
@@ -223,14 +196,9 @@ bool compress_sweep(std::span<const Observation> log, std::size_t first, std::si
   }
   sweep.target = log[first].target;
   sweep.sigma_stated = log[first].sigma_m > 0;
-  sweep.residual_squares = factor.residual_squares;
-  Matrix3 R = Matrix3::Zero();
-  sweep.Z.setZero();
-  for (int i = 0; i < regressors; ++i) {
-    const auto& row = factor.rows[static_cast<std::size_t>(i)];
-    for (int j = i; j < regressors; ++j) R(i, j) = row[static_cast<std::size_t>(j)];
-    sweep.Z.row(i) << row[3], row[4], row[5];
-  }
+  sweep.residual_squares = factor.residual_products().trace();
+  const Matrix3 R = factor.factor();
+  sweep.Z = factor.rotated_right_hand_sides();
   sweep.W = R * sweep.from_nodes;
   // Back from coordinates about the first point.
   sweep.Z += R.col(0) * view.p_first.transpose();

@@ -33,11 +33,6 @@ struct CompressedSweep {
   double residual_squares = 0;  // what no circle or line can explain, in the units of W squared
 };
 
-// How far the joints have moved at a node of a sweep whose other joints are held as in `held`, the
-// readings of any of its rows.
-[[nodiscard]] JointMotion node_motion(const CompressedSweep& sweep, const Chain& chain,
-                                      const JointVector& held, std::size_t node);
-
 // [1, cos d, sin d] or [1, d, 0] of one row of the sweep, d about its middle: with the coefficients
 // from_nodes [p(d_1); ...] the position of its target, without the chain.
 [[nodiscard]] Vector3 sweep_regressors(const CompressedSweep& sweep, const Chain& chain,

@@ -58,13 +58,20 @@ void Problem::for_each_unit(Single single, Sweep sweep) const {
   }
 }
 
+template <typename Visit>
+void Problem::for_each_node(const CompressedSweep& sweep, const Chain& chain, Visit visit) const {
+  JointMotion motion = chain.motion(log_[sweep.first_row].readings);
+  for (int node = 0; node < 3; ++node) {
+    chain.move(motion, sweep.joint, sweep.nodes[static_cast<std::size_t>(node)]);
+    visit(node, motion);
+  }
+}
+
 Matrix3 Problem::node_positions(const CompressedSweep& sweep, const Chain& chain) const {
   Matrix3 p_nodes;
-  for (int k = 0; k < 3; ++k) {
-    const JointMotion motion =
-        node_motion(sweep, chain, log_[sweep.first_row].readings, static_cast<std::size_t>(k));
-    p_nodes.row(k) = chain.point(motion, estimate_.signature.targets[sweep.target]);
-  }
+  for_each_node(sweep, chain, [&](int node, const JointMotion& motion) {
+    p_nodes.row(node) = chain.point(motion, estimate_.signature.targets[sweep.target]);
+  });
   return p_nodes;
 }
 
@@ -170,9 +177,7 @@ void Problem::add_sweep(const CompressedSweep& sweep, const Chain& chain, double
   RowBlock<9> block;
   block.clear(layout.size());
   Matrix3 residual = sweep.Z;
-  for (int node = 0; node < 3; ++node) {
-    const JointMotion motion =
-        node_motion(sweep, chain, log_[sweep.first_row].readings, static_cast<std::size_t>(node));
+  for_each_node(sweep, chain, [&](int node, const JointMotion& motion) {
     PointJacobian jacobian;
     chain.point_and_jacobian(motion, target, jacobian);
     note(motion, target.link, jacobian);
@@ -187,7 +192,7 @@ void Problem::add_sweep(const CompressedSweep& sweep, const Chain& chain, double
     }
     add_derivatives<9>(layout, estimate_.signature, chain, motion, sweep.target, jacobian, gradient,
                        block);
-  }
+  });
   for (int k = 0; k < 3; ++k) {
     for (int c = 0; c < 3; ++c) block.rows[3 * k + c][layout.size()] = weight * residual(k, c);
   }

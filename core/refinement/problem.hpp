@@ -46,6 +46,9 @@ class Problem {
   [[nodiscard]] const std::array<double, kMaxJoints>& largest_radius() const { return radius_; }
 
  private:
+  // Visits the three nodes of a sweep with how far the joints have moved there.
+  template <typename Visit>
+  void for_each_node(const CompressedSweep& sweep, const Chain& chain, Visit visit) const;
   // Rows: the target at the three nodes.
   [[nodiscard]] Matrix3 node_positions(const CompressedSweep& sweep, const Chain& chain) const;
   void add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight);

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "core/base/lanes.hpp"
+
 namespace armsig::refinement {
 
 namespace {
@@ -39,13 +41,22 @@ void SquareRootFactor::absorb(RowBlock<kRows>& block) {
       const double v_0 = -squares / (r[0] + norm);
       const double beta = 2.0 / (v_0 * v_0 + squares);
       r[0] = norm;
-      for (std::size_t c = 1; c < width; ++c) {
-        double dot = v_0 * r[c];
-        for (int k = 0; k < kRows; ++k) dot += v[k] * block.rows[k][j + c];
+      // As many columns at a time as V has lanes.
+      const auto reflect = [&]<typename V>(std::size_t c) {
+        const V above = load<V>(r + c);
+        V dot = v_0 * above;
+        for (int k = 0; k < kRows; ++k) dot += v[k] * load<V>(&block.rows[k][j + c]);
         dot *= beta;
-        r[c] -= dot * v_0;
-        for (int k = 0; k < kRows; ++k) block.rows[k][j + c] -= dot * v[k];
-      }
+        store(r + c, above - dot * v_0);
+        for (int k = 0; k < kRows; ++k) {
+          double* below = &block.rows[k][j + c];
+          store(below, load<V>(below) - dot * v[k]);
+        }
+      };
+      constexpr std::size_t kLanes = Lanes<double>::kCount;
+      std::size_t c = 1;
+      for (; c + kLanes <= width; c += kLanes) reflect.template operator()<Pack<double>>(c);
+      for (; c < width; ++c) reflect.template operator()<double>(c);
     }
     r += width;
   }

@@ -102,7 +102,9 @@ struct JointRows {
       const Row row("forward, " + std::to_string(joints) + " joints", "armsig", [joints] {
         FixedVector<DhJoint, kMaxJoints> links;
         std::array<JointVector, kPoses> q;
-        for (std::size_t i = 0; i < joints; ++i) links.push_back(test::iiwa7().rows[i % 7]);
+        for (std::size_t i = 0; i < joints; ++i) {
+          links.push_back({JointType::kRevolute, 0, 0.2, 0.05, radians(i % 2 == 0 ? -90 : 90)});
+        }
         std::mt19937_64 random(7);
         for (JointVector& readings : q) {
           for (std::size_t i = 0; i < joints; ++i) {

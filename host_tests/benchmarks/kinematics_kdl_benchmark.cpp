@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The same work by Orocos KDL, on the same chain.
-#ifdef ARMSIG_HAS_KDL
 #include <cstdlib>
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
@@ -120,4 +119,3 @@ const Row kInverseLma("inverse", "KDL LMA", [] {
 
 }  // namespace
 }  // namespace armsig::benchmarks
-#endif

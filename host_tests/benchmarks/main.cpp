@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Without arguments of ours: Google Benchmark over all rows. `--list` names them; `--count ROW
-// CALLS` does the work of one row inside armsig_counted, for callgrind, and prints its heap calls a
-// call.
+// Without arguments of ours: Google Benchmark over all rows. `--list` names them; `--count
+// ROW` does the work of one row once round inside armsig_counted, for callgrind, and prints the
+// number of calls and the heap calls a call.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -19,8 +19,12 @@ std::vector<Row>& rows() {
   return all;
 }
 
-Row::Row(std::string path_of, std::string who_does, std::function<Work()> prepare_work)
-    : path(std::move(path_of)), who(std::move(who_does)), prepare(std::move(prepare_work)) {
+Row::Row(std::string path_of, std::string who_does, std::function<Work()> prepare_work,
+         std::size_t calls_round)
+    : path(std::move(path_of)),
+      who(std::move(who_does)),
+      prepare(std::move(prepare_work)),
+      calls(calls_round) {
   rows().push_back(*this);
 }
 
@@ -33,7 +37,7 @@ using armsig::benchmarks::Work;
 
 std::string name(const Row& row) { return row.path + "/" + row.who; }
 
-int count(const char* wanted, std::size_t calls);
+int count(const char* wanted);
 
 }  // namespace
 
@@ -44,15 +48,16 @@ extern "C" [[gnu::noinline]] void armsig_counted(const Work& work, std::size_t c
 
 namespace {
 
-int count(const char* wanted, std::size_t calls) {
+int count(const char* wanted) {
   for (const Row& row : armsig::benchmarks::rows()) {
     if (name(row) != wanted) continue;
     const Work work = row.prepare();
     work(1);
     const std::uint64_t before = armsig::linux_hal::heap_calls();
-    armsig_counted(work, calls);
+    armsig_counted(work, row.calls);
     const std::uint64_t used = armsig::linux_hal::heap_calls() - before;
-    std::printf("%.0f\n", static_cast<double>(used) / static_cast<double>(calls));
+    std::printf("%zu %.0f\n", row.calls,
+                static_cast<double>(used) / static_cast<double>(row.calls));
     return EXIT_SUCCESS;
   }
   std::fprintf(stderr, "no row %s\n", wanted);
@@ -66,16 +71,13 @@ int main(int argc, char** argv) {
     for (const Row& row : armsig::benchmarks::rows()) std::printf("%s\n", name(row).c_str());
     return EXIT_SUCCESS;
   }
-  if (argc == 4 && std::strcmp(argv[1], "--count") == 0) {
-    return count(argv[2], std::strtoul(argv[3], nullptr, 10));
-  }
-  constexpr std::size_t kBatch = 256;
+  if (argc == 3 && std::strcmp(argv[1], "--count") == 0) return count(argv[2]);
   for (const Row& row : armsig::benchmarks::rows()) {
-    benchmark::RegisterBenchmark(name(row).c_str(),
-                                 [prepare = row.prepare](benchmark::State& state) {
-                                   const Work work = prepare();
-                                   while (state.KeepRunningBatch(kBatch)) work(kBatch);
-                                 });
+    benchmark::RegisterBenchmark(name(row).c_str(), [row](benchmark::State& state) {
+      const Work work = row.prepare();
+      const auto batch = static_cast<std::int64_t>(row.calls);
+      while (state.KeepRunningBatch(batch)) work(row.calls);
+    });
   }
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return EXIT_FAILURE;

@@ -22,9 +22,10 @@ struct Row {
   std::string path;
   std::string who;
   std::function<Work()> prepare;
+  std::size_t calls;  // in which the work comes round once
 
   // Adds itself to rows().
-  Row(std::string path, std::string who, std::function<Work()> prepare);
+  Row(std::string path, std::string who, std::function<Work()> prepare, std::size_t calls = 256);
 };
 
 std::vector<Row>& rows();

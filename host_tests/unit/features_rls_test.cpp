@@ -38,6 +38,23 @@ TEST(SquareRootRls, keeps_the_products_of_the_residuals) {
   EXPECT_LT((five_rows().residual_products() - expected).norm(), 1e-13);
 }
 
+TEST(SquareRootRls, takes_a_block_like_its_rows_one_by_one) {
+  Rls together = five_rows();
+  Rls::Block block;
+  for (std::size_t k = 0; k < 5; ++k) {
+    for (std::size_t j = 0; j < 3; ++j) block.columns[j][k] = 1.5 * kRegressors[k][j];
+    for (std::size_t j = 0; j < 2; ++j) block.columns[3 + j][k] = 1.5 * kRightHandSides[4 - k][j];
+  }
+  together.update(block);
+  Rls one_by_one = five_rows();
+  for (int i = 0; i < 5; ++i)
+    one_by_one.update(Eigen::Map<const Vector3>(kRegressors[i]),
+                      Eigen::Map<const Eigen::Vector2d>(kRightHandSides[4 - i]), 2.25);
+  EXPECT_LT((together.factor() - one_by_one.factor()).norm(), 1e-14);
+  EXPECT_LT((together.solve() - one_by_one.solve()).norm(), 1e-14);
+  EXPECT_LT((together.residual_products() - one_by_one.residual_products()).norm(), 1e-13);
+}
+
 TEST(SquareRootRls, states_the_variance_of_a_prediction) {
   EXPECT_NEAR(five_rows().prediction_variance({1, 0.2, 0.4}), 0.24607490642988378, 1e-14);
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
+#include "core/base/sine_cosine.hpp"
+
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "core/base/pose.hpp"
-#include "core/kinematics/sine_cosine.hpp"
 
-namespace armsig::kinematics {
+namespace armsig {
 namespace {
 
 template <typename Scalar>
@@ -78,4 +79,4 @@ TEST(SineCosine, is_exact_at_zero) {
 }
 
 }  // namespace
-}  // namespace armsig::kinematics
+}  // namespace armsig

@@ -13,9 +13,7 @@
 #include <immintrin.h>
 #endif
 
-#include "core/base/arm.hpp"
-
-namespace armsig::kinematics {
+namespace armsig {
 
 // Pack: the numbers of one register. Mask: integers of the same width, all ones or all zeros.
 template <typename Scalar>
@@ -97,6 +95,17 @@ inline void store(T* to, const V& pack) {
   }
 }
 
+template <typename Scalar>
+[[nodiscard]] inline Scalar sum_of_lanes(const Pack<Scalar>& pack) {
+  if constexpr (Lanes<Scalar>::kCount == 1) {
+    return pack;
+  } else if constexpr (Lanes<Scalar>::kCount == 2) {
+    return pack[0] + pack[1];
+  } else {
+    return (pack[0] + pack[2]) + (pack[1] + pack[3]);
+  }
+}
+
 // Whether every lane of `mask` is set.
 template <typename Mask>
 [[nodiscard]] inline bool all(const Mask& mask) {
@@ -121,4 +130,4 @@ template <typename Mask>
   }
 }
 
-}  // namespace armsig::kinematics
+}  // namespace armsig

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sine and cosine of several joint angles at once.
+// Sine and cosine, of several angles at once or of one.
 //
 // Argument: k = round(x / pi) and r = x - k pi in three steps (Cody and Waite), |r| <= pi/2, so
 // that both sine and cosine only change sign with k. The first two parts of pi have so few bits
@@ -14,9 +14,11 @@
 // compare dense and random angles with extended precision.
 #pragma once
 
-#include "core/kinematics/lanes.hpp"
+#include <cmath>
 
-namespace armsig::kinematics {
+#include "core/base/lanes.hpp"
+
+namespace armsig {
 
 template <typename Scalar>
 struct SineCosineConstants;
@@ -118,4 +120,20 @@ template <typename Scalar>
   cosine = odd ? -c : c;
 }
 
-}  // namespace armsig::kinematics
+struct SineCosine {
+  double sine = 0;
+  double cosine = 1;
+};
+
+// Of any finite angle; beyond the reach of the polynomials by the library's functions.
+[[nodiscard]] inline SineCosine sine_and_cosine(double angle) {
+  SineCosine result;
+  if (std::abs(angle) <= SineCosineConstants<double>::kLargestAngle) [[likely]] {
+    sine_cosine_of_one(angle, result.sine, result.cosine);
+  } else {
+    result = {std::sin(angle), std::cos(angle)};
+  }
+  return result;
+}
+
+}  // namespace armsig
