@@ -54,7 +54,10 @@ class Line:
 
 
 class Board:
-    def __init__(self, controller=CONTROLLER, arm=ARM, icount=4):
+    def __init__(self, controller=CONTROLLER, arm=ARM, icount=2, bank=None):
+        # An instruction is 4 ns to the emulator and 8 to the cores, whose cycle counters it drives at 1 GHz: each is a
+        # fourth as fast as the real one at one instruction a cycle. Where they are slower still, steps of the background
+        # take longer than a period.
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="armsig-r5f-"))
         command = [
             "qemu-system-aarch64", "-M", "xlnx-zcu102", "-object", "can-bus,id=bus", "-machine", "canbus0=bus",
@@ -67,6 +70,8 @@ class Board:
         ]
         if arm:
             command += ["-device", f"loader,file={arm},cpu-num=5"]
+        if bank:
+            command += ["-device", f"loader,file={bank},addr={BANK_AT:#x},force-raw=on"]
         if icount is not None:
             command += ["-icount", f"shift={icount}"]
         self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=open(self.folder / "log", "w"),
@@ -80,8 +85,8 @@ class Board:
         self.reset()
         self.monitor("cont")
 
-    def expect(self, words, seconds):
-        """The console's next line that begins with `words`. The sequence's end and a fault end the wait, if they are not it."""
+    def expect(self, words, seconds, bad=("# mode faulted", "# identify ended", "# identify paused", "# touch-grid ended", "error ")):
+        """The console's next line that begins with `words`; one that begins with any of `bad` is a failure."""
         deadline = time.monotonic() + seconds
         while (left := deadline - time.monotonic()) > 0:
             line = self.console.read_line(left)
@@ -90,14 +95,27 @@ class Board:
             print(line, flush=True)
             if line.startswith(words):
                 return line
-            if line.startswith(("# mode faulted", "# identify ended", "# identify paused", "# touch-grid ended", "error ")):
+            if line.startswith(bad):
                 raise Failure(f"expected '{words}': {line}")
         raise Failure(f"'{words}' has not come in {seconds} s")
+
+    def expect_arm(self, words, seconds=60):
+        """The next line of the emulated arm that begins with `words`."""
+        deadline = time.monotonic() + seconds
+        while (left := deadline - time.monotonic()) > 0:
+            line = self.arm_line.read_line(left)
+            if line is not None and line.startswith(words):
+                return
+        raise Failure(f"the arm has not said '{words}' in {seconds} s")
+
+    def tell_arm(self, request):
+        self.arm_line.send(request + "\n")
+        self.expect_arm("ok")
 
     def ask(self, request, seconds=60):
         """The reply to a request: what stands after `ok`."""
         self.console.send(request + "\n")
-        return self.expect("ok", seconds)
+        return self.expect("ok", seconds, bad="error ")
 
     def monitor(self, command):
         self.monitor_line.send(command + "\n")

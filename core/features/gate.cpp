@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
 #include <Eigen/LU>
@@ -15,7 +14,8 @@ using Coefficients = MotionRls::Coefficients;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kChiSquareMedian = 2.366;  // of 3 degrees of freedom
-constexpr int kSubsets = 64;  // with half of the points wrong, 64 triples miss with 2 in 10,000
+constexpr std::size_t kSubsets =
+    64;  // with half of the points wrong, 64 triples miss with 2 in 10,000
 constexpr int kMostRounds = 20;
 // A point is judged alone once the prediction adds less than this to its variance.
 constexpr double kMostPredictionVariance = 0.5;
@@ -41,8 +41,8 @@ double estimated_limit(double freedom) {
 }
 
 // The prediction's variance at `point` over the variance of the point.
-double leverage(const MotionStatistics& accepted, const SweepPoint& point) {
-  return accepted.motion.prediction_variance(accepted.regressors(point)) / point.variance();
+double leverage(const MotionRls& motion, const Vector3& regressors, const SweepPoint& point) {
+  return motion.prediction_variance(regressors) / point.variance();
 }
 
 // r^T (variance_factor * covariance + rounding)^-1 r, with r the residual of the point.
@@ -55,133 +55,6 @@ double chi_square(const MotionStatistics& about, const Coefficients& fit, double
   const double size = covariance.trace();
   const Vector3 solved = (covariance / size).inverse() * r;
   return r.dot(solved) / size;
-}
-
-// Small deterministic generator (linear congruential, Knuth's MMIX constants): the same sweep
-// always gets the same subsets.
-class Sequence {
- public:
-  std::size_t below(std::size_t bound) {
-    state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
-    return static_cast<std::size_t>((state_ >> 33U) % bound);
-  }
-
- private:
-  std::uint64_t state_ = 1;
-};
-
-// The waiting points by ascending reading, so that the order of the rows cannot matter.
-using Order = FixedVector<std::uint8_t, kGateCapacity>;
-
-Order by_reading(const WaitingPoints& waiting) {
-  Order order;
-  for (std::size_t i = 0; i < waiting.size(); ++i) order.push_back(static_cast<std::uint8_t>(i));
-  std::ranges::sort(order, [&](std::uint8_t i, std::uint8_t j) {
-    const SweepPoint& a = waiting[i];
-    const SweepPoint& b = waiting[j];
-    if (a.reading != b.reading) return a.reading < b.reading;
-    return std::ranges::lexicographical_compare(a.p_S, b.p_S);
-  });
-  return order;
-}
-
-// The accepted statistics to build on; without any, empty ones about the middle of the waiting
-// points, coordinate by coordinate, which no outlier can drag away.
-MotionStatistics base(const MotionStatistics& accepted, const WaitingPoints& waiting,
-                      const Order& order) {
-  if (accepted.count > 0) return accepted;
-  const std::size_t middle = waiting.size() / 2;
-  SweepPoint origin = waiting[order[middle]];
-  for (int axis = 0; axis < 3; ++axis) {
-    FixedVector<double, kGateCapacity> values;
-    for (const SweepPoint& point : waiting) values.push_back(point.p_S[axis]);
-    std::nth_element(values.begin(), values.begin() + middle, values.end());
-    origin.p_S[axis] = values[middle];
-  }
-  return {accepted.type, origin};
-}
-
-// A row of the motion fit, weighted to unit variance per axis.
-struct Row {
-  Vector3 regressors = Vector3::Zero();
-  Vector3 p = Vector3::Zero();
-};
-using Rows = FixedVector<Row, kGateCapacity>;
-
-Rows weighted_rows(const MotionStatistics& about, const WaitingPoints& waiting,
-                   const Order& order) {
-  Rows rows;
-  for (const std::uint8_t i : order) {
-    const double weight = 1 / std::sqrt(waiting[i].variance());
-    rows.push_back(
-        {weight * about.regressors(waiting[i]), weight * (waiting[i].p_S - about.origin_S)});
-  }
-  return rows;
-}
-
-// Squared distance from a fit: quick, for ranking.
-double squared_distance(const Row& row, const Coefficients& fit) {
-  const double d = (row.p - fit.transpose() * row.regressors).squaredNorm();
-  return std::isfinite(d) ? d : kInfinity;
-}
-
-// A fit through the points accepted before and a minimal subset of the waiting ones: one from each
-// third (half) of the range of readings, or, every second time, from anywhere, in case all those of
-// one third are wrong.
-MotionRls candidate(const MotionStatistics& before, const Rows& rows, int trial,
-                    Sequence& sequence) {
-  const std::size_t size =
-      std::min(static_cast<std::size_t>(motion_unknowns(before.type)), rows.size());
-  MotionRls motion = before.motion;
-  for (std::size_t i = 0; i < size; ++i) {
-    const std::size_t begin = trial % 2 == 0 ? i * rows.size() / size : 0;
-    const std::size_t end = trial % 2 == 0 ? (i + 1) * rows.size() / size : rows.size();
-    const Row& row = rows[begin + sequence.below(end - begin)];
-    motion.update(row.regressors, row.p);
-  }
-  return motion;
-}
-
-struct RobustStart {
-  MotionRls motion;
-  double variance = 0;  // by which the points' covariances are multiplied
-};
-
-// Least median of squares, then, at the scale that the median shows, the candidate that explains
-// most (truncated squares): the median alone cannot tell candidates apart where more than half of
-// the points share one reading.
-RobustStart robust_start(const MotionStatistics& before, const Rows& rows, bool sigma_is_known) {
-  const auto unknowns = static_cast<std::size_t>(motion_unknowns(before.type));
-  const std::size_t middle = std::min(rows.size() / 2 + (unknowns + 1) / 2, rows.size()) - 1;
-  double least_median = kInfinity;
-  Sequence medians;
-  for (int trial = 0; trial < kSubsets; ++trial) {
-    const Coefficients fit = candidate(before, rows, trial, medians).solve();
-    FixedVector<double, kGateCapacity> distances;
-    for (const Row& row : rows) distances.push_back(squared_distance(row, fit));
-    std::nth_element(distances.begin(), distances.begin() + middle, distances.end());
-    least_median = std::min(least_median, distances[middle]);
-  }
-  // Rousseeuw's correction for few points.
-  const double spare = static_cast<double>(rows.size()) - static_cast<double>(unknowns);
-  const double few = 1 + 5 / std::max(spare, 1.0);
-  RobustStart start{before.motion, few * few * least_median / kChiSquareMedian};
-  if (sigma_is_known) start.variance = std::max(start.variance, 1.0);
-
-  double least_cost = kInfinity;
-  Sequence costs;
-  for (int trial = 0; trial < kSubsets; ++trial) {
-    const MotionRls motion = candidate(before, rows, trial, costs);
-    const Coefficients fit = motion.solve();
-    double cost = 0;
-    for (const Row& row : rows)
-      cost += std::min(squared_distance(row, fit), kGateChiSquare * start.variance);
-    if (cost < least_cost) {
-      least_cost = cost;
-      start.motion = motion;
-    }
-  }
-  return start;
 }
 
 }  // namespace
@@ -198,57 +71,179 @@ GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known) {
 }
 
 bool predicts(const MotionStatistics& accepted, const SweepPoint& point) {
-  return accepted.count > 0 && leverage(accepted, point) < kMostPredictionVariance;
+  return accepted.count > 0 &&
+         leverage(accepted.motion, accepted.regressors(point), point) < kMostPredictionVariance;
 }
 
 bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const SweepPoint& point) {
   const Coefficients fit = accepted.motion.solve();
   const GateScale scale = gate_scale(accepted, sigma_is_known);
   return chi_square(accepted, fit, scale.variance, point) <=
-         scale.limit * (1 + leverage(accepted, point));
+         scale.limit * (1 + leverage(accepted.motion, accepted.regressors(point), point));
 }
 
-Verdicts judge_together(const MotionStatistics& accepted, bool sigma_is_known,
-                        const WaitingPoints& waiting) {
-  Verdicts verdicts{};
-  if (waiting.empty()) return verdicts;
-  const Order order = by_reading(waiting);
-  const MotionStatistics before = base(accepted, waiting, order);
-  const RobustStart start =
-      robust_start(before, weighted_rows(before, waiting, order), sigma_is_known);
-
-  MotionStatistics current = before;
-  current.motion = start.motion;
-  GateScale scale{start.variance, kGateChiSquare};
-  for (int round = 0; round < kMostRounds; ++round) {
-    const Coefficients fit = current.motion.solve();
-    MotionStatistics next = before;
-    FixedVector<SweepPoint, MotionRls::kBlockRows> passed;
-    bool changed = false;
-    for (const std::uint8_t i : order) {
-      const SweepPoint& point = waiting[i];
-      bool& verdict = verdicts[i];
-      // The residual of a point that took part in the fit is smaller than its noise, that of any
-      // other is larger.
-      const bool took_part = round > 0 && verdict;
-      const double h = leverage(current, point);
-      const double spread = took_part ? 1 - h : 1 + h;
-      const bool alone = took_part && spread < kNoSpread;
-      const bool passes =
-          alone || chi_square(current, fit, scale.variance, point) <= scale.limit * spread;
-      changed = changed || passes != verdict;
-      verdict = passes;
-      if (passes) passed.push_back(point);
-      if (!passed.full()) continue;
-      next.add(passed);
-      passed.clear();
-    }
-    if (!changed) break;
-    next.add(passed);
-    current = next;
-    scale = gate_scale(current, sigma_is_known);
+Judging::Judging(const MotionStatistics& accepted, bool sigma_is_known,
+                 const WaitingPoints& waiting)
+    : accepted_(accepted),
+      sigma_is_known_(sigma_is_known),
+      waiting_(waiting),
+      least_median_(kInfinity),
+      least_cost_(kInfinity) {
+  if (waiting.empty()) {
+    stage_ = Stage::kOver;
+    return;
   }
-  return verdicts;
+  for (std::size_t i = 0; i < waiting.size(); ++i) order_.push_back(static_cast<std::uint8_t>(i));
+  std::ranges::sort(order_, [&](std::uint8_t i, std::uint8_t j) {
+    const SweepPoint& a = waiting[i];
+    const SweepPoint& b = waiting[j];
+    if (a.reading != b.reading) return a.reading < b.reading;
+    return std::ranges::lexicographical_compare(a.p_S, b.p_S);
+  });
+  next_ = base();
+  for (const std::uint8_t i : order_) {
+    const double weight = 1 / std::sqrt(waiting[i].variance());
+    rows_.push_back(weight * next_.regressors(waiting[i]));
+  }
+}
+
+bool Judging::step() {
+  switch (stage_) {
+    case Stage::kMedians:
+      try_median();
+      return true;
+    case Stage::kCosts:
+      try_cost();
+      return true;
+    case Stage::kRounds:
+      judge(count_);
+      if (++count_ == order_.size()) end_round();
+      break;
+    case Stage::kOver:
+      break;
+  }
+  return stage_ != Stage::kOver;
+}
+
+// The accepted statistics to build on; without any, empty ones about the middle of the waiting
+// points, coordinate by coordinate, which no outlier can drag away.
+MotionStatistics Judging::base() const {
+  if (accepted_.count > 0) return accepted_;
+  const std::size_t middle = waiting_.size() / 2;
+  SweepPoint origin = waiting_[order_[middle]];
+  for (int axis = 0; axis < 3; ++axis) {
+    FixedVector<double, kGateCapacity> values;
+    for (const SweepPoint& point : waiting_) values.push_back(point.p_S[axis]);
+    std::nth_element(values.begin(), values.begin() + middle, values.end());
+    origin.p_S[axis] = values[middle];
+  }
+  return {accepted_.type, origin};
+}
+
+Vector3 Judging::weighted_position(std::size_t row) const {
+  return rows_[row][0] * (waiting_[order_[row]].p_S - next_.origin_S);
+}
+
+// A fit through the points accepted before and a minimal subset of the waiting ones: one from each
+// third (half) of the range of readings, or, every second time, from anywhere, in case all those of
+// one third are wrong.
+MotionRls Judging::candidate() {
+  const std::size_t rows = rows_.size();
+  const std::size_t size = std::min(static_cast<std::size_t>(motion_unknowns(next_.type)), rows);
+  MotionRls motion = next_.motion;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t begin = count_ % 2 == 0 ? i * rows / size : 0;
+    const std::size_t end = count_ % 2 == 0 ? (i + 1) * rows / size : rows;
+    const std::size_t row = begin + sequence_.below(end - begin);
+    motion.update(rows_[row], weighted_position(row));
+  }
+  return motion;
+}
+
+// From a fit: quick, for ranking.
+double Judging::squared_distance(std::size_t row, const Coefficients& fit) const {
+  const double d = (weighted_position(row) - fit.transpose() * rows_[row]).squaredNorm();
+  return std::isfinite(d) ? d : kInfinity;
+}
+
+// Least median of squares, then, at the scale that the median shows, the candidate that explains
+// most (truncated squares): the median alone cannot tell candidates apart where more than half of
+// the points share one reading.
+void Judging::try_median() {
+  const auto unknowns = static_cast<std::size_t>(motion_unknowns(next_.type));
+  const std::size_t rows = rows_.size();
+  const std::size_t middle = std::min(rows / 2 + (unknowns + 1) / 2, rows) - 1;
+  const Coefficients fit = candidate().solve();
+  FixedVector<double, kGateCapacity> distances;
+  for (std::size_t i = 0; i < rows; ++i) distances.push_back(squared_distance(i, fit));
+  std::nth_element(distances.begin(), distances.begin() + middle, distances.end());
+  least_median_ = std::min(least_median_, distances[middle]);
+  if (++count_ < kSubsets) return;
+
+  // Rousseeuw's correction for few points.
+  const double spare = static_cast<double>(rows) - static_cast<double>(unknowns);
+  const double few = 1 + 5 / std::max(spare, 1.0);
+  scale_ = {few * few * least_median_ / kChiSquareMedian, kGateChiSquare};
+  if (sigma_is_known_) scale_.variance = std::max(scale_.variance, 1.0);
+  motion_ = next_.motion;
+  stage_ = Stage::kCosts;
+  count_ = 0;
+  sequence_ = {};
+}
+
+void Judging::try_cost() {
+  const MotionRls motion = candidate();
+  const Coefficients fit = motion.solve();
+  double cost = 0;
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    cost += std::min(squared_distance(i, fit), kGateChiSquare * scale_.variance);
+  if (cost < least_cost_) {
+    least_cost_ = cost;
+    motion_ = motion;
+  }
+  if (++count_ < kSubsets) return;
+  stage_ = Stage::kRounds;
+  begin_round();
+}
+
+void Judging::begin_round() {
+  count_ = 0;
+  changed_ = false;
+  fit_ = motion_.solve();
+}
+
+void Judging::judge(std::size_t place) {
+  const SweepPoint& point = waiting_[order_[place]];
+  bool& verdict = verdicts_[order_[place]];
+  // The residual of a point that took part in the fit is smaller than its noise, that of any other
+  // is larger.
+  const bool took_part = round_ > 0 && verdict;
+  const double h = leverage(motion_, next_.regressors(point), point);
+  const double spread = took_part ? 1 - h : 1 + h;
+  const bool alone = took_part && spread < kNoSpread;
+  const bool passes =
+      alone || chi_square(next_, fit_, scale_.variance, point) <= scale_.limit * spread;
+  changed_ = changed_ || passes != verdict;
+  verdict = passes;
+}
+
+void Judging::end_round() {
+  if (!changed_ || ++round_ == kMostRounds) {
+    stage_ = Stage::kOver;
+    return;
+  }
+  FixedVector<SweepPoint, MotionRls::kBlockRows> passed;
+  for (const std::uint8_t i : order_) {
+    if (verdicts_[i]) passed.push_back(waiting_[i]);
+    if (!passed.full()) continue;
+    next_.add(passed);
+    passed.clear();
+  }
+  next_.add(passed);
+  motion_ = next_.motion;
+  scale_ = gate_scale(next_, sigma_is_known_);
+  next_ = base();
+  begin_round();
 }
 
 }  // namespace armsig::features

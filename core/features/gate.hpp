@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/base/fixed_vector.hpp"
 #include "core/features/sweep_statistics.hpp"
@@ -40,8 +41,67 @@ struct GateScale {
 [[nodiscard]] bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known,
                                const SweepPoint& point);
 
-// Judges the waiting points together, on top of those accepted before. `accepted` may be empty.
-[[nodiscard]] Verdicts judge_together(const MotionStatistics& accepted, bool sigma_is_known,
-                                      const WaitingPoints& waiting);
+// Judges the waiting points together, on top of those accepted before, of which there may be none;
+// a bounded step at a time: one subset tried, or one point judged. What it is given must outlive
+// it, unchanged.
+class Judging {
+ public:
+  Judging(const MotionStatistics& accepted, bool sigma_is_known, const WaitingPoints& waiting);
+
+  // False if nothing is left to do.
+  bool step();
+  // Precondition: step() has returned false.
+  [[nodiscard]] const Verdicts& result() const { return verdicts_; }
+
+ private:
+  using Coefficients = MotionRls::Coefficients;
+  // The waiting points by ascending reading, so that the order of the rows cannot matter.
+  using Order = FixedVector<std::uint8_t, kGateCapacity>;
+  // Their regressors in that order, weighted to unit variance per axis; the first one is the
+  // weight.
+  using Rows = FixedVector<Vector3, kGateCapacity>;
+  enum class Stage : std::uint8_t { kMedians, kCosts, kRounds, kOver };
+
+  // Small deterministic generator (linear congruential, Knuth's MMIX constants): the same sweep
+  // always gets the same subsets.
+  class Sequence {
+   public:
+    std::size_t below(std::size_t bound) {
+      state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
+      return static_cast<std::size_t>((state_ >> 33U) % bound);
+    }
+
+   private:
+    std::uint64_t state_ = 1;
+  };
+
+  [[nodiscard]] MotionStatistics base() const;
+  [[nodiscard]] Vector3 weighted_position(std::size_t row) const;
+  [[nodiscard]] MotionRls candidate();
+  [[nodiscard]] double squared_distance(std::size_t row, const Coefficients& fit) const;
+  void try_median();
+  void try_cost();
+  void begin_round();
+  void judge(std::size_t place);
+  void end_round();
+
+  const MotionStatistics& accepted_;
+  bool sigma_is_known_;
+  const WaitingPoints& waiting_;
+  Order order_;
+  Rows rows_;
+  Stage stage_ = Stage::kMedians;
+  std::size_t count_ = 0;  // of the stage: subsets tried, or points judged in this round
+  Sequence sequence_;
+  double least_median_;
+  double least_cost_;
+  int round_ = 0;
+  bool changed_ = false;
+  MotionRls motion_;       // that points are judged by
+  MotionStatistics next_;  // base(), and at the end of a round the points that have passed in it
+  Coefficients fit_;
+  GateScale scale_;
+  Verdicts verdicts_{};
+};
 
 }  // namespace armsig::features

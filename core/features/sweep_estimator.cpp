@@ -20,27 +20,6 @@ Refusal refusal_of(Error error, std::size_t found, std::size_t needed) {
   return {error, static_cast<double>(found), static_cast<double>(needed)};
 }
 
-struct Settled {
-  SweepStatistics accepted;
-  std::size_t rejected = 0;
-};
-
-// Judges the waiting points and takes in the good ones, in the order of their arrival.
-Settled settle(const SweepState& state) {
-  Settled settled{state.accepted, state.rejected};
-  const Verdicts verdicts = judge_together(state.accepted, state.sigma_is_known, state.waiting);
-  for (std::size_t i = 0; i < state.waiting.size(); ++i) {
-    const SweepPoint& point = state.waiting[i];
-    if (!verdicts[i]) {
-      ++settled.rejected;
-      continue;
-    }
-    if (settled.accepted.count == 0) settled.accepted = SweepStatistics(state.accepted.type, point);
-    settled.accepted.add(point);
-  }
-  return settled;
-}
-
 // What the readings and points show before any of them is judged.
 std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const SweepState& state,
                                            std::size_t least_points) {
@@ -150,9 +129,11 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
   if (!predicts(s.accepted, point)) {
     s.waiting.push_back(point);
     if (s.waiting.full()) {
-      const Settled settled = settle(s);
-      s.accepted = settled.accepted;
-      s.rejected = settled.rejected;
+      Settling settling(s);
+      while (settling.step()) {
+      }
+      s.accepted = settling.accepted();
+      s.rejected = settling.rejected();
       s.waiting.clear();
     }
   } else if (passes_gate(s.accepted, s.sigma_is_known, point)) {
@@ -164,27 +145,72 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
 }
 
 Judged<JointFeature> SweepEstimator::estimate(Method method) const {
-  const SweepLimits& limits = config_.limits;
-  const std::size_t least_points =
-      config_.type == JointType::kRevolute ? limits.least_points : limits.least_points_prismatic;
-  if (const auto refusal = refusal_before_gate(config_, state_, least_points))
-    return std::unexpected(*refusal);
+  SweepEstimation estimation(*this, method);
+  while (estimation.step()) {
+  }
+  return estimation.result();
+}
 
-  const Settled settled = settle(state_);
-  const SweepStatistics& statistics = settled.accepted;
+Settling::Settling(const SweepState& state)
+    : state_(state),
+      judging_(state.accepted, state.sigma_is_known, state.waiting),
+      accepted_(state.accepted),
+      rejected_(state.rejected) {}
+
+bool Settling::step() {
+  if (!judged_) {
+    judged_ = !judging_.step();
+    return true;
+  }
+  if (taken_ == state_.waiting.size()) return false;
+  const SweepPoint& point = state_.waiting[taken_];
+  if (judging_.result()[taken_++]) {
+    if (accepted_.count == 0) accepted_ = SweepStatistics(state_.accepted.type, point);
+    accepted_.add(point);
+  } else {
+    ++rejected_;
+  }
+  return true;
+}
+
+SweepEstimation::SweepEstimation(const SweepEstimator& estimator, Method method)
+    : config_(estimator.config_),
+      state_(estimator.state_),
+      method_(method),
+      least_points_(config_.type == JointType::kRevolute ? config_.limits.least_points
+                                                         : config_.limits.least_points_prismatic) {}
+
+bool SweepEstimation::step() {
+  if (result_) return false;
+  if (!settling_) {
+    if (const auto refusal = refusal_before_gate(config_, state_, least_points_)) {
+      result_.emplace(std::unexpected(*refusal));
+      return false;
+    }
+    settling_.emplace(state_);
+    return true;
+  }
+  if (settling_->step()) return true;
+  result_.emplace(fit());
+  return false;
+}
+
+Judged<JointFeature> SweepEstimation::fit() const {
+  const SweepLimits& limits = config_.limits;
+  const SweepStatistics& statistics = settling_->accepted();
   const double kept = (1 - limits.greatest_rejected) * static_cast<double>(state_.count);
   const std::size_t least_accepted =
-      std::max(least_points, static_cast<std::size_t>(std::ceil(kept)));
+      std::max(least_points_, static_cast<std::size_t>(std::ceil(kept)));
   if (statistics.count < least_accepted)
     return std::unexpected(refusal_of(Error::kTooManyOutliers, statistics.count, least_accepted));
 
   const NoiseLevel noise = noise_level(statistics, state_.sigma_is_known);
   if (const auto refusal = refusal_before_fit(limits, statistics, noise))
     return std::unexpected(*refusal);
-  Judged<JointFeature> feature = describe_fit(statistics, noise, method);
+  Judged<JointFeature> feature = describe_fit(statistics, noise, method_);
   if (!feature) return feature;
-  feature->quality.rejected = settled.rejected;
-  if (const auto refusal = refusal_of_fit(limits, statistics, noise, method, *feature))
+  feature->quality.rejected = settling_->rejected();
+  if (const auto refusal = refusal_of_fit(limits, statistics, noise, method_, *feature))
     return std::unexpected(*refusal);
   return feature;
 }

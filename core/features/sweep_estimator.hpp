@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
@@ -61,6 +62,27 @@ struct SweepState {
   SweepStatistics accepted;
 };
 
+// Judges the waiting points and takes in the good ones, in the order of their arrival; a bounded
+// step at a time. `state` must outlive it, unchanged.
+class Settling {
+ public:
+  explicit Settling(const SweepState& state);
+
+  // False if nothing is left to do.
+  bool step();
+  // Precondition: step() has returned false.
+  [[nodiscard]] const SweepStatistics& accepted() const { return accepted_; }
+  [[nodiscard]] std::size_t rejected() const { return rejected_; }
+
+ private:
+  const SweepState& state_;
+  Judging judging_;
+  bool judged_ = false;
+  std::size_t taken_ = 0;
+  SweepStatistics accepted_;
+  std::size_t rejected_;
+};
+
 class SweepEstimator {
  public:
   explicit SweepEstimator(const SweepConfig& config);
@@ -89,8 +111,32 @@ class SweepEstimator {
   [[nodiscard]] Judged<JointFeature> estimate(Method method) const;
 
  private:
+  friend class SweepEstimation;
+
   SweepConfig config_;
   SweepState state_;
+};
+
+// SweepEstimator::estimate(), a bounded step at a time. The estimator must outlive it and take no
+// point meanwhile.
+class SweepEstimation {
+ public:
+  SweepEstimation(const SweepEstimator& estimator, Method method);
+
+  // False if nothing is left to do.
+  bool step();
+  // Precondition: step() has returned false.
+  [[nodiscard]] const Judged<JointFeature>& result() const { return *result_; }
+
+ private:
+  [[nodiscard]] Judged<JointFeature> fit() const;
+
+  const SweepConfig& config_;
+  const SweepState& state_;
+  Method method_;
+  std::size_t least_points_;
+  std::optional<Settling> settling_;  // empty until it may begin
+  std::optional<Judged<JointFeature>> result_;
 };
 
 }  // namespace armsig::features

@@ -3,7 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
 
+#include "core/measurement/range_fit.hpp"
 #include "core/measurement/ranges.hpp"
 #include "core/measurement/receivers.hpp"
 
@@ -33,5 +37,41 @@ struct Position {
 // the ranges don't fix it, as next to the plane of a flat array; kRangesInconsistent: they don't
 // meet in a point, and the culprit isn't certain.
 [[nodiscard]] Result<Position> trilaterate(const ReceiverArray& array, const Ranges& ranges);
+
+// trilaterate(), a bounded step at a time: one hypothesis of which ranges are bad. `array` must
+// outlive it.
+class Trilateration {
+ public:
+  Trilateration(const ReceiverArray& array, const Ranges& ranges);
+
+  // False if nothing is left to do.
+  bool step();
+  // Precondition: step() has returned false.
+  [[nodiscard]] Result<Position> result() const;
+
+ private:
+  using ReceiverSet = std::uint32_t;  // bits, of the receivers that were heard
+
+  struct Hypothesis {
+    PointFit fit;
+    ReceiverSet bad = 0;
+    double score = std::numeric_limits<double>::infinity();
+  };
+
+  [[nodiscard]] Result<void> take_heard(const Ranges& ranges);
+  void try_without(ReceiverSet bad);
+  void enter(const Hypothesis& hypothesis);
+
+  const ReceiverArray& array_;
+  std::optional<Error> error_;
+  Spheres spheres_;                                    // of the receivers that were heard
+  FixedVector<std::uint8_t, kMaxReceivers> receiver_;  // that each sphere is about
+  Vector3 centroid_S_ = Vector3::Zero();               // of all receivers
+  std::size_t bad_count_ = 0;
+  ReceiverSet bad_ = 0;  // the hypothesis to be looked at next
+  bool over_ = false;
+  Hypothesis best_;  // so far
+  Hypothesis second_;
+};
 
 }  // namespace armsig::measurement

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The emulated arm on core 1 of the R5F, for the controller on core 0: six drives and the range
 // sensor on CAN1, requests on UART1. From the same sources as the bench on Linux (hal/simulated).
+// Also what harms the controller on request: a bus that has errors, a core that hangs, a console
+// line that overruns.
 #include <array>
 
 #include "core/base/check.hpp"
@@ -10,6 +12,7 @@
 #include "hal/canopen/scaling.hpp"
 #include "hal/r5f/can_controller.hpp"
 #include "hal/r5f/cycle_clock.hpp"
+#include "hal/r5f/registers.hpp"
 #include "hal/r5f/uart.hpp"
 #include "hal/serial_console.hpp"
 #include "hal/simulated/drive.hpp"
@@ -72,6 +75,14 @@ class EmulatedArm {
           static_cast<std::uint32_t>(argument(request, "state").value_or(0));
       return true;
     }
+    if (request.verb == "stall") {
+      cabinet::emulated_world().stall = cabinet::kMagic;
+      return true;
+    }
+    if (request.verb == "overrun") {
+      overrun();
+      return true;
+    }
     if (request.verb == "silent") {
       node_.set_silent(argument(request, "on").value_or(1) != 0);
       return true;
@@ -99,6 +110,21 @@ class EmulatedArm {
       reading.receivers.push_back({sounding.valid[j], 1e-9 * sounding.time_ns[j]});
     }
     node_.publish(reading);
+  }
+
+  // More characters than the controller's UART holds, by way of its local loop: from outside, the
+  // emulator lets no more in than there is room for.
+  static void overrun() {
+    constexpr std::uintptr_t kUart0 = 0xFF00'0000;
+    constexpr std::uint32_t kMode = 0x04;
+    constexpr std::uint32_t kFifo = 0x30;
+    constexpr std::uint32_t kLocalLoop = 0b10U << 8;
+    constexpr unsigned kTooMany = 100;
+    const r5f::Registers uart(kUart0);
+    const std::uint32_t mode = uart.read(kMode);
+    uart.write(kMode, mode | kLocalLoop);
+    for (unsigned i = 0; i < kTooMany; ++i) uart.write(kFifo, 'x');
+    uart.write(kMode, mode);
   }
 
   [[nodiscard]] static std::optional<double> argument(const controller::Request& request,
@@ -154,6 +180,7 @@ class WatchdogModel {
   cabinet::EmulatedWorld& world = cabinet::emulated_world();
   world.can_state = 0;
   world.kicks = 0;
+  world.stall = 0;
   world.magic = cabinet::kMagic;
   static r5f::CycleClock clock;
   static r5f::Uart uart(kUart1, r5f::Parity::kNone);

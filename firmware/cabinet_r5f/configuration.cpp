@@ -27,6 +27,7 @@ FixedVector<Vector3, kReceivers> receivers_S() {
 controller::Configuration controller_configuration() {
   controller::Configuration c;
   c.drawing = tool::puma560();
+  c.period = kPeriod;
   for (std::size_t i = 0; i < kJoints; ++i) {
     c.limits.speed.push_back(1.5);
     c.limits.acceleration.push_back(6.0);
@@ -57,8 +58,7 @@ canopen::Configuration drive_configuration() {
                       .limits = drawing.limits[i],
                       .largest_speed = 2.0});
   }
-  // A long step of the background may cost some ticks, and with them their SYNC.
-  c.missed_feedback_limit = 5;
+  c.period = kPeriod;
   const canopen::RangeNodeConfiguration sensor = sensor_configuration();
   c.other_nodes.push_back(sensor.node);
   for (const auto& frame : canopen::traffic(sensor, std::chrono::milliseconds(20))) {

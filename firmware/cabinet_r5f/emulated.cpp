@@ -14,7 +14,10 @@ class OtherCoreWatchdog final : public hal::Watchdog {
   }
 
  private:
-  void do_kick() override { emulated_world().kicks = emulated_world().kicks + 1; }
+  void do_kick() override {
+    while (emulated_world().stall == kMagic) asm volatile("yield");
+    emulated_world().kicks = emulated_world().kicks + 1;
+  }
   [[nodiscard]] bool do_caused_reset() const override { return caused_reset_; }
 
   bool caused_reset_;

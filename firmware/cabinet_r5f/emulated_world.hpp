@@ -16,6 +16,7 @@ struct EmulatedWorld {
   volatile std::uint32_t can_state;  // error state that CAN0 sees instead of its own; 0: its own
   volatile std::uint32_t kicks;      // of the watchdog, counted by the controller
   volatile std::uint32_t bitten;     // kMagic: the watchdog asked for the last reset
+  volatile std::uint32_t stall;      // kMagic: the controller's core is to hang at its next kick
 };
 
 [[nodiscard]] inline EmulatedWorld& emulated_world() {

@@ -24,6 +24,25 @@ constexpr std::uintptr_t kCan0 = 0xFF06'0000;
 
 [[gnu::section(".bank")]] r5f::BankMemory::Bank bank;
 
+// These two have their own frames, for what they are made of is large.
+[[gnu::noinline]] canopen::Master& master(hal::CanBus& bus, canopen::RangeSensor& sensor) {
+  const auto drives = canopen::check(drive_configuration());
+  ARMSIG_CHECK(drives);
+  [[gnu::section(".bss.near")]] static canopen::Master master(*drives, bus, &sensor);
+  return master;
+}
+
+[[gnu::noinline]] controller::Controller& controller_of(hal::JointDrives& drives,
+                                                        hal::RangeSensor& sensor, hal::Clock& clock,
+                                                        hal::NonvolatileMemory& memory,
+                                                        hal::Console& console) {
+  static const std::array<hal::Console*, 1> consoles{&console};
+  const controller::Configuration configuration = controller_configuration();
+  ARMSIG_CHECK(controller::check(configuration));
+  static controller::Controller controller(configuration, drives, sensor, clock, memory, consoles);
+  return controller;
+}
+
 [[noreturn]] void run() {
   static r5f::CycleClock clock;
   [[gnu::section(".bss.near")]] static r5f::Uart uart(kUart0, r5f::Parity::kNone);
@@ -31,13 +50,8 @@ constexpr std::uintptr_t kCan0 = 0xFF06'0000;
   static r5f::CanController bus(kCan0, clock, forced_can_state());
   static r5f::BankMemory memory(bank);
   static canopen::RangeSensor sensor(sensor_configuration());
-  const auto drives = canopen::check(drive_configuration());
-  ARMSIG_CHECK(drives);
-  [[gnu::section(".bss.near")]] static canopen::Master master(*drives, bus, &sensor);
-  static const controller::Configuration configuration = controller_configuration();
-  ARMSIG_CHECK(controller::check(configuration));
-  static const std::array<hal::Console*, 1> consoles{&console};
-  static controller::Controller controller(configuration, master, sensor, clock, memory, consoles);
+  controller::Controller& controller =
+      controller_of(master(bus, sensor), sensor, clock, memory, console);
   hal::Watchdog& dog = watchdog();
 
   console.broadcast("# armsig cabinet");
@@ -46,11 +60,14 @@ constexpr std::uintptr_t kCan0 = 0xFF06'0000;
   for (;;) {
     controller.tick(clock.wait_until(next));
     dog.kick();
-    controller.background();
-    next += configuration.period;
-    // Ticks that a long step of the background has cost are left out, not made up for: the drives
-    // get a whole period to answer each SYNC.
-    if (const hal::Instant now = clock.now(); now > next) next = now + configuration.period;
+    // The background has the first half of each period; the other half is for a step that began in
+    // the first, and for the drives' answers.
+    do controller.background();
+    while (clock.now() < next + kPeriod / 2);
+    // Ticks that a long step has cost are left out, not made up for: drives expect one SYNC a
+    // period.
+    do next += kPeriod;
+    while (next + kPeriod / 2 < clock.now());
   }
 }
 

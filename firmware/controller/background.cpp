@@ -68,12 +68,12 @@ void Background::step_store() {
     const auto written = store_.step_write();
     if (written && !*written) return;
     if (written) {
+      if (!active_) active_.emplace();
       result = store_.load(configuration_.drawing, *active_);
+      if (!result) active_.reset();
       identification_.forget_candidate();
     } else {
       result = std::unexpected(written.error());
-      SignatureRecord former;
-      if (!store_.load(configuration_.drawing, former)) active_.reset();
     }
     if (result) {
       adopt();

@@ -41,7 +41,7 @@ void IdentificationSequence::begin(const Signature* active) {
   began_ = mover_.now().now;
   log_.clear();
   forget_candidate();
-  candidate_.emplace().configuration = configuration_.sweeps.configuration;
+  candidate_.emplace().signature.configuration = configuration_.sweeps.configuration;
   begin_sweep();
 }
 
@@ -111,9 +111,7 @@ void IdentificationSequence::step() {
         end(*mover_.refusal());
       } else if (mover_.has_arrived(configuration_.dwell.settle)) {
         if (stage_ == Stage::kReturning) {
-          stage_ = Stage::kNone;
-          mover_.send(CommandKind::kEndSequence);
-          announcer_.say(Line().text("# identify done"));
+          finish();
           return;
         }
         measurement_.begin(snapshot.now);
@@ -130,6 +128,7 @@ void IdentificationSequence::begin_sweep() { work_.emplace<Sweep>(configuration_
 void IdentificationSequence::go_on() {
   JointVector q = configuration_.sweeps.configuration;
   if (stage_ == Stage::kSweeping) {
+    if (sweep().step()) return;
     const auto reading = sweep().next();
     if (!reading) {
       finish_sweep();
@@ -233,19 +232,23 @@ void IdentificationSequence::take(const MeasuredPoint& point) {
 }
 
 void IdentificationSequence::finish_sweep() {
-  const auto feature = sweep().feature();
-  if (!feature) {
-    end(feature.error().error, joint_);
+  const auto* const feature = sweep().feature();
+  if (feature == nullptr) {
+    sweep().conclude();
+    return;
+  }
+  if (!*feature) {
+    end(feature->error().error, joint_);
     return;
   }
   tell_progress("swept");
-  candidate_->features.push_back(*feature);
+  candidate_->signature.features.push_back(**feature);
   if (joint_ + 1 < configuration_.drawing.joints.size()) {
     ++joint_;
     begin_sweep();
     return;
   }
-  work_.emplace<Identification>(*candidate_, configuration_.drawing);
+  work_.emplace<Identification>(candidate_->signature, configuration_.drawing);
   stage_ = Stage::kIdentifying;
 }
 
@@ -257,17 +260,18 @@ void IdentificationSequence::step_identification() {
   }
   if (*more) return;
   add_targets();
-  work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
+  work_.emplace<HeldOutComparison>(candidate_->signature, active_, configuration_.drawing);
   stage_ = Stage::kComparing;
 }
 
 // Every sweep has seen the one target pass the signature configuration: weighted mean.
 void IdentificationSequence::add_targets() {
+  Signature& signature = candidate_->signature;
   Matrix3 information = Matrix3::Zero();
   Vector3 weighted = Vector3::Zero();
-  for (std::size_t i = 0; i < candidate_->features.size(); ++i) {
-    const features::JointFeature& feature = candidate_->features[i];
-    const double reading = candidate_->configuration[i];
+  for (std::size_t i = 0; i < signature.features.size(); ++i) {
+    const features::JointFeature& feature = signature.features[i];
+    const double reading = signature.configuration[i];
     const Matrix3 covariance = feature.target_covariance_at(reading);
     const Matrix3 weight =
         (covariance + 1e-14 * Matrix3::Identity()).inverse();  // never singular: 0.1 micrometre
@@ -275,14 +279,16 @@ void IdentificationSequence::add_targets() {
     weighted += weight * feature.target_at(reading);
   }
   const Matrix3 covariance = information.inverse();
-  candidate_->targets.push_back({.number = configuration_.sweeps.target,
-                                 .link = candidate_->joint_count(),
-                                 .p_S = covariance * weighted,
-                                 .covariance_m2 = covariance});
+  signature.targets.push_back({.number = configuration_.sweeps.target,
+                               .link = signature.joint_count(),
+                               .p_S = covariance * weighted,
+                               .covariance_m2 = covariance});
 }
 
 void IdentificationSequence::finish_held_out() {
   report_ = comparison().report();
+  candidate_->air_celsius = measurement_.air_celsius().value_or(0);
+  candidate_->held_out_rms_m = report_.candidate_rms_m;
   announcer_.say(Line()
                      .text("# candidate held_out=")
                      .integer(report_.poses)
@@ -291,6 +297,13 @@ void IdentificationSequence::finish_held_out() {
                      .text(" active_rms_mm=")
                      .number(1e3 * report_.active_rms_m, 4));
   stage_ = Stage::kReturning;
+}
+
+// A function of its own, as the stack has no room for a line below everything that step() calls.
+[[gnu::noinline]] void IdentificationSequence::finish() {
+  stage_ = Stage::kNone;
+  mover_.send(CommandKind::kEndSequence);
+  announcer_.say(Line().text("# identify done"));
 }
 
 }  // namespace armsig::controller

@@ -16,6 +16,7 @@
 #include "firmware/controller/measurement_log.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/signature_record.hpp"
 #include "firmware/controller/sweep.hpp"
 
 namespace armsig::controller {
@@ -53,7 +54,8 @@ class IdentificationSequence {
   [[nodiscard]] std::size_t points_planned() const;
   [[nodiscard]] double left_s() const;
 
-  [[nodiscard]] const std::optional<Signature>& candidate() const { return candidate_; }
+  // With the air and the error that it was identified with; its number is for the store to give.
+  [[nodiscard]] const std::optional<SignatureRecord>& candidate() const { return candidate_; }
   [[nodiscard]] bool has_verdict() const { return report_.poses > 0; }
   [[nodiscard]] const HeldOutReport& report() const { return report_; }
   [[nodiscard]] const MeasurementLog& log() const { return log_; }
@@ -71,6 +73,7 @@ class IdentificationSequence {
   void finish_sweep();
   void step_identification();
   void finish_held_out();
+  void finish();
   void add_targets();
   void go_to(const JointVector& q);
   void take(const MeasuredPoint& point);
@@ -95,7 +98,7 @@ class IdentificationSequence {
   unsigned lost_in_a_row_ = 0;
   hal::Instant began_;
   std::variant<std::monostate, Sweep, Identification, HeldOutComparison> work_;
-  std::optional<Signature> candidate_;  // being made until there is a verdict
+  std::optional<SignatureRecord> candidate_;  // being made until there is a verdict
   HeldOutReport report_;
   MeasurementLog log_;
 };

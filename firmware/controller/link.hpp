@@ -63,7 +63,7 @@ struct Snapshot {
 };
 
 struct Link {
-  hal::Mailbox<Command, 8> commands;  // background to tick
+  hal::Mailbox<Command, 4> commands;  // background to tick
   LatestValue<Snapshot> snapshot;     // tick to background
   // The background writes the one that the tick does not use, then sends kAdoptModel.
   std::array<Model, 2> models;

@@ -25,9 +25,11 @@ void PointMeasurement::begin(hal::Instant now) {
   began_ = heard_at_ = now;
   errors_in_a_row_ = 0;
   median_.emplace(configuration_.sensor.receivers.p_S.size());
+  trilateration_.reset();
 }
 
 Result<std::optional<MeasuredPoint>> PointMeasurement::step(hal::Instant now) {
+  if (trilateration_) return locate(now);
   const auto polled = sensor_.poll(now);
   if (!polled) {
     if (auto taken = take_error(polled.error()); !taken) return std::unexpected(taken.error());
@@ -93,7 +95,15 @@ Result<std::optional<MeasuredPoint>> PointMeasurement::take(const hal::RangeRead
     return std::unexpected(added.error());
   }
   if (median_->pings() < configuration_.dwell.pings) return std::optional<MeasuredPoint>();
-  const auto position = measurement::trilaterate(receivers, median_->median());
+  trilateration_.emplace(receivers, median_->median());
+  return std::optional<MeasuredPoint>();
+}
+
+Result<std::optional<MeasuredPoint>> PointMeasurement::locate(hal::Instant now) {
+  heard_at_ = now;  // the sensor is not listened to meanwhile
+  if (trilateration_->step()) return std::optional<MeasuredPoint>();
+  const auto position = trilateration_->result();
+  trilateration_.reset();
   if (position) {
     const MeasuredPoint point{position->p_S, position->covariance_m2, median_->pings()};
     end();

@@ -23,7 +23,10 @@ class PointMeasurement {
 
   // The arm stands still from `now` on: earlier readings do not count.
   void begin(hal::Instant now);
-  void end() { median_.reset(); }
+  void end() {
+    median_.reset();
+    trilateration_.reset();
+  }
 
   // Takes one reading of the sensor, whether or not a point is being measured; the point when it is
   // complete. Errors, after which begin() starts anew: kSensorSilent, kSensorStale, kBusDown;
@@ -39,11 +42,14 @@ class PointMeasurement {
  private:
   [[nodiscard]] Result<void> take_error(Error error);
   [[nodiscard]] Result<std::optional<MeasuredPoint>> take(const hal::RangeReading& reading);
+  // A step of working out where the pings put the target.
+  [[nodiscard]] Result<std::optional<MeasuredPoint>> locate(hal::Instant now);
   [[nodiscard]] Result<double> speed_in(const hal::RangeReading& reading);
 
   const Configuration& configuration_;
   hal::RangeSensor& sensor_;
   std::optional<measurement::PingMedian> median_;
+  std::optional<measurement::Trilateration> trilateration_;  // of the pings so far
   hal::Instant began_;
   hal::Instant heard_at_;
   unsigned errors_in_a_row_ = 0;

@@ -74,12 +74,7 @@ Background::Verdict Background::accept() {
   if (!identification_.has_verdict()) return std::unexpected(Error::kNoCandidate);
   if (!identification_.report().is_better()) return std::unexpected(Error::kCandidateNoBetter);
   if (!store_.fits()) return std::unexpected(Error::kAddressOutOfRange);
-  SignatureRecord record;
-  record.signature = *identification_.candidate();
-  record.air_celsius = measurement_.air_celsius().value_or(0);
-  record.held_out_rms_m = identification_.report().candidate_rms_m;
-  store_.begin_write(record);
-  if (!active_) active_.emplace();
+  store_.begin_write(*identification_.candidate());
   storing_ = Storing::kWriting;
   stores_ = true;
   return {};

@@ -79,7 +79,7 @@ std::uint32_t crc_of(std::span<const std::uint8_t> image) {
 
 }  // namespace
 
-RecordImage encode(const SignatureRecord& record) {
+RecordImage encode(const SignatureRecord& record, std::uint32_t sequence) {
   const Signature& signature = record.signature;
   const std::size_t n = signature.joint_count();
   RecordImage image{};
@@ -88,7 +88,7 @@ RecordImage encode(const SignatureRecord& record) {
   out.integer(kVersion, 2);
   out.integer(n, 2);
   out.integer(kRecordBytes, 4);
-  out.integer(record.sequence, 4);
+  out.integer(sequence, 4);
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
     out.integer(i < n && signature.types[i] == JointType::kPrismatic ? 1 : 0, 1);
   }
@@ -123,7 +123,12 @@ Result<void> decode(std::span<const std::uint8_t> image, const Arm& drawing,
   }
   record.sequence = static_cast<std::uint32_t>(in.integer(4));
   Signature& signature = record.signature;
-  signature = Signature{};
+  signature.types.clear();
+  signature.configuration.clear();
+  signature.X_SL.clear();
+  signature.targets.clear();
+  signature.features.clear();
+  signature.description_matches = true;
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
     const auto type = in.integer(1) == 0 ? JointType::kRevolute : JointType::kPrismatic;
     if (i < n) signature.types.push_back(type);

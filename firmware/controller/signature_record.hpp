@@ -38,7 +38,10 @@ struct SignatureRecord {
 inline constexpr std::size_t kRecordBytes = 1004;
 using RecordImage = std::array<std::uint8_t, kRecordBytes>;
 
-[[nodiscard]] RecordImage encode(const SignatureRecord& record);
+[[nodiscard]] RecordImage encode(const SignatureRecord& record, std::uint32_t sequence);
+[[nodiscard]] inline RecordImage encode(const SignatureRecord& record) {
+  return encode(record, record.sequence);
+}
 
 // Errors: kRecordCorrupt (magic, version, length, CRC, content), kRecordUnsuitable (joints other
 // than those of the drawing).

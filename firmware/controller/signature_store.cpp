@@ -85,10 +85,8 @@ Result<void> SignatureStore::load(const Arm& drawing, SignatureRecord& record) {
 
 void SignatureStore::begin_write(const SignatureRecord& record) {
   ARMSIG_CHECK(fits() && !writing_);
-  SignatureRecord numbered = record;
-  numbered.sequence = newest_ + 1;
   writing_.emplace();
-  writing_->image = encode(numbered);
+  writing_->image = encode(record, newest_ + 1);
   writing_->slot = active_ ? 1 - *active_ : 0;
 }
 

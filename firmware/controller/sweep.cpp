@@ -57,11 +57,25 @@ std::optional<double> Sweep::next() const {
 
 Result<void> Sweep::add(double reading, const Vector3& p_S, const Matrix3& covariance_m2) {
   ++done_;
+  estimation_.reset();
+  estimating_ = false;
   if (auto added = estimator_.add(reading, p_S, covariance_m2); !added) return added;
-  if (done_ < least_points(configuration_.sweeps)) return {};
-  const auto estimate = feature();
+  if (done_ >= least_points(configuration_.sweeps)) conclude();
+  return {};
+}
+
+void Sweep::conclude() {
+  estimation_.emplace(estimator_, features::Method::kEncoder);
+  estimating_ = true;
+}
+
+bool Sweep::step() {
+  if (!estimating_) return false;
+  if (estimation_->step()) return true;
+  estimating_ = false;
   axis_sigma_rad_.reset();
-  if (!estimate) return {};
+  const Judged<features::JointFeature>& estimate = estimation_->result();
+  if (!estimate) return false;
   const auto& covariance = estimate->covariance;
   // Of the axis direction: the rotation vector's parts perpendicular to the axis.
   const Matrix3 across = Matrix3::Identity() - estimate->axis_S * estimate->axis_S.transpose();
@@ -69,7 +83,7 @@ Result<void> Sweep::add(double reading, const Vector3& p_S, const Matrix3& covar
   const Matrix3 shift = covariance.block<3, 3>(0, 0);
   axis_sigma_rad_ = std::sqrt(std::max(0.0, (across * turn).trace()));
   point_sigma_m_ = std::sqrt(std::max(0.0, (across * shift).trace()));
-  return {};
+  return false;
 }
 
 }  // namespace armsig::controller

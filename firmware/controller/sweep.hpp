@@ -12,17 +12,24 @@ namespace armsig::controller {
 class Sweep {
  public:
   Sweep(const Configuration& configuration, std::size_t joint);
+  Sweep(const Sweep&) = delete;
+  Sweep& operator=(const Sweep&) = delete;
 
+  // A bounded step of working out what the points show; false if nothing is left to do.
+  bool step();
   // Reading of the next point, empty when the sweep is over: accurate enough, at both limits, or
-  // out of points.
+  // out of points. Precondition: step() has returned false since the last point.
   [[nodiscard]] std::optional<double> next() const;
   // The point at next(), measured at the actual `reading`. Errors: those of SweepEstimator::add.
   Result<void> add(double reading, const Vector3& p_S, const Matrix3& covariance_m2);
   // The point at next() could not be measured.
   void skip() { ++done_; }
 
-  [[nodiscard]] Judged<features::JointFeature> feature() const {
-    return estimator_.estimate(features::Method::kEncoder);
+  // Asks for a feature, whatever the number of points.
+  void conclude();
+  // What the points show; null: not asked, or not worked out yet.
+  [[nodiscard]] const Judged<features::JointFeature>* feature() const {
+    return estimation_ && !estimating_ ? &estimation_->result() : nullptr;
   }
   [[nodiscard]] std::size_t done() const { return done_; }
   // Predicted 1 sigma of the axis, from the points so far; empty: no estimate yet.
@@ -34,6 +41,8 @@ class Sweep {
   const Configuration& configuration_;
   std::size_t joint_;
   features::SweepEstimator estimator_;
+  std::optional<features::SweepEstimation> estimation_;  // of all points so far
+  bool estimating_ = false;
   double first_ = 0;
   double step_ = 0;
   std::size_t above_ = 0;  // points that fit from first_ up to the upper limit

@@ -2,7 +2,6 @@
 #include "firmware/host_tool/formats/canonical.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -36,7 +35,7 @@ void append(std::string& out, const YamlNode& node, std::string_view omitted_key
       return;
     case YamlNode::Kind::kMap: {
       std::vector<std::size_t> order(node.keys.size());
-      std::iota(order.begin(), order.end(), std::size_t{0});
+      for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
       std::ranges::sort(order, {},
                         [&](std::size_t i) -> const std::string& { return node.keys[i].text; });
       out += '{';
