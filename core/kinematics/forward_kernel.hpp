@@ -11,8 +11,8 @@
 #include <type_traits>
 
 #include "core/base/check.hpp"
-#include "core/kinematics/forward.hpp"
 #include "core/base/sine_cosine.hpp"
+#include "core/kinematics/forward.hpp"
 
 namespace armsig::kinematics {
 

@@ -71,20 +71,19 @@ class Background {
   IdentificationSequence identification_;
   GridSequence grid_;
   SignatureStore store_;
-  std::optional<Error> store_error_;
   std::optional<SignatureRecord> active_;
-  Storing storing_ = Storing::kNothing;
   std::size_t model_ = 0;  // to be adopted
-
   hal::Duration longest_step_{};
-  Mode told_mode_ = Mode::kStarting;
+  std::size_t turn_ = 0;  // the console to be read first
+  Client client_;
   std::optional<Client> storing_for_;  // who waits for accept or rollback
   std::optional<Client> waiting_;      // who waits for the tick to take a command
-  bool waits_ = false;                 // of the request being served: for the tick
-  bool stores_ = false;                // of the request being served: for the store
-  std::size_t turn_ = 0;               // the console to be read first
-  Client client_;
   Line out_;
+  std::optional<Error> store_error_;
+  Storing storing_ = Storing::kNothing;
+  Mode told_mode_ = Mode::kStarting;
+  bool waits_ = false;   // of the request being served: for the tick
+  bool stores_ = false;  // of the request being served: for the store
 };
 
 }  // namespace armsig::controller
