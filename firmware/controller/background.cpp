@@ -28,7 +28,7 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
                            : model_of(configuration.drawing);
 }
 
-void Background::step() {
+bool Background::step() {
   const hal::Instant began = clock_.now();
   mover_.refresh();
   tell_changes();
@@ -38,6 +38,7 @@ void Background::step() {
   step_store();
   step_consoles();
   longest_step_ = std::max(longest_step_, clock_.now() - began);
+  return measurement_.is_computing() || identification_.is_computing();
 }
 
 void Background::tell_changes() {

@@ -22,7 +22,8 @@ class Background {
   Background(const Configuration& configuration, hal::RangeSensor& sensor, hal::Clock& clock,
              hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles, Link& link);
 
-  void step();
+  // True if the next step has something to compute.
+  bool step();
 
   [[nodiscard]] const Snapshot& snapshot() const { return mover_.now(); }
   [[nodiscard]] const IdentificationSequence& identification() const { return identification_; }

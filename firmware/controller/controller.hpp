@@ -4,7 +4,9 @@
 //   for (hal::Instant next = clock.now();; next += period) {   // a thread of high priority
 //     controller.tick(clock.wait_until(next));
 //   }
-//   for (;;) controller.background();                          // another, or after each tick
+//   for (;;) {                                                  // another, or after each tick
+//     while (controller.background() && some of the period is left);
+//   }
 //
 // The two share nothing but the mailboxes between them, so that they may run in two threads or one
 // after the other. Starts with the drives disabled; only an operator's `enable` changes that.
@@ -41,8 +43,9 @@ class Controller {
   // Clock::wait_until() returned. Never blocks.
   void tick(hal::Duration lateness) { servo_.tick(lateness); }
 
-  // One bounded step of everything else: sensor, console, sequences, store.
-  void background() { background_.step(); }
+  // One bounded step of everything else: sensor, console, sequences, store. True if the next one
+  // has something to compute, false if it would but look for something new.
+  bool background() { return background_.step(); }
 
   // For the thread of the background.
   [[nodiscard]] const Background& state() const { return background_; }

@@ -48,6 +48,10 @@ class IdentificationSequence {
 
   [[nodiscard]] bool is_running() const { return stage_ != Stage::kNone; }
   [[nodiscard]] bool is_paused() const { return is_running() && paused_; }
+  // Neither moving nor measuring.
+  [[nodiscard]] bool is_computing() const {
+    return is_running() && !paused_ && phase_ == Phase::kNext;
+  }
   [[nodiscard]] Stage stage() const { return stage_; }
   [[nodiscard]] std::optional<Error> pause_reason() const { return pause_reason_; }
   [[nodiscard]] std::size_t points_done() const { return points_done_; }

@@ -35,6 +35,9 @@ class PointMeasurement {
   // they give no point (measurement::trilaterate).
   [[nodiscard]] Result<std::optional<MeasuredPoint>> step(hal::Instant now);
 
+  // Pings enough are in, and where they put the target is being worked out.
+  [[nodiscard]] bool is_computing() const { return trilateration_.has_value(); }
+
   // Errors that the last readings were lost by; empty while readings come. For `status`.
   [[nodiscard]] std::optional<Error> trouble() const { return trouble_; }
   [[nodiscard]] std::optional<double> air_celsius() const { return air_celsius_; }

@@ -70,13 +70,16 @@ void warn_about(const linux_hal::RealTimeReport& report) {
 // The thread of everything but the tick, until it is destroyed.
 class BackgroundThread {
  public:
-  // A step a period: short against anything that a person or a sensor notices.
+  // Looks once a period, short against anything that a person or a sensor notices, and computes for
+  // half of it where there is something to compute.
   BackgroundThread(controller::Controller& controller, hal::Duration period)
       : thread_([this, &controller, period] {
           linux_hal::SteadyClock clock;
           while (!stop_) {
-            controller.background();
-            clock.wait_until(clock.now() + period);
+            const hal::Instant half = clock.now() + period / 2;
+            while (controller.background() && clock.now() < half) {
+            }
+            clock.wait_until(half + period / 2);
           }
         }) {}
   ~BackgroundThread() {
