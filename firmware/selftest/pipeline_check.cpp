@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <optional>
 
 #include "core/features/sweep_estimator.hpp"
 #include "core/identification.hpp"
@@ -13,29 +15,46 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// Worst distance of the target from where the signature predicts it; infinite: no signature.
-double worst_prediction_m(features::Method method) {
-  static features::SweepEstimator estimator{features::SweepConfig{}};
-  static FixedVector<features::JointFeature, kMaxJoints> found;
-  static Signature signature;
-  found.clear();
+// Step by step and without copies, as a controller does: the objects are too large for a stack.
+bool measure(const std::array<SweptPoint, kPoints>& sweep, features::Method method,
+             Signature& signature) {
+  static std::optional<features::SweepEstimator> estimator;
+  static std::optional<features::SweepEstimation> estimation;
   const Matrix3 covariance_m2 = 1e-8 * Matrix3::Identity();  // 0.1 mm; the points are exact
-  for (const auto& sweep : kSwept.sweeps) {
-    estimator = features::SweepEstimator{features::SweepConfig{}};
-    for (const SweptPoint& point : sweep) {
-      if (!estimator.add(point.reading, vector(point.p_S), covariance_m2)) return kNever;
-    }
-    const auto feature = estimator.estimate(method);
-    if (!feature) return kNever;
-    found.push_back(*feature);
+  estimator.emplace(features::SweepConfig{});
+  for (const SweptPoint& point : sweep) {
+    if (!estimator->add(point.reading, vector(point.p_S), covariance_m2)) return false;
   }
-  const JointVector q_s = readings(kSwept.configuration, kSweptJoints);
+  estimation.emplace(*estimator, method);
+  while (estimation->step()) {
+  }
+  if (!estimation->result()) return false;
+  signature.features.push_back(*estimation->result());
+  return true;
+}
+
+bool identified(Signature& signature) {
   Arm drawing;
   drawing.joints = rows(kSwept.drawing, kSweptJoints);
   drawing.limits.resize(kSweptJoints, {-2 * kPi, 2 * kPi});
-  const auto identified = identify(found, q_s, drawing);
-  if (!identified) return kNever;
-  signature = *identified;
+  static std::optional<Identification> identification;
+  identification.emplace(signature, drawing);
+  for (;;) {
+    const auto more = identification->step();
+    if (!more || !*more) return more.has_value();
+  }
+}
+
+// Worst distance of the target from where the signature predicts it; infinite: no signature.
+double worst_prediction_m(features::Method method) {
+  static Signature signature;
+  const JointVector q_s = readings(kSwept.configuration, kSweptJoints);
+  signature.features.clear();
+  signature.configuration = q_s;
+  for (const auto& sweep : kSwept.sweeps) {
+    if (!measure(sweep, method, signature)) return kNever;
+  }
+  if (!identified(signature)) return kNever;
 
   const kinematics::Chain chain = kinematics::make_chain(signature.pseudo_dh);
   const auto X_0n = kinematics::forward(chain, q_s);
