@@ -85,10 +85,10 @@ bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const Sw
 Judging::Judging(const MotionStatistics& accepted, bool sigma_is_known,
                  const WaitingPoints& waiting)
     : accepted_(accepted),
-      sigma_is_known_(sigma_is_known),
       waiting_(waiting),
       least_median_(kInfinity),
-      least_cost_(kInfinity) {
+      least_cost_(kInfinity),
+      sigma_is_known_(sigma_is_known) {
   if (waiting.empty()) {
     stage_ = Stage::kOver;
     return;

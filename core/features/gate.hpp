@@ -86,22 +86,22 @@ class Judging {
   void end_round();
 
   const MotionStatistics& accepted_;
-  bool sigma_is_known_;
   const WaitingPoints& waiting_;
-  Order order_;
   Rows rows_;
-  Stage stage_ = Stage::kMedians;
+  MotionRls motion_;       // that points are judged by
+  MotionStatistics next_;  // base(), and at the end of a round the points that have passed in it
+  Coefficients fit_;
+  GateScale scale_;
   std::size_t count_ = 0;  // of the stage: subsets tried, or points judged in this round
   Sequence sequence_;
   double least_median_;
   double least_cost_;
   int round_ = 0;
-  bool changed_ = false;
-  MotionRls motion_;       // that points are judged by
-  MotionStatistics next_;  // base(), and at the end of a round the points that have passed in it
-  Coefficients fit_;
-  GateScale scale_;
+  Order order_;
   Verdicts verdicts_{};
+  bool sigma_is_known_;
+  bool changed_ = false;
+  Stage stage_ = Stage::kMedians;
 };
 
 }  // namespace armsig::features
