@@ -11,10 +11,6 @@ namespace {
 // Wrong zeros can look like reversed joints, but seldom as closely as that.
 constexpr double kRefusalShare = 0.5;
 
-using JointSet = unsigned;  // bit i: joint i
-
-bool contains(JointSet set, std::size_t joint) { return ((set >> joint) & 1U) != 0; }
-
 double angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 // `share` of the bounds of a match.
@@ -36,7 +32,7 @@ bool may_match(const AxisLines& drawn, const AxisLines& found) {
   return true;
 }
 
-AxisLines with_reversed(const AxisLines& lines, JointSet reversed) {
+AxisLines with_reversed(const AxisLines& lines, Subset reversed) {
   AxisLines turned = lines;
   for (std::size_t i = 0; i < turned.size(); ++i) {
     if (contains(reversed, i)) turned[i].direction = -turned[i].direction;
@@ -44,19 +40,12 @@ AxisLines with_reversed(const AxisLines& lines, JointSet reversed) {
   return turned;
 }
 
-JointVector with_negated(const JointVector& readings, JointSet reversed) {
+JointVector with_negated(const JointVector& readings, Subset reversed) {
   JointVector negated = readings;
   for (std::size_t i = 0; i < negated.size(); ++i) {
     if (contains(reversed, i)) negated[i] = -negated[i];
   }
   return negated;
-}
-
-// The next larger set of as many joints; larger than any set of n joints after their last one.
-JointSet next_of_as_many(JointSet set) {
-  const JointSet lowest = set & (~set + 1);
-  const JointSet carried = set + lowest;
-  return carried | ((carried ^ set) >> 2) / lowest;
 }
 
 // Reflection of all positions through a point; any other reflection is this one and a rotation. The

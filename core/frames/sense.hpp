@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/base/subset.hpp"
 #include "core/frames/alignment.hpp"
 
 namespace armsig::frames {
@@ -74,7 +75,7 @@ class SenseChecking {
   AxisLines identified_;
   AxisLines drawn_;  // of the explanation
   Explanation explanation_ = Explanation::kAsDrawn;
-  unsigned reversed_ = 0;  // bit i: joint i
+  Subset reversed_ = 0;  // of the joints
   std::optional<Aligning> aligning_;
   SenseCheck check_;
 };

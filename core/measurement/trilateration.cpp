@@ -19,8 +19,6 @@ constexpr std::array<double, kMaxReceivers - 3> kConsistent = {
 constexpr double kEvidence = 9;
 constexpr std::size_t kMostBad = 3;
 
-using ReceiverSet = std::uint32_t;
-
 std::size_t most_bad(std::size_t heard) {
   if (heard < 5) return 0;
   return heard == 5 ? 1 : std::min(kMostBad, heard - 5);
@@ -28,13 +26,6 @@ std::size_t most_bad(std::size_t heard) {
 
 bool faces(const ReceiverArray& array, const Vector3& centroid_S, const Vector3& p_S) {
   return array.facing_S.isZero(0) || (p_S - centroid_S).dot(array.facing_S) > 0;
-}
-
-// The next larger number with as many bits set: enumerates the subsets of a size.
-ReceiverSet next_subset(ReceiverSet set) {
-  const ReceiverSet lowest = set & (~set + 1);
-  const ReceiverSet ripple = set + lowest;
-  return ripple | (((set ^ ripple) >> 2) / lowest);
 }
 
 }  // namespace
@@ -73,7 +64,7 @@ bool Trilateration::step() {
   if (error_ || over_) return false;
   try_without(bad_);
   // Fewest bad ranges first: a hypothesis of more is not looked at where one of fewer holds.
-  const ReceiverSet next = bad_ == 0 ? ReceiverSet{0} : next_subset(bad_);
+  const Subset next = bad_ == 0 ? Subset{0} : next_of_as_many(bad_);
   if (bad_ != 0 && next < 1U << spheres_.size()) {
     bad_ = next;
     return true;
@@ -85,10 +76,10 @@ bool Trilateration::step() {
 }
 
 // Enters what the ranges other than `bad` say about the target, if they agree with each other.
-void Trilateration::try_without(ReceiverSet bad) {
+void Trilateration::try_without(Subset bad) {
   Spheres good;
   for (std::size_t j = 0; j < spheres_.size(); ++j)
-    if ((bad >> j & 1U) == 0) good.push_back(spheres_[j]);
+    if (!contains(bad, j)) good.push_back(spheres_[j]);
   const std::size_t freedom = std::max<std::size_t>(good.size() - 3, 1);
 
   for (const PointFit& fit : fit_point(good)) {
@@ -98,7 +89,7 @@ void Trilateration::try_without(ReceiverSet bad) {
     double score = fit.chi_square;
     for (std::size_t j = 0; j < spheres_.size(); ++j) {
       const bool too_short = spheres_[j].radius_m < (fit.p_S - spheres_[j].centre_S).norm();
-      if ((bad >> j & 1U) != 0 && too_short) score += kEvidence;
+      if (contains(bad, j) && too_short) score += kEvidence;
     }
     enter({.fit = fit, .bad = bad, .score = score});
   }
@@ -126,7 +117,7 @@ Result<Position> Trilateration::result() const {
   position.covariance_m2 = fit.covariance_m2;
   position.chi_square = fit.chi_square;
   for (std::size_t j = 0; j < spheres_.size(); ++j)
-    if ((bad >> j & 1U) != 0) position.excluded.push_back(receiver_[j]);
+    if (contains(bad, j)) position.excluded.push_back(receiver_[j]);
   position.degrees_of_freedom = spheres_.size() - position.excluded.size() - 3;
   return position;
 }

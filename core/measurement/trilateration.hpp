@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/subset.hpp"
 #include "core/measurement/range_fit.hpp"
 #include "core/measurement/ranges.hpp"
 #include "core/measurement/receivers.hpp"
@@ -50,16 +51,14 @@ class Trilateration {
   [[nodiscard]] Result<Position> result() const;
 
  private:
-  using ReceiverSet = std::uint32_t;  // bits, of the receivers that were heard
-
   struct Hypothesis {
     PointFit fit;
-    ReceiverSet bad = 0;
+    Subset bad = 0;  // of the receivers that were heard
     double score = std::numeric_limits<double>::infinity();
   };
 
   [[nodiscard]] Result<void> take_heard(const Ranges& ranges);
-  void try_without(ReceiverSet bad);
+  void try_without(Subset bad);
   void enter(const Hypothesis& hypothesis);
 
   const ReceiverArray& array_;
@@ -68,7 +67,7 @@ class Trilateration {
   FixedVector<std::uint8_t, kMaxReceivers> receiver_;  // that each sphere is about
   Vector3 centroid_S_ = Vector3::Zero();               // of all receivers
   std::size_t bad_count_ = 0;
-  ReceiverSet bad_ = 0;  // the hypothesis to be looked at next
+  Subset bad_ = 0;  // the hypothesis to be looked at next
   bool over_ = false;
   Hypothesis best_;  // so far
   Hypothesis second_;
