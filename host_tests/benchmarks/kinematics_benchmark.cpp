@@ -16,7 +16,7 @@ const KinematicsWork& kinematics_work() {
     std::mt19937_64 random(5);
     KinematicsWork work;
     work.arm = test::perturbed_puma(random);
-    work.chain = kinematics::make_chain(work.arm.rows);
+    work.chain = kinematics::make_chain(work.arm.joints);
     for (std::size_t k = 0; k < kPoses; ++k) {
       JointVector q;
       for (std::size_t i = 0; i < 6; ++i) q.push_back(test::uniform(random, -2, 2));

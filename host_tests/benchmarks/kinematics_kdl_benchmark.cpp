@@ -34,7 +34,7 @@ const KdlWork& kdl_work() {
   static const KdlWork kWork = [] {
     const KinematicsWork& ours = kinematics_work();
     KdlWork work;
-    for (const DhJoint& row : ours.arm.rows) {
+    for (const DhJoint& row : ours.arm.joints) {
       const auto frame = KDL::Frame::DH(row.a_m, row.alpha_rad, row.d_m, row.theta_rad);
       work.chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::RotZ), frame));
     }

@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "core/kinematics/forward.hpp"
-#include "host_tests/support/kinematics_arms.hpp"
+#include "host_tests/support/known_arms.hpp"
 
 namespace armsig::benchmarks {
 

@@ -10,12 +10,13 @@
 #include "core/pseudo_dh/pseudo_dh.hpp"
 #include "host_tests/support/exact_arm.hpp"
 #include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig {
 namespace {
 
+using test::kR;
 using testing::ExactArm;
-using testing::kR;
 using testing::Random;
 
 struct WorstErrors {
@@ -63,12 +64,12 @@ void expect_exact(const ExactArm& exact, const Arm& nominal, Random& random) {
 
 TEST(IdentificationOfKnownArms, is_exact_at_any_readings) {
   Random random(1);
-  for (const testing::KnownArm& known : testing::known_arms()) {
+  for (const test::KnownArm& known : test::known_arms()) {
     for (int i = 0; i < 10; ++i) {
       SCOPED_TRACE(known.name);
-      const ExactArm exact{known.arm, random.readings(known.arm, 3, 0.5), random.pose(3)};
-      expect_exact(exact, known.nominal, random);
-      expect_exact(exact, known.arm, random);
+      const ExactArm exact{known, random.readings(known, 3, 0.5), random.pose(3)};
+      expect_exact(exact, known.drawing, random);
+      expect_exact(exact, known, random);
     }
   }
 }
@@ -122,7 +123,7 @@ Signature near_parallel_arm(double tilt_rad, Random& random) {
                            Pose{rotation_about(across, tilt_rad) * turned, apart});
   signature.X_SL.push_back(signature.X_SL[1] * random.pose(0.6));
   signature.X_SL.push_back(Pose(signature.X_SL[2]));
-  derive_parameters(signature, testing::arm_of({{kR, 0, 0, 0.5, 0}, {kR, 0, 0, 0.5, 1.5}, {}}));
+  derive_parameters(signature, test::make_arm({{kR, 0, 0, 0.5, 0}, {kR, 0, 0, 0.5, 1.5}, {}}, {}));
   return signature;
 }
 
@@ -167,16 +168,16 @@ TEST(NearParallelAxes, threshold_stands_where_making_parallel_costs_as_much_as_k
 
 TEST(MirroredSense, of_one_joint_is_found_in_any_known_arm) {
   Random random(6);
-  for (const testing::KnownArm& known : testing::known_arms()) {
-    for (std::size_t joint = 0; joint < known.arm.joints.size(); ++joint) {
+  for (const test::KnownArm& known : test::known_arms()) {
+    for (std::size_t joint = 0; joint < known.joints.size(); ++joint) {
       SCOPED_TRACE(known.name);
-      const ExactArm exact{known.arm, random.readings(known.arm, 2.5, 0.5), random.pose(3)};
+      const ExactArm exact{known, random.readings(known, 2.5, 0.5), random.pose(3)};
       auto features = testing::exact_features(exact);
       JointVector q = exact.q_s;
       features[joint].axis_S *= -1.0;
       features[joint].reference_reading *= -1.0;
       q[joint] *= -1.0;
-      const auto signature = identify(features, q, known.nominal);
+      const auto signature = identify(features, q, known.drawing);
       ASSERT_FALSE(signature);
       EXPECT_EQ(signature.error().refusal.error, Error::kMirroredSense);
       EXPECT_EQ(signature.error().joint, joint);
@@ -186,11 +187,11 @@ TEST(MirroredSense, of_one_joint_is_found_in_any_known_arm) {
 
 TEST(MirroredSense, is_not_seen_where_the_drawing_has_its_zeros_wrong) {
   Random random(7);
-  for (const testing::KnownArm& known : testing::known_arms()) {
+  for (const test::KnownArm& known : test::known_arms()) {
     for (int i = 0; i < 10; ++i) {
       SCOPED_TRACE(known.name);
-      const ExactArm exact{known.arm, random.readings(known.arm, 2.5, 0.5), random.pose(3)};
-      Arm drawing = known.nominal;
+      const ExactArm exact{known, random.readings(known, 2.5, 0.5), random.pose(3)};
+      Arm drawing = known.drawing;
       for (DhJoint& row : drawing.joints) {
         if (row.type == kR) row.theta_rad += radians(random.uniform(-40, 40));
       }

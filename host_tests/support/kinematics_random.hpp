@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/base/arm.hpp"
-#include "host_tests/support/kinematics_arms.hpp"
+#include "host_tests/support/known_arms.hpp"
 
 namespace armsig::test {
 
@@ -38,7 +38,7 @@ inline JointVector disturbed(const KnownArm& arm, const JointVector& q, double m
 inline KnownArm perturbed_puma(std::mt19937_64& random) {
   KnownArm arm = puma560();
   std::normal_distribution<double> normal;
-  for (DhJoint& row : arm.rows) {
+  for (DhJoint& row : arm.joints) {
     row.alpha_rad += radians(0.1) * normal(random);
     row.theta_rad += radians(0.2) * normal(random);
     row.a_m += 5e-4 * normal(random);

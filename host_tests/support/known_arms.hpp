@@ -1,69 +1,49 @@
 // SPDX-License-Identifier: MIT
-// The paper's and the shared data's arms as the tests of the identification use them: at readings
-// of half a turn either way, or of half a metre.
+// The arms that many tests use: the paper's, and those of the shared data.
 #pragma once
 
 #include <array>
-#include <initializer_list>
 #include <string>
 
 #include "core/base/arm.hpp"
-#include "core/base/pose.hpp"
 #include "firmware/host_tool/paper_arms.hpp"
 #include "host_tests/support/shared_arms.hpp"
+#include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::testing {
+namespace armsig::test {
 
-inline constexpr JointType kR = JointType::kRevolute;
-inline constexpr JointType kP = JointType::kPrismatic;
-
-inline DhJoint row_mm_deg(JointType type, double theta_deg, double d_mm, double a_mm,
-                          double alpha_deg) {
-  return {type, radians(theta_deg), d_mm * 1e-3, a_mm * 1e-3, radians(alpha_deg)};
-}
-
-inline Arm arm_of(const FixedVector<DhJoint, kMaxJoints>& rows) {
-  Arm arm;
-  for (const DhJoint& row : rows) {
-    arm.joints.push_back(row);
-    arm.limits.push_back(row.type == kR ? JointLimits{-kPi, kPi} : JointLimits{0.0, 0.5});
-  }
-  return arm;
-}
-inline Arm arm_of(std::initializer_list<DhJoint> rows) {
-  return arm_of(FixedVector<DhJoint, kMaxJoints>(rows));
-}
-
-inline Arm puma560() { return arm_of(tool::puma560().joints); }
-inline Arm puma560_robot1() { return arm_of(tool::table2_robot(1).joints); }
-inline Arm puma560_robot2() { return arm_of(tool::table2_robot(2).joints); }
-inline Arm shared(const std::string& name) { return arm_of(test::shared_arm(name).joints); }
-inline Arm stanford() { return shared("stanford"); }
-inline Arm cobra600() { return shared("cobra600"); }
-inline Arm iiwa7() { return shared("iiwa7"); }
-inline Arm ur5() { return shared("ur5"); }
-inline Arm ur10e() { return shared("ur10e"); }
-inline Arm ur10e_individual_a() { return shared("ur10e-individual-a"); }
-inline Arm ur10e_individual_b() { return shared("ur10e-individual-b"); }
-
-// Each arm with the drawing that it was built from.
-struct KnownArm {
+// An arm as it is, and the drawing that it was built from.
+struct KnownArm : Arm {
   std::string name;
-  Arm arm;
-  Arm nominal;
+  Arm drawing;
 };
 
-inline std::array<KnownArm, 10> known_arms() {
-  return {{{"puma560", puma560(), puma560()},
-           {"puma560-stone1986-robot1", puma560_robot1(), puma560()},
-           {"puma560-stone1986-robot2", puma560_robot2(), puma560()},
-           {"stanford", stanford(), stanford()},
-           {"cobra600", cobra600(), cobra600()},
-           {"iiwa7", iiwa7(), iiwa7()},
-           {"ur5", ur5(), ur5()},
-           {"ur10e", ur10e(), ur10e()},
-           {"ur10e-individual-a", ur10e_individual_a(), ur10e()},
-           {"ur10e-individual-b", ur10e_individual_b(), ur10e()}}};
+inline KnownArm drawn(const std::string& name, const Arm& arm) { return {arm, name, arm}; }
+inline KnownArm shared(const std::string& name) { return drawn(name, shared_arm(name)); }
+
+inline KnownArm puma560() { return drawn("puma560", tool::puma560()); }
+inline KnownArm puma560_robot1() { return {tool::table2_robot(1), "robot 1", tool::puma560()}; }
+inline KnownArm puma560_robot2() { return {tool::table2_robot(2), "robot 2", tool::puma560()}; }
+inline KnownArm stanford() { return shared("stanford"); }
+inline KnownArm cobra600() { return shared("cobra600"); }
+inline KnownArm iiwa7() { return shared("iiwa7"); }
+inline KnownArm ur5() { return shared("ur5"); }
+inline KnownArm ur10e() { return shared("ur10e"); }
+inline KnownArm ur10e_individual_a() {
+  return {shared_arm("ur10e-individual-a"), "ur10e-individual-a", shared_arm("ur10e")};
+}
+inline KnownArm ur10e_individual_b() {
+  return {shared_arm("ur10e-individual-b"), "ur10e-individual-b", shared_arm("ur10e")};
 }
 
-}  // namespace armsig::testing
+inline std::array<KnownArm, 8> six_joint_arms() {
+  return {puma560(), puma560_robot1(), puma560_robot2(),     stanford(),
+          ur5(),     ur10e(),          ur10e_individual_a(), ur10e_individual_b()};
+}
+
+inline std::array<KnownArm, 10> known_arms() {
+  return {puma560(), puma560_robot1(),     puma560_robot2(),     stanford(), ur5(),
+          ur10e(),   ur10e_individual_a(), ur10e_individual_b(), cobra600(), iiwa7()};
+}
+
+}  // namespace armsig::test

@@ -11,9 +11,9 @@
 #include <Eigen/LU>
 
 #include "core/kinematics/cold_start.hpp"
-#include "host_tests/support/kinematics_arms.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/kinematics_reference.hpp"
+#include "host_tests/support/known_arms.hpp"
 
 namespace armsig::test {
 
@@ -28,7 +28,7 @@ inline bool met(const kinematics::InverseSolution& solution) {
 // The pose by the product of matrices in extended precision, so that the kernel under test does not
 // judge itself.
 inline Pose reference(const KnownArm& arm, const JointVector& q) {
-  const Matrix4L T = reference_pose(arm.rows, q);
+  const Matrix4L T = reference_pose(arm.joints, q);
   Pose X;
   for (std::size_t r = 0; r < 3; ++r) {
     const auto row = static_cast<Eigen::Index>(r);
@@ -43,7 +43,7 @@ inline Pose reference(const KnownArm& arm, const JointVector& q) {
 // How many of `poses` random poses the inverse misses from a seed at most half a degree (or 9 mm)
 // away, by the reference.
 inline int missed_poses(const KnownArm& arm, int poses, std::mt19937_64& random) {
-  const kinematics::Chain chain = kinematics::make_chain(arm.rows, arm.limits);
+  const kinematics::Chain chain = kinematics::make_chain(arm.joints, arm.limits);
   int missed = 0;
   for (int k = 0; k < poses; ++k) {
     const JointVector q = random_readings(arm, random);
@@ -63,7 +63,7 @@ struct ColdStartTrial {
 
 // Cold starts with the reference half a degree away from readings that reach the pose.
 inline ColdStartTrial try_cold_starts(const KnownArm& arm, int poses, std::mt19937_64& random) {
-  const kinematics::Chain chain = kinematics::make_chain(arm.rows, arm.limits);
+  const kinematics::Chain chain = kinematics::make_chain(arm.joints, arm.limits);
   const kinematics::ClosedForm form = kinematics::closed_form(chain);
   ColdStartTrial trial{.poses = poses};
   for (int k = 0; k < poses; ++k) {
@@ -135,7 +135,7 @@ struct SingularTrial {
 inline void judge(const KnownArm& arm, const kinematics::Chain& chain, const JointVector& seed,
                   const Pose& X, SingularTrial& trial) {
   kinematics::InverseOptions options;
-  options.max_step = JointVector(arm.rows.size(), kLargestStep);
+  options.max_step = JointVector(arm.joints.size(), kLargestStep);
   const auto s = kinematics::inverse(chain, X, seed, options);
   ++trial.poses;
   if (!s) {
@@ -165,7 +165,7 @@ inline void judge(const KnownArm& arm, const kinematics::Chain& chain, const Joi
 // from about there, that lie a nanometre to a metre further out or in, and anywhere about the base.
 inline void try_singular_poses(const KnownArm& arm, int poses, std::mt19937_64& random,
                                SingularTrial& trial) {
-  const kinematics::Chain chain = kinematics::make_chain(arm.rows, arm.limits);
+  const kinematics::Chain chain = kinematics::make_chain(arm.joints, arm.limits);
   const auto magnitude = [&](double least, double most) {
     return std::pow(10, uniform(random, least, most)) * (random() % 2 == 0 ? 1 : -1);
   };

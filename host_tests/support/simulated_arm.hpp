@@ -20,6 +20,9 @@ inline Pose dh_pose(const DhJoint& joint, double reading) {
   return {R_z * rotation_x(joint.alpha_rad), R_z * p};
 }
 
+inline constexpr JointType kR = JointType::kRevolute;
+inline constexpr JointType kP = JointType::kPrismatic;
+
 inline Arm make_arm(std::initializer_list<DhJoint> joints,
                     std::initializer_list<JointLimits> limits) {
   Arm arm;
@@ -30,7 +33,6 @@ inline Arm make_arm(std::initializer_list<DhJoint> joints,
 
 // Table 1 of the paper; limits of the Puma Mark II 500 series.
 inline Arm puma() {
-  constexpr JointType kR = JointType::kRevolute;
   const auto limit = [](double lower_deg, double upper_deg) {
     return JointLimits{radians(lower_deg), radians(upper_deg)};
   };

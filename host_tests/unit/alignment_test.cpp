@@ -6,12 +6,13 @@
 #include "core/frames/sense.hpp"
 #include "host_tests/support/exact_arm.hpp"
 #include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::frames {
 namespace {
 
-using testing::kP;
-using testing::kR;
+using test::kP;
+using test::kR;
 
 Pose some_motion() { return {rotation_z(2.0) * rotation_x(-1.0), Vector3(1.5, -0.7, 2.2)}; }
 
@@ -25,7 +26,7 @@ AxisLines moved(const Pose& X_AB, const AxisLines& lines_B) {
 }
 
 TEST(Align, finds_the_motion_between_two_copies_of_an_arm) {
-  const AxisLines lines_B = axis_lines(testing::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
+  const AxisLines lines_B = axis_lines(test::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
   const Alignment alignment = align(moved(some_motion(), lines_B), lines_B);
   EXPECT_LT((alignment.X_AB.R - some_motion().R).norm(), 1e-13);
   EXPECT_LT((alignment.X_AB.p - some_motion().p).norm(), 1e-13);
@@ -34,14 +35,14 @@ TEST(Align, finds_the_motion_between_two_copies_of_an_arm) {
 }
 
 TEST(Align, does_not_care_where_on_its_line_a_point_stands) {
-  AxisLines lines_B = axis_lines(testing::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
+  AxisLines lines_B = axis_lines(test::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
   const AxisLines lines_A = moved(some_motion(), lines_B);
   for (AxisLine& line : lines_B) line.point += 0.4 * line.direction;
   EXPECT_LT((align(lines_A, lines_B).X_AB.p - some_motion().p).norm(), 1e-13);
 }
 
 TEST(Align, ignores_the_point_of_a_prismatic_joint) {
-  AxisLines lines_B = axis_lines(testing::stanford(), {0.3, -0.4, 0.5, 0.2, -0.7, 0.1});
+  AxisLines lines_B = axis_lines(test::stanford(), {0.3, -0.4, 0.5, 0.2, -0.7, 0.1});
   const AxisLines lines_A = moved(some_motion(), lines_B);
   lines_B[2].point += Vector3(5, 6, 7);
   const Alignment alignment = align(lines_A, lines_B);
@@ -61,7 +62,7 @@ TEST(Align, shares_an_error_of_direction_among_the_joints) {
 }
 
 TEST(Align, tells_how_far_each_joint_is_off) {
-  const AxisLines lines_B = axis_lines(testing::ur5(), JointVector{0.3, -0.9, 0.9, 0.2, -0.7, 0.1});
+  const AxisLines lines_B = axis_lines(test::ur5(), JointVector{0.3, -0.9, 0.9, 0.2, -0.7, 0.1});
   AxisLines lines_A = moved(some_motion(), lines_B);
   lines_A[4].direction = (lines_A[4].direction + 1e-3 * some_motion().R.col(0)).normalized();
   const Alignment alignment = align(lines_A, lines_B);
@@ -71,7 +72,7 @@ TEST(Align, tells_how_far_each_joint_is_off) {
 }
 
 TEST(Align, parallel_axes_are_not_slid_along) {
-  const AxisLines lines_B = axis_lines(testing::cobra600(), {0.3, -0.9, 0.1, 0.2});
+  const AxisLines lines_B = axis_lines(test::cobra600(), {0.3, -0.9, 0.1, 0.2});
   const Pose X_AB{rotation_z(1.0), Vector3(0.2, 0.3, 0.0)};
   const Alignment alignment = align(moved(X_AB, lines_B), lines_B);
   EXPECT_LT((alignment.X_AB.R - X_AB.R).norm(), 1e-13);
@@ -116,8 +117,8 @@ AxisLines seen(const Arm& arm, const JointVector& q, std::initializer_list<std::
 JointVector some_readings() { return {0.3, -0.4, 0.9, 0.2, -0.7, 0.1}; }
 
 TEST(CheckSense, accepts_an_arm_against_its_own_drawing) {
-  const SenseCheck check = check_sense(testing::puma560(), some_readings(),
-                                       seen(testing::puma560(), some_readings(), {}));
+  const SenseCheck check =
+      check_sense(test::puma560(), some_readings(), seen(test::puma560(), some_readings(), {}));
   EXPECT_EQ(check.verdict, SenseVerdict::kAgrees);
   EXPECT_LT(check.angle_rad, 1e-13);
   EXPECT_LT(check.distance_m, 1e-13);
@@ -126,23 +127,22 @@ TEST(CheckSense, accepts_an_arm_against_its_own_drawing) {
 TEST(CheckSense, accepts_zeros_a_dozen_degrees_from_the_drawing) {
   JointVector q = some_readings();
   for (double& reading : q) reading += radians(12);
-  EXPECT_EQ(
-      check_sense(testing::puma560(), some_readings(), seen(testing::puma560(), q, {})).verdict,
-      SenseVerdict::kAgrees);
+  EXPECT_EQ(check_sense(test::puma560(), some_readings(), seen(test::puma560(), q, {})).verdict,
+            SenseVerdict::kAgrees);
 }
 
 TEST(CheckSense, names_a_joint_whose_reading_is_negated) {
   JointVector q = some_readings();
   q[2] = -q[2];
   const SenseCheck check =
-      check_sense(testing::puma560(), q, seen(testing::puma560(), some_readings(), {2}));
+      check_sense(test::puma560(), q, seen(test::puma560(), some_readings(), {2}));
   EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(check.reversed[i], i == 2) << i;
 }
 
 TEST(CheckSense, names_a_joint_whose_reading_is_negated_about_the_signature_configuration) {
-  const SenseCheck check = check_sense(testing::puma560(), some_readings(),
-                                       seen(testing::puma560(), some_readings(), {4}));
+  const SenseCheck check =
+      check_sense(test::puma560(), some_readings(), seen(test::puma560(), some_readings(), {4}));
   EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
   EXPECT_TRUE(check.reversed[4]);
 }
@@ -152,20 +152,20 @@ TEST(CheckSense, names_both_of_two_reversed_joints) {
   q[0] = -q[0];
   q[3] = -q[3];
   const SenseCheck check =
-      check_sense(testing::puma560(), q, seen(testing::puma560(), some_readings(), {0, 3}));
+      check_sense(test::puma560(), q, seen(test::puma560(), some_readings(), {0, 3}));
   EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(check.reversed[i], i == 0 || i == 3) << i;
 }
 
 TEST(CheckSense, names_a_reversed_prismatic_joint) {
-  const SenseCheck check = check_sense(testing::stanford(), some_readings(),
-                                       seen(testing::stanford(), some_readings(), {2}));
+  const SenseCheck check =
+      check_sense(test::stanford(), some_readings(), seen(test::stanford(), some_readings(), {2}));
   EXPECT_EQ(check.verdict, SenseVerdict::kJointsReversed);
   EXPECT_TRUE(check.reversed[2]);
 }
 
 TEST(CheckSense, recognises_left_handed_sensor_coordinates) {
-  AxisLines lines = seen(testing::stanford(), some_readings(), {});
+  AxisLines lines = seen(test::stanford(), some_readings(), {});
   for (AxisLine& line : lines) {
     // x and y exchanged: a point is reflected, a direction of travel too, and the axis of a turn is
     // reflected and reversed.
@@ -173,27 +173,25 @@ TEST(CheckSense, recognises_left_handed_sensor_coordinates) {
     std::swap(line.direction.x(), line.direction.y());
     if (line.type == kR) line.direction *= -1.0;
   }
-  const SenseCheck check = check_sense(testing::stanford(), some_readings(), lines);
+  const SenseCheck check = check_sense(test::stanford(), some_readings(), lines);
   EXPECT_EQ(check.verdict, SenseVerdict::kSensorMirrored);
   for (const bool reversed : check.reversed) EXPECT_FALSE(reversed);
 }
 
 TEST(CheckSense, has_no_opinion_on_a_drawing_of_another_arm) {
-  Arm other = testing::puma560();
+  Arm other = test::puma560();
   for (DhJoint& row : other.joints) row.alpha_rad += radians(60);
-  EXPECT_EQ(
-      check_sense(testing::puma560(), some_readings(), seen(other, some_readings(), {})).verdict,
-      SenseVerdict::kNoMatch);
+  EXPECT_EQ(check_sense(test::puma560(), some_readings(), seen(other, some_readings(), {})).verdict,
+            SenseVerdict::kNoMatch);
 }
 
 TEST(CheckSense, cannot_tell_the_sense_of_a_single_joint) {
-  const Arm one = testing::arm_of({testing::row_mm_deg(kR, 0, 100, 200, 90)});
+  const Arm one = test::make_arm({{kR, 0, 0.1, 0.2, radians(90)}}, {});
   EXPECT_EQ(check_sense(one, {0.4}, seen(one, {0.4}, {0})).verdict, SenseVerdict::kAgrees);
 }
 
 TEST(CheckSense, cannot_tell_the_sense_of_two_crossing_axes) {
-  const Arm two =
-      testing::arm_of({testing::row_mm_deg(kR, 0, 0, 0, 90), testing::row_mm_deg(kR, 0, 0, 0, 0)});
+  const Arm two = test::make_arm({{kR, 0, 0, 0, radians(90)}, {kR, 0, 0, 0, 0}}, {});
   EXPECT_EQ(check_sense(two, {0.4, 0.2}, seen(two, {0.4, 0.2}, {1})).verdict,
             SenseVerdict::kAgrees);
 }

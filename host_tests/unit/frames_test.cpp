@@ -9,8 +9,8 @@
 namespace armsig::frames {
 namespace {
 
-using testing::kP;
-using testing::kR;
+using test::kP;
+using test::kR;
 
 features::JointFeature circle(const Vector3& axis, const Vector3& centre, const Vector3& radial) {
   features::JointFeature feature;
@@ -73,11 +73,11 @@ TEST(LinkFrames, trap_without_a_feature_or_a_reading) {
 
 TEST(KnownLinkFrames, frame_slid_back_along_its_axis_is_the_denavit_hartenberg_frame) {
   testing::Random random(31);
-  for (const testing::KnownArm& known : testing::known_arms()) {
-    const JointVector q = random.readings(known.arm, 3, 0.5);
-    const KnownLinkFrames frames = link_frames(known.arm.joints, q);
+  for (const test::KnownArm& known : test::known_arms()) {
+    const JointVector q = random.readings(known, 3, 0.5);
+    const KnownLinkFrames frames = link_frames(known.joints, q);
     for (std::size_t k = 0; k < frames.X_0L.size(); ++k) {
-      const Pose X_0F = testing::rounded(testing::dh_pose(known.arm.joints, q, k, Pose{}));
+      const Pose X_0F = testing::rounded(testing::dh_pose(known.joints, q, k, Pose{}));
       EXPECT_LT((frames.X_0L[k].R - X_0F.R).norm(), 1e-14) << known.name << k;
       const Vector3 slid = X_0F.p + frames.along_m[k] * X_0F.R.col(2);
       EXPECT_LT((frames.X_0L[k].p - slid).norm(), 1e-12) << known.name << k;
@@ -86,23 +86,23 @@ TEST(KnownLinkFrames, frame_slid_back_along_its_axis_is_the_denavit_hartenberg_f
 }
 
 TEST(KnownLinkFrames, first_is_the_base_and_last_the_arms_own) {
-  const KnownLinkFrames frames = link_frames(testing::ur10e_individual_a().joints, JointVector(6));
+  const KnownLinkFrames frames = link_frames(test::ur10e_individual_a().joints, JointVector(6));
   EXPECT_TRUE(frames.X_0L[0].R.isIdentity(0));
   EXPECT_EQ(frames.X_0L[0].p, Vector3::Zero());
   EXPECT_EQ(frames.along_m[6], 0.0);
 }
 
 TEST(KnownLinkFrames, stay_near_an_arm_whose_origins_are_hundreds_of_metres_away) {
-  const KnownLinkFrames frames = link_frames(testing::ur10e_individual_a().joints, JointVector(6));
+  const KnownLinkFrames frames = link_frames(test::ur10e_individual_a().joints, JointVector(6));
   for (const Pose& X_0L : frames.X_0L) EXPECT_LT(X_0L.p.norm(), 2.0);
   EXPECT_GT(std::abs(frames.along_m[2]), 300.0);
 }
 
 TEST(AxisLines, of_a_drawing_pass_through_its_denavit_hartenberg_origins) {
   const JointVector q{0.3, -0.4, 0.9, 0.2, -0.7, 0.1};
-  const AxisLines lines = axis_lines(testing::puma560(), q);
+  const AxisLines lines = axis_lines(test::puma560(), q);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Pose X_0F = testing::rounded(testing::dh_pose(testing::puma560().joints, q, i, Pose{}));
+    const Pose X_0F = testing::rounded(testing::dh_pose(test::puma560().joints, q, i, Pose{}));
     EXPECT_LT((lines[i].direction - X_0F.R.col(2)).norm(), 1e-15) << i;
     EXPECT_LT(lines[i].direction.cross(lines[i].point - X_0F.p).norm(), 1e-15) << i;
   }

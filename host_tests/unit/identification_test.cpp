@@ -11,18 +11,19 @@
 #include "core/pseudo_dh/pseudo_dh.hpp"
 #include "host_tests/support/exact_arm.hpp"
 #include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig {
 namespace {
 
+using test::kP;
+using test::kR;
 using testing::ExactArm;
-using testing::kP;
-using testing::kR;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 ExactArm puma() {
-  return {testing::puma560(),
+  return {test::puma560(),
           {0.3, -0.4, 0.9, 0.2, -0.7, 0.1},
           Pose{rotation_z(0.5) * rotation_x(0.1), Vector3(1, -2, 0.3)}};
 }
@@ -44,8 +45,8 @@ FixedVector<features::JointFeature, kMaxJoints> golden_features() {
   return features;
 }
 Arm golden_drawing() {
-  return testing::arm_of(
-      {{kR, 0.4, 0.1, 0.6, 1.0}, {kP, -2.0, 0.3, 0.7, 1.3}, {kR, -1.8, 0.3, 0, 0}});
+  return test::make_arm(
+      {{kR, 0.4, 0.1, 0.6, 1.0}, {kP, -2.0, 0.3, 0.7, 1.3}, {kR, -1.8, 0.3, 0, 0}}, {});
 }
 
 TEST(Identify, finds_the_golden_rows_of_three_axes) {
@@ -82,7 +83,7 @@ TEST(Identify, keeps_types_configuration_and_features) {
 // authors; ours are turned and slid about the same z axis, by the turn and slide measured here.
 void expect_table_2(const Arm& arm) {
   const ExactArm exact{arm, {0.4, -0.7, 0.9, 0.3, 0.8, -0.5}, Pose{rotation_x(0.3), {1, 2, 0.5}}};
-  const auto signature = identify(testing::exact_features(exact), exact.q_s, testing::puma560());
+  const auto signature = identify(testing::exact_features(exact), exact.q_s, test::puma560());
   ASSERT_TRUE(signature);
   EXPECT_TRUE(signature->description_matches);
   FixedVector<DhJoint, kMaxJoints> rows = signature->pseudo_dh;
@@ -108,11 +109,11 @@ void expect_table_2(const Arm& arm) {
   }
 }
 
-TEST(Identify, gives_table_2_of_robot_1_back) { expect_table_2(testing::puma560_robot1()); }
-TEST(Identify, gives_table_2_of_robot_2_back) { expect_table_2(testing::puma560_robot2()); }
+TEST(Identify, gives_table_2_of_robot_1_back) { expect_table_2(test::puma560_robot1()); }
+TEST(Identify, gives_table_2_of_robot_2_back) { expect_table_2(test::puma560_robot2()); }
 
 TEST(Identify, warns_of_a_drawing_of_another_arm) {
-  Arm other = testing::puma560();
+  Arm other = test::puma560();
   for (DhJoint& row : other.joints) row.alpha_rad += radians(60);
   const auto signature = identify(testing::exact_features(puma()), puma().q_s, other);
   ASSERT_TRUE(signature);
@@ -126,7 +127,7 @@ TEST(Identify, refuses_a_feature_that_is_not_finite_and_names_the_joint) {
     if (part == 1) features[3].point_S.y() = kNaN;
     if (part == 2) features[3].radial_S.z() = kNaN;
     if (part == 3) features[3].reference_reading = kNaN;
-    const auto signature = identify(features, puma().q_s, testing::puma560());
+    const auto signature = identify(features, puma().q_s, test::puma560());
     ASSERT_FALSE(signature);
     EXPECT_EQ(signature.error().refusal.error, Error::kNotFinite);
     EXPECT_EQ(signature.error().joint, 3U);
@@ -136,7 +137,7 @@ TEST(Identify, refuses_a_feature_that_is_not_finite_and_names_the_joint) {
 TEST(Identify, refuses_an_axis_without_direction) {
   auto features = testing::exact_features(puma());
   features[2].axis_S.setZero();
-  const auto signature = identify(features, puma().q_s, testing::puma560());
+  const auto signature = identify(features, puma().q_s, test::puma560());
   ASSERT_FALSE(signature);
   EXPECT_EQ(signature.error().refusal.error, Error::kNotFinite);
   EXPECT_EQ(signature.error().joint, 2U);
@@ -145,7 +146,7 @@ TEST(Identify, refuses_an_axis_without_direction) {
 TEST(Identify, refuses_a_reading_that_is_not_finite) {
   JointVector q = puma().q_s;
   q[5] = std::numeric_limits<double>::infinity();
-  const auto signature = identify(testing::exact_features(puma()), q, testing::puma560());
+  const auto signature = identify(testing::exact_features(puma()), q, test::puma560());
   ASSERT_FALSE(signature);
   EXPECT_EQ(signature.error().refusal.error, Error::kNotFinite);
   EXPECT_EQ(signature.error().joint, 5U);
@@ -157,7 +158,7 @@ TEST(Identify, refuses_a_joint_that_turns_backwards_and_names_it) {
   features[1].axis_S *= -1.0;
   features[1].reference_reading *= -1.0;
   q[1] = -q[1];
-  const auto signature = identify(features, q, testing::puma560());
+  const auto signature = identify(features, q, test::puma560());
   ASSERT_FALSE(signature);
   EXPECT_EQ(signature.error().refusal.error, Error::kMirroredSense);
   EXPECT_GT(signature.error().refusal.found, signature.error().refusal.needed);
@@ -173,7 +174,7 @@ TEST(Identify, refuses_a_left_handed_sensor) {
     feature.axis_S.z() *= -1.0;
     feature.axis_S *= -1.0;
   }
-  const auto signature = identify(features, puma().q_s, testing::puma560());
+  const auto signature = identify(features, puma().q_s, test::puma560());
   ASSERT_FALSE(signature);
   EXPECT_EQ(signature.error().refusal.error, Error::kMirroredSense);
   EXPECT_EQ(signature.error().sense.verdict, frames::SenseVerdict::kSensorMirrored);
@@ -182,35 +183,35 @@ TEST(Identify, refuses_a_left_handed_sensor) {
 TEST(Identify, traps_when_counts_or_types_differ) {
   const auto features = testing::exact_features(puma());
   EXPECT_DEATH(EXPECT_FALSE(identify({}, {}, Arm{})), "");
-  EXPECT_DEATH(EXPECT_FALSE(identify(features, {0.1}, testing::puma560())), "");
-  EXPECT_DEATH(EXPECT_FALSE(identify(features, puma().q_s, testing::cobra600())), "");
-  EXPECT_DEATH(EXPECT_FALSE(identify(features, puma().q_s, testing::stanford())), "");
+  EXPECT_DEATH(EXPECT_FALSE(identify(features, {0.1}, test::puma560())), "");
+  EXPECT_DEATH(EXPECT_FALSE(identify(features, puma().q_s, test::cobra600())), "");
+  EXPECT_DEATH(EXPECT_FALSE(identify(features, puma().q_s, test::stanford())), "");
 }
 
 TEST(DeriveParameters, leaves_the_link_frames_as_they_are) {
-  Signature signature = signature_of(testing::puma560_robot1(), JointVector(6, 0.2), Pose{}, {});
+  Signature signature = signature_of(test::puma560_robot1(), JointVector(6, 0.2), Pose{}, {});
   const auto before = signature.X_SL;
   signature.X_SL[3].p.x() += 1e-3;
-  derive_parameters(signature, testing::puma560());
+  derive_parameters(signature, test::puma560());
   EXPECT_EQ(signature.X_SL[3].p.x(), before[3].p.x() + 1e-3);
   EXPECT_EQ(signature.X_SL[4].R, before[4].R);
 }
 
 TEST(DeriveParameters, follows_frames_that_a_refinement_has_moved) {
-  Signature signature = signature_of(testing::puma560(), JointVector(6, 0.2), Pose{}, {});
+  Signature signature = signature_of(test::puma560(), JointVector(6, 0.2), Pose{}, {});
   signature.X_SL[6].p += 1e-3 * signature.X_SL[6].R.col(0);
-  derive_parameters(signature, testing::puma560());
+  derive_parameters(signature, test::puma560());
   EXPECT_NEAR(std::abs(signature.pseudo_dh[5].a_m), 1e-3, 1e-15);
 }
 
 TEST(SignatureOf, gives_the_rows_of_the_arm_back) {
-  for (const testing::KnownArm& known : testing::known_arms()) {
+  for (const test::KnownArm& known : test::known_arms()) {
     SCOPED_TRACE(known.name);
-    const JointVector q(known.arm.joints.size(), 0.25);
-    const Signature signature = signature_of(known.arm, q, testing::Random(5).pose(2), {});
+    const JointVector q(known.joints.size(), 0.25);
+    const Signature signature = signature_of(known, q, testing::Random(5).pose(2), {});
     for (std::size_t i = 0; i < q.size(); ++i) {
       const DhJoint& found = signature.pseudo_dh[i];
-      const DhJoint& truth = known.arm.joints[i];
+      const DhJoint& truth = known.joints[i];
       const double tilt = std::abs(std::sin(truth.alpha_rad));
       if (tilt < s_model::kParallelSine) continue;  // d of parallel axes is free
       // A near-parallel normal amplifies rounding by 1 / sine, twice for d.
@@ -231,25 +232,25 @@ TEST(SignatureOf, ends_in_the_arms_own_last_frame) {
 
 TEST(SignatureOf, predicts_targets_on_any_link_to_a_tenth_of_a_picometre_per_metre) {
   testing::Random random(41);
-  for (const testing::KnownArm& known : testing::known_arms()) {
+  for (const test::KnownArm& known : test::known_arms()) {
     SCOPED_TRACE(known.name);
     const Pose X_S0 = random.pose(2);
-    const JointVector q_s = random.readings(known.arm, 3, 0.5);
+    const JointVector q_s = random.readings(known, 3, 0.5);
     const std::size_t n = q_s.size();
     // One target near the arm on each link, written in that link's Denavit-Hartenberg frame.
     std::array<KnownTarget, kMaxFrames> targets;
     for (std::size_t k = 0; k <= n; ++k) {
-      const auto X_SF = testing::dh_pose(known.arm.joints, q_s, k, X_S0);
+      const auto X_SF = testing::dh_pose(known.joints, q_s, k, X_S0);
       const testing::LongVector3 near_base =
           (X_S0.p + Vector3(0.2, 0.3, 0.4)).cast<testing::Long>();
       targets[k] = {static_cast<int>(k), k, (X_SF.inverse() * near_base).cast<double>()};
     }
-    const Signature signature = signature_of(known.arm, q_s, X_S0, std::span(targets).first(n + 1));
+    const Signature signature = signature_of(known, q_s, X_S0, std::span(targets).first(n + 1));
     for (int trial = 0; trial < 20; ++trial) {
-      const JointVector q = random.readings(known.arm, 3, 0.5);
+      const JointVector q = random.readings(known, 3, 0.5);
       for (std::size_t k = 0; k <= n; ++k) {
         const testing::LongVector3 truth =
-            testing::dh_pose(known.arm.joints, q, k, X_S0) *
+            testing::dh_pose(known.joints, q, k, X_S0) *
             testing::LongVector3(targets[k].p_F.cast<testing::Long>());
         const Vector3 predicted = kinematics::target_position(signature, q, signature.targets[k]);
         EXPECT_LT((predicted - truth.cast<double>()).norm(), 3e-13) << k;
@@ -260,8 +261,8 @@ TEST(SignatureOf, predicts_targets_on_any_link_to_a_tenth_of_a_picometre_per_met
 
 TEST(SignatureOf, traps_on_a_target_beyond_the_last_link) {
   const KnownTarget target{1, 7, Vector3::Zero()};
-  EXPECT_DEATH(
-      (void)signature_of(testing::puma560(), JointVector(6), Pose{}, std::span(&target, 1)), "");
+  EXPECT_DEATH((void)signature_of(test::puma560(), JointVector(6), Pose{}, std::span(&target, 1)),
+               "");
 }
 
 }  // namespace

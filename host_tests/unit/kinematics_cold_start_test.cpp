@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "core/kinematics/cold_start.hpp"
-#include "host_tests/support/kinematics_arms.hpp"
 #include "host_tests/support/kinematics_random.hpp"
+#include "host_tests/support/known_arms.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -23,26 +23,26 @@ double pose_difference(const Pose& X, const Pose& Y) {
 }
 
 TEST(ClosedForm, knows_the_designs_of_the_known_arms) {
-  EXPECT_EQ(closed_form(make_chain(test::puma560().rows)).design, Design::kSphericalWrist);
-  EXPECT_EQ(closed_form(make_chain(test::puma560_stone1986_robot1().rows)).design,
-            Design::kSphericalWrist);
-  EXPECT_EQ(closed_form(make_chain(test::ur5().rows)).design, Design::kParallelAxes);
-  EXPECT_EQ(closed_form(make_chain(test::ur10e_individual_a().rows)).design, Design::kParallelAxes);
-  EXPECT_EQ(closed_form(make_chain(test::stanford().rows)).design, Design::kOther);
-  EXPECT_EQ(closed_form(make_chain(test::iiwa7().rows)).design, Design::kOther);
+  EXPECT_EQ(closed_form(make_chain(test::puma560().joints)).design, Design::kSphericalWrist);
+  EXPECT_EQ(closed_form(make_chain(test::puma560_robot1().joints)).design, Design::kSphericalWrist);
+  EXPECT_EQ(closed_form(make_chain(test::ur5().joints)).design, Design::kParallelAxes);
+  EXPECT_EQ(closed_form(make_chain(test::ur10e_individual_a().joints)).design,
+            Design::kParallelAxes);
+  EXPECT_EQ(closed_form(make_chain(test::stanford().joints)).design, Design::kOther);
+  EXPECT_EQ(closed_form(make_chain(test::iiwa7().joints)).design, Design::kOther);
 }
 
 TEST(ClosedForm, is_exact_for_arms_that_are_as_drawn) {
   std::mt19937_64 random(1);
   test::KnownArm folded = test::puma560();  // axes 2 and 3 parallel the other way round
-  folded.rows[1].alpha_rad = kPi;
-  folded.rows[2].d_m = 0.05;
+  folded.joints[1].alpha_rad = kPi;
+  folded.joints[2].d_m = 0.05;
   test::KnownArm offset_base = test::puma560();  // as most industrial arms
-  offset_base.rows[0].a_m = 0.15;
-  offset_base.rows[0].d_m = 0.4;
+  offset_base.joints[0].a_m = 0.15;
+  offset_base.joints[0].d_m = 0.4;
   for (const test::KnownArm& arm :
        {test::puma560(), test::ur5(), test::ur10e(), folded, offset_base}) {
-    const Chain chain = make_chain(arm.rows);
+    const Chain chain = make_chain(arm.joints);
     const ClosedForm form = closed_form(chain);
     ASSERT_NE(form.design, Design::kOther);
     for (int k = 0; k < 500; ++k) {
@@ -60,7 +60,7 @@ TEST(ClosedForm, is_exact_for_arms_that_are_as_drawn) {
 // Joint 1 at zero points the Puma along +x with its upper arm at y = +149 mm: to the left. With the
 // forearm hanging from a raised upper arm the elbow is above.
 TEST(Posture, of_the_puma_is_named_as_in_val) {
-  const ClosedForm form = closed_form(make_chain(test::puma560().rows));
+  const ClosedForm form = closed_form(make_chain(test::puma560().joints));
   const Posture posture = posture_of(form, {0, radians(-45), radians(150), 0, radians(30), 0});
   EXPECT_TRUE(posture.lefty);
   EXPECT_TRUE(posture.above);
@@ -70,7 +70,7 @@ TEST(Posture, of_the_puma_is_named_as_in_val) {
 TEST(ColdStart, finds_all_eight_named_solutions_of_an_identified_puma) {
   std::mt19937_64 random(2);
   const test::KnownArm arm = test::perturbed_puma(random);
-  const Chain chain = make_chain(arm.rows, arm.limits);
+  const Chain chain = make_chain(arm.joints, arm.limits);
   const Pose X = *forward(chain, {0.2, -0.8, 0.9, 0.3, 0.7, -0.4});
   const Solutions solutions = *cold_start(chain, closed_form(chain), X);
   ASSERT_EQ(solutions.size(), 8U);
@@ -85,7 +85,7 @@ TEST(ColdStart, finds_all_eight_named_solutions_of_an_identified_puma) {
 
 TEST(ColdStart, lists_solutions_inside_the_limits_first) {
   const test::KnownArm arm = test::puma560();
-  const Chain chain = make_chain(arm.rows, arm.limits);
+  const Chain chain = make_chain(arm.joints, arm.limits);
   const Pose X = *forward(chain, {0.2, -0.8, 0.9, 0.3, 0.7, -0.4});
   const Solutions solutions = *cold_start(chain, closed_form(chain), X);
   bool outside = false;
@@ -104,7 +104,7 @@ TEST(ColdStart, lists_solutions_inside_the_limits_first) {
 
 TEST(ColdStart, puts_the_solution_nearest_to_the_reference_first) {
   const test::KnownArm arm = test::ur10e_individual_a();
-  const Chain chain = make_chain(arm.rows, arm.limits);
+  const Chain chain = make_chain(arm.joints, arm.limits);
   const JointVector q{0.4, -1.2, 5.0, -4.5, 2.0, -5.5};
   const Solutions solutions = *cold_start(chain, closed_form(chain), *forward(chain, q), q);
   ASSERT_FALSE(solutions.empty());
@@ -114,7 +114,7 @@ TEST(ColdStart, puts_the_solution_nearest_to_the_reference_first) {
 TEST(ColdStart, finds_a_solution_for_arms_without_a_closed_form) {
   std::mt19937_64 random(3);
   for (const test::KnownArm& arm : {test::stanford(), test::cobra600(), test::iiwa7()}) {
-    const Chain chain = make_chain(arm.rows, arm.limits);
+    const Chain chain = make_chain(arm.joints, arm.limits);
     for (int k = 0; k < 20; ++k) {
       const Pose X = *forward(chain, test::random_readings(arm, random));
       const Solutions solutions = *cold_start(chain, closed_form(chain), X);
@@ -126,14 +126,14 @@ TEST(ColdStart, finds_a_solution_for_arms_without_a_closed_form) {
 }
 
 TEST(ColdStart, is_empty_where_nothing_reaches) {
-  const Chain chain = make_chain(test::puma560().rows);
+  const Chain chain = make_chain(test::puma560().joints);
   Pose X = *forward(chain, {0.2, -0.8, 0.9, 0.3, 0.7, -0.4});
   X.p *= 5;
   EXPECT_TRUE(cold_start(chain, closed_form(chain), X)->empty());
 }
 
 TEST(ColdStart, refuses_a_pose_that_is_not_finite) {
-  const Chain chain = make_chain(test::puma560().rows);
+  const Chain chain = make_chain(test::puma560().joints);
   Pose X;
   X.p.x() = std::numeric_limits<double>::infinity();
   for (const ClosedForm& form : {closed_form(chain), ClosedForm{}}) {

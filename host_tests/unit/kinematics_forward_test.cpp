@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "core/kinematics/forward.hpp"
-#include "host_tests/support/kinematics_arms.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/kinematics_reference.hpp"
+#include "host_tests/support/known_arms.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -38,7 +38,7 @@ ReadingsT<float> single(const JointVector& q) {
 TEST(Forward, gives_the_worked_example_of_the_puma) {
   const JointVector q{radians(10),  radians(-20), radians(30),
                       radians(-40), radians(50),  radians(-60)};
-  const Pose X = *forward(make_chain(test::puma560().rows), q);
+  const Pose X = *forward(make_chain(test::puma560().joints), q);
   const Matrix3 R{{-0.21553310377241479, 0.60745165367577732, 0.76455736843273767},
                   {-0.92142738689216451, 0.13270027428127828, -0.36518790764584592},
                   {-0.32329097089666277, -0.78319418131919047, 0.53112128792250094}};
@@ -50,12 +50,12 @@ TEST(Forward, gives_the_worked_example_of_the_puma) {
 TEST(Forward, agrees_with_the_product_of_matrices_in_extended_precision) {
   std::mt19937_64 random(1);
   for (const test::KnownArm& arm : test::known_arms()) {
-    const Chain chain = make_chain(arm.rows);
+    const Chain chain = make_chain(arm.joints);
     double largest = 0;
     for (int k = 0; k < 2000; ++k) {
       const JointVector q = test::random_readings(arm, random);
-      largest = std::max(largest,
-                         largest_difference(test::reference_pose(arm.rows, q), *forward(chain, q)));
+      largest = std::max(
+          largest, largest_difference(test::reference_pose(arm.joints, q), *forward(chain, q)));
     }
     EXPECT_LT(largest, 2e-13) << arm.name;
   }
@@ -64,11 +64,11 @@ TEST(Forward, agrees_with_the_product_of_matrices_in_extended_precision) {
 TEST(Forward, in_single_precision_loses_nothing_to_rows_of_hundreds_of_metres) {
   std::mt19937_64 random(2);
   for (const test::KnownArm& arm : test::known_arms()) {
-    const ChainT<float> chain = to_single(make_chain(arm.rows));
+    const ChainT<float> chain = to_single(make_chain(arm.joints));
     double largest = 0;
     for (int k = 0; k < 2000; ++k) {
       const JointVector q = test::random_readings(arm, random);
-      largest = std::max(largest, largest_difference(test::reference_pose(arm.rows, q),
+      largest = std::max(largest, largest_difference(test::reference_pose(arm.joints, q),
                                                      *forward(chain, single(q))));
     }
     EXPECT_LT(largest, 5e-6) << arm.name;
@@ -97,20 +97,20 @@ TEST(Forward, works_for_one_to_eight_joints_of_either_type) {
 TEST(Forward, is_right_after_ten_thousand_turns_and_beyond_the_polynomials) {
   std::mt19937_64 random(4);
   const test::KnownArm arm = test::puma560();
-  const Chain chain = make_chain(arm.rows);
+  const Chain chain = make_chain(arm.joints);
   for (const double turns : {1e4, 1e5, 1e7, 1e12}) {
     for (int k = 0; k < 200; ++k) {
       JointVector q;
       for (std::size_t i = 0; i < 6; ++i)
         q.push_back(test::uniform(random, -1, 1) * turns * 2 * kPi);
-      EXPECT_LT(largest_difference(test::reference_pose(arm.rows, q), *forward(chain, q)), 4e-15);
+      EXPECT_LT(largest_difference(test::reference_pose(arm.joints, q), *forward(chain, q)), 4e-15);
     }
   }
 }
 
 TEST(Forward, refuses_a_reading_that_is_not_finite) {
   for (const test::KnownArm& arm : {test::puma560(), test::stanford()}) {
-    const Chain chain = make_chain(arm.rows);
+    const Chain chain = make_chain(arm.joints);
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
           -std::numeric_limits<double>::infinity()}) {
@@ -130,7 +130,7 @@ TEST(Forward, ignores_what_stands_beyond_the_last_joint) {
   JointVector q(8, std::numeric_limits<double>::quiet_NaN());
   q.resize(3);
   for (double& reading : q) reading = 0.2;
-  FixedVector<DhJoint, kMaxJoints> rows = test::puma560().rows;
+  FixedVector<DhJoint, kMaxJoints> rows = test::puma560().joints;
   rows.resize(3);
   EXPECT_TRUE(forward(make_chain(rows), q).has_value());
 }
@@ -139,10 +139,10 @@ TEST(ForwardWithJacobian, agrees_with_central_differences) {
   constexpr double kStep = 1e-5;
   std::mt19937_64 random(5);
   for (const test::KnownArm& arm : test::known_arms()) {
-    const Chain chain = make_chain(arm.rows);
+    const Chain chain = make_chain(arm.joints);
     const JointVector q = test::random_readings(arm, random);
     const PoseAndJacobian at = *forward_with_jacobian(chain, q);
-    EXPECT_EQ(at.joint_count, arm.rows.size());
+    EXPECT_EQ(at.joint_count, arm.joints.size());
     EXPECT_EQ(at.X_0n.p, forward(chain, q)->p);
     for (std::size_t i = 0; i < q.size(); ++i) {
       JointVector more = q;
@@ -162,14 +162,14 @@ TEST(ForwardWithJacobian, agrees_with_central_differences) {
 
 TEST(ForwardWithJacobian, leaves_columns_beyond_the_last_joint_zero) {
   const test::KnownArm arm = test::cobra600();
-  const PoseAndJacobian at = *forward_with_jacobian(make_chain(arm.rows), {0.1, 0.2, 0.1, 0.3});
+  const PoseAndJacobian at = *forward_with_jacobian(make_chain(arm.joints), {0.1, 0.2, 0.1, 0.3});
   EXPECT_TRUE((at.J.rightCols<4>().array() == 0).all());
 }
 
 TEST(ForwardWithJacobian, in_single_precision_agrees_with_double) {
   std::mt19937_64 random(6);
   for (const test::KnownArm& arm : test::known_arms()) {
-    const Chain chain = make_chain(arm.rows);
+    const Chain chain = make_chain(arm.joints);
     const JointVector q = test::random_readings(arm, random);
     const PoseAndJacobian at = *forward_with_jacobian(chain, q);
     const PoseAndJacobianT<float> in_single = *forward_with_jacobian(to_single(chain), single(q));

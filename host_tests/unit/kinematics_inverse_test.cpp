@@ -6,17 +6,17 @@
 #include <gtest/gtest.h>
 
 #include "core/kinematics/inverse.hpp"
-#include "host_tests/support/kinematics_arms.hpp"
 #include "host_tests/support/kinematics_random.hpp"
+#include "host_tests/support/known_arms.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
-Chain puma() { return make_chain(test::puma560().rows, test::puma560().limits); }
+Chain puma() { return make_chain(test::puma560().joints, test::puma560().limits); }
 const JointVector kReady{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
 
 FixedVector<DhJoint, kMaxJoints> first_rows(std::size_t count) {
-  FixedVector<DhJoint, kMaxJoints> rows = test::puma560().rows;
+  FixedVector<DhJoint, kMaxJoints> rows = test::puma560().joints;
   rows.resize(count);
   return rows;
 }
@@ -48,7 +48,7 @@ TEST(Inverse, refuses_a_pose_or_a_seed_that_is_not_finite) {
 TEST(Inverse, says_that_a_pose_is_out_of_reach_and_comes_as_near_as_it_can) {
   Pose X = *forward(puma(), kReady);
   X.p = X.p.normalized() * 1.5;
-  const InverseSolution solution = *inverse(make_chain(test::puma560().rows), X, kReady);
+  const InverseSolution solution = *inverse(make_chain(test::puma560().joints), X, kReady);
   EXPECT_EQ(solution.verdict, Verdict::kOutOfReach);
   // The wrist of the Puma is at most |(0.4318 + 0.4312, 0.14909)| from its base.
   EXPECT_NEAR(solution.position_error_m, 1.5 - 0.8758, 2e-3);
@@ -116,7 +116,7 @@ TEST(Inverse, stops_at_the_iterations_it_was_given) {
 
 TEST(InverseOfAScara, meets_the_pose_and_says_which_dimensions_it_can_meet) {
   const test::KnownArm arm = test::cobra600();
-  const Chain chain = make_chain(arm.rows, arm.limits);
+  const Chain chain = make_chain(arm.joints, arm.limits);
   const JointVector q{0.3, 0.5, 0.1, -0.4};
   const InverseSolution solution = *inverse(chain, *forward(chain, q), {0.25, 0.55, 0.12, -0.35});
   EXPECT_EQ(solution.verdict, Verdict::kConverged);
@@ -127,7 +127,7 @@ TEST(InverseOfAScara, meets_the_pose_and_says_which_dimensions_it_can_meet) {
 
 TEST(InverseOfAScara, meets_the_position_first_where_the_orientation_cannot_be_met) {
   const test::KnownArm arm = test::cobra600();
-  const Chain chain = make_chain(arm.rows, arm.limits);
+  const Chain chain = make_chain(arm.joints, arm.limits);
   const JointVector q{0.3, 0.5, 0.1, -0.4};
   Pose X = *forward(chain, q);
   X.R = X.R * rotation_x(0.2);
@@ -158,7 +158,7 @@ TEST(InverseOfOneJoint, turns_as_near_as_it_can) {
 
 TEST(InverseOfSevenJoints, takes_the_solution_nearest_to_the_seed) {
   const test::KnownArm arm = test::iiwa7();
-  const Chain chain = make_chain(arm.rows, arm.limits);
+  const Chain chain = make_chain(arm.joints, arm.limits);
   const JointVector seed{0.3, 0.6, -0.4, -1.2, 0.5, 0.9, 0.1};
   JointVector moved = seed;
   for (std::size_t i = 0; i < 7; ++i) moved[i] += 0.03 * (i % 2 == 0 ? 1 : -1);

@@ -9,8 +9,8 @@
 namespace armsig::pseudo_dh {
 namespace {
 
-using testing::kP;
-using testing::kR;
+using test::kP;
+using test::kR;
 
 // Two rows whose sums are easy to do in the head: (beta, d, a, alpha, gamma, b).
 FixedVector<s_model::Parameters, kMaxJoints> two_rows() {

@@ -13,7 +13,7 @@ namespace {
 TEST(SModelChain, stands_as_identified_at_the_signature_configuration) {
   const JointVector q_s{0.3, -0.4, 0.9, 0.2, -0.7, 0.1};
   const Signature signature =
-      signature_of(testing::puma560_robot1(), q_s, Pose{rotation_x(0.4), {1, 2, 3}}, {});
+      signature_of(test::puma560_robot1(), q_s, Pose{rotation_x(0.4), {1, 2, 3}}, {});
   for (std::size_t k = 0; k <= 6; ++k) {
     EXPECT_LT((link_pose(signature, q_s, k).p - signature.X_SL[k].p).norm(), 1e-14);
     EXPECT_LT((link_pose(signature, q_s, k).R - signature.X_SL[k].R).norm(), 1e-14);
@@ -21,13 +21,13 @@ TEST(SModelChain, stands_as_identified_at_the_signature_configuration) {
 }
 
 TEST(SModelChain, link_zero_does_not_move) {
-  const Signature signature = signature_of(testing::puma560(), JointVector(6, 0.1), Pose{}, {});
+  const Signature signature = signature_of(test::puma560(), JointVector(6, 0.1), Pose{}, {});
   EXPECT_EQ(link_pose(signature, JointVector(6, 2.0), 0).p, signature.X_SL[0].p);
 }
 
 TEST(SModelChain, prismatic_joint_moves_its_link_along_the_axis) {
   const JointVector q_s{0.3, -0.4, 0.5, 0.2, -0.7, 0.1};
-  const Signature signature = signature_of(testing::stanford(), q_s, Pose{}, {});
+  const Signature signature = signature_of(test::stanford(), q_s, Pose{}, {});
   JointVector q = q_s;
   q[2] += 0.25;
   const Vector3 travel = link_pose(signature, q, 6).p - signature.X_SL[6].p;
@@ -37,8 +37,7 @@ TEST(SModelChain, prismatic_joint_moves_its_link_along_the_axis) {
 TEST(SModelChain, target_moves_with_its_own_link_and_not_with_the_next) {
   const KnownTarget on_link_2{7, 2, Vector3(-0.1, 0.05, 0.02)};
   const JointVector q_s(6, 0.1);
-  const Signature signature =
-      signature_of(testing::puma560(), q_s, Pose{}, std::span(&on_link_2, 1));
+  const Signature signature = signature_of(test::puma560(), q_s, Pose{}, std::span(&on_link_2, 1));
   JointVector q = q_s;
   q[2] += 1.0;
   EXPECT_LT((target_position(signature, q, signature.targets[0]) - signature.targets[0].p_S).norm(),
@@ -50,7 +49,7 @@ TEST(SModelChain, target_moves_with_its_own_link_and_not_with_the_next) {
 
 TEST(SModelChain, single_precision_is_good_to_micrometres_where_d_is_hundreds_of_metres) {
   testing::Random random(51);
-  const Arm arm = testing::ur10e_individual_b();
+  const Arm arm = test::ur10e_individual_b();
   const Signature signature = signature_of(arm, random.readings(arm, 3, 0), random.pose(2), {});
   const SModelChain<float> chain = chain_of<float>(signature);
   double worst_m = 0;
@@ -63,7 +62,7 @@ TEST(SModelChain, single_precision_is_good_to_micrometres_where_d_is_hundreds_of
 }
 
 TEST(SModelChain, traps_on_a_link_beyond_the_last_and_on_missing_readings) {
-  const Signature signature = signature_of(testing::puma560(), JointVector(6), Pose{}, {});
+  const Signature signature = signature_of(test::puma560(), JointVector(6), Pose{}, {});
   EXPECT_DEATH((void)link_pose(signature, JointVector(6), 7), "");
   EXPECT_DEATH((void)link_pose(signature, JointVector(5), 3), "");
 }
