@@ -32,8 +32,8 @@ struct Options {
   std::vector<double> target_mm{30, 20, 120};
   double sigma_mm = 1e3 * simulated::kDemoRangeSigma;
   double ping_ms = 20;
-  double step_us = 250;
-  int priority = 40;
+  double step_us = 1000;
+  int priority = 0;
   int sensor_node = 0;
   PlantConfiguration plant;
 };

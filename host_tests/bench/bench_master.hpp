@@ -17,8 +17,8 @@
 
 namespace armsig::bench {
 
-// User-Mode Linux on a loaded host may stand still for a tenth of a second: ticks are longer and
-// time-outs wider than in a cabinet, so that what fails is the code and not the host.
+// A system call of User-Mode Linux takes its time: ticks are longer and time-outs wider than in a
+// cabinet.
 inline canopen::Configuration patient_drives() {
   using std::chrono::milliseconds;
   canopen::Configuration configuration = test::puma_drives();
@@ -78,9 +78,9 @@ class BenchMaster {
     following = static_cast<bool>(enabled);
     return enabled;
   }
-  // The same from whatever a fault left. A host that stands still for a second while the drives are
-  // set up makes a fault of its own: the operator tries again.
+  // The same from whatever a fault left, once everything that it sets off has come.
   testing::AssertionResult recover() {
+    run(20);
     for (int i = 0; i < 2; ++i) {
       following = false;
       master.reset_faults();

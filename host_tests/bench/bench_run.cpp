@@ -165,8 +165,9 @@ TEST(BenchRun, small_with_the_sensor_on_can) {
   run_all(changes, false);
   if (!recording) return;
   recording->end();
-  std::printf("%d frames recorded\n", recording->frames());
-  recording->expect_canopen_throughout();
+  const auto frames = recording->decode();
+  std::printf("%zu frames recorded\n", frames.size());
+  expect_canopen_throughout(frames);
 }
 
 // What `name`= in `text` is; -1 if it is not there.

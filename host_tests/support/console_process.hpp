@@ -51,7 +51,7 @@ class ConsoleProcess {
     EXPECT_EQ(::posix_spawn(&child_, arguments[0], &actions, nullptr, arguments.data(), environ),
               0);
     posix_spawn_file_actions_destroy(&actions);
-    for (int i = 0; i < 1000 && !console_; ++i) {
+    for (int i = 0; i < 1000 && !console_ && is_alive(); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       auto console = tool::ConsoleClient::open(console_path_);
       if (console) console_.emplace(std::move(*console));
@@ -62,6 +62,7 @@ class ConsoleProcess {
   int end(int signal) {
     console_.reset();
     told_.clear();
+    if (child_ <= 0) return -1;  // never started
     ::kill(child_, signal);
     int status = 0;
     EXPECT_EQ(::waitpid(child_, &status, 0), child_);
@@ -115,6 +116,11 @@ class ConsoleProcess {
   [[nodiscard]] const std::string& console_path() const { return console_path_; }
 
  private:
+  bool is_alive() {
+    if (child_ > 0 && ::waitpid(child_, nullptr, WNOHANG) == child_) child_ = -1;
+    return child_ > 0;
+  }
+
   std::vector<std::string> words_;
   std::string console_path_;
   pid_t child_ = -1;
