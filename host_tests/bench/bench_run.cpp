@@ -89,6 +89,9 @@ Signature truth() {
                       simulated::demo_base_pose(), {&target, 1});
 }
 
+// Within bench.yaml's dwell_ms.
+constexpr auto kStanding = std::chrono::milliseconds(150);
+
 evaluation::GridReadings touch(DaemonProcess& daemon, BenchProcess& arm,
                                const controller::GridTask& task) {
   const Pose X_ST = tool_at(task.taught[0]);
@@ -99,7 +102,11 @@ evaluation::GridReadings touch(DaemonProcess& daemon, BenchProcess& arm,
   EXPECT_EQ(daemon.ask("touch-grid"), "ok");
   for (std::size_t i = 0; i < task.grid.vertex_count(); ++i) {
     if (!daemon.hear("# touched")) break;
+    // The controller says so within its tolerance; a person who measures waits until it stands.
+    std::this_thread::sleep_for(kStanding);
     const Pose X_now = tool_now(arm);
+    EXPECT_NE(daemon.ask("status").find("moving=no"), std::string::npos)
+        << "the tool went on before it was measured";
     readings.p_W.push_back(X_WS * X_now.p);
     readings.turn_rad.push_back(X_WS.R * rotation_vector(X_now.R * X_ST.R.transpose()));
   }
