@@ -14,7 +14,7 @@ Result<Pose> tool_pose(const ToolModel& model, const JointVector& q) {
 Result<JointVector> joints_for_tool_pose(const ToolModel& model, const Pose& X_0T,
                                          const JointVector& seed) {
   const Pose X_0n{X_0T.R, X_0T.p - X_0T.R * model.p_nT};
-  ARMSIG_TRY(solution, kinematics::inverse(model.chain, X_0n, seed));
+  ARMSIG_TRY(solution, kinematics::inverse(model.chain, X_0n, seed, {.p_nP = model.p_nT}));
   switch (solution.verdict) {
     case kinematics::Verdict::kConverged:
     case kinematics::Verdict::kDegraded:

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <tuple>
 
 #include "core/base/check.hpp"
 #include "core/base/low_discrepancy.hpp"
@@ -94,12 +94,15 @@ class Collector {
     found_.push_back(named);
   }
 
-  // Those inside the limits first, then by distance from the reference.
-  Solutions sorted() {
-    std::array<std::pair<bool, double>, kMaxSolutions> key;
+  // Those inside the limits first, then those that meet the whole pose, then by distance from the
+  // reference.
+  Solutions sorted(double rotation_tolerance_rad) {
+    std::array<std::tuple<bool, bool, double>, kMaxSolutions> key;
     for (std::size_t i = 0; i < found_.size(); ++i) {
-      key[i] = {found_[i].solution.verdict == Verdict::kJointLimit,
-                distance(found_[i].solution.q, reference_)};
+      const InverseSolution& solution = found_[i].solution;
+      key[i] = {solution.verdict == Verdict::kJointLimit,
+                solution.rotation_error_rad > rotation_tolerance_rad,
+                distance(solution.q, reference_)};
     }
     Solutions result;
     while (result.size() < found_.size()) {
@@ -108,7 +111,7 @@ class Collector {
         if (key[i] < key[best]) best = i;
       }
       result.push_back(found_[best]);
-      key[best] = {true, std::numeric_limits<double>::infinity()};
+      key[best] = {true, true, std::numeric_limits<double>::infinity()};
     }
     return result;
   }
@@ -160,7 +163,7 @@ Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const P
         collector.add(other);
       }
     }
-    return collector.sorted();
+    return collector.sorted(options.rotation_tolerance_rad);
   }
   // Without a closed form the limits keep the descent where the arm works.
   unlimited.respect_limits = true;
@@ -169,7 +172,7 @@ Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const P
     ARMSIG_TRY(solution, inverse(chain, X_0n, fixed_start(chain, k), unlimited));
     collector.add(solution);
   }
-  return collector.sorted();
+  return collector.sorted(options.rotation_tolerance_rad);
 }
 
 const char* name(const NamedSolution& solution) {

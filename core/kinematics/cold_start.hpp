@@ -18,13 +18,15 @@ struct NamedSolution {
 inline constexpr std::size_t kMaxSolutions = 16;
 using Solutions = FixedVector<NamedSolution, kMaxSolutions>;
 
-// All solutions found, those inside the limits first, then nearest to `reference` (largest change
-// of a reading; empty: the middle of the limits, or zero) first. Readings of revolute joints are
-// chosen, among those that differ by whole turns, inside the limits and nearest to the reference.
-// Six-joint arms with a closed form (ALGORITHMS, section 4) are started from its eight solutions,
-// others from a fixed set of postures inside the limits. Solutions nearer than 1e-4 rad or m are
-// one. Empty if nothing meets the pose. options.max_step and options.respect_limits are not used.
-// Errors: kNotFinite if the pose or the reference holds a NaN or an infinity.
+// All solutions found: those inside the limits first; among them those that meet the whole pose (an
+// arm with fewer than six joints may meet the position alone in another posture); then nearest to
+// `reference` (largest change of a reading; empty: the middle of the limits, or zero). Readings of
+// revolute joints are chosen, among those that differ by whole turns, inside the limits and nearest
+// to the reference. Six-joint arms with a closed form (ALGORITHMS, section 4) are started from its
+// eight solutions, others from a fixed set of postures inside the limits. Solutions nearer than
+// 1e-4 rad or m are one. Empty if nothing meets the pose. options.max_step and
+// options.respect_limits are not used. Errors: kNotFinite if the pose or the reference holds a NaN
+// or an infinity.
 [[nodiscard]] Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form,
                                            const Pose& X_0n, const JointVector& reference = {},
                                            const InverseOptions& options = {});

@@ -133,7 +133,13 @@ class DampedSolver {
     ARMSIG_CHECK(result.has_value());  // the readings stay within a bounded box of finite ones
     State state{*result, Vector6::Zero()};
     const Pose& X = state.kinematics.X_0n;
-    state.error.head<3>() = X_target_.p - X.p;
+    // From here on p, and the rows of J for it, are of the point that the position is met at.
+    const Vector3 lever = X.R * options_.p_nP;
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      const Vector3 turning = state.kinematics.J.col(i).tail<3>();
+      state.kinematics.J.col(i).head<3>() += turning.cross(lever);
+    }
+    state.error.head<3>() = X_target_ * options_.p_nP - (X.p + lever);
     state.error.tail<3>() = rotation_vector(X_target_.R * X.R.transpose());
     return state;
   }

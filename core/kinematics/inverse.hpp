@@ -3,8 +3,9 @@
 // bring frame n to a pose, near a seed (ALGORITHMS, section 4).
 //
 // Arms with six joints or more meet all six dimensions of the pose; with more than six, the
-// solution nearest to the seed is taken (1 rad counts as 1 m). Arms with fewer meet the position
-// first and the orientation as far as the position allows; which dimensions can be met is stated.
+// solution nearest to the seed is taken (1 rad counts as 1 m). Arms with fewer meet the position of
+// options.p_nP first and the orientation as far as the position allows; which dimensions can be met
+// is stated.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +24,9 @@ enum class Verdict : std::uint8_t {
 };
 
 struct InverseOptions {
+  // The point of frame n, a tool's for instance, whose position counts where not all of a pose can
+  // be met. Finite.
+  Vector3 p_nP = Vector3::Zero();
   // An order below the 1e-9 that is promised, so that another computation of the error agrees.
   double position_tolerance_m = 1e-10;
   double rotation_tolerance_rad = 1e-10;
@@ -42,8 +46,8 @@ struct InverseSolution {
   // limits moves towards them by at most max_step).
   JointVector q;
   Verdict verdict = Verdict::kNotConverged;
-  int iterations = 0;  // evaluations of the chain
-  double position_error_m = 0;
+  int iterations = 0;           // evaluations of the chain
+  double position_error_m = 0;  // of options.p_nP, where the pose is not met as a whole
   double rotation_error_rad = 0;
   // 0 at a singularity, 1 at best: how independently the joints move frame n.
   double regularity = 1;

@@ -125,6 +125,24 @@ TEST(ColdStart, finds_a_solution_for_arms_without_a_closed_form) {
   }
 }
 
+// The other elbow of a SCARA whose axes are not quite parallel reaches the position alone.
+TEST(ColdStart, puts_a_solution_that_meets_the_whole_pose_before_one_that_meets_the_position) {
+  test::KnownArm arm = test::cobra600();
+  arm.joints[0].alpha_rad += 0.002;
+  arm.joints[1].alpha_rad -= 0.003;
+  const Chain chain = make_chain(arm.joints, arm.limits);
+  std::mt19937_64 random(4);
+  int alternatives = 0;
+  for (int k = 0; k < 20; ++k) {
+    const Pose X = *forward(chain, test::random_readings(arm, random));
+    const Solutions solutions = *cold_start(chain, closed_form(chain), X);
+    ASSERT_FALSE(solutions.empty());
+    EXPECT_LT(solutions[0].solution.rotation_error_rad, 1e-9);
+    alternatives += solutions.size() > 1 ? 1 : 0;
+  }
+  EXPECT_GT(alternatives, 5);
+}
+
 TEST(ColdStart, is_empty_where_nothing_reaches) {
   const Chain chain = make_chain(test::puma560().joints);
   Pose X = *forward(chain, {0.2, -0.8, 0.9, 0.3, 0.7, -0.4});

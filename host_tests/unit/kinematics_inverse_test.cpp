@@ -147,6 +147,17 @@ TEST(InverseOfThreeJoints, meets_the_position_and_gives_up_the_orientation) {
   EXPECT_LT(solution.position_error_m, 1e-9);
 }
 
+TEST(InverseOfThreeJoints, meets_the_position_of_the_point_that_it_is_asked_for) {
+  const Chain chain = make_chain(first_rows(3));
+  Pose X = *forward(chain, {0.3, -0.5, 0.8});
+  X.R = X.R * rotation_z(0.05);
+  const InverseOptions at_tool{.p_nP = {0.02, 0.1, 0.3}};
+  const InverseSolution solution = *inverse(chain, X, {0.2, -0.4, 0.7}, at_tool);
+  EXPECT_EQ(solution.verdict, Verdict::kConverged);
+  EXPECT_LT((*forward(chain, solution.q) * at_tool.p_nP - X * at_tool.p_nP).norm(), 1e-9);
+  EXPECT_GT(solution.rotation_error_rad, 0.01);
+}
+
 TEST(InverseOfOneJoint, turns_as_near_as_it_can) {
   FixedVector<DhJoint, kMaxJoints> rows{{JointType::kRevolute, 0, 0, 0.5, 0}};
   const Chain chain = make_chain(rows);

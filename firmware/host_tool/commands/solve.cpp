@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // armsig solve: inverse kinematics of a signature.
+#include <algorithm>
+
 #include <fmt/core.h>
 
 #include "core/kinematics/cold_start.hpp"
@@ -40,10 +42,12 @@ bool is_solved(kinematics::Verdict verdict) {
 
 // Limits are met exactly but for rounding.
 constexpr double kAtLimit = 1e-9;
+constexpr double kRotationMissed = 1e-8;  // rad
 
 struct Answer {
   kinematics::Verdict verdict = kinematics::Verdict::kOutOfReach;
   JointVector readings;  // of the encoders
+  double rotation_error_rad = 0;
 };
 
 class Solver {
@@ -59,13 +63,15 @@ class Solver {
 
   [[nodiscard]] Result<Answer> solve(const Pose& X_SP, const JointVector* seed) const {
     const Pose X_0n = X_0S_ * X_SP * X_nP_.inverse();
+    const kinematics::InverseOptions at_tool{.p_nP = X_nP_.p};
     if (seed != nullptr) {
-      ARMSIG_TRY(solution,
-                 kinematics::inverse(chain_, X_0n,
-                                     refinement::true_readings(readings_, configuration_, *seed)));
+      ARMSIG_TRY(
+          solution,
+          kinematics::inverse(
+              chain_, X_0n, refinement::true_readings(readings_, configuration_, *seed), at_tool));
       return answer(solution);
     }
-    ARMSIG_TRY(solutions, kinematics::cold_start(chain_, form_, X_0n));
+    ARMSIG_TRY(solutions, kinematics::cold_start(chain_, form_, X_0n, {}, at_tool));
     Answer nearest;
     for (const kinematics::NamedSolution& named : solutions) {
       const Answer found = answer(named.solution);
@@ -79,7 +85,8 @@ class Solver {
   // The limits of coupled joints are those of their own readings.
   [[nodiscard]] Answer answer(const kinematics::InverseSolution& solution) const {
     Answer answer{solution.verdict,
-                  refinement::encoder_readings(readings_, configuration_, solution.q)};
+                  refinement::encoder_readings(readings_, configuration_, solution.q),
+                  solution.rotation_error_rad};
     for (std::size_t i = 0; i < answer.readings.size(); ++i) {
       const double reading = answer.readings[i];
       const bool inside =
@@ -126,6 +133,7 @@ int run(const SolveOptions& options) {
 
   const Solver solver(*record, *target);
   std::vector<JointVector> solutions;
+  double rotation_error_rad = 0;
   for (std::size_t k = 0; k < poses->size(); ++k) {
     const JointVector* seed = seeds.empty() ? nullptr : &seeds[std::min(k, seeds.size() - 1)];
     const auto solution = solver.solve((*poses)[k], seed);
@@ -137,15 +145,25 @@ int run(const SolveOptions& options) {
                   kNoAnswer, options);
     }
     solutions.push_back(solution->readings);
+    rotation_error_rad = std::max(rotation_error_rad, solution->rotation_error_rad);
   }
   const auto written = write_joint_poses(
       options.out, record->signature.types, solutions,
       fmt::format("{}: joint readings for the poses of {}", record->arm_name, options.poses));
   if (!written) return fail(written.error(), kBadInput, options);
   if (options.json) {
-    print_json({{"status", 0}, {"poses", solutions.size()}, {"out", options.out}});
+    print_json({{"status", 0},
+                {"poses", solutions.size()},
+                {"largest_rotation_error_rad", rotation_error_rad},
+                {"out", options.out}});
   } else {
     fmt::print("{} poses solved; joint readings in {}\n", solutions.size(), options.out);
+    if (rotation_error_rad > kRotationMissed) {
+      fmt::print(
+          "{} joints can't choose all of an orientation: positions are met, orientations missed by "
+          "up to {:.3g}°\n",
+          joints, degrees(rotation_error_rad));
+    }
   }
   return kDone;
 }
