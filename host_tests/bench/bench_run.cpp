@@ -214,7 +214,12 @@ TEST(BenchRun, ticks_beside_cyclictest_without_heap_and_page_faults) {
 
 TEST(BenchRun, full_over_modbus) { run_all({}, true); }
 
-TEST(BenchRun, full_with_the_sensor_on_can) { run_all(sensor_on_can(), true); }
+// Six receivers tell less than eight: twice the points.
+TEST(BenchRun, full_with_the_sensor_on_can) {
+  Changes changes = sensor_on_can();
+  changes.emplace_back("points: 24", "points: 48");
+  run_all(changes, true);
+}
 
 }  // namespace
 }  // namespace armsig::bench
