@@ -138,7 +138,7 @@ TEST(Bench, the_sensor_on_the_can_bus_tells_where_the_target_truly_is) {
 }
 
 TEST(Bench, mbpoll_reads_the_emulated_sensor) {
-  if (!have("mbpoll")) GTEST_SKIP() << "mbpoll is not installed";
+  if (!test::have("mbpoll")) GTEST_SKIP() << "mbpoll is not installed";
   BenchProcess arm({"--sigma-mm", "0"});
   const std::string output = arm.sensor_device + ".mbpoll";
   const std::string command = "mbpoll -m rtu -b 115200 -P even -a 1 -t 3 -0 -r 0 -c 4 -1 -o 2 " +
@@ -287,7 +287,8 @@ TEST(Bench, the_air_multipath_and_drop_outs_change_on_command) {
 }
 
 TEST(Bench, no_frame_of_others_does_lasting_harm) {
-  if (!have("cansend") || !have("cangen")) GTEST_SKIP() << "can-utils are not installed";
+  if (!test::have("cansend") || !test::have("cangen"))
+    GTEST_SKIP() << "can-utils are not installed";
   BenchProcess arm;
   BenchMaster master;
   ASSERT_TRUE(master.enable());
@@ -331,9 +332,9 @@ TEST(Bench, an_independent_decoder_reads_every_frame_of_the_real_bus) {
   recording.end();
   const auto frames = recording.decode();
   EXPECT_GT(frames.size(), 1000U);
-  expect_canopen_throughout(frames);
+  test::expect_canopen_throughout(frames);
   EXPECT_EQ(std::ranges::count_if(frames,
-                                  [](const DecodedFrame& frame) {
+                                  [](const test::DecodedFrame& frame) {
                                     return frame.id == "131" && frame.emergency == "0x2310";
                                   }),
             1);

@@ -174,7 +174,7 @@ TEST(BenchRun, small_with_the_sensor_on_can) {
   recording->end();
   const auto frames = recording->decode();
   std::printf("%zu frames recorded\n", frames.size());
-  expect_canopen_throughout(frames);
+  test::expect_canopen_throughout(frames);
 }
 
 // What `name`= in `text` is; -1 if it is not there.
@@ -190,7 +190,7 @@ TEST(BenchRun, ticks_beside_cyclictest_without_heap_and_page_faults) {
                        arm.sensor_device);
   ASSERT_TRUE(daemon.enable());
   const bool beside =
-      std::system("command -v cyclictest >/dev/null 2>&1") == 0 &&
+      test::have("cyclictest") &&
       std::system("cyclictest -m -p 79 -i 2000 -l 5000 -q >/dev/shm/cyclictest 2>&1 &") == 0;
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(daemon.ask(i % 2 == 0 ? "move q1_deg=60 q2_deg=-60" : "move q1_deg=0 q2_deg=-90"),

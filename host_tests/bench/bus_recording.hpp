@@ -1,60 +1,22 @@
 // SPDX-License-Identifier: MIT
-// All frames of vcan0 as candump (can-utils) writes them, and what tshark, an independent decoder
-// of CANopen, says of them.
+// All frames of vcan0 as candump (can-utils) writes them.
 #pragma once
 
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "host_tests/bench/memory_folder.hpp"
+#include "host_tests/support/decoded_frames.hpp"
 
 namespace armsig::bench {
 
-inline bool have(const std::string& program) {
-  return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
-}
-
-// What tshark says of a frame: the fields that it prints, empty where it has nothing to say.
-struct DecodedFrame {
-  std::string protocol;
-  std::string malformed;
-  std::string severity;  // of a remark of tshark's on it
-  std::string id;
-  std::string emergency;
-  std::string information;
-
-  [[nodiscard]] bool is_canopen() const {
-    return protocol == "canopen" && malformed.empty() && severity.empty() &&
-           information.find("Unknown") == std::string::npos &&
-           information.find("Reserved") == std::string::npos;
-  }
-};
-
-inline DecodedFrame decoded_frame(const std::string& line) {
-  DecodedFrame frame;
-  std::istringstream fields(line);
-  for (std::string* field : {&frame.protocol, &frame.malformed, &frame.severity, &frame.id,
-                             &frame.emergency, &frame.information}) {
-    std::getline(fields, *field, '\t');
-  }
-  return frame;
-}
-
-inline void expect_canopen_throughout(const std::vector<DecodedFrame>& frames) {
-  for (const DecodedFrame& frame : frames) {
-    EXPECT_TRUE(frame.is_canopen())
-        << frame.id << ' ' << frame.information << ' ' << frame.malformed << ' ' << frame.severity;
-  }
-}
-
 class BusRecording : private MemoryFolder {
  public:
-  static bool possible() { return have("tshark") && have("candump"); }
+  static bool possible() { return test::have("tshark") && test::have("candump"); }
 
   BusRecording() {
     EXPECT_EQ(run("exec candump -L vcan0 >" + log() + " & echo $! >" + path + "/pid"), 0);
@@ -72,17 +34,9 @@ class BusRecording : private MemoryFolder {
                   "sleep 0.1; done; exit 1"),
               0);
   }
-  // Once, after end(): tshark takes half a minute to start under User-Mode Linux.
-  std::vector<DecodedFrame> decode() const {
-    const std::string decoded = path + "/decoded";
-    EXPECT_EQ(run("tshark -r " + log() +
-                  " -d can.subdissector,canopen -T fields -e canopen -e _ws.malformed"
-                  " -e _ws.expert.severity -e can.id -e canopen.em.err_code -e _ws.col.Info >" +
-                  decoded + " 2>/dev/null"),
-              0);
-    std::vector<DecodedFrame> frames;
-    std::ifstream file(decoded);
-    for (std::string line; std::getline(file, line);) frames.push_back(decoded_frame(line));
+  // Once, after end().
+  [[nodiscard]] std::vector<test::DecodedFrame> decode() const {
+    auto frames = test::decode(log());
     EXPECT_EQ(frames.size(), recorded());
     return frames;
   }

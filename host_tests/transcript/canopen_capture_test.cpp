@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <sstream>
 #include <string>
@@ -16,6 +15,7 @@
 #include "hal/canopen/range_sensor.hpp"
 #include "hal/simulated/range_node.hpp"
 #include "host_tests/support/can_capture.hpp"
+#include "host_tests/support/decoded_frames.hpp"
 #include "host_tests/support/emulated_arm.hpp"
 #include "host_tests/support/puma_drives.hpp"
 #include "host_tests/support/range_readings.hpp"
@@ -36,8 +36,6 @@ std::string output_of(const std::string& command) {
   pclose(pipe);
   return output;
 }
-
-bool have_tshark() { return std::system("command -v tshark >/dev/null 2>&1") == 0; }
 
 unsigned lines(const std::string& text) {
   unsigned count = 0;
@@ -93,19 +91,16 @@ struct Capture {
 };
 
 TEST(CanopenCapture, an_independent_decoder_finds_no_malformed_or_unknown_frame) {
-  if (!have_tshark()) GTEST_SKIP() << "tshark is not installed";
+  if (!test::have("tshark")) GTEST_SKIP() << "tshark is not installed";
   const Capture capture;
   EXPECT_GE(capture.readings, 19U);
-  const std::string all = capture.tshark("-Y canopen -T fields -e canopen.cob_id");
-  EXPECT_EQ(lines(all), capture.frames);
-  EXPECT_EQ(capture.tshark("-Y '_ws.malformed || _ws.expert.severity >= \"Warning\"'"), "");
-  const std::string summary = capture.tshark("-T fields -e _ws.col.Info");
-  EXPECT_EQ(summary.find("Unknown"), std::string::npos) << summary.substr(0, 2000);
-  EXPECT_EQ(summary.find("Reserved"), std::string::npos);
+  const auto frames = test::decode(capture.path);
+  EXPECT_EQ(frames.size(), capture.frames);
+  test::expect_canopen_throughout(frames);
 }
 
 TEST(CanopenCapture, an_independent_decoder_names_every_kind_of_frame_as_we_mean_it) {
-  if (!have_tshark()) GTEST_SKIP() << "tshark is not installed";
+  if (!test::have("tshark")) GTEST_SKIP() << "tshark is not installed";
   const Capture capture;
   const std::string summary = capture.tshark("-T fields -e can.id -e _ws.col.Info");
   std::map<unsigned, std::string> kinds;  // by function code, the first summary of each
@@ -130,7 +125,7 @@ TEST(CanopenCapture, an_independent_decoder_names_every_kind_of_frame_as_we_mean
 }
 
 TEST(CanopenCapture, an_independent_decoder_reads_the_set_up_and_the_emergency_as_we_wrote_them) {
-  if (!have_tshark()) GTEST_SKIP() << "tshark is not installed";
+  if (!test::have("tshark")) GTEST_SKIP() << "tshark is not installed";
   const Capture capture;
   EXPECT_GE(lines(capture.tshark("-Y 'can.id == 0x603 && canopen.sdo.main_idx == 0x60c2'")), 2U);
   EXPECT_EQ(lines(capture.tshark("-Y 'can.id == 0x083 && canopen.em.err_code == 0x2310'")), 1U);
