@@ -42,7 +42,7 @@ bool is_solved(kinematics::Verdict verdict) {
 
 // Limits are met exactly but for rounding.
 constexpr double kAtLimit = 1e-9;
-constexpr double kRotationMissed = 1e-8;  // rad
+constexpr double kRotationMissed = 1e-8;  // rad; above what rounding leaves of a pose that is met
 
 struct Answer {
   kinematics::Verdict verdict = kinematics::Verdict::kOutOfReach;
@@ -160,9 +160,9 @@ int run(const SolveOptions& options) {
     fmt::print("{} poses solved; joint readings in {}\n", solutions.size(), options.out);
     if (rotation_error_rad > kRotationMissed) {
       fmt::print(
-          "{} joints can't choose all of an orientation: positions are met, orientations missed by "
-          "up to {:.3g}°\n",
-          joints, degrees(rotation_error_rad));
+          "positions are met, orientations missed by up to {:.3g}°: an arm with fewer than six "
+          "joints can't choose all of an orientation\n",
+          degrees(rotation_error_rad));
     }
   }
   return kDone;
