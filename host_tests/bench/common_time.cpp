@@ -154,7 +154,7 @@ void wait_for(Member& member) {
 
 // Common time; the clock stops where the latest member is overdue. With the lock held.
 Nanoseconds look(Page& page) {
-  Stop& stop = page.stops[page.stop];
+  const Stop& stop = page.stops[page.stop];
   const Nanoseconds host = host_time(CLOCK_MONOTONIC);
   Nanoseconds time = host - stop.behind;
   Member* latest = nullptr;
