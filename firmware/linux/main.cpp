@@ -47,11 +47,16 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--seed", options.emulated.seed, "--virtual: of those tolerances and the noise")
       ->needs(is_virtual)
       ->capture_default_str();
-  app.add_option("--speed", options.emulated.speed,
-                 "--virtual: times real time; 0: as fast as it goes")
+  CLI::Option* speed = app.add_option("--speed", options.emulated.speed,
+                                      "--virtual: times real time; 0: as fast as it goes")
+                           ->needs(is_virtual)
+                           ->check(CLI::NonNegativeNumber)
+                           ->capture_default_str();
+  app.add_flag("--real-time", options.emulated.real_time,
+               "--virtual: by the threads and priorities of a real cabinet, to see this computer's "
+               "lateness")
       ->needs(is_virtual)
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->excludes(speed);
 }
 
 void tell(const DaemonConfiguration& c) {

@@ -2,12 +2,16 @@
 #include "firmware/linux/virtual_run.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "firmware/linux/daemon.hpp"
+#include "firmware/linux/process_watch.hpp"
+#include "firmware/linux/real_time_loop.hpp"
+#include "firmware/linux/system_console.hpp"
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
 #include "hal/linux/file_memory.hpp"
 #include "hal/linux/socket_console.hpp"
@@ -27,10 +31,25 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
   world.arm.targets.push_back(
       {.number = c.sweeps.target, .link = c.drawing.joints.size(), .p_L = configuration.p_nT});
   world.start = c.sweeps.configuration;
+  // Real ticks may be late: that is to be counted, and not to end by a fault of an emulated drive.
+  if (options.real_time) world.sync_loss_periods = 0;
   for (const Vector3& p_S : c.sensor.receivers.p_S) world.sensor.receivers_S.push_back(p_S);
   world.sensor.range_sigma_m = c.sensor.receivers.range_sigma_m;
   world.seed = options.seed;
   return world;
+}
+
+void pace(cabinet::VirtualCabinet& cabinet, hal::Clock& clock, double speed,
+          const volatile std::sig_atomic_t& stop) {
+  const hal::Instant real = clock.now();
+  const hal::Instant imagined = cabinet.clock().now();
+  while (stop == 0) {
+    cabinet.step();
+    if (speed > 0) {
+      const double elapsed_s = hal::seconds(cabinet.clock().now() - imagined);
+      clock.wait_until(real + hal::Duration(std::llround(1e9 * elapsed_s / speed)));
+    }
+  }
 }
 
 }  // namespace
@@ -44,23 +63,29 @@ int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& 
                describe(!memory ? memory.error() : console.error()));
     return 1;
   }
-  const std::array<hal::Console*, 1> consoles{console->get()};
+  ProcessWatch watch;
+  SystemConsole system(**console, watch);
+  std::array<hal::Console*, 1> consoles{console->get()};
+  if (options.real_time) consoles[0] = &system;
+  linux_hal::SteadyClock clock;
   const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
       configuration.controller, configuration.drives, world_of(configuration, options), *memory,
-      consoles);
-  fmt::print("armsigd: {}: virtual cabinet, console at {}\n", configuration.name,
-             configuration.console);
-  std::fflush(stdout);
-  linux_hal::SteadyClock clock;
-  const hal::Instant real = clock.now();
-  const hal::Instant imagined = cabinet->clock().now();
-  while (stop == 0) {
-    cabinet->step();
-    if (options.speed > 0) {
-      const double elapsed_s = hal::seconds(cabinet->clock().now() - imagined);
-      clock.wait_until(real + hal::Duration(std::llround(1e9 * elapsed_s / options.speed)));
-    }
+      consoles, options.real_time ? &clock : nullptr);
+  const auto started = [&] {
+    fmt::print("armsigd: {}: virtual cabinet, console at {}\n", configuration.name,
+               configuration.console);
+    std::fflush(stdout);
+  };
+  if (options.real_time) {
+    const RealTimeLoop loop{.controller = cabinet->controller(),
+                            .clock = cabinet->clock(),
+                            .period = configuration.controller.period,
+                            .priority = configuration.priority,
+                            .watch = watch};
+    return run_in_real_time(loop, started, stop) ? 0 : 1;
   }
+  started();
+  pace(*cabinet, clock, options.speed, stop);
   return 0;
 }
 

@@ -8,7 +8,14 @@ VirtualSensor::VirtualSensor(const World& world, const canopen::CheckedConfigura
     : world_(world),
       drives_(drives),
       motors_(motors),
-      field_(world.sensor, simulated::Random(world.seed)) {}
+      field_(world.sensor, simulated::Random(world.seed)) {
+  do_advance({});
+}
+
+void VirtualSensor::do_advance(hal::Instant /*until*/) {
+  readings_.writing() = true_readings();
+  readings_.publish();
+}
 
 JointVector VirtualSensor::true_readings() const {
   JointVector q;
@@ -28,7 +35,7 @@ Result<std::optional<hal::RangeReading>> VirtualSensor::do_poll(hal::Instant now
   pinged_at_ = now;
   if (error_) return std::unexpected(*error_);
   const simulated::Sounding sounding = field_.measure(simulated::target_position(
-      world_.arm, true_readings(), world_.arm.targets[world_.arm.targets.size() - 1]));
+      world_.arm, readings_.read(), world_.arm.targets[world_.arm.targets.size() - 1]));
   hal::RangeReading reading;
   for (std::size_t j = 0; j < sounding.time_ns.size(); ++j) {
     reading.receivers.push_back(
@@ -43,22 +50,25 @@ Result<std::optional<hal::RangeReading>> VirtualSensor::do_poll(hal::Instant now
 VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
                                const canopen::Configuration& drives, const World& world,
                                hal::NonvolatileMemory& memory,
-                               std::span<hal::Console* const> consoles)
+                               std::span<hal::Console* const> consoles, hal::Clock* real_time)
     : world_(world),
       drives_(*canopen::check(drives)),
       period_(configuration.period),
+      clock_(real_time ? simulated::VirtualClock(*real_time) : simulated::VirtualClock()),
       bus_(drives.bits_per_second) {
   bus_.connect(master_port_);
   for (std::size_t i = 0; i < drives.axes.size(); ++i) {
     simulated::DriveConfiguration drive;
     drive.node = drives.axes[i].node;
+    drive.sync_loss_periods = world.sync_loss_periods;
     drive.motion.start = drives_.scaling(i).counts(world.start[i]).value_or(0);
     motors_[i].emplace(drive, ports_[i]);
     bus_.connect(ports_[i], &*motors_[i]);
   }
-  clock_.add(bus_);
   master_.emplace(drives_, master_port_);
   sensor_.emplace(world_, drives_, motors_);
+  clock_.add(bus_);
+  clock_.add(*sensor_);
   controller_.emplace(configuration, *master_, *sensor_, clock_, memory, consoles);
 }
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// A whole cabinet in virtual time: the controller with its CANopen stack, a virtual CAN bus,
+// A whole cabinet without hardware: the controller with its CANopen stack, a virtual CAN bus,
 // emulated drives, an arm with its manufacturing errors, and an ultrasonic sensor that measures the
-// target on its hand.
+// target on its hand. In virtual time, or in real time by threads as in a real cabinet.
 #pragma once
 
 #include <optional>
 #include <span>
 
 #include "firmware/controller/controller.hpp"
+#include "firmware/controller/latest_value.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/master.hpp"
 #include "hal/simulated/arm.hpp"
@@ -22,13 +23,15 @@ namespace armsig::cabinet {
 struct World {
   simulated::SimulatedArm arm;  // as it was built; its last target is on the hand
   JointVector start;            // readings at power-up
+  unsigned sync_loss_periods = simulated::DriveConfiguration{}.sync_loss_periods;
   simulated::UltrasonicConfig sensor;
   hal::Duration ping_period = std::chrono::milliseconds(20);
   std::uint64_t seed = 1;
 };
 
-// Measures the hand target where the drives really are.
-class VirtualSensor final : public hal::RangeSensor {
+// Measures the hand target where the drives really are. Time is the servo thread's, polling the
+// background's.
+class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDriven {
  public:
   VirtualSensor(const World& world, const canopen::CheckedConfiguration& drives,
                 std::span<const std::optional<simulated::Drive>> motors);
@@ -41,10 +44,12 @@ class VirtualSensor final : public hal::RangeSensor {
 
  private:
   Result<std::optional<hal::RangeReading>> do_poll(hal::Instant now) override;
+  void do_advance(hal::Instant until) override;
 
   const World& world_;
   const canopen::CheckedConfiguration& drives_;
   std::span<const std::optional<simulated::Drive>> motors_;
+  controller::LatestValue<JointVector> readings_;
   simulated::UltrasonicField field_;
   std::optional<hal::Instant> pinged_at_;
   std::optional<Error> error_;
@@ -52,10 +57,12 @@ class VirtualSensor final : public hal::RangeSensor {
 
 class VirtualCabinet {
  public:
-  // Preconditions: check() of both configurations; `memory` and `consoles` outlive the cabinet.
+  // Preconditions: check() of both configurations; `memory`, `consoles` and the `real_time` of the
+  // cabinet, where it has one, outlive it.
   VirtualCabinet(const controller::Configuration& configuration,
                  const canopen::Configuration& drives, const World& world,
-                 hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles);
+                 hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles,
+                 hal::Clock* real_time = nullptr);
   VirtualCabinet(const VirtualCabinet&) = delete;
   VirtualCabinet& operator=(const VirtualCabinet&) = delete;
 
@@ -63,6 +70,7 @@ class VirtualCabinet {
   void step();
 
   [[nodiscard]] hal::Clock& clock() { return clock_; }
+  [[nodiscard]] controller::Controller& controller() { return *controller_; }
   [[nodiscard]] const controller::Background& state() const { return controller_->state(); }
   [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return *motors_[joint]; }
   [[nodiscard]] simulated::VirtualCanPort& master_port() { return master_port_; }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Time that passes only when it is waited for, and moves a simulated world as it passes.
+// Time that moves a simulated world as it passes: only when it is waited for, or with a real clock.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include "core/base/fixed_vector.hpp"
@@ -26,19 +27,27 @@ class VirtualClock final : public hal::Clock {
  public:
   static constexpr std::size_t kMaxDriven = 8;
 
+  VirtualClock() = default;
+  // Time since now of `real`, which outlives this clock: whoever waits is as late as on `real`.
+  // Then now() may be asked by any thread, if that of `real` may.
+  explicit VirtualClock(hal::Clock& real) : real_(&real), origin_(real.now()) {}
+
   // `driven` must outlive the clock; things are advanced in the order in which they were added.
   void add(TimeDriven& driven) { driven_.push_back(&driven); }
 
  private:
-  hal::Instant do_now() override { return now_; }
+  hal::Instant do_now() override { return real_ ? hal::Instant(real_->now() - origin_) : now_; }
   hal::Duration do_wait_until(hal::Instant tick) override {
-    if (tick <= now_) return now_ - tick;
-    for (TimeDriven* driven : driven_) driven->advance(tick);
-    now_ = tick;
-    return {};
+    hal::Instant reached = std::max(tick, now_);
+    if (real_) reached = tick + real_->wait_until(origin_ + tick.time_since_epoch());
+    for (TimeDriven* driven : driven_) driven->advance(reached);
+    now_ = reached;
+    return reached - tick;
   }
 
-  hal::Instant now_;
+  hal::Clock* real_ = nullptr;
+  hal::Instant origin_;
+  hal::Instant now_;  // of the world
   FixedVector<TimeDriven*, kMaxDriven> driven_;
 };
 

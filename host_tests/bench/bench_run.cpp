@@ -4,9 +4,6 @@
 // of their own, host_tests/bench/run --full.
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <thread>
@@ -49,9 +46,9 @@ Changes small() {
           {"count: [6, 6, 7]", "count: [2, 2, 2]"}};
 }
 
-BenchProcess emulated_arm(const char* priority = "0") {
+BenchProcess emulated_arm() {
   return BenchProcess({"--target-mm", "150,0,50", "--start-deg", "0,-90,90,30,0,0", "--ping-ms",
-                       "15", "--step-us", "2000", "--sensor-node", "32", "--priority", priority});
+                       "15", "--step-us", "2000", "--sensor-node", "32"});
 }
 
 const Vector3& target_in_hand() {
@@ -175,41 +172,6 @@ TEST(BenchRun, small_with_the_sensor_on_can) {
   const auto frames = recording->decode();
   std::printf("%zu frames recorded\n", frames.size());
   test::expect_canopen_throughout(frames);
-}
-
-// What `name`= in `text` is; -1 if it is not there.
-double number_in(const std::string& text, const std::string& key) {
-  const std::size_t at = text.find(" " + key + "=");
-  if (at == std::string::npos) return -1;
-  return std::strtod(text.c_str() + at + key.size() + 2, nullptr);
-}
-
-TEST(BenchRun, ticks_beside_cyclictest_without_heap_and_page_faults) {
-  BenchProcess arm = emulated_arm("40");
-  DaemonProcess daemon({{"priority: 0", "priority: 80"}, {"period_ms: 20", "period_ms: 2"}},
-                       arm.sensor_device);
-  ASSERT_TRUE(daemon.enable());
-  const bool beside =
-      test::have("cyclictest") &&
-      std::system("cyclictest -m -p 79 -i 2000 -l 5000 -q >/dev/shm/cyclictest 2>&1 &") == 0;
-  for (int i = 0; i < 10; ++i) {
-    EXPECT_EQ(daemon.ask(i % 2 == 0 ? "move q1_deg=60 q2_deg=-60" : "move q1_deg=0 q2_deg=-90"),
-              "ok");
-    std::this_thread::sleep_for(std::chrono::milliseconds(1200));
-    ASSERT_TRUE(daemon.is_in("holding"));
-  }
-  const std::string status = daemon.ask("status");
-  const std::string system = daemon.ask("system");
-  std::printf("%s\n%s\n", status.c_str(), system.c_str());
-  if (beside) {
-    std::this_thread::sleep_for(std::chrono::seconds(2));
-    std::ifstream file("/dev/shm/cyclictest");
-    std::printf("%s\n", std::string{std::istreambuf_iterator<char>(file), {}}.c_str());
-  }
-  EXPECT_GT(number_in(status, "ticks"), 3000);
-  EXPECT_EQ(number_in(system, "heap_calls"), 0);
-  EXPECT_EQ(number_in(system, "servo_page_faults"), 0);
-  EXPECT_EQ(number_in(system, "page_faults"), 0);
 }
 
 TEST(BenchRun, full_over_modbus) { run_all({}, true); }

@@ -34,8 +34,9 @@ inline std::string bench_configuration(const Changes& changes) {
 class DaemonProcess : private MemoryFolder, public test::ConsoleProcess {
  public:
   // In a folder of its own; the sensor's serial line is `sensor_device`.
-  DaemonProcess(const Changes& changes, const std::string& sensor_device)
-      : ConsoleProcess(words(path, changes, sensor_device), path + "/console") {}
+  DaemonProcess(const Changes& changes, const std::string& sensor_device,
+                const std::vector<std::string>& options = {})
+      : ConsoleProcess(words(path, changes, sensor_device, options), path + "/console") {}
 
   bool enable() { return is_in("idle") && ask("enable") == "ok" && is_in("holding"); }
   // From whatever a fault left, to torque.
@@ -77,13 +78,16 @@ class DaemonProcess : private MemoryFolder, public test::ConsoleProcess {
 
  private:
   static std::vector<std::string> words(const std::string& folder, const Changes& changes,
-                                        const std::string& sensor_device) {
+                                        const std::string& sensor_device,
+                                        const std::vector<std::string>& options) {
     std::string configuration = bench_configuration(changes);
     replace(configuration, "/tmp/armsig-bench/sensor", sensor_device);
     replace(configuration, "/tmp/armsig-bench/console", folder + "/console");
     replace(configuration, "/tmp/armsig-bench/signatures", folder + "/signatures");
     std::ofstream(folder + "/cabinet.yaml") << configuration;
-    return {ARMSIG_DAEMON, folder + "/cabinet.yaml"};
+    std::vector<std::string> words{ARMSIG_DAEMON, folder + "/cabinet.yaml"};
+    words.insert(words.end(), options.begin(), options.end());
+    return words;
   }
   static void replace(std::string& text, const std::string& from, const std::string& to) {
     for (std::size_t at = text.find(from); at != std::string::npos;

@@ -157,5 +157,33 @@ TEST(VirtualClock, passes_only_when_it_is_waited_for) {
   EXPECT_EQ(clock.now(), at(milliseconds(2)));
 }
 
+// A computer that wakes everybody 3 ms late, and was switched on an hour ago.
+struct LateClock final : hal::Clock {
+  hal::Instant do_now() override { return time; }
+  hal::Duration do_wait_until(hal::Instant tick) override {
+    time = std::max(time, tick + milliseconds(3));
+    return time - tick;
+  }
+  hal::Instant time = at(std::chrono::hours(1));
+};
+
+struct Driven final : TimeDriven {
+  void do_advance(hal::Instant until) override { reached = until; }
+  hal::Instant reached;
+};
+
+TEST(VirtualClock, is_as_late_as_the_real_clock_that_it_goes_by_and_so_is_its_world) {
+  LateClock real;
+  VirtualClock clock(real);
+  Driven world;
+  clock.add(world);
+  EXPECT_EQ(clock.now(), hal::Instant());
+  EXPECT_EQ(clock.wait_until(at(milliseconds(2))), milliseconds(3));
+  EXPECT_EQ(clock.now(), at(milliseconds(5)));
+  EXPECT_EQ(world.reached, at(milliseconds(5)));
+  EXPECT_EQ(clock.wait_until(at(milliseconds(4))), milliseconds(3));
+  EXPECT_EQ(world.reached, at(milliseconds(7)));
+}
+
 }  // namespace
 }  // namespace armsig::simulated
