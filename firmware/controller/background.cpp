@@ -19,11 +19,7 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
       identification_(configuration, mover_, measurement_, announcer_),
       grid_(configuration, mover_, link, announcer_),
       store_(memory) {
-  active_.emplace();
-  if (const auto loaded = store_.load(configuration.drawing, *active_); !loaded) {
-    active_.reset();
-    if (loaded.error() != Error::kNoSignature) store_error_ = loaded.error();
-  }
+  load();
   link.models[0] = active_ ? model_of(active_->signature, configuration.drawing)
                            : model_of(configuration.drawing);
 }
@@ -55,6 +51,17 @@ void Background::tell_changes() {
   announcer_.say(line);
 }
 
+// What the store has now; nothing where it has nothing that can be read.
+void Background::load() {
+  if (!active_) active_.emplace();
+  store_error_.reset();
+  if (const auto loaded = store_.load(configuration_.drawing, *active_); !loaded) {
+    active_.reset();
+    if (loaded.error() != Error::kNoSignature) store_error_ = loaded.error();
+  }
+}
+
+// The servo takes over what is active, so that it is never other than what the status says.
 void Background::adopt() {
   model_ = 1 - mover_.now().model;
   link_.models[model_] = active_ ? model_of(active_->signature, configuration_.drawing)
@@ -69,17 +76,12 @@ void Background::step_store() {
     const auto written = store_.step_write();
     if (written && !*written) return;
     if (written) {
-      if (!active_) active_.emplace();
-      result = store_.load(configuration_.drawing, *active_);
-      if (!result) active_.reset();
+      load();
       identification_.forget_candidate();
-    } else {
-      result = std::unexpected(written.error());
-    }
-    if (result) {
       adopt();
       return;
     }
+    result = std::unexpected(written.error());
     storing_ = Storing::kNothing;
   } else {
     if (mover_.now().model != model_) {
@@ -89,6 +91,7 @@ void Background::step_store() {
       if (mover_.is_handled()) mover_.send(command);
       return;
     }
+    if (store_error_) result = std::unexpected(*store_error_);
     storing_ = Storing::kNothing;
   }
   if (!storing_for_) return;

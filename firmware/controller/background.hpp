@@ -42,6 +42,7 @@ class Background {
 
   void tell_changes();
   void step_store();
+  void load();
   void adopt();
   void step_consoles();
   void answer(const hal::ConsoleLine& line);

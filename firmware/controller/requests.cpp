@@ -87,7 +87,7 @@ Background::Verdict Background::rollback() {
   }
   if (!active_) return std::unexpected(Error::kNoSignature);
   if (auto revoked = store_.revoke(); !revoked) return revoked;
-  if (!store_.load(configuration_.drawing, *active_)) active_.reset();
+  load();
   adopt();
   stores_ = true;
   return {};

@@ -268,6 +268,25 @@ TEST(StoreFaults, a_full_disk_is_told_and_the_active_model_stays) {
   EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=1 "));
 }
 
+TEST(StoreFaults, a_record_that_cannot_be_read_again_is_told_and_the_drawing_is_servoed_with) {
+  Identified puma;
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
+  const std::size_t model_before = puma.now().model;
+  puma.memory.reads_left = 1;  // which verifies what was written
+  EXPECT_TRUE(puma.ask("accept").starts_with("error STORAGE_FAULT "));
+  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+  EXPECT_NE(puma.now().model, model_before) << "the servo has taken over the drawing";
+  EXPECT_NE(puma.ask("status").find(" store=STORAGE_FAULT"), std::string::npos);
+  // As it does after a restart, once the memory can be read.
+  puma.memory.reads_left.reset();
+  puma.start(Identified::quick(), 1);
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=2 "));
+}
+
 TEST(StoreFaults, a_corrupted_record_is_told_and_the_drawing_or_the_former_one_is_used) {
   Identified puma;
   ASSERT_EQ(puma.ask("accept"), "ok");

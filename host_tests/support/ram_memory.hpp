@@ -17,12 +17,16 @@ class RamMemory final : public hal::NonvolatileMemory {
   std::optional<std::size_t> bytes_left;
   std::size_t changed = 0;
   std::optional<Error> refusal;  // of every change
+  // Reads that still succeed.
+  std::optional<std::size_t> reads_left;
 
  private:
   [[nodiscard]] hal::MemoryLayout do_layout() const override {
     return {.page_bytes = 256, .pages_per_sector = 16, .sectors = 2};
   }
   Result<void> do_read(std::size_t address, std::span<std::uint8_t> into) override {
+    if (reads_left && *reads_left == 0) return std::unexpected(Error::kStorageFault);
+    if (reads_left) --*reads_left;
     std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(address), into.size(), into.begin());
     return {};
   }
