@@ -25,3 +25,17 @@ function(armsig_controller_library name)
     target_precompile_headers(${name} PRIVATE <Eigen/Dense> <algorithm> <expected> <optional> <span>)
   endif()
 endfunction()
+
+# armsig_command(variable target): what starts the program `target` in a test, in one word: its file, or one that runs
+# it by the emulator where it is of another machine.
+function(armsig_command variable target)
+  if(NOT CMAKE_CROSSCOMPILING)
+    set(${variable} $<TARGET_FILE:${target}> PARENT_SCOPE)
+    return()
+  endif()
+  set(command ${CMAKE_CURRENT_BINARY_DIR}/emulated/${target})
+  list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
+  file(GENERATE OUTPUT ${command} CONTENT "#!/bin/sh\nexec ${emulator} $<TARGET_FILE:${target}> \"$@\"\n"
+    FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+  set(${variable} ${command} PARENT_SCOPE)
+endfunction()
