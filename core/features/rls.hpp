@@ -12,6 +12,7 @@
 // double; the covariance form (core/features/rls_covariance.hpp) loses them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -36,19 +37,25 @@ class SquareRootRls {
   using Coefficients = Eigen::Matrix<Scalar, kRegressors, kRightHandSides>;
   using Products = Eigen::Matrix<Scalar, kRightHandSides, kRightHandSides>;
 
+  // [R Z] as it is kept: each row over its pivot D^1/2, and D itself in the pivot's place.
+  using Row = std::array<Scalar, kRegressors + kRightHandSides>;
+  using Kept = std::array<Row, kRegressors>;
+
+  SquareRootRls() = default;
+  // Of measurements that were compressed elsewhere; of `residual_products`, the upper triangle.
+  SquareRootRls(const Kept& kept, const Products& residual_products) : factor_(kept) {
+    for (int i = 0, k = 0; i < kRightHandSides; ++i)
+      for (int j = i; j < kRightHandSides; ++j, ++k) residuals_[k] = residual_products(i, j);
+  }
+
   // One measurement: right_hand_sides = coefficients^T * regressors + noise of variance 1 / weight.
   // All numbers must be finite, the weight not negative.
   void update(const Regressors& regressors, const RightHandSides& right_hand_sides,
               Scalar weight = 1) {
-    Scalar row[kColumns];
+    Row row;
     for (int j = 0; j < kRegressors; ++j) row[j] = regressors[j];
     for (int j = 0; j < kRightHandSides; ++j) row[kRegressors + j] = right_hand_sides[j];
-    rotate_into<kRegressors>(factor_, row, weight);
-    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
-      const Scalar weighted = weight * row[kRegressors + i];
-      for (int j = i; j < kRightHandSides; ++j, ++k)
-        residuals_[k] += weighted * row[kRegressors + j];
-    }
+    rotate_in(row, weight);
   }
 
   // Measurements taken in together, column by column: regressors, then right-hand sides, each times
@@ -84,6 +91,22 @@ class SquareRootRls {
     for (int i = 0, k = 0; i < kRightHandSides; ++i)
       for (int j = i; j < kRightHandSides; ++j, ++k)
         residuals_[k] += product(block.columns[kRegressors + i], block.columns[kRegressors + j]);
+  }
+
+  // The same as an update by each measurement of `other`.
+  void update(const SquareRootRls& other) {
+    if (factor_ == Kept{}) {
+      *this = other;
+      return;
+    }
+    for (std::size_t i = 0; i < other.factor_.size(); ++i) {
+      Row row = other.factor_[i];
+      Scalar weight = row[i];
+      std::fill_n(row.begin(), i, Scalar(0));
+      row[i] = 1;
+      rotate_in(row, weight);
+    }
+    for (std::size_t k = 0; k < residuals_.size(); ++k) residuals_[k] += other.residuals_[k];
   }
 
   // R, upper triangular. Its rows and those of Z stand for all the measurements: feeding them to
@@ -173,6 +196,15 @@ class SquareRootRls {
   // A pivot this small beside its column is rounding.
   static constexpr Scalar kDependent = 1000 * std::numeric_limits<Scalar>::epsilon();
 
+  void rotate_in(Row& row, Scalar weight) {
+    rotate_into(factor_, row, weight);
+    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
+      const Scalar weighted = weight * row[kRegressors + i];
+      for (int j = i; j < kRightHandSides; ++j, ++k)
+        residuals_[k] += weighted * row[kRegressors + j];
+    }
+  }
+
   static Scalar product(const Column& a, const Column& b) {
     Pack<Scalar> sum{};
 #pragma GCC unroll 16
@@ -192,8 +224,9 @@ class SquareRootRls {
     return factor_[i][i] > kDependent * kDependent * column;
   }
 
-  Scalar factor_[kRegressors][kColumns] = {};  // D^-1/2 [R Z], its unit diagonal replaced by D
-  Scalar residuals_[kRightHandSides * (kRightHandSides + 1) / 2] = {};  // E^T E, upper triangle
+  Kept factor_{};
+  // E^T E, upper triangle.
+  std::array<Scalar, kRightHandSides*(kRightHandSides + 1) / 2> residuals_{};
 };
 
 }  // namespace armsig::features

@@ -9,7 +9,9 @@
 
 #include <Eigen/LU>
 
+#include "core/base/lanes.hpp"
 #include "core/base/sine_cosine.hpp"
+#include "core/features/motion_sums.hpp"
 
 namespace armsig::features {
 namespace {
@@ -24,6 +26,9 @@ Vector6 products(const Vector3& a, const Vector3& b) {
 Vector6 upper_triangle(const Matrix3& a) {
   return {a(0, 0), a(0, 1), a(0, 2), a(1, 1), a(1, 2), a(2, 2)};
 }
+
+// Fewer are cheaper one by one.
+constexpr std::size_t kFewestTogether = 8;
 
 // Without a branch a number.
 bool same_bits(const Matrix3& a, const Matrix3& b) {
@@ -77,68 +82,30 @@ void MotionStatistics::add(const SweepPoint& point) {
 }
 
 void MotionStatistics::add(std::span<const SweepPoint> points) {
-  while (!points.empty()) {
-    const auto together = points.first(std::min(points.size(), MotionRls::kBlockRows));
-    if (fit_together(together)) {
-      add_together(together);
-    } else {
-      for (const SweepPoint& point : together) add(point);
-    }
-    points = points.subspan(together.size());
-  }
+  const std::size_t together = points.size() - points.size() % Lanes<double>::kCount;
+  if (together >= kFewestTogether && add_together(points.first(together)))
+    points = points.subspan(together);
+  for (const SweepPoint& point : points) add(point);
 }
 
-// Whether the points share the covariance of all before them, and their angles are not too large.
-bool MotionStatistics::fit_together(std::span<const SweepPoint> points) const {
-  if (!has_one_covariance()) return false;
+// False, and nothing added, where the points have to be taken one by one.
+bool MotionStatistics::add_together(std::span<const SweepPoint> points) {
+  if (type != JointType::kRevolute || !has_one_covariance()) return false;
   const Matrix3& covariance = count == 0 ? points.front().covariance_m2 : first_covariance_m2;
-  return std::ranges::all_of(points, [&](const SweepPoint& point) {
-    return same_bits(point.covariance_m2, covariance) &&
-           std::abs(point.reading - origin_reading) <= SineCosineConstants<double>::kLargestAngle;
-  });
-}
-
-void MotionStatistics::add_together(std::span<const SweepPoint> points) {
+  const auto sums = motion_sums(points, origin_reading, origin_S, covariance);
+  if (!sums) return false;
   if (count == 0) {
-    first_covariance_m2 = points.front().covariance_m2;
-    lowest_reading = highest_reading = points.front().reading;
+    first_covariance_m2 = covariance;
+    lowest_reading = sums->lowest_reading;
+    highest_reading = sums->highest_reading;
   }
-  same_covariance += points.size();
+  lowest_reading = std::min(lowest_reading, sums->lowest_reading);
+  highest_reading = std::max(highest_reading, sums->highest_reading);
   count += points.size();
-  const double variance = points.front().variance();
-  variance_sum += variance * static_cast<double>(points.size());
-  const double root = 1 / std::sqrt(variance);
-
-  MotionRls::Block block;
-  auto& [ones, first, second, x, y, z] = block.columns;
-  alignas(32) MotionRls::Column moved{};
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const double reading = points[k].reading;
-    lowest_reading = std::min(lowest_reading, reading);
-    highest_reading = std::max(highest_reading, reading);
-    moved[k] = reading - origin_reading;
-    ones[k] = root;
-    x[k] = root * (points[k].p_S.x() - origin_S.x());
-    y[k] = root * (points[k].p_S.y() - origin_S.y());
-    z[k] = root * (points[k].p_S.z() - origin_S.z());
-  }
-  // motion_regressors() for as many points as there are lanes.
-  using V = Pack<double>;
-  for (std::size_t k = 0; k < MotionRls::kBlockRows; k += Lanes<double>::kCount) {
-    const V t = load<V>(&moved[k]);
-    const V weight = load<V>(&ones[k]);
-    if (type == JointType::kPrismatic) {
-      store(&first[k], weight * t);
-      continue;
-    }
-    V s;
-    V c;
-    sine_cosine<double>(0.5 * t, s, c);
-    const V twice = 2 * weight * s;
-    store(&first[k], twice * c);
-    store(&second[k], twice * s);
-  }
-  motion.update(block);
+  same_covariance = count;
+  variance_sum += points.front().variance() * static_cast<double>(points.size());
+  motion.update(sums->motion);
+  return true;
 }
 
 // From the first point on whose covariance is another one.

@@ -94,8 +94,7 @@ struct MotionStatistics {
   [[nodiscard]] double motion_chi_square() const;
 
  private:
-  [[nodiscard]] bool fit_together(std::span<const SweepPoint> points) const;
-  void add_together(std::span<const SweepPoint> points);
+  [[nodiscard]] bool add_together(std::span<const SweepPoint> points);
   void add_covariance(const SweepPoint& point, const Vector3& x, double weight);
   [[nodiscard]] Eigen::Matrix<double, 6, 6> score_sums() const;
 };

@@ -6,6 +6,7 @@
 // The factor is kept as R = D^1/2 U, U with a unit diagonal: D in the place of that diagonal.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -16,8 +17,9 @@ namespace armsig::features {
 // Rotates `row`, of weight `weight`, into row kPivot of the factor, whose pivot's square and
 // remaining entries are kept[kPivot] and kept[kPivot + 1...]: row[kPivot] vanishes, the rest of the
 // row and its weight are what is left for the next one. A row of weight 0 changes nothing.
-template <int kPivot, int kColumns, typename Scalar>
-inline void rotate_row(Scalar (&kept)[kColumns], Scalar (&row)[kColumns], Scalar& weight) {
+template <std::size_t kPivot, typename Scalar, std::size_t kColumns>
+inline void rotate_row(std::array<Scalar, kColumns>& kept, std::array<Scalar, kColumns>& row,
+                       Scalar& weight) {
   const Scalar x = row[kPivot];
   const Scalar weighted = weight * x;
   const Scalar square = kept[kPivot] + weighted * x;
@@ -28,7 +30,7 @@ inline void rotate_row(Scalar (&kept)[kColumns], Scalar (&row)[kColumns], Scalar
   kept[kPivot] = square;
   weight *= c;
 #pragma GCC unroll 16
-  for (int j = kPivot + 1; j < kColumns; ++j) {
+  for (std::size_t j = kPivot + 1; j < kColumns; ++j) {
     const Scalar above = kept[j];
     const Scalar below = row[j];
     row[j] = below - x * above;
@@ -36,13 +38,13 @@ inline void rotate_row(Scalar (&kept)[kColumns], Scalar (&row)[kColumns], Scalar
   }
 }
 
-// Rotates `row` into the rows kPivot to kRows - 1 of the factor.
-template <int kRows, int kPivot = 0, int kColumns, typename Scalar>
-inline void rotate_into(Scalar (&factor)[kRows][kColumns], Scalar (&row)[kColumns],
-                        Scalar& weight) {
+// Rotates `row` into the rows from kPivot on of the factor.
+template <std::size_t kPivot = 0, typename Scalar, std::size_t kColumns, std::size_t kRows>
+inline void rotate_into(std::array<std::array<Scalar, kColumns>, kRows>& factor,
+                        std::array<Scalar, kColumns>& row, Scalar& weight) {
   if constexpr (kPivot < kRows) {
     rotate_row<kPivot>(factor[kPivot], row, weight);
-    rotate_into<kRows, kPivot + 1>(factor, row, weight);
+    rotate_into<kPivot + 1>(factor, row, weight);
   }
 }
 
@@ -56,9 +58,9 @@ class TriangularFactor {
   using Matrix = Eigen::Matrix<double, kColumns, kColumns>;
 
   void add(const Row& columns, double weight = 1) {
-    double row[kColumns];
+    std::array<double, kColumns> row;
     for (int j = 0; j < kColumns; ++j) row[j] = columns[j];
-    rotate_into<kColumns>(rows_, row, weight);
+    rotate_into(rows_, row, weight);
   }
 
   [[nodiscard]] Matrix matrix() const {
@@ -71,7 +73,7 @@ class TriangularFactor {
   }
 
  private:
-  double rows_[kColumns][kColumns] = {};
+  std::array<std::array<double, kColumns>, kColumns> rows_{};
 };
 
 }  // namespace armsig::features

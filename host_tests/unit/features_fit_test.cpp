@@ -115,6 +115,34 @@ TEST(EncoderCircle, states_the_covariance_of_the_normal_equations) {
   EXPECT_NEAR(circle->covariance(2, 6), 8.118128291421179e-09, 1e-13);
 }
 
+// Points as good in all directions have a closed form; a thousand-millionth more along one
+// coordinate takes them through Gauss-Newton.
+TEST(EncoderCircle, of_equally_good_directions_is_that_of_nearly_equal_ones) {
+  for (const double arc : {0.1, 1.0, 4.0}) {
+    testing::Random random(9);
+    const testing::TrueMotion motion = circle_about(Vector3(0.6, 0, 0.8));
+    MotionStatistics equal;
+    MotionStatistics nearly;
+    for (std::size_t i = 0; i < 25; ++i) {
+      const double reading = testing::even_reading(motion, arc, i, 25);
+      const Vector3 p_S = motion.at(reading) + 1e-5 * random.normal_vector();
+      SweepPoint point{reading, p_S, testing::isotropic(1e-5)};
+      if (i == 0) equal = nearly = MotionStatistics(motion.type, point);
+      equal.add(point);
+      point.covariance_m2(2, 2) *= 1 + 1e-9;
+      nearly.add(point);
+    }
+    const auto closed = encoder_circle(equal);
+    const auto iterated = encoder_circle(nearly);
+    ASSERT_TRUE(closed);
+    ASSERT_TRUE(iterated);
+    EXPECT_LT((closed->centre_S - iterated->centre_S).norm(), 1e-9);
+    EXPECT_LT((closed->R_SC - iterated->R_SC).norm(), 1e-9);
+    EXPECT_NEAR(closed->radius_m, iterated->radius_m, 1e-9);
+    EXPECT_TRUE(closed->covariance.isApprox(iterated->covariance, 1e-6)) << arc;
+  }
+}
+
 TEST(EncoderRatio, is_that_of_the_unconstrained_fit) {
   EXPECT_NEAR(encoder_ratio(noisy_circle()).ratio, 1.000592914686937, 1e-12);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What is kept of a sweep: the same however its points come in.
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -71,6 +72,40 @@ TEST(MotionStatistics, of_many_points_at_once_take_a_million_turns) {
   MotionStatistics together(JointType::kRevolute, points[0]);
   together.add(points);
   expect_same(together, one_by_one(JointType::kRevolute, points));
+}
+
+TEST(MotionStatistics, of_many_points_at_once_come_on_top_of_earlier_ones) {
+  const std::vector<SweepPoint> points = points_of(43, 43, 0.7);
+  MotionStatistics together(JointType::kRevolute, points[0]);
+  const std::span<const SweepPoint> all(points);
+  together.add(all.first(20));
+  together.add(all.subspan(20));
+  expect_same(together, one_by_one(JointType::kRevolute, points));
+}
+
+// First, middle and last at one reading, as after a sweep there and back and there again.
+TEST(MotionStatistics, of_many_points_at_once_may_show_three_at_one_reading) {
+  std::vector<SweepPoint> points = points_of(40, 40, 0.7);
+  points[20].reading = points[39].reading = points[0].reading;
+  MotionStatistics together(JointType::kRevolute, points[0]);
+  together.add(points);
+  expect_same(together, one_by_one(JointType::kRevolute, points));
+}
+
+// A sensor 4 m away, points exact to rounding: nothing but that is left over.
+TEST(MotionStatistics, of_many_points_at_once_leave_nothing_of_an_exact_circle) {
+  for (const double arc : {0.1, 1.5, 6.0}) {
+    std::vector<SweepPoint> points;
+    for (int k = 0; k < 360; ++k) {
+      const double t = arc * std::fmod(0.618 * k, 1.0);  // in no order
+      points.push_back(
+          {0.3 + t, Vector3(4 + 0.5 * std::cos(t), 0.5 * std::sin(t), 1), Matrix3::Identity()});
+    }
+    MotionStatistics together(JointType::kRevolute, points[0]);
+    together.add(points);
+    EXPECT_LT(std::sqrt(together.motion.residual_products().trace() / 360), 2e-15) << arc;
+    EXPECT_EQ(together.motion.rank(), 3);
+  }
 }
 
 // The sum that the comment of score_covariance() states, term by term.
