@@ -59,47 +59,64 @@ void Chain::move(JointMotion& motion, std::size_t joint, double moved) const {
   one.sine = turn.sine;
 }
 
-Vector3 Chain::point(const JointMotion& motion, const Target& target) const {
-  Vector3 p = X_SL_[target.link - 1].R.transpose() * (target.p_S - X_SL_[target.link - 1].p);
+// Joints at rest keep the frames of the signature configuration: the way between two moving joints
+// leads through the sensor frame past those between them, at the cost of none.
+template <typename Visit>
+Vector3 Chain::carry(const JointMotion& motion, const Target& target, Visit visit) const {
+  Vector3 p = target.p_S;
+  bool in_sensor_frame = true;  // otherwise p is in the link frame of the joint just visited
   for (std::size_t i = target.link; i-- > 0;) {
-    if (types_[i] == JointType::kRevolute) {
-      p = turned(motion.joints[i], p);
-    } else {
-      p.z() += motion.joints[i].moved;
+    const JointMotion::One& joint = motion.joints[i];
+    if (joint.moved == 0) {
+      if (!in_sensor_frame) p = X_SL_[i + 1] * p;
+      in_sensor_frame = true;
+      continue;
     }
-    if (i > 0) p = B_[i - 1] * p;
+    p = in_sensor_frame ? Vector3(X_SL_[i].R.transpose() * (p - X_SL_[i].p)) : B_[i] * p;
+    in_sensor_frame = false;
+    const Vector3 r = p;
+    if (types_[i] == JointType::kRevolute) {
+      p = turned(joint, p);
+    } else {
+      p.z() += joint.moved;
+    }
+    visit(i, r, p);
   }
-  return X_SL_[0] * p;
+  return in_sensor_frame ? p : X_SL_[0] * p;
+}
+
+Vector3 Chain::point(const JointMotion& motion, const Target& target) const {
+  return carry(motion, target, [](std::size_t, const Vector3&, const Vector3&) {});
 }
 
 void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
                                PointJacobian& jacobian) const {
-  const std::size_t link = target.link;
-  // Inward: the target in each link frame before (r) and after (v) the joint's own motion.
+  // Inward: the target in the link frame of each moving joint before (r) and after (v) its motion.
   std::array<Vector3, kMaxJoints> r;
   std::array<Vector3, kMaxJoints> v;
-  r[link - 1] = X_SL_[link - 1].R.transpose() * (target.p_S - X_SL_[link - 1].p);
-  for (std::size_t i = link; i-- > 0;) {
-    if (types_[i] == JointType::kRevolute) {
-      v[i] = turned(motion.joints[i], r[i]);
-    } else {
-      v[i] = r[i] + Vector3(0, 0, motion.joints[i].moved);
-    }
-    if (i > 0) r[i - 1] = B_[i - 1] * v[i];
-  }
-  jacobian.p_S = X_SL_[0] * v[0];
+  jacobian.p_S =
+      carry(motion, target, [&](std::size_t i, const Vector3& before, const Vector3& after) {
+        r[i] = before;
+        v[i] = after;
+      });
 
-  // Outward: the rotation of each link frame, and the derivatives taken in it. A revolute joint
-  // moves r to a + R (r - a); turning its axis by w adds w x (R r) - R (w x r), shifting it by t
-  // adds t - R t.
-  Matrix3 R_SF = X_SL_[0].R;
-  bool moved = false;  // until a joint has, the frames are those of the signature configuration
-  for (std::size_t i = 0; i < link; ++i) {
+  // Outward: the rotation of each moving joint's link frame, and the derivatives taken in it. A
+  // revolute joint moves r to a + R (r - a); turning its axis by w adds w x (R r) - R (w x r),
+  // shifting it by t adds t - R t.
+  Matrix3 R_SF = Matrix3::Identity();
+  std::size_t last = kMaxJoints;  // that moves, so far
+  for (std::size_t i = 0; i < target.link; ++i) {
     const JointMotion::One& joint = motion.joints[i];
-    moved = moved || joint.moved != 0;
-    if (joint.moved == 0) {
-      // At rest: all its derivatives vanish, and its frame is not turned.
-    } else if (types_[i] == JointType::kRevolute) {
+    if (joint.moved == 0) continue;
+    if (last == kMaxJoints) {
+      R_SF = X_SL_[i].R;
+    } else if (last + 1 == i) {
+      R_SF = R_SF.lazyProduct(B_[last].R).eval();
+    } else {
+      R_SF = R_SF.lazyProduct(X_SL_[last].R.transpose().lazyProduct(X_SL_[i].R).eval()).eval();
+    }
+    last = i;
+    if (types_[i] == JointType::kRevolute) {
       const Vector3 x = R_SF.col(0);
       const Vector3 y = R_SF.col(1);
       const Vector3 x_turned = joint.cosine * x + joint.sine * y;
@@ -117,9 +134,9 @@ void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
       jacobian.axis[i].col(1) = joint.moved * R_SF.col(0);
       jacobian.motion[i] = R_SF.col(2);
     }
-    if (i + 1 < link) R_SF = moved ? R_SF.lazyProduct(B_[i].R).eval() : X_SL_[i + 1].R;
   }
-  jacobian.target.noalias() = R_SF.lazyProduct(X_SL_[link - 1].R.transpose());
+  jacobian.target = R_SF;
+  if (last < kMaxJoints) jacobian.target = R_SF.lazyProduct(X_SL_[last].R.transpose());
 }
 
 Pose Chain::displacement(const JointMotion& motion, std::size_t link) const {
@@ -138,14 +155,13 @@ Pose Chain::displacement(const JointMotion& motion, std::size_t link) const {
   return X * X_SL_[link - 1].inverse();
 }
 
-template <int kRows>
-void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
-                     const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
-                     const Eigen::Matrix<double, kRows, 3>& gradient, RowBlock<kRows>& block) {
-  const auto add = [&](std::size_t column, const Vector3& derivative) {
-    const Eigen::Matrix<double, kRows, 1> scalars = gradient * derivative;
-    for (int k = 0; k < kRows; ++k) block.rows[k][column] += scalars[k];
-  };
+namespace {
+
+// Calls add(column, derivative of the target's position) for every unknown that moves it.
+template <typename Add>
+void for_each_derivative(const Layout& layout, const Signature& signature, const Chain& chain,
+                         const JointMotion& motion, std::size_t target,
+                         const PointJacobian& jacobian, Add add) {
   const std::size_t link = signature.targets[target].link;
   for (std::size_t i = 0; i < link; ++i) {
     const JointMotion::One& joint = motion.joints[i];
@@ -157,14 +173,17 @@ void add_derivatives(const Layout& layout, const Signature& signature, const Cha
     // Zero at the signature configuration: there every correction is part of the axis lines.
     const double q = joint.coupled;
     const double q_s = chain.coupled_configuration(i);
-    if (layout.gain[i] != kNoColumn) add(layout.gain[i], (q - q_s) * jacobian.motion[i]);
+    const auto add_correction = [&](std::size_t column, double moves) {
+      add(column, moves * jacobian.motion[i]);
+    };
+    if (layout.gain[i] != kNoColumn) add_correction(layout.gain[i], q - q_s);
     if (layout.first[i] != kNoColumn) {
-      add(layout.first[i], (std::cos(q) - std::cos(q_s)) * jacobian.motion[i]);
-      add(layout.first[i] + 1, (std::sin(q) - std::sin(q_s)) * jacobian.motion[i]);
+      add_correction(layout.first[i], std::cos(q) - std::cos(q_s));
+      add_correction(layout.first[i] + 1, std::sin(q) - std::sin(q_s));
     }
     if (layout.second[i] != kNoColumn) {
-      add(layout.second[i], (std::cos(2 * q) - std::cos(2 * q_s)) * jacobian.motion[i]);
-      add(layout.second[i] + 1, (std::sin(2 * q) - std::sin(2 * q_s)) * jacobian.motion[i]);
+      add_correction(layout.second[i], std::cos(2 * q) - std::cos(2 * q_s));
+      add_correction(layout.second[i] + 1, std::sin(2 * q) - std::sin(2 * q_s));
     }
   }
   if (layout.target[target] != kNoColumn) {
@@ -174,15 +193,44 @@ void add_derivatives(const Layout& layout, const Signature& signature, const Cha
   }
 }
 
-template void add_derivatives<1>(const Layout&, const Signature&, const Chain&, const JointMotion&,
-                                 std::size_t, const PointJacobian&,
-                                 const Eigen::Matrix<double, 1, 3>&, RowBlock<1>&);
-template void add_derivatives<3>(const Layout&, const Signature&, const Chain&, const JointMotion&,
-                                 std::size_t, const PointJacobian&,
-                                 const Eigen::Matrix<double, 3, 3>&, RowBlock<3>&);
-template void add_derivatives<9>(const Layout&, const Signature&, const Chain&, const JointMotion&,
-                                 std::size_t, const PointJacobian&,
-                                 const Eigen::Matrix<double, 9, 3>&, RowBlock<9>&);
+}  // namespace
+
+void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+                     const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
+                     const Vector3& gradient, RowBlock<1>& block) {
+  for_each_derivative(layout, signature, chain, motion, target, jacobian,
+                      [&](std::size_t column, const Vector3& derivative) {
+                        block.rows[0][column] += gradient.dot(derivative);
+                      });
+}
+
+void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+                     const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
+                     double weight, RowBlock<3>& block) {
+  for_each_derivative(layout, signature, chain, motion, target, jacobian,
+                      [&](std::size_t column, const Vector3& derivative) {
+                        for (int c = 0; c < 3; ++c) {
+                          block.rows[c][column] += weight * derivative[c];
+                        }
+                      });
+}
+
+void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+                     const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
+                     const std::array<double, 3>& weights,
+                     const std::array<std::uint8_t, kMaxParameters>& places, RowBlock<9>& block) {
+  for_each_derivative(layout, signature, chain, motion, target, jacobian,
+                      [&](std::size_t column, const Vector3& derivative) {
+                        const std::size_t place = places[column];
+#pragma GCC unroll 3
+                        for (int k = 0; k < 3; ++k) {
+#pragma GCC unroll 3
+                          for (int c = 0; c < 3; ++c) {
+                            block.rows[3 * k + c][place] += weights[k] * derivative[c];
+                          }
+                        }
+                      });
+}
 
 void apply_corrections(const Layout& layout, const StateVector& x, double fraction,
                        Signature& signature, ReadingModel& readings) {

@@ -71,6 +71,11 @@ class Chain {
     double corrected = 0;
   };
 
+  // The target from where it was measured through every moving joint i, from the outermost to the
+  // first, to the sensor frame: visit(i, before, after its motion, both in its link frame).
+  template <typename Visit>
+  [[nodiscard]] Vector3 carry(const JointMotion& motion, const Target& target, Visit visit) const;
+
   ReadingModel readings_;
   FixedVector<JointType, kMaxJoints> types_;
   std::array<Zero, kMaxJoints> configuration_;  // readings at the signature configuration
@@ -78,12 +83,24 @@ class Chain {
   std::array<Pose, kMaxJoints> B_;  // B_[i] = X_SL[i]^-1 X_SL[i+1]
 };
 
-// Adds derivatives to rows of the filter, for measured scalars whose derivatives by the target's
-// position are the rows of `gradient` (already divided by sigma and weighted). kRows: 1, 3, 9.
-template <int kRows>
+// Adds derivatives to a row of the filter, for a measured scalar whose derivative by the target's
+// position is `gradient` (already divided by sigma and weighted).
 void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
                      const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
-                     const Eigen::Matrix<double, kRows, 3>& gradient, RowBlock<kRows>& block);
+                     const Vector3& gradient, RowBlock<1>& block);
+
+// The same to three rows for the coordinates of a measured point, which go with the target's
+// position times `weight`.
+void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+                     const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
+                     double weight, RowBlock<3>& block);
+
+// The same for three points, each with its weight. Column c of the layout stands in the block at
+// places[c].
+void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+                     const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
+                     const std::array<double, 3>& weights,
+                     const std::array<std::uint8_t, kMaxParameters>& places, RowBlock<9>& block);
 
 // The estimate moved by the solution `x` of one iteration; X_SL[n] moves with the last axis.
 void apply_corrections(const Layout& layout, const StateVector& x, double fraction,

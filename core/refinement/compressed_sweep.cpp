@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "core/refinement/compressed_sweep.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "core/base/lanes.hpp"
 #include "core/base/sine_cosine.hpp"
 #include "core/features/sweep_statistics.hpp"
 #include "core/refinement/robust.hpp"
@@ -32,10 +34,9 @@ bool same_sweep(const Observation& a, const Observation& b) {
       (a.sigma_m > 0) != (b.sigma_m > 0)) {
     return false;
   }
-  for (std::size_t i = 0; i < a.readings.size(); ++i) {
-    if (i + 1 != a.sweep && a.readings[i] != b.readings[i]) return false;
-  }
-  return true;
+  const std::size_t swept = a.sweep - 1;
+  return std::equal(a.readings.begin(), a.readings.begin() + swept, b.readings.begin()) &&
+         std::equal(a.readings.begin() + a.sweep, a.readings.end(), b.readings.begin() + a.sweep);
 }
 
 // One sweep seen from its swept joint.
@@ -46,32 +47,89 @@ struct View {
   Vector3 p_first;  // statistics are taken about it, so that a far sensor costs no digits
 };
 
-double residual_length(const View& view, const Observation& row, const Matrix3& fit) {
-  const Vector3 predicted =
-      fit.transpose() * sweep_regressors(view.sweep, view.chain, row.readings);
-  const double sigma = row.sigma_m > 0 ? row.sigma_m : 1.0;
-  return (row.p_S - view.p_first - predicted).norm() / sigma;
+double sigma_of(const Observation& row) { return row.sigma_m > 0 ? row.sigma_m : 1.0; }
+
+// The rows from `first` on, as many as a block takes, with the weight 1: regressors and positions
+// about p_first. Returns their number.
+std::size_t take(const View& view, std::size_t first, MotionRls::Block& block) {
+  using V = Pack<double>;
+  const CompressedSweep& sweep = view.sweep;
+  const std::size_t count = std::min(MotionRls::kBlockRows, view.rows.size() - first);
+  block = {};
+  auto& [ones, second, third, x, y, z] = block.columns;
+  double farthest = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Observation& row = view.rows[first + k];
+    ones[k] = 1;
+    second[k] = view.chain.motion_of(sweep.joint, row.readings) - sweep.middle;
+    farthest = std::max(farthest, std::abs(second[k]));
+    x[k] = row.p_S.x() - view.p_first.x();
+    y[k] = row.p_S.y() - view.p_first.y();
+    z[k] = row.p_S.z() - view.p_first.z();
+  }
+  if (!sweep.revolute) {
+    for (std::size_t k = 0; k < count; ++k) second[k] /= sweep.half_length;
+  } else if (farthest <= SineCosineConstants<double>::kLargestAngle) {
+    for (std::size_t k = 0; k < count; k += Lanes<double>::kCount) {
+      V sine;
+      V cosine;
+      sine_cosine<double>(load<V>(&second[k]), sine, cosine);
+      store(&second[k], cosine);
+      store(&third[k], sine);
+    }
+  } else {
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto [sine, cosine] = sine_and_cosine(second[k]);
+      second[k] = cosine;
+      third[k] = sine;
+    }
+  }
+  return count;
+}
+
+// Residual lengths over sigma, into the outcomes.
+void find_lengths(const View& view, const Matrix3& fit, std::span<RowOutcome> outcomes) {
+  using V = Pack<double>;
+  MotionRls::Block block;
+  for (std::size_t first = 0; first < view.rows.size(); first += MotionRls::kBlockRows) {
+    const std::size_t count = take(view, first, block);
+    auto& [squares, second, third, x, y, z] = block.columns;
+    for (std::size_t k = 0; k < count; k += Lanes<double>::kCount) {
+      const V f_1 = load<V>(&second[k]);
+      const V f_2 = load<V>(&third[k]);
+      const auto off = [&](const MotionRls::Column& measured, int c) {
+        return load<V>(&measured[k]) - (fit(0, c) + f_1 * fit(1, c) + f_2 * fit(2, c));
+      };
+      const V d_x = off(x, 0);
+      const V d_y = off(y, 1);
+      const V d_z = off(z, 2);
+      store(&squares[k], d_x * d_x + d_y * d_y + d_z * d_z);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      outcomes[first + k].residual_m = std::sqrt(squares[k]) / sigma_of(view.rows[first + k]);
+    }
+  }
 }
 
 MotionRls factor_of(const View& view, std::span<const RowOutcome> outcomes) {
+  using V = Pack<double>;
   MotionRls factor;
   MotionRls::Block block;
-  std::size_t filled = 0;
-  for (std::size_t k = 0; k < view.rows.size(); ++k) {
-    const Observation& row = view.rows[k];
-    if (row.use != RowUse::kFit || outcomes[k].weight == 0) continue;
-    const double w = std::sqrt(outcomes[k].weight) / (row.sigma_m > 0 ? row.sigma_m : 1.0);
-    const Vector3 f = sweep_regressors(view.sweep, view.chain, row.readings);
-    for (int i = 0; i < 3; ++i) {
-      block.columns[i][filled] = w * f[i];
-      block.columns[3 + i][filled] = w * (row.p_S[i] - view.p_first[i]);
+  for (std::size_t first = 0; first < view.rows.size(); first += MotionRls::kBlockRows) {
+    const std::size_t count = take(view, first, block);
+    auto& weights = block.columns[0];
+    for (std::size_t k = 0; k < count; ++k) {
+      const Observation& row = view.rows[first + k];
+      weights[k] =
+          row.use == RowUse::kFit ? std::sqrt(outcomes[first + k].weight) / sigma_of(row) : 0;
     }
-    if (++filled < MotionRls::kBlockRows) continue;
+    for (std::size_t i = 1; i < block.columns.size(); ++i) {
+      MotionRls::Column& column = block.columns[i];
+      for (std::size_t k = 0; k < MotionRls::kBlockRows; k += Lanes<double>::kCount)
+        store(&column[k], load<V>(&column[k]) * load<V>(&weights[k]));
+    }
     factor.update(block);
-    block = {};
-    filled = 0;
   }
-  factor.update(block);
   return factor;
 }
 
@@ -85,12 +143,11 @@ bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOu
     factor = factor_of(view, outcomes);
     if (!determined(factor.factor(), regressors)) return false;
     const Matrix3 fit = factor.solve();
+    find_lengths(view, fit, outcomes);  // in sigma here; judge_rows() has the last word
     LogHistogram squares;
     for (std::size_t k = 0; k < view.rows.size(); ++k) {
-      if (view.rows[k].use != RowUse::kFit) continue;
-      const double length = residual_length(view, view.rows[k], fit);
-      outcomes[k].residual_m = length;  // in sigma here; judge_rows() has the last word
-      squares.add(length * length);
+      const double length = outcomes[k].residual_m;
+      if (view.rows[k].use == RowUse::kFit) squares.add(length * length);
     }
     double scale = std::sqrt(squares.median() / kMedianChiSquare3 * freedom);
     if (view.rows.front().sigma_m > 0) scale = std::max(scale, 1.0);

@@ -69,7 +69,7 @@ double parameter_sigma(const SquareRootFactor& information, std::size_t index) {
   StateVector y;
   y.fill(0);
   y[index] = 1;
-  information.solve_transposed(y);
+  information.solve_transposed(y, index);
   double sum = 0;
   for (std::size_t k = index; k < information.unknowns(); ++k) sum += y[k] * y[k];
   return std::sqrt(sum);
@@ -80,7 +80,7 @@ Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t fir
   for (std::size_t i = 0; i < 3; ++i) {
     y[i].fill(0);
     y[i][first + i] = 1;
-    information.solve_transposed(y[i]);
+    information.solve_transposed(y[i], first + i);
   }
   Matrix3 covariance;
   for (int i = 0; i < 3; ++i) {

@@ -174,29 +174,48 @@ void Problem::add_sweep(const CompressedSweep& sweep, const Chain& chain, double
   const Target& target = estimate_.signature.targets[sweep.target];
   const Layout& layout = estimate_.layout;
   const double scaled = 1 + estimate_.scale;
+  // The unknowns that these rows involve, in the order of the layout.
+  const JointMotion at_first = chain.motion(log_[sweep.first_row].readings);
+  FixedVector<std::uint8_t, kMaxParameters> columns;
+  std::array<std::uint8_t, kMaxParameters> places;
+  const auto involve = [&](std::size_t first, std::size_t count) {
+    for (std::size_t column = first; column < first + count; ++column) {
+      places[column] = static_cast<std::uint8_t>(columns.size());
+      columns.push_back(static_cast<std::uint8_t>(column));
+    }
+  };
+  for (std::size_t i = 0; i < target.link; ++i) {
+    if (i != sweep.joint && at_first.joints[i].moved == 0) continue;
+    involve(layout.axis[i], start_.types[i] == JointType::kRevolute ? 4 : 2);
+  }
+  involve(layout.target[sweep.target], 3);
+  if (layout.scale != kNoColumn) involve(layout.scale, 1);
+  const std::size_t right_hand_side = columns.size();
+
   RowBlock<9> block;
-  block.clear(layout.size());
+  block.clear(right_hand_side);
   Matrix3 residual = sweep.Z;
   for_each_node(sweep, chain, [&](int node, const JointMotion& motion) {
     PointJacobian jacobian;
     chain.point_and_jacobian(motion, target, jacobian);
     note(motion, target.link, jacobian);
-    residual.noalias() -= scaled * sweep.W.col(node) * jacobian.p_S.transpose();
-    Eigen::Matrix<double, 9, 3> gradient;
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      gradient.middleRows<3>(3 * k) = weight * scaled * sweep.W(k, node) * Matrix3::Identity();
+    std::array<double, 3> weights;
+    for (int k = 0; k < 3; ++k) {
+      const double share = sweep.W(k, node);
+      residual.row(k) -= scaled * share * jacobian.p_S;
+      weights[k] = weight * scaled * share;
       if (layout.scale == kNoColumn) continue;
       for (int c = 0; c < 3; ++c) {
-        block.rows[3 * k + c][layout.scale] += weight * sweep.W(k, node) * jacobian.p_S[c];
+        block.rows[3 * k + c][places[layout.scale]] += weight * share * jacobian.p_S[c];
       }
     }
-    add_derivatives<9>(layout, estimate_.signature, chain, motion, sweep.target, jacobian, gradient,
-                       block);
+    add_derivatives(layout, estimate_.signature, chain, motion, sweep.target, jacobian, weights,
+                    places, block);
   });
   for (int k = 0; k < 3; ++k) {
-    for (int c = 0; c < 3; ++c) block.rows[3 * k + c][layout.size()] = weight * residual(k, c);
+    for (int c = 0; c < 3; ++c) block.rows[3 * k + c][right_hand_side] = weight * residual(k, c);
   }
-  estimate_.information.absorb(block);
+  estimate_.information.absorb({columns.data(), columns.size()}, block);
 }
 
 double Problem::judge_rows(const Noise& noise) {

@@ -15,8 +15,8 @@ void absorb_position(const Refined& estimate, const Chain& chain, const Observat
   const double scaled = 1 + estimate.scale;
   RowBlock<3> block;
   block.clear(n);
-  add_derivatives<3>(layout, estimate.signature, chain, at.motion, row.target, at.jacobian,
-                     weight * scaled * Matrix3::Identity(), block);
+  add_derivatives(layout, estimate.signature, chain, at.motion, row.target, at.jacobian,
+                  weight * scaled, block);
   for (std::size_t k = 0; k < 3; ++k) {
     const auto c = static_cast<Eigen::Index>(k);
     if (layout.scale != kNoColumn) block.rows[k][layout.scale] = weight * at.jacobian.p_S[c];
@@ -33,8 +33,8 @@ void absorb_range(const Refined& estimate, const Receivers& receivers, const Cha
   const PredictedRange predicted = predict_range(estimate, receivers, row, at.jacobian.p_S);
   RowBlock<1> block;
   block.clear(n);
-  add_derivatives<1>(layout, estimate.signature, chain, at.motion, row.target, at.jacobian,
-                     weight * predicted.gradient.transpose(), block);
+  add_derivatives(layout, estimate.signature, chain, at.motion, row.target, at.jacobian,
+                  weight * predicted.gradient, block);
   if (layout.receiver_offsets != kNoColumn) {
     block.rows[0][layout.receiver_offsets + row.receiver] = weight;
   }
@@ -48,10 +48,11 @@ void absorb_range(const Refined& estimate, const Receivers& receivers, const Cha
 }  // namespace
 
 bool is_finite(const Observation& row) {
-  const bool measured =
-      row.kind == ObservationKind::kPosition ? row.p_S.allFinite() : std::isfinite(row.range_m);
-  return measured && std::isfinite(row.sigma_m) &&
-         std::ranges::all_of(row.readings, [](double reading) { return std::isfinite(reading); });
+  // Zero times anything finite is zero, times anything else no number.
+  double zero = 0 * row.sigma_m;
+  zero += 0 * (row.kind == ObservationKind::kPosition ? row.p_S.sum() : row.range_m);
+  for (const double reading : row.readings) zero += 0 * reading;
+  return zero == 0;
 }
 
 PredictedRange predict_range(const Refined& estimate, const Receivers& receivers,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/refinement/square_root_factor.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/lanes.hpp"
@@ -13,21 +14,18 @@ namespace {
 // and no measurement in SI units comes near it.
 constexpr double kVanishing = 1e-280;
 
-}  // namespace
+// Rows of a block in straight code where several columns go at once; otherwise memory is scarce.
+constexpr int kUnrolled = Lanes<double>::kCount > 1 ? 9 : 1;
 
-void SquareRootFactor::reset(std::size_t unknowns) {
-  ARMSIG_CHECK(unknowns <= kMaxParameters);
-  unknowns_ = unknowns;
-  residual_squares_ = 0;
-  const std::size_t used = row(unknowns);
-  for (std::size_t i = 0; i < used; ++i) entries_[i] = 0;
-}
+// Unknowns that are worth a factor of their own.
+constexpr std::size_t kNarrow = 16;
 
+// Rotates `block`, of `unknowns` + 1 columns, into the packed factor `r`: leaves zeros and, in the
+// last column, the residuals.
 template <int kRows>
-void SquareRootFactor::absorb(RowBlock<kRows>& block) {
-  double* r = entries_.data();
-  for (std::size_t j = 0; j < unknowns_; ++j) {
-    const std::size_t width = unknowns_ + 1 - j;
+void rotate(double* r, std::size_t unknowns, RowBlock<kRows>& block) {
+  for (std::size_t j = 0; j < unknowns; ++j) {
+    const std::size_t width = unknowns + 1 - j;
     std::array<double, kRows> v;
     double squares = 0;
     for (int k = 0; k < kRows; ++k) {
@@ -45,9 +43,11 @@ void SquareRootFactor::absorb(RowBlock<kRows>& block) {
       const auto reflect = [&]<typename V>(std::size_t c) {
         const V above = load<V>(r + c);
         V dot = v_0 * above;
+#pragma GCC unroll kUnrolled
         for (int k = 0; k < kRows; ++k) dot += v[k] * load<V>(&block.rows[k][j + c]);
         dot *= beta;
         store(r + c, above - dot * v_0);
+#pragma GCC unroll kUnrolled
         for (int k = 0; k < kRows; ++k) {
           double* below = &block.rows[k][j + c];
           store(below, load<V>(below) - dot * v[k]);
@@ -60,9 +60,71 @@ void SquareRootFactor::absorb(RowBlock<kRows>& block) {
     }
     r += width;
   }
-  for (const auto& row_left : block.rows) {
-    residual_squares_ += row_left[unknowns_] * row_left[unknowns_];
+}
+
+}  // namespace
+
+void SquareRootFactor::reset(std::size_t unknowns) {
+  ARMSIG_CHECK(unknowns <= kMaxParameters);
+  unknowns_ = unknowns;
+  residual_squares_ = 0;
+  const std::size_t used = row(unknowns);
+  for (std::size_t i = 0; i < used; ++i) entries_[i] = 0;
+}
+
+template <int kRows>
+void SquareRootFactor::absorb(RowBlock<kRows>& block) {
+  rotate(entries_.data(), unknowns_, block);
+  for (const auto& left : block.rows) residual_squares_ += left[unknowns_] * left[unknowns_];
+}
+
+void SquareRootFactor::absorb(std::span<const std::uint8_t> columns, RowBlock<9>& block) {
+  const std::size_t count = columns.size();
+  if (count > kNarrow || !are_apart(columns)) {
+    for (auto& row : block.rows) {
+      row[unknowns_] = row[count];
+      std::size_t end = unknowns_;
+      for (std::size_t i = count; i-- > 0;) {
+        const std::size_t column = columns[i];
+        row[column] = row[i];
+        std::fill(row.begin() + column + 1, row.begin() + end, 0.0);
+        end = column;
+      }
+      std::fill(row.begin(), row.begin() + end, 0.0);
+    }
+    absorb(block);
+    return;
   }
+  std::array<double, kNarrow*(kNarrow + 3) / 2> narrow;
+  double* next = narrow.data();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* r = entries_.data() + row(columns[i]);
+    for (std::size_t j = i; j < count; ++j) *next++ = r[columns[j] - columns[i]];
+    *next++ = r[unknowns_ - columns[i]];
+  }
+  rotate(narrow.data(), count, block);
+  next = narrow.data();
+  for (std::size_t i = 0; i < count; ++i) {
+    double* r = entries_.data() + row(columns[i]);
+    for (std::size_t j = i; j < count; ++j) r[columns[j] - columns[i]] = *next++;
+    r[unknowns_ - columns[i]] = *next++;
+  }
+  for (const auto& left : block.rows) residual_squares_ += left[count] * left[count];
+}
+
+bool SquareRootFactor::are_apart(std::span<const std::uint8_t> columns) const {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const double* r = entries_.data() + row(columns[i]) - columns[i];
+    std::size_t listed = i + 1;
+    for (std::size_t c = columns[i] + 1U; c < unknowns_; ++c) {
+      if (listed < columns.size() && c == columns[listed]) {
+        ++listed;
+      } else if (r[c] != 0) {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 template void SquareRootFactor::absorb<1>(RowBlock<1>&);
@@ -120,8 +182,8 @@ void SquareRootFactor::solve_upper(StateVector& z) const {
   }
 }
 
-void SquareRootFactor::solve_transposed(StateVector& b) const {
-  for (std::size_t i = 0; i < unknowns_; ++i) {
+void SquareRootFactor::solve_transposed(StateVector& b, std::size_t first) const {
+  for (std::size_t i = first; i < unknowns_; ++i) {
     const double* r = entries_.data() + row(i);
     const double y = b[i] / r[0];
     b[i] = y;

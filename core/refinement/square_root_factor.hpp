@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "core/base/error.hpp"
@@ -44,6 +45,11 @@ class SquareRootFactor {
   template <int kRows>
   void absorb(RowBlock<kRows>& block);
 
+  // The same of rows that involve only the unknowns `columns`, in ascending order: entry i of each
+  // row is that of columns[i], the one after the last is the right-hand side. At the cost of so few
+  // unknowns as long as nothing ties them to others.
+  void absorb(std::span<const std::uint8_t> columns, RowBlock<9>& block);
+
   // Sum of the squares that no choice of unknowns can remove, of all rows taken so far.
   [[nodiscard]] double residual_squares() const { return residual_squares_; }
   // |z|^2: by how much the sum of squares falls from x = 0 to the solution.
@@ -60,8 +66,9 @@ class SquareRootFactor {
   [[nodiscard]] Result<StateVector> solve() const;
 
   // Replaces b by the solution y of R^T y = b, so that |y|^2 = b^T (R^T R)^-1 b is the variance of
-  // b^T x, and y_1 . y_2 a covariance. Precondition: a factor that solve() accepts.
-  void solve_transposed(StateVector& b) const;
+  // b^T x, and y_1 . y_2 a covariance. Preconditions: a factor that solve() accepts; no number of b
+  // before `first` but zeros.
+  void solve_transposed(StateVector& b, std::size_t first = 0) const;
 
   // Replaces z by the solution x of R x = z. Same precondition.
   void solve_upper(StateVector& z) const;
@@ -73,6 +80,9 @@ class SquareRootFactor {
   void set_entry(std::size_t i, std::size_t j, double value) { entries_[row(i) + j - i] = value; }
 
  private:
+  // Whether the rows of these unknowns tie them to no others.
+  [[nodiscard]] bool are_apart(std::span<const std::uint8_t> columns) const;
+
   // Rows one after the other, each from its diagonal entry to its right-hand side.
   [[nodiscard]] std::size_t row(std::size_t i) const {
     return i * (unknowns_ + 1) - i * (i - 1) / 2;

@@ -35,8 +35,8 @@ Vector3 rows_at(const Refined& refined, const Chain& chain, const JointVector& r
   PointJacobian jacobian;
   chain.point_and_jacobian(motion, refined.signature.targets[target], jacobian);
   rows.clear(refined.layout.size());
-  refinement::add_derivatives<3>(refined.layout, refined.signature, chain, motion, target, jacobian,
-                                 Matrix3::Identity(), rows);
+  refinement::add_derivatives(refined.layout, refined.signature, chain, motion, target, jacobian,
+                              1.0, rows);
   return jacobian.p_S;
 }
 

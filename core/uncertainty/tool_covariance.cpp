@@ -24,8 +24,8 @@ Matrix3 covariance_at(const Refined& refined, const Chain& chain, const JointVec
   chain.point_and_jacobian(motion, refined.signature.targets[target], jacobian);
   RowBlock<3> block;
   block.clear(n);
-  refinement::add_derivatives<3>(refined.layout, refined.signature, chain, motion, target, jacobian,
-                                 Matrix3::Identity(), block);
+  refinement::add_derivatives(refined.layout, refined.signature, chain, motion, target, jacobian,
+                              1.0, block);
   std::array<StateVector, 3> y;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t c = 0; c < n; ++c) y[k][c] = block.rows[k][c];

@@ -69,7 +69,7 @@ TEST(Chain, derivatives_by_every_unknown_are_those_of_the_corrected_estimate) {
   chain.point_and_jacobian(motion, signature.targets[0], jacobian);
   RowBlock<3> rows;
   rows.clear(layout.size());
-  add_derivatives<3>(layout, signature, chain, motion, 0, jacobian, Matrix3::Identity(), rows);
+  add_derivatives(layout, signature, chain, motion, 0, jacobian, 1.0, rows);
 
   constexpr double kStep = 1e-5;
   for (std::size_t i = 0; i < layout.size(); ++i) {
