@@ -2,6 +2,7 @@
 #include "core/kinematics/newton.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/kinematics/forward_kernel.hpp"
@@ -38,17 +39,16 @@ class BlockSolver {
     d_row4_ *= inverse;
     d_row5_ *= inverse;
     d_row6_ *= inverse;
-    b4_ = linear_column(axes, p_0n, 3);
-    b5_ = linear_column(axes, p_0n, 4);
-    b6_ = linear_column(axes, p_0n, 5);
-    reduce(chain, axes, p_0n, 0, s1_, g1_);
-    reduce(chain, axes, p_0n, 1, s2_, g2_);
-    reduce(chain, axes, p_0n, 2, s3_, g3_);
-    s_row1_ = s2_.cross(s3_);
-    s_row2_ = s3_.cross(s1_);
-    s_row3_ = s1_.cross(s2_);
-    const double arm = s1_.dot(s_row1_);
-    const double sizes = s1_.squaredNorm() * s2_.squaredNorm() * s3_.squaredNorm();
+    for (std::size_t i = 0; i < 3; ++i) b_[i] = linear_column(axes, p_0n, 3 + i);
+    double sizes = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      reduce(chain, axes, p_0n, i);
+      sizes *= s_[i].squaredNorm();
+    }
+    s_row1_ = s_[1].cross(s_[2]);
+    s_row2_ = s_[2].cross(s_[0]);
+    s_row3_ = s_[0].cross(s_[1]);
+    const double arm = s_[0].dot(s_row1_);
     if (!(arm * arm > kLeastVolume * kLeastVolume * sizes)) return false;
     inverse_arm_ = 1.0 / arm;
     regularity_squared_ = std::min(wrist * wrist, arm * arm / sizes);
@@ -59,11 +59,11 @@ class BlockSolver {
   void add_step(const Vector3& position_error, const Vector3& rotation_error, double* q) {
     const Vector3 g(d_row4_.dot(rotation_error), d_row5_.dot(rotation_error),
                     d_row6_.dot(rotation_error));
-    const Vector3 b = position_error - (g.x() * b4_ + g.y() * b5_ + g.z() * b6_);
+    const Vector3 b = position_error - wrist_moves(g);
     const double dq1 = s_row1_.dot(b) * inverse_arm_;
     const double dq2 = s_row2_.dot(b) * inverse_arm_;
     const double dq3 = s_row3_.dot(b) * inverse_arm_;
-    const Vector3 wrist = g - dq1 * g1_ - dq2 * g2_ - dq3 * g3_;
+    const Vector3 wrist = g - dq1 * g_[0] - dq2 * g_[1] - dq3 * g_[2];
     q[0] += dq1;
     q[1] += dq2;
     q[2] += dq3;
@@ -79,15 +79,20 @@ class BlockSolver {
  private:
   // Columns i of S and of D^-1 C.
   [[gnu::always_inline]] void reduce(const Chain& chain, const JointAxes<double>& axes,
-                                     const Vector3& p_0n, std::size_t i, Vector3& s, Vector3& g) {
+                                     const Vector3& p_0n, std::size_t i) {
     const Vector3 z = axis(axes, i);
     if (!chain.revolute[i]) [[unlikely]] {
-      g.setZero();
-      s = z;
+      g_[i].setZero();
+      s_[i] = z;
       return;
     }
-    g = Vector3(d_row4_.dot(z), d_row5_.dot(z), d_row6_.dot(z));
-    s = linear_column(axes, p_0n, i) - (g.x() * b4_ + g.y() * b5_ + g.z() * b6_);
+    g_[i] = Vector3(d_row4_.dot(z), d_row5_.dot(z), d_row6_.dot(z));
+    s_[i] = linear_column(axes, p_0n, i) - wrist_moves(g_[i]);
+  }
+
+  // B times the wrist's motion.
+  [[nodiscard]] Vector3 wrist_moves(const Vector3& wrist) const {
+    return wrist.x() * b_[0] + wrist.y() * b_[1] + wrist.z() * b_[2];
   }
 
   static Vector3 axis(const JointAxes<double>& axes, std::size_t i) {
@@ -95,9 +100,9 @@ class BlockSolver {
   }
 
   Vector3 d_row4_, d_row5_, d_row6_;  // rows of D^-1
-  Vector3 b4_, b5_, b6_;              // columns of B
-  Vector3 g1_, g2_, g3_;              // columns of D^-1 C
-  Vector3 s1_, s2_, s3_;              // columns of S
+  std::array<Vector3, 3> b_;          // columns of B
+  std::array<Vector3, 3> g_;          // columns of D^-1 C
+  std::array<Vector3, 3> s_;          // columns of S
   Vector3 s_row1_, s_row2_, s_row3_;  // rows of the adjoint of S
   double inverse_arm_ = 0;
   double regularity_squared_ = 0;
