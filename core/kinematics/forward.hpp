@@ -19,8 +19,12 @@ using Jacobian = JacobianT<double>;
 template <typename Scalar>
 struct PoseAndJacobianT {
   PoseT<Scalar> X_0n;
-  JacobianT<Scalar> J = JacobianT<Scalar>::Zero();
+  JacobianT<Scalar> J;  // without a value until it is computed
   std::size_t joint_count = 0;
+
+  // Not defaulted, so that a Result does not set half a kilobyte to zero first.
+  // NOLINTNEXTLINE(modernize-use-equals-default, cppcoreguidelines-pro-type-member-init)
+  PoseAndJacobianT() {}
 };
 using PoseAndJacobian = PoseAndJacobianT<double>;
 

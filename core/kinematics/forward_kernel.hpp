@@ -6,9 +6,11 @@
 // for single numbers.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "core/base/check.hpp"
 #include "core/base/sine_cosine.hpp"
@@ -56,8 +58,23 @@ struct FrameRows {
 // Four numbers each, the fourth without meaning.
 template <typename Scalar>
 struct JointAxes {
-  alignas(32) std::array<std::array<Scalar, 4>, kMaxJoints> axis;
-  alignas(32) std::array<std::array<Scalar, 4>, kMaxJoints> origin;
+  alignas(32) std::array<std::array<Scalar, 4>, kMaxJoints> axes;
+  alignas(32) std::array<std::array<Scalar, 4>, kMaxJoints> origins;
+
+  [[nodiscard]] Scalar* axis(std::size_t i) { return axes[i].data(); }
+  [[nodiscard]] const Scalar* axis(std::size_t i) const { return axes[i].data(); }
+  [[nodiscard]] Scalar* origin(std::size_t i) { return origins[i].data(); }
+  [[nodiscard]] const Scalar* origin(std::size_t i) const { return origins[i].data(); }
+};
+
+// The same where the Jacobian will be: the axis is its lower half already, the origin waits in the
+// upper one. Three numbers each: for kernels that store no fourth.
+template <typename Scalar>
+struct JacobianAxes {
+  Scalar* J;
+
+  [[nodiscard]] Scalar* axis(std::size_t i) const { return J + 6 * i + 3; }
+  [[nodiscard]] Scalar* origin(std::size_t i) const { return J + 6 * i; }
 };
 
 // Keeps nothing where only frame n is wanted.
@@ -86,8 +103,8 @@ struct Frame<Scalar, 4> {
     }
     for (std::size_t i = 0; i < chain.joint_count; ++i) {
       if constexpr (!std::is_same_v<Axes, NoAxes>) {
-        store(axes.axis[i].data(), rows.z);
-        store(axes.origin[i].data(), rows.p);
+        store(axes.axis(i), rows.z);
+        store(axes.origin(i), rows.p);
       }
       rows.advance(chain, terms, i);
     }
@@ -118,13 +135,13 @@ struct Frame<Scalar, 2> {
                                           const JointTerms<Scalar>& terms, Axes& axes) {
     constexpr bool kStore = !std::is_same_v<Axes, NoAxes>;
     for (std::size_t i = 0; i < chain.joint_count; ++i) {
-      if constexpr (kStore) store(axes.axis[i].data(), rows01.z);
-      if constexpr (kStore) store(axes.origin[i].data(), rows01.p);
+      if constexpr (kStore) store(axes.axis(i), rows01.z);
+      if constexpr (kStore) store(axes.origin(i), rows01.p);
       rows01.advance(chain, terms, i);
     }
     for (std::size_t i = 0; i < chain.joint_count; ++i) {
-      if constexpr (kStore) axes.axis[i][2] = row2.z;
-      if constexpr (kStore) axes.origin[i][2] = row2.p;
+      if constexpr (kStore) axes.axis(i)[2] = row2.z;
+      if constexpr (kStore) axes.origin(i)[2] = row2.p;
       row2.advance(chain, terms, i);
     }
   }
@@ -168,14 +185,15 @@ struct Frame<Scalar, 1> {
   Eigen::Matrix<Scalar, 3, 1> p;
 
   // Frame n. Alone, its x and z axes and its origin are brought to frame 0 from the tip, which
-  // keeps all in registers; with the frames between, one row after the other from the base.
+  // keeps all in registers; with the frames between, from the base, all rows of a link together, so
+  // that its constants are loaded once.
   template <typename Axes>
   [[gnu::always_inline]] void advance_all(const ChainT<Scalar>& chain,
                                           const JointTerms<Scalar>& terms, Axes& axes) {
     if constexpr (std::is_same_v<Axes, NoAxes>) {
       bring_to_base(chain, terms);
     } else {
-      for (std::size_t k = 0; k < 3; ++k) advance_row(chain, terms, axes, k);
+      advance_from_base(chain, terms, axes);
     }
   }
   [[gnu::always_inline]] void store_pose(PoseT<Scalar>& X) const {
@@ -213,21 +231,27 @@ struct Frame<Scalar, 1> {
     p << o.x, o.y, o.z;
   }
 
-  [[gnu::always_inline]] void advance_row(const ChainT<Scalar>& chain,
-                                          const JointTerms<Scalar>& terms, JointAxes<Scalar>& axes,
-                                          std::size_t k) {
-    FrameRows<Scalar> row{k == 0 ? Scalar(1) : 0, k == 1 ? Scalar(1) : 0, k == 2 ? Scalar(1) : 0,
-                          0};
+  template <typename Axes>
+  [[gnu::always_inline]] void advance_from_base(const ChainT<Scalar>& chain,
+                                                const JointTerms<Scalar>& terms, Axes& axes) {
+    FrameRows<Scalar> row0{1, 0, 0, 0};
+    FrameRows<Scalar> row1{0, 1, 0, 0};
+    FrameRows<Scalar> row2{0, 0, 1, 0};
     for (std::size_t i = 0; i < chain.joint_count; ++i) {
-      axes.axis[i][k] = row.z;
-      axes.origin[i][k] = row.p;
-      row.advance(chain, terms, i);
+      Scalar* const axis = axes.axis(i);
+      axis[0] = row0.z;
+      axis[1] = row1.z;
+      axis[2] = row2.z;
+      Scalar* const origin = axes.origin(i);
+      origin[0] = row0.p;
+      origin[1] = row1.p;
+      origin[2] = row2.p;
+      row0.advance(chain, terms, i);
+      row1.advance(chain, terms, i);
+      row2.advance(chain, terms, i);
     }
-    const auto at = static_cast<Eigen::Index>(k);
-    R(at, 0) = row.x;
-    R(at, 1) = row.y;
-    R(at, 2) = row.z;
-    p[at] = row.p;
+    R << row0.x, row0.y, row0.z, row1.x, row1.y, row1.z, row2.x, row2.y, row2.z;
+    p << row0.p, row1.p, row2.p;
   }
 };
 
@@ -323,8 +347,8 @@ template <typename Scalar>
 [[nodiscard]] [[gnu::always_inline]] inline Eigen::Matrix<Scalar, 3, 1> linear_column(
     const JointAxes<Scalar>& axes, const Eigen::Matrix<Scalar, 3, 1>& p_0, std::size_t i) {
   using Vector = Eigen::Map<const Eigen::Matrix<Scalar, 3, 1>>;
-  const Vector axis(axes.axis[i].data());
-  const Vector origin(axes.origin[i].data());
+  const Vector axis(axes.axis(i));
+  const Vector origin(axes.origin(i));
   return axis.cross(p_0 - origin);
 }
 
@@ -334,24 +358,32 @@ template <typename Scalar>
                                         PoseAndJacobianT<Scalar>& result) {
   JointTerms<Scalar> terms;
   if (!joint_terms(chain, q, terms)) return false;
-  JointAxes<Scalar> axes;
+  constexpr bool kInPlace = Lanes<Scalar>::kCount < 4;
+  std::conditional_t<kInPlace, JacobianAxes<Scalar>, JointAxes<Scalar>> axes;
+  if constexpr (kInPlace) axes.J = result.J.data();
   Frame<Scalar> frame;
   frame.advance_all(chain, terms, axes);
   frame.store_pose(result.X_0n);
   result.joint_count = chain.joint_count;
-  using Vector = Eigen::Matrix<Scalar, 3, 1>;
-  for (std::size_t i = 0; i < chain.joint_count; ++i) {
-    Eigen::Map<Vector> linear(result.J.data() + 6 * i);
-    Eigen::Map<Vector> angular(result.J.data() + 6 * i + 3);
-    const Eigen::Map<const Vector> axis(axes.axis[i].data());
+  const Eigen::Matrix<Scalar, 3, 1> p = result.X_0n.p;
+  Scalar* linear = result.J.data();
+  for (std::size_t i = 0; i < chain.joint_count; ++i, linear += 6) {
+    Scalar* const angular = linear + 3;
+    const Scalar* const axis = axes.axis(i);
+    const Scalar* const origin = axes.origin(i);
+    if constexpr (!kInPlace) std::copy_n(axis, 3, angular);
     if (chain.revolute[i]) [[likely]] {
-      linear = linear_column(axes, result.X_0n.p, i);
-      angular = axis;
+      const Scalar x = p[0] - origin[0];
+      const Scalar y = p[1] - origin[1];
+      const Scalar z = p[2] - origin[2];
+      linear[0] = axis[1] * z - axis[2] * y;
+      linear[1] = axis[2] * x - axis[0] * z;
+      linear[2] = axis[0] * y - axis[1] * x;
     } else {
-      linear = axis;
-      angular.setZero();
+      for (int k = 0; k < 3; ++k) linear[k] = std::exchange(angular[k], Scalar(0));
     }
   }
+  std::fill(linear, result.J.data() + result.J.size(), Scalar(0));
   return true;
 }
 

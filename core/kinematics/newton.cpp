@@ -96,7 +96,7 @@ class BlockSolver {
   }
 
   static Vector3 axis(const JointAxes<double>& axes, std::size_t i) {
-    return Eigen::Map<const Vector3>(axes.axis[i].data());
+    return Eigen::Map<const Vector3>(axes.axis(i));
   }
 
   Vector3 d_row4_, d_row5_, d_row6_;  // rows of D^-1
