@@ -61,7 +61,9 @@ class ConstrainedFit {
 
   // The motion of greatest likelihood, from a start in its neighbourhood.
   // Errors: kSingular, kNotConverged.
-  [[nodiscard]] Result<Fitted> maximise_likelihood(Motion motion) const {
+  // A function of its own, as is covariance(): otherwise all their matrices stand on the stack
+  // together.
+  [[nodiscard]] [[gnu::noinline]] Result<Fitted> maximise_likelihood(Motion motion) const {
     double least = cost(motion);
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
       const Linearised linearised = linearise(motion);
@@ -95,7 +97,7 @@ class ConstrainedFit {
 
   // H^-1 M H^-1, with H the information and M the covariance of the score: the inverse of H where
   // every point has the same covariance, true also where they differ.
-  [[nodiscard]] Covariance covariance(const Fitted& fitted) const {
+  [[nodiscard]] [[gnu::noinline]] Covariance covariance(const Fitted& fitted) const {
     using OfPsi = Eigen::Matrix<double, kParameters, kParameters>;
     using OnTarget = Eigen::Matrix<double, 3, kParameters>;
     const MotionJacobian<kParameters> D = fitted.motion.jacobian();
@@ -113,13 +115,13 @@ class ConstrainedFit {
     inverse.template bottomRightCorner<kParameters, kParameters>() = of_psi;
     if (statistics_.has_one_covariance()) return inverse;
 
-    Eigen::Matrix<double, 9, 3 + kParameters> weighted;
-    weighted.setZero();
-    weighted.template topLeftCorner<3, 3>() = shape_inverse_;
-    for (int i = 0; i < 6; i += 3)
-      weighted.template block<3, kParameters>(3 + i, 3) =
-          shape_inverse_.lazyProduct(D.template middleRows<3>(i));
-    const Eigen::Matrix<double, 9, 3 + kParameters> influence = weighted.lazyProduct(inverse);
+    Eigen::Matrix<double, 9, 3 + kParameters> influence;
+    influence.template topRows<3>() = shape_inverse_.lazyProduct(inverse.template topRows<3>());
+    for (int i = 0; i < 6; i += 3) {
+      const Eigen::Matrix<double, 3, 3 + kParameters> moves =
+          D.template middleRows<3>(i).lazyProduct(inverse.template bottomRows<kParameters>());
+      influence.template middleRows<3>(3 + i) = shape_inverse_.lazyProduct(moves);
+    }
     const Eigen::Matrix<double, 9, 3 + kParameters> scored =
         statistics_.score_covariance().lazyProduct(influence);
     return Covariance(influence.transpose().lazyProduct(scored));

@@ -37,8 +37,8 @@ Matrix3 mean_residual_products(const SweepStatistics& statistics,
 
 // How far the points are from the plane (13) and from the circle (14) is the mechanism's and the
 // sensor's doing; what remains about the fit itself has the encoder's part in it.
-Result<void> describe_circle(const SweepStatistics& statistics, const CircleFit& circle,
-                             JointFeature& feature) {
+[[gnu::noinline]] Result<void> describe_circle(const SweepStatistics& statistics,
+                                               const CircleFit& circle, JointFeature& feature) {
   feature.axis_S = circle.R_SC.col(2);
   feature.radial_S = circle.R_SC.col(0);
   feature.point_S = circle.centre_S;
@@ -60,7 +60,8 @@ Result<void> describe_circle(const SweepStatistics& statistics, const CircleFit&
   return {};
 }
 
-void describe_line(const SweepStatistics& statistics, const LineFit& line, JointFeature& feature) {
+[[gnu::noinline]] void describe_line(const SweepStatistics& statistics, const LineFit& line,
+                                     JointFeature& feature) {
   feature.axis_S = line.direction_S;
   feature.radial_S = any_perpendicular(line.direction_S);
   feature.point_S = line.point_S;
@@ -73,11 +74,26 @@ void describe_line(const SweepStatistics& statistics, const LineFit& line, Joint
   feature.quality.rms_normal_m = std::sqrt(std::max(products.trace() - along, 0.0));
 }
 
-std::unexpected<Refusal> refuse(Error error, const SweepStatistics& statistics) {
+// Functions of their own: a fit stands on the stack where it is computed and described only.
+[[gnu::noinline]] Result<void> fit_circle(const SweepStatistics& statistics, Method method,
+                                          JointFeature& feature) {
+  ARMSIG_TRY(circle,
+             method == Method::kPaper ? paper_circle(statistics) : encoder_circle(statistics));
+  return describe_circle(statistics, circle, feature);
+}
+
+[[gnu::noinline]] Result<void> fit_line(const SweepStatistics& statistics, Method method,
+                                        JointFeature& feature) {
+  ARMSIG_TRY(line, method == Method::kPaper ? paper_line(statistics) : encoder_line(statistics));
+  describe_line(statistics, line, feature);
+  return {};
+}
+
+Refusal refusal_of(Error error, const SweepStatistics& statistics) {
   // A singular fit of a motion that has moved is one of too short an arc.
   if (error == Error::kSingular)
-    return std::unexpected(Refusal{Error::kArcTooShort, statistics.arc(), 2 * statistics.arc()});
-  return std::unexpected(Refusal{error, 0, 0});
+    return {Error::kArcTooShort, statistics.arc(), 2 * statistics.arc()};
+  return {error, 0, 0};
 }
 
 }  // namespace
@@ -107,22 +123,14 @@ NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
   return noise;
 }
 
-Judged<JointFeature> describe_fit(const SweepStatistics& statistics, const NoiseLevel& noise,
-                                  Method method) {
-  JointFeature feature;
+std::optional<Refusal> describe_fit(const SweepStatistics& statistics, const NoiseLevel& noise,
+                                    Method method, JointFeature& feature) {
   feature.type = statistics.type;
   feature.reference_reading = statistics.origin_reading;
-  if (statistics.type == JointType::kRevolute) {
-    const auto circle =
-        method == Method::kPaper ? paper_circle(statistics) : encoder_circle(statistics);
-    if (!circle) return refuse(circle.error(), statistics);
-    if (const auto described = describe_circle(statistics, *circle, feature); !described)
-      return refuse(described.error(), statistics);
-  } else {
-    const auto line = method == Method::kPaper ? paper_line(statistics) : encoder_line(statistics);
-    if (!line) return refuse(line.error(), statistics);
-    describe_line(statistics, *line, feature);
-  }
+  const Result<void> fitted = statistics.type == JointType::kRevolute
+                                  ? fit_circle(statistics, method, feature)
+                                  : fit_line(statistics, method, feature);
+  if (!fitted) return refusal_of(fitted.error(), statistics);
   feature.covariance *= noise.variance_factor;
 
   SweepQuality& quality = feature.quality;
@@ -141,8 +149,8 @@ Judged<JointFeature> describe_fit(const SweepStatistics& statistics, const Noise
                       std::isfinite(encoder.ratio) && std::isfinite(quality.encoder_ratio_sigma) &&
                       std::isfinite(quality.rms_normal_m) && std::isfinite(quality.rms_radial_m) &&
                       std::isfinite(quality.rms_tangential_m);
-  if (!finite) return refuse(Error::kNotFinite, statistics);
-  return feature;
+  if (!finite) return refusal_of(Error::kNotFinite, statistics);
+  return std::nullopt;
 }
 
 ReadingMisfit reading_misfit(const SweepStatistics& statistics, const NoiseLevel& noise,

@@ -3,6 +3,8 @@
 // either method, its covariance at the noise that the data show, and its residuals.
 #pragma once
 
+#include <optional>
+
 #include "core/base/error.hpp"
 #include "core/features/feature.hpp"
 #include "core/features/sweep_statistics.hpp"
@@ -23,10 +25,11 @@ struct NoiseLevel {
 // residuals are significantly larger.
 [[nodiscard]] NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known);
 
-// The feature, with all of its quality but `rejected`.
+// Fills in the feature, with all of its quality but `rejected`; after a refusal it has no meaning.
 // Refusals: kArcTooShort (the fit is singular), kNotConverged, kNotFinite.
-[[nodiscard]] Judged<JointFeature> describe_fit(const SweepStatistics& statistics,
-                                                const NoiseLevel& noise, Method method);
+[[nodiscard]] std::optional<Refusal> describe_fit(const SweepStatistics& statistics,
+                                                  const NoiseLevel& noise, Method method,
+                                                  JointFeature& feature);
 
 // How far the readings are from explaining a circle by its own constant radius: what imposing the
 // circle cost, RMS over the points.

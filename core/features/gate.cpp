@@ -131,11 +131,11 @@ MotionStatistics Judging::base() const {
   if (accepted_.count > 0) return accepted_;
   const std::size_t middle = waiting_.size() / 2;
   SweepPoint origin = waiting_[order_[middle]];
+  Order order = order_;
   for (int axis = 0; axis < 3; ++axis) {
-    FixedVector<double, kGateCapacity> values;
-    for (const SweepPoint& point : waiting_) values.push_back(point.p_S[axis]);
-    std::nth_element(values.begin(), values.begin() + middle, values.end());
-    origin.p_S[axis] = values[middle];
+    const auto coordinate = [&](std::uint8_t i) { return waiting_[i].p_S[axis]; };
+    std::ranges::nth_element(order, order.begin() + middle, {}, coordinate);
+    origin.p_S[axis] = coordinate(order[middle]);
   }
   return {accepted_.type, origin};
 }

@@ -43,9 +43,9 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
 }
 
 // What the unconstrained motion of the accepted points shows.
-std::optional<Refusal> refusal_before_fit(const SweepLimits& limits,
-                                          const SweepStatistics& statistics,
-                                          const NoiseLevel& noise) {
+[[gnu::noinline]] std::optional<Refusal> refusal_before_fit(const SweepLimits& limits,
+                                                            const SweepStatistics& statistics,
+                                                            const NoiseLevel& noise) {
   const bool revolute = statistics.type == JointType::kRevolute;
   // A little slack, because readings come rounded.
   const double arc = statistics.arc() * (1 + 1e-9);
@@ -74,9 +74,10 @@ std::optional<Refusal> refusal_before_fit(const SweepLimits& limits,
 }
 
 // What the fit shows.
-std::optional<Refusal> refusal_of_fit(const SweepLimits& limits, const SweepStatistics& statistics,
-                                      const NoiseLevel& noise, Method method,
-                                      const JointFeature& feature) {
+[[gnu::noinline]] std::optional<Refusal> refusal_of_fit(const SweepLimits& limits,
+                                                        const SweepStatistics& statistics,
+                                                        const NoiseLevel& noise, Method method,
+                                                        const JointFeature& feature) {
   const bool revolute = feature.type == JointType::kRevolute;
   const double least_radius = limits.least_radius_sigmas * feature.quality.sigma_m;
   if (revolute && feature.radius_m < least_radius)
@@ -95,6 +96,16 @@ std::optional<Refusal> refusal_of_fit(const SweepLimits& limits, const SweepStat
     return Refusal{Error::kArcTooShort, arc, arc * (revolute ? std::sqrt(shortfall) : shortfall)};
   }
   return std::nullopt;
+}
+
+// Takes in a point that was judged together with others. The statistics begin at the first one.
+void take(const SweepPoint& point, bool passed, SweepStatistics& accepted, std::size_t& rejected) {
+  if (!passed) {
+    ++rejected;
+    return;
+  }
+  if (accepted.count == 0) accepted.set_origin(point);
+  accepted.add(point);
 }
 
 }  // namespace
@@ -128,20 +139,25 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
   const SweepPoint point{reading, p_S, s.latest_covariance_m2};
   if (!predicts(s.accepted, point)) {
     s.waiting.push_back(point);
-    if (s.waiting.full()) {
-      Settling settling(s);
-      while (settling.step()) {
-      }
-      s.accepted = settling.accepted();
-      s.rejected = settling.rejected();
-      s.waiting.clear();
-    }
+    if (s.waiting.full()) settle();
   } else if (passes_gate(s.accepted, s.sigma_is_known, point)) {
     s.accepted.add(point);
   } else {
     ++s.rejected;
   }
   return {};
+}
+
+// A function of its own, as are others on the way to a feature: what it keeps on the stack would
+// stand there whenever a point is added.
+[[gnu::noinline]] void SweepEstimator::settle() {
+  SweepState& s = state_;
+  Judging judging(s.accepted, s.sigma_is_known, s.waiting);
+  while (judging.step()) {
+  }
+  for (std::size_t i = 0; i < s.waiting.size(); ++i)
+    take(s.waiting[i], judging.result()[i], s.accepted, s.rejected);
+  s.waiting.clear();
 }
 
 Judged<JointFeature> SweepEstimator::estimate(Method method) const {
@@ -163,13 +179,8 @@ bool Settling::step() {
     return true;
   }
   if (taken_ == state_.waiting.size()) return false;
-  const SweepPoint& point = state_.waiting[taken_];
-  if (judging_.result()[taken_++]) {
-    if (accepted_.count == 0) accepted_ = SweepStatistics(state_.accepted.type, point);
-    accepted_.add(point);
-  } else {
-    ++rejected_;
-  }
+  take(state_.waiting[taken_], judging_.result()[taken_], accepted_, rejected_);
+  ++taken_;
   return true;
 }
 
@@ -191,28 +202,29 @@ bool SweepEstimation::step() {
     return true;
   }
   if (settling_->step()) return true;
-  result_.emplace(fit());
+  fit();
   return false;
 }
 
-Judged<JointFeature> SweepEstimation::fit() const {
+void SweepEstimation::fit() {
+  result_.emplace();
+  if (const auto refusal = fit_accepted(**result_)) *result_ = std::unexpected(*refusal);
+}
+
+std::optional<Refusal> SweepEstimation::fit_accepted(JointFeature& feature) const {
   const SweepLimits& limits = config_.limits;
   const SweepStatistics& statistics = settling_->accepted();
   const double kept = (1 - limits.greatest_rejected) * static_cast<double>(state_.count);
   const std::size_t least_accepted =
       std::max(least_points_, static_cast<std::size_t>(std::ceil(kept)));
   if (statistics.count < least_accepted)
-    return std::unexpected(refusal_of(Error::kTooManyOutliers, statistics.count, least_accepted));
+    return refusal_of(Error::kTooManyOutliers, statistics.count, least_accepted);
 
   const NoiseLevel noise = noise_level(statistics, state_.sigma_is_known);
-  if (const auto refusal = refusal_before_fit(limits, statistics, noise))
-    return std::unexpected(*refusal);
-  Judged<JointFeature> feature = describe_fit(statistics, noise, method_);
-  if (!feature) return feature;
-  feature->quality.rejected = settling_->rejected();
-  if (const auto refusal = refusal_of_fit(limits, statistics, noise, method_, *feature))
-    return std::unexpected(*refusal);
-  return feature;
+  if (const auto refusal = refusal_before_fit(limits, statistics, noise)) return refusal;
+  if (const auto refusal = describe_fit(statistics, noise, method_, feature)) return refusal;
+  feature.quality.rejected = settling_->rejected();
+  return refusal_of_fit(limits, statistics, noise, method_, feature);
 }
 
 }  // namespace armsig::features

@@ -113,6 +113,8 @@ class SweepEstimator {
  private:
   friend class SweepEstimation;
 
+  void settle();
+
   SweepConfig config_;
   SweepState state_;
 };
@@ -129,7 +131,9 @@ class SweepEstimation {
   [[nodiscard]] const Judged<JointFeature>& result() const { return *result_; }
 
  private:
-  [[nodiscard]] Judged<JointFeature> fit() const;
+  void fit();
+  // The feature, or why there is none.
+  [[nodiscard]] std::optional<Refusal> fit_accepted(JointFeature& feature) const;
 
   const SweepConfig& config_;
   const SweepState& state_;

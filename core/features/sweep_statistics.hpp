@@ -70,8 +70,13 @@ struct MotionStatistics {
   Eigen::Matrix<double, 6, 6> score_sum = Eigen::Matrix<double, 6, 6>::Zero();
 
   MotionStatistics() = default;
-  MotionStatistics(JointType joint, const SweepPoint& origin)
-      : type(joint), origin_reading(origin.reading), origin_S(origin.p_S) {}
+  MotionStatistics(JointType joint, const SweepPoint& origin) : type(joint) { set_origin(origin); }
+
+  // Precondition: no point was added yet.
+  void set_origin(const SweepPoint& origin) {
+    origin_reading = origin.reading;
+    origin_S = origin.p_S;
+  }
 
   void add(const SweepPoint& point);
   // The same for many points, at a fraction of the cost where their covariances are the same.

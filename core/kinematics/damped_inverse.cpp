@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/check.hpp"
+#include "core/kinematics/forward_kernel.hpp"
 #include "core/kinematics/regularity.hpp"
 
 namespace armsig::kinematics {
@@ -103,7 +104,7 @@ class DampedSolver {
   }
 
   InverseSolution solve() {
-    at_ = evaluate(q_);
+    evaluate(q_, at_);
     bool stationary = descend();
     if (!met() && stationary) stationary = escape_fold();
     if (!met() && n_ < 6) {
@@ -125,13 +126,12 @@ class DampedSolver {
     return q.cwiseMax(box_.lower).cwiseMin(box_.upper);
   }
 
-  State evaluate(const Joints& q) {
+  // Written in place: a state is half a kilobyte of stack. Functions of their own, here and below,
+  // for the same reason.
+  [[gnu::noinline]] void evaluate(const Joints& q, State& state) {
     ++evaluations_;
-    JointVector readings(chain_.joint_count);
-    for (Eigen::Index i = 0; i < n_; ++i) readings[static_cast<std::size_t>(i)] = q[i];
-    const Result<PoseAndJacobian> result = forward_with_jacobian(chain_, readings);
-    ARMSIG_CHECK(result.has_value());  // the readings stay within a bounded box of finite ones
-    State state{*result, Vector6::Zero()};
+    // The readings stay within a bounded box of finite ones.
+    ARMSIG_CHECK(joint_columns(chain_, q.data(), state.kinematics));
     const Pose& X = state.kinematics.X_0n;
     // From here on p, and the rows of J for it, are of the point that the position is met at.
     const Vector3 lever = X.R * options_.p_nP;
@@ -141,7 +141,6 @@ class DampedSolver {
     }
     state.error.head<3>() = X_target_ * options_.p_nP - (X.p + lever);
     state.error.tail<3>() = rotation_vector(X_target_.R * X.R.transpose());
-    return state;
   }
 
   [[nodiscard]] double merit(const State& state) const {
@@ -161,8 +160,9 @@ class DampedSolver {
   [[nodiscard]] Jacobian free_jacobian() const {
     Jacobian J = at_.kinematics.J;
     J.bottomRows<3>() *= rotation_weight_;
+    const Vector6 e = weighted_error();
     for (Eigen::Index i = 0; i < n_; ++i) {
-      const double push = J.col(i).dot(weighted_error());
+      const double push = J.col(i).dot(e);
       if ((push > 0 && q_[i] >= box_.upper[i]) || (push < 0 && q_[i] <= box_.lower[i])) {
         J.col(i).setZero();
       }
@@ -185,7 +185,7 @@ class DampedSolver {
   }
 
   // Levenberg-Marquardt to the nearest minimum. False if the iterations were used up.
-  bool descend() {
+  [[gnu::noinline]] bool descend() {
     double damping = 0.1 * merit(at_);
     double growth = 2;
     while (!met()) {
@@ -201,7 +201,8 @@ class DampedSolver {
           if (largest > kLargestStep) dq *= kLargestStep / largest;
           const Joints q = clamped(q_ + dq);
           if ((q - q_).cwiseAbs().maxCoeff() < kStationaryStep) return true;
-          const State next = evaluate(q);
+          State next;
+          evaluate(q, next);
           const double before = merit(at_);
           const double after = merit(next);
           const double predicted = before - (e - J * (q - q_)).squaredNorm();
@@ -225,7 +226,7 @@ class DampedSolver {
   // Where two solutions meet (elbow or wrist straight) the descent can stop on the fold between
   // them, or at a limit beside it. A nudge along the direction in which the arm hardly moves frame
   // n leads on, if there is anything to be found. Returns what descend does.
-  bool escape_fold() {
+  [[gnu::noinline]] bool escape_fold() {
     if (merit(at_) > kFoldError * kFoldError) return true;
     const Joints q_best = q_;
     const State best = at_;
@@ -233,7 +234,7 @@ class DampedSolver {
     bool stationary = true;
     for (const double nudge : {0.03, -0.03, 0.2, -0.2}) {
       q_ = clamped(q_best + nudge * weak);
-      at_ = evaluate(q_);
+      evaluate(q_, at_);
       stationary = descend();
       if (met()) return true;
       if (!stationary) break;
@@ -244,7 +245,7 @@ class DampedSolver {
   }
 
   // The unit direction (largest entry 1) along which frame n moves least.
-  [[nodiscard]] Joints weakest_direction() const {
+  [[nodiscard]] [[gnu::noinline]] Joints weakest_direction() const {
     const Jacobian& J = at_.kinematics.J;
     Joints direction = Joints::Zero();
     direction.head(n_).setOnes();
@@ -258,7 +259,7 @@ class DampedSolver {
   }
 
   // Least-norm Newton steps on the position alone.
-  void meet_position() {
+  [[gnu::noinline]] void meet_position() {
     for (int k = 0; k < 3 && !position_met() && !exhausted(); ++k) {
       Jacobian J = at_.kinematics.J;
       J.bottomRows<3>().setZero();
@@ -267,7 +268,8 @@ class DampedSolver {
       Joints dq = Joints::Zero();
       if (!damped_step(J, e, 1e-13 * J.squaredNorm(), n_, dq)) return;
       const Joints q = clamped(q_ + dq);
-      const State next = evaluate(q);
+      State next;
+      evaluate(q, next);
       if (next.error.head<3>().norm() >= at_.error.head<3>().norm()) return;
       q_ = q;
       at_ = next;
@@ -275,7 +277,7 @@ class DampedSolver {
   }
 
   // Moves along the self-motion of the arm to the solution nearest to the seed.
-  void approach_seed() {
+  [[gnu::noinline]] void approach_seed() {
     double fraction = 1;
     while (!exhausted() && fraction > 1e-3) {
       const Joints pull = seed_ - q_;
@@ -284,7 +286,7 @@ class DampedSolver {
       const Joints q_before = q_;
       const State before = at_;
       q_ = clamped(q_ + fraction * along);
-      at_ = evaluate(q_);
+      evaluate(q_, at_);
       (void)descend();
       if (!met() || (seed_ - q_).squaredNorm() >= pull.squaredNorm()) {
         q_ = q_before;
@@ -295,7 +297,7 @@ class DampedSolver {
   }
 
   // The part of `v` that leaves the pose where it is.
-  [[nodiscard]] Joints self_motion(const Joints& v) const {
+  [[nodiscard]] [[gnu::noinline]] Joints self_motion(const Joints& v) const {
     const Jacobian& J = at_.kinematics.J;
     Square normal = Square::Zero();
     normal.topLeftCorner<6, 6>() = J.lazyProduct(J.transpose());
@@ -306,7 +308,7 @@ class DampedSolver {
     return v - J.transpose().lazyProduct(x.head<6>());
   }
 
-  [[nodiscard]] InverseSolution finish(bool stationary) const {
+  [[nodiscard]] [[gnu::noinline]] InverseSolution finish(bool stationary) const {
     InverseSolution solution;
     solution.q.resize(chain_.joint_count);
     for (Eigen::Index i = 0; i < n_; ++i) solution.q[static_cast<std::size_t>(i)] = q_[i];

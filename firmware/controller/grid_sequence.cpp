@@ -31,7 +31,8 @@ Result<void> GridSequence::begin() {
   return {};
 }
 
-void GridSequence::end(Error error, std::optional<std::size_t> joint) {
+// Functions of their own, here and below: a line would stand on the stack below the inverse.
+[[gnu::noinline]] void GridSequence::end(Error error, std::optional<std::size_t> joint) {
   if (!is_running()) return;
   walk_.reset();
   mover_.send(CommandKind::kEndSequence);
@@ -62,7 +63,7 @@ void GridSequence::step() {
   go_on();
 }
 
-void GridSequence::tell_touched() {
+[[gnu::noinline]] void GridSequence::tell_touched() {
   told_ = true;
   ++touched_;
   announcer_.say(Line()
@@ -72,6 +73,17 @@ void GridSequence::tell_touched() {
                      .integer(configuration_.grid.grid.vertex_count()));
 }
 
+[[gnu::noinline]] void GridSequence::finish() {
+  walk_.reset();
+  mover_.send(CommandKind::kEndSequence);
+  announcer_.say(Line().text("# touch-grid done touched=").integer(touched_));
+}
+
+// Likewise, because of the model.
+[[gnu::noinline]] Result<JointVector> GridSequence::joints_at_vertex() const {
+  return joints_for_tool_pose(model(), {R_0T_, X_0W_ * walk_->vertex()}, walk_->seed());
+}
+
 void GridSequence::go_on() {
   if (!walk_->next()) {
     if (checking_) {
@@ -79,12 +91,10 @@ void GridSequence::go_on() {
       walk_.emplace(configuration_.grid.grid, configuration_.grid.taught[0]);
       return;
     }
-    walk_.reset();
-    mover_.send(CommandKind::kEndSequence);
-    announcer_.say(Line().text("# touch-grid done touched=").integer(touched_));
+    finish();
     return;
   }
-  const auto q = joints_for_tool_pose(model(), {R_0T_, X_0W_ * walk_->vertex()}, walk_->seed());
+  const auto q = joints_at_vertex();
   if (!q) {
     end(q.error());
     return;

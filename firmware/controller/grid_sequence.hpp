@@ -27,7 +27,9 @@ class GridSequence {
 
  private:
   [[nodiscard]] evaluation::ToolModel model() const;
+  [[nodiscard]] Result<JointVector> joints_at_vertex() const;
   void tell_touched();
+  void finish();
   void go_on();
 
   const Configuration& configuration_;

@@ -51,8 +51,10 @@ Result<JointVector> solve(const Configuration& configuration, const Model& model
   return std::unexpected(singular ? Error::kSingularPath : Error::kNotConverged);
 }
 
-// Twice the length of the stretched arm: no two places of its flange are further apart.
-double longest_way(const Arm& arm) {
+// Whether the flange can be at both tool poses, as far as twice the length of the stretched arm
+// tells: no two places of it are further apart.
+[[gnu::noinline]] bool is_within_span(const Model& model, const Arm& arm, const Pose& X_RT_from,
+                                      const Pose& X_RT_to) {
   double length = 0;
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {
     const DhJoint& row = arm.joints[i];
@@ -61,7 +63,41 @@ double longest_way(const Arm& arm) {
     length += std::hypot(row.a_m, std::abs(row.d_m) + std::max(0.0, slide));
   }
   constexpr double kManufacturing = 1.05;
-  return 2 * kManufacturing * length;
+  return (flange_pose(model, X_RT_to).p - flange_pose(model, X_RT_from).p).norm() <=
+         2 * kManufacturing * length;
+}
+
+// How long the line `move` takes at full pace. Walks it through the inverse, and leaves in move.to
+// the readings where it ends.
+[[gnu::noinline]] Result<double> walk_line(const Configuration& configuration, const Model& model,
+                                           Move& move) {
+  const MotionLimits& limits = configuration.limits;
+  const double turn = rotation_vector(move.X_RT_from.R.transpose() * move.X_RT_to.R).norm();
+  const double way = (move.X_RT_to.p - move.X_RT_from.p).norm();
+  double duration = std::max({kShortest_s, kPeakSpeed * way / limits.tool_speed,
+                              kPeakSpeed * turn / limits.tool_turn_rate});
+  const kinematics::InverseOptions options;
+  // Where the line begins counts as well.
+  if (const auto begin = solve(configuration, model, move.X_RT_from, move.from, options); !begin) {
+    return std::unexpected(begin.error());
+  }
+  JointVector slope_before(move.from.size());
+  for (int k = 1; k <= kLineSamples; ++k) {
+    const auto q = solve(configuration, model,
+                         line_pose(move, static_cast<double>(k) / kLineSamples), move.to, options);
+    if (!q) return std::unexpected(q.error());
+    for (std::size_t i = 0; i < q->size(); ++i) {
+      const double slope = ((*q)[i] - move.to[i]) * kLineSamples;
+      const double curvature = k == 1 ? 0 : (slope - slope_before[i]) * kLineSamples;
+      duration = std::max(duration, duration_for(std::abs(slope), std::abs(curvature),
+                                                 limits.speed[i], limits.acceleration[i]));
+      slope_before[i] = slope;
+    }
+    move.to = *q;
+  }
+  // The samples see a joint's speed between two of them only on average.
+  constexpr double kMargin = 1.05;
+  return kMargin * duration;
 }
 
 bool finite(const JointVector& q) {
@@ -101,45 +137,25 @@ Planned plan_line(const Configuration& configuration, const Model& model, const 
                   const Pose& X_RT_to, double pace) {
   if (!(pace > 0) || pace > 1) return refused(Error::kOutOfRange);
   if (!X_RT_to.p.allFinite() || !X_RT_to.R.allFinite()) return refused(Error::kNotFinite);
-  const auto X_RT_from = tool_pose(model, from);
-  if (!X_RT_from) return refused(X_RT_from.error());
-  Move move;
+  Planned planned;
+  Move& move = *planned;
   move.kind = MoveKind::kLine;
   move.from = move.to = from;
-  move.X_RT_from = *X_RT_from;
   move.X_RT_to = X_RT_to;
-  const double turn = rotation_vector(X_RT_from->R.transpose() * X_RT_to.R).norm();
-  const MotionLimits& limits = configuration.limits;
-  double duration =
-      std::max({kShortest_s, kPeakSpeed * (X_RT_to.p - X_RT_from->p).norm() / limits.tool_speed,
-                kPeakSpeed * turn / limits.tool_turn_rate});
-  if ((flange_pose(model, X_RT_to).p - flange_pose(model, *X_RT_from).p).norm() >
-      longest_way(configuration.drawing)) {
+  if (const auto X_RT_from = tool_pose(model, from)) {
+    move.X_RT_from = *X_RT_from;
+  } else {
+    return refused(X_RT_from.error());
+  }
+  if (!is_within_span(model, configuration.drawing, move.X_RT_from, X_RT_to)) {
     return refused(Error::kOutOfReach);
   }
-  // Where the line begins counts as well.
-  if (const auto begin = solve(configuration, model, *X_RT_from, from, {}); !begin) {
-    return refused(begin.error());
+  if (const auto duration = walk_line(configuration, model, move)) {
+    move.duration_s = *duration / pace;
+  } else {
+    return refused(duration.error());
   }
-  JointVector before = from;
-  JointVector slope_before(from.size());
-  for (int k = 1; k <= kLineSamples; ++k) {
-    const auto q = solve(configuration, model,
-                         line_pose(move, static_cast<double>(k) / kLineSamples), move.to, {});
-    if (!q) return refused(q.error());
-    for (std::size_t i = 0; i < q->size(); ++i) {
-      const double slope = ((*q)[i] - before[i]) * kLineSamples;
-      const double curvature = k == 1 ? 0 : (slope - slope_before[i]) * kLineSamples;
-      duration = std::max(duration, duration_for(std::abs(slope), std::abs(curvature),
-                                                 limits.speed[i], limits.acceleration[i]));
-      slope_before[i] = slope;
-    }
-    before = move.to = *q;
-  }
-  // The samples see a joint's speed between two of them only on average.
-  constexpr double kMargin = 1.05;
-  move.duration_s = kMargin * duration / pace;
-  return move;
+  return planned;
 }
 
 Result<JointVector> readings_at(const Move& move, const Configuration& configuration,

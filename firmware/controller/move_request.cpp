@@ -40,6 +40,48 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
   return static_cast<Eigen::Index>(at);
 }
 
+// Where the tool shall go from readings `from`. Errors: kUnknownRequest, kOutOfRange, kNotFinite.
+// Apart from move_tool(), so that its poses do not stand on the stack below the planning.
+[[gnu::noinline]] Result<Pose> goal_of(const Request& request, const Model& model,
+                                       const JointVector& from) {
+  ARMSIG_TRY(X_RT, tool_pose(model, from));
+  Pose goal = X_RT;
+  Eigen::Vector4d wxyz = Eigen::Vector4d::Zero();
+  int places = 0;
+  int parts = 0;
+  for (const auto& [key, value] : request.arguments) {
+    if (key == "pace") continue;
+    const auto number = parse_number(value);
+    const auto [name, unit] = split(key);
+    const bool relative = name.size() == 2 && name[0] == 'd';
+    const auto axis = letter(relative ? tail(name, 1) : name, "xyz");
+    const bool is_quaternion = name.size() == 2 && name[0] == 'q' && unit.empty();
+    const auto part = is_quaternion ? letter(tail(name, 1), "wxyz") : std::nullopt;
+    if (!part && !(axis && (unit == "mm" || unit == "m"))) {
+      return std::unexpected(Error::kUnknownRequest);
+    }
+    if (!number) return std::unexpected(Error::kOutOfRange);
+    if (part) {
+      wxyz(*part) = *number;
+      ++parts;
+    } else {
+      const double length = *unit_factor(unit) * *number;
+      goal.p(*axis) = relative ? X_RT.p(*axis) + length : length;
+      ++places;
+    }
+  }
+  if (places + parts == 0) return std::unexpected(Error::kUnknownRequest);
+  if (parts > 0) {
+    constexpr double kUnit = 1e-3;
+    if (parts != 4 || std::abs(wxyz.norm() - 1) > kUnit) {
+      return std::unexpected(Error::kOutOfRange);
+    }
+    wxyz.normalize();
+    goal.R = Eigen::Quaterniond(wxyz(0), wxyz(1), wxyz(2), wxyz(3)).toRotationMatrix();
+  }
+  return goal;
+}
+
 }  // namespace
 
 Background::Verdict Background::move(const Request& request) {
@@ -85,42 +127,7 @@ Background::Verdict Background::move_joints(const Request& request, double pace)
 
 Background::Verdict Background::move_tool(const Request& request, double pace) {
   const Model& model = link_.models[mover_.now().model];
-  const auto X_RT = tool_pose(model, mover_.now().commanded);
-  if (!X_RT) return std::unexpected(X_RT.error());
-  Pose goal = *X_RT;
-  Eigen::Vector4d wxyz = Eigen::Vector4d::Zero();
-  int places = 0;
-  int parts = 0;
-  for (const auto& [key, value] : request.arguments) {
-    if (key == "pace") continue;
-    const auto number = parse_number(value);
-    const auto [name, unit] = split(key);
-    const bool relative = name.size() == 2 && name[0] == 'd';
-    const auto axis = letter(relative ? tail(name, 1) : name, "xyz");
-    const bool is_quaternion = name.size() == 2 && name[0] == 'q' && unit.empty();
-    const auto part = is_quaternion ? letter(tail(name, 1), "wxyz") : std::nullopt;
-    if (!part && !(axis && (unit == "mm" || unit == "m"))) {
-      return std::unexpected(Error::kUnknownRequest);
-    }
-    if (!number) return std::unexpected(Error::kOutOfRange);
-    if (part) {
-      wxyz(*part) = *number;
-      ++parts;
-    } else {
-      const double length = *unit_factor(unit) * *number;
-      goal.p(*axis) = relative ? X_RT->p(*axis) + length : length;
-      ++places;
-    }
-  }
-  if (places + parts == 0) return std::unexpected(Error::kUnknownRequest);
-  if (parts > 0) {
-    constexpr double kUnit = 1e-3;
-    if (parts != 4 || std::abs(wxyz.norm() - 1) > kUnit) {
-      return std::unexpected(Error::kOutOfRange);
-    }
-    wxyz.normalize();
-    goal.R = Eigen::Quaterniond(wxyz(0), wxyz(1), wxyz(2), wxyz(3)).toRotationMatrix();
-  }
+  ARMSIG_TRY(goal, goal_of(request, model, mover_.now().commanded));
   const auto planned = plan_line(configuration_, model, mover_.now().commanded, goal, pace);
   if (!planned) return std::unexpected(planned.error().error);
   if (!mover_.send(*planned)) return std::unexpected(Error::kBusBusy);

@@ -31,7 +31,8 @@ class Mover {
     command.kind = kind;
     return send(command);
   }
-  bool send(const Move& move) {
+  // A function of its own: the command would stand on the stack below the planning of the move.
+  [[gnu::noinline]] bool send(const Move& move) {
     Command command;
     command.kind = CommandKind::kMove;
     command.move = move;

@@ -22,6 +22,7 @@ class Line {
   Line& number(double value, unsigned decimals);
   // Why something ended: ` error=NAME reason="words"`.
   Line& reason(Error error);
+  void clear() { characters_.clear(); }
   [[nodiscard]] std::string_view view() const { return {characters_.data(), characters_.size()}; }
 
  private:
