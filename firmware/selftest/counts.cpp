@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "core/features/rls.hpp"
-#include "core/identification.hpp"
 #include "core/kinematics/inverse.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "firmware/selftest/checks.hpp"
@@ -90,10 +89,7 @@ void count_double(Report& report) {
 
 void count_single(Report& report) {
   const KnownArm& known = arm();
-  Arm drawing;
-  drawing.joints = rows(known.rows, known.joint_count);
-  const JointVector q_s = readings(known.poses[0].q, known.joint_count);
-  const auto chain = kinematics::chain_of<float>(signature_of(drawing, q_s, Pose{}, {}));
+  const auto chain = kinematics::chain_of<float>(signature_of_known(known));
   const Work& w = work();
   report.count("rls_update_single", instructions_of_rls<float>());
   report.count("forward_single", instructions_of(kCalls, [&](std::uint32_t k) {

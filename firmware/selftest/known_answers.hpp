@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Known answers for the self-tests on a target: poses of the arms of the shared data, and exact
-// sweeps of robot 1 of Table 2. make_known_answers computes them when the image is built, apart
-// from the code under test.
+// Known answers for the self-tests on a target: poses of the arms of the shared data (without it,
+// of the paper's arms alone), and exact sweeps of robot 1 of Table 2. make_known_answers computes
+// them when the image is built, apart from the code under test.
 #pragma once
 
 #include <array>
@@ -49,6 +49,7 @@ struct SweptArm {
 };
 
 extern const std::span<const KnownArm> kArms;
+extern const char* const kOriginOfArms;
 extern const SweptArm kSwept;
 
 }  // namespace armsig::selftest

@@ -17,6 +17,12 @@ volatile std::uint32_t& systick(std::uint32_t offset) {
 
 }  // namespace
 
+void Report::arms(std::size_t number, std::string_view origin) {
+  controller::Line line;
+  line.text("arms number=").integer(number).text(" origin=\"").text(origin).text("\"");
+  board::say(line.view());
+}
+
 void Report::check(std::string_view name, double worst, double limit) {
   const bool good = worst <= limit;
   passed_ = passed_ && good;

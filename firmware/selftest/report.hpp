@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a self-test says, line by line, and counts of instructions.
 //
+//   arms number=N origin="WORDS"
 //   check NAME ok|FAILED worst=W limit=L
 //   count NAME instructions=N
 //   stack bytes=B
@@ -17,6 +18,8 @@ namespace armsig::selftest {
 
 class Report {
  public:
+  // What the checks are of.
+  void arms(std::size_t number, std::string_view origin);
   // `worst` and `limit` in nanometres or the like: printed with 3 decimals.
   void check(std::string_view name, double worst, double limit);
   void count(std::string_view name, double instructions);

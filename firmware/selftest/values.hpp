@@ -2,10 +2,14 @@
 // The tables' plain arrays as the types of the core.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <new>
 #include <span>
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
+#include "core/identification.hpp"
 #include "firmware/selftest/known_answers.hpp"
 
 namespace armsig::selftest {
@@ -27,6 +31,16 @@ namespace armsig::selftest {
   FixedVector<DhJoint, kMaxJoints> result;
   for (std::size_t i = 0; i < count; ++i) result.push_back(from[i]);
   return result;
+}
+
+// The signature of an exact arm, as it would be stored, at its first known pose. Made in its own
+// place, as it is too large for a stack; the next one takes that place.
+[[nodiscard]] inline const Signature& signature_of_known(const KnownArm& known) {
+  alignas(Signature) static std::array<std::byte, sizeof(Signature)> place;
+  Arm arm;
+  arm.joints = rows(known.rows, known.joint_count);
+  const JointVector q_s = readings(known.poses[0].q, known.joint_count);
+  return *new (place.data()) Signature(signature_of(arm, q_s, Pose{}, {}));
 }
 
 }  // namespace armsig::selftest

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The core on a Cortex-M7, in double precision.
 #include "firmware/selftest/checks.hpp"
+#include "firmware/selftest/known_answers.hpp"
 
 extern "C" int armsig_main() {
   armsig::selftest::Report report;
+  report.arms(armsig::selftest::kArms.size(), armsig::selftest::kOriginOfArms);
   armsig::selftest::start_counter();
   armsig::selftest::check_pipeline(report);
   armsig::selftest::check_kinematics(report);
