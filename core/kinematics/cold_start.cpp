@@ -17,7 +17,7 @@ constexpr double kSameSolution = 1e-4;  // rad or m
 // Starting postures of arms without a closed form: this many at least, and up to the larger number
 // until one solution is found.
 constexpr int kFewestStarts = 40;
-constexpr int kMostStarts = 96;
+constexpr int kMostStarts = 400;
 
 constexpr double kClearOfFolds = 0.03;  // regularity
 constexpr int kIterationsPerStart = 50;

@@ -125,6 +125,25 @@ TEST(ColdStart, finds_a_solution_for_arms_without_a_closed_form) {
   }
 }
 
+// A redundant arm as nobody builds one; to this pose of it one start in more than a hundred leads.
+TEST(ColdStart, finds_a_solution_of_a_slide_between_two_wrists) {
+  const auto turns = [](double d_m, double a_m, double alpha_rad) {
+    return DhJoint{.d_m = d_m, .a_m = a_m, .alpha_rad = alpha_rad};
+  };
+  test::KnownArm arm;
+  for (const DhJoint& joint :
+       {turns(0.15, 0, kPi), turns(0.38, 0.4, kPi / 2), turns(0, 0.0255, kPi),
+        turns(0.15, 0, -kPi / 2), DhJoint{JointType::kPrismatic, kPi / 2, 0, 0.0255, kPi},
+        turns(0.15, 0, kPi / 2), turns(0.15, 0.0255, 0)}) {
+    arm.joints.push_back(joint);
+    const bool slides = joint.type == JointType::kPrismatic;
+    arm.limits.push_back(slides ? JointLimits{0, 0.4} : JointLimits{-2.6, 2.6});
+  }
+  const Chain chain = make_chain(arm.joints, arm.limits);
+  const JointVector q{-0.847047, 0.825526, -0.261006, 1.639564, 0.380675, 1.597719, -0.862878};
+  EXPECT_FALSE(cold_start(chain, closed_form(chain), *forward(chain, q))->empty());
+}
+
 // The other elbow of a SCARA whose axes are not quite parallel reaches the position alone.
 TEST(ColdStart, puts_a_solution_that_meets_the_whole_pose_before_one_that_meets_the_position) {
   test::KnownArm arm = test::cobra600();
