@@ -120,15 +120,18 @@ template <typename Scalar>
   cosine = odd ? -c : c;
 }
 
-struct SineCosine {
-  double sine = 0;
-  double cosine = 1;
+template <typename Scalar>
+struct SineCosineT {
+  Scalar sine = 0;
+  Scalar cosine = 1;
 };
+using SineCosine = SineCosineT<double>;
 
 // Of any finite angle; beyond the reach of the polynomials by the library's functions.
-[[nodiscard]] inline SineCosine sine_and_cosine(double angle) {
-  SineCosine result;
-  if (std::abs(angle) <= SineCosineConstants<double>::kLargestAngle) [[likely]] {
+template <typename Scalar>
+[[nodiscard]] SineCosineT<Scalar> sine_and_cosine(Scalar angle) {
+  SineCosineT<Scalar> result;
+  if (std::abs(angle) <= SineCosineConstants<Scalar>::kLargestAngle) [[likely]] {
     sine_cosine_of_one(angle, result.sine, result.cosine);
   } else {
     result = {std::sin(angle), std::cos(angle)};

@@ -5,9 +5,9 @@
 // 1e-8.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 
+#include "core/base/sine_cosine.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::kinematics {
@@ -56,8 +56,7 @@ template <typename Scalar>
   for (std::size_t i = 0; i < link; ++i) {
     const auto moved = static_cast<Scalar>(q[i] - chain.configuration[i]);
     if (chain.types[i] == JointType::kRevolute) {
-      const Scalar c = std::cos(moved);
-      const Scalar s = std::sin(moved);
+      const auto [s, c] = sine_and_cosine(moved);
       const Eigen::Matrix<Scalar, 3, 1> x = X_SL.R.col(0);
       X_SL.R.col(0) = c * x + s * X_SL.R.col(1);
       X_SL.R.col(1) = c * X_SL.R.col(1) - s * x;
