@@ -327,14 +327,13 @@ template <typename Scalar>
     }
     return true;
   }
-  PackMask<Scalar> in_reach = pack_terms(chain, q, terms, 0);
+  PackMask<Scalar> in_reach = ~PackMask<Scalar>{};
   if constexpr (2 * kCount == kMaxJoints) {
     // Both packs at once: their work overlaps, and the constants are loaded once.
-    in_reach &= pack_terms(chain, q, terms, kCount);
+    in_reach = pack_terms(chain, q, terms, 0) & pack_terms(chain, q, terms, kCount);
   } else {
-    for (std::size_t j = kCount; j < chain.joint_count; j += kCount) {
+    for (std::size_t j = 0; j < chain.joint_count; j += kCount)
       in_reach &= pack_terms(chain, q, terms, j);
-    }
   }
   if (!all(in_reach)) [[unlikely]]
     return large_angles(chain, q, terms);
