@@ -2,19 +2,17 @@
 #include "core/kinematics/damped_inverse.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "core/base/check.hpp"
 #include "core/kinematics/forward_kernel.hpp"
+#include "core/kinematics/joint_box.hpp"
 #include "core/kinematics/regularity.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Joints = Eigen::Matrix<double, kMaxJoints, 1>;  // zero beyond the joint count
 using Square = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;
 
 // Orientation weighs this much against position once both cannot be met: small enough that the
@@ -24,44 +22,6 @@ constexpr double kLargestStep = 0.4;  // rad or m in one iteration, to stay near
 constexpr double kFoldError = 0.03;   // m or rad: what a nudge of 0.2 rad on a fold can make up for
 constexpr double kStationaryStep = 1e-11;   // rad or m
 constexpr double kNearestTolerance = 1e-9;  // rad or m, of arms with more than six joints
-
-// What the readings are confined to.
-struct Box {
-  Joints lower = Joints::Constant(-std::numeric_limits<double>::infinity());
-  Joints upper = Joints::Constant(std::numeric_limits<double>::infinity());
-  std::array<bool, kMaxJoints> lower_is_step{};
-  std::array<bool, kMaxJoints> upper_is_step{};
-};
-
-Box make_box(const Chain& chain, const JointVector& seed, const InverseOptions& options) {
-  Box box;
-  const bool limited = options.respect_limits && !chain.limits.empty();
-  for (std::size_t i = 0; i < chain.joint_count; ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    if (limited) {
-      box.lower[k] = chain.limits[i].lower;
-      box.upper[k] = chain.limits[i].upper;
-    }
-    if (options.max_step.empty()) continue;
-    // Rounded towards the seed: not an ulp above the step.
-    double lowest = seed[i] - options.max_step[i];
-    double highest = seed[i] + options.max_step[i];
-    if (seed[i] - lowest > options.max_step[i]) lowest = std::nextafter(lowest, seed[i]);
-    if (highest - seed[i] > options.max_step[i]) highest = std::nextafter(highest, seed[i]);
-    if (lowest > box.lower[k]) {
-      box.lower[k] = lowest;
-      box.lower_is_step[i] = true;
-    }
-    if (highest < box.upper[k]) {
-      box.upper[k] = highest;
-      box.upper_is_step[i] = true;
-    }
-    // A seed outside the limits by more than a step can only move towards them.
-    box.lower[k] = std::min(box.lower[k], highest);
-    box.upper[k] = std::max(box.upper[k], lowest);
-  }
-  return box;
-}
 
 // Solves a x = b for the symmetric positive definite n x n `a` (Cholesky, in place; x over b).
 bool solve_positive(Square& a, Joints& b, Eigen::Index n) {
@@ -94,13 +54,13 @@ class DampedSolver {
       : chain_(chain),
         X_target_(X_0n),
         options_(options),
-        box_(make_box(chain, seed, options)),
+        box_(joint_box(chain, seed, options)),
         n_(static_cast<Eigen::Index>(chain.joint_count)) {
     for (Eigen::Index i = 0; i < n_; ++i) {
       seed_[i] = seed[static_cast<std::size_t>(i)];
       q_[i] = start[static_cast<std::size_t>(i)];
     }
-    q_ = clamped(q_);
+    q_ = box_.clamped(q_);
   }
 
   InverseSolution solve() {
@@ -121,10 +81,6 @@ class DampedSolver {
     PoseAndJacobian kinematics;
     Vector6 error = Vector6::Zero();  // position [m], rotation vector [rad], in frame 0
   };
-
-  [[nodiscard]] Joints clamped(const Joints& q) const {
-    return q.cwiseMax(box_.lower).cwiseMin(box_.upper);
-  }
 
   // Written in place: a state is half a kilobyte of stack. Functions of their own, here and below,
   // for the same reason.
@@ -162,10 +118,7 @@ class DampedSolver {
     J.bottomRows<3>() *= rotation_weight_;
     const Vector6 e = weighted_error();
     for (Eigen::Index i = 0; i < n_; ++i) {
-      const double push = J.col(i).dot(e);
-      if ((push > 0 && q_[i] >= box_.upper[i]) || (push < 0 && q_[i] <= box_.lower[i])) {
-        J.col(i).setZero();
-      }
+      if (box_.stops(i, q_[i], J.col(i).dot(e))) J.col(i).setZero();
     }
     return J;
   }
@@ -199,7 +152,7 @@ class DampedSolver {
         if (damped_step(J, e, damping, n_, dq)) {
           const double largest = dq.cwiseAbs().maxCoeff();
           if (largest > kLargestStep) dq *= kLargestStep / largest;
-          const Joints q = clamped(q_ + dq);
+          const Joints q = box_.clamped(q_ + dq);
           if ((q - q_).cwiseAbs().maxCoeff() < kStationaryStep) return true;
           State next;
           evaluate(q, next);
@@ -233,7 +186,7 @@ class DampedSolver {
     const Joints weak = weakest_direction();
     bool stationary = true;
     for (const double nudge : {0.03, -0.03, 0.2, -0.2}) {
-      q_ = clamped(q_best + nudge * weak);
+      q_ = box_.clamped(q_best + nudge * weak);
       evaluate(q_, at_);
       stationary = descend();
       if (met()) return true;
@@ -267,7 +220,7 @@ class DampedSolver {
       e.tail<3>().setZero();
       Joints dq = Joints::Zero();
       if (!damped_step(J, e, 1e-13 * J.squaredNorm(), n_, dq)) return;
-      const Joints q = clamped(q_ + dq);
+      const Joints q = box_.clamped(q_ + dq);
       State next;
       evaluate(q, next);
       if (next.error.head<3>().norm() >= at_.error.head<3>().norm()) return;
@@ -285,7 +238,7 @@ class DampedSolver {
       if (along.cwiseAbs().maxCoeff() < kNearestTolerance) return;
       const Joints q_before = q_;
       const State before = at_;
-      q_ = clamped(q_ + fraction * along);
+      q_ = box_.clamped(q_ + fraction * along);
       evaluate(q_, at_);
       (void)descend();
       if (!met() || (seed_ - q_).squaredNorm() >= pull.squaredNorm()) {
@@ -333,11 +286,8 @@ class DampedSolver {
     Verdict verdict = Verdict::kOutOfReach;
     for (Eigen::Index i = 0; i < n_; ++i) {
       const double push = at_.kinematics.J.col(i).dot(at_.error);
-      const auto k = static_cast<std::size_t>(i);
-      const bool upper = push > 0 && q_[i] >= box_.upper[i];
-      const bool lower = push < 0 && q_[i] <= box_.lower[i];
-      if (!upper && !lower) continue;
-      if (upper ? box_.upper_is_step[k] : box_.lower_is_step[k]) return Verdict::kStepLimit;
+      if (!box_.stops(i, q_[i], push)) continue;
+      if (box_.stops_by_step(i, push)) return Verdict::kStepLimit;
       verdict = Verdict::kJointLimit;
     }
     return verdict;
@@ -346,7 +296,7 @@ class DampedSolver {
   const Chain& chain_;
   const Pose& X_target_;
   const InverseOptions& options_;
-  Box box_;
+  JointBox box_;
   Eigen::Index n_;
   Joints seed_ = Joints::Zero();
   Joints q_ = Joints::Zero();
