@@ -3,6 +3,7 @@
 // maps them to SSE2, AVX2, NEON or scalars, whatever the build is for).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -102,7 +103,20 @@ template <typename Scalar>
   } else if constexpr (Lanes<Scalar>::kCount == 2) {
     return pack[0] + pack[1];
   } else {
-    return (pack[0] + pack[2]) + (pack[1] + pack[3]);
+    const auto halves =
+        __builtin_shufflevector(pack, pack, 0, 1) + __builtin_shufflevector(pack, pack, 2, 3);
+    return halves[0] + halves[1];
+  }
+}
+
+template <typename Scalar>
+[[nodiscard]] inline Scalar least_of_lanes(const Pack<Scalar>& pack) {
+  if constexpr (Lanes<Scalar>::kCount == 1) {
+    return pack;
+  } else {
+    Scalar least = pack[0];
+    for (std::size_t i = 1; i < Lanes<Scalar>::kCount; ++i) least = std::min(least, pack[i]);
+    return least;
   }
 }
 

@@ -46,27 +46,51 @@ struct Circle {
   }
 };
 
+// The triangular factor as it is kept, R = D^1/2 U and Z = D^1/2 zeta: no root has to be taken to
+// fit a circle to it.
+struct KeptFactor {
+  explicit KeptFactor(const MotionRls& motion)
+      : d0(motion.kept()[0][0]),
+        d1(motion.kept()[1][1]),
+        d2(motion.kept()[2][2]),
+        u01(motion.kept()[0][1]),
+        u02(motion.kept()[0][2]),
+        u12(motion.kept()[1][2]),
+        zeta0(motion.kept()[0].data() + 3),
+        zeta1(motion.kept()[1].data() + 3),
+        zeta2(motion.kept()[2].data() + 3) {}
+
+  // Of the lower rows of U D U^T: what the readings say about the radius.
+  [[nodiscard]] double in_plane() const { return d1 + d1 * u12 * u12 + d2; }
+
+  double d0, d1, d2, u01, u02, u12;
+  Eigen::Map<const Vector3> zeta0, zeta1, zeta2;
+};
+
 // The circle of greatest likelihood for points measured equally well in all directions, and a start
-// for all others. With s_ij and z_i the lower rows of R and Z,
-//   |s11 r f - s12 r e - z1|^2 + |s22 r e + z2|^2
-//     = r^2 (s11^2 + s12^2 + s22^2) - 2 r (e.a + f.b) + const,   a = -s12 z1 - s22 z2,  b = s11 z1,
+// for all others. The part of the misfit that psi changes is
+//   d1 |r f - u12 r e - zeta1|^2 + d2 |r e + zeta2|^2
+//     = r^2 (d1 + d1 u12^2 + d2) - 2 r (e.a + f.b) + const,   a = -d1 u12 zeta1 - d2 zeta2,
+//                                                             b = d1 zeta1,
 // because e and f are unit vectors at right angles: orthogonal Procrustes, whose solution is the
 // polar factor of [a b] = [e f] S with S = ([a b]^T [a b])^(1/2) in closed form, r = trace S / sum.
-Result<Circle> nearest_circle(const Matrix3& R, const MotionRls::Coefficients& Z) {
-  Eigen::Matrix<double, 3, 2> ab;
-  ab.col(0) = -(R(1, 2) * Z.row(1) + R(2, 2) * Z.row(2)).transpose();
-  ab.col(1) = R(1, 1) * Z.row(1).transpose();
-  const Eigen::Matrix2d square = ab.transpose().lazyProduct(ab);
-  const double root_of_determinant = ab.col(0).cross(ab.col(1)).norm();
-  if (!(root_of_determinant > 0)) return std::unexpected(Error::kSingular);
-  const double trace = std::sqrt(square.trace() + 2 * root_of_determinant);
-  const Eigen::Matrix2d S = (square + root_of_determinant * Eigen::Matrix2d::Identity()) / trace;
-  const Eigen::Matrix<double, 3, 2> ef = ab.lazyProduct(S.inverse());
+// By Cayley and Hamilton S^-1 = (trace S - S) / det S, so that e is along (b.b + det) a - (a.b) b.
+Result<Circle> nearest_circle(const KeptFactor& kept) {
+  const Vector3 b = kept.d1 * kept.zeta1;
+  const Vector3 a = -kept.u12 * b - kept.d2 * kept.zeta2;
+  const double aa = a.squaredNorm();
+  const double ab = a.dot(b);
+  const double bb = b.squaredNorm();
+  const Vector3 normal = a.cross(b);
+  const double determinant = normal.norm();
+  if (!(determinant > 0)) return std::unexpected(Error::kSingular);
+  const Vector3 n = normal / determinant;
+  const Vector3 f = n.cross((bb + determinant) * a - ab * b).normalized();
   Circle circle;
-  circle.radius = trace / (R(1, 1) * R(1, 1) + R(1, 2) * R(1, 2) + R(2, 2) * R(2, 2));
-  circle.R_SC.col(0) = ef.col(0).normalized();
-  circle.R_SC.col(2) = ef.col(0).cross(ef.col(1)).normalized();
-  circle.R_SC.col(1) = circle.R_SC.col(2).cross(circle.R_SC.col(0));
+  circle.R_SC.col(0) = f.cross(n);
+  circle.R_SC.col(1) = f;
+  circle.R_SC.col(2) = n;
+  circle.radius = std::sqrt(aa + bb + 2 * determinant) / kept.in_plane();
   return circle;
 }
 
@@ -79,28 +103,29 @@ bool is_isotropic(const Matrix3& covariance) {
 //   d(r f) = r (w_e n - w_n e) + dr f,   d(r e) = r (w_n f - w_f n) + dr e,
 // so the information about psi falls into w_n, dr (both alone, in-plane) and the pair w_e, w_f. The
 // target takes up the first row, hence for the centre = target - r e
-//   d centre = -alpha d(r f) + beta d(r e),   alpha = s01 / s00,  beta = s02 / s00 - 1,
-// and the noise of the target itself, 1 / s00 in every direction.
-CircleFit isotropic_fit(const Circle& circle, const Matrix3& R, const MotionRls::Coefficients& Z,
-                        const Vector3& origin_S) {
+//   d centre = -alpha d(r f) + beta d(r e),   alpha = u01,  beta = u02 - 1,
+// and the noise of the target itself, of variance 1 / d0 in every direction.
+Result<CircleFit> isotropic_fit(const Circle& circle, const KeptFactor& kept,
+                                const Vector3& origin_S) {
   const double r = circle.radius;
   const Vector3 e = circle.R_SC.col(0);
   const Vector3 f = circle.R_SC.col(1);
   const Vector3 n = circle.R_SC.col(2);
-  const double of_target = 1 / R(0, 0);
-  const double alpha = R(0, 1) * of_target;
-  const double beta = R(0, 2) * of_target - 1;
+  const double of_target = 1 / kept.d0;
+  const double alpha = kept.u01;
+  const double beta = kept.u02 - 1;
 
-  CircleFit result;
+  Result<CircleFit> fit;
+  CircleFit& result = *fit;
   result.R_SC = circle.R_SC;
   result.radius_m = r;
-  result.centre_S = origin_S + of_target * Z.row(0).transpose() + r * (beta * e - alpha * f);
+  result.centre_S = origin_S + kept.zeta0 + r * (beta * e - alpha * f);
 
-  const double in_plane = 1 / (R(1, 1) * R(1, 1) + R(1, 2) * R(1, 2) + R(2, 2) * R(2, 2));
-  const double root = 1 / (r * R(1, 1) * R(2, 2));
-  const double s_ee = root * root * (R(1, 2) * R(1, 2) + R(2, 2) * R(2, 2));
-  const double s_ef = -root * root * R(1, 1) * R(1, 2);
-  const double s_ff = root * root * R(1, 1) * R(1, 1);
+  const double in_plane = 1 / kept.in_plane();
+  const double curvature = 1 / r;
+  const double s_ff = curvature * curvature / kept.d2;
+  const double s_ef = -kept.u12 * s_ff;
+  const double s_ee = curvature * curvature / kept.d1 - kept.u12 * s_ef;
   // Of the centre along n with w_e and w_f.
   const double s_ne = -r * (alpha * s_ee + beta * s_ef);
   const double s_nf = -r * (alpha * s_ef + beta * s_ff);
@@ -110,13 +135,13 @@ CircleFit isotropic_fit(const Circle& circle, const Matrix3& R, const MotionRls:
   auto& covariance = result.covariance;
   const Vector3 turn_e = s_ee * e + s_ef * f;
   const Vector3 turn_f = s_ef * e + s_ff * f;
-  const Vector3 turn_n = in_plane / (r * r) * n;
+  const Vector3 turn_n = (in_plane * curvature * curvature) * n;
   const Vector3 of_turn = s_ne * e + s_nf * f;
-  const Vector3 of_n = in_plane / r * (alpha * e + beta * f);
+  const Vector3 of_n = (in_plane * curvature) * (alpha * e + beta * f);
   const Vector3 of_radius = in_plane * (beta * e - alpha * f);
   for (int j = 0; j < 3; ++j) {
     covariance.col(j).head<3>() = (s_nn - of_centre) * n[j] * n;
-    covariance(j, j) += of_centre + of_target * of_target;
+    covariance(j, j) += of_centre + of_target;
     covariance.col(3 + j).head<3>() = n[j] * of_n + of_turn[j] * n;
     covariance.col(3 + j).segment<3>(3) = e[j] * turn_e + f[j] * turn_f + n[j] * turn_n;
     covariance.row(3 + j).head<3>() = covariance.col(3 + j).head<3>();
@@ -124,7 +149,7 @@ CircleFit isotropic_fit(const Circle& circle, const Matrix3& R, const MotionRls:
   covariance.col(6).head<3>() = of_radius;
   covariance.row(6).head<3>() = of_radius;
   covariance(6, 6) = in_plane;
-  return result;
+  return fit;
 }
 
 }  // namespace
@@ -138,11 +163,10 @@ MotionRls::Coefficients CircleFit::motion(const Vector3& origin_S) const {
 
 Result<CircleFit> encoder_circle(const MotionStatistics& statistics) {
   if (statistics.motion.rank() < 3) return std::unexpected(Error::kSingular);
-  const Matrix3 R = statistics.motion.factor();
-  const MotionRls::Coefficients Z = statistics.motion.rotated_right_hand_sides();
-  ARMSIG_TRY(start, nearest_circle(R, Z));
+  const KeptFactor kept(statistics.motion);
+  ARMSIG_TRY(start, nearest_circle(kept));
   if (statistics.has_one_covariance() && is_isotropic(statistics.first_covariance_m2))
-    return isotropic_fit(start, R, Z, statistics.origin_S);
+    return isotropic_fit(start, kept, statistics.origin_S);
   const ConstrainedFit<Circle> fit(statistics);
   ARMSIG_TRY(fitted, fit.maximise_likelihood(start));
   const Circle& circle = fitted.motion;

@@ -7,7 +7,6 @@
 // least kLeastPivot, and the misfit loses no digit that the noise has.
 #pragma once
 
-#include <optional>
 #include <span>
 
 #include "core/features/sweep_statistics.hpp"
@@ -15,18 +14,19 @@
 namespace armsig::features {
 
 struct MotionSums {
-  MotionRls motion;
+  MotionRls::Kept rows;
+  MotionRls::KeptProducts residual_products;
   double lowest_reading = 0;
   double highest_reading = 0;
 };
 
 // The regressors are about `origin_reading`, the positions about `origin_S`; every point must have
-// the covariance `covariance_m2` and weighs one over its mean variance per axis. Nothing where a
-// point has another one, where a reading is beyond the reach of the polynomials of the sine, or
-// where three of the points do not span the motion well.
+// the covariance `covariance_m2` and weighs one over its mean variance per axis. False, and nothing
+// said, where a point has another one, where a reading is beyond the reach of the polynomials of
+// the sine, or where three of the points do not span the motion well.
 // Precondition: at least three points, a multiple of the processor's lanes.
-[[nodiscard]] std::optional<MotionSums> motion_sums(std::span<const SweepPoint> points,
-                                                    double origin_reading, const Vector3& origin_S,
-                                                    const Matrix3& covariance_m2);
+[[nodiscard]] bool motion_sums(std::span<const SweepPoint> points, double origin_reading,
+                               const Vector3& origin_S, const Matrix3& covariance_m2,
+                               MotionSums& result);
 
 }  // namespace armsig::features

@@ -37,16 +37,12 @@ class SquareRootRls {
   using Coefficients = Eigen::Matrix<Scalar, kRegressors, kRightHandSides>;
   using Products = Eigen::Matrix<Scalar, kRightHandSides, kRightHandSides>;
 
-  // [R Z] as it is kept: each row over its pivot D^1/2, and D itself in the pivot's place.
+  // [R Z]: each row over its pivot D^1/2, and D itself in the pivot's place.
   using Row = std::array<Scalar, kRegressors + kRightHandSides>;
   using Kept = std::array<Row, kRegressors>;
 
-  SquareRootRls() = default;
-  // Of measurements that were compressed elsewhere; of `residual_products`, the upper triangle.
-  SquareRootRls(const Kept& kept, const Products& residual_products) : factor_(kept) {
-    for (int i = 0, k = 0; i < kRightHandSides; ++i)
-      for (int j = i; j < kRightHandSides; ++j, ++k) residuals_[k] = residual_products(i, j);
-  }
+  // The upper triangle of E^T E, row by row.
+  using KeptProducts = std::array<Scalar, kRightHandSides*(kRightHandSides + 1) / 2>;
 
   // One measurement: right_hand_sides = coefficients^T * regressors + noise of variance 1 / weight.
   // All numbers must be finite, the weight not negative.
@@ -93,21 +89,25 @@ class SquareRootRls {
         residuals_[k] += product(block.columns[kRegressors + i], block.columns[kRegressors + j]);
   }
 
-  // The same as an update by each measurement of `other`.
-  void update(const SquareRootRls& other) {
-    if (factor_ == Kept{}) {
-      *this = other;
-      return;
+  // Measurements that were compressed elsewhere, to `rows` and to the sums of products of the
+  // residuals they leave.
+  void take_in(const Kept& rows, const KeptProducts& residual_products) {
+    if (knows_nothing()) {
+      factor_ = rows;
+    } else {
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        Row row = rows[i];
+        Scalar weight = row[i];
+        std::fill_n(row.begin(), i, Scalar(0));
+        row[i] = 1;
+        rotate_in(row, weight);
+      }
     }
-    for (std::size_t i = 0; i < other.factor_.size(); ++i) {
-      Row row = other.factor_[i];
-      Scalar weight = row[i];
-      std::fill_n(row.begin(), i, Scalar(0));
-      row[i] = 1;
-      rotate_in(row, weight);
-    }
-    for (std::size_t k = 0; k < residuals_.size(); ++k) residuals_[k] += other.residuals_[k];
+    for (std::size_t k = 0; k < residuals_.size(); ++k) residuals_[k] += residual_products[k];
   }
+
+  // [R Z] as it is kept.
+  [[nodiscard]] const Kept& kept() const { return factor_; }
 
   // R, upper triangular. Its rows and those of Z stand for all the measurements: feeding them to
   // another estimator, columns permuted or combined, gives the fit of that other model to the same
@@ -218,6 +218,12 @@ class SquareRootRls {
       store(&from[k], load<Pack<Scalar>>(&from[k]) - factor * load<Pack<Scalar>>(&x[k]));
   }
 
+  [[nodiscard]] bool knows_nothing() const {
+    for (int i = 0; i < kRegressors; ++i)
+      if (factor_[i][i] != 0) return false;
+    return true;
+  }
+
   [[nodiscard]] bool is_independent(int i) const {
     Scalar column = factor_[i][i];
     for (int j = 0; j < i; ++j) column += factor_[j][j] * factor_[j][i] * factor_[j][i];
@@ -225,8 +231,7 @@ class SquareRootRls {
   }
 
   Kept factor_{};
-  // E^T E, upper triangle.
-  std::array<Scalar, kRightHandSides*(kRightHandSides + 1) / 2> residuals_{};
+  KeptProducts residuals_{};
 };
 
 }  // namespace armsig::features

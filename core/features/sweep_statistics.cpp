@@ -92,19 +92,19 @@ void MotionStatistics::add(std::span<const SweepPoint> points) {
 bool MotionStatistics::add_together(std::span<const SweepPoint> points) {
   if (type != JointType::kRevolute || !has_one_covariance()) return false;
   const Matrix3& covariance = count == 0 ? points.front().covariance_m2 : first_covariance_m2;
-  const auto sums = motion_sums(points, origin_reading, origin_S, covariance);
-  if (!sums) return false;
+  MotionSums sums;
+  if (!motion_sums(points, origin_reading, origin_S, covariance, sums)) return false;
   if (count == 0) {
     first_covariance_m2 = covariance;
-    lowest_reading = sums->lowest_reading;
-    highest_reading = sums->highest_reading;
+    lowest_reading = sums.lowest_reading;
+    highest_reading = sums.highest_reading;
   }
-  lowest_reading = std::min(lowest_reading, sums->lowest_reading);
-  highest_reading = std::max(highest_reading, sums->highest_reading);
+  lowest_reading = std::min(lowest_reading, sums.lowest_reading);
+  highest_reading = std::max(highest_reading, sums.highest_reading);
   count += points.size();
   same_covariance = count;
   variance_sum += points.front().variance() * static_cast<double>(points.size());
-  motion.update(sums->motion);
+  motion.take_in(sums.rows, sums.residual_products);
   return true;
 }
 

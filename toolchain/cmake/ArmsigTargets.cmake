@@ -12,6 +12,17 @@ if(ARMSIG_SANITIZE)
   target_link_options(armsig_warnings INTERFACE -fsanitize=address,undefined)
 endif()
 
+# GCC clears and copies structures of more than 128 bytes by "rep stos" and "rep movs" on x86-64: in the time that these
+# take to start, the C library has done it, and the matrices here have a few hundred bytes.
+include(CheckCXXCompilerFlag)
+set(ARMSIG_STRING_OPERATIONS -mmemset-strategy=libcall:-1:noalign -mmemcpy-strategy=libcall:-1:noalign)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  check_cxx_compiler_flag("${ARMSIG_STRING_OPERATIONS}" ARMSIG_HAS_STRING_OPERATIONS)
+  if(ARMSIG_HAS_STRING_OPERATIONS)
+    target_compile_options(armsig_warnings INTERFACE ${ARMSIG_STRING_OPERATIONS})
+  endif()
+endif()
+
 # armsig_controller_library(name sources...): code that must also run on bare metal:
 # no exceptions, no RTTI, and no implicit use of a heap.
 function(armsig_controller_library name)
