@@ -10,42 +10,56 @@ namespace armsig::refinement {
 
 namespace {
 
-// Below this sum of squares a column counts as zero: its square root would be lost in underflow,
-// and no measurement in SI units comes near it.
-constexpr double kVanishing = 1e-280;
+// Below this sum of squares a column counts as zero: its cube would be lost in underflow, and no
+// measurement in SI units comes near it.
+constexpr double kVanishing = 1e-200;
 
 // Rows of a block in straight code where several columns go at once; otherwise memory is scarce.
 constexpr int kUnrolled = Lanes<double>::kCount > 1 ? 9 : 1;
 
-// Unknowns that are worth a factor of their own.
+// Unknowns that are worth a factor of their own; its rows have a fixed length, with room for the
+// last lanes.
 constexpr std::size_t kNarrow = 16;
+constexpr std::size_t kNarrowRow = kNarrow + 1 + Lanes<double>::kCount;
 
-// Rotates `block`, of `unknowns` + 1 columns, into the packed factor `r`: leaves zeros and, in the
-// last column, the residuals.
-template <int kRows>
+// Sum of kTerms terms, in three chains where they are many: none waits for all the others.
+template <typename V, int kTerms, typename Term>
+[[gnu::always_inline]] inline V sum_of(Term term) {
+  constexpr int kChains = kTerms >= 9 && kUnrolled > 1 ? 3 : 1;
+  std::array<V, kChains> sums;
+  for (int k = 0; k < kChains; ++k) sums[k] = term(k);
+#pragma GCC unroll kUnrolled
+  for (int k = kChains; k < kTerms; ++k) sums[k % kChains] += term(k);
+  if constexpr (kChains == 1) {
+    return sums[0];
+  } else {
+    return sums[0] + sums[1] + sums[2];
+  }
+}
+
+// Rotates `block`, of `unknowns` + 1 columns, into the factor `r`: leaves zeros and, in the last
+// column, the residuals. The factor is packed, or kNarrow with rows of kNarrowRow.
+template <bool kPacked, int kRows>
 void rotate(double* r, std::size_t unknowns, RowBlock<kRows>& block) {
   for (std::size_t j = 0; j < unknowns; ++j) {
     const std::size_t width = unknowns + 1 - j;
     std::array<double, kRows> v;
-    double squares = 0;
-    for (int k = 0; k < kRows; ++k) {
-      v[k] = block.rows[k][j];
-      squares += v[k] * v[k];
-    }
+#pragma GCC unroll kUnrolled
+    for (int k = 0; k < kRows; ++k) v[k] = block.rows[k][j];
+    const auto squares = sum_of<double, kRows>([&](int k) { return v[k] * v[k]; });
     if (squares > kVanishing) {
       // The reflection that takes (R_jj, v) to (norm, 0). R_jj is never negative, so this form of
-      // the first component cannot cancel.
+      // the first component cannot cancel; beta = 2 / (v_0^2 + squares).
       const double norm = std::sqrt(r[0] * r[0] + squares);
       const double v_0 = -squares / (r[0] + norm);
-      const double beta = 2.0 / (v_0 * v_0 + squares);
+      const double beta = (r[0] + norm) / (norm * squares);
       r[0] = norm;
       // As many columns at a time as V has lanes.
       const auto reflect = [&]<typename V>(std::size_t c) {
-        const V above = load<V>(r + c);
-        V dot = v_0 * above;
-#pragma GCC unroll kUnrolled
-        for (int k = 0; k < kRows; ++k) dot += v[k] * load<V>(&block.rows[k][j + c]);
-        dot *= beta;
+        const auto above = load<V>(r + c);
+        const V dot = beta * sum_of<V, kRows + 1>([&](int k) {
+                        return k == 0 ? v_0 * above : v[k - 1] * load<V>(&block.rows[k - 1][j + c]);
+                      });
         store(r + c, above - dot * v_0);
 #pragma GCC unroll kUnrolled
         for (int k = 0; k < kRows; ++k) {
@@ -55,11 +69,51 @@ void rotate(double* r, std::size_t unknowns, RowBlock<kRows>& block) {
       };
       constexpr std::size_t kLanes = Lanes<double>::kCount;
       std::size_t c = 1;
-      for (; c + kLanes <= width; c += kLanes) reflect.template operator()<Pack<double>>(c);
+      for (; c + (kPacked ? kLanes : 1) <= width; c += kLanes) {
+        reflect.template operator()<Pack<double>>(c);
+      }
       for (; c < width; ++c) reflect.template operator()<double>(c);
     }
-    r += width;
+    r += kPacked ? width : kNarrowRow + 1;
   }
+}
+
+// Moves the entries of rows that involve only the unknowns `columns` to where they stand among all
+// `unknowns`, zeros between them.
+void spread(std::span<const std::uint8_t> columns, std::size_t unknowns, RowBlock<9>& block) {
+  for (auto& row : block.rows) {
+    row[unknowns] = row[columns.size()];
+    std::size_t end = unknowns;
+    for (std::size_t i = columns.size(); i-- > 0;) {
+      const std::size_t column = columns[i];
+      row[column] = row[i];
+      std::fill(row.begin() + column + 1, row.begin() + end, 0.0);
+      end = column;
+    }
+    std::fill(row.begin(), row.begin() + end, 0.0);
+  }
+}
+
+// y -= factor x, of `count` numbers.
+void subtract(double factor, const double* x, std::size_t count, double* y) {
+  using V = Pack<double>;
+  std::size_t c = 0;
+  for (; c + Lanes<double>::kCount <= count; c += Lanes<double>::kCount) {
+    store(y + c, load<V>(y + c) - factor * load<V>(x + c));
+  }
+  for (; c < count; ++c) y[c] -= factor * x[c];
+}
+
+double product(const double* x, const double* y, std::size_t count) {
+  using V = Pack<double>;
+  V sums{};
+  std::size_t c = 0;
+  for (; c + Lanes<double>::kCount <= count; c += Lanes<double>::kCount) {
+    sums += load<V>(x + c) * load<V>(y + c);
+  }
+  auto sum = sum_of_lanes<double>(sums);
+  for (; c < count; ++c) sum += x[c] * y[c];
+  return sum;
 }
 
 }  // namespace
@@ -68,63 +122,54 @@ void SquareRootFactor::reset(std::size_t unknowns) {
   ARMSIG_CHECK(unknowns <= kMaxParameters);
   unknowns_ = unknowns;
   residual_squares_ = 0;
+  all_tied_ = false;
   const std::size_t used = row(unknowns);
   for (std::size_t i = 0; i < used; ++i) entries_[i] = 0;
+  for (std::size_t i = 0; i < unknowns; ++i) ties_[i].reset();
 }
 
 template <int kRows>
 void SquareRootFactor::absorb(RowBlock<kRows>& block) {
-  rotate(entries_.data(), unknowns_, block);
+  all_tied_ = true;
+  rotate<true>(entries_.data(), unknowns_, block);
   for (const auto& left : block.rows) residual_squares_ += left[unknowns_] * left[unknowns_];
 }
 
 void SquareRootFactor::absorb(std::span<const std::uint8_t> columns, RowBlock<9>& block) {
   const std::size_t count = columns.size();
-  if (count > kNarrow || !are_apart(columns)) {
-    for (auto& row : block.rows) {
-      row[unknowns_] = row[count];
-      std::size_t end = unknowns_;
-      for (std::size_t i = count; i-- > 0;) {
-        const std::size_t column = columns[i];
-        row[column] = row[i];
-        std::fill(row.begin() + column + 1, row.begin() + end, 0.0);
-        end = column;
-      }
-      std::fill(row.begin(), row.begin() + end, 0.0);
-    }
+  Unknowns involved;
+  for (const std::uint8_t column : columns) involved[column] = true;
+  bool apart = !all_tied_ && count <= kNarrow;
+  for (std::size_t i = 0; apart && i < count; ++i) apart = (ties_[columns[i]] & ~involved).none();
+  if (!apart) {
+    spread(columns, unknowns_, block);
     absorb(block);
     return;
   }
-  std::array<double, kNarrow*(kNarrow + 3) / 2> narrow;
-  double* next = narrow.data();
+
+  // The rows of these unknowns as a factor of their own. Zeros beyond the right-hand side, so that
+  // the last lanes hold numbers.
+  constexpr Pack<double> kZeros{};
+  std::array<double, kNarrow * kNarrowRow> narrow;
   for (std::size_t i = 0; i < count; ++i) {
-    const double* r = entries_.data() + row(columns[i]);
-    for (std::size_t j = i; j < count; ++j) *next++ = r[columns[j] - columns[i]];
-    *next++ = r[unknowns_ - columns[i]];
+    const double* from = entries_.data() + row(columns[i]) - columns[i];
+    double* to = narrow.data() + i * kNarrowRow;
+    for (std::size_t j = i; j < count; ++j) to[j] = from[columns[j]];
+    to[count] = from[unknowns_];
+    store(to + count + 1, kZeros);
   }
-  rotate(narrow.data(), count, block);
-  next = narrow.data();
-  for (std::size_t i = 0; i < count; ++i) {
-    double* r = entries_.data() + row(columns[i]);
-    for (std::size_t j = i; j < count; ++j) r[columns[j] - columns[i]] = *next++;
-    r[unknowns_ - columns[i]] = *next++;
+  for (auto& row : block.rows) store(&row[count + 1], kZeros);
+  rotate<false>(narrow.data(), count, block);
+  Unknowns later;
+  for (std::size_t i = count; i-- > 0;) {
+    double* to = entries_.data() + row(columns[i]) - columns[i];
+    const double* from = narrow.data() + i * kNarrowRow;
+    for (std::size_t j = i; j < count; ++j) to[columns[j]] = from[j];
+    to[unknowns_] = from[count];
+    ties_[columns[i]] |= later;
+    later[columns[i]] = true;
   }
   for (const auto& left : block.rows) residual_squares_ += left[count] * left[count];
-}
-
-bool SquareRootFactor::are_apart(std::span<const std::uint8_t> columns) const {
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const double* r = entries_.data() + row(columns[i]) - columns[i];
-    std::size_t listed = i + 1;
-    for (std::size_t c = columns[i] + 1U; c < unknowns_; ++c) {
-      if (listed < columns.size() && c == columns[listed]) {
-        ++listed;
-      } else if (r[c] != 0) {
-        return false;
-      }
-    }
-  }
-  return true;
 }
 
 template void SquareRootFactor::absorb<1>(RowBlock<1>&);
@@ -176,9 +221,7 @@ Result<StateVector> SquareRootFactor::solve() const {
 void SquareRootFactor::solve_upper(StateVector& z) const {
   for (std::size_t i = unknowns_; i-- > 0;) {
     const double* r = entries_.data() + row(i);
-    double sum = z[i];
-    for (std::size_t c = i + 1; c < unknowns_; ++c) sum -= r[c - i] * z[c];
-    z[i] = sum / r[0];
+    z[i] = (z[i] - product(r + 1, &z[i] + 1, unknowns_ - i - 1)) / r[0];
   }
 }
 
@@ -188,7 +231,7 @@ void SquareRootFactor::solve_transposed(StateVector& b, std::size_t first) const
     const double y = b[i] / r[0];
     b[i] = y;
     if (y == 0) continue;
-    for (std::size_t c = i + 1; c < unknowns_; ++c) b[c] -= r[c - i] * y;
+    subtract(y, r + 1, unknowns_ - i - 1, &b[i] + 1);
   }
 }
 

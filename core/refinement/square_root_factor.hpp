@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,10 +19,12 @@ namespace armsig::refinement {
 
 inline constexpr std::size_t kMaxColumns = kMaxParameters + 1;  // with the right-hand side
 
-// Some rows of [A | b]; the right-hand side is column n of a problem with n unknowns.
+// Some rows of [A | b]; the right-hand side is column n of a problem with n unknowns. What lies
+// beyond it is room for the last lanes.
 template <int kRows>
 struct RowBlock {
-  std::array<std::array<double, kMaxColumns>, kRows> rows;  // only columns 0 ... n are ever read
+  static constexpr std::size_t kMostLanes = 4;
+  std::array<std::array<double, kMaxColumns + kMostLanes - 1>, kRows> rows;
 
   void clear(std::size_t unknowns) {
     for (auto& row : rows) {
@@ -47,7 +50,7 @@ class SquareRootFactor {
 
   // The same of rows that involve only the unknowns `columns`, in ascending order: entry i of each
   // row is that of columns[i], the one after the last is the right-hand side. At the cost of so few
-  // unknowns as long as nothing ties them to others.
+  // unknowns as long as their rows of the factor tie them to no others.
   void absorb(std::span<const std::uint8_t> columns, RowBlock<9>& block);
 
   // Sum of the squares that no choice of unknowns can remove, of all rows taken so far.
@@ -77,11 +80,13 @@ class SquareRootFactor {
   [[nodiscard]] double entry(std::size_t i, std::size_t j) const {
     return entries_[row(i) + j - i];
   }
-  void set_entry(std::size_t i, std::size_t j, double value) { entries_[row(i) + j - i] = value; }
+  void set_entry(std::size_t i, std::size_t j, double value) {
+    entries_[row(i) + j - i] = value;
+    if (i < j && j < unknowns_) ties_[i][j] = true;
+  }
 
  private:
-  // Whether the rows of these unknowns tie them to no others.
-  [[nodiscard]] bool are_apart(std::span<const std::uint8_t> columns) const;
+  using Unknowns = std::bitset<kMaxParameters>;
 
   // Rows one after the other, each from its diagonal entry to its right-hand side.
   [[nodiscard]] std::size_t row(std::size_t i) const {
@@ -89,6 +94,8 @@ class SquareRootFactor {
   }
 
   std::size_t unknowns_ = 0;
+  bool all_tied_ = false;                      // some rows have named no unknowns
+  std::array<Unknowns, kMaxParameters> ties_;  // else: which entries of a row may not be zero
   double residual_squares_ = 0;
   std::array<double, kMaxParameters*(kMaxParameters + 3) / 2> entries_{};
 };
