@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -117,6 +118,28 @@ template <typename Scalar>
     Scalar least = pack[0];
     for (std::size_t i = 1; i < Lanes<Scalar>::kCount; ++i) least = std::min(least, pack[i]);
     return least;
+  }
+}
+
+// Of every lane; none may be negative.
+template <typename V>
+[[nodiscard]] inline V square_root(const V& pack) {
+  if constexpr (std::is_floating_point_v<V>) {
+    return std::sqrt(pack);
+  } else {
+#ifdef __SSE2__
+    if constexpr (std::is_same_v<V, Pack<double>> && sizeof(V) == sizeof(__m128d)) {
+      return bits_as<V>(_mm_sqrt_pd(bits_as<__m128d>(pack)));
+    }
+#endif
+#ifdef __AVX2__
+    if constexpr (std::is_same_v<V, Pack<double>> && sizeof(V) == sizeof(__m256d)) {
+      return bits_as<V>(_mm256_sqrt_pd(bits_as<__m256d>(pack)));
+    }
+#endif
+    V root;
+    for (std::size_t i = 0; i < sizeof(V) / sizeof(pack[0]); ++i) root[i] = std::sqrt(pack[i]);
+    return root;
   }
 }
 

@@ -40,14 +40,6 @@ JointMotion Chain::motion(const JointVector& readings) const {
   return motion;
 }
 
-double Chain::motion_of(std::size_t joint, const JointVector& readings) const {
-  double coupled = readings[joint];
-  for (const JointCoupling& coupling : readings_.couplings) {
-    if (coupling.joint == joint) coupled += coupling.ratio * readings[coupling.from];
-  }
-  return corrected_reading(readings_, joint, coupled) - configuration_[joint].corrected;
-}
-
 void Chain::move(JointMotion& motion, std::size_t joint, double moved) const {
   JointMotion::One& one = motion.joints[joint];
   one.moved = moved;
@@ -62,10 +54,11 @@ void Chain::move(JointMotion& motion, std::size_t joint, double moved) const {
 // Joints at rest keep the frames of the signature configuration: the way between two moving joints
 // leads through the sensor frame past those between them, at the cost of none.
 template <typename Visit>
-Vector3 Chain::carry(const JointMotion& motion, const Target& target, Visit visit) const {
+Vector3 Chain::carry(const JointMotion& motion, const Target& target, std::size_t first,
+                     Visit visit) const {
   Vector3 p = target.p_S;
   bool in_sensor_frame = true;  // otherwise p is in the link frame of the joint just visited
-  for (std::size_t i = target.link; i-- > 0;) {
+  for (std::size_t i = target.link; i-- > first;) {
     const JointMotion::One& joint = motion.joints[i];
     if (joint.moved == 0) {
       if (!in_sensor_frame) p = X_SL_[i + 1] * p;
@@ -82,20 +75,20 @@ Vector3 Chain::carry(const JointMotion& motion, const Target& target, Visit visi
     }
     visit(i, r, p);
   }
-  return in_sensor_frame ? p : X_SL_[0] * p;
+  return in_sensor_frame ? p : X_SL_[first] * p;
 }
 
-Vector3 Chain::point(const JointMotion& motion, const Target& target) const {
-  return carry(motion, target, [](std::size_t, const Vector3&, const Vector3&) {});
+Vector3 Chain::point(const JointMotion& motion, const Target& target, std::size_t first) const {
+  return carry(motion, target, first, [](std::size_t, const Vector3&, const Vector3&) {});
 }
 
 void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
-                               PointJacobian& jacobian) const {
+                               PointJacobian& jacobian, std::size_t first) const {
   // Inward: the target in the link frame of each moving joint before (r) and after (v) its motion.
   std::array<Vector3, kMaxJoints> r;
   std::array<Vector3, kMaxJoints> v;
   jacobian.p_S =
-      carry(motion, target, [&](std::size_t i, const Vector3& before, const Vector3& after) {
+      carry(motion, target, first, [&](std::size_t i, const Vector3& before, const Vector3& after) {
         r[i] = before;
         v[i] = after;
       });
@@ -105,7 +98,7 @@ void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
   // shifting it by t adds t - R t.
   Matrix3 R_SF = Matrix3::Identity();
   std::size_t last = kMaxJoints;  // that moves, so far
-  for (std::size_t i = 0; i < target.link; ++i) {
+  for (std::size_t i = first; i < target.link; ++i) {
     const JointMotion::One& joint = motion.joints[i];
     if (joint.moved == 0) continue;
     if (last == kMaxJoints) {
@@ -137,6 +130,23 @@ void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
   }
   jacobian.target = R_SF;
   if (last < kMaxJoints) jacobian.target = R_SF.lazyProduct(X_SL_[last].R.transpose());
+}
+
+Pose Chain::frame(const JointMotion& motion, std::size_t joint) const {
+  Pose X = X_SL_[joint];
+  for (std::size_t i = joint; i-- > 0;) {
+    const JointMotion::One& one = motion.joints[i];
+    if (one.moved == 0) continue;
+    X = X_SL_[i].inverse() * X;
+    if (types_[i] == JointType::kRevolute) {
+      for (int c = 0; c < 3; ++c) X.R.col(c) = turned(one, X.R.col(c));
+      X.p = turned(one, X.p);
+    } else {
+      X.p.z() += one.moved;
+    }
+    X = X_SL_[i] * X;
+  }
+  return X;
 }
 
 Pose Chain::displacement(const JointMotion& motion, std::size_t link) const {
@@ -211,23 +221,6 @@ void add_derivatives(const Layout& layout, const Signature& signature, const Cha
                       [&](std::size_t column, const Vector3& derivative) {
                         for (int c = 0; c < 3; ++c) {
                           block.rows[c][column] += weight * derivative[c];
-                        }
-                      });
-}
-
-void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
-                     const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
-                     const std::array<double, 3>& weights,
-                     const std::array<std::uint8_t, kMaxParameters>& places, RowBlock<9>& block) {
-  for_each_derivative(layout, signature, chain, motion, target, jacobian,
-                      [&](std::size_t column, const Vector3& derivative) {
-                        const std::size_t place = places[column];
-#pragma GCC unroll 3
-                        for (int k = 0; k < 3; ++k) {
-#pragma GCC unroll 3
-                          for (int c = 0; c < 3; ++c) {
-                            block.rows[3 * k + c][place] += weights[k] * derivative[c];
-                          }
                         }
                       });
 }

@@ -46,16 +46,27 @@ class Chain {
   [[nodiscard]] JointMotion motion(const JointVector& readings) const;
 
   // JointMotion::One::moved of one joint, without its sine and cosine.
-  [[nodiscard]] double motion_of(std::size_t joint, const JointVector& readings) const;
+  [[nodiscard]] double motion_of(std::size_t joint, const JointVector& readings) const {
+    double coupled = readings[joint];
+    for (const JointCoupling& coupling : readings_.couplings) {
+      if (coupling.joint == joint) coupled += coupling.ratio * readings[coupling.from];
+    }
+    return corrected_reading(readings_, joint, coupled) - configuration_[joint].corrected;
+  }
 
   // Puts joint `joint` of `motion` at `moved` from the signature configuration.
   void move(JointMotion& motion, std::size_t joint, double moved) const;
 
-  // Position of `target` in the sensor frame [m].
-  [[nodiscard]] Vector3 point(const JointMotion& motion, const Target& target) const;
+  // Position of `target` in the sensor frame [m], the joints before `first` at the signature
+  // configuration.
+  [[nodiscard]] Vector3 point(const JointMotion& motion, const Target& target,
+                              std::size_t first = 0) const;
 
-  void point_and_jacobian(const JointMotion& motion, const Target& target,
-                          PointJacobian& jacobian) const;
+  void point_and_jacobian(const JointMotion& motion, const Target& target, PointJacobian& jacobian,
+                          std::size_t first = 0) const;
+
+  // Link frame of joint `joint` in the sensor frame, as the joints before it hold it.
+  [[nodiscard]] Pose frame(const JointMotion& motion, std::size_t joint) const;
 
   // Pose of link `link` (1 ... n) in the sensor frame, times the inverse of its pose at the
   // signature configuration: what takes a point of the link from there to here.
@@ -71,10 +82,11 @@ class Chain {
     double corrected = 0;
   };
 
-  // The target from where it was measured through every moving joint i, from the outermost to the
-  // first, to the sensor frame: visit(i, before, after its motion, both in its link frame).
+  // The target from where it was measured through every moving joint i, from the outermost to
+  // `first`, to the sensor frame: visit(i, before, after its motion, both in its link frame).
   template <typename Visit>
-  [[nodiscard]] Vector3 carry(const JointMotion& motion, const Target& target, Visit visit) const;
+  [[nodiscard]] Vector3 carry(const JointMotion& motion, const Target& target, std::size_t first,
+                              Visit visit) const;
 
   ReadingModel readings_;
   FixedVector<JointType, kMaxJoints> types_;
@@ -94,13 +106,6 @@ void add_derivatives(const Layout& layout, const Signature& signature, const Cha
 void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
                      const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
                      double weight, RowBlock<3>& block);
-
-// The same for three points, each with its weight. Column c of the layout stands in the block at
-// places[c].
-void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
-                     const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
-                     const std::array<double, 3>& weights,
-                     const std::array<std::uint8_t, kMaxParameters>& places, RowBlock<9>& block);
 
 // The estimate moved by the solution `x` of one iteration; X_SL[n] moves with the last axis.
 void apply_corrections(const Layout& layout, const StateVector& x, double fraction,

@@ -29,46 +29,57 @@ bool determined(const Matrix3& R, int regressors) {
   return true;
 }
 
-bool same_sweep(const Observation& a, const Observation& b) {
+// All ones for the joints that a sweep holds.
+using HeldJoints = std::array<Lanes<double>::Integer, kMaxJoints>;
+static_assert(kMaxJoints % Lanes<double>::kCount == 0);
+
+bool same_sweep(const Observation& a, const Observation& b, const HeldJoints& held) {
+  using V = Pack<double>;
+  using Mask = PackMask<double>;
   if (b.kind != ObservationKind::kPosition || b.sweep != a.sweep || b.target != a.target ||
       (a.sigma_m > 0) != (b.sigma_m > 0)) {
     return false;
   }
-  const std::size_t swept = a.sweep - 1;
-  return std::equal(a.readings.begin(), a.readings.begin() + swept, b.readings.begin()) &&
-         std::equal(a.readings.begin() + a.sweep, a.readings.end(), b.readings.begin() + a.sweep);
+  Mask moved{};
+  for (std::size_t i = 0; i < kMaxJoints; i += Lanes<double>::kCount) {
+    const V a_i = load<V>(a.readings.data() + i);
+    const V b_i = load<V>(b.readings.data() + i);
+    moved |= (a_i != b_i) & load<Mask>(&held[i]);
+  }
+  return all(moved == 0);
 }
 
 // One sweep seen from its swept joint.
 struct View {
   std::span<const Observation> rows;
   const Chain& chain;
-  const CompressedSweep& sweep;
+  const SweptJoint& swept;
   Vector3 p_first;  // statistics are taken about it, so that a far sensor costs no digits
 };
 
 double sigma_of(const Observation& row) { return row.sigma_m > 0 ? row.sigma_m : 1.0; }
 
-// The rows from `first` on, as many as a block takes, with the weight 1: regressors and positions
-// about p_first. Returns their number.
+// The rows from `first` on, as many as a block takes: regressors but the first, and positions about
+// p_first. Returns their number; those beyond it are zeros or have the weight zero.
 std::size_t take(const View& view, std::size_t first, MotionRls::Block& block) {
   using V = Pack<double>;
-  const CompressedSweep& sweep = view.sweep;
+  const SweptJoint& swept = view.swept;
+  const double middle = swept.middle.joints[swept.joint].moved;
   const std::size_t count = std::min(MotionRls::kBlockRows, view.rows.size() - first);
-  block = {};
+  if (count < MotionRls::kBlockRows) block = {};
   auto& [ones, second, third, x, y, z] = block.columns;
   double farthest = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const Observation& row = view.rows[first + k];
-    ones[k] = 1;
-    second[k] = view.chain.motion_of(sweep.joint, row.readings) - sweep.middle;
+    second[k] = view.chain.motion_of(swept.joint, row.readings) - middle;
     farthest = std::max(farthest, std::abs(second[k]));
     x[k] = row.p_S.x() - view.p_first.x();
     y[k] = row.p_S.y() - view.p_first.y();
     z[k] = row.p_S.z() - view.p_first.z();
   }
-  if (!sweep.revolute) {
-    for (std::size_t k = 0; k < count; ++k) second[k] /= sweep.half_length;
+  if (!swept.revolute) {
+    for (std::size_t k = 0; k < count; ++k) second[k] /= swept.half_length;
+    third.fill(0);
   } else if (farthest <= SineCosineConstants<double>::kLargestAngle) {
     for (std::size_t k = 0; k < count; k += Lanes<double>::kCount) {
       V sine;
@@ -87,13 +98,13 @@ std::size_t take(const View& view, std::size_t first, MotionRls::Block& block) {
   return count;
 }
 
-// Residual lengths over sigma, into the outcomes.
+// Lengths of the residuals of the path with the coefficients `fit`, into the outcomes.
 void find_lengths(const View& view, const Matrix3& fit, std::span<RowOutcome> outcomes) {
   using V = Pack<double>;
   MotionRls::Block block;
   for (std::size_t first = 0; first < view.rows.size(); first += MotionRls::kBlockRows) {
     const std::size_t count = take(view, first, block);
-    auto& [squares, second, third, x, y, z] = block.columns;
+    auto& [lengths, second, third, x, y, z] = block.columns;
     for (std::size_t k = 0; k < count; k += Lanes<double>::kCount) {
       const V f_1 = load<V>(&second[k]);
       const V f_2 = load<V>(&third[k]);
@@ -103,11 +114,9 @@ void find_lengths(const View& view, const Matrix3& fit, std::span<RowOutcome> ou
       const V d_x = off(x, 0);
       const V d_y = off(y, 1);
       const V d_z = off(z, 2);
-      store(&squares[k], d_x * d_x + d_y * d_y + d_z * d_z);
+      store(&lengths[k], square_root(d_x * d_x + d_y * d_y + d_z * d_z));
     }
-    for (std::size_t k = 0; k < count; ++k) {
-      outcomes[first + k].residual_m = std::sqrt(squares[k]) / sigma_of(view.rows[first + k]);
-    }
+    for (std::size_t k = 0; k < count; ++k) outcomes[first + k].residual_m = lengths[k];
   }
 }
 
@@ -117,16 +126,20 @@ MotionRls factor_of(const View& view, std::span<const RowOutcome> outcomes) {
   MotionRls::Block block;
   for (std::size_t first = 0; first < view.rows.size(); first += MotionRls::kBlockRows) {
     const std::size_t count = take(view, first, block);
-    auto& weights = block.columns[0];
+    auto& [roots, second, third, x, y, z] = block.columns;
+    MotionRls::Column sigmas;
+    sigmas.fill(1);
     for (std::size_t k = 0; k < count; ++k) {
       const Observation& row = view.rows[first + k];
-      weights[k] =
-          row.use == RowUse::kFit ? std::sqrt(outcomes[first + k].weight) / sigma_of(row) : 0;
+      roots[k] = row.use == RowUse::kFit ? outcomes[first + k].weight : 0;
+      sigmas[k] = sigma_of(row);
     }
-    for (std::size_t i = 1; i < block.columns.size(); ++i) {
-      MotionRls::Column& column = block.columns[i];
-      for (std::size_t k = 0; k < MotionRls::kBlockRows; k += Lanes<double>::kCount)
-        store(&column[k], load<V>(&column[k]) * load<V>(&weights[k]));
+    for (std::size_t k = 0; k < count; k += Lanes<double>::kCount) {
+      const V root = square_root(load<V>(&roots[k])) / load<V>(&sigmas[k]);
+      store(&roots[k], root);
+      for (auto* column : {&second, &third, &x, &y, &z}) {
+        store(&(*column)[k], load<V>(&(*column)[k]) * root);
+      }
     }
     factor.update(block);
   }
@@ -143,10 +156,12 @@ bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOu
     factor = factor_of(view, outcomes);
     if (!determined(factor.factor(), regressors)) return false;
     const Matrix3 fit = factor.solve();
-    find_lengths(view, fit, outcomes);  // in sigma here; judge_rows() has the last word
+    find_lengths(view, fit, outcomes);
     LogHistogram squares;
     for (std::size_t k = 0; k < view.rows.size(); ++k) {
-      const double length = outcomes[k].residual_m;
+      // In sigma here; judge_rows() has the last word.
+      double& length = outcomes[k].residual_m;
+      length /= sigma_of(view.rows[k]);
       if (view.rows[k].use == RowUse::kFit) squares.add(length * length);
     }
     double scale = std::sqrt(squares.median() / kMedianChiSquare3 * freedom);
@@ -172,50 +187,28 @@ bool weigh(const View& view, int regressors, std::size_t fitted, std::span<RowOu
   return determined(factor.factor(), regressors);
 }
 
-// Joint, range of the motion, nodes: a third of a turn apart, or the two ends of the line. Returns
-// the number of rows to fit.
+// Joint, range of its motion, where the others rest. Returns the number of rows to fit.
 std::size_t place(std::span<const Observation> rows, const Chain& chain, JointType type,
-                  CompressedSweep& sweep) {
-  sweep.joint = rows.front().sweep - 1;
-  sweep.revolute = type == JointType::kRevolute;
+                  SweptJoint& swept) {
+  swept.joint = rows.front().sweep - 1;
+  swept.revolute = type == JointType::kRevolute;
   std::size_t fitted = 0;
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
   for (const Observation& row : rows) {
     if (row.use != RowUse::kFit) continue;
     ++fitted;
-    const double moved = chain.motion_of(sweep.joint, row.readings);
+    const double moved = chain.motion_of(swept.joint, row.readings);
     lowest = std::min(lowest, moved);
     highest = std::max(highest, moved);
   }
-  sweep.middle = 0.5 * (lowest + highest);
-  sweep.half_length = 0.5 * (highest - lowest);
-  sweep.from_nodes.setZero();
-  sweep.nodes = {lowest, highest, sweep.middle};
-  if (sweep.revolute) {
-    for (int k = 0; k < 3; ++k) {
-      const double d = 2.0 * kPi / 3.0 * k;
-      sweep.nodes[static_cast<std::size_t>(k)] = sweep.middle + d;
-      sweep.from_nodes.col(k) << 1.0 / 3.0, 2.0 / 3.0 * std::cos(d), 2.0 / 3.0 * std::sin(d);
-    }
-  } else {
-    sweep.from_nodes.col(0) << 0.5, -0.5, 0;
-    sweep.from_nodes.col(1) << 0.5, 0.5, 0;
-  }
+  swept.half_length = 0.5 * (highest - lowest);
+  swept.middle = chain.motion(rows.front().readings);
+  chain.move(swept.middle, swept.joint, 0.5 * (lowest + highest));
   return fitted;
 }
 
 }  // namespace
-
-Vector3 sweep_regressors(const CompressedSweep& sweep, const Chain& chain,
-                         const JointVector& readings) {
-  const double d = chain.motion_of(sweep.joint, readings) - sweep.middle;
-  if (sweep.revolute) {
-    const auto [sine, cosine] = sine_and_cosine(d);
-    return {1, cosine, sine};
-  }
-  return {1, d / sweep.half_length, 0};
-}
 
 std::size_t sweep_length(std::span<const Observation> log, std::size_t first,
                          const ReadingModel& readings) {
@@ -225,18 +218,20 @@ std::size_t sweep_length(std::span<const Observation> log, std::size_t first,
   for (const JointCoupling& coupling : readings.couplings) {
     if (coupling.from + 1 == row.sweep) return 0;
   }
+  HeldJoints held{};
+  for (std::size_t i = 0; i < row.readings.size(); ++i) held[i] = i + 1 == row.sweep ? 0 : -1;
   std::size_t count = 1;
-  while (first + count < log.size() && same_sweep(row, log[first + count])) ++count;
+  while (first + count < log.size() && same_sweep(row, log[first + count], held)) ++count;
   return count;
 }
 
 bool compress_sweep(std::span<const Observation> log, std::size_t first, std::size_t count,
                     const Chain& chain, JointType type, std::span<RowOutcome> outcomes,
                     CompressedSweep& sweep) {
-  const View view{log.subspan(first, count), chain, sweep, log[first].p_S};
-  const std::size_t fitted = place(view.rows, chain, type, sweep);
-  if (fitted < kFewestSweepRows || !(sweep.half_length > 0)) return false;
-  const int regressors = sweep.revolute ? 3 : 2;
+  const View view{log.subspan(first, count), chain, sweep.swept, log[first].p_S};
+  const std::size_t fitted = place(view.rows, chain, type, sweep.swept);
+  if (fitted < kFewestSweepRows || !(sweep.swept.half_length > 0)) return false;
+  const int regressors = sweep.swept.revolute ? 3 : 2;
   const std::span<RowOutcome> marked = outcomes.subspan(first, count);
   for (RowOutcome& outcome : marked) outcome = {};
   MotionRls factor;
@@ -254,12 +249,15 @@ bool compress_sweep(std::span<const Observation> log, std::size_t first, std::si
   sweep.target = log[first].target;
   sweep.sigma_stated = log[first].sigma_m > 0;
   sweep.residual_squares = factor.residual_products().trace();
-  const Matrix3 R = factor.factor();
-  sweep.Z = factor.rotated_right_hand_sides();
-  sweep.W = R * sweep.from_nodes;
+  sweep.R = factor.factor();
   // Back from coordinates about the first point.
-  sweep.Z += R.col(0) * view.p_first.transpose();
+  sweep.Z = factor.rotated_right_hand_sides() + sweep.R.col(0) * view.p_first.transpose();
   return true;
+}
+
+void sweep_residuals(std::span<const Observation> rows, const CompressedSweep& sweep,
+                     const Chain& chain, const Matrix3& path_S, std::span<RowOutcome> outcomes) {
+  find_lengths({rows, chain, sweep.swept, Vector3::Zero()}, path_S, outcomes);
 }
 
 }  // namespace armsig::refinement

@@ -27,16 +27,22 @@ constexpr double kLeastNoise_m = 1e-12;
 
 Problem::Problem(const Signature& start, std::span<const Observation> log,
                  const RefinementConfig& config, std::span<RowOutcome> outcomes, Refined& estimate)
-    : start_(start), log_(log), config_(config), outcomes_(outcomes), estimate_(estimate) {
+    : start_(start),
+      log_(log),
+      config_(config),
+      outcomes_(outcomes),
+      estimate_(estimate),
+      chain_(estimate.signature, estimate.readings) {
   for (RowOutcome& outcome : outcomes_) outcome = {};
   // The reduced rows are tied to the readings as they are now.
   if (!config.compress_sweeps || !config.request.readings.empty()) return;
-  const Chain chain(estimate_.signature, estimate_.readings);
   for (std::size_t k = 0; k < log_.size() && !sweeps_.full();) {
     const std::size_t count = sweep_length(log_, k, estimate_.readings);
+    // A joint beyond the target's link does not move it: no path.
+    const bool moved = log_[k].sweep <= start.targets[log_[k].target].link;
     CompressedSweep sweep;
-    if (count > 0 &&
-        compress_sweep(log_, k, count, chain, start.types[log_[k].sweep - 1], outcomes_, sweep)) {
+    if (count > 0 && moved &&
+        compress_sweep(log_, k, count, chain_, start.types[log_[k].sweep - 1], outcomes_, sweep)) {
       sweeps_.push_back(sweep);
     }
     k += std::max<std::size_t>(count, 1);
@@ -58,36 +64,19 @@ void Problem::for_each_unit(Single single, Sweep sweep) const {
   }
 }
 
-template <typename Visit>
-void Problem::for_each_node(const CompressedSweep& sweep, const Chain& chain, Visit visit) const {
-  JointMotion motion = chain.motion(log_[sweep.first_row].readings);
-  for (int node = 0; node < 3; ++node) {
-    chain.move(motion, sweep.joint, sweep.nodes[static_cast<std::size_t>(node)]);
-    visit(node, motion);
-  }
-}
-
-Matrix3 Problem::node_positions(const CompressedSweep& sweep, const Chain& chain) const {
-  Matrix3 p_nodes;
-  for_each_node(sweep, chain, [&](int node, const JointMotion& motion) {
-    p_nodes.row(node) = chain.point(motion, estimate_.signature.targets[sweep.target]);
-  });
-  return p_nodes;
-}
-
 void Problem::evaluate() {
-  const Chain chain(estimate_.signature, estimate_.readings);
+  chain_ = Chain(estimate_.signature, estimate_.readings);
+  evaluate_priors();
   for_each_unit(
       [&](std::size_t k) {
         const Observation& row = log_[k];
         const Target& target = estimate_.signature.targets[row.target];
-        outcomes_[k].residual_m = residual_length(estimate_, config_.receivers, row,
-                                                  chain.point(chain.motion(row.readings), target));
+        outcomes_[k].residual_m = residual_length(
+            estimate_, config_.receivers, row, chain_.point(chain_.motion(row.readings), target));
       },
       [&](std::size_t s) {
         const CompressedSweep& sweep = sweeps_[s];
-        const Matrix3 predicted = sweep.W * node_positions(sweep, chain);
-        sweep_squares_[s] = (sweep.Z - (1 + estimate_.scale) * predicted).squaredNorm();
+        sweep_squares_[s] = sweep_residual(sweep, path_of(sweep)).squaredNorm();
       });
 }
 
@@ -124,7 +113,10 @@ Noise Problem::noise() const {
 }
 
 double Problem::cost(const Noise& noise) const {
-  double sum = prior_squares();
+  double sum = 0;
+  for (std::size_t i = 0; i < estimate_.layout.size(); ++i) {
+    sum += prior_residuals_[i] * prior_residuals_[i];
+  }
   for_each_unit(
       [&](std::size_t k) {
         const Observation& row = log_[k];
@@ -144,7 +136,6 @@ void Problem::linearise(const Noise& noise) {
   motion_.fill(0);
   radius_.fill(0);
   add_priors();
-  const Chain chain(estimate_.signature, estimate_.readings);
   for_each_unit(
       [&](std::size_t k) {
         const Observation& row = log_[k];
@@ -153,73 +144,25 @@ void Problem::linearise(const Noise& noise) {
         const double weight = robust_weight(length, thresholds(row));
         if (weight == 0) return;
         Linearised at;
-        absorb_row(estimate_, config_.receivers, chain, row, std::sqrt(weight) / sigma,
+        absorb_row(estimate_, config_.receivers, chain_, row, std::sqrt(weight) / sigma,
                    estimate_.information, at);
-        note(at.motion, estimate_.signature.targets[row.target].link, at.jacobian);
+        for (std::size_t i = 0; i < estimate_.signature.targets[row.target].link; ++i) {
+          if (const double moved = at.motion.joints[i].moved; moved != 0) {
+            note(i, moved, at.jacobian.motion[i].norm());
+          }
+        }
       },
       [&](std::size_t s) {
-        add_sweep(sweeps_[s], chain, sweeps_[s].sigma_stated ? 1.0 : 1.0 / noise.unstated_m);
+        add_sweep(sweeps_[s], sweeps_[s].sigma_stated ? 1.0 : 1.0 / noise.unstated_m);
       });
 }
 
-void Problem::note(const JointMotion& motion, std::size_t link, const PointJacobian& jacobian) {
-  for (std::size_t i = 0; i < link; ++i) {
-    if (motion.joints[i].moved == 0) continue;
-    motion_[i] = std::max(motion_[i], std::abs(motion.joints[i].moved));
-    radius_[i] = std::max(radius_[i], jacobian.motion[i].norm());
-  }
-}
-
-void Problem::add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight) {
-  const Target& target = estimate_.signature.targets[sweep.target];
-  const Layout& layout = estimate_.layout;
-  const double scaled = 1 + estimate_.scale;
-  // The unknowns that these rows involve, in the order of the layout.
-  const JointMotion at_first = chain.motion(log_[sweep.first_row].readings);
-  FixedVector<std::uint8_t, kMaxParameters> columns;
-  std::array<std::uint8_t, kMaxParameters> places;
-  const auto involve = [&](std::size_t first, std::size_t count) {
-    for (std::size_t column = first; column < first + count; ++column) {
-      places[column] = static_cast<std::uint8_t>(columns.size());
-      columns.push_back(static_cast<std::uint8_t>(column));
-    }
-  };
-  for (std::size_t i = 0; i < target.link; ++i) {
-    if (i != sweep.joint && at_first.joints[i].moved == 0) continue;
-    involve(layout.axis[i], start_.types[i] == JointType::kRevolute ? 4 : 2);
-  }
-  involve(layout.target[sweep.target], 3);
-  if (layout.scale != kNoColumn) involve(layout.scale, 1);
-  const std::size_t right_hand_side = columns.size();
-
-  RowBlock<9> block;
-  block.clear(right_hand_side);
-  Matrix3 residual = sweep.Z;
-  for_each_node(sweep, chain, [&](int node, const JointMotion& motion) {
-    PointJacobian jacobian;
-    chain.point_and_jacobian(motion, target, jacobian);
-    note(motion, target.link, jacobian);
-    std::array<double, 3> weights;
-    for (int k = 0; k < 3; ++k) {
-      const double share = sweep.W(k, node);
-      residual.row(k) -= scaled * share * jacobian.p_S;
-      weights[k] = weight * scaled * share;
-      if (layout.scale == kNoColumn) continue;
-      for (int c = 0; c < 3; ++c) {
-        block.rows[3 * k + c][places[layout.scale]] += weight * share * jacobian.p_S[c];
-      }
-    }
-    add_derivatives(layout, estimate_.signature, chain, motion, sweep.target, jacobian, weights,
-                    places, block);
-  });
-  for (int k = 0; k < 3; ++k) {
-    for (int c = 0; c < 3; ++c) block.rows[3 * k + c][right_hand_side] = weight * residual(k, c);
-  }
-  estimate_.information.absorb({columns.data(), columns.size()}, block);
+void Problem::note(std::size_t joint, double moved, double radius) {
+  motion_[joint] = std::max(motion_[joint], std::abs(moved));
+  radius_[joint] = std::max(radius_[joint], radius);
 }
 
 double Problem::judge_rows(const Noise& noise) {
-  const Chain chain(estimate_.signature, estimate_.readings);
   FitQuality& quality = estimate_.quality;
   quality.rows_used = 0;
   quality.rows_rejected = 0;
@@ -228,7 +171,6 @@ double Problem::judge_rows(const Noise& noise) {
   double variances = 0;
   double weighted = 0;
   std::size_t next = 0;
-  Matrix3 coefficients = Matrix3::Zero();  // of the present sweep
   for (std::size_t k = 0; k < log_.size(); ++k) {
     const Observation& row = log_[k];
     RowOutcome& outcome = outcomes_[k];
@@ -236,14 +178,17 @@ double Problem::judge_rows(const Noise& noise) {
     const bool in_sweep = next < sweeps_.size() && k >= sweeps_[next].first_row;
     if (in_sweep) {
       const CompressedSweep& sweep = sweeps_[next];
-      if (k == sweep.first_row) coefficients = sweep.from_nodes * node_positions(sweep, chain);
-      outcome.residual_m =
-          residual_length(estimate_, config_.receivers, row,
-                          coefficients.transpose() * sweep_regressors(sweep, chain, row.readings));
+      if (k == sweep.first_row) {
+        const SweptPath path = path_of(sweep);
+        Matrix3 path_S = path.rows * path.X_SF.R.transpose();
+        path_S.row(0) += path.X_SF.p;
+        sweep_residuals(log_.subspan(k, sweep.row_count), sweep, chain_,
+                        (1 + estimate_.scale) * path_S, outcomes_.subspan(k, sweep.row_count));
+      }
     } else {
       outcome.residual_m = residual_length(
           estimate_, config_.receivers, row,
-          chain.point(chain.motion(row.readings), estimate_.signature.targets[row.target]));
+          chain_.point(chain_.motion(row.readings), estimate_.signature.targets[row.target]));
     }
     const double sigma = sigma_of(row, noise);
     if (!in_sweep || row.use != RowUse::kFit) {

@@ -22,7 +22,8 @@ class Problem {
   Problem(const Signature& start, std::span<const Observation> log, const RefinementConfig& config,
           std::span<RowOutcome> outcomes, Refined& estimate);
 
-  // Residuals of the present estimate, into the outcomes.
+  // Residuals of the present estimate, into the outcomes. What follows is about that estimate:
+  // whoever changes it calls this again.
   void evaluate();
   // The noise that these residuals show.
   [[nodiscard]] Noise noise() const;
@@ -30,8 +31,8 @@ class Problem {
   [[nodiscard]] double cost(const Noise& noise) const;
   // From now on the unknowns named are held by a prior kHeldShare as wide, so that noise does not
   // move them where the data are silent.
-  void hold(const std::array<bool, kMaxParameters>& open) { held_ = open; }
-  void release() { held_.fill(false); }
+  void hold(const std::array<bool, kMaxParameters>& open);
+  void release() { hold({}); }
 
   // The factor of the problem linearised at the present estimate.
   void linearise(const Noise& noise);
@@ -46,18 +47,18 @@ class Problem {
   [[nodiscard]] const std::array<double, kMaxJoints>& largest_radius() const { return radius_; }
 
  private:
-  // Visits the three nodes of a sweep with how far the joints have moved there.
-  template <typename Visit>
-  void for_each_node(const CompressedSweep& sweep, const Chain& chain, Visit visit) const;
-  // Rows: the target at the three nodes.
-  [[nodiscard]] Matrix3 node_positions(const CompressedSweep& sweep, const Chain& chain) const;
-  void add_sweep(const CompressedSweep& sweep, const Chain& chain, double weight);
+  // [c; A; B] of a sweep (swept_path.hpp).
+  [[nodiscard]] SweptPath path_of(const CompressedSweep& sweep) const;
+  // Measured minus predicted coefficients of a sweep, times R; in the frame of its path, because
+  // the noise is the same along every axis.
+  [[nodiscard]] Matrix3 sweep_residual(const CompressedSweep& sweep, const SweptPath& path) const;
+  void add_sweep(const CompressedSweep& sweep, double weight);
   void add_priors();
   [[nodiscard]] double sigma_of_prior(std::size_t unknown) const;
-  [[nodiscard]] double prior_squares() const;
+  void evaluate_priors();
   // How far an unknown is from its start.
   [[nodiscard]] double deviation(const Parameter& parameter) const;
-  void note(const JointMotion& motion, std::size_t link, const PointJacobian& jacobian);
+  void note(std::size_t joint, double moved, double radius);
   template <typename Single, typename Sweep>
   void for_each_unit(Single single, Sweep sweep) const;
 
@@ -66,9 +67,11 @@ class Problem {
   const RefinementConfig& config_;
   std::span<RowOutcome> outcomes_;
   Refined& estimate_;
+  Chain chain_;  // of the estimate
   FixedVector<CompressedSweep, kMaxSweeps> sweeps_;
   FixedVector<double, kMaxSweeps> sweep_squares_;  // of the present residuals
   std::array<bool, kMaxParameters> held_{};
+  StateVector prior_residuals_;  // how far the unknowns are from their start, in sigma of the prior
   std::array<double, kMaxJoints> motion_{};
   std::array<double, kMaxJoints> radius_{};
 };

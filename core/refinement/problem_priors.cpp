@@ -57,15 +57,25 @@ double Problem::sigma_of_prior(std::size_t unknown) const {
   return held_[unknown] ? kHeldShare * sigma : sigma;
 }
 
+void Problem::hold(const std::array<bool, kMaxParameters>& open) {
+  held_ = open;
+  evaluate_priors();
+}
+
+void Problem::evaluate_priors() {
+  for (std::size_t i = 0; i < estimate_.layout.size(); ++i) {
+    prior_residuals_[i] = deviation(estimate_.layout.parameters[i]) / sigma_of_prior(i);
+  }
+}
+
 // The filter is still empty, so that rows of one unknown each are its diagonal. They take the
 // present link frames for those of the start, between which a prior as wide as these makes no
 // difference.
 void Problem::add_priors() {
   const std::size_t n = estimate_.layout.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const double sigma = sigma_of_prior(i);
-    estimate_.information.set_entry(i, i, 1 / sigma);
-    estimate_.information.set_entry(i, n, -deviation(estimate_.layout.parameters[i]) / sigma);
+    estimate_.information.set_entry(i, i, 1 / sigma_of_prior(i));
+    estimate_.information.set_entry(i, n, -prior_residuals_[i]);
   }
 }
 
@@ -91,15 +101,6 @@ double Problem::deviation(const Parameter& parameter) const {
     default:
       return correction_deviation(parameter, estimate_, config_);
   }
-}
-
-double Problem::prior_squares() const {
-  double sum = 0;
-  for (std::size_t i = 0; i < estimate_.layout.size(); ++i) {
-    const double ratio = deviation(estimate_.layout.parameters[i]) / sigma_of_prior(i);
-    sum += ratio * ratio;
-  }
-  return sum;
 }
 
 }  // namespace armsig::refinement

@@ -27,9 +27,13 @@ struct ReadingModel {
   FixedVector<ReadingCorrection, kMaxJoints> corrections;  // none, or one per joint
 };
 
+[[nodiscard]] double corrected(const ReadingCorrection& correction, double coupled);
+
 // The motion of joint `joint` that its effective reading `coupled` stands for, corrections applied.
-[[nodiscard]] double corrected_reading(const ReadingModel& model, std::size_t joint,
-                                       double coupled);
+[[nodiscard]] inline double corrected_reading(const ReadingModel& model, std::size_t joint,
+                                              double coupled) {
+  return model.corrections.empty() ? coupled : corrected(model.corrections[joint], coupled);
+}
 
 // The readings by which the axes of a signature turn: coupled and corrected, so that they are
 // `configuration` (effective readings) where the encoders read the signature configuration. The

@@ -48,6 +48,26 @@ TEST(Refine, takes_a_sweep_held_away_from_the_signature_configuration) {
   EXPECT_LT(largest_error(*result.refined, s.cell), 1e-8);
 }
 
+TEST(Refine, takes_a_sweep_of_a_joint_beyond_the_targets_link_as_a_target_at_rest) {
+  Case s = swept_puma(6, 0);
+  Target target = s.start.targets[0];
+  target.number = 2;
+  target.link = 3;
+  s.start.targets.push_back(target);
+  const Vector3 p_S = target.p_S + Vector3(1e-3, 0, 0);
+  for (int k = 0; k < 10; ++k) {
+    JointVector q = s.start.configuration;
+    q[4] += 0.2 * k;
+    s.log.push_back(test::observe(s.cell, q, 0, 0, s.random, 5));
+    s.log.back().target = 1;
+    s.log.back().p_S = p_S;
+  }
+  const Fit result = fit(s.start, s.log);
+  ASSERT_TRUE(result.done);
+  EXPECT_LT((result.refined->signature.targets[1].p_S - p_S).norm(), 1e-8);
+  EXPECT_LT(largest_error(*result.refined, s.cell), 1e-8);
+}
+
 TEST(Refine, follows_coupled_readings_in_sweeps_and_poses) {
   Case s = swept_puma(5, 0);
   s.cell.arm.couplings.push_back({2, 1, -1.0});
