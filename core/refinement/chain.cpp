@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/refinement/chain.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/sine_cosine.hpp"
@@ -31,11 +32,35 @@ Chain::Chain(const Signature& signature, const ReadingModel& readings)
 
 JointMotion Chain::motion(const JointVector& readings) const {
   ARMSIG_CHECK(readings.size() == types_.size());
+  using V = Pack<double>;
   JointMotion motion;
   const JointVector coupled = effective_readings(readings_.couplings, readings);
+  std::array<double, kMaxJoints> angles{};
+  double largest = 0;
   for (std::size_t i = 0; i < types_.size(); ++i) {
-    motion.joints[i].coupled = coupled[i];
-    move(motion, i, corrected_reading(readings_, i, coupled[i]) - configuration_[i].corrected);
+    JointMotion::One& one = motion.joints[i];
+    one.coupled = coupled[i];
+    one.moved = corrected_reading(readings_, i, coupled[i]) - configuration_[i].corrected;
+    if (types_[i] == JointType::kRevolute) angles[i] = one.moved;
+    largest = std::max(largest, std::abs(angles[i]));
+  }
+  if (largest > SineCosineConstants<double>::kLargestAngle) {
+    for (std::size_t i = 0; i < types_.size(); ++i) move(motion, i, motion.joints[i].moved);
+    return motion;
+  }
+  // Those of zero are exact, as move() has them.
+  for (std::size_t i = 0; i < types_.size(); i += Lanes<double>::kCount) {
+    std::array<double, Lanes<double>::kCount> sines;
+    std::array<double, Lanes<double>::kCount> cosines;
+    V sine;
+    V cosine;
+    sine_cosine<double>(load<V>(&angles[i]), sine, cosine);
+    store(sines.data(), sine);
+    store(cosines.data(), cosine);
+    for (std::size_t k = 0; k < Lanes<double>::kCount; ++k) {
+      motion.joints[i + k].sine = sines[k];
+      motion.joints[i + k].cosine = cosines[k];
+    }
   }
   return motion;
 }
