@@ -49,7 +49,7 @@ void expect_same(const MotionStatistics& a, const MotionStatistics& b) {
 
 TEST(MotionStatistics, of_many_points_at_once_are_those_of_each) {
   for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
-    for (const std::size_t count : {1U, 15U, 16U, 17U, 40U}) {
+    for (const std::size_t count : {1U, 15U, 16U, 17U, 40U, 64U, 67U, 200U}) {
       const std::vector<SweepPoint> points = points_of(count, count, 0.7);
       MotionStatistics together(type, points[0]);
       together.add(points);
@@ -59,11 +59,13 @@ TEST(MotionStatistics, of_many_points_at_once_are_those_of_each) {
 }
 
 TEST(MotionStatistics, of_many_points_at_once_may_change_their_covariance) {
-  const std::vector<SweepPoint> points = points_of(40, 21, 0.7);
-  MotionStatistics together(JointType::kRevolute, points[0]);
-  together.add(points);
-  EXPECT_FALSE(together.has_one_covariance());
-  expect_same(together, one_by_one(JointType::kRevolute, points));
+  for (const std::size_t differs_from : {21U, 39U, 100U}) {
+    const std::vector<SweepPoint> points = points_of(differs_from + 30, differs_from, 0.7);
+    MotionStatistics together(JointType::kRevolute, points[0]);
+    together.add(points);
+    EXPECT_FALSE(together.has_one_covariance());
+    expect_same(together, one_by_one(JointType::kRevolute, points));
+  }
 }
 
 TEST(MotionStatistics, of_many_points_at_once_take_a_million_turns) {
