@@ -174,22 +174,6 @@ Pose Chain::frame(const JointMotion& motion, std::size_t joint) const {
   return X;
 }
 
-Pose Chain::displacement(const JointMotion& motion, std::size_t link) const {
-  Pose X = X_SL_[0];
-  for (std::size_t i = 0; i < link; ++i) {
-    if (types_[i] == JointType::kRevolute) {
-      const JointMotion::One& joint = motion.joints[i];
-      const Vector3 x = X.R.col(0);
-      X.R.col(0) = joint.cosine * x + joint.sine * X.R.col(1);
-      X.R.col(1) = joint.cosine * X.R.col(1) - joint.sine * x;
-    } else {
-      X.p += motion.joints[i].moved * X.R.col(2);
-    }
-    if (i + 1 < link) X = X * B_[i];
-  }
-  return X * X_SL_[link - 1].inverse();
-}
-
 namespace {
 
 // Calls add(column, derivative of the target's position) for every unknown that moves it.

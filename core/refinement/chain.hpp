@@ -68,10 +68,6 @@ class Chain {
   // Link frame of joint `joint` in the sensor frame, as the joints before it hold it.
   [[nodiscard]] Pose frame(const JointMotion& motion, std::size_t joint) const;
 
-  // Pose of link `link` (1 ... n) in the sensor frame, times the inverse of its pose at the
-  // signature configuration: what takes a point of the link from there to here.
-  [[nodiscard]] Pose displacement(const JointMotion& motion, std::size_t link) const;
-
   [[nodiscard]] double coupled_configuration(std::size_t joint) const {
     return configuration_[joint].coupled;
   }

@@ -180,6 +180,14 @@ inline Cell puma_cell(Random& random, const Tolerances& tolerances = {}) {
           {Vector3(0.08, 0.03, 0.12)}};
 }
 
+// The same with a prismatic joint in its middle.
+inline Cell mixed_cell(Random& random) {
+  Cell cell = puma_cell(random);
+  cell.arm.joints[3].type = JointType::kPrismatic;
+  cell.arm.limits[3] = {-0.2, 0.3};
+  return cell;
+}
+
 inline JointVector puma_configuration() {
   return {radians(10), radians(-60), radians(70), radians(20), radians(40), radians(10)};
 }

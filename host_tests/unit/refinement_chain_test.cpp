@@ -10,11 +10,9 @@ namespace {
 using test::Cell;
 using test::Random;
 
-// A Puma with a prismatic joint in its middle and a coupled elbow: every branch of the chain.
-Cell mixed_cell(Random& random) {
-  Cell cell = test::puma_cell(random);
-  cell.arm.joints[3].type = JointType::kPrismatic;
-  cell.arm.limits[3] = {-0.2, 0.3};
+// With a prismatic joint and a coupled elbow: every branch of the chain.
+Cell coupled_cell(Random& random) {
+  Cell cell = test::mixed_cell(random);
   cell.arm.couplings.push_back({2, 1, 0.7});
   return cell;
 }
@@ -23,7 +21,7 @@ ReadingModel readings_of(const Cell& cell) { return {cell.arm.couplings, {}}; }
 
 TEST(Chain, agrees_with_the_denavit_hartenberg_product_at_any_readings) {
   Random random(2);
-  const Cell cell = mixed_cell(random);
+  const Cell cell = coupled_cell(random);
   const JointVector configuration = random.configuration(cell.arm);
   const Chain chain(test::signature_of(cell, configuration), readings_of(cell));
   const Signature signature = test::signature_of(cell, configuration);
@@ -31,14 +29,17 @@ TEST(Chain, agrees_with_the_denavit_hartenberg_product_at_any_readings) {
     const JointVector q = random.configuration(cell.arm);
     const Vector3 p = chain.point(chain.motion(q), signature.targets[0]);
     EXPECT_LT((p - cell.point(q, 0)).norm(), 1e-13);
-    EXPECT_LT((chain.displacement(chain.motion(q), 6) * signature.targets[0].p_S - p).norm(),
-              1e-13);
+    const Target before_last{0, 5, signature.targets[0].p_S, Matrix3::Zero()};
+    const Vector3 p_L = signature.X_SL[5].inverse() * before_last.p_S;
+    EXPECT_LT(
+        (chain.frame(chain.motion(q), 5) * p_L - chain.point(chain.motion(q), before_last)).norm(),
+        1e-13);
   }
 }
 
 TEST(Chain, joints_beyond_the_targets_link_do_not_move_it) {
   Random random(3);
-  const Cell cell = mixed_cell(random);
+  const Cell cell = coupled_cell(random);
   const JointVector configuration = random.configuration(cell.arm);
   Signature signature = test::signature_of(cell, configuration);
   signature.targets[0].link = 2;
@@ -53,7 +54,7 @@ TEST(Chain, joints_beyond_the_targets_link_do_not_move_it) {
 // Every derivative against the difference of two corrected estimates.
 TEST(Chain, derivatives_by_every_unknown_are_those_of_the_corrected_estimate) {
   Random random(4);
-  const Cell cell = mixed_cell(random);
+  const Cell cell = coupled_cell(random);
   const Signature signature = test::signature_of(cell, random.configuration(cell.arm));
   ReadingModel readings = readings_of(cell);
   readings.corrections.resize(6, {1e-3, 2e-3, -1e-3, 5e-4, 3e-4});
@@ -90,7 +91,7 @@ TEST(Chain, derivatives_by_every_unknown_are_those_of_the_corrected_estimate) {
 
 TEST(Chain, a_correction_moves_the_last_link_frame_with_its_axis) {
   Random random(5);
-  const Cell cell = mixed_cell(random);
+  const Cell cell = coupled_cell(random);
   const Signature signature = test::signature_of(cell, random.configuration(cell.arm));
   const Layout layout = make_layout(signature, {true}, {}, 0).value();
   StateVector x{};
@@ -106,7 +107,7 @@ TEST(Chain, a_correction_moves_the_last_link_frame_with_its_axis) {
 
 TEST(Layout, counts_four_unknowns_a_revolute_axis_two_a_prismatic_one_three_a_target) {
   Random random(6);
-  const Signature signature = test::signature_of(mixed_cell(random), test::puma_configuration());
+  const Signature signature = test::signature_of(coupled_cell(random), test::puma_configuration());
   EXPECT_EQ(make_layout(signature, {true}, {}, 0)->size(), 25U);
   ParameterRequest request;
   request.receiver_offsets = true;
@@ -116,7 +117,7 @@ TEST(Layout, counts_four_unknowns_a_revolute_axis_two_a_prismatic_one_three_a_ta
 
 TEST(Layout, says_how_many_unknowns_are_too_many) {
   Random random(7);
-  const Signature signature = test::signature_of(mixed_cell(random), test::puma_configuration());
+  const Signature signature = test::signature_of(coupled_cell(random), test::puma_configuration());
   std::array<bool, kMaxTargets> all{};
   all.fill(true);
   const auto layout = make_layout(signature, all, {}, 0);

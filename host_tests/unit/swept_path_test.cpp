@@ -11,13 +11,21 @@ namespace {
 using test::Cell;
 using test::Random;
 
-// A Puma with a prismatic joint in its middle.
-Cell mixed_cell(Random& random) {
-  Cell cell = test::puma_cell(random);
-  cell.arm.joints[3].type = JointType::kPrismatic;
-  cell.arm.limits[3] = {-0.2, 0.3};
-  return cell;
-}
+// What all of the sweeps start from.
+struct Start {
+  explicit Start(Random& random)
+      : cell(test::mixed_cell(random)),
+        configuration(random.configuration(cell.arm)),
+        signature(test::signature_of(cell, configuration)),
+        layout(make_layout(signature, {true}, {}, 0).value()),
+        chain(signature, {}) {}
+
+  Cell cell;
+  JointVector configuration;
+  Signature signature;
+  Layout layout;
+  Chain chain;
+};
 
 SweptJoint swept_joint(const Signature& signature, const Chain& chain, std::size_t joint,
                        const JointVector& q) {
@@ -47,10 +55,7 @@ JointVector held(const Cell& cell, const JointVector& configuration, bool anywhe
 
 TEST(SweptPath, is_where_the_chain_puts_the_target_along_the_sweep) {
   Random random(31);
-  const Cell cell = mixed_cell(random);
-  const JointVector configuration = random.configuration(cell.arm);
-  const Signature signature = test::signature_of(cell, configuration);
-  const Chain chain(signature, {});
+  const auto [cell, configuration, signature, layout, chain] = Start(random);
   for (std::size_t joint = 0; joint < 6; ++joint) {
     for (const bool anywhere : {false, true}) {
       JointVector q = held(cell, configuration, anywhere, joint, random);
@@ -69,11 +74,7 @@ TEST(SweptPath, is_where_the_chain_puts_the_target_along_the_sweep) {
 // Against those of the chain at single poses, which are tested against differences.
 TEST(SweptPath, derivatives_are_those_of_the_chain_along_the_sweep) {
   Random random(32);
-  const Cell cell = mixed_cell(random);
-  const JointVector configuration = random.configuration(cell.arm);
-  const Signature signature = test::signature_of(cell, configuration);
-  const Layout layout = make_layout(signature, {true}, {}, 0).value();
-  const Chain chain(signature, {});
+  const auto [cell, configuration, signature, layout, chain] = Start(random);
   for (std::size_t joint = 0; joint < 6; ++joint) {
     for (const bool anywhere : {false, true}) {
       JointVector q = held(cell, configuration, anywhere, joint, random);
@@ -112,11 +113,7 @@ TEST(SweptPath, derivatives_are_those_of_the_chain_along_the_sweep) {
 
 TEST(SweptPath, radius_is_the_distance_of_the_target_from_the_axis) {
   Random random(33);
-  const Cell cell = mixed_cell(random);
-  const JointVector configuration = random.configuration(cell.arm);
-  const Signature signature = test::signature_of(cell, configuration);
-  const Layout layout = make_layout(signature, {true}, {}, 0).value();
-  const Chain chain(signature, {});
+  const auto [cell, configuration, signature, layout, chain] = Start(random);
   for (std::size_t joint = 0; joint < 6; ++joint) {
     const JointVector q = held(cell, configuration, false, joint, random);
     const SweptJoint swept = swept_joint(signature, chain, joint, q);
