@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+// The estimator: geometry, gravity and reading maps from measured positions, with priors whose
+// scales are found from the same rows (sections 8 and 9 of ALGORITHMS).
+//
+// Maximum a posteriori by Gauss-Newton steps. The unknowns are blocks: the geometry with gravity
+// (base 6, target 3 each, 5 deviations a joint, gravity terms), and the map of every joint. A round
+// linearises all rows, improves the blocks in turn (symmetric block Gauss-Seidel), takes the step
+// if it lowers the cost (a proximal term shortens it otherwise), and finds sigma and the scales of
+// the priors anew: MacKay's and the EM fixed point mixed (MacKay, Bayesian interpolation, Neural
+// Computation 4, 1992; Dempster, Laird and Rubin, 1977), block by block.
+// Nothing is frozen: what the data do not say stays where its prior has it, and the covariance
+// says so. No stated sigma is needed or believed.
+#pragma once
+
+#include <span>
+
+#include "core/base/error.hpp"
+#include "core/calibration/cyclic_band.hpp"
+#include "core/calibration/fit_row.hpp"
+#include "core/calibration/model.hpp"
+#include "core/signature.hpp"
+
+namespace armsig::calibration {
+
+// Columns of the geometry block: eight joints with ten targets, or fewer with gravity.
+inline constexpr std::size_t kMaxGeometry = 128;
+
+struct ModelTarget {
+  std::size_t link = 0;
+  Vector3 p_L = Vector3::Zero();
+  Vector3 start_L = Vector3::Zero();  // what its prior is about
+  std::size_t rows = 0;
+};
+
+// What beside the geometry belongs to the model.
+struct ModelParts {
+  bool gravity = true;
+  bool maps = true;
+};
+
+// Variances: of a row's error per axis [m^2], and of the priors over their unit standard
+// deviations (2 mrad, 1 mm, 10 mrad; map_unit() per metre of lever; map_unit()).
+struct Scales {
+  double sigma_squared = 0;
+  double rotation = 1;
+  double shift = 1;
+  double zero = 1;
+  double gravity = 1;
+  std::array<double, kMaxJoints> map{1, 1, 1, 1, 1, 1, 1, 1};
+};
+
+// Memory beside the rows. 31 KiB, and a matrix of the geometry block apart.
+struct Workspace {
+  std::array<CyclicBand, kMaxJoints> band{};  // of the rows; after run(), of the covariance
+  std::array<MapCoefficients, kMaxJoints> map_step{};
+  MapCoefficients map_gradient{};
+  CyclicFactor factor;
+  std::array<double, kMaxGeometry> step{};
+  std::array<double, kMaxGeometry> gradient{};
+};
+// Doubles of the geometry block's matrix.
+[[nodiscard]] constexpr std::size_t matrix_size(std::size_t columns) {
+  return columns * (columns + 1);
+}
+
+struct FitSummary {
+  int rounds = 0;
+  bool converged = false;       // the last step did not matter
+  double degrees_of_model = 0;  // unknowns that the data determined
+  std::size_t rows = 0;         // fitted
+  std::size_t rejected = 0;
+};
+
+// Derivatives of a row's position by the geometry block.
+struct GeometryColumns {
+  std::array<std::array<double, kMaxGeometry>, 3> d;
+};
+
+class Engine {
+ public:
+  // `model` stands at its start, with the gravity terms that may be found. All are kept as
+  // references; `cache`, as long as `rows` or empty, saves evaluating the chain anew in every pass;
+  // `matrix` has matrix_size(columns()) numbers. Preconditions: rows went through group_poses(),
+  // their targets exist.
+  Engine(ArmModel& model, std::span<ModelTarget> targets, std::span<FitRow> rows,
+         std::span<ChainFrames> cache, std::span<double> matrix, Workspace& work);
+
+  [[nodiscard]] static std::size_t columns(const ArmModel& model, std::size_t targets) {
+    return 6 + 3 * targets + kDeviations * model.joint_count() + model.gravity.size();
+  }
+
+  // Where the mean of the variances stated for the rows is known; scales to begin with.
+  void set_stated_variance(double variance) { stated_variance_ = variance; }
+  void set_scales(const Scales& scales) {
+    scales_ = scales;
+    warm_ = true;
+  }
+
+  // Fits the rows that are not held out. Errors: kTooFewPoints (no row); kSingular.
+  [[nodiscard]] Result<FitSummary> run(const ModelParts& parts);
+
+  [[nodiscard]] const Scales& scales() const { return scales_; }
+
+  // Covariance [m^2] of a measured position at `frames` of `target`: the row's own error, of the
+  // covariance stated for it where one was, and that of the model. After run().
+  struct Stated {
+    Matrix3 row = Matrix3::Zero();
+    Matrix3 model = Matrix3::Zero();
+  };
+  [[nodiscard]] Stated covariance_at(const ChainFrames& frames, std::size_t target,
+                                     const std::array<float, 6>& relative) const;
+  // Replaces b by the covariance of the geometry block times b.
+  void times_covariance(std::array<double, kMaxGeometry>& b) const;
+  // Residuals of all rows, those held out too, at the present model.
+  void evaluate();
+
+  [[nodiscard]] std::size_t columns() const { return columns_; }
+  [[nodiscard]] std::size_t target_column(std::size_t target) const { return 6 + 3 * target; }
+  [[nodiscard]] std::size_t joint_column(std::size_t joint) const {
+    return 6 + 3 * targets_.size() + kDeviations * joint;
+  }
+  [[nodiscard]] std::size_t gravity_column() const { return joint_column(model_.joint_count()); }
+
+ private:
+  const ChainFrames& frames_of(std::size_t row);
+  void fill(const ChainFrames& frames, std::size_t target, GeometryColumns& columns) const;
+  [[nodiscard]] Matrix3 precision(const FitRow& row) const;
+  [[nodiscard]] double whitened_squares(const FitRow& row) const;
+
+  // engine.cpp
+  void start();
+  void improve(int passes);
+  double round(int passes);
+  [[nodiscard]] double predicted_motion();
+  void move(double fraction);
+  [[nodiscard]] double cost() const;
+  // engine_blocks.cpp
+  void assemble();
+  void factorise_geometry(bool proximal);
+  void improve_geometry();
+  void improve_map(std::size_t joint);
+  [[nodiscard]] double prior_variance(std::size_t column) const;
+  [[nodiscard]] double proximal_variance(std::size_t column) const;
+  [[nodiscard]] double deviation(std::size_t column) const;
+  [[nodiscard]] double prior_squares() const;
+  void solve_lower(std::array<double, kMaxGeometry>& b, std::size_t first) const;
+  void solve_upper(std::array<double, kMaxGeometry>& b) const;
+  // engine_scales.cpp
+  void update_scales();
+  double update_geometry_scales();
+  double update_map_scales();
+  void finish_covariance();
+  // outliers.cpp
+  void weigh_softly();
+  void reject();
+  void judge_pose(std::span<FitRow> pose, double gate);
+  [[nodiscard]] double residual_scale() const;
+
+  double& upper(std::size_t i, std::size_t j) { return matrix_[i * (columns_ + 1) + j + 1]; }
+  double& lower(std::size_t i, std::size_t j) { return matrix_[i * (columns_ + 1) + j]; }
+  [[nodiscard]] double lower(std::size_t i, std::size_t j) const {
+    return matrix_[i * (columns_ + 1) + j];
+  }
+
+  ArmModel& model_;
+  std::span<ModelTarget> targets_;
+  std::span<FitRow> rows_;
+  std::span<ChainFrames> cache_;
+  std::span<double> matrix_;  // above the diagonal J^T J; on and below it, its factor
+  Workspace& work_;
+  std::size_t columns_;
+  std::array<double, 6> base_moved_{};
+  Scales scales_;
+  bool warm_ = false;
+  ModelParts parts_;
+  bool maps_on_ = false;
+  bool uniform_ = true;  // every row has the same relative covariance, a multiple of one
+  double stated_variance_ = 0;
+  double trust_ = 1;      // t of the proximal term
+  double effective_ = 0;  // degrees that the unknowns take
+  FitSummary summary_;
+  ChainFrames scratch_;
+};
+
+}  // namespace armsig::calibration

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// Sigma and the scales of the priors, from the evidence of the rows; and what the fit leaves open.
+#include <algorithm>
+#include <cmath>
+
+#include "core/calibration/engine.hpp"
+#include "core/calibration/engine_detail.hpp"
+
+namespace armsig::calibration {
+
+namespace {
+
+// Shares of the two fixed points, in logarithms: the one is quick, the other never overshoots.
+constexpr double kQuick = 0.7;
+constexpr double kLeastScale = 1e-6;
+constexpr double kLargestScale = 1e6;
+constexpr double kLeastFreedom = 0.05;
+
+// One group of unknowns with a common prior scale.
+struct Group {
+  double squares = 0;  // x^T Q x
+  double trace = 0;    // tr(Q C)
+  double unknowns = 0;
+};
+
+// Updates the scale; returns how many of the unknowns the rows determine.
+double update(const Group& group, double& scale) {
+  if (group.unknowns == 0) return 0;
+  const double determined = std::clamp(group.unknowns - group.trace / scale, 1e-3, group.unknowns);
+  const double quick = std::max(group.squares, 1e-12) / determined;
+  const double steady = std::max(group.squares + group.trace, 1e-12) / group.unknowns;
+  scale = std::clamp(std::exp(kQuick * std::log(quick) + (1 - kQuick) * std::log(steady)),
+                     kLeastScale, kLargestScale);
+  return determined;
+}
+
+}  // namespace
+
+double Engine::update_geometry_scales() {
+  enum : std::size_t { kRotation, kShift, kZero, kGravity, kOpen };
+  std::array<Group, 5> groups;
+  factorise_geometry(false);
+  std::array<double, kMaxGeometry> e{};
+  for (std::size_t c = 0; c < columns_; ++c) {
+    std::fill_n(e.begin(), columns_, 0.0);
+    e[c] = 1;
+    solve_lower(e, c);
+    double variance = 0;
+    for (std::size_t i = c; i < columns_; ++i) variance += e[i] * e[i];
+    std::size_t group = kOpen;
+    double scale = 1;
+    if (c >= gravity_column()) {
+      group = kGravity;
+      scale = scales_.gravity;
+    } else if (c >= joint_column(0)) {
+      const std::size_t kind = (c - joint_column(0)) % kDeviations;
+      group = kind < 2 ? kRotation : kind < 4 ? kShift : kZero;
+      scale = kind < 2 ? scales_.rotation : kind < 4 ? scales_.shift : scales_.zero;
+    }
+    const double unit = prior_variance(c) / scale;
+    groups[group].squares += deviation(c) * deviation(c) / unit;
+    groups[group].trace += variance / unit;
+    groups[group].unknowns += 1;
+  }
+  return update(groups[kRotation], scales_.rotation) + update(groups[kShift], scales_.shift) +
+         update(groups[kZero], scales_.zero) + update(groups[kGravity], scales_.gravity) +
+         groups[kOpen].unknowns - groups[kOpen].trace;
+}
+
+double Engine::update_map_scales() {
+  double determined = 0;
+  const std::array<double, kSplines> prior = map_prior();
+  CyclicBand covariance;
+  for (std::size_t j = 0; j < model_.joint_count(); ++j) {
+    work_.factor.factorise(work_.band[j], scales_.sigma_squared, prior, scales_.map[j]);
+    work_.factor.inverse_band(covariance);
+    Group group{.squares = map_prior_squares(model_.joints[j].map), .trace = 0, .unknowns = kKnots};
+    for (const auto& row : covariance) {
+      group.trace += prior[0] * static_cast<double>(row[0]);
+      for (std::size_t k = 1; k < kSplines; ++k) {
+        group.trace += 2 * prior[k] * static_cast<double>(row[k]);
+      }
+    }
+    determined += update(group, scales_.map[j]);
+  }
+  return determined;
+}
+
+void Engine::update_scales() {
+  effective_ = update_geometry_scales();
+  if (maps_on_) effective_ += update_map_scales();
+  double squares = 0;
+  double weights = 0;
+  for (const FitRow& row : rows_) {
+    if (row.held_out || row.weight == 0) continue;
+    squares += row.weight * whitened_squares(row);
+    weights += 3 * row.weight;
+  }
+  const double freedom = std::max(weights - effective_, kLeastFreedom * weights);
+  scales_.sigma_squared = std::max(kLeastVariance, squares / freedom);
+}
+
+// The band of the rows gives way to that of the covariance.
+void Engine::finish_covariance() {
+  factorise_geometry(false);
+  for (std::size_t j = 0; j < model_.joint_count(); ++j) {
+    if (!maps_on_) {
+      work_.band[j] = {};
+      continue;
+    }
+    work_.factor.factorise(work_.band[j], scales_.sigma_squared, map_prior(), scales_.map[j]);
+    work_.factor.inverse_band(work_.band[j]);
+  }
+}
+
+Engine::Stated Engine::covariance_at(const ChainFrames& frames, std::size_t target,
+                                     const std::array<float, 6>& relative) const {
+  Stated stated;
+  FitRow row;
+  row.relative = relative;
+  stated.row = scales_.sigma_squared * precision(row).inverse();
+  GeometryColumns J;
+  fill(frames, target, J);
+  for (std::array<double, kMaxGeometry>& row_of_J : J.d) solve_lower(row_of_J, 0);
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      double sum = 0;
+      for (std::size_t c = 0; c < columns_; ++c) sum += J.d[a][c] * J.d[b][c];
+      stated.model(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = sum;
+    }
+  }
+  const Vector3 p_S = frames.X_SL * targets_[target].p_L;
+  for (std::size_t j = 0; maps_on_ && j < targets_[target].link; ++j) {
+    const SplineSupport& at = frames.support[j];
+    double variance = 0;
+    for (std::size_t a = 0; a < kSplines; ++a) {
+      for (std::size_t b = 0; b < kSplines; ++b) {
+        variance +=
+            at.weight[a] * at.weight[b] *
+            static_cast<double>(work_.band[j][at.knot(std::min(a, b))][a > b ? a - b : b - a]);
+      }
+    }
+    const bool revolute = model_.joints[j].type == JointType::kRevolute;
+    const Vector3 motion =
+        map_unit(model_.joints[j].type) * motion_of(revolute, frames.X_SJ[j], p_S);
+    stated.model += variance * motion * motion.transpose();
+  }
+  return stated;
+}
+
+void Engine::times_covariance(std::array<double, kMaxGeometry>& b) const {
+  solve_lower(b, 0);
+  solve_upper(b);
+}
+
+}  // namespace armsig::calibration

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// One measured position as the engine keeps it, and the poses that rows belong to.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/base/arm.hpp"
+#include "core/base/pose.hpp"
+
+namespace armsig::calibration {
+
+struct FitRow {
+  JointVector readings;                // as read
+  Vector3 p_S = Vector3::Zero();       // measured
+  Vector3 residual = Vector3::Zero();  // measured minus predicted [m]
+  // The covariance stated for this row over the mean of all: xx, xy, xz, yy, yz, zz.
+  std::array<float, 6> relative{1, 0, 0, 1, 0, 1};
+  double weight = 1;        // of the robust fit; 0: rejected
+  std::uint8_t target = 0;  // index
+  std::uint8_t sweep = 0;   // as in refinement::Observation
+  std::uint8_t fold = 0;    // kNoFold: always fitted
+  bool held_out = false;    // of the present fit
+  std::uint32_t index = 0;  // in the caller's log
+  std::uint32_t pose = 0;   // rows with one number repeat one pose
+  std::uint64_t hash = 0;   // of the pose's readings
+};
+
+inline constexpr std::uint8_t kNoFold = 255;
+inline constexpr std::size_t kFolds = 5;
+
+// Finds the rows that repeat one pose (readings within 0.01 degrees or 0.05 mm), numbers the poses,
+// and sorts the rows by pose: the result does not depend on the order in which the rows came.
+void group_poses(std::span<FitRow> rows, std::span<const JointType> types);
+
+// Deals the poses to kFolds folds, as even as can be, by the hash of their readings. Where there
+// are poses of sweep 0 enough, only those; otherwise every pose. Precondition: group_poses().
+// Returns the number of poses dealt.
+std::size_t deal_folds(std::span<FitRow> rows);
+
+}  // namespace armsig::calibration

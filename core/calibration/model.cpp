@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "core/calibration/model.hpp"
+
+#include "core/base/sine_cosine.hpp"
+
+namespace armsig::calibration {
+
+namespace {
+
+// E_i.
+Pose deviation_pose(const JointModel& joint) {
+  Pose E;
+  E.p = Vector3(joint.deviation[2], joint.deviation[3], 0);
+  const Vector3 turn(joint.deviation[0], joint.deviation[1], 0);
+  if (const double angle = turn.norm(); angle > 0) E.R = rotation_about(turn / angle, angle);
+  return E;
+}
+
+}  // namespace
+
+ArmModel model_of(const Arm& arm, const Pose& X_SB) {
+  ArmModel model;
+  model.couplings = arm.couplings;
+  model.X_SB = X_SB;
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    const DhJoint& row = arm.joints[i];
+    const bool revolute = row.type == JointType::kRevolute;
+    JointModel joint;
+    joint.type = row.type;
+    joint.offset = revolute ? row.theta_rad : row.d_m;
+    joint.after.R = rotation_x(row.alpha_rad);
+    joint.after.p = Vector3(row.a_m, 0, revolute ? row.d_m : 0);
+    if (!revolute) joint.after = Pose{rotation_z(row.theta_rad), Vector3::Zero()} * joint.after;
+    joint.domain = map_domain(row.type, arm.limits.empty() ? JointLimits{} : arm.limits[i]);
+    model.joints.push_back(joint);
+  }
+  return model;
+}
+
+void evaluate_chain(const ArmModel& model, const JointVector& readings, std::size_t link,
+                    ChainFrames& frames) {
+  const JointVector effective = effective_readings(model.couplings, readings);
+  if (!model.gravity.empty()) gravity_levers(model, effective, frames.levers);
+  std::array<double, kMaxJoints> sag{};
+  for (std::size_t t = 0; t < model.gravity.size(); ++t) {
+    sag[model.gravity[t].joint] += model.gravity[t].coefficient * frames.levers[t];
+  }
+  Pose X = model.X_SB;
+  for (std::size_t i = 0; i < link; ++i) {
+    const JointModel& joint = model.joints[i];
+    frames.support[i] = spline_support(joint.domain, readings[i]);
+    X = X * deviation_pose(joint);
+    frames.X_SJ[i] = X;
+    const double motion = effective[i] + joint.offset + joint.deviation[4] + sag[i] +
+                          map_unit(joint.type) * map_value(joint.map, frames.support[i]);
+    if (joint.type == JointType::kRevolute) {
+      const SineCosine turn = sine_and_cosine(motion);
+      const Vector3 x = X.R.col(0);
+      X.R.col(0) = turn.cosine * x + turn.sine * X.R.col(1);
+      X.R.col(1) = turn.cosine * X.R.col(1) - turn.sine * x;
+    } else {
+      X.p += motion * X.R.col(2);
+    }
+    X = X * joint.after;
+  }
+  frames.X_SL = X;
+}
+
+}  // namespace armsig::calibration

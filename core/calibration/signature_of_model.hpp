@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// The geometry of a fitted model as a signature: axis lines and targets at a configuration, with
+// their covariance.
+#pragma once
+
+#include "core/calibration/engine.hpp"
+#include "core/refinement/refinement.hpp"
+
+namespace armsig::calibration {
+
+// Moves the axis lines and targets of `refined.signature`, whose configuration and link frames say
+// where to put them, to those of the model, and sets the layout and information of `refined` to the
+// covariance of the model: geometry only, gravity and maps are left out.
+// `scratch`: kMaxParameters squared numbers.
+// Errors: kCapacityExceeded (unknowns, capacity); kSingular.
+[[nodiscard]] Judged<void> geometry_to_signature(const ArmModel& model,
+                                                 std::span<const ModelTarget> targets,
+                                                 const Engine& engine, refinement::Refined& refined,
+                                                 std::span<double> scratch);
+
+}  // namespace armsig::calibration

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// The estimator of core/calibration over a log, with the memory that it needs.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/calibration/held_out.hpp"
+#include "core/refinement/base_and_tool.hpp"
+#include "host_tests/support/simulated_arm.hpp"
+
+namespace armsig::test {
+
+class Calibration {
+ public:
+  // One target on the last link.
+  Calibration(const Arm& arm, const Log& log, const calibration::ModelParts& parts)
+      : parts_(parts), rows_(log.size()), cache_(log.size()) {
+    Target target;
+    target.link = arm.joints.size();
+    const auto fitted = refinement::fit_base_and_tool(arm, log, {&target, 1});
+    if (!fitted) return;
+    *model_ = calibration::model_of(arm, fitted->X_SB);
+    if (parts.gravity) calibration::choose_gravity_terms(arm, *model_);
+    targets_ = {{.link = target.link, .p_L = fitted->p_LT[0]}};
+    *start_ = *model_;
+    start_targets_ = targets_;
+    std::vector<JointType> types;
+    for (const DhJoint& joint : arm.joints) types.push_back(joint.type);
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      rows_[k].readings = log[k].readings;
+      rows_[k].p_S = log[k].p_S;
+      rows_[k].sweep = static_cast<std::uint8_t>(log[k].sweep);
+      rows_[k].index = static_cast<std::uint32_t>(k);
+    }
+    calibration::group_poses(rows_, types);
+    calibration::deal_folds(rows_);
+    matrix_.resize(calibration::matrix_size(calibration::Engine::columns(*model_, 1)));
+    engine_ =
+        std::make_unique<calibration::Engine>(*model_, targets_, rows_, cache_, matrix_, *work_);
+  }
+
+  std::optional<calibration::FitSummary> fit() {
+    if (engine_ == nullptr) return std::nullopt;
+    const auto done = engine_->run(parts_);
+    return done ? std::optional(*done) : std::nullopt;
+  }
+
+  // After fit(); the engine then knows the last fold only.
+  std::optional<calibration::HeldOutScore> held_out() {
+    const auto rejected = std::make_unique<bool[]>(rows_.size());
+    for (std::size_t k = 0; k < rows_.size(); ++k) rejected[k] = rows_[k].weight == 0;
+    std::vector<calibration::RowScore> scores(rows_.size());
+    std::vector<float> order(rows_.size());
+    auto model = std::make_unique<calibration::ArmModel>(*start_);
+    std::vector<calibration::ModelTarget> targets = start_targets_;
+    const auto score = calibration::score_held_out(
+        {*model, targets, rows_, cache_, matrix_, *work_, 0}, parts_, engine_->scales(),
+        {rejected.get(), rows_.size()}, scores, order);
+    return score ? std::optional(*score) : std::nullopt;
+  }
+
+  [[nodiscard]] Vector3 predict(const JointVector& readings,
+                                calibration::Engine::Stated* stated = nullptr) const {
+    calibration::ChainFrames frames;
+    calibration::evaluate_chain(*model_, readings, targets_[0].link, frames);
+    if (stated != nullptr) *stated = engine_->covariance_at(frames, 0, {1, 0, 0, 1, 0, 1});
+    return frames.X_SL * targets_[0].p_L;
+  }
+
+  [[nodiscard]] const calibration::ArmModel& model() const { return *model_; }
+  [[nodiscard]] const calibration::Engine& engine() const { return *engine_; }
+  [[nodiscard]] const std::vector<calibration::FitRow>& rows() const { return rows_; }
+  [[nodiscard]] const calibration::ModelTarget& target() const { return targets_[0]; }
+
+ private:
+  calibration::ModelParts parts_;
+  std::vector<calibration::FitRow> rows_;
+  std::vector<calibration::ChainFrames> cache_;
+  std::vector<double> matrix_;
+  std::vector<calibration::ModelTarget> targets_;
+  std::vector<calibration::ModelTarget> start_targets_;
+  std::unique_ptr<calibration::ArmModel> model_ = std::make_unique<calibration::ArmModel>();
+  std::unique_ptr<calibration::ArmModel> start_ = std::make_unique<calibration::ArmModel>();
+  std::unique_ptr<calibration::Workspace> work_ = std::make_unique<calibration::Workspace>();
+  std::unique_ptr<calibration::Engine> engine_;
+};
+
+// What an arm does beside its geometry.
+struct Misbehaviour {
+  double wave_rad = 0;   // amplitude of each joint's reading error, some waves a turn
+  double sag_rad_m = 0;  // of joint 2 and 3 by the tool's lever about them
+  double phase = 0.3;
+};
+
+// Where the target of such an arm really is. The truth is independent of the code under test.
+inline Vector3 misbehaving_point(const Cell& cell, const JointVector& readings,
+                                 const Misbehaviour& m) {
+  constexpr std::array<double, kMaxJoints> kWaves{3, 7, 12, 5, 9, 4, 6, 8};
+  JointVector q = readings;
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    q[j] += m.wave_rad * std::sin(kWaves[j] * readings[j] + m.phase + static_cast<double>(j));
+  }
+  const Vector3 tip = cell.frame(readings, q.size()).p;
+  for (std::size_t j = 1; j < 3 && j < q.size(); ++j) {
+    const Pose X_SJ = cell.frame(readings, j);
+    const Vector3 down = -cell.X_SB.R.col(2);
+    q[j] += m.sag_rad_m * X_SJ.R.col(2).dot((tip - X_SJ.p).cross(down));
+  }
+  return cell.point(q, 0);
+}
+
+}  // namespace armsig::test

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: MIT
+// The estimator of geometry, gravity and reading maps: its parts against dense algebra, the whole
+// against arms whose truth is known and a real one.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "host_tests/support/calibration_case.hpp"
+#include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/shared_arms.hpp"
+
+namespace armsig::calibration {
+namespace {
+
+using test::Calibration;
+using test::Cell;
+using test::Log;
+using test::Random;
+
+constexpr double kSigma = 0.05e-3;
+constexpr ModelParts kGeometry{.gravity = false, .maps = false};
+constexpr ModelParts kWhole{};
+
+refinement::Observation row_of(const JointVector& q, const Vector3& p_S) {
+  refinement::Observation row;
+  row.readings = q;
+  row.p_S = p_S;
+  return row;
+}
+
+Log measured(const Cell& cell, int poses, const test::Misbehaviour& m, Random& random) {
+  Log log;
+  for (int k = 0; k < poses; ++k) {
+    const JointVector q = random.configuration(cell.arm);
+    log.push_back(row_of(q, test::misbehaving_point(cell, q, m) + random.normal_vector(kSigma)));
+  }
+  return log;
+}
+
+double mean_error(const Calibration& fit, const Log& log) {
+  double sum = 0;
+  for (const auto& row : log) sum += (row.p_S - fit.predict(row.readings)).norm();
+  return sum / static_cast<double>(log.size());
+}
+
+Eigen::MatrixXd dense_prior() {
+  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(kKnots, kKnots);
+  const auto stencil = map_prior();
+  for (std::size_t i = 0; i < kKnots; ++i) {
+    for (std::size_t k = 0; k < kSplines; ++k) {
+      const auto a = static_cast<Eigen::Index>(i);
+      const auto b = static_cast<Eigen::Index>((i + k) % kKnots);
+      Q(a, b) = Q(b, a) = stencil[k];
+    }
+  }
+  return Q;
+}
+
+TEST(ReadingMap, has_a_prior_of_unit_point_deviation_everywhere) {
+  const Eigen::MatrixXd C = dense_prior().inverse();
+  const MapDomain domain = map_domain(JointType::kRevolute, {});
+  for (const double q : {-7.0, -0.013, 0.0, 0.026, 1.0, 3.14159, 40.0}) {
+    const SplineSupport at = spline_support(domain, q);
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(kKnots);
+    for (std::size_t k = 0; k < kSplines; ++k) {
+      b[static_cast<Eigen::Index>(at.knot(k))] += at.weight[k];
+    }
+    EXPECT_NEAR(b.sum(), 1, 1e-12);
+    EXPECT_NEAR(b.dot(C * b), 1, 0.03) << q;
+  }
+}
+
+TEST(ReadingMap, goes_on_smoothly_over_its_knots_and_its_turn) {
+  Random random(3);
+  MapCoefficients c;
+  for (double& x : c) x = random.normal(1);
+  const MapDomain domain = map_domain(JointType::kRevolute, {});
+  const auto value = [&](double q) { return map_value(c, spline_support(domain, q)); };
+  for (const double q : {0.0, 2 * kPi, -2 * kPi, 2 * kPi / kKnots * 17}) {
+    EXPECT_NEAR(value(q - 1e-9), value(q + 1e-9), 1e-7);
+    EXPECT_NEAR((value(q) - value(q - 1e-5)) / 1e-5, (value(q + 1e-5) - value(q)) / 1e-5, 0.05);
+  }
+  EXPECT_NEAR(value(0.7), value(0.7 + 4 * kPi), 1e-12);
+}
+
+TEST(CyclicFactor, solves_and_inverts_as_dense_algebra_does) {
+  Random random(5);
+  CyclicBand band{};
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(kKnots, kKnots);
+  for (int row = 0; row < 300; ++row) {
+    const SplineSupport at =
+        spline_support(map_domain(JointType::kRevolute, {}), random.uniform(-4, 4));
+    for (std::size_t a = 0; a < kSplines; ++a) {
+      for (std::size_t b = a; b < kSplines; ++b) {
+        band[at.knot(a)][b - a] += static_cast<float>(at.weight[a] * at.weight[b]);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < kKnots; ++i) {
+    for (std::size_t k = 0; k < kSplines; ++k) {
+      const auto a = static_cast<Eigen::Index>(i);
+      const auto b = static_cast<Eigen::Index>((i + k) % kKnots);
+      A(a, b) = A(b, a) = static_cast<double>(band[i][k]) / 0.3;
+    }
+  }
+  A += dense_prior() / 2.5;
+  CyclicFactor factor;
+  factor.factorise(band, 0.3, map_prior(), 2.5);
+  MapCoefficients b;
+  Eigen::VectorXd dense(kKnots);
+  for (std::size_t i = 0; i < kKnots; ++i) {
+    dense[static_cast<Eigen::Index>(i)] = b[i] = random.normal(1);
+  }
+  factor.solve(b);
+  const Eigen::VectorXd x = A.ldlt().solve(dense);
+  for (std::size_t i = 0; i < kKnots; ++i) {
+    EXPECT_NEAR(b[i], x[static_cast<Eigen::Index>(i)], 1e-9 * x.norm());
+  }
+  CyclicBand inverse;
+  factor.inverse_band(inverse);
+  const Eigen::MatrixXd C = A.inverse();
+  for (const std::size_t i : {0U, 1U, 60U, 117U, 119U}) {
+    for (std::size_t k = 0; k < kSplines; ++k) {
+      EXPECT_NEAR(static_cast<double>(inverse[i][k]),
+                  C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>((i + k) % kKnots)),
+                  1e-5 * C(0, 0));
+    }
+  }
+}
+
+TEST(GravityTerms, are_those_that_a_drawing_can_tell_apart) {
+  const Arm arm = test::ur5();
+  ArmModel model = model_of(arm, {});
+  choose_gravity_terms(arm, model);
+  EXPECT_EQ(model.gravity.size(), 10U);
+  for (const GravityTerm& term : model.gravity) {
+    EXPECT_GT(term.joint, 0) << "the first joint's axis is vertical";
+  }
+}
+
+TEST(GroupPoses, keeps_repeated_readings_together_whatever_the_order) {
+  Random random(7);
+  std::vector<FitRow> rows;
+  for (int pose = 0; pose < 40; ++pose) {
+    JointVector q;
+    for (int j = 0; j < 6; ++j) q.push_back(random.uniform(-2, 2));
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      FitRow row;
+      row.readings = q;
+      row.readings[2] += radians(0.002) * repeat;
+      row.p_S = random.normal_vector(1);
+      row.index = static_cast<std::uint32_t>(pose);
+      rows.push_back(row);
+    }
+  }
+  std::vector<FitRow> other(rows.rbegin(), rows.rend());
+  const std::vector<JointType> types(6, JointType::kRevolute);
+  for (auto* sorted : {&rows, &other}) {
+    group_poses(*sorted, types);
+    EXPECT_EQ(deal_folds(*sorted), 40U);
+  }
+  std::array<int, kFolds> counts{};
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_EQ(rows[k].index, rows[k / 3 * 3].index);
+    EXPECT_EQ(rows[k].pose, k / 3);
+    EXPECT_EQ(rows[k].index, other[k].index);
+    EXPECT_EQ(rows[k].fold, other[k].fold);
+    ++counts[rows[k].fold];
+  }
+  for (const int count : counts) EXPECT_EQ(count, 24);
+}
+
+TEST(Engine, finds_an_exact_arm_exactly) {
+  Random random(11);
+  const Cell cell = test::puma_cell(random);
+  Log log;
+  test::add_poses(cell, 60, 0, random, log);
+  Calibration fit(test::puma(), log, kGeometry);
+  ASSERT_TRUE(fit.fit());
+  Log others;
+  test::add_poses(cell, 50, 0, random, others);
+  EXPECT_LT(mean_error(fit, others), 1e-7);
+}
+
+TEST(Engine, finds_waves_of_readings_and_sag) {
+  Random random(12);
+  const Cell cell = test::puma_cell(random);
+  const test::Misbehaviour m{.wave_rad = radians(0.02), .sag_rad_m = 1e-3};
+  const Log log = measured(cell, 800, m, random);
+  const Log others = measured(cell, 100, m, random);
+  Calibration geometry(test::puma(), log, kGeometry);
+  Calibration whole(test::puma(), log, kWhole);
+  ASSERT_TRUE(geometry.fit());
+  ASSERT_TRUE(whole.fit());
+  EXPECT_GT(mean_error(geometry, others), 3 * mean_error(whole, others));
+  // What the noise of the new measurement leaves, and a third more.
+  EXPECT_LT(mean_error(whole, others), 1.33 * 1.6 * kSigma);
+  EXPECT_NEAR(std::sqrt(whole.engine().scales().sigma_squared), kSigma, 0.25 * kSigma);
+}
+
+TEST(Engine, invents_nothing_where_there_is_nothing) {
+  Random random(13);
+  const Cell cell = test::puma_cell(random);
+  const Log log = measured(cell, 200, {}, random);
+  const Log others = measured(cell, 300, {}, random);
+  Calibration geometry(test::puma(), log, kGeometry);
+  Calibration whole(test::puma(), log, kWhole);
+  ASSERT_TRUE(geometry.fit());
+  ASSERT_TRUE(whole.fit());
+  EXPECT_LT(mean_error(whole, others), 1.02 * mean_error(geometry, others));
+}
+
+TEST(Engine, does_not_depend_on_the_order_of_the_rows) {
+  Random random(14);
+  const Cell cell = test::puma_cell(random);
+  Log log = measured(cell, 120, {.wave_rad = radians(0.02)}, random);
+  Calibration fit(test::puma(), log, kWhole);
+  std::reverse(log.begin(), log.end());
+  std::rotate(log.begin(), log.begin() + 17, log.end());
+  Calibration shuffled(test::puma(), log, kWhole);
+  ASSERT_TRUE(fit.fit());
+  ASSERT_TRUE(shuffled.fit());
+  for (const auto& row : log) {
+    EXPECT_LT((fit.predict(row.readings) - shuffled.predict(row.readings)).norm(), 1e-9);
+  }
+  const auto a = fit.held_out();
+  const auto b = shuffled.held_out();
+  ASSERT_TRUE(a && b);
+  EXPECT_NEAR(a->mean_m, b->mean_m, 1e-9);
+  EXPECT_EQ(a->rows, 120U);
+}
+
+TEST(Engine, finds_blunders_by_the_residuals_own_scale) {
+  Random random(15);
+  const Cell cell = test::puma_cell(random);
+  Log log = measured(cell, 200, {.wave_rad = radians(0.01)}, random);
+  for (std::size_t k = 0; k < log.size(); k += 5) {
+    log[k].p_S += random.uniform(2e-3, 50e-3) * random.direction();
+  }
+  Calibration fit(test::puma(), log, kWhole);
+  ASSERT_TRUE(fit.fit());
+  std::size_t false_alarms = 0;
+  for (const FitRow& row : fit.rows()) {
+    if (row.index % 5 == 0) {
+      EXPECT_EQ(row.weight, 0) << row.index;
+    } else {
+      false_alarms += row.weight == 0;
+    }
+  }
+  EXPECT_LE(false_alarms, 3U);
+}
+
+// All unknowns at once, derivatives by differences: another way to the same optimum.
+TEST(Engine, comes_near_the_joint_optimum_of_an_independent_solver) {
+  Random random(16);
+  const Cell cell = test::puma_cell(random);
+  const test::Misbehaviour m{.wave_rad = radians(0.02), .sag_rad_m = 0.5e-3};
+  const Log log = measured(cell, 150, m, random);
+  Calibration fit(test::puma(), log, kWhole);
+  ASSERT_TRUE(fit.fit());
+  const Scales& s = fit.engine().scales();
+  // Deviations, gravity, maps, base, target; their prior precisions.
+  std::vector<double> precision;
+  std::vector<double*> unknown;
+  auto model = std::make_unique<ArmModel>(fit.model());
+  Vector3 p_L = fit.target().p_L;
+  const auto add = [&](double& x, double variance) {
+    unknown.push_back(&x);
+    precision.push_back(1 / variance);
+  };
+  for (JointModel& joint : model->joints) {
+    for (std::size_t c = 0; c < 2; ++c) add(joint.deviation[c], s.rotation * 4e-6);
+    for (std::size_t c = 2; c < 4; ++c) add(joint.deviation[c], s.shift * 1e-6);
+    add(joint.deviation[4], s.zero * 1e-4);
+  }
+  for (GravityTerm& term : model->gravity) {
+    add(term.coefficient, s.gravity * std::pow(radians(0.01), 2));
+  }
+  const std::size_t maps = unknown.size();
+  for (JointModel& joint : model->joints) {
+    for (double& c : joint.map) add(c, 1);
+  }
+  const std::size_t free = unknown.size();
+  const auto size = static_cast<Eigen::Index>(free + 9);
+  const auto predict = [&](const JointVector& q) {
+    ChainFrames frames;
+    evaluate_chain(*model, q, 6, frames);
+    return Vector3(frames.X_SL * p_L);
+  };
+  const auto jacobian = [&](const JointVector& q) {
+    Eigen::MatrixXd J(3, size);
+    const Vector3 at = predict(q);
+    for (std::size_t k = 0; k < free; ++k) {
+      const double step = k < maps ? 1e-6 : 1e-2;
+      *unknown[k] += step;
+      J.col(static_cast<Eigen::Index>(k)) = (predict(q) - at) / step;
+      *unknown[k] -= step;
+    }
+    ChainFrames frames;
+    evaluate_chain(*model, q, 6, frames);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      J.col(size - 9 + c) = Vector3::Unit(c).cross(at - model->X_SB.p);
+      J.col(size - 6 + c) = Vector3::Unit(c);
+      J.col(size - 3 + c) = frames.X_SL.R.col(c);
+    }
+    return J;
+  };
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(size);
+  const Eigen::MatrixXd Q = dense_prior();
+  for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(maps); ++k) {
+    H(k, k) = precision[static_cast<std::size_t>(k)];
+    g[k] = -H(k, k) * *unknown[static_cast<std::size_t>(k)];
+  }
+  for (Eigen::Index j = 0; j < 6; ++j) {
+    const auto first = static_cast<Eigen::Index>(maps) + j * static_cast<Eigen::Index>(kKnots);
+    const Eigen::Map<const Eigen::VectorXd> c(model->joints[static_cast<std::size_t>(j)].map.data(),
+                                              kKnots);
+    const double variance = s.map[static_cast<std::size_t>(j)];
+    H.block(first, first, kKnots, kKnots) = Q / variance;
+    g.segment(first, kKnots) = -(Q * c) / variance;
+  }
+  H.diagonal().tail(9).array() += 0.1;
+  double squares = 0;
+  for (const auto& row : log) {
+    const Eigen::MatrixXd J = jacobian(row.readings);
+    const Vector3 r = row.p_S - predict(row.readings);
+    squares += r.squaredNorm() / s.sigma_squared;
+    H += J.transpose() * J / s.sigma_squared;
+    g += J.transpose() * r / s.sigma_squared;
+  }
+  const Eigen::VectorXd x = H.ldlt().solve(g);
+  // What the joint optimum still gains of the cost, and how far it moves new predictions.
+  EXPECT_LT(0.5 * g.dot(x), 0.05 * squares);
+  double moved = 0;
+  const Log others = measured(cell, 50, m, random);
+  for (const auto& row : others) moved += (jacobian(row.readings) * x).squaredNorm() / 150;
+  EXPECT_LT(std::sqrt(moved), 0.3 * std::sqrt(s.sigma_squared));
+}
+
+// Half of a real log fitted, the other half predicted; mean [m].
+double score_other_half(const std::string& arm, const std::string& file, std::uint64_t seed,
+                        double& stated_over_observed) {
+  std::ifstream stream(std::filesystem::path(ARMSIG_SHARED_DATA) / file);
+  std::string line;
+  std::getline(stream, line);  // comment
+  std::getline(stream, line);  // header
+  Log log;
+  while (std::getline(stream, line)) {
+    std::istringstream cells(line);
+    std::vector<double> values;
+    for (std::string cell; std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
+    JointVector q;
+    for (std::size_t j = 0; j < 6; ++j) q.push_back(radians(values[2 + j]));
+    log.push_back(row_of(q, 1e-3 * Vector3(values[8], values[9], values[10])));
+  }
+  std::shuffle(log.begin(), log.end(), std::mt19937_64(seed));
+  const auto half = log.begin() + static_cast<std::ptrdiff_t>(log.size() / 2);
+  Calibration fit(test::shared_arm(arm), Log(log.begin(), half), kWhole);
+  EXPECT_TRUE(fit.fit());
+  double stated = 0;
+  double observed = 0;
+  for (auto row = half; row != log.end(); ++row) {
+    Engine::Stated S;
+    observed += (row->p_S - fit.predict(row->readings, &S)).squaredNorm();
+    stated += S.row.trace() + S.model.trace();
+  }
+  stated_over_observed = std::sqrt(stated / observed);
+  return mean_error(fit, Log(half, log.end()));
+}
+
+TEST(Engine, predicts_real_arms_on_poses_left_out) {
+  if (!std::filesystem::exists(ARMSIG_SHARED_DATA)) GTEST_SKIP() << "no measured data";
+  double ratio = 0;
+  EXPECT_LT(score_other_half("ur5", "ur5-laser-tracker/grid.csv", 1, ratio), 0.055e-3);
+  EXPECT_NEAR(ratio, 1, 0.17);
+  EXPECT_LT(score_other_half("ur10", "ur10-laser-tracker/poses.csv", 1, ratio), 0.090e-3);
+  EXPECT_NEAR(ratio, 1, 0.17);
+}
+
+}  // namespace
+}  // namespace armsig::calibration
