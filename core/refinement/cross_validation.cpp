@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/reading_hash.hpp"
+
 namespace armsig::refinement {
 
 namespace {
@@ -11,7 +13,7 @@ namespace {
 // A richer model must earn its keep by this much on poses it has not seen.
 constexpr double kWorthwhile = 0.95;
 
-// Deals rows to folds in the order of the log.
+// Deals rows to folds by their readings, whatever the order of the log.
 class Dealer {
  public:
   explicit Dealer(std::span<const Observation> log) {
@@ -22,28 +24,21 @@ class Dealer {
     mixed_only_ = mixed >= 2 * kFolds;
   }
 
-  // The fold of the next row, or kFolds where the row is always fitted.
-  std::size_t next(const Observation& row) {
+  // The fold of a row, or kFolds where the row is always fitted.
+  [[nodiscard]] std::size_t fold(const Observation& row) const {
     if (row.use == RowUse::kIgnore || (mixed_only_ && row.sweep != 0)) return kFolds;
-    const bool repeated = last_ != nullptr && std::equal(row.readings.begin(), row.readings.end(),
-                                                         last_->readings.begin());
-    if (!repeated) ++pose_;
-    last_ = &row;
-    return pose_ % kFolds;
+    return static_cast<std::size_t>(hash_of(row.readings) % kFolds);
   }
 
  private:
   bool mixed_only_ = false;
-  std::size_t pose_ = 0;
-  const Observation* last_ = nullptr;
 };
 
 // Marks the rows of one fold kScore, or back.
 void mark(std::span<Observation> log, std::size_t fold, RowUse from, RowUse to,
           const Dealer& deal) {
-  Dealer dealer = deal;
   for (Observation& row : log) {
-    if (dealer.next(row) == fold && row.use == from) row.use = to;
+    if (deal.fold(row) == fold && row.use == from) row.use = to;
   }
 }
 

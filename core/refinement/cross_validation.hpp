@@ -16,10 +16,10 @@ struct CrossValidation {
 };
 
 // Fits kFolds times, each time without one fold, and scores the fold. Poses are dealt to the folds
-// in turn, rows that repeat the readings of the row before staying with it, so that no pose is on
-// both sides. Poses of sweep 0 are dealt where there are enough of them, otherwise the rows of the
-// sweeps. Only rows of use kFit take part (mark the fit's rejected rows kIgnore before); `log` is
-// unchanged on return. `outcomes` and `scratch` are for work. Errors: those of refine(), of any
+// by a hash of their readings, so that rows that repeat them stay together and the order of the log
+// does not matter. Poses of sweep 0 are dealt where there are enough of them, otherwise the rows of
+// the sweeps. Only rows of use kFit take part (mark the fit's rejected rows kIgnore before); `log`
+// is unchanged on return. `outcomes` and `scratch` are for work. Errors: those of refine(), of any
 // fold.
 [[nodiscard]] std::expected<CrossValidation, Refusal> cross_validate(const Signature& start,
                                                                      std::span<Observation> log,

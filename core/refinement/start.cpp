@@ -55,6 +55,13 @@ std::expected<void, Refusal> believe(const Signature& start, const Refined& refi
   const double stated = quality.sigma_is_estimated ? 0 : kCoarse * quality.sigma_m;
   const double allowed_m = std::max(limits.rms_m, stated);
   if (!(quality.rms_m <= allowed_m)) return refuse(quality.rms_m, allowed_m);
+  return like_its_drawing(start, refined.signature, limits);
+}
+
+}  // namespace
+
+std::expected<void, Refusal> like_its_drawing(const Signature& drawn, const Signature& found,
+                                              const StartLimits& limits) {
   // The angle between neighbouring axes is the same whatever the base and the joints' zeros; that
   // between others tells an axis that has turned about.
   const auto angle = [](const Signature& s, std::size_t i, std::size_t j) {
@@ -62,17 +69,17 @@ std::expected<void, Refusal> believe(const Signature& start, const Refined& refi
     const Vector3 b = s.X_SL[j].R.col(2);
     return std::atan2(a.cross(b).norm(), a.dot(b));
   };
-  for (std::size_t i = 0; i < start.joint_count(); ++i) {
-    for (std::size_t j = i + 1; j < start.joint_count(); ++j) {
+  for (std::size_t i = 0; i < drawn.joint_count(); ++i) {
+    for (std::size_t j = i + 1; j < drawn.joint_count(); ++j) {
       const double allowed = j == i + 1 ? limits.twist_rad : limits.turned_rad;
-      const double change = std::abs(angle(refined.signature, i, j) - angle(start, i, j));
-      if (!(change <= allowed)) return refuse(change, allowed);
+      const double change = std::abs(angle(found, i, j) - angle(drawn, i, j));
+      if (!(change <= allowed)) {
+        return std::unexpected(Refusal{Error::kNotConverged, change, allowed});
+      }
     }
   }
   return {};
 }
-
-}  // namespace
 
 Signature drawn_signature(const Arm& arm, const BaseAndTool& fitted,
                           std::span<const Observation> log, std::span<const Target> targets) {

@@ -22,6 +22,12 @@ struct StartLimits {
   double turned_rad = radians(60);  // between any two, at the readings of drawn_signature()
 };
 
+// Refuses (kNotConverged: angle found, allowed [rad]) what no arm made to its drawing would give:
+// the angle between two axes that has changed too much.
+[[nodiscard]] std::expected<void, Refusal> like_its_drawing(const Signature& drawn,
+                                                            const Signature& found,
+                                                            const StartLimits& limits);
+
 // The signature that the drawing predicts: base and targets as fitted, at the readings of the row
 // that lies most in the middle of the log.
 [[nodiscard]] Signature drawn_signature(const Arm& arm, const BaseAndTool& fitted,

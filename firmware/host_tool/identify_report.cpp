@@ -48,6 +48,22 @@ void print_corrections(const refinement::Refined& refined) {
   }
 }
 
+// Noise and model error, as far as they can be told apart.
+void print_noise(const NoiseStatement& noise) {
+  fmt::print("  noise and model error together  {:8.3f} mm per axis\n", 1e3 * noise.total_m);
+  if (noise.stated_m == 0) {
+    fmt::print("  no row states its sigma_mm: all of it counts as error of the model\n");
+  } else if (noise.contradicted) {
+    fmt::print("  that is {:.1f} times the stated noise, which is therefore not believed\n",
+               noise.total_m / noise.stated_m);
+  } else if (noise.unexplained_m > 0) {
+    fmt::print(
+        "  that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
+        "sensor's\n",
+        noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m);
+  }
+}
+
 void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
   const refinement::FitQuality& quality = outcome.refined->quality;
   fmt::print("\nThe refinement\n\n");
@@ -56,7 +72,9 @@ void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
   }
   fmt::print("  residual of the fit             {:8.3f} mm RMS, {} measurements\n",
              1e3 * quality.rms_m, quality.rows_used);
-  if (quality.covariance_enlarged) {
+  if (outcome.noise) {
+    print_noise(*outcome.noise);
+  } else if (quality.covariance_enlarged) {
     fmt::print(
         "  the residuals are {:.1f} times the stated noise; the uncertainty is enlarged by as "
         "much\n",
@@ -90,6 +108,15 @@ std::string terms_in_words(const refinement::ReadingTerms& terms) {
   return words;
 }
 
+// With and without the rows that the fit to everything rejects; and what is stated for the latter.
+void print_left_out(const calibration::HeldOutScore& score) {
+  if (score.rejected > 0) {
+    fmt::print("  without the {} of them rejected as outliers: {:.3f} mm RMS, {:.3f} mm mean\n",
+               score.rejected, 1e3 * score.rms_kept_m, 1e3 * score.mean_kept_m);
+  }
+  fmt::print("  stated for such rows beforehand: {:.3f} mm RMS\n", 1e3 * score.stated_rms_m);
+}
+
 // The figures that count, whichever the method: they are not those of the fit.
 void print_accuracy(const Found& found, const SignatureRecord& record) {
   fmt::print("\nHow accurate it is\n\n");
@@ -98,6 +125,7 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
     fmt::print("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
                left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m,
                1e3 * left_out.largest_m);
+    if (found.refinement && found.refinement->left_out) print_left_out(*found.refinement->left_out);
   } else {
     fmt::print("  too few rows to leave some of them out of the fit\n");
   }
@@ -122,6 +150,11 @@ nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::si
                               {"sigma_m", refined.quality.sigma_m},
                               {"rejected_lines", outcome.rejected_lines},
                               {"undetermined", outcome.undetermined}};
+  if (outcome.noise) {
+    json["noise_and_model_error_m"] = outcome.noise->total_m;
+    json["model_error_m"] = outcome.noise->unexplained_m;
+    json["stated_sigma_believed"] = outcome.noise->stated_m > 0 && !outcome.noise->contradicted;
+  }
   if (outcome.drawing_rms_m) json["drawing_rms_m"] = *outcome.drawing_rms_m;
   if (!outcome.fitted.readings.empty()) {
     nlohmann::ordered_json& corrections = json["reading_corrections"];
@@ -174,6 +207,15 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
                                 {"mean_m", found.validation->mean_m},
                                 {"rms_m", found.validation->rms_m},
                                 {"largest_m", found.validation->largest_m}};
+  }
+  if (found.refinement && found.refinement->left_out) {
+    const calibration::HeldOutScore& score = *found.refinement->left_out;
+    json["cross_validation"]["rejected"] = score.rejected;
+    json["cross_validation"]["mean_kept_m"] = score.mean_kept_m;
+    json["cross_validation"]["rms_kept_m"] = score.rms_kept_m;
+    json["cross_validation"]["stated_rms_m"] = score.stated_rms_m;
+    json["cross_validation"]["enlarged_by"] = score.factor;
+    json["cross_validation"]["region_squares"] = score.region_squares;
   }
   if (record.predicted_tool_error_m) {
     json["predicted_tool_error_m"] = *record.predicted_tool_error_m;

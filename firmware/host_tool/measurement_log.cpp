@@ -23,6 +23,7 @@ void MeasurementLog::add(const MeasurementRow& row, const std::optional<SensorDe
   }
   for (std::size_t k = 0; sensor && k < row.ranges_m.size(); ++k) {
     if (!row.ranges_m[k]) continue;
+    ranges_ = true;
     observation.kind = refinement::ObservationKind::kRange;
     observation.receiver = k;
     observation.range_m = scale * *row.ranges_m[k];

@@ -36,6 +36,9 @@ class MeasurementLog {
     return located_.empty() ? observations_ : located_;
   }
 
+  // No row holds ranges.
+  [[nodiscard]] bool positions_only() const { return located_.empty() && !ranges_; }
+
   [[nodiscard]] std::vector<refinement::Observation>& observations() { return observations_; }
   [[nodiscard]] const std::vector<refinement::Observation>& observations() const {
     return observations_;
@@ -52,6 +55,7 @@ class MeasurementLog {
   std::vector<int> target_numbers_;
   std::vector<refinement::Observation> located_;
   std::vector<int> located_numbers_;
+  bool ranges_ = false;
   std::map<int, std::size_t> outermost_sweep_;  // 0: seen in a row with sweep 0
 };
 

@@ -20,7 +20,9 @@ constexpr std::size_t kFewestMixed = 6;
 // Radians or metres; zeros nearer to the drawing's are nothing to mention.
 constexpr double kNotableShift = 0.05;
 // Corrections that nobody asked for are tried on logs up to this long: a second or two.
-constexpr std::size_t kMostRowsToOffer = 3000;
+constexpr std::size_t kMostRowsToOffer = 1000;
+// Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
+constexpr std::size_t kToTellNoise = 3;
 
 bool any(const refinement::ReadingTerms& terms) {
   return terms.gain || terms.first || terms.second;
@@ -46,10 +48,16 @@ class Run {
  private:
   [[nodiscard]] Read<void> place_targets(const std::optional<Signature>& start);
   [[nodiscard]] Read<void> fit(const std::optional<Signature>& start);
+  [[nodiscard]] Read<void> fit_positions(const std::optional<Signature>& start);
+  [[nodiscard]] Read<void> check_counts(const std::optional<Signature>& start) const;
   [[nodiscard]] Read<void> fit_further(const FurtherUnknowns& further);
+  void note_zeros(const JointVector& shifts);
+  [[nodiscard]] std::size_t unknowns() const;
   [[nodiscard]] std::expected<void, Refusal> refit(const Signature& start);
   [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
   [[nodiscard]] std::unexpected<Problem> refuse(const Refusal& refusal) const;
+  [[nodiscard]] std::unexpected<Problem> refuse_start(const Refusal& refusal) const;
+  [[nodiscard]] Read<void> mixed_agree() const;
   [[nodiscard]] std::unexpected<Problem> suspecting(Problem problem) const;
   [[nodiscard]] std::span<const Target> targets() const {
     return {targets_.data(), targets_.size()};
@@ -64,6 +72,7 @@ class Run {
   std::unique_ptr<refinement::Refined> refined_;
   std::optional<double> drawing_rms_m_;
   std::vector<std::string> zeros_;
+  std::optional<Calibrated> calibrated_;
 };
 
 // With the reading that seems to be to blame, where one is found.
@@ -117,54 +126,92 @@ std::optional<std::size_t> Run::contradicting_mixed() const {
   return mixed >= kFewestMixed && most ? std::optional(rejected) : std::nullopt;
 }
 
-// Axes and targets alone.
-Read<void> Run::fit(const std::optional<Signature>& start) {
-  const auto& rows = log_.observations();
-  if (start) {
-    const auto done = refinement::refine(*start, rows, config_, verdicts_, *refined_);
-    if (!done) return refuse(done.error());
-    if (const auto contradicting = contradicting_mixed()) {
-      return suspecting({file_, 0, 0,
-                         fmt::format("{} rows with sweep 0 contradict the sweeps", *contradicting),
-                         "sweeps and poses of one arm, in one place, with rigid targets"});
-    }
-    return {};
-  }
-  std::size_t numbers = 0;
-  for (const auto& row : rows) {
-    numbers += row.kind == refinement::ObservationKind::kPosition ? 3 : 1;
-  }
+std::size_t Run::unknowns() const {
   std::size_t unknowns = 3 * targets_.size();
   for (const DhJoint& joint : nominal_.joints) {
     unknowns += joint.type == JointType::kRevolute ? 4 : 2;
   }
-  if (numbers < unknowns) {
+  return unknowns;
+}
+
+void Run::note_zeros(const JointVector& shifts) {
+  for (std::size_t j = 0; j < shifts.size(); ++j) {
+    if (std::abs(shifts[j]) < kNotableShift) continue;
+    zeros_.push_back(fmt::format("joint {}: its zero is about {} from the drawing's", j + 1,
+                                 reading_in_words(nominal_.joints[j].type, shifts[j])));
+  }
+}
+
+// More numbers than unknowns, and some to tell the noise by.
+Read<void> Run::check_counts(const std::optional<Signature>& start) const {
+  const auto& rows = log_.observations();
+  std::size_t numbers = 0;
+  bool stated = true;
+  for (const auto& row : rows) {
+    numbers += row.kind == refinement::ObservationKind::kPosition ? 3 : 1;
+    stated = stated && row.sigma_m > 0;
+  }
+  const std::size_t least = unknowns();
+  const bool positions = log_.positions_only();
+  const std::size_t needed = least + (stated || numbers < least || !positions ? 0 : kToTellNoise);
+  if (numbers < needed && (positions || !start)) {
     return refuse(
-        Refusal{Error::kTooFewPoints, static_cast<double>(numbers), static_cast<double>(unknowns)});
+        Refusal{Error::kTooFewPoints, static_cast<double>(numbers), static_cast<double>(needed)});
+  }
+  return {};
+}
+
+// Axes and targets alone.
+Read<void> Run::fit(const std::optional<Signature>& start) {
+  const auto& rows = log_.observations();
+  if (const auto counted = check_counts(start); !counted) return counted;
+  if (log_.positions_only()) return fit_positions(start);
+  if (start) {
+    const auto done = refinement::refine(*start, rows, config_, verdicts_, *refined_);
+    if (!done) return refuse(done.error());
+    return mixed_agree();
   }
   refinement::DrawingReport report;
   const auto done = refinement::refine_from_drawing(nominal_, rows, targets(), config_, verdicts_,
                                                     *refined_, {}, &report, log_.positions());
-  // What the base lacks is counted in rows, what the unknowns lack in numbers.
-  const bool no_base = !done && done.error().error == Error::kTooFewPoints &&
-                       done.error().needed < static_cast<double>(unknowns);
-  if (no_base) {
-    return std::unexpected(
-        Problem{file_, 0, 0,
-                fmt::format("{:.0f} positions of a target on the last link to find the base from",
-                            done.error().found),
-                config_.receivers.empty()
-                    ? "rows of a target on the last link, at four poses or more"
-                    : "rows in which three receivers or more heard it, at four poses or more"});
-  }
-  if (!done) return refuse(done.error());
+  if (!done) return refuse_start(done.error());
   drawing_rms_m_ = report.drawn_rms_m;
-  for (std::size_t j = 0; j < report.zero_shifts.size(); ++j) {
-    if (std::abs(report.zero_shifts[j]) < kNotableShift) continue;
-    zeros_.push_back(fmt::format("joint {}: its zero is about {} from the drawing's", j + 1,
-                                 reading_in_words(nominal_.joints[j].type, report.zero_shifts[j])));
+  note_zeros(report.zero_shifts);
+  return {};
+}
+
+Read<void> Run::fit_positions(const std::optional<Signature>& start) {
+  auto done = run_calibration({nominal_, start, log_.observations(), targets()}, verdicts_);
+  if (!done) return start ? refuse(done.error()) : refuse_start(done.error());
+  calibrated_ = std::move(*done);
+  *refined_ = *calibrated_->refined;
+  if (start) return mixed_agree();
+  drawing_rms_m_ = calibrated_->drawing_rms_m;
+  note_zeros(calibrated_->zero_shifts);
+  return {};
+}
+
+Read<void> Run::mixed_agree() const {
+  if (const auto contradicting = contradicting_mixed()) {
+    return suspecting({file_, 0, 0,
+                       fmt::format("{} rows with sweep 0 contradict the sweeps", *contradicting),
+                       "sweeps and poses of one arm, in one place, with rigid targets"});
   }
   return {};
+}
+
+// What the base lacks is counted in rows, what the unknowns lack in numbers.
+std::unexpected<Problem> Run::refuse_start(const Refusal& refusal) const {
+  if (refusal.error != Error::kTooFewPoints || refusal.needed >= static_cast<double>(unknowns())) {
+    return refuse(refusal);
+  }
+  return std::unexpected(
+      Problem{file_, 0, 0,
+              fmt::format("{:.0f} positions of a target on the last link to find the base from",
+                          refusal.found),
+              config_.receivers.empty()
+                  ? "rows of a target on the last link, at four poses or more"
+                  : "rows in which three receivers or more heard it, at four poses or more"});
 }
 
 std::expected<void, Refusal> Run::refit(const Signature& start) {
@@ -189,18 +236,7 @@ Read<void> Run::fit_further(const FurtherUnknowns& further) {
   if (any(terms)) config_.request.readings.resize(n, terms);
   const auto done = refit(refined_->signature);
   if (!done) return refuse(done.error());
-  if (further.choose_readings) return {};
-  for (const refinement::Undetermined& open : refined_->undetermined) {
-    if (open.open != refinement::Open::kReadingGain &&
-        open.open != refinement::Open::kReadingFirst &&
-        open.open != refinement::Open::kReadingSecond &&
-        open.open != refinement::Open::kReceiverOffset) {
-      continue;
-    }
-    return std::unexpected(
-        Problem{file_, 0, 0, in_words(open, refined_->signature),
-                "rows that cover more of the joint's range, or --correct without it"});
-  }
+  calibrated_.reset();
   return {};
 }
 
@@ -219,6 +255,8 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                             .rejected_lines = log_.rejected_lines(verdicts_),
                             .undetermined = {},
                             .cross_validation = {},
+                            .left_out = {},
+                            .noise = {},
                             .offered = {},
                             .drawing_rms_m = drawing_rms_m_,
                             .zeros = zeros_,
@@ -234,9 +272,23 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
     outcome.predicted_tool_error_m = uncertainty::predicted_rms(*refined_, nominal_.limits, *tool);
   }
   const auto scratch = std::make_unique<refinement::Refined>();
-  const auto crossed =
-      refinement::cross_validate(refined_->signature, rows, config_, verdicts_, *scratch);
-  if (crossed) outcome.cross_validation = *crossed;
+  if (calibrated_) {
+    for (const std::size_t t : calibrated_->alone) {
+      outcome.undetermined.push_back(
+          fmt::format("target {}: a single row sees it, and nothing checks that row",
+                      refined_->signature.targets[t].number));
+    }
+    outcome.noise = calibrated_->noise;
+    outcome.left_out = calibrated_->left_out;
+    if (const auto& score = calibrated_->left_out) {
+      outcome.cross_validation =
+          refinement::CrossValidation{score->rows, score->mean_m, score->rms_m, score->largest_m};
+    }
+  } else if (const auto crossed = refinement::cross_validate(refined_->signature, rows, config_,
+                                                             verdicts_, *scratch)) {
+    outcome.cross_validation = *crossed;
+  }
+  const bool crossed = outcome.cross_validation.has_value();
   if (crossed && config_.request.readings.empty() && !further.choose_readings &&
       rows.size() <= kMostRowsToOffer) {
     refinement::CrossValidation best;

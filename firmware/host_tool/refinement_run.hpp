@@ -9,6 +9,7 @@
 
 #include "core/refinement/cross_validation.hpp"
 #include "core/refinement/start.hpp"
+#include "firmware/host_tool/calibration_run.hpp"
 #include "firmware/host_tool/formats/problem.hpp"
 #include "firmware/host_tool/measurement_log.hpp"
 
@@ -34,6 +35,9 @@ struct RefinementOutcome {
   std::vector<std::size_t> rejected_lines;                      // gross outliers
   std::vector<std::string> undetermined;                        // in words
   std::optional<refinement::CrossValidation> cross_validation;  // none of too few rows
+  // Of positions without further unknowns: on poses left out, and the noise that they show.
+  std::optional<calibration::HeldOutScore> left_out;
+  std::optional<NoiseStatement> noise;
   std::optional<OfferedCorrections> offered;
   std::optional<double>
       drawing_rms_m;               // of the drawing with base and tool fitted; from drawings only

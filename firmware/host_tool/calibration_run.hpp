@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// core/calibration over a log of positions: the memory it needs, the starts it may have, and what
+// its figures mean for a signature.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/calibration/held_out.hpp"
+#include "core/refinement/start.hpp"
+
+namespace armsig::tool {
+
+// Per axis, 1 sigma.
+struct NoiseStatement {
+  double total_m = 0;        // of a measured position about the model's prediction
+  double stated_m = 0;       // rms of what the rows state; 0: nothing
+  double unexplained_m = 0;  // what the sensor's own noise leaves of the total
+  // What was stated is far more than the residuals show: it was not believed.
+  bool contradicted = false;
+};
+
+struct Calibrated {
+  std::unique_ptr<refinement::Refined> refined;
+  calibration::FitSummary summary;
+  std::optional<calibration::HeldOutScore> left_out;  // none of too few poses
+  NoiseStatement noise;
+  std::vector<std::size_t> alone;  // targets that a single row sees: nothing checks them
+  double drawing_rms_m = 0;        // of the drawing with base and targets fitted
+  JointVector zero_shifts;         // of the start, where the drawing's zeros led nowhere
+};
+
+struct CalibrationLog {
+  const Arm& nominal;
+  const std::optional<Signature>& start;          // from features, or none
+  std::span<const refinement::Observation> rows;  // positions only
+  std::span<const Target> targets;
+};
+
+// Fits the geometry, and scores it on poses left out. `verdicts`, as long as the rows, receives
+// residuals and rejections. Refusals: those of fit_base_and_tool(); kNotConverged and
+// kTooManyOutliers where no arm near the description explains the rows.
+[[nodiscard]] std::expected<Calibrated, Refusal> run_calibration(
+    const CalibrationLog& log, std::span<refinement::RowOutcome> verdicts);
+
+}  // namespace armsig::tool
