@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `check` as a user meets it: whether an arm is still the one that its signature says.
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "host_tests/cli/identified_arm.hpp"
@@ -69,6 +71,31 @@ TEST(Check, finds_the_zero_of_a_joint_that_has_moved) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_NE(outcome.out.find("held.csv: drifted"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("zero of joint 3"), std::string::npos) << outcome.out;
+}
+
+// 250 mm and 3 degrees from where it stood: the arm is the same, and the noise is not thousands of
+// times the stated one.
+TEST(Check, finds_the_place_that_the_arm_was_measured_from) {
+  const Folder folder;
+  Csv held = identified(folder);
+  for (std::size_t k = 0; k < held.rows.size(); ++k) {
+    const double c = std::cos(3 / 57.29577951308232);
+    const double s = std::sin(3 / 57.29577951308232);
+    const double x = held.number(k, "x_mm");
+    const double y = held.number(k, "y_mm");
+    held.rows[k][held.column("x_mm")] = std::to_string(c * x - s * y + 200);
+    held.rows[k][held.column("y_mm")] = std::to_string(s * x + c * y - 150);
+  }
+  const Outcome outcome = check(folder, held);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.out.find("measured from another place: 2"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find(", 3.0"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("from there consistent"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("times the one stated"), std::string::npos) << outcome.out;
+  const json result = json::parse(check(folder, held, "--json").out);
+  EXPECT_EQ(result["verdict"], "another-place");
+  EXPECT_NEAR(result["place"]["turn_rad"], 3 / 57.2957795, 1e-3);
+  EXPECT_LT(result["rms_m"], 6e-4);
 }
 
 TEST(Check, finds_a_sensor_worse_than_stated) {

@@ -6,6 +6,7 @@
 
 #include "core/uncertainty/drift.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/diagnosis/place.hpp"
 #include "firmware/host_tool/estimate.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
@@ -45,7 +46,8 @@ const char* verdict_word(uncertainty::Verdict verdict) {
 }
 
 struct Checked {
-  uncertainty::DriftReport report;
+  uncertainty::DriftReport report;  // with the sensor where `place` puts it
+  std::optional<Place> place;       // where that is another one than at the identification
   std::optional<ResidualSummary> nominal;
   std::vector<std::size_t> rejected_lines;
 };
@@ -58,7 +60,13 @@ void print_residuals(const char* of, double rms_m, double mean_m, double largest
 void print_for_a_person(const Checked& checked, std::size_t joints,
                         const std::string& measurements) {
   const uncertainty::DriftReport& report = checked.report;
-  fmt::print("{}: {}\n\n", measurements, uncertainty::describe(report.verdict));
+  if (checked.place) {
+    fmt::print("{}: measured from another place: {:.1f} mm, {:.2f}°; from there {}\n\n",
+               measurements, 1e3 * checked.place->shift_m, degrees(checked.place->turn_rad),
+               uncertainty::describe(report.verdict));
+  } else {
+    fmt::print("{}: {}\n\n", measurements, uncertainty::describe(report.verdict));
+  }
   if (report.verdict == uncertainty::Verdict::kDrifted) {
     fmt::print("  most likely {}\n", what_moved(report, joints));
   }
@@ -77,26 +85,34 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
   } else {
     fmt::print("  before: these rows are too few to fit base and tool to the drawing\n");
   }
-  print_residuals("after: the signature as it is", report.rms_m, report.mean_m, report.largest_m);
+  print_residuals(
+      checked.place ? "after: the signature, from that place" : "after: the signature as it is",
+      report.rms_m, report.mean_m, report.largest_m);
   fmt::print("  chi-square {:.1f} with {} degrees of freedom; healthy arms stay below {:.1f}\n",
              report.chi_square, report.freedom, report.allowed);
 }
 
 nlohmann::ordered_json json_of(const Checked& checked, int status) {
   const uncertainty::DriftReport& report = checked.report;
-  nlohmann::ordered_json json{{"status", status},
-                              {"verdict", verdict_word(report.verdict)},
-                              {"link", report.link},
-                              {"noise_factor", report.noise_factor},
-                              {"chi_square", report.chi_square},
-                              {"degrees_of_freedom", report.freedom},
-                              {"allowed", report.allowed},
-                              {"rows", report.rows},
-                              {"rows_rejected", report.rows_rejected},
-                              {"rejected_lines", checked.rejected_lines},
-                              {"rms_m", report.rms_m},
-                              {"mean_m", report.mean_m},
-                              {"largest_m", report.largest_m}};
+  nlohmann::ordered_json json{
+      {"status", status},
+      {"verdict", checked.place ? "another-place" : verdict_word(report.verdict)},
+      {"link", report.link},
+      {"noise_factor", report.noise_factor},
+      {"chi_square", report.chi_square},
+      {"degrees_of_freedom", report.freedom},
+      {"allowed", report.allowed},
+      {"rows", report.rows},
+      {"rows_rejected", report.rows_rejected},
+      {"rejected_lines", checked.rejected_lines},
+      {"rms_m", report.rms_m},
+      {"mean_m", report.mean_m},
+      {"largest_m", report.largest_m}};
+  if (checked.place) {
+    json["place"] = {{"shift_m", checked.place->shift_m},
+                     {"turn_rad", checked.place->turn_rad},
+                     {"verdict_from_there", verdict_word(report.verdict)}};
+  }
   if (checked.nominal) {
     json["nominal"] = {{"rms_m", checked.nominal->rms_m},
                        {"mean_m", checked.nominal->mean_m},
@@ -150,6 +166,39 @@ Problem problem_of(const Refusal& refusal, const std::string& file) {
           "measured poses of a target of the signature"};
 }
 
+// A place of the sensor that leaves less than this of the residuals is another place.
+constexpr double kLeftFromPlace = 1.0 / 3;
+
+struct Judgement {
+  Judged<uncertainty::DriftReport> report;
+  std::optional<Place> place;
+};
+
+// Judges the rows as they are and, where that does not do, from the place where they fit best: the
+// log then holds them as the sensor would have seen them from its place at the identification.
+Judgement judged(const refinement::Refined& estimate, MeasurementLog& log,
+                 const refinement::Receivers& receivers,
+                 std::vector<refinement::RowOutcome>& outcomes) {
+  const auto scratch = std::make_unique<refinement::SquareRootFactor>();
+  auto& rows = log.observations();
+  Judgement result{
+      .report = uncertainty::check_drift(estimate, rows, receivers, outcomes, *scratch),
+      .place = {}};
+  if (result.report && result.report->verdict == uncertainty::Verdict::kConsistent) return result;
+  const auto place = fit_place(estimate, rows);
+  if (!place || place->after_m > kLeftFromPlace * place->before_m) return result;
+  const auto as_seen = rows;
+  for (refinement::Observation& row : rows) row.p_S = place->X_ON * row.p_S;
+  std::vector<refinement::RowOutcome> from_there(rows.size());
+  auto report = uncertainty::check_drift(estimate, rows, receivers, from_there, *scratch);
+  if (report) {
+    outcomes = std::move(from_there);
+    return {.report = std::move(report), .place = place};
+  }
+  rows = as_seen;
+  return result;
+}
+
 int run(const CheckOptions& options) {
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
@@ -168,19 +217,20 @@ int run(const CheckOptions& options) {
   if (!log) return fail(log.error(), kBadInput, options);
 
   std::vector<refinement::RowOutcome> outcomes(log->observations().size());
-  const auto scratch = std::make_unique<refinement::SquareRootFactor>();
   refinement::Receivers receivers;
   if (sensor) receivers = receivers_of(*sensor).p_S;
-  const auto report =
-      uncertainty::check_drift(**estimate, log->observations(), receivers, outcomes, *scratch);
+  Judgement judgement = judged(**estimate, *log, receivers, outcomes);
+  const auto& report = judgement.report;
   if (!report) return fail(problem_of(report.error(), options.measurements), kNoAnswer, options);
 
   Checked checked{.report = *report,
+                  .place = judgement.place,
                   .nominal = nominal_residuals(*drawing, log->observations(), log->positions(),
                                                {signature.targets.data(), signature.targets.size()},
                                                receivers, outcomes),
                   .rejected_lines = log->rejected_lines(outcomes)};
-  const int status = report->verdict == uncertainty::Verdict::kConsistent ? kDone : kNoAnswer;
+  const bool healthy = report->verdict == uncertainty::Verdict::kConsistent && !judgement.place;
+  const int status = healthy ? kDone : kNoAnswer;
   if (options.json) {
     print_json(json_of(checked, status));
   } else {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 // armsig identify: measurements to a signature.
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "core/refinement/chain.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/diagnosis/collector.hpp"
+#include "firmware/host_tool/diagnosis/gate.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/foreign_columns.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
@@ -22,6 +26,7 @@ struct IdentifyOptions : CommonOptions {
   std::string arm, measurements, columns, sensor, out, serial;
   std::string method = "encoder";
   std::vector<std::string> correct;
+  bool accept_different_arm = false;
   std::optional<MappedMeasurements> mapped;  // by `columns`
 };
 
@@ -108,6 +113,39 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
                .validation = validation};
 }
 
+// Fewer rows than these say nothing against an arm.
+constexpr std::size_t kFewestToDoubt = 12;
+
+std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
+                              const SignatureRecord& record) {
+  if (evidence.rows.size() < kFewestToDoubt) return std::nullopt;
+  const refinement::Chain chain(record.signature, record.readings());
+  const auto& targets = record.signature.targets;
+  const auto predicted_S = [&](const EvidenceRow& row) -> std::optional<Vector3> {
+    const auto* target = std::ranges::find(targets, row.target, &Target::number);
+    if (target == targets.end()) return std::nullopt;
+    return (1 + record.scale) * chain.point(chain.motion(row.q), *target);
+  };
+  return doubt(evidence, limits,
+               FoundArm{.predicted_S = predicted_S,
+                        .predicted_error_m = record.predicted_tool_error_m.value_or(0)});
+}
+
+// A refusal, with the mistake that explains it where one is found.
+Problem explained(Problem problem, const Evidence& evidence, const ArmLimits& limits) {
+  if (evidence.rows.size() < kFewestToDoubt) return problem;
+  const auto found = doubt(evidence, limits, std::nullopt);
+  if (!found || found->cause.empty()) return problem;
+  problem.what += "; most likely " + found->cause;
+  problem.expected += (problem.expected.empty() ? "" : "; ") + found->expected;
+  return problem;
+}
+
+Problem problem_of(const Doubt& doubt, const std::string& file) {
+  const std::string cause = doubt.cause.empty() ? "" : "; " + doubt.cause;
+  return {file, 0, 0, doubt.what + cause, doubt.expected};
+}
+
 int run(IdentifyOptions options) {
   const auto further = further_unknowns(options);
   if (!further) return fail(further.error(), kBadInput, options);
@@ -129,17 +167,22 @@ int run(IdentifyOptions options) {
   const bool refine = options.method == "refined";
   IdentificationRun identification(arm->arm, sensor, options.measurements,
                                    refine ? Purpose::kRefinement : Purpose::kValidatedFeatures);
-  ExitStatus status = kBadInput;
-  const auto read =
-      read_all(options, arm->arm, "Reading measurements", [&](const MeasurementRow& row) {
-        auto taken = identification.take(row);
-        if (!taken) status = kNoAnswer;
-        return taken;
-      });
-  if (!read) return fail(read.error(), status, options);
+  EvidenceCollector collector(arm->arm, sensor);
+  Read<void> taken;  // the first row that was refused says why; the others are evidence
+  const auto read = read_all(options, arm->arm, "Reading measurements",
+                             [&](const MeasurementRow& row) -> Read<void> {
+                               collector.add(row);
+                               if (taken) taken = identification.take(row);
+                               return {};
+                             });
+  if (!read && taken) return fail(read.error(), kBadInput, options);
+  const auto refuse = [&](const Problem& problem) {
+    return fail(explained(problem, collector.evidence(), arm->limits), kNoAnswer, options);
+  };
+  if (!taken) return refuse(taken.error());
   const auto found = refine ? identified_by_refinement(identification, *further)
                             : identified_by_features(options, arm->arm, identification);
-  if (!found) return fail(found.error(), kNoAnswer, options);
+  if (!found) return refuse(found.error());
 
   SignatureRecord record = record_of(found->identified, *arm, options.method, options.serial);
   const std::size_t receivers = sensor ? sensor->receivers_S.size() : 0;
@@ -147,6 +190,11 @@ int run(IdentifyOptions options) {
     add_refinement(record, *found->refinement, receivers);
   } else {
     add_features(record, found->validation);
+  }
+  if (const auto doubt = doubt_of(collector.evidence(), arm->limits, record)) {
+    const Problem problem = problem_of(*doubt, options.measurements);
+    if (!options.accept_different_arm) return fail(problem, kNoAnswer, options);
+    record.warnings.push_back("accepted as a different arm: " + problem.what);
   }
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);
@@ -192,6 +240,9 @@ void add_identify(CLI::App& app, int& status) {
                       "(semicolons, decimal commas and lines before the header are understood)");
   command->add_option("--serial", options->serial, "serial number of the arm, for the record");
   command->add_option("--out", options->out, "signature file to write (YAML)")->required();
+  command->add_flag("--accept-different-arm", options->accept_different_arm,
+                    "write the signature of an arm that is far from its drawing, or that the "
+                    "measurements contradict, all the same; the record keeps a warning");
   add_common(*command, *options);
   command->callback([options, &status] { status = run(*options); });
 }

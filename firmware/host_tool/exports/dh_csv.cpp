@@ -27,8 +27,8 @@ std::string heading(const SignatureRecord& record, const std::string& convention
 std::string row_text(std::size_t joint, JointType type, const std::array<double, 4>& parameters,
                      const JointLimits& limits) {
   std::string text = fmt::format("{},{}", joint + 1, word_of(type));
-  for (const double parameter : parameters) text += "," + number_text(parameter);
-  return text + "," + number_text(limits.lower) + "," + number_text(limits.upper) + "\n";
+  for (const double parameter : parameters) text += fmt::format(",{}", number_text(parameter));
+  return text + fmt::format(",{},{}\n", number_text(limits.lower), number_text(limits.upper));
 }
 
 }  // namespace

@@ -69,9 +69,45 @@ Read<JointCoupling> read_coupling(const YamlNode& node,
   return coupling;
 }
 
+// Far enough to let everything through that is no wrong unit; an arm that may differ more needs no
+// drawing.
+Read<double> read_deviation(const YamlQuantity& given) {
+  ARMSIG_TRY(value, read_number(*given.value, given.key->text));
+  if (value > 0) return given.unit.to_si(value);
+  return problem_at(*given.value, fmt::format("{}: {} is not positive", given.key->text, value),
+                    "how far an arm may be from the drawing");
+}
+
+Read<ArmLimits> read_deviations(const YamlNode& node) {
+  std::vector<std::string> known;
+  add_names(known, "tilt", Dimension::kAngle);
+  add_names(known, "shift", Dimension::kLength);
+  add_names(known, "zero", Dimension::kAngle);
+  ARMSIG_TRY(map, YamlMap::open(node, "deviations", known));
+  ArmLimits limits;
+  ARMSIG_TRY(tilt, map.find_quantity("tilt", Dimension::kAngle));
+  ARMSIG_TRY(shift, map.find_quantity("shift", Dimension::kLength));
+  ARMSIG_TRY(zero, map.find_quantity("zero", Dimension::kAngle));
+  if (tilt) {
+    ARMSIG_TRY(tilt_rad, read_deviation(*tilt));
+    limits.tilt_rad = tilt_rad;
+  }
+  if (shift) {
+    ARMSIG_TRY(shift_m, read_deviation(*shift));
+    limits.least_shift_m = shift_m;
+    limits.shift_share = 0;
+  }
+  if (zero) {
+    ARMSIG_TRY(zero_rad, read_deviation(*zero));
+    limits.zero_rad = zero_rad;
+  }
+  return limits;
+}
+
 Read<ArmDescription> arm_from(const YamlNode& root) {
   if (auto tag = check_tag(root, kArmTag); !tag) return std::unexpected(std::move(tag).error());
-  ARMSIG_TRY(map, YamlMap::open(root, "the arm", {"armsig", "name", "joints", "coupling"}));
+  ARMSIG_TRY(
+      map, YamlMap::open(root, "the arm", {"armsig", "name", "joints", "coupling", "deviations"}));
   ArmDescription description;
   ARMSIG_TRY(name, map.text("name"));
   description.name = name;
@@ -89,6 +125,10 @@ Read<ArmDescription> arm_from(const YamlNode& root) {
   if (const YamlNode* coupling = map.find("coupling")) {
     ARMSIG_TRY(couplings, read_couplings(*coupling, description.arm.joints));
     description.arm.couplings = couplings;
+  }
+  if (const YamlNode* deviations = map.find("deviations")) {
+    ARMSIG_TRY(limits, read_deviations(*deviations));
+    description.limits = limits;
   }
   return description;
 }

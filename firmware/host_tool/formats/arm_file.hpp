@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/base/arm.hpp"
+#include "firmware/host_tool/formats/arm_limits.hpp"
 #include "firmware/host_tool/formats/problem.hpp"
 #include "firmware/host_tool/formats/yaml_tree.hpp"
 
@@ -16,6 +17,8 @@ inline constexpr std::string_view kArmTag = "arm/1";
 struct ArmDescription {
   std::string name;
   Arm arm;
+  // The key `deviations`, or the defaults. (Without {}, g++ calls it missing where it is left out.)
+  ArmLimits limits = {};  // NOLINT(readability-redundant-member-init)
 };
 
 // A revolute joint without limits gets -180 to 180 degrees; a prismatic one must state them.

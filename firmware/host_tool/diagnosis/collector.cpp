@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/diagnosis/collector.hpp"
+
+#include <cmath>
+
+#include "firmware/host_tool/ranging.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr std::size_t kRowsKept = 8192;
+
+}  // namespace
+
+EvidenceCollector::EvidenceCollector(const Arm& drawing, std::optional<SensorDescription> sensor)
+    : sensor_(std::move(sensor)), evidence_{drawing, {}} {}
+
+void EvidenceCollector::add(const MeasurementRow& row) {
+  phase_ = std::fmod(phase_ + kGoldenShare, 1.0);
+  if (thinning_ > 0 && phase_ >= std::ldexp(1.0, -static_cast<int>(thinning_))) return;
+  EvidenceRow kept{.line = row.line, .sweep = row.sweep, .target = row.target, .q = row.q};
+  if (row.p_S) {
+    kept.p_S = *row.p_S;
+    kept.sigma_m = row.sigma_m.value_or(0);
+  } else {
+    if (row.ranges_m.empty() || !sensor_) return;
+    const auto scale = range_scale(row, sensor_, "");
+    if (!scale) return;
+    const auto position = locate(row, *sensor_, *scale);
+    if (!position) return;
+    kept.p_S = position->p_S;
+    kept.sigma_m = std::sqrt(position->covariance_m2.trace() / 3);
+  }
+  evidence_.rows.push_back(kept);
+  if (evidence_.rows.size() < kRowsKept) return;
+  evidence_ = thinned(evidence_, kRowsKept / 2);
+  ++thinning_;
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// Keeps of the rows of a file what a diagnosis needs, in bounded memory.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "firmware/host_tool/diagnosis/evidence.hpp"
+#include "firmware/host_tool/formats/measurements.hpp"
+#include "firmware/host_tool/formats/sensor_file.hpp"
+
+namespace armsig::tool {
+
+class EvidenceCollector {
+ public:
+  EvidenceCollector(const Arm& drawing, std::optional<SensorDescription> sensor);
+
+  // A row without a position, or with ranges that give none, is passed over.
+  void add(const MeasurementRow& row);
+  [[nodiscard]] const Evidence& evidence() const { return evidence_; }
+
+ private:
+  std::optional<SensorDescription> sensor_;
+  Evidence evidence_;
+  // One of every 2^thinning_ rows is kept, chosen without a period.
+  std::uint32_t thinning_ = 0;
+  double phase_ = 0;
+};
+
+}  // namespace armsig::tool

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/diagnosis/deviating_chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/refinement/base_and_tool.hpp"
+
+namespace armsig::tool {
+namespace {
+
+// The priors are a third of what is allowed; zeros may be far, and cost little.
+constexpr double kPriorShare = 1.0 / 3;
+// Beyond this the frame of a drawing row is not where the arm is: near-parallel axes.
+constexpr double kFarFrame_m = 5;
+constexpr double kTwistSigma_rad = radians(0.5);
+constexpr double kSecondPlace_m = 2;  // how far a sensor is carried, 1 sigma
+constexpr double kSecondPlace_rad = 1;
+constexpr double kLeastReach_m = 1e-3;
+
+Pose turned(const Vector3& rotation, const Vector3& shift) {
+  const double angle = rotation.norm();
+  Pose X{.R = Matrix3::Identity(), .p = shift};
+  if (angle > 0) X.R = rotation_about(rotation / angle, angle);
+  return X;
+}
+
+}  // namespace
+
+Pose DeviatingChain::Link::drawn_part(double reading) const {
+  const bool revolute = drawn.type == JointType::kRevolute;
+  const double moved = reading + deviation[6];
+  const Matrix3 R_z = rotation_z(drawn.theta_rad + (revolute ? moved : 0));
+  const Vector3 p(drawn.a_m, 0, drawn.d_m + (revolute ? 0 : moved));
+  return {R_z * rotation_x(drawn.alpha_rad), R_z * p};
+}
+
+Pose DeviatingChain::Link::deviating_part() const {
+  const Pose local = turned(deviation.head<3>(), deviation.segment<3>(3));
+  const Pose about{.R = local.R, .p = centre_L + local.p - local.R * centre_L};
+  return Pose{.R = rotation_x(deviation[7]), .p = Vector3::Zero()} * about;
+}
+
+DeviatingChain::DeviatingChain(const Evidence& evidence, const ArmLimits& limits)
+    : couplings_(evidence.arm.couplings), targets_(seen_targets(evidence)) {
+  const Arm& arm = evidence.arm;
+  const std::size_t n = arm.joints.size();
+  // The middle of the readings is where the axes are looked at.
+  JointVector middle;
+  middle.resize(n, 0);
+  for (const EvidenceRow& row : evidence.rows) {
+    two_places_ = two_places_ || row.moved;
+    for (std::size_t j = 0; j < n; ++j) {
+      middle[j] += row.q[j] / static_cast<double>(evidence.rows.size());
+    }
+  }
+  const auto frames = refinement::drawn_frames(arm, effective_readings(arm, middle));
+  Vector3 at_B = Vector3::Zero();
+  for (std::size_t k = 1; k <= n; ++k) {
+    Link link{.drawn = arm.joints[k - 1]};
+    const Vector3 before_B = at_B;
+    if (k < n) {  // z of frame k is the axis of joint k + 1
+      const Vector3 z_B = frames[k].R.col(2);
+      if (arm.joints[k].type == JointType::kRevolute) {
+        at_B = frames[k].p + z_B * z_B.dot(at_B - frames[k].p);
+      } else if (frames[k].p.norm() < kFarFrame_m) {
+        at_B = frames[k].p;
+      }
+      link.next_is_revolute = arm.joints[k].type == JointType::kRevolute;
+    }
+    // Along its own axis a revolute joint is where the next axes put it: a chain of common normals.
+    reach_m_ += (at_B - before_B).norm();
+    link.centre_L = frames[k].inverse() * at_B;
+    links_.push_back(link);
+  }
+  double lengths_m = 0;
+  for (const DhJoint& joint : arm.joints) {
+    lengths_m +=
+        std::abs(joint.a_m) + (std::abs(joint.d_m) < kFarFrame_m ? std::abs(joint.d_m) : 0);
+  }
+  reach_m_ = std::max({kLeastReach_m, reach_m_, lengths_m});
+  const double shift_m =
+      kPriorShare * std::max(limits.least_shift_m, limits.shift_share * reach_m_);
+  for (std::size_t k = 0; k < n; ++k) {
+    Link& link = links_[k];
+    link.inverse_sigma.head<3>().setConstant(1 / (kPriorShare * limits.tilt_rad));
+    link.inverse_sigma.segment<3>(3).setConstant(1 / shift_m);
+    const bool revolute = link.drawn.type == JointType::kRevolute;
+    link.inverse_sigma[6] =
+        1 / (kPriorShare * (revolute ? limits.zero_rad : limits.zero_share * reach_m_));
+    const bool far = link.centre_L.norm() > kFarFrame_m && std::abs(link.drawn.d_m) > kFarFrame_m;
+    link.inverse_sigma[7] = 1 / (far ? kTwistSigma_rad : 1e-9);
+  }
+}
+
+void DeviatingChain::place(const Pose& X_SB, const std::vector<Vector3>& p_LT) {
+  X_SB_ = X_SB;
+  p_LT_ = p_LT;
+}
+
+std::size_t DeviatingChain::target_of(int number) const {
+  return static_cast<std::size_t>(std::ranges::find(targets_, number, &SeenTarget::number) -
+                                  targets_.begin());
+}
+
+DeviatingChain::Placed DeviatingChain::placed(const JointVector& effective,
+                                              std::size_t last) const {
+  Placed placed;
+  placed.full[0] = placed.drawn[0] = Pose{};
+  for (std::size_t k = 1; k <= last; ++k) {
+    placed.drawn[k] = placed.full[k - 1] * links_[k - 1].drawn_part(effective[k - 1]);
+    placed.full[k] = k < last ? placed.drawn[k] * links_[k - 1].deviating_part() : placed.drawn[k];
+  }
+  return placed;
+}
+
+std::vector<Vector3> DeviatingChain::residuals(const Evidence& evidence) const {
+  std::vector<Vector3> residuals;
+  residuals.reserve(evidence.rows.size());
+  for (const EvidenceRow& row : evidence.rows) {
+    const std::size_t target = target_of(row.target);
+    const std::size_t last = targets_[target].link;
+    const Placed at = placed(effective_readings(couplings_, row.q), last);
+    Vector3 p_S = X_SB_ * (at.drawn[last] * p_LT_[target]);
+    if (row.moved) p_S = X_SM_ * p_S;
+    residuals.emplace_back(row.p_S - p_S);
+  }
+  return residuals;
+}
+
+// Columns for base, second place and every link: displacements of the point by unit rotations about
+// centres and unit shifts, all in the sensor frame.
+void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
+                                 Eigen::Matrix3Xd& J) const {
+  J.setZero();
+  const std::size_t last = targets_[target].link;
+  const Placed at = placed(effective_readings(couplings_, row.q), last);
+  const Vector3 p_B = at.drawn[last] * p_LT_[target];
+  const Matrix3 R = row.moved ? Matrix3(X_SM_.R * X_SB_.R) : X_SB_.R;
+  const auto shift_and_turn = [&](Eigen::Index column, const Matrix3& R_B,
+                                  const Vector3& centre_B) {
+    for (int i = 0; i < 3; ++i) {
+      J.col(column + i) = R * R_B.col(i).cross(p_B - centre_B);
+      J.col(column + 3 + i) = R * R_B.col(i);
+    }
+  };
+  shift_and_turn(0, Matrix3::Identity(), Vector3::Zero());
+  if (row.moved) {
+    const Vector3 p_S = X_SB_ * p_B;
+    for (int i = 0; i < 3; ++i) {
+      J.col(kPlace + i) = Vector3::Unit(i).cross(X_SM_.R * p_S);
+      J.col(kPlace + 3 + i) = Vector3::Unit(i);
+    }
+  }
+  for (std::size_t k = 1; k < last; ++k) {
+    const Link& link = links_[k - 1];
+    const Eigen::Index column = kFixed + kOfLink * static_cast<Eigen::Index>(k - 1);
+    const Pose& before = at.drawn[k];
+    shift_and_turn(column, before.R,
+                   before * (link.centre_L + Vector3(link.deviation.segment<3>(3))));
+    const Vector3 z = at.full[k - 1].R.col(2);
+    const bool revolute = link.drawn.type == JointType::kRevolute;
+    J.col(column + 6) = R * (revolute ? Vector3(z.cross(p_B - at.full[k - 1].p)) : z);
+    if (link.inverse_sigma[7] < 1e8) {
+      J.col(column + 7) = R * before.R.col(0).cross(p_B - before.p);
+    }
+  }
+  J.middleCols<3>(target_column(target)) = R * at.drawn[last].R;
+}
+
+DeviatingChain::Normal DeviatingChain::normal(const Evidence& evidence,
+                                              const std::vector<Vector3>& residuals,
+                                              const std::vector<double>& weights) const {
+  const Eigen::Index size = target_column(targets_.size());
+  Normal normal{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
+  Eigen::Matrix3Xd J(3, size);
+  for (std::size_t k = 0; k < evidence.rows.size(); ++k) {
+    if (weights[k] <= 0) continue;
+    derivatives(evidence.rows[k], target_of(evidence.rows[k].target), J);
+    normal.H.selfadjointView<Eigen::Lower>().rankUpdate(J.transpose(), weights[k]);
+    normal.g.noalias() += weights[k] * (J.transpose() * residuals[k]);
+  }
+  normal.H.triangularView<Eigen::StrictlyUpper>() = normal.H.transpose();
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Link& link = links_[k];
+    const Eigen::Index column = kFixed + kOfLink * static_cast<Eigen::Index>(k);
+    for (Eigen::Index i = 0; i < kOfLink; ++i) {
+      const double weight = link.inverse_sigma[i] * link.inverse_sigma[i];
+      normal.H(column + i, column + i) += weight;
+      normal.g[column + i] -= weight * link.deviation[i];
+    }
+  }
+  for (Eigen::Index i = 0; i < 3; ++i) {  // holds what no row speaks of
+    normal.H(kPlace + i, kPlace + i) += 1 / (kSecondPlace_rad * kSecondPlace_rad);
+    normal.H(kPlace + 3 + i, kPlace + 3 + i) += 1 / (kSecondPlace_m * kSecondPlace_m);
+  }
+  return normal;
+}
+
+double DeviatingChain::prior_squares() const {
+  double squares = 0;
+  for (const Link& link : links_) {
+    squares += link.deviation.cwiseProduct(link.inverse_sigma).squaredNorm();
+  }
+  return squares;
+}
+
+void DeviatingChain::move(const Eigen::VectorXd& x) {
+  X_SB_ = X_SB_ * turned(x.head<3>(), x.segment<3>(3));
+  if (two_places_) {
+    const Pose step = turned(x.segment<3>(kPlace), x.segment<3>(kPlace + 3));
+    X_SM_ = {step.R * X_SM_.R, step.R * X_SM_.p + step.p};
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    links_[k].deviation += x.segment<kOfLink>(kFixed + kOfLink * static_cast<Eigen::Index>(k));
+  }
+  for (std::size_t t = 0; t < targets_.size(); ++t) p_LT_[t] += x.segment<3>(target_column(t));
+}
+
+std::vector<Deviation> DeviatingChain::deviations() const {
+  std::vector<Deviation> deviations;
+  double carried = 0;  // a turn of the link before about this joint's axis is a zero of it
+  for (const Link& link : links_) {
+    Deviation deviation;
+    const Vector3 w = link.deviation.head<3>();
+    deviation.zero = link.deviation[6] + carried;
+    deviation.tilt_rad = std::hypot(w.x(), w.y());
+    deviation.shift_m = link.deviation.segment<3>(3).norm();
+    carried = link.next_is_revolute ? w.z() : 0;
+    deviations.push_back(deviation);
+  }
+  return deviations;
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// An arm that differs from its drawing a little at every joint, and how its targets then move.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "firmware/host_tool/diagnosis/near_fit.hpp"
+
+namespace armsig::tool {
+
+// Unknowns: base (6), the sensor's second place (6), per joint but the last rotation, shift and
+// zero (7) and, where the drawing's frame is metres away, the twist there (1), targets (3 each).
+class DeviatingChain {
+ public:
+  DeviatingChain(const Evidence& evidence, const ArmLimits& limits);
+
+  void place(const Pose& X_SB, const std::vector<Vector3>& p_LT);
+  void move(const Eigen::VectorXd& x);
+
+  [[nodiscard]] std::vector<Vector3> residuals(const Evidence& evidence) const;
+
+  struct Normal {
+    Eigen::MatrixXd H;
+    Eigen::VectorXd g;
+  };
+  // Of the weighted squares of the residuals and the priors.
+  [[nodiscard]] Normal normal(const Evidence& evidence, const std::vector<Vector3>& residuals,
+                              const std::vector<double>& weights) const;
+  [[nodiscard]] double prior_squares() const;
+
+  [[nodiscard]] std::vector<Deviation> deviations() const;
+  [[nodiscard]] double reach_m() const { return reach_m_; }
+  [[nodiscard]] const Pose& X_SB() const { return X_SB_; }
+  [[nodiscard]] const Pose& X_SM() const { return X_SM_; }
+
+ private:
+  static constexpr Eigen::Index kPlace = 6;
+  static constexpr Eigen::Index kSecond = 6;
+  static constexpr Eigen::Index kOfLink = 8;
+  static constexpr Eigen::Index kFixed = kPlace + kSecond;
+
+  struct Link {
+    DhJoint drawn;
+    Vector3 centre_L = Vector3::Zero();  // about which it deviates, in its own frame
+    Vector3 next_axis_L = Vector3::UnitZ();
+    bool next_is_revolute = false;
+    Eigen::Matrix<double, kOfLink, 1> deviation = Eigen::Matrix<double, kOfLink, 1>::Zero();
+    Eigen::Matrix<double, kOfLink, 1> inverse_sigma = Eigen::Matrix<double, kOfLink, 1>::Zero();
+
+    [[nodiscard]] Pose drawn_part(double reading) const;
+    [[nodiscard]] Pose deviating_part() const;
+  };
+  struct Placed {
+    std::array<Pose, kMaxFrames> drawn;  // X_B of each link before its own deviation
+    std::array<Pose, kMaxFrames> full;   // after it
+  };
+
+  [[nodiscard]] Eigen::Index target_column(std::size_t target) const {
+    return kFixed + kOfLink * static_cast<Eigen::Index>(links_.size()) +
+           3 * static_cast<Eigen::Index>(target);
+  }
+  [[nodiscard]] std::size_t target_of(int number) const;
+  [[nodiscard]] Placed placed(const JointVector& effective, std::size_t last) const;
+  void derivatives(const EvidenceRow& row, std::size_t target, Eigen::Matrix3Xd& J) const;
+
+  JointCouplings couplings_;
+  std::vector<Link> links_;
+  std::vector<SeenTarget> targets_;
+  std::vector<Vector3> p_LT_;
+  Pose X_SB_;
+  Pose X_SM_;
+  double reach_m_ = 0;
+  bool two_places_ = false;
+};
+
+}  // namespace armsig::tool

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// What a diagnosis looks at: an arm as drawn, and the rows that were measured of it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/base/arm.hpp"
+#include "core/base/pose.hpp"
+
+namespace armsig::tool {
+
+// Median length of three unit normal errors.
+inline constexpr double kMedianLengthOf3 = 1.538;
+// Multiples of it modulo 1 are spread evenly, without a period.
+inline constexpr double kGoldenShare = 0.6180339887498949;
+
+// Precondition: not empty.
+[[nodiscard]] double median_of(std::vector<double> values);
+// RMS of the smallest four fifths of lengths. Precondition: not empty.
+[[nodiscard]] double trimmed_rms(std::vector<double> lengths);
+
+struct EvidenceRow {
+  std::size_t line = 0;   // of the file, from 1
+  std::size_t sweep = 0;  // joint number from 1; 0: any joint may have moved
+  int target = 0;
+  JointVector q;  // as read: couplings not applied; radians or metres
+  Vector3 p_S = Vector3::Zero();
+  double sigma_m = 0;  // 1 sigma per axis as stated; 0 where nothing was stated
+  bool moved = false;  // measured from the second of two places of the sensor
+};
+
+struct Evidence {
+  Arm arm;
+  std::vector<EvidenceRow> rows;  // in the order of the file
+};
+
+// Every target number seen, with the link that it is on: the last for rows with sweep 0, otherwise
+// that of the outermost joint that sweeps it.
+struct SeenTarget {
+  int number = 0;
+  std::size_t link = 0;
+};
+[[nodiscard]] std::vector<SeenTarget> seen_targets(const Evidence& evidence);
+
+// At most `most` of the rows, spread over all of them.
+[[nodiscard]] Evidence thinned(const Evidence& evidence, std::size_t most);
+
+// 1 sigma per axis that the rows state (their median), 0 where fewer than half state any.
+[[nodiscard]] double stated_sigma_m(const Evidence& evidence);
+
+// 1 sigma per axis that the sweeps themselves show, by whichever is smaller: what is left about
+// the path of each sweep's target by its joint reading, or by the order of the rows. 0 without a
+// sweep of eight rows.
+[[nodiscard]] double noise_of_sweeps_m(const Evidence& evidence);
+
+}  // namespace armsig::tool

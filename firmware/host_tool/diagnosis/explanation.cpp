@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/diagnosis/explanation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/diagnosis/hypothesis.hpp"
+#include "firmware/host_tool/diagnosis/moved.hpp"
+
+namespace armsig::tool {
+namespace {
+
+// What gravity, gears and heat leave of a sound arm at most, as a share of its reach.
+constexpr double kModelShare = 0.005;
+constexpr double kOfSigma = 4 * 1.732;
+// Residuals beyond so many times the noise ask for a cause.
+constexpr double kSuspicious = 3;
+constexpr double kSuspiciousClipped = 8;
+// Residuals below this share of the reach are nobody's mistake.
+constexpr double kNothing = 1e-4;
+// A cause must explain so much of the residuals of a set that is sound as it is.
+constexpr double kExplains = 3;
+constexpr std::size_t kRowsToChoose = 120;
+constexpr std::size_t kRowsToFit = 260;
+constexpr std::size_t kFitted = 10;
+constexpr double kStrange = 0.25;
+constexpr double kSurprise = 0.5;
+// Arms from here to there are built.
+constexpr double kShortestReach_m = 0.05;
+constexpr double kLongestReach_m = 20;
+
+bool is_built(const NearFit& fit) {
+  return fit.reach_m > kShortestReach_m && fit.reach_m < kLongestReach_m;
+}
+
+bool is_sound(const NearFit& fit, const ArmLimits& limits, const Arm& arm, double stated_m) {
+  return fit.rms80_m <= acceptable_m(fit, stated_m) && fit.farthest(limits, arm) <= 1;
+}
+
+// The lower the better: residuals down to the noise, deviations, how unusual the mistake is.
+double score_of(const NearFit& fit, double noise_length_m, const ArmLimits& limits,
+                double surprise) {
+  const double floor_m = std::max(noise_length_m, 1e-5 * fit.reach_m);
+  return std::log(std::max({fit.rms80_m, 0.3 * fit.clipped_m, floor_m}) / fit.reach_m) +
+         kStrange * std::min(40.0, fit.strangeness(limits)) + kSurprise * surprise +
+         (is_built(fit) ? 0 : 2);
+}
+
+struct Tried {
+  NearFit fit;
+  double score = std::numeric_limits<double>::infinity();
+  Explanation explanation;
+};
+
+std::string fits_within(const NearFit& fit, const NearFit& before) {
+  return fmt::format("they fit within {}, instead of {}", short_length(fit.rms80_m),
+                     short_length(before.rms80_m));
+}
+
+class Search {
+ public:
+  Search(const Evidence& evidence, const Reference& reference, const ArmLimits& limits,
+         bool refused)
+      : evidence_(thinned(evidence, kRowsToFit)),
+        reference_(reference),
+        limits_(limits),
+        refused_(refused) {}
+
+  void try_hypotheses() {
+    std::vector<Hypothesis> all = hypotheses_of_rows(evidence_);
+    for (auto* more : {&hypotheses_of_readings, &hypotheses_of_arm}) {
+      std::ranges::move((*more)(evidence_), std::back_inserter(all));
+    }
+    const Evidence few = thinned(evidence_, kRowsToChoose);
+    std::vector<std::pair<double, const Hypothesis*>> order;
+    for (const Hypothesis& hypothesis : all) {
+      // Rows out of step need their neighbours.
+      Evidence undone = evidence_;
+      hypothesis.undo(undone);
+      undone = thinned(undone, few.rows.size());
+      order.emplace_back(std::log(drawn_misfit(undone)) + 0.2 * hypothesis.surprise, &hypothesis);
+    }
+    std::ranges::sort(order, {}, [](const auto& pair) { return pair.first; });
+    for (std::size_t k = 0; k < std::min(kFitted, order.size()); ++k) try_one(*order[k].second);
+  }
+
+  void try_moves() {
+    if (const auto moved = find_moved_sensor(evidence_, limits_)) {
+      const Vector3& along = moved->along_S;
+      take(moved->evidence, moved->fit, 0.6,
+           {.words = fmt::format(
+                "rows {} to {} were measured from another place: {} along ({:+.2f}, {:+.2f}, "
+                "{:+.2f}), {:.2f}°; with that undone {}",
+                moved->first_line, moved->last_line, short_length(moved->shift_m), along.x(),
+                along.y(), along.z(), degrees(moved->turn_rad),
+                fits_within(moved->fit, reference_.fit)),
+            .mend = "measure again with the sensor left where it is, or give each place a file of "
+                    "its own"});
+    }
+    if (const auto changed = find_changed_tool(evidence_, limits_)) {
+      take(changed->evidence, changed->fit, 0.8,
+           {.words = fmt::format("from about line {} on the target is another point; as another "
+                                 "target {}",
+                                 changed->first_line, fits_within(changed->fit, reference_.fit)),
+            .mend = "another number in column target for those rows"});
+    }
+  }
+
+  [[nodiscard]] std::optional<Explanation> best() const {
+    if (!std::isfinite(best_.score)) return std::nullopt;
+    return best_.explanation;
+  }
+  // As good as noise allows: nothing better is to be found.
+  [[nodiscard]] bool is_convincing() const {
+    const double noise_m = reference_.noise_length_m();
+    return std::isfinite(best_.score) &&
+           best_.fit.rms80_m < (noise_m > 0 ? 2 * noise_m : 1e-3 * best_.fit.reach_m);
+  }
+
+ private:
+  void try_one(const Hypothesis& hypothesis) {
+    Evidence undone = evidence_;
+    hypothesis.undo(undone);
+    const auto fit = fit_near(undone, limits_);
+    if (!fit) return;
+    take(undone, *fit, hypothesis.surprise,
+         {.words = fmt::format("{}: {} {}", hypothesis.cause, hypothesis.undoing,
+                               fits_within(*fit, reference_.fit)),
+          .mend = hypothesis.mend,
+          .harmless = hypothesis.harmless});
+  }
+
+  void take(const Evidence& undone, const NearFit& fit, double surprise, Explanation explanation) {
+    if (!is_sound(fit, limits_, undone.arm, reference_.stated_m)) return;
+    const NearFit& before = reference_.fit;
+    const double share = fit.rms80_m / fit.reach_m;
+    const double share_before = before.rms80_m / before.reach_m;
+    const double clipped = fit.clipped_m / fit.reach_m;
+    const double clipped_before = before.clipped_m / before.reach_m;
+    const bool explains = share * kExplains < share_before ||
+                          (clipped * kExplains < clipped_before && share < 1.05 * share_before);
+    const bool nearer =
+        refused_ && before.farthest(limits_, evidence_.arm) > 1 && share < 1.2 * share_before;
+    if (!explains && !nearer) return;
+    const double score = score_of(fit, reference_.noise_length_m(), limits_, surprise);
+    if (score < best_.score) best_ = {fit, score, std::move(explanation)};
+  }
+
+  Evidence evidence_;
+  const Reference& reference_;
+  const ArmLimits& limits_;
+  bool refused_;
+  Tried best_;
+};
+
+}  // namespace
+
+std::string short_length(double metres) {
+  if (metres >= 1) return fmt::format("{:.3g} m", metres);
+  return fmt::format("{:.3g} mm", 1e3 * metres);
+}
+
+double Reference::noise_length_m() const {
+  if (stated_m <= 0) return std::sqrt(3.0) * sweeps_m;
+  // Sweeps show more where the arm errs; they show far more where the mistake is in them.
+  return std::sqrt(3.0) * std::max(stated_m, std::min(sweeps_m, 5 * stated_m));
+}
+
+std::optional<Reference> reference_of(const Evidence& evidence, const ArmLimits& limits) {
+  auto fit = fit_near(evidence, limits);
+  if (!fit) return std::nullopt;
+  const double numbers = 3.0 * static_cast<double>(evidence.rows.size());
+  const double unknowns = 3.0 * static_cast<double>(seen_targets(evidence).size()) +
+                          5.0 * static_cast<double>(evidence.arm.joints.size());
+  const double freedom = std::max(0.1, 1 - unknowns / numbers);
+  Reference reference{.fit = std::move(*fit),
+                      .stated_m = stated_sigma_m(evidence),
+                      .sweeps_m = noise_of_sweeps_m(evidence)};
+  reference.shown_m = reference.fit.sigma_m / std::sqrt(freedom);
+  return reference;
+}
+
+double acceptable_m(const NearFit& fit, double stated_m) {
+  return kModelShare * fit.reach_m + kOfSigma * stated_m;
+}
+
+bool is_suspicious(const Reference& reference) {
+  const double noise_m = reference.noise_length_m();
+  const double least_m = kNothing * reference.fit.reach_m;
+  if (noise_m <= 0) return reference.fit.rms80_m > least_m;
+  return reference.fit.rms80_m > kSuspicious * noise_m + least_m ||
+         reference.fit.clipped_m > kSuspiciousClipped * noise_m + least_m;
+}
+
+std::optional<Explanation> explain(const Evidence& evidence, const Reference& reference,
+                                   const ArmLimits& limits, bool refused) {
+  Search search(evidence, reference, limits, refused);
+  search.try_hypotheses();
+  if (!search.is_convincing()) search.try_moves();
+  auto best = search.best();
+  if (!best && refused) {
+    const std::string odd = odd_columns(evidence);
+    if (!odd.empty()) best = Explanation{.words = odd, .mend = "the columns as they were measured"};
+  }
+  return best;
+}
+
+}  // namespace armsig::tool

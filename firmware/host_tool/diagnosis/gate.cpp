@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/diagnosis/gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/diagnosis/explanation.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr std::size_t kRowsToJudge = 400;
+// Stated noise beyond so many times what the rows show at most is a wrong column.
+constexpr double kSigmaTooLarge = 6;
+constexpr std::size_t kFewestForSigma = 30;
+// A method may miss the rows by so much more than the nearest arm does, and than it says itself.
+constexpr double kMethodFactor = 4;
+
+// RMS of the best four fifths of what the found arm misses the rows by.
+double missed_m(const Evidence& evidence, const FoundArm& found) {
+  std::vector<double> lengths;
+  for (const EvidenceRow& row : evidence.rows) {
+    if (const auto p_S = found.predicted_S(row)) lengths.push_back((row.p_S - *p_S).norm());
+  }
+  if (lengths.empty()) return 0;
+  return trimmed_rms(std::move(lengths));
+}
+
+std::string deviation_in_words(const NearFit& fit, const ArmLimits& limits, const Arm& arm) {
+  const double shift_m = std::max(limits.least_shift_m, limits.shift_share * fit.reach_m);
+  std::string words;
+  double worst = 0;
+  for (std::size_t j = 0; j < fit.joints.size(); ++j) {
+    const Deviation& joint = fit.joints[j];
+    const auto say = [&](double share, std::string said) {
+      if (share <= worst) return;
+      worst = share;
+      words = std::move(said);
+    };
+    say(joint.tilt_rad / limits.tilt_rad,
+        fmt::format("the axis after joint {} is tilted by {:.2f}° from the drawing's, {:.2f}° are "
+                    "allowed",
+                    j + 1, degrees(joint.tilt_rad), degrees(limits.tilt_rad)));
+    say(joint.shift_m / shift_m,
+        fmt::format(
+            "the axis after joint {} is {:.1f} mm from the drawing's, {:.1f} mm are allowed", j + 1,
+            1e3 * joint.shift_m, 1e3 * shift_m));
+    if (arm.joints[j].type == JointType::kRevolute) {
+      say(std::abs(joint.zero) / limits.zero_rad,
+          fmt::format("the zero of joint {} is {:.1f}° from the drawing's, {:.0f}° are allowed",
+                      j + 1, degrees(joint.zero), degrees(limits.zero_rad)));
+    }
+  }
+  return words;
+}
+
+// What is wrong with the nearest arm, or with the method's against it; empty where nothing is.
+std::string objection(const Evidence& evidence, const Reference& reference, const ArmLimits& limits,
+                      const std::optional<FoundArm>& found) {
+  const NearFit& fit = reference.fit;
+  const double allowed_m = acceptable_m(fit, reference.stated_m);
+  if (fit.rms80_m > allowed_m) {
+    return fmt::format(
+        "no arm like its drawing explains the measurements: the nearest misses by {} (the best "
+        "four "
+        "fifths of the rows)",
+        short_length(fit.rms80_m));
+  }
+  if (fit.farthest(limits, evidence.arm) > 1) {
+    return "this is not the arm of the drawing: " + deviation_in_words(fit, limits, evidence.arm);
+  }
+  if (reference.stated_m > 0 && evidence.rows.size() >= kFewestForSigma &&
+      reference.stated_m > kSigmaTooLarge * std::max(reference.sweeps_m, reference.shown_m)) {
+    return fmt::format("sigma_mm states {}, and the rows scatter by {}",
+                       short_length(reference.stated_m), short_length(reference.shown_m));
+  }
+  if (found) {
+    const double missed = missed_m(evidence, *found);
+    const double noise_m = std::sqrt(3.0) * std::max(reference.stated_m, reference.sweeps_m);
+    if (missed >
+        kMethodFactor * std::max(fit.rms80_m, std::hypot(noise_m, found->predicted_error_m))) {
+      return fmt::format(
+          "the arm found misses the measured points by {}, where one near the drawing misses by {}",
+          short_length(missed), short_length(fit.rms80_m));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
+                           const std::optional<FoundArm>& found) {
+  const Evidence evidence = thinned(all, kRowsToJudge);
+  const auto reference = reference_of(evidence, limits);
+  if (!reference) return std::nullopt;
+  Doubt result;
+  result.what = objection(evidence, *reference, limits, found);
+  const bool refused = !result.what.empty() || !found;
+  if (!refused && !is_suspicious(*reference)) return std::nullopt;
+  if (const auto explanation = explain(evidence, *reference, limits, refused)) {
+    if (result.what.empty() && !found && explanation->harmless) return std::nullopt;
+    if (result.what.empty()) {
+      result.what =
+          fmt::format("the measurements contradict each other: the nearest arm misses by {}",
+                      short_length(reference->fit.clipped_m));
+    }
+    result.cause = explanation->words;
+    result.expected = explanation->mend;
+    return result;
+  }
+  if (result.what.empty()) return std::nullopt;
+  result.expected =
+      "the arm of the description, in one place, with rigid targets; or --accept-different-arm";
+  return result;
+}
+
+}  // namespace armsig::tool

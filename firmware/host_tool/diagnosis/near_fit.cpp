@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/diagnosis/near_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Dense>
+
+#include "core/refinement/base_and_tool.hpp"
+#include "firmware/host_tool/diagnosis/base_search.hpp"
+#include "firmware/host_tool/diagnosis/deviating_chain.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr double kLeastSigma_m = 2e-6;
+constexpr double kHuber = 2.5;      // in sigmas per axis
+constexpr double kRejected = 10.0;  // of these, nothing is believed any more
+constexpr int kGentleSteps = 3;     // in which no row is given up yet
+constexpr double kClip = 0.1;
+constexpr double kSettled = 1e-3;  // share of the cost that a step must save
+
+class Fit {
+ public:
+  Fit(const Evidence& evidence, const ArmLimits& limits)
+      : evidence_(evidence), chain_(evidence, limits) {}
+
+  void start(const BasePlace& place) { chain_.place(place.X_SB, place.p_LT); }
+
+  void descend(int steps) {
+    residuals_ = chain_.residuals(evidence_);
+    double damping = 1e-4;
+    for (int step = 0; step < steps; ++step) {
+      weigh(step < kGentleSteps);
+      const double cost = cost_of(residuals_, chain_);
+      const DeviatingChain::Normal normal = chain_.normal(evidence_, residuals_, weights_);
+      bool better = false;
+      bool settled = false;
+      for (int attempt = 0; attempt < 4 && !better; ++attempt) {
+        Eigen::MatrixXd H = normal.H;
+        H.diagonal() += damping * normal.H.diagonal();
+        H.diagonal().array() += 1e-9;
+        const Eigen::VectorXd x = H.ldlt().solve(normal.g);
+        if (!x.allFinite()) return;
+        DeviatingChain next = chain_;
+        next.move(x);
+        std::vector<Vector3> there = next.residuals(evidence_);
+        const double reached = cost_of(there, next);
+        better = reached <= cost * (1 + 1e-12);
+        settled = step > kGentleSteps && better && reached > cost * (1 - kSettled);
+        if (better) {
+          chain_ = std::move(next);
+          residuals_ = std::move(there);
+          damping = std::max(1e-9, 0.1 * damping);
+        } else {
+          damping *= 30;
+        }
+      }
+      if (!better || settled) return;
+    }
+  }
+
+  [[nodiscard]] NearFit result() const {
+    NearFit fit;
+    fit.joints = chain_.deviations();
+    fit.residuals_S = residuals_;
+    fit.reach_m = chain_.reach_m();
+    fit.X_SB = chain_.X_SB();
+    fit.X_SM = chain_.X_SM();
+    std::vector<double> lengths;
+    for (const Vector3& residual : residuals_) {
+      lengths.push_back(residual.norm());
+      fit.clipped_m += std::pow(std::min(lengths.back(), kClip * fit.reach_m), 2);
+    }
+    fit.clipped_m = std::sqrt(fit.clipped_m / static_cast<double>(lengths.size()));
+    fit.sigma_m = median_of(lengths) / kMedianLengthOf3;
+    fit.rms80_m = trimmed_rms(std::move(lengths));
+    return fit;
+  }
+
+ private:
+  void weigh(bool gentle) {
+    std::vector<double> lengths;
+    for (const Vector3& residual : residuals_) lengths.push_back(residual.norm());
+    const double sigma = std::max(kLeastSigma_m, median_of(lengths) / kMedianLengthOf3);
+    weights_.assign(lengths.size(), 0);
+    for (std::size_t k = 0; k < lengths.size(); ++k) {
+      const double in_sigma = lengths[k] / (sigma * std::sqrt(3.0));
+      if (!gentle && in_sigma > kRejected) continue;
+      weights_[k] = std::min(1.0, kHuber / in_sigma) / (sigma * sigma);
+    }
+  }
+
+  [[nodiscard]] double cost_of(const std::vector<Vector3>& residuals,
+                               const DeviatingChain& chain) const {
+    double cost = chain.prior_squares();
+    for (std::size_t k = 0; k < residuals.size(); ++k) {
+      cost += weights_[k] * residuals[k].squaredNorm();
+    }
+    return cost;
+  }
+
+  const Evidence& evidence_;
+  DeviatingChain chain_;
+  std::vector<Vector3> residuals_;
+  std::vector<double> weights_;
+};
+
+std::vector<BasePlace> places_of(const Evidence& evidence) {
+  const std::vector<SeenTarget> targets = seen_targets(evidence);
+  std::vector<PlacedRow> rows;
+  for (const EvidenceRow& row : evidence.rows) {
+    if (row.moved) continue;
+    const auto target = std::ranges::find(targets, row.target, &SeenTarget::number);
+    const auto frames =
+        refinement::drawn_frames(evidence.arm, effective_readings(evidence.arm, row.q));
+    rows.push_back(
+        {frames[target->link], row.p_S, static_cast<std::size_t>(target - targets.begin())});
+  }
+  return find_base(rows, targets.size());
+}
+
+}  // namespace
+
+double NearFit::farthest(const ArmLimits& limits, const Arm& arm) const {
+  const double shift_m = std::max(limits.least_shift_m, limits.shift_share * reach_m);
+  double farthest = 0;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const double zero = arm.joints[j].type == JointType::kRevolute
+                            ? limits.zero_rad
+                            : std::max(limits.least_shift_m, limits.zero_share * reach_m);
+    farthest = std::max({farthest, joints[j].tilt_rad / limits.tilt_rad,
+                         joints[j].shift_m / shift_m, std::abs(joints[j].zero) / zero});
+  }
+  return farthest;
+}
+
+double NearFit::strangeness(const ArmLimits& limits) const {
+  const double shift_m = std::max(limits.least_shift_m, limits.shift_share * reach_m);
+  double squares = 0;
+  for (const Deviation& joint : joints) {
+    squares += std::pow(3 * joint.tilt_rad / limits.tilt_rad, 2) +
+               std::pow(3 * joint.shift_m / shift_m, 2);
+  }
+  return squares / static_cast<double>(2 * joints.size());
+}
+
+double drawn_misfit(const Evidence& evidence) {
+  if (evidence.rows.empty()) return std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
+  for (const BasePlace& place : places_of(evidence)) {
+    Fit fit(evidence, {});
+    fit.start(place);
+    fit.descend(0);
+    const NearFit found = fit.result();
+    least = std::min(least, found.rms80_m / found.reach_m);
+  }
+  return least;
+}
+
+std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limits, int steps) {
+  if (evidence.rows.empty()) return std::nullopt;
+  std::optional<NearFit> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const BasePlace& place : places_of(evidence)) {
+    Fit fit(evidence, limits);
+    fit.start(place);
+    fit.descend(steps);
+    NearFit found = fit.result();
+    const double score = found.rms80_m * (1 + found.farthest(limits, evidence.arm));
+    if (!(score < least)) continue;
+    least = score;
+    best = std::move(found);
+  }
+  return best;
+}
+
+}  // namespace armsig::tool

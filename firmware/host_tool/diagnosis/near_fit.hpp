@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The arm nearest to its drawing that explains what was measured.
+//
+// Maximum a posteriori: every link may differ from the drawing by a small rotation and shift at its
+// joint, every joint by a zero, each with a prior as wide as any workshop would build; base and
+// targets are free. The deviations are about points where the axes are near each other, so they do
+// not depend on the frames of the drawing (a row of d = 300 m says the same as one of d = 0), and
+// of all ways to write one arm the smallest deviations are found.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "firmware/host_tool/diagnosis/evidence.hpp"
+#include "firmware/host_tool/formats/arm_limits.hpp"
+
+namespace armsig::tool {
+
+// How the axis beyond a joint lies against the drawing, in the link of that joint.
+struct Deviation {
+  double tilt_rad = 0;
+  double shift_m = 0;
+  double zero = 0;  // of the joint's reading: radians or metres
+};
+
+struct NearFit {
+  std::vector<Deviation> joints;     // one a joint
+  std::vector<Vector3> residuals_S;  // a row each
+  double sigma_m = 0;                // 1 sigma per axis by the median residual
+  double rms80_m = 0;                // of the residual lengths of the best four fifths of the rows
+  double clipped_m = 0;  // RMS of all residual lengths, none counted above a tenth of the reach
+  double reach_m = 0;    // of the drawing
+  Pose X_SB;
+  Pose X_SM;  // how the sensor's second place sees the arm: X_SM * (what the first would)
+
+  // The largest deviation in units of what `limits` allow: above 1 is another arm.
+  [[nodiscard]] double farthest(const ArmLimits& limits, const Arm& arm) const;
+  // Mean square of the deviations in units of a third of the limits, zeros left out.
+  [[nodiscard]] double strangeness(const ArmLimits& limits) const;
+};
+
+// RMS of the best four fifths of the residual lengths of the drawing as it is, base and targets
+// fitted, as a share of the drawing's reach: quick, to choose by. Infinite without rows.
+[[nodiscard]] double drawn_misfit(const Evidence& evidence);
+
+// Nothing without rows. `limits` says how wide the priors are.
+[[nodiscard]] std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limits,
+                                              int steps = 14);
+
+}  // namespace armsig::tool
