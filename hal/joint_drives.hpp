@@ -22,7 +22,8 @@ enum class DriveCondition : std::uint8_t {
   kDisabled,   // set up, without torque
   kSwitching,  // on the way from one of the other conditions to another
   kEnabled,    // follows the targets
-  kStopped,    // quick stop: halted, targets are ignored
+  kStopping,   // on its quick stop ramp, still moving
+  kStopped,    // quick stop: at rest under torque, targets are ignored
   kFaulted,    // as `fault` says; left by reset_faults() only
 };
 
@@ -32,6 +33,9 @@ struct DriveStatus {
   std::uint32_t fault_code = 0;   // the device's own: CANopen emergency or SDO abort code; 0: none
   std::uint16_t status_word = 0;  // the device's own, for the log
   bool limit_active = false;      // the drive limits the motion by itself
+  bool warning = false;           // the drive warns
+  bool has_torque = false;        // as far as the device told last
+  std::uint32_t information = 0;  // last emergency code that told no error; 0: none
 };
 
 class JointDrives {
@@ -51,21 +55,24 @@ class JointDrives {
   // True if every drive has the condition.
   [[nodiscard]] bool all(DriveCondition condition) const;
 
-  // Sends `targets` (count() values, radians or metres) to the enabled drives; a drive that is not
-  // enabled is sent its actual position, so that enabling never makes it jump. After an error the
-  // former targets are sent again, so that the cycle is kept.
+  // Sends `targets` (count() values, radians or metres) to the drives once all are enabled. A drive
+  // that is not enabled is sent its actual position, so that enabling never makes it jump; one that
+  // is enabled before the others holds the position at which it was. After an error the former
+  // targets are sent again, so that the cycle is kept.
   // Errors: kNotFinite, kJointLimit (outside the configured limits), kTargetStep, kBusDown,
   // kBusOff, kBusBusy.
   Result<void> write(const JointVector& targets, Instant now);
 
   // Errors: kDrivesNotReady (a drive is being set up, or faulted).
   Result<void> enable() { return do_enable(); }
-  // Brings every drive to rest on its ramp, then takes the torque off. No errors.
+  // Brings every drive to rest on its ramp; the torque goes when all positions stand, or when the
+  // time that the ramps may take is over. No errors.
   void disable() { do_disable(); }
   // Stops every drive on its quick stop ramp and holds it there. No errors.
   void quick_stop() { do_quick_stop(); }
-  // Forgets faults, resets faulted drives and sets up those that were lost; all end disabled. No
-  // errors: a fault that persists comes back in status().
+  // Forgets faults, resets faulted drives and sets up those that were lost, as soon as all
+  // positions stand (as for disable()); all end disabled. No errors: a fault that persists comes
+  // back in status().
   void reset_faults() { do_reset_faults(); }
 
  protected:

@@ -108,6 +108,18 @@ std::string_view describe(Error error) {
       return "the drive's position jumped";
     case Error::kTransitionTimeout:
       return "the drive did not change its state in time";
+    case Error::kTargetsIgnored:
+      return "the drive does not follow its targets";
+    case Error::kDriveLimited:
+      return "the drive limits the motion by itself";
+    case Error::kDriveLags:
+      return "the drive reports a following error";
+    case Error::kDriveWarning:
+      return "the drive's warning persists";
+    case Error::kVoltageLost:
+      return "the drive has lost its motor supply";
+    case Error::kStopTimeout:
+      return "the joint did not come to rest in time";
     case Error::kSecondMaster:
       return "another master commands the drives";
     case Error::kSdoTimeout:
@@ -132,6 +144,8 @@ std::string_view describe(Error error) {
       return "the range sensor answered with an exception";
     case Error::kSensorMalformed:
       return "the range sensor's answer is malformed";
+    case Error::kPointTimeout:
+      return "the range sensor's readings give no point in time";
     case Error::kAddressOutOfRange:
       return "the address is outside the memory or not aligned";
     case Error::kNotErased:
@@ -184,6 +198,12 @@ std::string_view describe(Error error) {
       return "the stored record is corrupt";
     case Error::kRecordUnsuitable:
       return "the stored record is of another arm";
+    case Error::kNotSettled:
+      return "the joint did not settle in time";
+    case Error::kArmMoved:
+      return "the arm moved while a point was measured";
+    case Error::kToleranceTooFine:
+      return "the tolerance is below one count of the encoder";
   }
   return "unknown error";
 }

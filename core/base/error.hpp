@@ -114,6 +114,17 @@ enum class Error : std::uint8_t {
   kNoSignature,        // no signature, or no former one, is stored
   kRecordCorrupt,      // a stored record fails its check
   kRecordUnsuitable,   // a stored record is of another arm
+  kNotSettled,         // a joint did not settle within the time and tolerance configured
+  kArmMoved,           // a joint left its place while a point was measured
+  kToleranceTooFine,   // a tolerance below the worth of one count
+  kPointTimeout,       // readings of the sensor come, but none of them gives a point
+  // What a drive says of itself while it is enabled.
+  kTargetsIgnored,  // the target is not followed
+  kDriveLimited,    // an internal limit, for longer than allowed
+  kDriveLags,       // a following error, for longer than allowed
+  kDriveWarning,    // a warning, for longer than allowed
+  kVoltageLost,     // the motor supply is gone
+  kStopTimeout,     // a joint did not come to rest in the time that its ramp may take
 };
 
 // A short English phrase for `error`, without a full stop.

@@ -22,7 +22,7 @@ JointVector VirtualSensor::true_readings() const {
   for (std::size_t i = 0; i < drives_->axes.size(); ++i) {
     // Scaling is linear: whole counts, and the part of one that the encoder does not see.
     const canopen::Scaling& scaling = drives_.scaling(i);
-    const double counts = motors_[i]->position();
+    const double counts = motors_[i]->joint_position();
     const auto whole = static_cast<std::int32_t>(counts);
     const double one = scaling.reading(whole + 1) - scaling.reading(whole);
     q.push_back(scaling.reading(whole) + one * (counts - whole));

@@ -92,7 +92,11 @@ bool reached(Goal goal, State state) {
   return false;
 }
 
-Step next_step(Goal goal, State state) {
+Step next_step(Goal goal, State state, bool stands) {
+  if (!stands && state == State::kQuickStopActive) return {0, Command::kQuickStop};
+  if (!stands && goal == Goal::kDisabled && state == State::kOperationEnabled) {
+    goal = Goal::kStopped;
+  }
   if (reached(goal, state)) {
     if (state == State::kOperationEnabled) return {0, Command::kEnableOperation};
     if (state == State::kQuickStopActive) return {0, Command::kQuickStop};

@@ -22,7 +22,9 @@ enum class State : std::uint8_t {
 [[nodiscard]] std::string_view describe(State state);
 
 // Bits of the statusword 6041h. Bit 12 and 13 have these meanings in cyclic synchronous position
-// mode.
+// mode; bit 10 tells in Quick stop active that the drive is at rest.
+inline constexpr std::uint16_t kStatusVoltage = 1U << 4;
+inline constexpr std::uint16_t kStatusTargetReached = 1U << 10;
 inline constexpr std::uint16_t kStatusWarning = 1U << 7;
 inline constexpr std::uint16_t kStatusInternalLimit = 1U << 11;
 inline constexpr std::uint16_t kStatusFollowsTarget = 1U << 12;
@@ -85,7 +87,9 @@ struct Step {
 // What to command a drive in `state` towards `goal`. At the goal it is the command that holds the
 // state. In kNotReadyToSwitchOn, kFaultReactionActive and kFault it is "disable voltage" without a
 // transition: those end by themselves, or by a fault reset that must be asked for.
-[[nodiscard]] Step next_step(Goal goal, State state);
+// While the joint does not stand (`stands` false) no command takes the torque off: an enabled drive
+// that is wanted without torque is stopped first, and held in Quick stop active.
+[[nodiscard]] Step next_step(Goal goal, State state, bool stands = true);
 
 // The whole controlword: the command alone, every mode-specific bit 0 as CSP wants it.
 [[nodiscard]] constexpr std::uint16_t control_word(Command command) {

@@ -51,8 +51,8 @@ Checked check_axis(const AxisConfiguration& axis, std::size_t number, const Scal
   const auto refuse = [&](Error error, double found, double needed) -> Checked {
     return std::unexpected(ConfigurationRefusal{error, number, found, needed});
   };
-  for (const double value :
-       {axis.limits.lower, axis.limits.upper, axis.largest_speed, axis.following_window}) {
+  for (const double value : {axis.limits.lower, axis.limits.upper, axis.largest_speed,
+                             axis.following_window, axis.stop_deceleration}) {
     if (!std::isfinite(value)) return refuse(Error::kNotFinite, value, 0);
   }
   if (axis.limits.lower >= axis.limits.upper) {
@@ -66,6 +66,10 @@ Checked check_axis(const AxisConfiguration& axis, std::size_t number, const Scal
   }
   if (axis.largest_speed <= 0) return refuse(Error::kPeriodInvalid, axis.largest_speed, 0);
   if (axis.following_window < 0) return refuse(Error::kPeriodInvalid, axis.following_window, 0);
+  if (axis.stop_deceleration < 0) return refuse(Error::kPeriodInvalid, axis.stop_deceleration, 0);
+  if (auto ramp = scaling.distance_counts(axis.stop_deceleration); !ramp) {
+    return refuse(ramp.error(), axis.stop_deceleration, 0);
+  }
   if (auto window = scaling.distance_counts(axis.following_window); !window) {
     return refuse(window.error(), axis.following_window, 0);
   }
@@ -90,8 +94,11 @@ Checked check_times(const Configuration& configuration) {
   if (configuration.heartbeat_timeout <= configuration.heartbeat) {
     return refuse(seconds(configuration.heartbeat_timeout), seconds(configuration.heartbeat));
   }
+  const StatusLimits& status = configuration.status_limits;
   for (const hal::Duration time :
-       {configuration.boot_timeout, configuration.sdo_timeout, configuration.transition_timeout}) {
+       {configuration.boot_timeout, configuration.sdo_timeout, configuration.transition_timeout,
+        configuration.stop_timeout, status.ignores, status.limits, status.lags, status.warns,
+        status.no_voltage}) {
     if (time < configuration.period) return refuse(seconds(time), seconds(configuration.period));
   }
   for (const unsigned count : {configuration.sdo_attempts, configuration.missed_feedback_limit}) {
@@ -106,6 +113,21 @@ Checked check_times(const Configuration& configuration) {
     if (rate == configuration.bits_per_second) return {};
   }
   return refuse(configuration.bits_per_second, kBitRates[0]);
+}
+
+// A stop from the largest speed must end before the torque goes.
+Checked check_ramps(const Configuration& configuration) {
+  for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
+    const double deceleration = configuration.axes[axis].stop_deceleration;
+    if (deceleration == 0) continue;
+    const double needed =
+        configuration.axes[axis].largest_speed / seconds(configuration.stop_timeout);
+    if (deceleration < needed) {
+      return std::unexpected(
+          ConfigurationRefusal{Error::kPeriodInvalid, axis, deceleration, needed});
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -131,6 +153,7 @@ std::expected<CheckedConfiguration, ConfigurationRefusal> check(
     }
   }
   if (auto ok = check_times(configuration); !ok) return std::unexpected(ok.error());
+  if (auto ok = check_ramps(configuration); !ok) return std::unexpected(ok.error());
   checked.bus_load_ = periodic_load(configuration);
   if (checked.bus_load_ > kLargestBusLoad) {
     return std::unexpected(ConfigurationRefusal{Error::kBusOverload, std::nullopt,

@@ -20,6 +20,38 @@ constexpr double kTargetPeriods = 4;
 // a drive that overshoots or is pushed stays below, a bit error does not.
 constexpr double kFeedbackMargin = 4;
 
+// A joint that goes less far than this speed would take it, in this time, stands.
+constexpr double kRestSpeed_rad = 8.7e-3;  // a second; half a degree
+constexpr double kRestSpeed_m = 1e-3;
+constexpr hal::Duration kRestTime = std::chrono::milliseconds(50);
+// Older than this a position tells nothing about standing.
+constexpr hal::Duration kFreshPosition = std::chrono::milliseconds(50);
+
+// For a drive to take its torque off before it is reset by NMT all the same.
+constexpr hal::Duration kLongestRelease = std::chrono::milliseconds(200);
+
+// Bits of the statusword that an enabled drive must keep as they are in `well`.
+struct StatusRule {
+  std::uint16_t mask;
+  std::uint16_t well;
+  Error error;
+  hal::Duration StatusLimits::* limit;
+};
+constexpr std::array<StatusRule, kStatusRules> kRules{{
+    {cia402::kStatusVoltage, cia402::kStatusVoltage, Error::kVoltageLost,
+     &StatusLimits::no_voltage},
+    {cia402::kStatusFollowingError, 0, Error::kDriveLags, &StatusLimits::lags},
+    {cia402::kStatusFollowsTarget, cia402::kStatusFollowsTarget, Error::kTargetsIgnored,
+     &StatusLimits::ignores},
+    {cia402::kStatusInternalLimit, 0, Error::kDriveLimited, &StatusLimits::limits},
+    {cia402::kStatusWarning, 0, Error::kDriveWarning, &StatusLimits::warns},
+}};
+
+bool has_torque(State state) {
+  return state == State::kOperationEnabled || state == State::kQuickStopActive ||
+         state == State::kFaultReactionActive;
+}
+
 // A drive that boots more often than this after one reset does not stay up.
 constexpr unsigned kMostBootUps = 3;
 
@@ -33,6 +65,12 @@ bool needs_setup(Error fault) {
     case Error::kTransitionTimeout:
     case Error::kFeedbackImplausible:
     case Error::kBusBusy:
+    case Error::kTargetsIgnored:
+    case Error::kDriveLimited:
+    case Error::kDriveLags:
+    case Error::kDriveWarning:
+    case Error::kVoltageLost:
+    case Error::kStopTimeout:
       return false;
     default:
       return true;
@@ -45,18 +83,23 @@ hal::DriveStatus DriveNode::status() const {
   hal::DriveStatus status{.fault = s_.fault,
                           .fault_code = s_.fault_code,
                           .status_word = s_.status_word,
-                          .limit_active = (s_.status_word & cia402::kStatusInternalLimit) != 0};
+                          .limit_active = (s_.status_word & cia402::kStatusInternalLimit) != 0,
+                          .warning = (s_.status_word & cia402::kStatusWarning) != 0,
+                          .has_torque = has_torque(s_.state),
+                          .information = s_.information};
   using enum hal::DriveCondition;
   if (s_.fault) {
     status.condition = kFaulted;
-  } else if (s_.phase != Phase::kRunning) {
+  } else if (s_.phase != Phase::kRunning || s_.set_up_again) {
     status.condition = kStarting;
-  } else if (!cia402::reached(s_.goal, s_.state)) {
+  } else if (!cia402::reached(s_.goal, s_.state) || (is_enabled() && !s_.arrived)) {
     status.condition = kSwitching;
   } else if (s_.goal == Goal::kEnabled) {
     status.condition = kEnabled;
+  } else if (s_.goal == Goal::kStopped) {
+    status.condition = s_.stands ? kStopped : kStopping;
   } else {
-    status.condition = s_.goal == Goal::kStopped ? kStopped : kDisabled;
+    status.condition = kDisabled;
   }
   return status;
 }
@@ -64,9 +107,15 @@ hal::DriveStatus DriveNode::status() const {
 void DriveNode::enter(Phase phase, hal::Instant now) {
   s_.phase = phase;
   s_.phase_since = now;
-  if (phase == Phase::kUnreset) s_.boot_ups = 0;
+  if (phase == Phase::kUnreset) {
+    s_.boot_ups = 0;
+    s_.state = State::kNotReadyToSwitchOn;
+    s_.set_up_again = false;
+    s_.stands = true;
+  }
   if (phase == Phase::kStarted) {
     s_.heard_at = now;
+    s_.heard_operational = false;
     s_.missed = 0;
     s_.answered = false;
     s_.sync_unanswered = false;
@@ -81,16 +130,19 @@ void DriveNode::set_goal(Goal goal, hal::Instant now) {
 }
 
 void DriveNode::latch(Error error, std::uint32_t code) {
-  if (s_.fault) return;
+  if (s_.fault || s_.set_up_again) return;
   s_.fault = error;
   s_.fault_code = code;
   s_.resetting = false;
 }
 
 void DriveNode::reset(hal::Instant now) {
-  if (s_.phase == Phase::kFailed || (s_.fault && needs_setup(*s_.fault))) {
+  if (s_.phase == Phase::kFailed) {
     enter(Phase::kUnreset, now);
-    s_.state = State::kNotReadyToSwitchOn;
+  } else if (s_.fault && needs_setup(*s_.fault)) {
+    s_.set_up_again = true;
+    s_.released_at.reset();
+    if (*s_.fault == Error::kDriveRebooted) s_.state = State::kNotReadyToSwitchOn;
   }
   s_.resetting = true;  // until a state other than Fault is seen; also after a new set-up
   s_.reset_bit = false;
@@ -98,6 +150,40 @@ void DriveNode::reset(hal::Instant now) {
   s_.fault_code = 0;
   s_.missed = 0;
   s_.progress_at = now;
+}
+
+// The controlword takes the torque off first, as the drive then keeps it until its brake has
+// closed.
+void DriveNode::release(hal::Instant now) {
+  if (!s_.set_up_again) return;
+  if (!s_.released_at) s_.released_at = now;
+  const bool listens = now - s_.position_at <= kFreshPosition;
+  if (has_torque(s_.state) && listens && now - *s_.released_at <= kLongestRelease) return;
+  enter(Phase::kUnreset, now);
+}
+
+// A joint that is seen for the first time is taken to stand: it has no torque by us.
+void DriveNode::take_rest(hal::Instant at) {
+  const bool turns = axis_->scaling.type == JointType::kRevolute;
+  const double tolerance =
+      (turns ? kRestSpeed_rad : kRestSpeed_m) * hal::seconds(kRestTime) + 2 * scaling_.resolution();
+  if (s_.phase == Phase::kStarted) {
+    s_.rest_position = s_.position;
+    s_.moved_at = at - kRestTime;
+  } else if (std::fabs(s_.position - s_.rest_position) > tolerance) {
+    s_.rest_position = s_.position;
+    s_.moved_at = at;
+  }
+  if (s_.state == State::kQuickStopActive && (s_.status_word & cia402::kStatusTargetReached) != 0) {
+    s_.tells_rest = true;
+  }
+}
+
+void DriveNode::update_rest(hal::Instant now) {
+  const bool told_moving = s_.tells_rest && s_.state == State::kQuickStopActive &&
+                           (s_.status_word & cia402::kStatusTargetReached) == 0;
+  s_.stands = s_.phase != Phase::kRunning || (now - s_.position_at <= kFreshPosition &&
+                                              now - s_.moved_at >= kRestTime && !told_moving);
 }
 
 bool DriveNode::take_feedback(const hal::ReceivedCanFrame& received) {
@@ -121,6 +207,7 @@ bool DriveNode::take_feedback(const hal::ReceivedCanFrame& received) {
   s_.position = position;
   s_.position_at = received.at;
   s_.answered = true;
+  take_rest(received.at);
   if (s_.phase == Phase::kStarted) {
     enter(Phase::kRunning, received.at);
     s_.progress_at = received.at;
@@ -142,8 +229,14 @@ bool DriveNode::take_heartbeat(const hal::CanFrame& frame, hal::Instant now) {
       if (++s_.boot_ups > kMostBootUps) latch(Error::kDriveRebooted);
       enter(Phase::kBooted, now);
     }
-  } else if (s_.phase == Phase::kRunning && state != NmtState::kOperational) {
-    latch(Error::kDriveNotOperational, frame.data[0]);
+  } else if (state == NmtState::kOperational) {
+    s_.heard_operational = true;
+  } else if (s_.phase == Phase::kRunning) {
+    // The first TPDO1 overtakes a heartbeat that the drive had queued before it was started.
+    const bool overtaken =
+        !s_.heard_operational && state == NmtState::kPreOperational && s_.goal != Goal::kEnabled;
+    s_.heard_operational = true;
+    if (!overtaken) latch(Error::kDriveNotOperational, frame.data[0]);
   }
   return true;
 }
@@ -153,12 +246,19 @@ bool DriveNode::take_emergency(const hal::CanFrame& frame) {
   if (!emergency) return false;
   // What a device says while it boots is about the time before; "no error" ends nothing, because a
   // fault is forgotten by the operator only.
-  if (emergency->code != 0 && is_started()) latch(Error::kDriveEmergency, emergency->code);
+  if (emergency->code == 0 || !is_started()) return true;
+  if (is_information(*emergency)) {
+    s_.information = emergency->code;
+  } else {
+    latch(Error::kDriveEmergency, emergency->code);
+  }
   return true;
 }
 
 void DriveNode::supervise(const Configuration& configuration, bool sync_sent, hal::Instant now) {
   if (!is_started()) return;
+  update_rest(now);
+  if (s_.set_up_again) return;
   if (now - s_.heard_at > configuration.heartbeat_timeout) latch(Error::kHeartbeatLost);
   if (s_.answered) {
     s_.missed = 0;
@@ -184,8 +284,12 @@ void DriveNode::check_state(const Configuration& configuration, hal::Instant now
     return;
   }
   s_.resetting = false;
+  if (s_.held) s_.progress_at = now;  // takes the time of its ramp, or of the others'
+  check_status_word(configuration.status_limits, now);
   if (cia402::reached(s_.goal, s_.state)) {
-    s_.arrived = true;
+    // A drive whose brake is still opening does not follow yet.
+    const bool follows = (s_.status_word & cia402::kStatusFollowsTarget) != 0;
+    s_.arrived = s_.arrived || s_.goal != Goal::kEnabled || follows;
   } else if (s_.arrived && s_.goal == Goal::kEnabled) {
     latch(Error::kDriveDroppedOut);
   } else if (now - s_.progress_at > configuration.transition_timeout) {
@@ -193,11 +297,23 @@ void DriveNode::check_state(const Configuration& configuration, hal::Instant now
   }
 }
 
-Result<void> DriveNode::set_target(double target, hal::Duration period, hal::Instant now) {
+void DriveNode::check_status_word(const StatusLimits& limits, hal::Instant now) {
+  for (std::size_t i = 0; i < kRules.size(); ++i) {
+    const StatusRule& rule = kRules[i];
+    const bool well = !is_enabled() || (s_.status_word & rule.mask) == rule.well;
+    if (well) {
+      s_.well_at[i] = now;
+    } else if (now - s_.well_at[i] > limits.*rule.limit) {
+      latch(rule.error, s_.status_word);
+    }
+  }
+}
+
+Result<void> DriveNode::set_target(double target, bool group_enabled, hal::Duration period,
+                                   hal::Instant now) {
   if (!std::isfinite(target)) return std::unexpected(Error::kNotFinite);
-  const bool enabled = s_.goal == Goal::kEnabled && s_.state == State::kOperationEnabled;
-  if (!enabled) {
-    s_.target = s_.position;
+  if (!is_enabled() || !group_enabled) {
+    if (!is_enabled()) s_.target = s_.position;
     s_.target_at = now;
     return {};
   }
@@ -212,23 +328,26 @@ Result<void> DriveNode::set_target(double target, hal::Duration period, hal::Ins
       kTargetMargin * axis_->largest_speed * elapsed + 2 * scaling_.resolution()) {
     return std::unexpected(Error::kTargetStep);
   }
+  // A motion that begins is seen in the targets before it is seen in the positions.
+  if (std::fabs(target - s_.target) > scaling_.resolution()) s_.moved_at = now;
   s_.target = target;
   s_.target_at = now;
   return {};
 }
 
-hal::CanFrame DriveNode::command() {
-  std::uint16_t word = cia402::control_word(cia402::next_step(s_.goal, s_.state).command);
-  if (s_.resetting && s_.state == State::kFault) {
+hal::CanFrame DriveNode::command(bool may_release) {
+  s_.held = !may_release && s_.state == State::kQuickStopActive;
+  std::uint16_t word =
+      cia402::control_word(cia402::next_step(s_.goal, s_.state, may_release).command);
+  if (s_.resetting && s_.state == State::kFault && may_release) {
     // The reset acts on the bit's rising edge; a drive that missed it is given another.
     s_.reset_bit = !s_.reset_bit;
     if (s_.reset_bit) word = cia402::control_word(cia402::Command::kFaultReset);
   }
   // A disabled drive is sent its own count back, exactly. Limits were checked to fit into counts,
   // and a position outside them came from counts.
-  const bool enabled = s_.goal == Goal::kEnabled && s_.state == State::kOperationEnabled;
   const std::int32_t counts =
-      enabled ? scaling_.counts(s_.target).value_or(s_.actual_counts) : s_.actual_counts;
+      is_enabled() ? scaling_.counts(s_.target).value_or(s_.actual_counts) : s_.actual_counts;
   hal::CanFrame frame{.id = kReceivePdo1Id + axis_->node, .length = kDrivePdoBytes};
   store(frame, 0, word);
   store(frame, 2, static_cast<std::uint32_t>(counts));

@@ -17,9 +17,15 @@ constexpr std::uint16_t kTransmitPdoMapping = 0x1A00;
 // Objects of CiA 402.
 constexpr std::uint16_t kAbortConnectionOption = 0x6007;
 constexpr std::uint16_t kQuickStopOption = 0x605A;
+constexpr std::uint16_t kShutdownOption = 0x605B;
+constexpr std::uint16_t kDisableOperationOption = 0x605C;
+constexpr std::uint16_t kFaultReactionOption = 0x605E;
 constexpr std::uint16_t kModeOfOperation = 0x6060;
 constexpr std::uint16_t kModeDisplay = 0x6061;
 constexpr std::uint16_t kFollowingWindow = 0x6065;
+constexpr std::uint16_t kPolarity = 0x607E;
+constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
+constexpr std::uint16_t kPositionOffset = 0x60B0;
 constexpr std::uint16_t kInterpolationPeriod = 0x60C2;
 constexpr std::uint16_t kSupportedModes = 0x6502;
 
@@ -30,6 +36,9 @@ constexpr std::uint32_t kSupportsCsp = 1U << 7;
 constexpr std::uint32_t kModeCsp = 8;
 constexpr std::uint32_t kAbortConnectionQuickStop = 3;
 constexpr std::uint32_t kQuickStopRampAndStay = 6;
+constexpr std::uint32_t kRampThenDisable = 1;
+constexpr std::uint32_t kQuickStopRampThenFault = 2;
+constexpr std::uint32_t kPositionReversed = 0x80;
 constexpr std::uint32_t kOnEverySync = 1;
 constexpr std::uint32_t kControlWordEntry = 0x60400010;
 constexpr std::uint32_t kTargetPositionEntry = 0x607A0020;
@@ -98,6 +107,15 @@ DriveSetup drive_setup(const CheckedConfiguration& configuration, std::size_t ax
   write(setup, kInterpolationPeriod, 2, 1, static_cast<std::uint8_t>(period.exponent));
   write(setup, kAbortConnectionOption, 0, 2, kAbortConnectionQuickStop, SetupRule::kIfPresent);
   write(setup, kQuickStopOption, 0, 2, kQuickStopRampAndStay, SetupRule::kIfPresent);
+  write(setup, kShutdownOption, 0, 2, kRampThenDisable, SetupRule::kIfPresent);
+  write(setup, kDisableOperationOption, 0, 2, kRampThenDisable, SetupRule::kIfPresent);
+  write(setup, kFaultReactionOption, 0, 2, kQuickStopRampThenFault, SetupRule::kIfPresent);
+  if (joint.stop_deceleration > 0) {
+    write(setup, kQuickStopDeceleration, 0, 4,
+          *configuration.scaling(axis).distance_counts(joint.stop_deceleration));
+  }
+  expect(setup, kPolarity, SetupRule::kEqualIfPresent, kPositionReversed, 0);
+  write(setup, kPositionOffset, 0, 4, 0, SetupRule::kIfPresent);
   if (joint.following_window > 0) {
     write(setup, kFollowingWindow, 0, 4,
           *configuration.scaling(axis).distance_counts(joint.following_window));
@@ -112,10 +130,12 @@ std::optional<Error> judge(const SetupStep& step, const SdoOutcome& outcome) {
     const std::uint32_t code = outcome.error().abort_code;
     const bool absent = outcome.error().error == Error::kSdoAborted &&
                         (code == kAbortNoObject || code == kAbortNoSubindex);
-    if (absent && step.rule == SetupRule::kIfPresent) return std::nullopt;
+    const bool optional =
+        step.rule == SetupRule::kIfPresent || step.rule == SetupRule::kEqualIfPresent;
+    if (absent && optional) return std::nullopt;
     return outcome.error().error;
   }
-  const bool reads = step.rule == SetupRule::kMustEqual || step.rule == SetupRule::kWaitsEqual;
+  const bool reads = step.rule != SetupRule::kMust && step.rule != SetupRule::kIfPresent;
   if (!reads || (*outcome & step.mask) == step.expected) return std::nullopt;
   return step.rule == SetupRule::kMustEqual ? Error::kDriveWrongType : Error::kSdoUnexpectedValue;
 }

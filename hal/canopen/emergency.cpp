@@ -85,6 +85,11 @@ std::optional<Emergency> decode_emergency(const hal::CanFrame& frame) {
   return emergency;
 }
 
+bool is_information(const Emergency& emergency) {
+  constexpr std::uint16_t kRecoveredFromBusOff = 0x8140;
+  return emergency.error_register == 0 || emergency.code == kRecoveredFromBusOff;
+}
+
 std::string_view describe_emergency(std::uint16_t code) {
   for (const Row& row : kRows) {
     if ((code & row.mask) == row.pattern) return row.words;

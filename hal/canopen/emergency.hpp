@@ -20,6 +20,10 @@ struct Emergency {
 // Empty if `frame` has not the eight bytes that the standard demands.
 [[nodiscard]] std::optional<Emergency> decode_emergency(const hal::CanFrame& frame);
 
+// Whether it tells something that is no error: no bit of the error register is set (bit 0 is set by
+// any error, CiA 301, 7.5.2.2), or the device has come back from bus-off (8140h).
+[[nodiscard]] bool is_information(const Emergency& emergency);
+
 // A short English phrase for an error code: of the code itself if it is known, else of its class.
 [[nodiscard]] std::string_view describe_emergency(std::uint16_t code);
 

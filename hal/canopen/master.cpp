@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "hal/canopen/master.hpp"
 
+#include <chrono>
+
 #include "core/base/check.hpp"
 
 namespace armsig::canopen {
@@ -27,7 +29,7 @@ Result<void> Master::do_read(hal::Instant now) {
   for (unsigned taken = 0; taken < kMaxFramesPerTick; ++taken) {
     const auto received = bus_->receive();
     if (!received) break;
-    take(*received);
+    take(with_plausible_stamp(*received));
   }
   if (!usable) {
     const Error error = bus_state == hal::CanState::kDown ? Error::kBusDown : Error::kBusOff;
@@ -40,6 +42,7 @@ Result<void> Master::do_read(hal::Instant now) {
     positions_[joint] = nodes_[joint]->state().position;
   }
   react();
+  update_release();
   if (bus_state == hal::CanState::kDown) return std::unexpected(Error::kBusDown);
   if (bus_state == hal::CanState::kBusOff) return std::unexpected(Error::kBusOff);
   return {};
@@ -54,6 +57,32 @@ void Master::react() {
       return;
     }
   }
+}
+
+void Master::update_release() {
+  if (stopping_since_) {
+    bool stand = true;
+    for (const auto& node : nodes_) stand = stand && node->state().stands;
+    if (stand) stopping_since_.reset();
+  }
+  const bool over = stopping_since_ && now_ - *stopping_since_ > configuration_->stop_timeout;
+  if (over) {
+    for (auto& node : nodes_) {
+      if (!node->state().stands) node->latch(Error::kStopTimeout);
+    }
+    stopping_since_.reset();
+  }
+  may_release_ = !stopping_since_;
+  if (!may_release_) return;
+  for (auto& node : nodes_) node->release(now_);
+}
+
+// The stamps of some buses follow a clock that people set. A frame was not received after now, nor
+// long before the last tick.
+hal::ReceivedCanFrame Master::with_plausible_stamp(hal::ReceivedCanFrame received) const {
+  constexpr hal::Duration kOldest = std::chrono::milliseconds(200);
+  if (received.at > now_ || now_ - received.at > kOldest) received.at = now_;
+  return received;
 }
 
 void Master::take(const hal::ReceivedCanFrame& received) {
@@ -127,8 +156,11 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
   now_ = now;
   busy_now_ = false;
   Result<void> result;
+  bool enabled = true;
+  for (const auto& node : nodes_) enabled = enabled && node->is_enabled() && node->state().arrived;
   for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
-    const auto set = nodes_[joint]->set_target(targets[joint], configuration_->period, now);
+    const auto set =
+        nodes_[joint]->set_target(targets[joint], enabled, configuration_->period, now);
     if (!set && result) result = set;
   }
   if (!own_heartbeat_at_ || now - *own_heartbeat_at_ >= configuration_->heartbeat) {
@@ -140,7 +172,7 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
   step_setup();
   for (auto& node : nodes_) {
     if (node->state().phase != Phase::kRunning) continue;  // no position to hold is known yet
-    const auto sent = send(node->command());
+    const auto sent = send(node->command(may_release_));
     if (!sent && result) result = sent;
   }
   busy_ticks_ = busy_now_ ? busy_ticks_ + 1 : 0;
@@ -243,8 +275,11 @@ void Master::latch_all(Error error) {
 }
 
 void Master::set_goals(Goal goal) {
+  const bool stops = goal_ == Goal::kEnabled && goal != Goal::kEnabled;
   goal_ = goal;
   for (auto& node : nodes_) node->set_goal(goal, now_);
+  if (stops) stopping_since_ = now_;
+  update_release();
 }
 
 Result<void> Master::do_enable() {
@@ -264,6 +299,7 @@ void Master::do_quick_stop() { set_goals(Goal::kStopped); }
 void Master::do_reset_faults() {
   set_goals(Goal::kDisabled);
   for (auto& node : nodes_) node->reset(now_);
+  update_release();
 }
 
 }  // namespace armsig::canopen

@@ -5,6 +5,8 @@
 //   read():  SYNC first, so that its jitter is that of the tick alone; then every frame that has
 //            arrived (at most kMaxFramesPerTick); then supervision of each drive; then the reaction
 //            of the group.
+// Stopping and stopped are two conditions: after a stop no command that takes torque off, and no
+// reset, is sent before every position stands, or Configuration::stop_timeout is over.
 //   write(): the master's heartbeat if it is due; one step of the set-up of one drive; RPDO1 of
 //            every drive whose position is known. An RPDO1 takes effect at the next SYNC
 //            (transmission type 1).
@@ -77,10 +79,12 @@ class Master final : public hal::JointDrives {
   void do_reset_faults() override;
 
   Result<void> send(const hal::CanFrame& frame);
+  [[nodiscard]] hal::ReceivedCanFrame with_plausible_stamp(hal::ReceivedCanFrame received) const;
   void take(const hal::ReceivedCanFrame& received);
   void take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received);
   void take_of_other(const hal::ReceivedCanFrame& received);
   void react();
+  void update_release();
   void latch_all(Error error);
   void set_goals(cia402::Goal goal);
   void step_others();
@@ -96,6 +100,8 @@ class Master final : public hal::JointDrives {
   JointVector positions_;
   cia402::Goal goal_ = cia402::Goal::kDisabled;
   hal::Instant now_;
+  std::optional<hal::Instant> stopping_since_;  // until every position stands
+  bool may_release_ = true;                     // torque may be taken off
   std::optional<hal::Instant> own_heartbeat_at_;
   unsigned busy_ticks_ = 0;
   bool busy_now_ = false;

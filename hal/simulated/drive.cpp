@@ -18,6 +18,13 @@ constexpr std::uint16_t kEmergencySync = 0x8700;
 
 }  // namespace
 
+DriveConfiguration honest_drive(std::uint8_t node, double counts_per_radian) {
+  return {.node = node,
+          .motion = honest_motion(counts_per_radian),
+          .tells_rest = true,
+          .answer_delay = std::chrono::microseconds(200)};
+}
+
 Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Instant now)
     : configuration_(configuration),
       bus_(&bus),
@@ -25,8 +32,16 @@ Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Ins
       motion_(configuration.motion, now),
       now_(now),
       boot_at_(now + configuration.boot_time) {
-  read_settings();
+  restore_dictionary();
   publish();
+}
+
+void Drive::restore_dictionary() {
+  dictionary_.restore();
+  const auto ramp = static_cast<std::uint32_t>(configuration_.motion.stop_deceleration);
+  dictionary_.set(0x6084, 0, ramp);
+  dictionary_.set(0x6085, 0, ramp);
+  read_settings();
 }
 
 void Drive::read_settings() {
@@ -49,10 +64,16 @@ void Drive::read_settings() {
                .master = static_cast<std::uint8_t>((consumer >> 16) & 0x7F),
                .master_timeout = milliseconds(consumer & 0xFFFF),
                .heartbeat = milliseconds(dictionary_.get(0x1017)),
-               .quick_stop_option = static_cast<std::uint16_t>(dictionary_.get(0x605A)),
+               .stops = {.quick_stop = static_cast<std::uint16_t>(dictionary_.get(0x605A)),
+                         .shutdown = static_cast<std::uint16_t>(dictionary_.get(0x605B)),
+                         .disable_operation = static_cast<std::uint16_t>(dictionary_.get(0x605C)),
+                         .fault_reaction = static_cast<std::uint16_t>(dictionary_.get(0x605E)),
+                         .deceleration = static_cast<double>(dictionary_.get(0x6084)),
+                         .quick_deceleration = static_cast<double>(dictionary_.get(0x6085))},
                .following_window = dictionary_.get(0x6065),
                .following_timeout = milliseconds(dictionary_.get(0x6066)),
-               .period = unit * dictionary_.get(0x60C2, 1)};
+               .period = unit * dictionary_.get(0x60C2, 1),
+               .offset = static_cast<std::int32_t>(dictionary_.get(0x60B0))};
 }
 
 void Drive::send(const hal::CanFrame& frame) {
@@ -67,6 +88,10 @@ void Drive::send_emergency(std::uint16_t code) {
     const std::uint16_t group = code & 0xFF00U;
     error_register = group == 0x8100 || group == 0x8200 ? 0x11 : 0x21;
   }
+  send_emergency(code, error_register);
+}
+
+void Drive::send_emergency(std::uint16_t code, std::uint8_t error_register) {
   dictionary_.set(0x1001, 0, error_register);
   dictionary_.set(0x603F, 0, code);
   hal::CanFrame frame{.id = canopen::kEmergencyId + configuration_.node, .length = 8};
@@ -77,16 +102,16 @@ void Drive::send_emergency(std::uint16_t code) {
 
 void Drive::fail(std::uint16_t code) {
   send_emergency(code);
-  power_.fail(motion_);
+  power_.fail(settings_.stops, motion_);
   publish();
 }
 
 void Drive::reset(bool whole_device) {
   nmt_ = NmtState::kBootUp;
   boot_at_ = now_ + configuration_.boot_time;
-  dictionary_.restore();
-  read_settings();
+  restore_dictionary();
   pending_pdo_.reset();
+  answer_at_.reset();
   master_heard_.reset();
   sync_at_.reset();
   // Without settings nobody can command the motor, so the torque goes; but a fault outlives a reset
@@ -102,25 +127,26 @@ void Drive::enter(NmtState state) {
   next_heartbeat_ = now_;
   // Without PDOs nobody commands the drive (abort connection, object 6007h).
   if (state != NmtState::kOperational && power_.state() == State::kOperationEnabled) {
-    power_.quick_stop(settings_.quick_stop_option, motion_);
+    power_.quick_stop(settings_.stops, motion_);
   }
 }
 
 void Drive::inject(DriveFault fault, std::int32_t code) {
   motion_.set_blocked(fault == DriveFault::kBlocked);
+  motion_.set_ignores(fault == DriveFault::kIgnoresTargets);
   jump_ = fault == DriveFault::kPositionJump ? code : 0;
+  bits_ = static_cast<std::uint16_t>(code);
   fault_ = fault;
   if (fault == DriveFault::kEmergency) fail(static_cast<std::uint16_t>(code));
   if (fault == DriveFault::kPowerRemoved) power_.remove_power(motion_);
-  if (fault == DriveFault::kReboot) {
-    motion_.enter(Drivetrain::kBraked);
-    reset(true);
-  }
+  if (fault == DriveFault::kReboot) reset(true);
+  if (fault == DriveFault::kInformation) send_emergency(bits_, 0);
   if (fault == DriveFault::kPreOperational) enter(NmtState::kPreOperational);
 }
 
 void Drive::do_advance(hal::Instant until) {
   now_ = until;
+  if (answer_at_ && until >= *answer_at_) answer_sync();
   // Between two steps of the motion nothing of the drive's own changes.
   if (!motion_.advance(until)) return;
   power_.advance(motion_);
@@ -146,7 +172,7 @@ void Drive::supervise() {
     constexpr std::uint32_t kQuickStop = 3;  // option of object 6007h
     if (dictionary_.get(0x6007) == kQuickStop && power_.state() == State::kOperationEnabled) {
       send_emergency(kEmergencyHeartbeat);
-      power_.quick_stop(settings_.quick_stop_option, motion_);
+      power_.quick_stop(settings_.stops, motion_);
     } else if (power_.state() == State::kOperationEnabled) {
       fail(kEmergencyHeartbeat);
     } else {
@@ -178,7 +204,18 @@ void Drive::supervise_following() {
 void Drive::publish() {
   const std::int32_t counts = motion_.counts() + jump_;
   dictionary_.set(0x6064, 0, static_cast<std::uint32_t>(counts));
-  dictionary_.set(0x6041, 0, power_.status_word(operational(), error_since_.has_value()));
+  dictionary_.set(0x6041, 0, status_word());
+}
+
+std::uint16_t Drive::status_word() const {
+  std::uint16_t word = power_.status_word(operational(), motion_);
+  if (error_since_) word |= canopen::cia402::kStatusFollowingError;
+  if (configuration_.tells_rest && power_.state() == State::kQuickStopActive && motion_.at_rest()) {
+    word |= canopen::cia402::kStatusTargetReached;
+  }
+  if (fault_ == DriveFault::kBitsSet) word |= bits_;
+  if (fault_ == DriveFault::kBitsClear) word = static_cast<std::uint16_t>(word & ~bits_);
+  return word;
 }
 
 void Drive::do_take(const hal::ReceivedCanFrame& received) {
@@ -229,6 +266,16 @@ void Drive::take_sync() {
   sync_at_ = now_;
   if (pending_pdo_) apply_receive_pdo();
   publish();
+  if (configuration_.answer_delay > hal::Duration::zero()) {
+    answer_at_ = now_ + configuration_.answer_delay;
+  } else {
+    answer_sync();
+  }
+}
+
+// With what was true at the SYNC.
+void Drive::answer_sync() {
+  answer_at_.reset();
   const bool on = (settings_.transmit_pdo & kPdoOff) == 0 && settings_.transmits_on_sync;
   if (on && fault_ != DriveFault::kFeedbackLost) {
     send(dictionary_.pack(0x1A00, settings_.transmit_pdo));
@@ -249,9 +296,10 @@ void Drive::apply_receive_pdo() {
   dictionary_.unpack(0x1600, *pending_pdo_);
   pending_pdo_.reset();
   const auto word = static_cast<std::uint16_t>(dictionary_.get(0x6040));
-  if (power_.take(word, settings_.quick_stop_option, motion_)) send_emergency(0);
+  if (power_.take(word, settings_.stops, motion_)) send_emergency(0);
   if (power_.state() == State::kOperationEnabled) {
-    motion_.set_target(static_cast<std::int32_t>(dictionary_.get(0x607A)), settings_.period, now_);
+    motion_.set_target(static_cast<std::int32_t>(dictionary_.get(0x607A)) + settings_.offset,
+                       settings_.period, now_);
   }
 }
 

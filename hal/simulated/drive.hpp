@@ -23,7 +23,12 @@ struct DriveConfiguration {
   hal::Duration boot_time = std::chrono::milliseconds(5);
   // SYNC periods that may be missing while enabled, before emergency 8700h; 0: not watched.
   unsigned sync_loss_periods = 5;
+  bool tells_rest = false;       // statusword bit 10 in Quick stop active, once at rest
+  hal::Duration answer_delay{};  // from SYNC to TPDO1
 };
+
+// A drive as they are: honest_motion(), bit 10, an answer 200 us after SYNC.
+[[nodiscard]] DriveConfiguration honest_drive(std::uint8_t node, double counts_per_radian);
 
 // Faults on command.
 enum class DriveFault : std::uint8_t {
@@ -40,6 +45,10 @@ enum class DriveFault : std::uint8_t {
   kPreOperational,  // leaves the NMT state Operational
   kSdoSilent,       // SDO requests are not answered
   kSyncLost,        // hears no SYNC
+  kIgnoresTargets,  // stands still in Operation enabled, bit 12 clear
+  kBitsClear,       // the bits in `code` are clear in every statusword
+  kBitsSet,         // they are set
+  kInformation,     // an emergency with `code` and no bit in its error register; nothing else
 };
 
 class Drive final : public CanDevice {
@@ -52,11 +61,16 @@ class Drive final : public CanDevice {
   // Motor position in counts, exact where the encoder rounds.
   [[nodiscard]] double position() const { return motion_.state().position; }
   [[nodiscard]] double velocity() const { return motion_.state().velocity; }
+  // Where the joint is beyond the play, in counts of the motor.
+  [[nodiscard]] double joint_position() const { return motion_.state().joint; }
+  [[nodiscard]] bool has_torque() const { return motion_.state().mode != Drivetrain::kBraked; }
   [[nodiscard]] canopen::cia402::State state() const { return power_.state(); }
   [[nodiscard]] canopen::NmtState nmt_state() const { return nmt_; }
   [[nodiscard]] const DriveDictionary& dictionary() const { return dictionary_; }
 
   void inject(DriveFault fault, std::int32_t code = 0);
+  // Somebody leans on the joint.
+  void push(double counts) { motion_.push(counts); }
 
  private:
   void do_advance(hal::Instant until) override;
@@ -71,15 +85,20 @@ class Drive final : public CanDevice {
     std::uint8_t master = 0;  // 1016h:01
     hal::Duration master_timeout{};
     hal::Duration heartbeat{};  // 1017h
-    std::uint16_t quick_stop_option = 0;
+    StopObjects stops;
     std::uint32_t following_window = 0;
     hal::Duration following_timeout{};
-    hal::Duration period{};  // 60C2h
+    hal::Duration period{};   // 60C2h
+    std::int32_t offset = 0;  // 60B0h
   };
 
+  void restore_dictionary();
   void read_settings();
+  [[nodiscard]] std::uint16_t status_word() const;
+  void answer_sync();
   void send(const hal::CanFrame& frame);
   void send_emergency(std::uint16_t code);
+  void send_emergency(std::uint16_t code, std::uint8_t error_register);
   void fail(std::uint16_t code);
   void reset(bool whole_device);
   void enter(canopen::NmtState state);
@@ -107,8 +126,10 @@ class Drive final : public CanDevice {
   std::optional<hal::Instant> sync_at_;
   std::optional<hal::Instant> error_since_;  // following error beyond its window
   std::optional<hal::CanFrame> pending_pdo_;
+  std::optional<hal::Instant> answer_at_;
   DriveFault fault_ = DriveFault::kNone;
   std::int32_t jump_ = 0;
+  std::uint16_t bits_ = 0;  // of kBitsClear and kBitsSet
 };
 
 }  // namespace armsig::simulated

@@ -55,12 +55,20 @@ void DriveDictionary::restore() {
   add(0x6040, 0, 2, kMapsIn, 0);              // controlword
   add(0x6041, 0, 2, kMapsOut, 0);             // statusword
   add(0x605A, 0, 2, kReadWrite, 2);           // quick stop option: ramp, then disabled
+  add(0x605B, 0, 2, kReadWrite, 1);           // shutdown option: ramp first
+  add(0x605C, 0, 2, kReadWrite, 1);           // disable operation option: ramp first
+  add(0x605D, 0, 2, kReadWrite, 1);           // halt option: ramp, which CSP does not use
+  add(0x605E, 0, 2, kReadWrite, 2);           // fault reaction option: quick stop ramp
   add(0x6060, 0, 1, kMapsIn, 0);              // mode of operation
   add(0x6061, 0, 1, kMapsOut, 0);             // its display
   add(0x6064, 0, 4, kMapsOut, 0);             // actual position
   add(0x6065, 0, 4, kReadWrite, 0xFFFFFFFF);  // following error window: off
   add(0x6066, 0, 2, kReadWrite, 10);          // following error time-out, ms
   add(0x607A, 0, 4, kMapsIn, 0);              // target position
+  add(0x607E, 0, 1, kReadWrite, 0);           // polarity
+  add(0x6084, 0, 4, kReadWrite, 0);           // profile deceleration
+  add(0x6085, 0, 4, kReadWrite, 0);           // quick stop deceleration
+  add(0x60B0, 0, 4, kReadWrite, 0);           // position offset, added to the target
   add(0x60C2, 0, 1, kReadOnly, 2);
   add(0x60C2, 1, 1, kReadWrite, 1);       // interpolation period
   add(0x60C2, 2, 1, kReadWrite, 0xFD);    // its exponent, -3

@@ -32,7 +32,7 @@ using AbortCode = std::uint32_t;
 
 class DriveDictionary {
  public:
-  static constexpr std::size_t kMaxObjects = 64;
+  static constexpr std::size_t kMaxObjects = 72;
   static constexpr std::size_t kMaxEntries = 2;  // of a PDO mapping
 
   explicit DriveDictionary(std::uint8_t node) : node_(node) { restore(); }

@@ -8,10 +8,20 @@
 
 namespace armsig::simulated {
 
+MotionConfiguration honest_motion(double counts_per_radian) {
+  return {.stop_deceleration = radians(180) * counts_per_radian,
+          .gravity = 3 * counts_per_radian,
+          .friction = 0.5 * counts_per_radian,
+          .brake_delay = std::chrono::milliseconds(60),
+          .brake_deceleration = 50 * counts_per_radian,
+          .play = radians(0.01) * counts_per_radian};
+}
+
 DriveMotion::DriveMotion(const MotionConfiguration& configuration, hal::Instant now)
     : configuration_(configuration) {
   s_.now = now;
-  s_.position = s_.from = s_.to = configuration.start;
+  s_.brake_at = now;
+  s_.position = s_.joint = s_.from = s_.to = configuration.start;
 }
 
 std::int32_t DriveMotion::counts() const {
@@ -32,16 +42,31 @@ double DriveMotion::reference_velocity(hal::Instant at) const {
 
 double DriveMotion::following_error() const { return reference(s_.now) - s_.position; }
 
-void DriveMotion::enter(Drivetrain mode) {
-  s_.mode = mode;
-  if (mode == Drivetrain::kBraked) s_.velocity = 0;
-  if (mode == Drivetrain::kFollows) {
-    s_.from = s_.to = s_.position;
-    s_.period = {};
-  }
+void DriveMotion::follow() {
+  if (s_.mode == Drivetrain::kBraked) s_.brake_at = s_.now + configuration_.brake_delay;
+  s_.mode = Drivetrain::kFollows;
+  s_.from = s_.to = s_.position;
+  s_.period = {};
+}
+
+void DriveMotion::stop(double ramp) {
+  s_.mode = Drivetrain::kStopping;
+  s_.ramp = ramp;
+}
+
+void DriveMotion::release(bool orderly) {
+  if (s_.mode == Drivetrain::kBraked) return;
+  // As slow as this a joint stands: less than ten counts while a brake closes.
+  constexpr double kStands = 100;
+  const bool holds = orderly && std::fabs(s_.velocity) <= kStands;
+  s_.mode = Drivetrain::kBraked;
+  s_.brake_at = holds ? s_.now : s_.now + configuration_.brake_delay;
+  if (holds) s_.velocity = 0;
+  if (s_.brake_at <= s_.now && configuration_.brake_deceleration == 0) s_.velocity = 0;
 }
 
 void DriveMotion::set_target(std::int32_t counts, hal::Duration period, hal::Instant now) {
+  if (s_.ignores) return;
   s_.from = reference(now);
   s_.to = counts;
   s_.since = now;
@@ -57,26 +82,55 @@ bool DriveMotion::advance(hal::Instant until) {
   return stepped;
 }
 
+void DriveMotion::slow_down(double change) {
+  s_.velocity =
+      std::fabs(s_.velocity) <= change ? 0 : s_.velocity - std::copysign(change, s_.velocity);
+}
+
+void DriveMotion::step_braked(double dt) {
+  if (s_.now < s_.brake_at) {
+    slow_down(configuration_.friction * dt);
+    s_.velocity += configuration_.gravity * dt;
+  } else if (configuration_.brake_deceleration > 0) {
+    slow_down(configuration_.brake_deceleration * dt);
+  } else {
+    s_.velocity = 0;
+  }
+}
+
+void DriveMotion::step_following(double dt) {
+  if (s_.now < s_.brake_at) {  // still closed
+    s_.velocity = 0;
+    return;
+  }
+  // a = w^2 (r - x) + 2 w (dr/dt - v), critically damped, then what the motor can do.
+  const double w = 2 * kPi * configuration_.bandwidth_hz;
+  const double wanted = w * w * (reference(s_.now) + configuration_.droop - s_.position) +
+                        2 * w * (reference_velocity(s_.now) - s_.velocity);
+  const double acceleration =
+      std::clamp(wanted, -configuration_.largest_acceleration, configuration_.largest_acceleration);
+  s_.velocity = std::clamp(s_.velocity + acceleration * dt, -configuration_.largest_speed,
+                           configuration_.largest_speed);
+  if (std::fabs(s_.velocity) < 1e-6) s_.velocity = 0;
+}
+
 void DriveMotion::step() {
   const double dt = hal::seconds(kStep);
-  if (s_.mode == Drivetrain::kBraked) return;
-  if (s_.mode == Drivetrain::kStopping) {
-    const double change = configuration_.stop_deceleration * dt;
-    s_.velocity =
-        std::fabs(s_.velocity) <= change ? 0 : s_.velocity - std::copysign(change, s_.velocity);
-  } else {
-    // a = w^2 (r - x) + 2 w (dr/dt - v), critically damped, then what the motor can do.
-    const double w = 2 * kPi * configuration_.bandwidth_hz;
-    const double wanted = w * w * (reference(s_.now) - s_.position) +
-                          2 * w * (reference_velocity(s_.now) - s_.velocity);
-    const double acceleration = std::clamp(wanted, -configuration_.largest_acceleration,
-                                           configuration_.largest_acceleration);
-    s_.velocity = std::clamp(s_.velocity + acceleration * dt, -configuration_.largest_speed,
-                             configuration_.largest_speed);
-    if (std::fabs(s_.velocity) < 1e-6) s_.velocity = 0;
+  switch (s_.mode) {
+    case Drivetrain::kBraked:
+      step_braked(dt);
+      break;
+    case Drivetrain::kStopping:
+      slow_down(s_.ramp * dt);
+      break;
+    case Drivetrain::kFollows:
+      step_following(dt);
+      break;
   }
   if (s_.blocked) s_.velocity = 0;
   s_.position += s_.velocity * dt;
+  const double slack = configuration_.play / 2;
+  s_.joint = std::clamp(s_.joint, s_.position - slack, s_.position + slack);
 }
 
 }  // namespace armsig::simulated

@@ -40,44 +40,56 @@ std::uint16_t state_bits(State state) {
 
 }  // namespace
 
-std::uint16_t DrivePower::status_word(bool remote, bool following_error) const {
+std::uint16_t DrivePower::status_word(bool remote, const DriveMotion& motion) const {
   std::uint16_t word = state_bits(state_);
   if (remote) word |= 1U << 9;
-  if (state_ == State::kOperationEnabled && after_ramp_ == State::kNotReadyToSwitchOn) {
+  if (state_ == State::kOperationEnabled && after_ramp_ == State::kNotReadyToSwitchOn &&
+      motion.follows()) {
     word |= canopen::cia402::kStatusFollowsTarget;
   }
-  if (following_error) word |= canopen::cia402::kStatusFollowingError;
   return word;
 }
 
-void DrivePower::enter(State state, DriveMotion& motion) {
+void DrivePower::enter(State state, DriveMotion& motion, bool orderly) {
   state_ = state;
   after_ramp_ = State::kNotReadyToSwitchOn;
-  switch (state) {
-    case State::kOperationEnabled:
-      motion.enter(Drivetrain::kFollows);
-      break;
-    case State::kQuickStopActive:
-    case State::kFaultReactionActive:
-      motion.enter(Drivetrain::kStopping);
-      break;
-    default:
-      motion.enter(Drivetrain::kBraked);
+  if (state == State::kOperationEnabled) {
+    motion.follow();
+  } else if (state != State::kQuickStopActive && state != State::kFaultReactionActive) {
+    motion.release(orderly);
   }
 }
 
 void DrivePower::power_up(DriveMotion& motion) {
   last_word_ = 0;
-  enter(State::kSwitchOnDisabled, motion);
+  enter(State::kSwitchOnDisabled, motion, false);
 }
 
-bool DrivePower::take(std::uint16_t word, std::uint16_t quick_stop_option, DriveMotion& motion) {
+void DrivePower::take_enabled(std::uint16_t word, const StopObjects& objects, DriveMotion& motion) {
+  const auto leave_to = [&](State next, std::uint16_t option) {
+    if (option == 0) {
+      enter(next, motion);
+      return;
+    }
+    after_ramp_ = next;
+    motion.stop(objects.deceleration);
+  };
+  if (is_disable_voltage(word)) {
+    enter(State::kSwitchOnDisabled, motion);
+  } else if (is_quick_stop(word)) {
+    quick_stop(objects, motion);
+  } else if (after_ramp_ != State::kNotReadyToSwitchOn) {
+    return;
+  } else if (is_switch_on(word)) {
+    leave_to(State::kSwitchedOn, objects.disable_operation);
+  } else if (is_shutdown(word)) {
+    leave_to(State::kReadyToSwitchOn, objects.shutdown);
+  }
+}
+
+bool DrivePower::take(std::uint16_t word, const StopObjects& objects, DriveMotion& motion) {
   const bool reset_edge = (word & 0x80U) != 0 && (last_word_ & 0x80U) == 0;
   last_word_ = word;
-  const auto ramp_to = [&](State next) {
-    after_ramp_ = next;
-    motion.enter(Drivetrain::kStopping);
-  };
   switch (state_) {
     case State::kSwitchOnDisabled:
       if (is_shutdown(word)) enter(State::kReadyToSwitchOn, motion);
@@ -99,18 +111,11 @@ bool DrivePower::take(std::uint16_t word, std::uint16_t quick_stop_option, Drive
       }
       break;
     case State::kOperationEnabled:
-      if (is_disable_voltage(word)) {
-        enter(State::kSwitchOnDisabled, motion);
-      } else if (is_quick_stop(word)) {
-        quick_stop(quick_stop_option, motion);
-      } else if (after_ramp_ == State::kNotReadyToSwitchOn) {
-        if (is_switch_on(word)) ramp_to(State::kSwitchedOn);
-        if (is_shutdown(word)) ramp_to(State::kReadyToSwitchOn);
-      }
+      take_enabled(word, objects, motion);
       break;
     case State::kQuickStopActive:
       if (is_disable_voltage(word)) enter(State::kSwitchOnDisabled, motion);
-      if (is_enable(word) && quick_stop_option >= kFirstStayingOption) {
+      if (is_enable(word) && objects.quick_stop >= kFirstStayingOption) {
         enter(State::kOperationEnabled, motion);
       }
       break;
@@ -127,19 +132,30 @@ bool DrivePower::take(std::uint16_t word, std::uint16_t quick_stop_option, Drive
   return false;
 }
 
-void DrivePower::quick_stop(std::uint16_t option, DriveMotion& motion) {
+void DrivePower::quick_stop(const StopObjects& objects, DriveMotion& motion) {
+  if (objects.quick_stop == 0) {
+    enter(State::kSwitchOnDisabled, motion);
+    return;
+  }
   enter(State::kQuickStopActive, motion);
-  if (option < kFirstStayingOption) after_ramp_ = State::kSwitchOnDisabled;
+  const bool slow = objects.quick_stop == 1 || objects.quick_stop == kFirstStayingOption;
+  motion.stop(slow ? objects.deceleration : objects.quick_deceleration);
+  if (objects.quick_stop < kFirstStayingOption) after_ramp_ = State::kSwitchOnDisabled;
 }
 
-void DrivePower::fail(DriveMotion& motion) {
+void DrivePower::fail(const StopObjects& objects, DriveMotion& motion) {
   if (state_ == State::kFault || state_ == State::kFaultReactionActive) return;
   const bool had_torque = state_ == State::kOperationEnabled || state_ == State::kQuickStopActive;
-  enter(had_torque ? State::kFaultReactionActive : State::kFault, motion);
+  if (!had_torque || objects.fault_reaction == 0) {
+    enter(State::kFault, motion, false);
+    return;
+  }
+  enter(State::kFaultReactionActive, motion);
+  motion.stop(objects.fault_reaction == 1 ? objects.deceleration : objects.quick_deceleration);
 }
 
 void DrivePower::remove_power(DriveMotion& motion) {
-  if (state_ != State::kFault) enter(State::kSwitchOnDisabled, motion);
+  if (state_ != State::kFault) enter(State::kSwitchOnDisabled, motion, false);
 }
 
 void DrivePower::advance(DriveMotion& motion) {

@@ -66,7 +66,7 @@ double Plant::counts_per_unit(std::size_t joint) const {
 JointVector Plant::readings() const {
   JointVector readings;
   for (std::size_t i = 0; i < drives_.size(); ++i) {
-    readings.push_back((drives_[i].position() - configuration_.zero_counts[i]) /
+    readings.push_back((drives_[i].joint_position() - configuration_.zero_counts[i]) /
                        counts_per_unit(i));
   }
   return readings;

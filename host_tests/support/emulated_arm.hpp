@@ -16,13 +16,16 @@
 namespace armsig::test {
 
 struct EmulatedArm {
+  // Ideal drives, or `drive` for each.
   explicit EmulatedArm(const canopen::Configuration& configuration,
-                       canopen::FrameSink* other_frames = nullptr)
+                       canopen::FrameSink* other_frames = nullptr,
+                       simulated::DriveConfiguration drive = {})
       : period(configuration.period) {
     bus.connect(master_port);
     for (const canopen::AxisConfiguration& axis : configuration.axes) {
       ports.emplace_back();
-      drives.emplace_back(simulated::DriveConfiguration{.node = axis.node}, ports.back());
+      drive.node = axis.node;
+      drives.emplace_back(drive, ports.back());
       bus.connect(ports.back(), &drives.back());
     }
     clock.add(bus);

@@ -42,6 +42,11 @@ inline void script_set_up(ScriptedCanBus& bus) {
   bus.expect("601#2FC26002FD000000", {"581#60C2600200000000"});  // ... times 10^-3 s
   bus.expect("601#2B07600003000000", {"581#8007600000000206"});  // 6007h: does not exist
   bus.expect("601#2B5A600006000000", {"581#605A600000000000"});  // 605Ah: ramp, stay
+  bus.expect("601#2B5B600001000000", {"581#605B600000000000"});  // 605Bh: ramp first
+  bus.expect("601#2B5C600001000000", {"581#605C600000000000"});  // 605Ch: ramp first
+  bus.expect("601#2B5E600002000000", {"581#605E600000000000"});  // 605Eh: quick stop ramp first
+  bus.expect("601#407E600000000000", {"581#4F7E600000000000"});  // 607Eh: none
+  bus.expect("601#23B0600000000000", {"581#80B0600000000206"});  // 60B0h: does not exist
   bus.expect("601#2F60600008000000", {"581#6060600000000000"});  // mode 8
   bus.expect("601#4061600000000000", {"581#4F61600000000000"});  // not yet ...
   bus.expect("601#4061600000000000", {"581#4F61600008000000"});  // ... in force
