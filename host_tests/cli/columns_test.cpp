@@ -76,7 +76,11 @@ TEST(Columns, are_mapped_as_asked_with_constants_for_what_the_file_lacks) {
   names["target"] = "Remark";
   write_as_others_do(folder, names, "", '.');
   const Outcome outcome = identify(folder, "auto,x_mm=East,target=#1");
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  // Each joint's sweep has a target of its own, and now all have one number.
+  ASSERT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("one target number stands for points that are not one point"),
+            std::string::npos)
+      << outcome.err;
   EXPECT_NE(outcome.err.find("x_mm       from  East"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("target     from  #1"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("not used: Remark"), std::string::npos) << outcome.err;

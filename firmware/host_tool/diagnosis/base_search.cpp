@@ -14,7 +14,7 @@ using Vector9 = Eigen::Matrix<double, 9, 1>;
 
 constexpr int kBaseStarts = 32;
 constexpr int kDescentSteps = 25;
-constexpr int kRobustPasses = 3;
+constexpr int kRobustPasses = 4;
 constexpr std::size_t kMostPlaces = 3;
 constexpr double kSamePlace_rad = 0.3;
 // Minima whose RMS is so many times the best one's are not worth a fit.
@@ -166,7 +166,7 @@ std::vector<BasePlace> distinct_places(const Normal& normal, const Reduced& redu
   return places;
 }
 
-// Huber's weights at a place.
+// Robust weights at a place: gross outliers lose their say.
 void weigh(std::span<const PlacedRow> rows, const BasePlace& place, std::vector<double>& weights) {
   std::vector<double> lengths;
   for (const PlacedRow& row : rows) {
@@ -176,7 +176,9 @@ void weigh(std::span<const PlacedRow> rows, const BasePlace& place, std::vector<
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::ranges::nth_element(sorted, middle);
   const double limit = 2 * *middle + 1e-9;
-  for (std::size_t k = 0; k < rows.size(); ++k) weights[k] = std::min(1.0, limit / lengths[k]);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    weights[k] = std::min(1.0, std::pow(limit / lengths[k], 2));
+  }
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ constexpr std::size_t kRowsKept = 8192;
 }  // namespace
 
 EvidenceCollector::EvidenceCollector(const Arm& drawing, std::optional<SensorDescription> sensor)
-    : sensor_(std::move(sensor)), evidence_{drawing, {}} {}
+    : sensor_(std::move(sensor)), evidence_{drawing, {}, false} {}
 
 void EvidenceCollector::add(const MeasurementRow& row) {
   phase_ = std::fmod(phase_ + kGoldenShare, 1.0);
@@ -29,6 +29,7 @@ void EvidenceCollector::add(const MeasurementRow& row) {
     const auto position = locate(row, *sensor_, *scale);
     if (!position) return;
     kept.p_S = position->p_S;
+    evidence_.located = true;
     kept.sigma_m = std::sqrt(position->covariance_m2.trace() / 3);
   }
   evidence_.rows.push_back(kept);

@@ -12,7 +12,7 @@ namespace armsig::tool {
 namespace {
 
 constexpr std::size_t kFewestForNoise = 8;
-constexpr double kTrimmedShare = 0.8;
+constexpr double kTrimmedShare = 0.7;
 
 // What is left of positions about a + b f + c g, per axis, by the median of the lengths.
 double left_about(const std::vector<const EvidenceRow*>& rows, const Eigen::MatrixX3d& regressors) {
@@ -81,7 +81,7 @@ std::vector<SeenTarget> seen_targets(const Evidence& evidence) {
 
 Evidence thinned(const Evidence& evidence, std::size_t most) {
   if (evidence.rows.size() <= most) return evidence;
-  Evidence few{evidence.arm, {}};
+  Evidence few{evidence.arm, {}, evidence.located};
   const double share = static_cast<double>(most) / static_cast<double>(evidence.rows.size());
   // By a sequence of low discrepancy, so that no period of the rows (one target of three, one
   // sweep of six) is met by it.

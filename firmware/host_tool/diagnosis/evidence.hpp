@@ -17,7 +17,7 @@ inline constexpr double kGoldenShare = 0.6180339887498949;
 
 // Precondition: not empty.
 [[nodiscard]] double median_of(std::vector<double> values);
-// RMS of the smallest four fifths of lengths. Precondition: not empty.
+// RMS of the smallest seven tenths of lengths. Precondition: not empty.
 [[nodiscard]] double trimmed_rms(std::vector<double> lengths);
 
 struct EvidenceRow {
@@ -33,6 +33,7 @@ struct EvidenceRow {
 struct Evidence {
   Arm arm;
   std::vector<EvidenceRow> rows;  // in the order of the file
+  bool located = false;           // positions and sigmas were computed from ranges, not stated
 };
 
 // Every target number seen, with the link that it is on: the last for rows with sweep 0, otherwise

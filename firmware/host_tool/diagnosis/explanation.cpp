@@ -32,22 +32,22 @@ constexpr std::size_t kFitted = 10;
 constexpr double kStrange = 0.25;
 constexpr double kSurprise = 0.5;
 // Arms from here to there are built.
-constexpr double kShortestReach_m = 0.05;
-constexpr double kLongestReach_m = 20;
+constexpr double kShortestReach_m = 0.15;
+constexpr double kLongestReach_m = 6;
 
 bool is_built(const NearFit& fit) {
   return fit.reach_m > kShortestReach_m && fit.reach_m < kLongestReach_m;
 }
 
 bool is_sound(const NearFit& fit, const ArmLimits& limits, const Arm& arm, double stated_m) {
-  return fit.rms80_m <= acceptable_m(fit, stated_m) && fit.farthest(limits, arm) <= 1;
+  return fit.best_rms_m <= acceptable_m(fit, stated_m) && fit.farthest(limits, arm) <= 1;
 }
 
 // The lower the better: residuals down to the noise, deviations, how unusual the mistake is.
 double score_of(const NearFit& fit, double noise_length_m, const ArmLimits& limits,
                 double surprise) {
   const double floor_m = std::max(noise_length_m, 1e-5 * fit.reach_m);
-  return std::log(std::max({fit.rms80_m, 0.3 * fit.clipped_m, floor_m}) / fit.reach_m) +
+  return std::log(std::max({fit.best_rms_m, 0.3 * fit.clipped_m, floor_m}) / fit.reach_m) +
          kStrange * std::min(40.0, fit.strangeness(limits)) + kSurprise * surprise +
          (is_built(fit) ? 0 : 2);
 }
@@ -59,8 +59,8 @@ struct Tried {
 };
 
 std::string fits_within(const NearFit& fit, const NearFit& before) {
-  return fmt::format("they fit within {}, instead of {}", short_length(fit.rms80_m),
-                     short_length(before.rms80_m));
+  return fmt::format("they fit within {}, instead of {}", short_length(fit.best_rms_m),
+                     short_length(before.best_rms_m));
 }
 
 class Search {
@@ -70,7 +70,8 @@ class Search {
       : evidence_(thinned(evidence, kRowsToFit)),
         reference_(reference),
         limits_(limits),
-        refused_(refused) {}
+        refused_(refused),
+        before_(fit_near(evidence_, limits).value_or(reference.fit)) {}
 
   void try_hypotheses() {
     std::vector<Hypothesis> all = hypotheses_of_rows(evidence_);
@@ -98,8 +99,7 @@ class Search {
                 "rows {} to {} were measured from another place: {} along ({:+.2f}, {:+.2f}, "
                 "{:+.2f}), {:.2f}°; with that undone {}",
                 moved->first_line, moved->last_line, short_length(moved->shift_m), along.x(),
-                along.y(), along.z(), degrees(moved->turn_rad),
-                fits_within(moved->fit, reference_.fit)),
+                along.y(), along.z(), degrees(moved->turn_rad), fits_within(moved->fit, before_)),
             .mend = "measure again with the sensor left where it is, or give each place a file of "
                     "its own"});
     }
@@ -107,7 +107,7 @@ class Search {
       take(changed->evidence, changed->fit, 0.8,
            {.words = fmt::format("from about line {} on the target is another point; as another "
                                  "target {}",
-                                 changed->first_line, fits_within(changed->fit, reference_.fit)),
+                                 changed->first_line, fits_within(changed->fit, before_)),
             .mend = "another number in column target for those rows"});
     }
   }
@@ -120,7 +120,7 @@ class Search {
   [[nodiscard]] bool is_convincing() const {
     const double noise_m = reference_.noise_length_m();
     return std::isfinite(best_.score) &&
-           best_.fit.rms80_m < (noise_m > 0 ? 2 * noise_m : 1e-3 * best_.fit.reach_m);
+           best_.fit.best_rms_m < (noise_m > 0 ? 2 * noise_m : 1e-3 * best_.fit.reach_m);
   }
 
  private:
@@ -131,16 +131,16 @@ class Search {
     if (!fit) return;
     take(undone, *fit, hypothesis.surprise,
          {.words = fmt::format("{}: {} {}", hypothesis.cause, hypothesis.undoing,
-                               fits_within(*fit, reference_.fit)),
+                               fits_within(*fit, before_)),
           .mend = hypothesis.mend,
           .harmless = hypothesis.harmless});
   }
 
   void take(const Evidence& undone, const NearFit& fit, double surprise, Explanation explanation) {
     if (!is_sound(fit, limits_, undone.arm, reference_.stated_m)) return;
-    const NearFit& before = reference_.fit;
-    const double share = fit.rms80_m / fit.reach_m;
-    const double share_before = before.rms80_m / before.reach_m;
+    const NearFit& before = before_;
+    const double share = fit.best_rms_m / fit.reach_m;
+    const double share_before = before.best_rms_m / before.reach_m;
     const double clipped = fit.clipped_m / fit.reach_m;
     const double clipped_before = before.clipped_m / before.reach_m;
     const bool explains = share * kExplains < share_before ||
@@ -156,6 +156,7 @@ class Search {
   const Reference& reference_;
   const ArmLimits& limits_;
   bool refused_;
+  NearFit before_;  // of the same rows as they are
   Tried best_;
 };
 
@@ -193,8 +194,8 @@ double acceptable_m(const NearFit& fit, double stated_m) {
 bool is_suspicious(const Reference& reference) {
   const double noise_m = reference.noise_length_m();
   const double least_m = kNothing * reference.fit.reach_m;
-  if (noise_m <= 0) return reference.fit.rms80_m > least_m;
-  return reference.fit.rms80_m > kSuspicious * noise_m + least_m ||
+  if (noise_m <= 0) return reference.fit.best_rms_m > least_m;
+  return reference.fit.best_rms_m > kSuspicious * noise_m + least_m ||
          reference.fit.clipped_m > kSuspiciousClipped * noise_m + least_m;
 }
 

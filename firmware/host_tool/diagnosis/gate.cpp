@@ -20,7 +20,7 @@ constexpr std::size_t kFewestForSigma = 30;
 // A method may miss the rows by so much more than the nearest arm does, and than it says itself.
 constexpr double kMethodFactor = 4;
 
-// RMS of the best four fifths of what the found arm misses the rows by.
+// RMS of the best seven tenths of what the found arm misses the rows by.
 double missed_m(const Evidence& evidence, const FoundArm& found) {
   std::vector<double> lengths;
   for (const EvidenceRow& row : evidence.rows) {
@@ -58,23 +58,27 @@ std::string deviation_in_words(const NearFit& fit, const ArmLimits& limits, cons
   return words;
 }
 
+bool states_too_much(const Reference& reference, const Evidence& evidence) {
+  return !evidence.located && evidence.rows.size() >= kFewestForSigma &&
+         reference.stated_m > kSigmaTooLarge * std::max(reference.sweeps_m, reference.shown_m);
+}
+
 // What is wrong with the nearest arm, or with the method's against it; empty where nothing is.
 std::string objection(const Evidence& evidence, const Reference& reference, const ArmLimits& limits,
                       const std::optional<FoundArm>& found) {
   const NearFit& fit = reference.fit;
   const double allowed_m = acceptable_m(fit, reference.stated_m);
-  if (fit.rms80_m > allowed_m) {
+  if (fit.best_rms_m > allowed_m) {
     return fmt::format(
         "no arm like its drawing explains the measurements: the nearest misses by {} (the best "
-        "four "
-        "fifths of the rows)",
-        short_length(fit.rms80_m));
+        "seven "
+        "tenths of the rows)",
+        short_length(fit.best_rms_m));
   }
   if (fit.farthest(limits, evidence.arm) > 1) {
     return "this is not the arm of the drawing: " + deviation_in_words(fit, limits, evidence.arm);
   }
-  if (reference.stated_m > 0 && evidence.rows.size() >= kFewestForSigma &&
-      reference.stated_m > kSigmaTooLarge * std::max(reference.sweeps_m, reference.shown_m)) {
+  if (states_too_much(reference, evidence)) {
     return fmt::format("sigma_mm states {}, and the rows scatter by {}",
                        short_length(reference.stated_m), short_length(reference.shown_m));
   }
@@ -82,10 +86,10 @@ std::string objection(const Evidence& evidence, const Reference& reference, cons
     const double missed = missed_m(evidence, *found);
     const double noise_m = std::sqrt(3.0) * std::max(reference.stated_m, reference.sweeps_m);
     if (missed >
-        kMethodFactor * std::max(fit.rms80_m, std::hypot(noise_m, found->predicted_error_m))) {
+        kMethodFactor * std::max(fit.best_rms_m, std::hypot(noise_m, found->predicted_error_m))) {
       return fmt::format(
           "the arm found misses the measured points by {}, where one near the drawing misses by {}",
-          short_length(missed), short_length(fit.rms80_m));
+          short_length(missed), short_length(fit.best_rms_m));
     }
   }
   return {};
@@ -114,6 +118,11 @@ std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
     return result;
   }
   if (result.what.empty()) return std::nullopt;
+  if (states_too_much(*reference, evidence)) {
+    if (!found) result.cause = result.what;
+    result.expected = "1 sigma of a position per axis, in the unit of the column's name";
+    return result;
+  }
   result.expected =
       "the arm of the description, in one place, with rigid targets; or --accept-different-arm";
   return result;

@@ -9,8 +9,8 @@ namespace armsig::tool {
 namespace {
 
 constexpr std::size_t kBlocksOfPoses = 8;
-constexpr int kTrySteps = 6;
-constexpr int kFinalSteps = 14;
+constexpr int kTrySteps = 7;
+constexpr int kFinalSteps = 20;
 constexpr int kMovePasses = 4;
 constexpr int kHalvings = 7;
 constexpr int kOtherTool = 1 << 20;
@@ -50,7 +50,7 @@ struct Interval {
 // The run of rows that gains most from being seen from the second place.
 Interval best_run(const Evidence& evidence, const NearFit& fit) {
   const Pose X_MS = fit.X_SM.inverse();
-  const double cap = 100 * fit.rms80_m * fit.rms80_m;
+  const double cap = 100 * fit.best_rms_m * fit.best_rms_m;
   Interval best;
   double most = 0;
   double sum = 0;

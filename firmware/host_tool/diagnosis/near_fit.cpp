@@ -19,7 +19,7 @@ constexpr double kHuber = 2.5;      // in sigmas per axis
 constexpr double kRejected = 10.0;  // of these, nothing is believed any more
 constexpr int kGentleSteps = 3;     // in which no row is given up yet
 constexpr double kClip = 0.1;
-constexpr double kSettled = 1e-3;  // share of the cost that a step must save
+constexpr double kSettled = 5e-3;  // share of cost and scale that a step must save
 
 class Fit {
  public:
@@ -32,6 +32,7 @@ class Fit {
     residuals_ = chain_.residuals(evidence_);
     double damping = 1e-4;
     for (int step = 0; step < steps; ++step) {
+      const double sigma_before_m = sigma_m_;
       weigh(step < kGentleSteps);
       const double cost = cost_of(residuals_, chain_);
       const DeviatingChain::Normal normal = chain_.normal(evidence_, residuals_, weights_);
@@ -48,7 +49,8 @@ class Fit {
         std::vector<Vector3> there = next.residuals(evidence_);
         const double reached = cost_of(there, next);
         better = reached <= cost * (1 + 1e-12);
-        settled = step > kGentleSteps && better && reached > cost * (1 - kSettled);
+        settled = step > kGentleSteps && better && reached > cost * (1 - kSettled) &&
+                  sigma_m_ > (1 - kSettled) * sigma_before_m;
         if (better) {
           chain_ = std::move(next);
           residuals_ = std::move(there);
@@ -75,7 +77,7 @@ class Fit {
     }
     fit.clipped_m = std::sqrt(fit.clipped_m / static_cast<double>(lengths.size()));
     fit.sigma_m = median_of(lengths) / kMedianLengthOf3;
-    fit.rms80_m = trimmed_rms(std::move(lengths));
+    fit.best_rms_m = trimmed_rms(std::move(lengths));
     return fit;
   }
 
@@ -83,12 +85,12 @@ class Fit {
   void weigh(bool gentle) {
     std::vector<double> lengths;
     for (const Vector3& residual : residuals_) lengths.push_back(residual.norm());
-    const double sigma = std::max(kLeastSigma_m, median_of(lengths) / kMedianLengthOf3);
+    sigma_m_ = std::max(kLeastSigma_m, median_of(lengths) / kMedianLengthOf3);
     weights_.assign(lengths.size(), 0);
     for (std::size_t k = 0; k < lengths.size(); ++k) {
-      const double in_sigma = lengths[k] / (sigma * std::sqrt(3.0));
+      const double in_sigma = lengths[k] / (sigma_m_ * std::sqrt(3.0));
       if (!gentle && in_sigma > kRejected) continue;
-      weights_[k] = std::min(1.0, kHuber / in_sigma) / (sigma * sigma);
+      weights_[k] = std::min(1.0, kHuber / in_sigma) / (sigma_m_ * sigma_m_);
     }
   }
 
@@ -105,6 +107,7 @@ class Fit {
   DeviatingChain chain_;
   std::vector<Vector3> residuals_;
   std::vector<double> weights_;
+  double sigma_m_ = 0;  // by which the rows are weighed
 };
 
 std::vector<BasePlace> places_of(const Evidence& evidence) {
@@ -154,7 +157,7 @@ double drawn_misfit(const Evidence& evidence) {
     fit.start(place);
     fit.descend(0);
     const NearFit found = fit.result();
-    least = std::min(least, found.rms80_m / found.reach_m);
+    least = std::min(least, found.best_rms_m / found.reach_m);
   }
   return least;
 }
@@ -168,7 +171,7 @@ std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limit
     fit.start(place);
     fit.descend(steps);
     NearFit found = fit.result();
-    const double score = found.rms80_m * (1 + found.farthest(limits, evidence.arm));
+    const double score = found.best_rms_m * (1 + found.farthest(limits, evidence.arm));
     if (!(score < least)) continue;
     least = score;
     best = std::move(found);

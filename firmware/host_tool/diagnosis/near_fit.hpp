@@ -27,7 +27,7 @@ struct NearFit {
   std::vector<Deviation> joints;     // one a joint
   std::vector<Vector3> residuals_S;  // a row each
   double sigma_m = 0;                // 1 sigma per axis by the median residual
-  double rms80_m = 0;                // of the residual lengths of the best four fifths of the rows
+  double best_rms_m = 0;             // of the residual lengths of the best seven tenths of the rows
   double clipped_m = 0;  // RMS of all residual lengths, none counted above a tenth of the reach
   double reach_m = 0;    // of the drawing
   Pose X_SB;
@@ -39,12 +39,12 @@ struct NearFit {
   [[nodiscard]] double strangeness(const ArmLimits& limits) const;
 };
 
-// RMS of the best four fifths of the residual lengths of the drawing as it is, base and targets
+// RMS of the best seven tenths of the residual lengths of the drawing as it is, base and targets
 // fitted, as a share of the drawing's reach: quick, to choose by. Infinite without rows.
 [[nodiscard]] double drawn_misfit(const Evidence& evidence);
 
 // Nothing without rows. `limits` says how wide the priors are.
 [[nodiscard]] std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limits,
-                                              int steps = 14);
+                                              int steps = 20);
 
 }  // namespace armsig::tool

@@ -72,6 +72,7 @@ void add_mixed_units(const Evidence& evidence, std::vector<Hypothesis>& all) {
         if (first == 0) first = row.line;
         last = row.line;
       }
+      if (first == 0) continue;
       const double undo = small ? factor : 1 / factor;
       all.push_back(
           {.cause = fmt::format("some rows from line {} to {} are in another unit", first, last),
