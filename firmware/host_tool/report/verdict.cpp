@@ -37,7 +37,8 @@ void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
       length_in_words(before_m), length_in_words(after_m)));
   if (map.predicted_rms_m) {
     verdict.sentences.push_back(
-        fmt::format("From the measurements alone the signature predicted an error of {} (1σ).",
+        fmt::format("From the measurements alone the signature predicted an error of {} (1σ), in "
+                    "the sensor's frame as well.",
                     length_in_words(*map.predicted_rms_m)));
   }
 }
