@@ -36,10 +36,10 @@ Freedom moved(const Freedom& from, const FreeVector& step) {
   return to;
 }
 
-class Comparison {
+class LineComparison {
  public:
-  Comparison(const FixedVector<DrawnAxis, kMaxJoints>& axes, const Signature& signature,
-             const Pose& X_SD, const WorkshopTolerances& tolerances)
+  LineComparison(const FixedVector<DrawnAxis, kMaxJoints>& axes, const Signature& signature,
+                 const Pose& X_SD, const WorkshopTolerances& tolerances)
       : axes_(axes), signature_(signature), base_S_(X_SD.p), base_m_(tolerances.base_m) {
     for (std::size_t i = 0; i < axes.size(); ++i) {
       const bool revolute = axes[i].type == JointType::kRevolute;
@@ -78,8 +78,7 @@ class Comparison {
       values[deviation_index(i, Deviation::kShiftX)] = E.p.x();
       values[deviation_index(i, Deviation::kShiftY)] = E.p.y();
       values[deviation_index(i, Deviation::kZero)] = freedom.zeros[i];
-      X_SW = X_SW * E *
-             joint_motion(axes_[i].type, signature.configuration[i] + freedom.zeros[i]);
+      X_SW = X_SW * E * joint_motion(axes_[i].type, signature.configuration[i] + freedom.zeros[i]);
     }
     return true;
   }
@@ -182,7 +181,7 @@ class Comparison {
 };
 
 // Gauss-Newton with step halving.
-Result<Freedom> least_deviations(Comparison& comparison, Freedom freedom) {
+Result<Freedom> least_deviations(LineComparison& comparison, Freedom freedom) {
   constexpr int kMaxSteps = 50;
   constexpr int kMaxHalvings = 10;
   constexpr double kNegligibleStep = 1e-11;
@@ -215,7 +214,7 @@ Result<AxisDeviations> axis_deviations(const FixedVector<DrawnAxis, kMaxJoints>&
                                        const WorkshopTolerances& tolerances) {
   ARMSIG_CHECK(axes.size() == signature.joint_count() &&
                signature.configuration.size() == axes.size());
-  Comparison comparison(axes, signature, X_SD, tolerances);
+  LineComparison comparison(axes, signature, X_SD, tolerances);
   ARMSIG_TRY(freedom, least_deviations(comparison, {X_SD, JointVector(axes.size())}));
   AxisDeviations found{.X_SD = freedom.X_SD, .values = {}, .by_lines = {}};
   if (!comparison.walk(freedom, found.values) || !comparison.linearise(freedom)) {

@@ -6,10 +6,10 @@
 // motion of the joint.
 //
 // The lines do not fix all of it. The base stands on axis 1, and what a zero does just as well is
-// laid to the zero (DrawnAxis::of_zero): what is left are Denavit and Hartenberg's four a joint where
-// axes are not parallel, and Hayati's where they are. Where this leaves a choice (two slides along
-// one line, a base that slides along axes all parallel), the least sum of squares of tilts, shifts
-// and zeros over their tolerances decides. None of it depends on any frame.
+// laid to the zero (DrawnAxis::of_zero): what is left are Denavit and Hartenberg's four a joint
+// where axes are not parallel, and Hayati's where they are. Where this leaves a choice (two slides
+// along one line, a base that slides along axes all parallel), the least sum of squares of tilts,
+// shifts and zeros over their tolerances decides. None of it depends on any frame.
 #pragma once
 
 #include "core/base/error.hpp"

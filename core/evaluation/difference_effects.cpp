@@ -30,7 +30,7 @@ Matrix3 rotation_of(const Vector3& turn) {
 // The tool and its derivatives along the path.
 struct ToolAt {
   Vector3 p_S;
-  CauseFields by_cause;    // derivative by s times what the cause is
+  CauseFields by_cause;     // derivative by s times what the cause is
   FittedColumns by_fitted;  // derivative by Fitted
 };
 
@@ -60,16 +60,20 @@ class Path {
   [[nodiscard]] std::size_t causes() const { return types_.size() * kCauses; }
   void set_pivot(const Vector3& pivot_S) { pivot_S_ = pivot_S; }
 
+  // The base, off by `fitted`.
+  [[nodiscard]] Pose base(const Fitted& fitted) const {
+    const Matrix3 R = rotation_of(fitted.head<3>());
+    return Pose{R, pivot_S_ - R * pivot_S_ + fitted.segment<3>(3)} * chain_.X_SD;
+  }
+
   // Configuration n >= 1 at the share s of all deviations, base and tool off by `fitted` (1 - s).
   void evaluate(int n, double s, const Fitted& fitted, ToolAt& at) const {
-    const JointVector coupled =
-        effective_readings(chain_.readings.couplings, evenly_spread_configuration(types_, limits_, n));
+    const JointVector coupled = effective_readings(chain_.readings.couplings,
+                                                   evenly_spread_configuration(types_, limits_, n));
     std::array<Pose, kMaxJoints> before;  // axis frames in the sensor frame, before E_i
     std::array<Pose, kMaxJoints> after;   // and after it
-    const Vector3 turn = (1 - s) * fitted.head<3>();
     const Vector3 shift = (1 - s) * fitted.segment<3>(3);
-    const Matrix3 R = rotation_of(turn);
-    Pose X = Pose{R, pivot_S_ - R * pivot_S_ + shift} * chain_.X_SD;
+    Pose X = base((1 - s) * fitted);
     for (std::size_t i = 0; i < types_.size(); ++i) {
       before[i] = X * chain_.axes[i].X_before;
       after[i] = before[i] * Pose{rotation_of(s * tilt_of(chain_, i)), s * shift_of(chain_, i)};
@@ -105,8 +109,7 @@ class Path {
     refinement::ReadingCorrection c;
     if (!chain_.readings.corrections.empty()) c = chain_.readings.corrections[i];
     of(Cause::kScale) = motion * (c.gain * coupled);
-    of(Cause::kOnceATurn) =
-        motion * (c.cos_1 * std::cos(coupled) + c.sin_1 * std::sin(coupled));
+    of(Cause::kOnceATurn) = motion * (c.cos_1 * std::cos(coupled) + c.sin_1 * std::sin(coupled));
     of(Cause::kTwiceATurn) =
         motion * (c.cos_2 * std::cos(2 * coupled) + c.sin_2 * std::sin(2 * coupled));
   }
@@ -212,6 +215,14 @@ Pose hand_pose(const DeviatingChain& chain, const JointVector& effective) {
         joint_motion(chain.axes[i].type, turned);
   }
   return X;
+}
+
+FittedBase fitted_base(const DeviatingChain& chain,
+                       const FixedVector<JointLimits, kMaxJoints>& limits, int count) {
+  ARMSIG_CHECK(limits.size() == chain.axes.size() && count > 0);
+  Path path(chain, limits);
+  const Fit fit = fit_base_and_tool(path, count);
+  return {path.base(fit.fitted), chain.p_T + fit.fitted.tail<3>()};
 }
 
 Effects difference_effects(const DeviatingChain& chain,

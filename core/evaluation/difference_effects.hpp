@@ -33,6 +33,15 @@ struct DeviatingChain {
 // The frame of the last axis, turned with its joint, in the sensor frame at effective readings.
 [[nodiscard]] Pose hand_pose(const DeviatingChain& chain, const JointVector& effective);
 
+// Base and tool of the drawing, as they fit the tool of the arm best over `count` configurations.
+struct FittedBase {
+  Pose X_SD;
+  Vector3 p_T = Vector3::Zero();  // as DeviatingChain::p_T
+};
+[[nodiscard]] FittedBase fitted_base(const DeviatingChain& chain,
+                                     const FixedVector<JointLimits, kMaxJoints>& limits,
+                                     int count = 1000);
+
 struct Effect {
   double rms_m = 0;   // of what it does to the tool by itself
   double adds_m = 0;  // its part along what all do together
@@ -52,6 +61,6 @@ struct Effects {
 // Precondition: limits for every joint.
 [[nodiscard]] Effects difference_effects(const DeviatingChain& chain,
                                          const FixedVector<JointLimits, kMaxJoints>& limits,
-                                         int count = 200);
+                                         int count = 1000);
 
 }  // namespace armsig::evaluation

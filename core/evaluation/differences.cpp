@@ -5,6 +5,7 @@
 
 #include "core/frames/alignment.hpp"
 #include "core/frames/link_frames.hpp"
+#include "core/identification.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 
 namespace armsig::evaluation {
@@ -38,9 +39,8 @@ Laid laid(const Arm& drawing, const Signature& signature, const Target& tool) {
   for (std::size_t k = 0; k <= signature.joint_count(); ++k) {
     X_SL.push_back(kinematics::link_pose(signature, q, k));
   }
-  const Pose X_SD = frames::align(frames::axis_lines(X_SL, signature.types),
-                                  frames::axis_lines(drawing, q))
-                        .X_AB;
+  const Pose X_SD =
+      frames::align(frames::axis_lines(X_SL, signature.types), frames::axis_lines(drawing, q)).X_AB;
   const Vector3 p_S = kinematics::target_position(signature, q, tool);
   return {X_SD, (X_SD * drawn.X_0L.back()).inverse() * p_S};
 }
@@ -147,52 +147,71 @@ bool is_angle(Deviation which, JointType type) {
   return false;
 }
 
-}  // namespace
+struct Compared {
+  DeviatingChain chain;
+  AxisDeviations deviations;
+  std::array<double, kMaxJoints * kDeviations> sigmas{};
+};
 
-Result<Differences> differences(const Arm& drawing, const Refined& estimate, std::size_t tool) {
+Result<Compared> compared(const Arm& drawing, const Refined& estimate, std::size_t tool) {
   const Signature& signature = estimate.signature;
   const std::size_t n = signature.joint_count();
   ARMSIG_CHECK(drawing.joints.size() == n && drawing.limits.size() == n);
   const Target& target = signature.targets[tool];
   const Laid start = laid(drawing, signature, target);
-  Differences found;
-  found.axes = drawn_axes(drawing, start.p_nT);
-  ARMSIG_TRY(deviations, axis_deviations(found.axes, signature, start.X_SD));
-
-  std::array<double, kMaxJoints * kDeviations> sigmas{};
+  Compared result{};
+  result.chain.axes = drawn_axes(drawing, start.p_nT);
+  ARMSIG_TRY(deviations, axis_deviations(result.chain.axes, signature, start.X_SD));
+  result.deviations = deviations;
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < kDeviations; ++k) {
       const std::size_t index = i * kDeviations + k;
       StateVector gradient = by_unknowns(estimate, deviations.by_lines[index]);
       if (static_cast<Deviation>(k) == Deviation::kZero) {
-        move_zero_to_reading_nought(estimate, i, deviations.values[index], gradient);
+        move_zero_to_reading_nought(estimate, i, result.deviations.values[index], gradient);
       }
-      sigmas[index] = sigma_of(estimate, gradient);
+      result.sigmas[index] = sigma_of(estimate, gradient);
     }
   }
+  result.chain.values = result.deviations.values;
+  result.chain.readings = estimate.readings;
+  result.chain.X_SD = deviations.X_SD;
+  result.chain.p_T = hand_pose(result.chain, signature.configuration).inverse() * target.p_S;
+  return result;
+}
 
-  DeviatingChain chain{.axes = found.axes,
-                       .values = deviations.values,
-                       .readings = estimate.readings,
-                       .X_SD = deviations.X_SD,
-                       .p_T = Vector3::Zero()};
-  chain.p_T = hand_pose(chain, signature.configuration).inverse() * target.p_S;
-  const Effects effects = difference_effects(chain, drawing.limits);
-  found.total_rms_m = effects.total_rms_m;
+}  // namespace
+
+Result<Differences> differences(const Arm& drawing, const Refined& estimate, std::size_t tool) {
+  ARMSIG_TRY(found, compared(drawing, estimate, tool));
+  const Signature& signature = estimate.signature;
+  const Effects effects = difference_effects(found.chain, drawing.limits);
   const double size_m = frames::arm_size(frames::axis_lines(signature));
-  for (std::size_t i = 0; i < n; ++i) {
+  Differences differences{.axes = found.chain.axes, .all = {}, .total_rms_m = effects.total_rms_m};
+  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
     for (std::size_t k = 0; k < kDeviations; ++k) {
       const std::size_t index = i * kDeviations + k;
-      const auto which = static_cast<Deviation>(k);
-      if (!is_told(deviations.by_lines[index], is_angle(which, signature.types[i]), size_m)) {
-        continue;
-      }
-      found.all.push_back({i, static_cast<Cause>(k), deviations.values[index], sigmas[index],
-                           effects.of[i * kCauses + k]});
+      const bool angle = is_angle(static_cast<Deviation>(k), signature.types[i]);
+      if (!is_told(found.deviations.by_lines[index], angle, size_m)) continue;
+      differences.all.push_back({i, static_cast<Cause>(k), found.deviations.values[index],
+                                 found.sigmas[index], effects.of[i * kCauses + k]});
     }
-    add_reading_errors(estimate, i, effects, found);
+    add_reading_errors(estimate, i, effects, differences);
   }
-  return found;
+  return differences;
+}
+
+Result<Signature> fitted_drawing(const Arm& drawing, const Refined& estimate, std::size_t tool) {
+  ARMSIG_TRY(found, compared(drawing, estimate, tool));
+  const FittedBase fitted = fitted_base(found.chain, drawing.limits);
+  // The tool in the drawing's last frame, by way of the base with all joints at zero.
+  Pose X_0T;
+  for (const DrawnAxis& axis : found.chain.axes) X_0T = X_0T * axis.X_before;
+  const std::size_t n = drawing.joints.size();
+  const Pose X_0n = frames::link_frames(drawing.joints, JointVector(n)).X_0L.back();
+  const Target& target = estimate.signature.targets[tool];
+  const KnownTarget known{target.number, n, X_0n.inverse() * (X_0T * fitted.p_T)};
+  return signature_of(drawing, estimate.signature.configuration, fitted.X_SD, std::span(&known, 1));
 }
 
 }  // namespace armsig::evaluation

@@ -34,4 +34,11 @@ struct Differences {
                                               const refinement::Refined& estimate,
                                               std::size_t tool);
 
+// The drawing as a model of that arm, with base and tool as they fit its tool best over the work
+// volume: what a calibration of base and tool alone would give. Its only target is the tool. Errors
+// and preconditions as for differences().
+[[nodiscard]] Result<Signature> fitted_drawing(const Arm& drawing,
+                                               const refinement::Refined& estimate,
+                                               std::size_t tool);
+
 }  // namespace armsig::evaluation

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/demo_run.hpp"
 
+#include <algorithm>
+#include <memory>
+
 #include <fmt/core.h>
 
+#include "core/evaluation/differences.hpp"
 #include "core/evaluation/tool_error.hpp"
 #include "firmware/host_tool/identification_run.hpp"
 #include "firmware/host_tool/paper_arms.hpp"
@@ -38,6 +42,18 @@ Read<DemoMethod> judged(const IdentificationRun& run, features::Method method, c
       .grid = *grid,
       .tool_error_m = evaluation::rms_tool_error(identified->signature, truth, kToolTarget, Pose{},
                                                  drawing.limits, kErrorConfigurations)};
+}
+
+// Of the drawing with base and tool fitted to the arm.
+double fitted_drawing_error_m(const Arm& drawing, const Signature& truth) {
+  const auto arm = std::make_unique<refinement::Refined>();
+  arm->signature = truth;
+  const auto* tool = std::ranges::find(truth.targets, kToolTarget, &Target::number);
+  const auto drawn = evaluation::fitted_drawing(
+      drawing, *arm, static_cast<std::size_t>(tool - truth.targets.begin()));
+  ARMSIG_CHECK(drawn.has_value());  // an arm drawn about its drawing
+  return evaluation::rms_tool_error(*drawn, truth, kToolTarget, Pose{}, drawing.limits,
+                                    kErrorConfigurations);
 }
 
 }  // namespace
@@ -82,9 +98,7 @@ Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed,
                           : fmt::format("Drawn about Table 1, no. {}", robot - 1);
   result.truth = truth_of(built, configuration);
   result.sweep_duration_s = duration_s(drawing, simulation.plan, {.pings = plan.pings});
-  result.drawing_error_m =
-      evaluation::rms_tool_error(evaluation::drawing_as_model(drawing, result.truth), result.truth,
-                                 kToolTarget, Pose{}, drawing.limits, kErrorConfigurations);
+  result.drawing_error_m = fitted_drawing_error_m(drawing, result.truth);
   std::size_t ignored = 0;
   auto paper = judged(run, features::Method::kPaper, drawing, result.truth, &ignored);
   if (!paper) return std::unexpected(paper.error());

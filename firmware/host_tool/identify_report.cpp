@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "firmware/host_tool/differences.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 
@@ -135,8 +136,10 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
                terms_in_words(found.refinement->offered->terms));
   }
   if (record.predicted_tool_error_m) {
-    fmt::print("  predicted tool error, 1 sigma: {:.3f} mm RMS over the joint limits\n",
-               1e3 * *record.predicted_tool_error_m);
+    fmt::print(
+        "  predicted tool error, 1 sigma: {:.3f} mm RMS over the joint limits, in the sensor's "
+        "frame\n",
+        1e3 * *record.predicted_tool_error_m);
   }
 }
 
@@ -183,6 +186,9 @@ void print_identified(const Found& found, const SignatureRecord& record, const R
                       std::size_t receivers) {
   print_head(files, record, found.identified.counts);
   if (found.refinement) print_refinement(*found.refinement, receivers);
+  if (const auto differences = difference_table(record)) {
+    fmt::print("\n{}", in_words(*differences, record.signature.joint_count()));
+  }
   print_accuracy(found, record);
   fmt::print("\nWritten: {}\n", files.out);
 }
@@ -220,6 +226,9 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
   if (record.predicted_tool_error_m) {
     json["predicted_tool_error_m"] = *record.predicted_tool_error_m;
   }
+  json["differences"] = nullptr;
+  if (const auto differences = difference_table(record))
+    json["differences"] = json_of(*differences);
   if (found.refinement) json["refinement"] = refinement_json(*found.refinement, receivers);
   return json;
 }

@@ -49,7 +49,9 @@ Result<measurement::Position> locate(const MeasurementRow& row, const SensorDesc
   for (const std::optional<double>& range_m : row.ranges_m) {
     ranges.push_back({.metres = scale * range_m.value_or(0), .valid = range_m.has_value()});
   }
-  return measurement::trilaterate(receivers_of(sensor), ranges);
+  measurement::ReceiverArray receivers = receivers_of(sensor);
+  if (row.sigma_m) receivers.range_sigma_m = *row.sigma_m;
+  return measurement::trilaterate(receivers, ranges);
 }
 
 }  // namespace armsig::tool

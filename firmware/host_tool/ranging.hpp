@@ -23,8 +23,8 @@ namespace armsig::tool {
                                        const std::optional<SensorDescription>& sensor,
                                        const std::string& file);
 
-// Where the ranges of a row, multiplied by `scale`, put its target. Errors: those of
-// measurement::trilaterate().
+// Where the ranges of a row, multiplied by `scale`, put its target; each as uncertain as the row
+// states, else the sensor. Errors: those of measurement::trilaterate().
 [[nodiscard]] Result<measurement::Position> locate(const MeasurementRow& row,
                                                    const SensorDescription& sensor, double scale);
 

@@ -2,6 +2,7 @@
 #include "firmware/host_tool/simulation.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/identification.hpp"
 #include "core/measurement/ping_median.hpp"
@@ -44,9 +45,17 @@ class Sensor {
       row.air_c = sounding.air_celsius;
     }
     row.ranges_m.clear();
+    double factors = 0;
+    double heard = 0;
     for (const measurement::Range& range : dwell.median()) {
       row.ranges_m.push_back(range.valid ? std::optional(range.metres) : std::nullopt);
+      if (!range.valid) continue;
+      factors += range.sigma_factor * range.sigma_factor;
+      ++heard;
     }
+    row.sigma_m.reset();
+    const double range_sigma_m = field_->config().range_sigma_m;
+    if (heard > 0 && range_sigma_m > 0) row.sigma_m = range_sigma_m * std::sqrt(factors / heard);
   }
 
  private:

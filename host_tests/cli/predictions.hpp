@@ -45,4 +45,16 @@ inline double largest_distance(const Csv& a, const Csv& b) {
   return largest;
 }
 
+inline double rms_distance(const Csv& a, const Csv& b) {
+  EXPECT_EQ(a.rows.size(), b.rows.size());
+  double sum = 0;
+  for (std::size_t k = 0; k < a.rows.size(); ++k) {
+    for (const char* axis : {"x_m", "y_m", "z_m"}) {
+      const double apart = a.number(k, axis) - b.number(k, axis);
+      sum += apart * apart;
+    }
+  }
+  return std::sqrt(sum / static_cast<double>(a.rows.size()));
+}
+
 }  // namespace armsig::cli

@@ -147,6 +147,22 @@ class ReportPage(unittest.TestCase):
         self.assertGreater(self.data["parameters"]["rows"][1]["actual"]["d_m"], 100)
         self.assertIn("nearly parallel", self.page.ids["near-parallel"])
 
+    def test_says_what_is_different_joint_by_joint(self):
+        differences = self.data["differences"]
+        lines = [cells for attributes, cells in self.page.rows if "data-kind" in attributes]
+        self.assertEqual(len(lines), len(differences["joints"]))
+        self.assertEqual({line["joint"] for line in differences["joints"]}, {2, 3, 4, 5, 6})
+        for cells, line in zip(lines, differences["joints"], strict=True):
+            self.assertEqual(cells[1], line["what"])
+            self.assertAlmostEqual(number(cells[4]), 1e3 * line["effect_rms_m"], delta=0.0006)
+        total = 1e3 * differences["total_rms_m"]
+        self.assertAlmostEqual(sum(number(cells[5]) for cells in lines), total, delta=0.002 * total + 0.0005 * len(lines))
+        self.assertAlmostEqual(total, 1e3 * self.data["map"]["drawing_rms_m"], delta=0.001 * total)
+
+    def test_predicts_what_is_true(self):
+        ratio = self.data["map"]["true_rms_m"] / self.data["map"]["predicted_rms_m"]
+        self.assertTrue(1 / 1.6 < ratio < 1.6, ratio)
+
     def test_shows_the_task_as_the_demonstration_prints_it(self):
         evaluated = json.loads(run("evaluate", "--json", "--arm", "demo/puma560.yaml", "--signature",
                                    "demo/robot1-encoder.yaml", "--truth", "demo/robot1-truth.yaml"))["evaluation"]

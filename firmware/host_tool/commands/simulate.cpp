@@ -94,8 +94,10 @@ MeasurementLayout layout_of(const Simulation& simulation, std::string_view comme
   if (const auto* cartesian = std::get_if<simulated::CartesianConfig>(&simulation.sensor)) {
     layout.sigma = cartesian->sigma_m > 0;
   } else {
-    layout.receivers = std::get<simulated::UltrasonicConfig>(simulation.sensor).receivers_S.size();
+    const auto& field = std::get<simulated::UltrasonicConfig>(simulation.sensor);
+    layout.receivers = field.receivers_S.size();
     layout.air = true;
+    layout.sigma = field.range_sigma_m > 0;
   }
   return layout;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/host_tool/differences.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/report/arm_drawing.hpp"
 #include "firmware/host_tool/report/grid_task.hpp"
@@ -202,6 +203,8 @@ nlohmann::ordered_json report_json(const ReportInput& input) {
               {"verdict", verdict_json(verdict(record, sweeps, map))},
               {"arm", arm_json(record)},
               {"parameters", parameters_json(record, estimate.get())}};
+  const auto differences = difference_table(record, estimate.get());
+  report["differences"] = differences ? json_of(*differences) : Json(nullptr);
   Json sweep_list = Json::array();
   for (const SweepPicture& sweep : sweeps) sweep_list.push_back(sweep_json(sweep));
   report["sweeps"] = std::move(sweep_list);

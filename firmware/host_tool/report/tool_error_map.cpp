@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/base/low_discrepancy.hpp"
+#include "core/evaluation/differences.hpp"
 #include "core/evaluation/tool_error.hpp"
-#include "core/frames/alignment.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/estimate.hpp"
@@ -48,16 +48,34 @@ std::vector<double> joint_share(const SignatureRecord& record, const refinement:
   return variance;
 }
 
+// The drawing with base and tool fitted to the arm; with its axes laid over the arm's where it is
+// another arm altogether.
+Signature drawn_model(const SignatureRecord& record, const refinement::Refined& arm,
+                      std::size_t tool) {
+  const auto fitted = evaluation::fitted_drawing(record.nominal, arm, tool);
+  return fitted ? *fitted : evaluation::drawing_as_model(record.nominal, arm.signature);
+}
+
+// An arm that is known exactly.
+std::unique_ptr<refinement::Refined> known(const Signature& signature,
+                                           const refinement::ReadingModel& readings) {
+  auto arm = std::make_unique<refinement::Refined>();
+  arm->signature = signature;
+  arm->readings = readings;
+  return arm;
+}
+
 void compare_with_truth(const SignatureRecord& record, const Signature& truth, int tool,
                         ToolErrorMap& map) {
-  const bool has_tool = std::ranges::any_of(
-      truth.targets, [&](const Target& target) { return target.number == tool; });
-  if (!has_tool) return;
+  const auto* found = std::ranges::find(truth.targets, tool, &Target::number);
+  if (found == truth.targets.end()) return;
   const auto rms = [&](const Signature& model, const Pose& X_AM) {
     return evaluation::rms_tool_error(model, truth, tool, X_AM, record.nominal.limits,
                                       kRmsConfigurations);
   };
-  map.true_drawing_rms_m = rms(evaluation::drawing_as_model(record.nominal, truth), Pose{});
+  const auto arm = known(truth, {.couplings = record.nominal.couplings, .corrections = {}});
+  const auto index = static_cast<std::size_t>(found - truth.targets.begin());
+  map.true_drawing_rms_m = rms(drawn_model(record, *arm, index), Pose{});
   map.true_rms_m = rms(record.signature, Pose{});
 }
 
@@ -70,24 +88,27 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
   if (!tool || record.nominal.limits.size() != record.signature.joint_count()) return std::nullopt;
   const Signature& signature = record.signature;
   const Target& target = signature.targets[*tool];
-  const Signature drawn = evaluation::drawing_as_model(record.nominal, signature);
+  const Signature drawn = drawn_model(record, *known(signature, record.readings()), *tool);
+  const auto* drawn_tool = std::ranges::find(drawn.targets, target.number, &Target::number);
   ToolErrorMap map;
-  for (int n = 1; n <= kMapPoints; ++n) {
+  double squares = 0;
+  for (int n = 1; n <= kRmsConfigurations; ++n) {
     const JointVector q = evenly_spread_configuration(signature.types, record.nominal.limits, n);
     ToolErrorAt at;
     const JointVector turned =
         refinement::true_readings(record.readings(), signature.configuration, q);
     at.p_S = kinematics::target_position(signature, turned, target);
-    const Vector3 p_drawn = kinematics::target_position(
-        drawn, effective_readings(record.nominal, q), drawn.targets[*tool]);
+    const Vector3 p_drawn =
+        kinematics::target_position(drawn, effective_readings(record.nominal, q), *drawn_tool);
     at.drawing_m = (p_drawn - at.p_S).norm();
+    squares += at.drawing_m * at.drawing_m;
+    if (n > kMapPoints) continue;
     if (estimate != nullptr) {
       at.predicted_m = std::sqrt(uncertainty::tool_covariance(*estimate, q, *tool).trace());
     }
     map.points.push_back(at);
   }
-  map.drawing_rms_m = evaluation::rms_tool_error(drawn, signature, target.number, Pose{},
-                                                 record.nominal.limits, kRmsConfigurations);
+  map.drawing_rms_m = std::sqrt(squares / kRmsConfigurations);
   map.predicted_rms_m = record.predicted_tool_error_m;
   if (estimate != nullptr) {
     if (!map.predicted_rms_m) {

@@ -28,8 +28,8 @@ struct ToolErrorMap {
   std::vector<double> joint_share;
 };
 
-// Nothing for an arm without a target on its last link. The drawing is laid over the axes and has
-// its tool where the arm has it at the signature configuration. `estimate` may be null.
+// Nothing for an arm without a target on its last link. All in the sensor's frame: the drawing with
+// base and tool fitted to the arm, the signature as it is. `estimate` may be null.
 [[nodiscard]] std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
                                                          const refinement::Refined* estimate,
                                                          const std::optional<Signature>& truth);

@@ -60,7 +60,8 @@ void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
   explain_ratio(before_m, after_m, verdict);
   if (map.predicted_rms_m) {
     verdict.sentences.push_back(
-        fmt::format("From the measurements alone the signature predicted an error of {} (1σ).",
+        fmt::format("From the measurements alone the signature predicted an error of {} (1σ), in "
+                    "the sensor's frame as well.",
                     length_in_words(*map.predicted_rms_m)));
   }
 }

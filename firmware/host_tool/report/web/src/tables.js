@@ -52,6 +52,44 @@ export function parameterTable(report) {
   if (report.parameters.rows[0].sigma === null) notes.append(element('p', {}, 'The signature says nothing of its own uncertainty: no 1σ.'));
 }
 
+const kUnits = {
+  rad: { unit: '°', scale: degrees },
+  m: { unit: ' mm', scale: (m) => 1e3 * m },
+  '': { unit: ' %', scale: (share) => 100 * share },
+};
+
+export function differenceTable(report) {
+  const { differences } = report;
+  if (differences === null) {
+    document.getElementById('differences-section').remove();
+    return;
+  }
+  document.getElementById('differences-lead').textContent =
+    `The drawing, its base and tool fitted, is ${length(differences.total_rms_m)} (root mean square over the joint limits) from this arm. From where that comes:`;
+  const millimetres = (metres) => fixed(1e3 * metres, 3);
+  const body = element('tbody');
+  let joint = 0;
+  for (const line of differences.joints) {
+    const key = ['rad', 'm', ''].find((name) => `value${name && `_${name}`}` in line);
+    const { unit, scale } = kUnits[key];
+    const suffix = key && `_${key}`;
+    const known = line[`sigma${suffix}`] !== null;
+    const sigma = known ? scale(line[`sigma${suffix}`]) : null;
+    const decimals = decimalsFor(sigma, 3, 4);
+    const tr = element('tr', line.joint === joint ? {} : { class: 'first' },
+      cell(line.joint === joint ? '' : line.joint, 'text'), cell(line.what, 'text'),
+      cell(`${fixed(scale(line[`value${suffix}`]), decimals)}${unit}`, 'actual'),
+      cell(known ? `± ${fixed(sigma, decimals)}` : '', 'sigma'),
+      cell(millimetres(line.effect_rms_m)), cell(millimetres(line.adds_m)));
+    tr.dataset.kind = line.kind;
+    body.append(tr);
+    joint = line.joint;
+  }
+  body.append(element('tr', { class: 'first' }, cell('all', 'text'), cell('base and tool fitted', 'text'), cell(''), cell(''),
+    cell(millimetres(differences.total_rms_m)), cell(millimetres(differences.total_rms_m))));
+  document.getElementById('differences').append(head('Joint', 'What', 'Difference', '1σ', 'Effect, mm', 'Adds, mm'), body);
+}
+
 export function gridTable(report) {
   const { grid } = report;
   if (grid === null) {
