@@ -32,9 +32,10 @@ bool Background::step() {
   identification_.step();
   grid_.step();
   step_store();
+  step_planning();
   step_consoles();
   longest_step_ = std::max(longest_step_, clock_.now() - began);
-  return measurement_.is_computing() || identification_.is_computing();
+  return measurement_.is_computing() || identification_.is_computing() || planning_;
 }
 
 void Background::tell_changes() {
@@ -88,7 +89,9 @@ void Background::step_store() {
       Command command;
       command.kind = CommandKind::kAdoptModel;
       command.model = model_;
-      if (mover_.is_handled()) mover_.send(command);
+      if (mover_.is_handled(adopt_ticket_)) {
+        adopt_ticket_ = mover_.send(command).value_or(adopt_ticket_);
+      }
       return;
     }
     if (store_error_) result = std::unexpected(*store_error_);
@@ -103,11 +106,11 @@ void Background::step_store() {
 
 void Background::step_consoles() {
   if (waiting_) {
-    if (!mover_.is_handled()) return;
+    if (!mover_.is_handled(waiting_ticket_)) return;
     client_ = *waiting_;
     waiting_.reset();
     out_.clear();
-    const auto refusal = mover_.refusal();
+    const auto refusal = mover_.refusal(waiting_ticket_);
     reply(refusal ? Verdict(std::unexpected(*refusal)) : Verdict());
   }
   for (std::size_t i = 0; i < announcer_.count() && !waiting_; ++i) {
@@ -123,7 +126,7 @@ void Background::step_consoles() {
 
 void Background::answer(const hal::ConsoleLine& line) {
   out_.clear();
-  waits_ = stores_ = false;
+  waits_ = stores_ = plans_ = false;
   if (line.error) {
     reply(std::unexpected(*line.error));
     return;
@@ -132,6 +135,8 @@ void Background::answer(const hal::ConsoleLine& line) {
   const Verdict verdict = request ? serve(*request) : std::unexpected(request.error());
   if (verdict && stores_) {
     storing_for_ = client_;
+  } else if (verdict && plans_) {
+    planning_for_ = client_;
   } else if (verdict && waits_) {
     waiting_ = client_;
   } else {

@@ -8,6 +8,7 @@
 #include "firmware/controller/announcer.hpp"
 #include "firmware/controller/grid_sequence.hpp"
 #include "firmware/controller/identification_sequence.hpp"
+#include "firmware/controller/motion.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
 #include "firmware/controller/signature_store.hpp"
@@ -44,10 +45,12 @@ class Background {
   void step_store();
   void load();
   void adopt();
+  void step_planning();
   void step_consoles();
   void answer(const hal::ConsoleLine& line);
   [[nodiscard]] Verdict serve(const Request& request);
   [[nodiscard]] Verdict command(CommandKind kind);
+  [[nodiscard]] Verdict wait_for(std::optional<Ticket> ticket);
   [[nodiscard]] Verdict move(const Request& request);
   [[nodiscard]] Verdict move_joints(const Request& request, double pace);
   [[nodiscard]] Verdict move_tool(const Request& request, double pace);
@@ -61,7 +64,8 @@ class Background {
   [[nodiscard]] Verdict tell_candidate();
   void reply(const Verdict& verdict);
   [[nodiscard]] bool is_busy() const {
-    return identification_.is_running() || grid_.is_running() || storing_ != Storing::kNothing;
+    return identification_.is_running() || grid_.is_running() || planning_ ||
+           storing_ != Storing::kNothing;
   }
 
   const Configuration& configuration_;
@@ -75,17 +79,22 @@ class Background {
   SignatureStore store_;
   std::optional<SignatureRecord> active_;
   std::size_t model_ = 0;  // to be adopted
+  Ticket adopt_ticket_ = 0;
   hal::Duration longest_step_{};
   std::size_t turn_ = 0;  // the console to be read first
   Client client_;
   std::optional<Client> storing_for_;  // who waits for accept or rollback
-  std::optional<Client> waiting_;      // who waits for the tick to take a command
+  std::optional<Client> waiting_;      // who waits for the tick to take the command ...
+  Ticket waiting_ticket_ = 0;          // ... with this ticket
+  std::optional<LinePlanning> planning_;
+  Client planning_for_;
   Line out_;
   std::optional<Error> store_error_;
   Storing storing_ = Storing::kNothing;
   Mode told_mode_ = Mode::kStarting;
   bool waits_ = false;   // of the request being served: for the tick
   bool stores_ = false;  // of the request being served: for the store
+  bool plans_ = false;   // of the request being served: for the plan of a line
 };
 
 }  // namespace armsig::controller

@@ -63,9 +63,33 @@ Checked check_readings(std::string_view setting, const JointVector& q, const Arm
   return {};
 }
 
+// Every coupling is finite, of a joint with one before or after it, and none leads back: readings
+// that are solved for couple to the same effective ones.
+Checked check_couplings(const Arm& arm) {
+  JointVector effective;
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    effective.push_back(1 + static_cast<double>(i));
+  }
+  for (const JointCoupling& coupling : arm.couplings) {
+    if (!std::isfinite(coupling.ratio)) return refused("arm.coupling", Error::kNotFinite);
+    if (std::max(coupling.joint, coupling.from) >= arm.joints.size()) {
+      return refused("arm.coupling", Error::kOutOfRange);
+    }
+  }
+  const JointVector again =
+      effective_readings(arm.couplings, readings_for(arm.couplings, effective));
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    constexpr double kRounding = 1e-9;
+    if (!(std::abs(again[i] - effective[i]) < kRounding)) {
+      return refused("arm.coupling", Error::kUnsupported, i);
+    }
+  }
+  return {};
+}
+
 Checked check_arm(const Arm& arm) {
   if (arm.joints.empty()) return refused("arm.joints", Error::kTooFewAxes, {}, 0, 1);
-  if (!arm.couplings.empty()) return refused("arm.coupling", Error::kUnsupported);
+  if (auto ok = check_couplings(arm); !ok) return ok;
   if (arm.limits.size() != arm.joints.size()) return refused("arm.limits", Error::kOutOfRange);
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {
     const DhJoint& row = arm.joints[i];
@@ -122,7 +146,16 @@ Checked check_measuring(const Configuration& c) {
     return ok;
   }
   if (auto ok = check_positive("dwell.tolerance", c.dwell.tolerance); !ok) return ok;
+  for (std::size_t i = 0; i < c.resolution.size(); ++i) {
+    if (c.dwell.tolerance < c.resolution[i]) {
+      return refused("dwell.tolerance", Error::kToleranceTooFine, i, c.dwell.tolerance,
+                     c.resolution[i]);
+    }
+  }
   if (auto ok = check_positive("dwell.settle", hal::seconds(c.dwell.settle)); !ok) return ok;
+  if (auto ok = check_positive("dwell.settle_timeout", hal::seconds(c.dwell.settle_timeout)); !ok) {
+    return ok;
+  }
   if (auto ok = check_count("dwell.pings", c.dwell.pings, 1, measurement::kMaxPings); !ok) {
     return ok;
   }

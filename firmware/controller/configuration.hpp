@@ -49,6 +49,8 @@ struct Dwell {
   // Standstill: commanded less actual position of every joint, rad or m, for the time.
   double tolerance = 1e-3;
   hal::Duration settle = std::chrono::milliseconds(200);
+  // A joint that has not settled so long after its move is told, and ends the sequence.
+  hal::Duration settle_timeout = std::chrono::seconds(5);
   std::size_t pings = 5;        // whose median is a point
   std::size_t most_pings = 15;  // tried for them, at most measurement::kMaxPings
 };
@@ -75,8 +77,11 @@ struct GridTask {
 };
 
 struct Configuration {
-  Arm drawing;  // with limits for every joint
+  // With limits for every joint, which its motor keeps as well. Where joints are coupled, every
+  // reading here and on the console is the effective one, of the joint and not of its motor.
+  Arm drawing;
   hal::Duration period = std::chrono::milliseconds(2);
+  JointVector resolution;  // worth of a count of each joint, rad or m; empty: not known
   MotionLimits limits;
   Supervision supervision;
   Sensor sensor;
@@ -95,7 +100,8 @@ struct ConfigurationRefusal {
 
 // Errors: kTooFewAxes, kNotFinite, kCapacityExceeded, kLimitsReversed, kLimitsImplausible,
 // kNotPositive, kJointLimit (a reading outside its limits), kPeriodInvalid, kOutOfRange (a count or
-// a share), kUnsupported (a coupled joint), and those of measurement::check().
+// a share), kToleranceTooFine (below a count), kUnsupported (a coupling that leads back), and those
+// of measurement::check().
 [[nodiscard]] std::expected<void, ConfigurationRefusal> check(const Configuration& configuration);
 
 }  // namespace armsig::controller

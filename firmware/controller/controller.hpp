@@ -16,6 +16,7 @@
 
 #include "firmware/controller/background.hpp"
 #include "firmware/controller/configuration.hpp"
+#include "firmware/controller/coupled_drives.hpp"
 #include "firmware/controller/link.hpp"
 #include "firmware/controller/servo.hpp"
 #include "hal/clock.hpp"
@@ -34,7 +35,8 @@ class Controller {
              hal::Clock& clock, hal::NonvolatileMemory& memory,
              std::span<hal::Console* const> consoles)
       : configuration_(configuration),
-        servo_(configuration_, drives, clock, link_),
+        drives_(configuration_.drawing.couplings, drives),
+        servo_(configuration_, drives_, clock, link_),
         background_(configuration_, sensor, clock, memory, consoles, link_) {}
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
@@ -53,6 +55,7 @@ class Controller {
  private:
   Configuration configuration_;
   Link link_;
+  CoupledDrives drives_;
   Servo servo_;
   Background background_;
 };

@@ -43,21 +43,24 @@ Result<void> GridSequence::begin() {
 }
 
 void GridSequence::step() {
-  if (!is_running() || !mover_.is_handled()) return;
+  if (!is_running() || !mover_.is_handled(ticket_)) return;
   const Snapshot& snapshot = mover_.now();
+  if (const auto refusal = mover_.refusal(ticket_)) {
+    end(*refusal);
+    return;
+  }
   if (snapshot.mode != Mode::kSweeping) {
     end(snapshot.fault ? snapshot.fault->error : Error::kSequenceStopped,
         snapshot.fault ? snapshot.fault->joint : std::nullopt);
     return;
   }
   if (moving_) {
-    if (mover_.refusal()) {
-      end(*mover_.refusal());
+    const bool arrived = mover_.has_arrived(ticket_, configuration_.dwell.settle);
+    if (arrived && !told_) tell_touched();
+    if (!mover_.has_arrived(ticket_, configuration_.dwell.settle + configuration_.grid.dwell)) {
+      if (snapshot.now > move_ends_) end(Error::kNotSettled, mover_.furthest_joint());
       return;
     }
-    if (!mover_.has_arrived(configuration_.dwell.settle)) return;
-    if (!told_) tell_touched();
-    if (!mover_.has_arrived(configuration_.dwell.settle + configuration_.grid.dwell)) return;
     moving_ = told_ = false;
   }
   go_on();
@@ -106,7 +109,15 @@ void GridSequence::go_on() {
     end(move.error().error, move.error().joint);
     return;
   }
-  moving_ = mover_.send(*move);
+  const auto sent = mover_.send(*move);
+  if (!sent) {
+    end(Error::kLateTick);
+    return;
+  }
+  ticket_ = *sent;
+  moving_ = true;
+  move_ends_ = mover_.now().now + lasting(*move) + configuration_.dwell.settle +
+               configuration_.grid.dwell + configuration_.dwell.settle_timeout;
 }
 
 }  // namespace armsig::controller

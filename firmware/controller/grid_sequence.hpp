@@ -19,6 +19,8 @@ class GridSequence {
 
   // Errors: kUnsupported (no grid is configured), kNotFinite. Precondition: not is_running().
   Result<void> begin();
+  // The kBeginSequence that it needs, sent after begin().
+  void begun(Ticket ticket) { ticket_ = ticket; }
   void end(Error error, std::optional<std::size_t> joint = {});
   void step();
 
@@ -41,6 +43,8 @@ class GridSequence {
   bool checking_ = false;  // every vertex is solved for before the arm moves
   bool moving_ = false;
   bool told_ = false;  // that the tool is at the vertex
+  Ticket ticket_ = 0;  // of the last command
+  hal::Instant move_ends_;
   Pose X_0W_;
   Matrix3 R_0T_ = Matrix3::Identity();
   std::size_t touched_ = 0;

@@ -13,6 +13,8 @@ namespace {
 
 // Points in a row that give no position, until the sensor rather than the place is to blame.
 constexpr unsigned kLostInARow = 3;
+// Times in a row that a point may be begun anew because the arm moved.
+constexpr unsigned kMovedInARow = 3;
 
 bool is_of_the_place(Error error) {
   return error == Error::kTooFewReceivers || error == Error::kReceiversCollinear ||
@@ -30,14 +32,15 @@ IdentificationSequence::IdentificationSequence(const Configuration& configuratio
       measurement_(measurement),
       announcer_(announcer) {}
 
-void IdentificationSequence::begin(const Signature* active) {
+void IdentificationSequence::begin(const Signature* active, Ticket begun) {
   stage_ = Stage::kSweeping;
   phase_ = Phase::kNext;
   paused_ = false;
   pause_reason_.reset();
   active_ = active;
   joint_ = held_out_ = points_done_ = 0;
-  lost_in_a_row_ = 0;
+  lost_in_a_row_ = moved_in_a_row_ = 0;
+  ticket_ = begun;
   began_ = mover_.now().now;
   log_.clear();
   forget_candidate();
@@ -96,7 +99,11 @@ void IdentificationSequence::tell_progress(std::string_view what) const {
 void IdentificationSequence::step() {
   if (!is_running()) return;
   const Snapshot& snapshot = mover_.now();
-  if (!mover_.is_handled()) return;
+  if (!mover_.is_handled(ticket_)) return;
+  if (const auto refusal = mover_.refusal(ticket_)) {
+    end(*refusal);
+    return;
+  }
   if (snapshot.mode != Mode::kSweeping) {
     end(snapshot.fault ? snapshot.fault->error : Error::kSequenceStopped,
         snapshot.fault ? snapshot.fault->joint : std::nullopt);
@@ -107,20 +114,59 @@ void IdentificationSequence::step() {
       if (!paused_) go_on();
       return;
     case Phase::kMoving:
-      if (mover_.refusal()) {
-        end(*mover_.refusal());
-      } else if (mover_.has_arrived(configuration_.dwell.settle)) {
-        if (stage_ == Stage::kReturning) {
-          finish();
-          return;
-        }
-        measurement_.begin(snapshot.now);
-        phase_ = Phase::kMeasuring;
+      step_move();
+      return;
+    case Phase::kMeasuring:  // measure_step() goes on
+      if (has_moved()) {
+        refuse_point();
+      } else if (snapshot.now > phase_ends_) {
+        measurement_.end();
+        take_error(Error::kPointTimeout);
       }
       return;
-    case Phase::kMeasuring:
-      return;  // measure_step() goes on
   }
+}
+
+void IdentificationSequence::step_move() {
+  const hal::Instant now = mover_.now().now;
+  if (mover_.has_arrived(ticket_, configuration_.dwell.settle)) {
+    stage_ == Stage::kReturning ? finish() : measure();
+  } else if (now > phase_ends_) {
+    end(Error::kNotSettled, mover_.furthest_joint());
+  }
+}
+
+void IdentificationSequence::measure() {
+  const hal::Instant now = mover_.now().now;
+  measurement_.begin(now);
+  phase_ = Phase::kMeasuring;
+  measured_since_ = now;
+  phase_ends_ = now + configuration_.sensor.reading_timeout *
+                          static_cast<std::int64_t>(configuration_.dwell.most_pings + 1);
+}
+
+// Whether a joint left its place, by more than the tolerance, since the first ping.
+bool IdentificationSequence::has_moved() const {
+  const Snapshot& snapshot = mover_.now();
+  return snapshot.settled < snapshot.now - measured_since_;
+}
+
+// The pings of one point are of one place, or of none.
+[[gnu::noinline]] void IdentificationSequence::refuse_point() {
+  const std::size_t joint = mover_.furthest_joint();
+  measurement_.end();
+  if (++moved_in_a_row_ >= kMovedInARow) {
+    end(Error::kArmMoved, joint);
+    return;
+  }
+  announcer_.say(Line()
+                     .text("# identify point refused")
+                     .reason(Error::kArmMoved)
+                     .text(" joint=")
+                     .integer(joint + 1));
+  phase_ = Phase::kMoving;
+  phase_ends_ =
+      mover_.now().now + configuration_.dwell.settle + configuration_.dwell.settle_timeout;
 }
 
 void IdentificationSequence::begin_sweep() { work_.emplace<Sweep>(configuration_, joint_); }
@@ -157,7 +203,15 @@ void IdentificationSequence::go_to(const JointVector& q) {
     end(move.error().error, move.error().joint);
     return;
   }
-  if (mover_.send(*move)) phase_ = Phase::kMoving;
+  const auto sent = mover_.send(*move);
+  if (!sent) {
+    end(Error::kLateTick);
+    return;
+  }
+  ticket_ = *sent;
+  phase_ = Phase::kMoving;
+  phase_ends_ = mover_.now().now + configuration_.dwell.settle +
+                configuration_.dwell.settle_timeout + lasting(*move);
 }
 
 // Spread about the signature configuration over the configured part of each joint's limits.
@@ -177,7 +231,9 @@ JointVector IdentificationSequence::held_out_pose(std::size_t index) const {
 
 void IdentificationSequence::measure_step(const Result<std::optional<MeasuredPoint>>& measured) {
   if (!is_running() || phase_ != Phase::kMeasuring) return;
-  if (!measured) {
+  if (has_moved()) {
+    refuse_point();
+  } else if (!measured) {
     take_error(measured.error());
   } else if (*measured) {
     take(**measured);
@@ -208,7 +264,7 @@ void IdentificationSequence::pause_for(Error error) {
 
 void IdentificationSequence::take(const MeasuredPoint& point) {
   phase_ = Phase::kNext;
-  lost_in_a_row_ = 0;
+  lost_in_a_row_ = moved_in_a_row_ = 0;
   ++points_done_;
   const JointVector& readings = mover_.now().positions;
   const bool sweeping = stage_ == Stage::kSweeping;

@@ -36,8 +36,9 @@ class IdentificationSequence {
                          PointMeasurement& measurement, const Announcer& announcer);
 
   // Forgets candidate and log. `active` is the signature in use, null: the drawing; it must stay
-  // as it is until the sequence is over. Precondition: not is_running().
-  void begin(const Signature* active);
+  // as it is until the sequence is over; `begun` is the kBeginSequence that it needs. Precondition:
+  // not is_running().
+  void begin(const Signature* active, Ticket begun);
   void pause() { paused_ = true; }
   void resume();
   // Ends it with `error` as the reason, wherever it is.
@@ -82,6 +83,10 @@ class IdentificationSequence {
   void go_to(const JointVector& q);
   void take(const MeasuredPoint& point);
   void take_error(Error error);
+  void step_move();
+  void measure();
+  void refuse_point();
+  [[nodiscard]] bool has_moved() const;
   void pause_for(Error error);
   [[nodiscard]] JointVector held_out_pose(std::size_t index) const;
   void tell_progress(std::string_view what) const;
@@ -100,6 +105,10 @@ class IdentificationSequence {
   std::size_t held_out_ = 0;
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
+  unsigned moved_in_a_row_ = 0;
+  Ticket ticket_ = 0;        // of the last command
+  hal::Instant phase_ends_;  // the bound of the phase under way
+  hal::Instant measured_since_;
   hal::Instant began_;
   std::variant<std::monostate, Sweep, Identification, HeldOutComparison> work_;
   std::optional<SignatureRecord> candidate_;  // being made until there is a verdict

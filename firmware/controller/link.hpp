@@ -43,13 +43,20 @@ struct Fault {
   std::uint32_t code = 0;  // the device's own, as in hal::DriveStatus
 };
 
+// What became of a command.
+struct CommandResult {
+  std::uint32_t serial = 0;
+  std::optional<Error> refused;
+};
+
 // What the tick publishes.
 struct Snapshot {
   Mode mode = Mode::kStarting;
   std::optional<Fault> fault;
-  std::uint32_t handled = 0;     // serial of the last command taken
-  std::optional<Error> refused;  // and why it was refused
-  JointVector positions;         // actual readings
+  std::uint32_t handled = 0;  // serial of the last command taken
+  // Of the last commands taken, each at its serial modulo the size: more than the mailbox holds.
+  std::array<CommandResult, 8> results{};
+  JointVector positions;  // actual readings
   JointVector commanded;
   bool moving = false;
   double left_s = 0;        // of the move under way

@@ -67,37 +67,19 @@ Result<JointVector> solve(const Configuration& configuration, const Model& model
          2 * kManufacturing * length;
 }
 
-// How long the line `move` takes at full pace. Walks it through the inverse, and leaves in move.to
-// the readings where it ends.
-[[gnu::noinline]] Result<double> walk_line(const Configuration& configuration, const Model& model,
-                                           Move& move) {
-  const MotionLimits& limits = configuration.limits;
-  const double turn = rotation_vector(move.X_RT_from.R.transpose() * move.X_RT_to.R).norm();
-  const double way = (move.X_RT_to.p - move.X_RT_from.p).norm();
-  double duration = std::max({kShortest_s, kPeakSpeed * way / limits.tool_speed,
-                              kPeakSpeed * turn / limits.tool_turn_rate});
-  const kinematics::InverseOptions options;
-  // Where the line begins counts as well.
-  if (const auto begin = solve(configuration, model, move.X_RT_from, move.from, options); !begin) {
-    return std::unexpected(begin.error());
+// What the motors turn for the joints to be at q.
+JointVector motor_readings(const Configuration& configuration, const JointVector& q) {
+  return readings_for(configuration.drawing.couplings, q);
+}
+
+// The first joint whose motor would leave its limits.
+std::optional<std::size_t> motor_beyond(const Configuration& configuration,
+                                        const JointVector& motors) {
+  for (std::size_t i = 0; i < motors.size(); ++i) {
+    const JointLimits& limits = configuration.drawing.limits[i];
+    if (motors[i] < limits.lower || motors[i] > limits.upper) return i;
   }
-  JointVector slope_before(move.from.size());
-  for (int k = 1; k <= kLineSamples; ++k) {
-    const auto q = solve(configuration, model,
-                         line_pose(move, static_cast<double>(k) / kLineSamples), move.to, options);
-    if (!q) return std::unexpected(q.error());
-    for (std::size_t i = 0; i < q->size(); ++i) {
-      const double slope = ((*q)[i] - move.to[i]) * kLineSamples;
-      const double curvature = k == 1 ? 0 : (slope - slope_before[i]) * kLineSamples;
-      duration = std::max(duration, duration_for(std::abs(slope), std::abs(curvature),
-                                                 limits.speed[i], limits.acceleration[i]));
-      slope_before[i] = slope;
-    }
-    move.to = *q;
-  }
-  // The samples see a joint's speed between two of them only on average.
-  constexpr double kMargin = 1.05;
-  return kMargin * duration;
+  return std::nullopt;
 }
 
 bool finite(const JointVector& q) {
@@ -114,12 +96,18 @@ Planned plan_joint_move(const Configuration& configuration, const JointVector& f
   move.from = from;
   move.to = to;
   move.duration_s = kShortest_s;
+  const JointVector motors_to = motor_readings(configuration, to);
+  const JointVector motors_from = motor_readings(configuration, from);
+  if (const auto beyond = motor_beyond(configuration, motors_to)) {
+    return refused(Error::kJointLimit, beyond);
+  }
   for (std::size_t i = 0; i < to.size(); ++i) {
     const JointLimits& limits = configuration.drawing.limits[i];
     if (to[i] < limits.lower || to[i] > limits.upper) return refused(Error::kJointLimit, i);
     move.duration_s = std::max(
-        move.duration_s, duration_for(std::abs(to[i] - from[i]), 0, configuration.limits.speed[i],
-                                      configuration.limits.acceleration[i]));
+        move.duration_s,
+        duration_for(std::max(std::abs(to[i] - from[i]), std::abs(motors_to[i] - motors_from[i])),
+                     0, configuration.limits.speed[i], configuration.limits.acceleration[i]));
   }
   move.duration_s /= pace;
   return move;
@@ -133,29 +121,93 @@ Pose line_pose(const Move& line, double s) {
   return X_RT;
 }
 
+LinePlanning::LinePlanning(const Configuration& configuration, const Model& model,
+                           const JointVector& from, const Pose& X_RT_to, double pace)
+    : configuration_(configuration), model_(model), pace_(pace) {
+  planned_->kind = MoveKind::kLine;
+  planned_->from = planned_->to = from;
+  slope_before_.resize(from.size());
+  begin(X_RT_to);
+}
+
+void LinePlanning::begin(const Pose& X_RT_to) {
+  if (!(pace_ > 0) || pace_ > 1) {
+    planned_ = refused(Error::kOutOfRange);
+    return;
+  }
+  if (!X_RT_to.p.allFinite() || !X_RT_to.R.allFinite()) {
+    planned_ = refused(Error::kNotFinite);
+    return;
+  }
+  Move& move = *planned_;
+  move.X_RT_to = X_RT_to;
+  const auto X_RT_from = tool_pose(model_, move.from);
+  if (!X_RT_from) {
+    planned_ = refused(X_RT_from.error());
+    return;
+  }
+  move.X_RT_from = *X_RT_from;
+  if (!is_within_span(model_, configuration_.drawing, move.X_RT_from, X_RT_to)) {
+    planned_ = refused(Error::kOutOfReach);
+    return;
+  }
+  const double turn = rotation_vector(move.X_RT_from.R.transpose() * move.X_RT_to.R).norm();
+  const double way = (move.X_RT_to.p - move.X_RT_from.p).norm();
+  move.duration_s = std::max({kShortest_s, kPeakSpeed * way / configuration_.limits.tool_speed,
+                              kPeakSpeed * turn / configuration_.limits.tool_turn_rate});
+}
+
+bool LinePlanning::step() {
+  constexpr int kSamplesAStep = 5;
+  for (int i = 0; i < kSamplesAStep && planned_ && done_ <= kLineSamples; ++i) sample();
+  if (!planned_) return false;
+  if (done_ <= kLineSamples) return true;
+  // The samples see a joint's speed between two of them only on average.
+  constexpr double kMargin = 1.05;
+  planned_->duration_s *= kMargin / pace_;
+  return false;
+}
+
+// One pose of the line through the inverse, which leaves in the move's end how far it came. Where
+// the line begins counts as well.
+void LinePlanning::sample() {
+  const MotionLimits& limits = configuration_.limits;
+  Move& move = *planned_;
+  const int k = done_++;
+  const auto q =
+      solve(configuration_, model_, line_pose(move, static_cast<double>(k) / kLineSamples), move.to,
+            kinematics::InverseOptions());
+  if (!q) {
+    planned_ = refused(q.error());
+    return;
+  }
+  if (k == 0) return;
+  const JointVector motors = motor_readings(configuration_, *q);
+  const JointVector motors_before = motor_readings(configuration_, move.to);
+  if (const auto beyond = motor_beyond(configuration_, motors)) {
+    planned_ = refused(Error::kJointLimit, beyond);
+    return;
+  }
+  for (std::size_t i = 0; i < q->size(); ++i) {
+    const double slope = ((*q)[i] - move.to[i]) * kLineSamples;
+    const double of_motor = std::abs(motors[i] - motors_before[i]) * kLineSamples;
+    const double curvature = k == 1 ? 0 : (slope - slope_before_[i]) * kLineSamples;
+    move.duration_s =
+        std::max(move.duration_s, duration_for(std::abs(slope), std::abs(curvature),
+                                               limits.speed[i], limits.acceleration[i]));
+    move.duration_s = std::max(move.duration_s,
+                               duration_for(of_motor, 0, limits.speed[i], limits.acceleration[i]));
+    slope_before_[i] = slope;
+  }
+  move.to = *q;
+}
+
 Planned plan_line(const Configuration& configuration, const Model& model, const JointVector& from,
                   const Pose& X_RT_to, double pace) {
-  if (!(pace > 0) || pace > 1) return refused(Error::kOutOfRange);
-  if (!X_RT_to.p.allFinite() || !X_RT_to.R.allFinite()) return refused(Error::kNotFinite);
-  Planned planned;
-  Move& move = *planned;
-  move.kind = MoveKind::kLine;
-  move.from = move.to = from;
-  move.X_RT_to = X_RT_to;
-  if (const auto X_RT_from = tool_pose(model, from)) {
-    move.X_RT_from = *X_RT_from;
-  } else {
-    return refused(X_RT_from.error());
+  LinePlanning planning(configuration, model, from, X_RT_to, pace);
+  while (planning.step()) {
   }
-  if (!is_within_span(model, configuration.drawing, move.X_RT_from, X_RT_to)) {
-    return refused(Error::kOutOfReach);
-  }
-  if (const auto duration = walk_line(configuration, model, move)) {
-    move.duration_s = *duration / pace;
-  } else {
-    return refused(duration.error());
-  }
-  return planned;
+  return planning.result();
 }
 
 Result<JointVector> readings_at(const Move& move, const Configuration& configuration,

@@ -2,6 +2,7 @@
 // Moves with minimum jerk: in joint space, and straight lines of the tool.
 #pragma once
 
+#include <chrono>
 #include <optional>
 
 #include "core/base/pose.hpp"
@@ -30,6 +31,11 @@ struct Move {
   double duration_s = 0;
 };
 
+// How long the move takes, if no tick is late.
+[[nodiscard]] inline hal::Duration lasting(const Move& move) {
+  return std::chrono::duration_cast<hal::Duration>(std::chrono::duration<double>(move.duration_s));
+}
+
 struct MoveRefusal {
   Error error = Error::kNotFinite;
   std::optional<std::size_t> joint;
@@ -41,9 +47,34 @@ using Planned = std::expected<Move, MoveRefusal>;
 [[nodiscard]] Planned plan_joint_move(const Configuration& configuration, const JointVector& from,
                                       const JointVector& to, double pace = 1);
 
-// The line is walked in kLineSamples steps through the inverse of the model before anything moves.
-// Errors: kNotFinite, kOutOfRange, kOutOfReach, kJointLimit, kSingularPath, kNotConverged.
+// Plans a straight line of the tool, a bounded step at a time: the line is walked in kLineSamples
+// samples through the inverse of the model before anything moves. `configuration` and `model` must
+// stay as they are meanwhile.
 inline constexpr int kLineSamples = 100;
+class LinePlanning {
+ public:
+  LinePlanning(const Configuration& configuration, const Model& model, const JointVector& from,
+               const Pose& X_RT_to, double pace);
+
+  // A few samples of the line; false if nothing is left to do.
+  bool step();
+  // Precondition: step() has returned false.
+  // Errors: kNotFinite, kOutOfRange, kOutOfReach, kJointLimit, kSingularPath, kNotConverged.
+  [[nodiscard]] const Planned& result() const { return planned_; }
+
+ private:
+  void begin(const Pose& X_RT_to);
+  void sample();
+
+  const Configuration& configuration_;
+  const Model& model_;
+  double pace_;
+  Planned planned_;
+  JointVector slope_before_;
+  int done_ = 0;  // samples
+};
+
+// The whole of it at once.
 [[nodiscard]] Planned plan_line(const Configuration& configuration, const Model& model,
                                 const JointVector& from, const Pose& X_RT_to, double pace = 1);
 

@@ -131,19 +131,33 @@ Background::Verdict Background::move_joints(const Request& request, double pace)
     if (planned.error().joint) out_.text(" joint=").integer(*planned.error().joint + 1);
     return std::unexpected(planned.error().error);
   }
-  if (!mover_.send(*planned)) return std::unexpected(Error::kBusBusy);
-  waits_ = true;
-  return {};
+  return wait_for(mover_.send(*planned));
 }
 
 Background::Verdict Background::move_tool(const Request& request, double pace) {
   const Model& model = link_.models[mover_.now().model];
   ARMSIG_TRY(goal, goal_of(request, model, mover_.now().commanded));
-  const auto planned = plan_line(configuration_, model, mover_.now().commanded, goal, pace);
-  if (!planned) return std::unexpected(planned.error().error);
-  if (!mover_.send(*planned)) return std::unexpected(Error::kBusBusy);
-  waits_ = true;
+  planning_.emplace(configuration_, model, mover_.now().commanded, goal, pace);
+  plans_ = true;
   return {};
+}
+
+// The client waits until its line is planned, then until the tick has taken it. Whether the arm is
+// still where the plan begins is for the tick to judge.
+[[gnu::noinline]] void Background::step_planning() {
+  if (!planning_ || waiting_ || planning_->step()) return;
+  client_ = planning_for_;
+  out_.clear();
+  waits_ = false;
+  const Planned& planned = planning_->result();
+  const Verdict verdict =
+      planned ? wait_for(mover_.send(*planned)) : Verdict(std::unexpected(planned.error().error));
+  planning_.reset();
+  if (verdict) {
+    waiting_ = client_;
+  } else {
+    reply(verdict);
+  }
 }
 
 }  // namespace armsig::controller

@@ -2,11 +2,18 @@
 // The background's hand on the tick: sends commands, and knows what became of them.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "firmware/controller/link.hpp"
 
 namespace armsig::controller {
+
+// Names a command that was sent, for whoever sent it to ask what became of it.
+using Ticket = std::uint32_t;
 
 class Mover {
  public:
@@ -19,32 +26,48 @@ class Mover {
   }
   [[nodiscard]] const Snapshot& now() const { return *snapshot_; }
 
-  // False if the mailbox is full: the tick has stopped.
-  bool send(Command command) {
+  // Empty if the mailbox is full: the tick has stopped.
+  std::optional<Ticket> send(Command command) {
     command.serial = serial_ + 1;
-    if (!link_.commands.post(command)) return false;
-    ++serial_;
-    return true;
+    if (!link_.commands.post(command)) return std::nullopt;
+    return ++serial_;
   }
-  bool send(CommandKind kind) {
+  std::optional<Ticket> send(CommandKind kind) {
     Command command;
     command.kind = kind;
     return send(command);
   }
   // A function of its own: the command would stand on the stack below the planning of the move.
-  [[gnu::noinline]] bool send(const Move& move) {
+  [[gnu::noinline]] std::optional<Ticket> send(const Move& move) {
     Command command;
     command.kind = CommandKind::kMove;
     command.move = move;
     return send(command);
   }
 
-  // Whether the tick has taken the last command; then its refusal, if there was one.
-  [[nodiscard]] bool is_handled() const { return snapshot_->handled == serial_; }
-  [[nodiscard]] std::optional<Error> refusal() const { return snapshot_->refused; }
-  // Whether the last move is over and the arm has stood still for `settle`.
-  [[nodiscard]] bool has_arrived(hal::Duration settle) const {
-    return is_handled() && !snapshot_->moving && snapshot_->settled >= settle;
+  // Whether the tick has taken the command; then its refusal, if there was one. To be asked in
+  // every step of the background until it is handled: the tick remembers the last results only.
+  [[nodiscard]] bool is_handled(Ticket ticket) const {
+    return static_cast<std::int32_t>(snapshot_->handled - ticket) >= 0;
+  }
+  [[nodiscard]] std::optional<Error> refusal(Ticket ticket) const {
+    const CommandResult& result = snapshot_->results[ticket % snapshot_->results.size()];
+    return result.serial == ticket ? result.refused : std::nullopt;
+  }
+  // Whether the move of the ticket is over and the arm has stood still for `settle`.
+  [[nodiscard]] bool has_arrived(Ticket ticket, hal::Duration settle) const {
+    return is_handled(ticket) && !snapshot_->moving && snapshot_->settled >= settle;
+  }
+  // The joint that is furthest from where it is commanded to be.
+  [[nodiscard]] std::size_t furthest_joint() const {
+    std::size_t furthest = 0;
+    double error = -1;
+    for (std::size_t joint = 0; joint < snapshot_->positions.size(); ++joint) {
+      const double off = std::abs(snapshot_->commanded[joint] - snapshot_->positions[joint]);
+      if (off > error) furthest = joint;
+      error = std::max(error, off);
+    }
+    return furthest;
   }
 
  private:

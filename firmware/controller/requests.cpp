@@ -47,8 +47,11 @@ Background::Verdict Background::serve(const Request& request) {
   return std::unexpected(Error::kUnknownRequest);
 }
 
-Background::Verdict Background::command(CommandKind kind) {
-  if (!mover_.send(kind)) return std::unexpected(Error::kBusBusy);
+Background::Verdict Background::command(CommandKind kind) { return wait_for(mover_.send(kind)); }
+
+Background::Verdict Background::wait_for(std::optional<Ticket> ticket) {
+  if (!ticket) return std::unexpected(Error::kBusBusy);
+  waiting_ticket_ = *ticket;
   waits_ = true;
   return {};
 }
@@ -56,14 +59,19 @@ Background::Verdict Background::command(CommandKind kind) {
 Background::Verdict Background::identify() {
   if (mover_.now().mode != Mode::kHolding || is_busy()) return std::unexpected(Error::kWrongMode);
   if (auto sent = command(CommandKind::kBeginSequence); !sent) return sent;
-  identification_.begin(active_ ? &active_->signature : nullptr);
+  identification_.begin(active_ ? &active_->signature : nullptr, waiting_ticket_);
   return {};
 }
 
 Background::Verdict Background::touch_grid() {
   if (mover_.now().mode != Mode::kHolding || is_busy()) return std::unexpected(Error::kWrongMode);
   if (auto begun = grid_.begin(); !begun) return begun;
-  return command(CommandKind::kBeginSequence);
+  if (auto sent = command(CommandKind::kBeginSequence); !sent) {
+    grid_.end(sent.error());
+    return sent;
+  }
+  grid_.begun(waiting_ticket_);
+  return {};
 }
 
 Background::Verdict Background::accept() {

@@ -36,7 +36,7 @@ void Servo::supervise(const Result<void>& read, hal::Duration lateness) {
   if (mode_ == Mode::kFaulted) return;
   supervise_drives();
   if (!read) fail(read.error());
-  if (has_torque()) supervise_following();
+  if (has_torque() || enabling_) supervise_following();
   if (has_torque() && lateness > configuration_.supervision.latest_tick) fail(Error::kLateTick);
 }
 
@@ -77,7 +77,7 @@ void Servo::fail(Error error, std::optional<std::size_t> joint, std::uint32_t co
 
 void Servo::take_commands() {
   while (const auto command = link_.commands.take()) {
-    refused_ = take(*command);
+    results_[command->serial % results_.size()] = {command->serial, take(*command)};
     handled_ = command->serial;
   }
 }
@@ -156,7 +156,7 @@ void Servo::brake() {
 void Servo::step_mode() {
   using enum hal::DriveCondition;
   if (mode_ == Mode::kStarting && drives_.all(kDisabled)) mode_ = Mode::kIdle;
-  if (!has_torque()) commanded_ = drives_.positions();
+  if (!has_torque()) follow_positions();
   if (enabling_ && drives_.all(kEnabled)) {
     enabling_ = false;
     mode_ = Mode::kHolding;
@@ -167,6 +167,15 @@ void Servo::step_mode() {
   if (!has_torque()) return;  // the move failed
   mode_ = in_sequence_ ? Mode::kSweeping : (move_ ? Mode::kServoing : Mode::kHolding);
   if (!is_settled()) unsettled_at_ = now_;
+}
+
+// A joint without torque is commanded to be where it is. One that has torque before the others
+// stays where it was: it would follow its own shaft.
+void Servo::follow_positions() {
+  const JointVector& actual = drives_.positions();
+  for (std::size_t joint = 0; joint < actual.size(); ++joint) {
+    if (!(enabling_ && drives_.status(joint).has_torque)) commanded_[joint] = actual[joint];
+  }
 }
 
 void Servo::step_move() {
@@ -207,7 +216,7 @@ void Servo::publish(hal::Duration lateness) {
   out.mode = mode_;
   out.fault = fault_;
   out.handled = handled_;
-  out.refused = refused_;
+  out.results = results_;
   out.positions = drives_.positions();
   out.commanded = commanded_;
   out.moving = move_.has_value();

@@ -24,6 +24,7 @@ class Servo {
   void supervise_drives();
   void supervise_following();
   void take_commands();
+  void follow_positions();
   [[nodiscard]] std::optional<Error> take(const Command& command);
   [[nodiscard]] std::optional<Error> begin(const Move& move);
   void brake();
@@ -55,7 +56,7 @@ class Servo {
   JointVector speed_;  // of the commanded readings, in the last tick of a move
   std::size_t model_ = 0;
   std::uint32_t handled_ = 0;
-  std::optional<Error> refused_;
+  std::array<CommandResult, 8> results_{};
   Histogram lateness_;
   Histogram execution_;
 };

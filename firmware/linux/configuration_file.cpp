@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/text.hpp"
 #include "firmware/host_tool/formats/text_file.hpp"
 #include "firmware/host_tool/formats/yaml_map.hpp"
@@ -82,9 +83,11 @@ Read<void> read_dwell(const YamlMap& root, DaemonConfiguration& c) {
   controller::Dwell& dwell = c.controller.dwell;
   std::vector<std::string> known{"tolerance_rad_or_m", "pings", "most_pings"};
   add_names(known, "settle", Dimension::kTime);
+  add_names(known, "settle_timeout", Dimension::kTime);
   return in_section(root, "dwell", known, [&](Settings& settings) {
     settings.share("tolerance_rad_or_m", dwell.tolerance)
         .time("settle", dwell.settle)
+        .time("settle_timeout", dwell.settle_timeout)
         .integer("pings", 1, kMost, dwell.pings)
         .integer("most_pings", 1, kMost, dwell.most_pings);
   });
@@ -135,9 +138,9 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
   }
-  std::vector<std::string> known{"armsig", "name",   "console", "store",  "priority",
-                                 "joints", "can",    "sensor",  "motion", "supervision",
-                                 "dwell",  "sweeps", "grid"};
+  std::vector<std::string> known{"armsig", "name",   "console", "store",   "priority",
+                                 "joints", "can",    "sensor",  "motion",  "supervision",
+                                 "dwell",  "sweeps", "grid",    "coupling"};
   add_names(known, "period", Dimension::kTime);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));
   DaemonConfiguration c;
@@ -146,6 +149,10 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   const auto read_all = [&]() -> Read<void> {
     if (auto ok = read_top(root, c); !ok) return ok;
     if (auto ok = read_joints(*joints, c); !ok) return ok;
+    if (const YamlNode* coupling = root.find("coupling")) {
+      ARMSIG_TRY(couplings, tool::read_couplings(*coupling, c.controller.drawing.joints));
+      c.controller.drawing.couplings = couplings;
+    }
     if (auto ok = read_can(root, c); !ok) return ok;
     if (auto ok = read_sensor(*sensor, c); !ok) return ok;
     for (const auto read : {read_motion, read_supervision, read_dwell, read_sweeps}) {
@@ -154,6 +161,9 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
     const auto drives = canopen::check(c.drives);
     if (!drives) return std::unexpected(problem_of(drives.error(), node));
     c.bus_load = drives->bus_load();
+    for (std::size_t axis = 0; axis < c.drives.axes.size(); ++axis) {
+      c.controller.resolution.push_back(drives->scaling(axis).resolution());
+    }
     if (const YamlNode* grid = root.find("grid")) {
       if (auto ok = read_grid(*grid, c); !ok) return ok;
     }

@@ -6,12 +6,21 @@ namespace {
 
 using hal::DriveCondition;
 
-// The standard's quick stop ramp takes its time; the stop is given this much of what there is.
-constexpr hal::Duration kRamp = kLongestShutDown / 2;
+// The stop is given this much of what there is; then the torque goes, whatever the drives say.
+constexpr hal::Duration kRamp = 3 * kLongestShutDown / 4;
 
-bool any_faulted(const hal::JointDrives& drives) {
+// Whether every drive stands in its quick stop, or has no torque that a stop could wait for.
+bool all_rest(const hal::JointDrives& drives) {
   for (std::size_t joint = 0; joint < drives.count(); ++joint) {
-    if (drives.status(joint).condition == DriveCondition::kFaulted) return true;
+    const hal::DriveStatus status = drives.status(joint);
+    if (status.condition != DriveCondition::kStopped && status.has_torque) return false;
+  }
+  return true;
+}
+
+bool any_has_torque(const hal::JointDrives& drives) {
+  for (std::size_t joint = 0; joint < drives.count(); ++joint) {
+    if (drives.status(joint).has_torque) return true;
   }
   return false;
 }
@@ -19,22 +28,20 @@ bool any_faulted(const hal::JointDrives& drives) {
 }  // namespace
 
 void shut_down(hal::JointDrives& drives, hal::Clock& clock, hal::Duration period) {
+  if (drives.all(DriveCondition::kDisabled)) return;
   const hal::Instant began = clock.now();
   hal::Instant next = began;
-  bool stopping = !drives.all(DriveCondition::kDisabled);
-  if (!stopping) return;
+  bool stopping = true;
   drives.quick_stop();
   while (clock.now() - began < kLongestShutDown) {
     const bool heard = drives.read(clock.now()).has_value();
     (void)drives.write(drives.positions(), clock.now());
-    const bool rested = drives.all(DriveCondition::kStopped) || clock.now() - began > kRamp;
-    if (stopping && rested) {
+    if (!heard) return;
+    if (!stopping && !any_has_torque(drives)) return;
+    if (stopping && (all_rest(drives) || clock.now() - began > kRamp)) {
       stopping = false;
       drives.disable();
-    } else if (!stopping && drives.all(DriveCondition::kDisabled)) {
-      return;
     }
-    if (!heard || (!stopping && any_faulted(drives))) return;
     next += period;
     clock.wait_until(next);
   }

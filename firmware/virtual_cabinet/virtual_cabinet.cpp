@@ -42,7 +42,7 @@ Result<std::optional<hal::RangeReading>> VirtualSensor::do_poll(hal::Instant now
         {.valid = sounding.valid[j], .flight_s = 1e-9 * sounding.time_ns[j]});
   }
   reading.air_celsius = sounding.air_celsius;
-  reading.at = now;
+  reading.at = now + stamp_error_;
   reading.sequence = sounding.sequence;
   return reading;
 }
@@ -58,7 +58,7 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
       bus_(drives.bits_per_second) {
   bus_.connect(master_port_);
   for (std::size_t i = 0; i < drives.axes.size(); ++i) {
-    simulated::DriveConfiguration drive;
+    simulated::DriveConfiguration drive = world.drive;
     drive.node = drives.axes[i].node;
     drive.sync_loss_periods = world.sync_loss_periods;
     drive.motion.start = drives_.scaling(i).counts(world.start[i]).value_or(0);

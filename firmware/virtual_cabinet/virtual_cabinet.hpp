@@ -21,8 +21,9 @@ namespace armsig::cabinet {
 
 // The arm as it is, behind the drives as they are.
 struct World {
-  simulated::SimulatedArm arm;  // as it was built; its last target is on the hand
-  JointVector start;            // readings at power-up
+  simulated::SimulatedArm arm;          // as it was built; its last target is on the hand
+  JointVector start;                    // readings at power-up
+  simulated::DriveConfiguration drive;  // of every joint, but for its node and where it starts
   unsigned sync_loss_periods = simulated::DriveConfiguration{}.sync_loss_periods;
   simulated::UltrasonicConfig sensor;
   hal::Duration ping_period = std::chrono::milliseconds(20);
@@ -36,8 +37,10 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   VirtualSensor(const World& world, const canopen::CheckedConfiguration& drives,
                 std::span<const std::optional<simulated::Drive>> motors);
 
-  // Trouble on command: readings cease, are repeated, or tell this air temperature.
+  // Trouble on command: readings cease, are repeated, or tell this air temperature; or their stamps
+  // are off.
   void set_error(std::optional<Error> error) { error_ = error; }
+  void set_stamp_error(hal::Duration error) { stamp_error_ = error; }
   [[nodiscard]] simulated::UltrasonicConfig& field() { return field_.config(); }
   // Exact readings of the joints, which the drives only round.
   [[nodiscard]] JointVector true_readings() const;
@@ -53,6 +56,7 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   simulated::UltrasonicField field_;
   std::optional<hal::Instant> pinged_at_;
   std::optional<Error> error_;
+  hal::Duration stamp_error_{};
 };
 
 class VirtualCabinet {

@@ -24,8 +24,9 @@ constexpr double kFeedbackMargin = 4;
 constexpr double kRestSpeed_rad = 8.7e-3;  // a second; half a degree
 constexpr double kRestSpeed_m = 1e-3;
 constexpr hal::Duration kRestTime = std::chrono::milliseconds(50);
-// Older than this a position tells nothing about standing.
+// Older than this, or than these periods, a position tells nothing about standing.
 constexpr hal::Duration kFreshPosition = std::chrono::milliseconds(50);
+constexpr int kFreshPeriods = 5;
 
 // For a drive to take its torque off before it is reset by NMT all the same.
 constexpr hal::Duration kLongestRelease = std::chrono::milliseconds(200);
@@ -179,11 +180,12 @@ void DriveNode::take_rest(hal::Instant at) {
   }
 }
 
-void DriveNode::update_rest(hal::Instant now) {
+void DriveNode::update_rest(hal::Duration period, hal::Instant now) {
+  const hal::Duration fresh = std::max(kFreshPosition, kFreshPeriods * period);
   const bool told_moving = s_.tells_rest && s_.state == State::kQuickStopActive &&
                            (s_.status_word & cia402::kStatusTargetReached) == 0;
-  s_.stands = s_.phase != Phase::kRunning || (now - s_.position_at <= kFreshPosition &&
-                                              now - s_.moved_at >= kRestTime && !told_moving);
+  s_.stands = s_.phase != Phase::kRunning ||
+              (now - s_.position_at <= fresh && now - s_.moved_at >= kRestTime && !told_moving);
 }
 
 bool DriveNode::take_feedback(const hal::ReceivedCanFrame& received) {
@@ -257,7 +259,7 @@ bool DriveNode::take_emergency(const hal::CanFrame& frame) {
 
 void DriveNode::supervise(const Configuration& configuration, bool sync_sent, hal::Instant now) {
   if (!is_started()) return;
-  update_rest(now);
+  update_rest(configuration.period, now);
   if (s_.set_up_again) return;
   if (now - s_.heard_at > configuration.heartbeat_timeout) latch(Error::kHeartbeatLost);
   if (s_.answered) {

@@ -114,7 +114,7 @@ class DriveNode {
 
  private:
   void take_rest(hal::Instant at);
-  void update_rest(hal::Instant now);
+  void update_rest(hal::Duration period, hal::Instant now);
   void check_state(const Configuration& configuration, hal::Instant now);
   void check_status_word(const StatusLimits& limits, hal::Instant now);
 

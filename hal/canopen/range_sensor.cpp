@@ -4,11 +4,13 @@
 #include <utility>
 
 #include "core/base/check.hpp"
+#include "core/base/crc32.hpp"
 
 namespace armsig::canopen {
 namespace {
 
 constexpr std::uint8_t kOpeningBytes = 4;
+constexpr std::uint8_t kCrcBytes = 4;
 constexpr std::uint8_t kFlightBytes = 4;
 constexpr std::uint32_t kPdoStep = 0x100;  // from one TPDO's identifier to the next one's
 
@@ -24,9 +26,19 @@ Result<void> check(const RangeNodeConfiguration& configuration) {
   return {};
 }
 
+std::uint32_t reading_crc(const hal::CanFrame& opening, std::span<const std::uint32_t> flights_ns) {
+  std::uint32_t crc = crc32(std::as_bytes(std::span(opening.data).first(kOpeningBytes)));
+  for (const std::uint32_t flight_ns : flights_ns) {
+    hal::CanFrame bytes;
+    store(bytes, 0, flight_ns);
+    crc = crc32(std::as_bytes(std::span(bytes.data).first(kFlightBytes)), crc);
+  }
+  return crc;
+}
+
 FixedVector<PeriodicFrame, 4> traffic(const RangeNodeConfiguration& configuration,
                                       hal::Duration period) {
-  FixedVector<PeriodicFrame, 4> frames{{kOpeningBytes, period}};
+  FixedVector<PeriodicFrame, 4> frames{{kOpeningBytes + kCrcBytes, period}};
   for (std::size_t first = 0; first < configuration.receivers; first += 2) {
     const bool pair = first + 1 < configuration.receivers;
     frames.push_back({static_cast<std::uint8_t>(kFlightBytes * (pair ? 2 : 1)), period});
@@ -47,7 +59,7 @@ void RangeSensor::do_take(const hal::ReceivedCanFrame& received) {
     open(received);
   } else if (function == kTransmitPdo2Id || function == kTransmitPdo3Id ||
              function == kTransmitPdo4Id) {
-    append(frame, (function - kTransmitPdo1Id) / kPdoStep + 1);
+    append(received, (function - kTransmitPdo1Id) / kPdoStep + 1);
   }
 }
 
@@ -59,11 +71,12 @@ void RangeSensor::spoil() {
 void RangeSensor::open(const hal::ReceivedCanFrame& received) {
   const hal::CanFrame& frame = received.frame;
   if (next_pdo_ != 0) error_ = Error::kSensorMalformed;  // the reading before never ended
-  if (frame.length != kOpeningBytes) {
+  if (frame.length != kOpeningBytes && frame.length != kOpeningBytes + kCrcBytes) {
     spoil();
     return;
   }
-  valid_bits_ = frame.data[0];
+  opening_ = frame;
+  flights_ns_.clear();
   assembling_ = {};
   assembling_.sequence = frame.data[1];
   assembling_.air_celsius = 0.1 * static_cast<std::int16_t>(load<std::uint16_t>(frame, 2));
@@ -71,22 +84,35 @@ void RangeSensor::open(const hal::ReceivedCanFrame& received) {
   next_pdo_ = 2;
 }
 
-void RangeSensor::append(const hal::CanFrame& frame, std::uint32_t pdo) {
+void RangeSensor::append(const hal::ReceivedCanFrame& received, std::uint32_t pdo) {
+  const hal::CanFrame& frame = received.frame;
   const std::size_t count = frame.length / kFlightBytes;
-  const std::size_t known = assembling_.receivers.size();
   if (pdo != next_pdo_ || frame.length % kFlightBytes != 0 || count == 0 ||
-      known + count > configuration_.receivers) {
+      flights_ns_.size() + count > configuration_.receivers) {
     spoil();
     return;
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const double nanoseconds = load<std::uint32_t>(frame, kFlightBytes * i);
-    assembling_.receivers.push_back({(valid_bits_ >> (known + i) & 1U) != 0,
-                                     nanoseconds * 1e-9 * (configuration_.echo ? 0.5 : 1.0)});
+    flights_ns_.push_back(load<std::uint32_t>(frame, kFlightBytes * i));
   }
   ++next_pdo_;
-  if (known + count < configuration_.receivers) return;
+  if (flights_ns_.size() == configuration_.receivers) finish(received.at);
+}
+
+void RangeSensor::finish(hal::Instant last) {
   next_pdo_ = 0;
+  const bool whole = opening_.length == kOpeningBytes
+                         ? last - assembling_.at <= kReadingWindow
+                         : load<std::uint32_t>(opening_, kOpeningBytes) ==
+                               reading_crc(opening_, {flights_ns_.data(), flights_ns_.size()});
+  if (!whole) {
+    spoil();
+    return;
+  }
+  for (std::size_t j = 0; j < flights_ns_.size(); ++j) {
+    assembling_.receivers.push_back({(opening_.data[0] >> j & 1U) != 0,
+                                     flights_ns_[j] * 1e-9 * (configuration_.echo ? 0.5 : 1.0)});
+  }
   if (freshness_.take(assembling_.sequence, assembling_.at)) ready_ = assembling_;
 }
 

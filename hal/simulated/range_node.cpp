@@ -41,12 +41,19 @@ void RangeNode::publish(const hal::RangeReading& reading) {
   const auto decidegrees =
       static_cast<std::int16_t>(std::lround(std::clamp(10 * reading.air_celsius, -32e3, 32e3)));
   canopen::store(opening, 2, static_cast<std::uint16_t>(decidegrees));
+  FixedVector<std::uint32_t, canopen::kMaxCanReceivers> flights_ns;
+  for (const hal::ReceiverReading& receiver : reading.receivers) {
+    flights_ns.push_back(nanoseconds(receiver.flight_s));
+  }
+  canopen::store(opening, opening.length,
+                 canopen::reading_crc(opening, {flights_ns.data(), flights_ns.size()}));
+  opening.length = static_cast<std::uint8_t>(opening.length + sizeof(std::uint32_t));
   send(opening);
   for (std::size_t first = 0; first < reading.receivers.size(); first += 2) {
     hal::CanFrame flights{.id = canopen::kTransmitPdo2Id + node_ +
                                 kPdoStep * static_cast<std::uint32_t>(first / 2)};
     for (std::size_t j = first; j < std::min(first + 2, reading.receivers.size()); ++j) {
-      canopen::store(flights, flights.length, nanoseconds(reading.receivers[j].flight_s));
+      canopen::store(flights, flights.length, flights_ns[j]);
       flights.length = static_cast<std::uint8_t>(flights.length + 4);
     }
     send(flights);

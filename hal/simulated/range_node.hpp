@@ -17,8 +17,8 @@ class RangeNode final : public CanDevice {
   RangeNode(std::uint8_t node, hal::CanBus& bus, hal::Instant now = {},
             hal::Duration heartbeat = std::chrono::milliseconds(50));
 
-  // Sends `reading` as TPDO1 to TPDO4 if the node is operational; its time stamp is not sent. Two
-  // flight times a frame, at most six in all; flight times saturate at 2^32 - 1 ns.
+  // Sends `reading` as TPDO1 (with its CRC) to TPDO4 if the node is operational; its time stamp is
+  // not sent. Two flight times a frame, at most six in all; flight times saturate at 2^32 - 1 ns.
   void publish(const hal::RangeReading& reading);
 
   [[nodiscard]] canopen::NmtState nmt_state() const { return nmt_; }

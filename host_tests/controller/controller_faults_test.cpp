@@ -299,14 +299,14 @@ TEST(StoreFaults, a_corrupted_record_is_told_and_the_drawing_or_the_former_one_i
 
   // Twice accepted, the later one spoilt.
   puma.memory.bytes = once;
-  puma.start(Identified::quick(), 2);
+  puma.start(Identified::quick(), 4);
   ASSERT_TRUE(puma.enable());
   ASSERT_EQ(puma.ask("identify"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
   ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
   ASSERT_EQ(puma.ask("accept"), "ok");
   puma.memory.bytes[4096 + 500] ^= 1;
-  puma.start(Identified::quick(), 2);
+  puma.start(Identified::quick(), 4);
   ASSERT_TRUE(puma.run_until(Mode::kIdle));
   EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=1 "));
 }

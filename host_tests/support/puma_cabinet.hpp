@@ -59,16 +59,27 @@ inline cabinet::World puma_world(std::uint64_t seed = 1) {
   return world;
 }
 
+inline constexpr double kPumaCountsPerRadian = 400000 / (2 * kPi);
+
+// Drives as they are, for every joint.
+inline simulated::DriveConfiguration honest_puma_drive() {
+  return simulated::honest_drive(1, kPumaCountsPerRadian);
+}
+
 struct PumaCabinet {
   explicit PumaCabinet(std::uint64_t seed = 1,
-                       const controller::Configuration& configuration = puma_controller()) {
+                       const controller::Configuration& configuration = puma_controller(),
+                       const simulated::DriveConfiguration& of_drives = {})
+      : drives(of_drives) {
     start(configuration, seed);
   }
   // Power-up, again if it ran already: the memory keeps what it holds.
   void start(const controller::Configuration& configuration, std::uint64_t seed) {
     cabinet.reset();
-    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), puma_world(seed),
-                                                        memory, consoles);
+    cabinet::World world = puma_world(seed);
+    world.drive = drives;
+    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, memory,
+                                                        consoles);
   }
   void run(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds / 0.002); ++i) cabinet->step();
@@ -99,6 +110,7 @@ struct PumaCabinet {
   LineConsole other;  // a second operator's
   std::array<hal::Console*, 2> consoles{&console, &other};
   RamMemory memory;
+  simulated::DriveConfiguration drives;
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 

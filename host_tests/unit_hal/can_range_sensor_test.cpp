@@ -105,6 +105,53 @@ TEST(CanRangeSensor, calls_frames_out_of_order_or_of_a_wrong_length_malformed) {
   }
 }
 
+// What is left of two readings, when the last frame of one and the first of the next are lost.
+TEST(CanRangeSensor, never_takes_frames_of_two_readings_for_one) {
+  simulated::VirtualCanBus bus;
+  simulated::VirtualCanPort listener;
+  simulated::VirtualCanPort port;
+  simulated::RangeNode node(32, port);
+  bus.connect(listener);
+  bus.connect(port, &node);
+  bus.advance(at_ms(2));
+  ASSERT_TRUE(listener.send(nmt_frame(NmtCommand::kStart, 32)));
+  bus.advance(at_ms(3));
+  while (listener.receive()) {
+  }
+  std::vector<hal::CanFrame> frames;  // four a reading
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    node.publish(test::reading(i, {1e-3 + i * 1e-4, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3 + i * 1e-4}));
+    bus.advance(at_ms(10 + static_cast<int>(i)));
+    while (const auto received = listener.receive()) frames.push_back(received->frame);
+  }
+  ASSERT_EQ(frames.size(), 8U);
+  for (unsigned lost = 0; lost < 256; ++lost) {
+    RangeSensor sensor({.receivers = 6});
+    for (unsigned k = 0; k < 8; ++k) {
+      if ((lost >> k & 1U) == 0) sensor.take({frames[k], at_ms(0)});
+      const auto reading = sensor.poll(at_ms(0));
+      if (!reading || !*reading) continue;
+      const double first = 1e-3 + (*reading)->sequence * 1e-4;
+      const double last = 6e-3 + (*reading)->sequence * 1e-4;
+      EXPECT_NEAR((*reading)->receivers[0].flight_s, first, 1e-9) << lost;
+      EXPECT_NEAR((*reading)->receivers[5].flight_s, last, 1e-9) << lost;
+    }
+  }
+}
+
+TEST(CanRangeSensor, takes_a_reading_without_crc_only_if_it_came_at_once) {
+  Fixture at_once;
+  at_once.take("1A0#0B07E600", 0);
+  at_once.take("2A0#60E3160061E31600", 2);
+  at_once.take("3A0#62E3160063E31600", 5);
+  EXPECT_TRUE(at_once.sensor.poll(at_ms(5))->has_value());
+  Fixture late;
+  late.take("1A0#0B07E600", 0);
+  late.take("2A0#60E3160061E31600", 2);
+  late.take("3A0#62E3160063E31600", 6);
+  EXPECT_EQ(late.sensor.poll(at_ms(6)).error(), Error::kSensorMalformed);
+}
+
 TEST(CanRangeSensor, ignores_other_nodes_and_remote_frames) {
   Fixture f;
   f.take("1A1#0B07E600");
@@ -124,7 +171,7 @@ TEST(CanRangeSensor, refuses_a_node_or_a_number_of_receivers_that_cannot_be) {
 TEST(CanRangeSensor, tells_its_traffic_for_the_bus_load) {
   const auto frames = traffic({.receivers = 5}, std::chrono::milliseconds(20));
   ASSERT_EQ(frames.size(), 4U);
-  EXPECT_EQ(frames[0].data_bytes, 4);
+  EXPECT_EQ(frames[0].data_bytes, 8);
   EXPECT_EQ(frames[1].data_bytes, 8);
   EXPECT_EQ(frames[3].data_bytes, 4);
 }
