@@ -56,6 +56,9 @@ struct ChainT {
   std::array<bool, kMaxJoints> revolute{};
   std::size_t joint_count = 0;
   bool has_prismatic = false;
+  // The unit of lengths where they are compared with angles: two fifths of the stretched arm, with
+  // the strokes that its limits allow. 1 for an arm without any length.
+  Scalar length = 1;
   FixedVector<JointLimits, kMaxJoints> limits;  // of the readings; empty: none
 };
 using Chain = ChainT<double>;
