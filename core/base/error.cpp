@@ -51,6 +51,8 @@ std::string_view describe(Error error) {
       return "the joint turns against the sense of the arm description";
     case Error::kScaleUndetermined:
       return "the scale needs a reference path, a prismatic joint or a prior";
+    case Error::kNotARotation:
+      return "the matrix is not a rotation";
     case Error::kOutOfReach:
       return "the pose is out of reach";
     case Error::kJointLimit:

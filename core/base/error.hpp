@@ -44,6 +44,7 @@ enum class Error : std::uint8_t {
   // Refinement.
   kScaleUndetermined,  // the scale was asked for, and nothing in the log has a known length
   // Kinematics.
+  kNotARotation,  // the columns of a pose's R are not right-handed, perpendicular unit vectors
   kOutOfReach,
   kJointLimit,
   // Buses and drives.

@@ -15,7 +15,18 @@
 #include <immintrin.h>
 #endif
 
+// What depends on the flags of a build bears their name: a program and the library that it links
+// may be built with different ones, and the linker must not take the one's for the other's.
+#if defined(__arm__) && !defined(__ARM_NEON)
+#define ARMSIG_LANES one_lane
+#elif defined(__AVX2__)
+#define ARMSIG_LANES four_lanes
+#else
+#define ARMSIG_LANES two_lanes
+#endif
+
 namespace armsig {
+inline namespace ARMSIG_LANES {
 
 // Pack: the numbers of one register. Mask: integers of the same width, all ones or all zeros.
 template <typename Scalar>
@@ -167,4 +178,5 @@ template <typename Mask>
   }
 }
 
+}  // namespace ARMSIG_LANES
 }  // namespace armsig

@@ -9,6 +9,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+// Eigen aligns by the flags of the build; what is passed to the library must not depend on them.
+static_assert(
+    EIGEN_MAX_STATIC_ALIGN_BYTES == 16,
+    "define EIGEN_MAX_ALIGN_BYTES=16 wherever Eigen is included (the CMake package does)");
+
 namespace armsig {
 
 using Vector3 = Eigen::Vector3d;

@@ -19,6 +19,7 @@
 #include "core/base/lanes.hpp"
 
 namespace armsig {
+inline namespace ARMSIG_LANES {
 
 template <typename Scalar>
 struct SineCosineConstants;
@@ -139,4 +140,5 @@ template <typename Scalar>
   return result;
 }
 
+}  // namespace ARMSIG_LANES
 }  // namespace armsig

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/kinematics/chain.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/check.hpp"
@@ -13,6 +14,23 @@ namespace {
 // frame then costs at most a doubling of length, and where the axes are nearer to perpendicular
 // than this the common normal is never far.
 constexpr double kLeastCosine = 0.5;
+
+// How far prismatic joint i can lengthen its link; 0 where nothing bounds it.
+double stroke(const Chain& chain, std::size_t i) {
+  if (chain.revolute[i] || chain.limits.empty()) return 0;
+  const double most = std::max(-chain.limits[i].lower, chain.limits[i].upper);
+  return std::isfinite(most) ? std::max(most, 0.0) : 0;
+}
+
+double unit_length(const Chain& chain) {
+  constexpr double kShare = 0.4;
+  double stretched = 0;
+  for (std::size_t i = 0; i < chain.joint_count; ++i) {
+    const double z = std::abs(chain.z[i]) + stroke(chain, i);
+    stretched += std::sqrt(chain.x[i] * chain.x[i] + chain.y[i] * chain.y[i] + z * z);
+  }
+  return stretched > 0 ? kShare * stretched : 1;
+}
 
 }  // namespace
 
@@ -46,6 +64,7 @@ Chain make_chain(const FixedVector<DhJoint, kMaxJoints>& rows,
     chain.has_prismatic = chain.has_prismatic || !chain.revolute[i];
     if (!limits.empty()) ARMSIG_CHECK(limits[i].lower <= limits[i].upper);
   }
+  chain.length = unit_length(chain);
   return chain;
 }
 
@@ -63,6 +82,7 @@ ChainT<float> to_single(const Chain& chain) {
   single.revolute = chain.revolute;
   single.joint_count = chain.joint_count;
   single.has_prismatic = chain.has_prismatic;
+  single.length = static_cast<float>(chain.length);
   single.limits = chain.limits;
   return single;
 }

@@ -10,16 +10,25 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <type_traits>
 
 #include "core/base/arm.hpp"
-#include "core/base/lanes.hpp"
 
 namespace armsig::kinematics {
+
+// As many lanes as a register has in any build for the processor. The flags of one build don't
+// count: a chain passes between a program and the library, which may be built with others.
+#ifdef __arm__
+inline constexpr std::size_t kCopies = 1;
+#else
+inline constexpr std::size_t kCopies = 4;
+#endif
 
 // A constant written out as often as a register has lanes, so that the kernel need not spread it.
 template <typename Scalar>
 struct Spread {
-  alignas(sizeof(Pack<Scalar>)) std::array<Scalar, Lanes<Scalar>::kCount> copies;
+  alignas(kCopies * sizeof(Scalar)) std::array<Scalar, kCopies> copies;
 
   Spread& operator=(Scalar value) {
     copies.fill(value);
@@ -34,10 +43,11 @@ struct Spread {
 template <typename Scalar>
 struct ChainT {
   using Constants = std::array<Spread<Scalar>, kMaxJoints>;
+  using Bits = std::conditional_t<sizeof(Scalar) == 4, std::int32_t, std::int64_t>;
 
   alignas(32) std::array<Scalar, kMaxJoints> theta{};  // added to the reading of a revolute joint
   // All bits set for a revolute joint, none for a prismatic one: masks readings at no cost.
-  alignas(32) std::array<typename Lanes<Scalar>::Integer, kMaxJoints> revolute_bits{};
+  alignas(32) std::array<Bits, kMaxJoints> revolute_bits{};
   Constants x{};  // translation of the link after Rot(z, theta)
   Constants y{};
   Constants z{};  // the reading of a prismatic joint is added to it
@@ -46,6 +56,9 @@ struct ChainT {
   std::array<bool, kMaxJoints> revolute{};
   std::size_t joint_count = 0;
   bool has_prismatic = false;
+  // The unit of lengths where they are compared with angles: two fifths of the stretched arm, with
+  // the strokes that its limits allow. 1 for an arm without any length.
+  Scalar length = 1;
   FixedVector<JointLimits, kMaxJoints> limits;  // of the readings; empty: none
 };
 using Chain = ChainT<double>;

@@ -9,6 +9,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/low_discrepancy.hpp"
+#include "core/kinematics/verdict.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -34,16 +35,25 @@ bool settled(const ClosedForm& form, const InverseSolution& solution, const Post
          posture_of(form, solution.q) == posture;
 }
 
+// Where joint i is looked for: its limits, where they end; a turn, or an arm's length of travel,
+// where they don't.
+JointLimits range_of(const Chain& chain, std::size_t i) {
+  const double whole = chain.revolute[i] ? 2 * kPi : 2 * chain.length;
+  if (chain.limits.empty()) return {-0.5 * whole, 0.5 * whole};
+  JointLimits range = chain.limits[i];
+  const bool ends_below = std::isfinite(range.lower);
+  const bool ends_above = std::isfinite(range.upper);
+  if (!ends_below && !ends_above) return {-0.5 * whole, 0.5 * whole};
+  if (!ends_below) range.lower = range.upper - whole;
+  if (!ends_above) range.upper = range.lower + whole;
+  return range;
+}
+
 JointVector fixed_start(const Chain& chain, int k) {
   constexpr std::array<int, kMaxJoints> kBases = {2, 3, 5, 7, 11, 13, 17, 19};
   JointVector q;
   for (std::size_t i = 0; i < chain.joint_count; ++i) {
-    double lower = chain.revolute[i] ? -kPi : -1.0;
-    double upper = -lower;
-    if (!chain.limits.empty()) {
-      lower = chain.limits[i].lower;
-      upper = chain.limits[i].upper;
-    }
+    const auto [lower, upper] = range_of(chain, i);
     q.push_back(lower + (upper - lower) * van_der_corput(k + 1, kBases[i]));
   }
   return q;
@@ -55,9 +65,9 @@ double best_turn(double reading, double reference, const JointLimits* limits) {
   const double change = reading - reference;
   const double nearest = std::abs(change) < kPi ? reading : reference + wrap_angle(change);
   if (limits == nullptr || (nearest >= limits->lower && nearest <= limits->upper)) return nearest;
-  const double turn = nearest < limits->lower ? 2 * kPi : -2 * kPi;
-  double moved = nearest;
-  while (turn > 0 ? moved < limits->lower : moved > limits->upper) moved += turn;
+  const double turns = nearest < limits->lower ? std::ceil((limits->lower - nearest) / (2 * kPi))
+                                               : -std::ceil((nearest - limits->upper) / (2 * kPi));
+  const double moved = nearest + turns * (2 * kPi);
   return moved >= limits->lower && moved <= limits->upper ? moved : nearest;
 }
 
@@ -67,8 +77,8 @@ class Collector {
       : chain_(chain), form_(form), reference_(reference) {
     if (!reference_.empty()) return;
     for (std::size_t i = 0; i < chain.joint_count; ++i) {
-      reference_.push_back(
-          chain.limits.empty() ? 0.0 : 0.5 * (chain.limits[i].lower + chain.limits[i].upper));
+      const JointLimits range = range_of(chain, i);
+      reference_.push_back(0.5 * (range.lower + range.upper));
     }
   }
 
@@ -136,10 +146,8 @@ class Collector {
 Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const Pose& X_0n,
                              const JointVector& reference, const InverseOptions& options) {
   ARMSIG_CHECK(reference.empty() || reference.size() == chain.joint_count);
-  if (!X_0n.p.allFinite() || !X_0n.R.allFinite()) return std::unexpected(Error::kNotFinite);
-  for (const double reading : reference) {
-    if (!std::isfinite(reading)) return std::unexpected(Error::kNotFinite);
-  }
+  ARMSIG_CHECK(form.design == Design::kOther || (chain.joint_count == 6 && !chain.has_prismatic));
+  if (const auto error = refusal(X_0n, reference, options)) return std::unexpected(*error);
   InverseOptions unlimited = options;
   unlimited.max_step.clear();
   unlimited.respect_limits = false;

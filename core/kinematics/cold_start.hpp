@@ -25,8 +25,9 @@ using Solutions = FixedVector<NamedSolution, kMaxSolutions>;
 // to the reference. Six-joint arms with a closed form (ALGORITHMS, section 4) are started from its
 // eight solutions, others from a fixed set of postures inside the limits. Solutions nearer than
 // 1e-4 rad or m are one. Empty if nothing meets the pose. options.max_step and
-// options.respect_limits are not used. Errors: kNotFinite if the pose or the reference holds a NaN
-// or an infinity.
+// options.respect_limits are not used. Limits may be infinite: such a joint is looked for within a
+// turn, or an arm's length of travel, and its middle is that of the range. `form` is kOther or that
+// of this chain. Errors: those of inverse(), the reference in place of the seed.
 [[nodiscard]] Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form,
                                            const Pose& X_0n, const JointVector& reference = {},
                                            const InverseOptions& options = {});

@@ -7,70 +7,51 @@
 #include "core/base/check.hpp"
 #include "core/kinematics/forward_kernel.hpp"
 #include "core/kinematics/joint_box.hpp"
+#include "core/kinematics/positive.hpp"
 #include "core/kinematics/regularity.hpp"
+#include "core/kinematics/verdict.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Square = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;
 
 // Orientation weighs this much against position once both cannot be met: small enough that the
 // position error it leaves is taken away by two Newton steps on the position alone.
 constexpr double kLowRotationWeight = 1e-4;
 constexpr double kLargestStep = 0.4;  // rad or m in one iteration, to stay near the seed
 constexpr double kFoldError = 0.03;   // m or rad: what a nudge of 0.2 rad on a fold can make up for
+constexpr int kMostSaddles = 4;       // left one after the other
+constexpr double kLower = 0.999;      // of the merit: below, a saddle was left
 constexpr double kStationaryStep = 1e-11;   // rad or m
 constexpr double kNearestTolerance = 1e-9;  // rad or m, of arms with more than six joints
 
-// Solves a x = b for the symmetric positive definite n x n `a` (Cholesky, in place; x over b).
-bool solve_positive(Square& a, Joints& b, Eigen::Index n) {
-  for (Eigen::Index j = 0; j < n; ++j) {
-    double pivot = a(j, j);
-    for (Eigen::Index k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
-    if (!(pivot > 0)) return false;
-    a(j, j) = std::sqrt(pivot);
-    for (Eigen::Index i = j + 1; i < n; ++i) {
-      double sum = a(i, j);
-      for (Eigen::Index k = 0; k < j; ++k) sum -= a(i, k) * a(j, k);
-      a(i, j) = sum / a(j, j);
-    }
-  }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index k = 0; k < i; ++k) b[i] -= a(i, k) * b[k];
-    b[i] /= a(i, i);
-  }
-  for (Eigen::Index i = n - 1; i >= 0; --i) {
-    for (Eigen::Index k = i + 1; k < n; ++k) b[i] -= a(k, i) * b[k];
-    b[i] /= a(i, i);
-  }
-  return true;
-}
-
 class DampedSolver {
  public:
-  DampedSolver(const Chain& chain, const Pose& X_0n, const JointVector& start,
-               const JointVector& seed, const InverseOptions& options)
+  DampedSolver(const Chain& chain, const Pose& X_0n, const JointVector& seed,
+               const InverseOptions& options, int passes)
       : chain_(chain),
         X_target_(X_0n),
         options_(options),
         box_(joint_box(chain, seed, options)),
-        n_(static_cast<Eigen::Index>(chain.joint_count)) {
+        n_(static_cast<Eigen::Index>(chain.joint_count)),
+        passes_(passes) {
     for (Eigen::Index i = 0; i < n_; ++i) {
       seed_[i] = seed[static_cast<std::size_t>(i)];
-      q_[i] = start[static_cast<std::size_t>(i)];
     }
-    q_ = box_.clamped(q_);
+    q_ = box_.clamped(seed_);
   }
 
   InverseSolution solve() {
+    ++passes_;
     evaluate(q_, at_);
     bool stationary = descend();
-    if (!met() && stationary) stationary = escape_fold();
+    if (!met() && stationary && may_be_saddle()) stationary = leave_saddle();
     if (!met() && n_ < 6) {
       rotation_weight_ = kLowRotationWeight;
       stationary = descend();
-      meet_position();
+      if (!position_met() && stationary) stationary = leave_saddle();
+      stationary = meet_position() && stationary;
     }
     if (met() && n_ > 6) approach_seed();
     return finish(stationary);
@@ -84,8 +65,7 @@ class DampedSolver {
 
   // Written in place: a state is half a kilobyte of stack. Functions of their own, here and below,
   // for the same reason.
-  [[gnu::noinline]] void evaluate(const Joints& q, State& state) {
-    ++evaluations_;
+  [[gnu::noinline]] void evaluate(const Joints& q, State& state) const {
     // The readings stay within a bounded box of finite ones.
     ARMSIG_CHECK(joint_columns(chain_, q.data(), state.kinematics));
     const Pose& X = state.kinematics.X_0n;
@@ -109,18 +89,28 @@ class DampedSolver {
   [[nodiscard]] bool met() const {
     return position_met() && at_.error.tail<3>().norm() <= options_.rotation_tolerance_rad;
   }
-  [[nodiscard]] bool exhausted() const { return evaluations_ >= options_.max_iterations; }
+  // Counts a pass of any loop, whether it leads anywhere or not; false if none is left.
+  [[nodiscard]] bool another_pass() {
+    if (passes_ >= options_.max_iterations) return false;
+    ++passes_;
+    return true;
+  }
 
   // The weighted Jacobian, without the columns of joints that the gradient pushes against their
   // bound.
   [[nodiscard]] Jacobian free_jacobian() const {
     Jacobian J = at_.kinematics.J;
     J.bottomRows<3>() *= rotation_weight_;
-    const Vector6 e = weighted_error();
     for (Eigen::Index i = 0; i < n_; ++i) {
-      if (box_.stops(i, q_[i], J.col(i).dot(e))) J.col(i).setZero();
+      if (box_.stops(i, q_[i], push(i))) J.col(i).setZero();
     }
     return J;
+  }
+  // Which way the gradient pushes reading i.
+  [[nodiscard]] double push(Eigen::Index i) const {
+    const auto column = at_.kinematics.J.col(i);
+    return column.head<3>().dot(at_.error.head<3>()) +
+           rotation_weight_ * rotation_weight_ * column.tail<3>().dot(at_.error.tail<3>());
   }
   [[nodiscard]] Vector6 weighted_error() const {
     Vector6 e = at_.error;
@@ -137,7 +127,7 @@ class DampedSolver {
     return solve_positive(normal, dq, n);
   }
 
-  // Levenberg-Marquardt to the nearest minimum. False if the iterations were used up.
+  // Levenberg-Marquardt to the nearest stationary point. False if the iterations were used up.
   [[gnu::noinline]] bool descend() {
     double damping = 0.1 * merit(at_);
     double growth = 2;
@@ -146,7 +136,7 @@ class DampedSolver {
       const double scale = std::max(J.squaredNorm(), 1e-30);
       const Vector6 e = weighted_error();
       while (true) {
-        if (exhausted()) return false;
+        if (!another_pass()) return false;
         Joints dq = Joints::Zero();
         damping = std::max(damping, 1e-16 * scale);
         if (damped_step(J, e, damping, n_, dq)) {
@@ -176,25 +166,46 @@ class DampedSolver {
     return true;
   }
 
-  // Where two solutions meet (elbow or wrist straight) the descent can stop on the fold between
-  // them, or at a limit beside it. A nudge along the direction in which the arm hardly moves frame
-  // n leads on, if there is anything to be found. Returns what descend does.
-  [[gnu::noinline]] bool escape_fold() {
-    if (merit(at_) > kFoldError * kFoldError) return true;
+  // A descent also stops where the error is at right angles to all that the joints can do: on the
+  // fold between two solutions (elbow or wrist straight), at half a turn. Only a step that was
+  // limited, or an orientation that a short arm cannot choose, needs no such reason.
+  [[nodiscard]] bool may_be_saddle() const {
+    if (merit(at_) <= kFoldError * kFoldError) return true;
+    if (n_ < 6) return at_.error.tail<3>().norm() > kPi / 2;
+    return obstacle() != Verdict::kStepLimit;
+  }
+
+  // A nudge along the direction in which the arm hardly moves frame n leads on, if there is
+  // anything to be found. Returns what descend does.
+  [[gnu::noinline]] bool leave_saddle() {
+    for (int k = 0; k < kMostSaddles; ++k) {
+      const double before = merit(at_);
+      const bool stationary = nudge();
+      if (!stationary || met()) return stationary;
+      if (!(merit(at_) < kLower * before)) return true;
+    }
+    return true;
+  }
+
+  // The best of the minima beside this point, or this point. False if the iterations were used up.
+  [[gnu::noinline]] bool nudge() {
     const Joints q_best = q_;
     const State best = at_;
+    const double before = merit(best);
     const Joints weak = weakest_direction();
-    bool stationary = true;
-    for (const double nudge : {0.03, -0.03, 0.2, -0.2}) {
-      q_ = box_.clamped(q_best + nudge * weak);
+    for (const double by : {0.03, -0.03, 0.2, -0.2}) {
+      // Far from the pose, small ones lead to where the large ones do.
+      if (std::abs(by) < 0.1 && before > kFoldError * kFoldError) continue;
+      if (!another_pass()) return false;
+      q_ = box_.clamped(q_best + by * weak);
       evaluate(q_, at_);
-      stationary = descend();
-      if (met()) return true;
-      if (!stationary) break;
+      const bool stationary = descend();
+      if (met() || merit(at_) < kLower * before) return stationary;
+      q_ = q_best;
+      at_ = best;
+      if (!stationary) return false;
     }
-    q_ = q_best;
-    at_ = best;
-    return stationary;
+    return true;
   }
 
   // The unit direction (largest entry 1) along which frame n moves least.
@@ -211,28 +222,30 @@ class DampedSolver {
     return direction;
   }
 
-  // Least-norm Newton steps on the position alone.
-  [[gnu::noinline]] void meet_position() {
-    for (int k = 0; k < 3 && !position_met() && !exhausted(); ++k) {
+  // Least-norm Newton steps on the position alone. False if the iterations were used up.
+  [[gnu::noinline]] bool meet_position() {
+    for (int k = 0; k < 3 && !position_met(); ++k) {
+      if (!another_pass()) return false;
       Jacobian J = at_.kinematics.J;
       J.bottomRows<3>().setZero();
       Vector6 e = at_.error;
       e.tail<3>().setZero();
       Joints dq = Joints::Zero();
-      if (!damped_step(J, e, 1e-13 * J.squaredNorm(), n_, dq)) return;
+      if (!damped_step(J, e, 1e-13 * J.squaredNorm(), n_, dq)) return true;
       const Joints q = box_.clamped(q_ + dq);
       State next;
       evaluate(q, next);
-      if (next.error.head<3>().norm() >= at_.error.head<3>().norm()) return;
+      if (next.error.head<3>().norm() >= at_.error.head<3>().norm()) return true;
       q_ = q;
       at_ = next;
     }
+    return true;
   }
 
   // Moves along the self-motion of the arm to the solution nearest to the seed.
   [[gnu::noinline]] void approach_seed() {
     double fraction = 1;
-    while (!exhausted() && fraction > 1e-3) {
+    while (fraction > 1e-3 && another_pass()) {
       const Joints pull = seed_ - q_;
       const Joints along = self_motion(pull);
       if (along.cwiseAbs().maxCoeff() < kNearestTolerance) return;
@@ -265,14 +278,15 @@ class DampedSolver {
     InverseSolution solution;
     solution.q.resize(chain_.joint_count);
     for (Eigen::Index i = 0; i < n_; ++i) solution.q[static_cast<std::size_t>(i)] = q_[i];
-    solution.iterations = evaluations_;
+    solution.iterations = passes_;
     solution.position_error_m = at_.error.head<3>().norm();
     solution.rotation_error_rad = at_.error.tail<3>().norm();
-    const Regularity r = regularity(at_.kinematics, options_.degraded_below);
+    const Regularity r = regularity(chain_, at_.kinematics, options_.degraded_below);
     solution.regularity = r.value;
     solution.position_dimensions = r.position_dimensions;
     solution.rotation_dimensions = r.rotation_dimensions;
-    if (met() || (n_ < 6 && stationary && position_met())) {
+    if (is_met(solution, options_) ||
+        (n_ < 6 && stationary && is_position_met(solution, options_))) {
       solution.verdict =
           r.value < options_.degraded_below ? Verdict::kDegraded : Verdict::kConverged;
     } else {
@@ -285,9 +299,8 @@ class DampedSolver {
   [[nodiscard]] Verdict obstacle() const {
     Verdict verdict = Verdict::kOutOfReach;
     for (Eigen::Index i = 0; i < n_; ++i) {
-      const double push = at_.kinematics.J.col(i).dot(at_.error);
-      if (!box_.stops(i, q_[i], push)) continue;
-      if (box_.stops_by_step(i, push)) return Verdict::kStepLimit;
+      if (!box_.stops(i, q_[i], push(i))) continue;
+      if (box_.stops_by_step(i, push(i))) return Verdict::kStepLimit;
       verdict = Verdict::kJointLimit;
     }
     return verdict;
@@ -302,14 +315,14 @@ class DampedSolver {
   Joints q_ = Joints::Zero();
   State at_;
   double rotation_weight_ = 1;
-  int evaluations_ = 0;
+  int passes_;
 };
 
 }  // namespace
 
-InverseSolution damped_inverse(const Chain& chain, const Pose& X_0n, const JointVector& start,
-                               const JointVector& seed, const InverseOptions& options) {
-  return DampedSolver(chain, X_0n, start, seed, options).solve();
+InverseSolution damped_inverse(const Chain& chain, const Pose& X_0n, const JointVector& seed,
+                               const InverseOptions& options, int passes) {
+  return DampedSolver(chain, X_0n, seed, options, passes).solve();
 }
 
 }  // namespace armsig::kinematics

@@ -15,11 +15,16 @@
 #include "core/kinematics/joint_terms.hpp"
 
 namespace armsig::kinematics {
+inline namespace ARMSIG_LANES {
 
 // A constant as V: all lanes of a pack, or the number itself.
 template <typename V, typename Scalar>
 [[nodiscard]] [[gnu::always_inline]] inline V as(const Spread<Scalar>& constant) {
-  return load<V>(constant.copies.data());
+  if constexpr (sizeof(V) <= sizeof(constant.copies)) {
+    return load<V>(constant.copies.data());
+  } else {
+    return V{} + constant.copies[0];
+  }
 }
 
 // Rows of a frame: columns x, y, z of R and p, each V holding one or several rows.
@@ -289,4 +294,5 @@ template <typename Scalar>
   return true;
 }
 
+}  // namespace ARMSIG_LANES
 }  // namespace armsig::kinematics

@@ -6,6 +6,7 @@
 #include "core/base/check.hpp"
 #include "core/kinematics/damped_inverse.hpp"
 #include "core/kinematics/newton.hpp"
+#include "core/kinematics/verdict.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -20,9 +21,16 @@ bool inside_limits(const Chain& chain, const InverseSolution& solution, const Jo
     }
   }
   for (std::size_t i = 0; i < options.max_step.size(); ++i) {
-    if (std::abs(solution.q[i] - seed[i]) > options.max_step[i]) return false;
+    // Written so that a NaN is no step.
+    if (!(std::abs(solution.q[i] - seed[i]) <= options.max_step[i])) return false;
   }
   return true;
+}
+
+// Whether the last three of six joints are revolute, as the Newton step takes them.
+bool has_turning_wrist(const Chain& chain) {
+  return chain.joint_count == 6 &&
+         (!chain.has_prismatic || (chain.revolute[3] && chain.revolute[4] && chain.revolute[5]));
 }
 
 }  // namespace
@@ -31,15 +39,19 @@ Result<InverseSolution> inverse(const Chain& chain, const Pose& X_0n, const Join
                                 const InverseOptions& options) {
   ARMSIG_CHECK(seed.size() == chain.joint_count);
   ARMSIG_CHECK(options.max_step.empty() || options.max_step.size() == chain.joint_count);
-  // A number times zero is zero unless it is infinite or NaN.
-  double nothing = (0.0 * X_0n.R).sum() + (0.0 * X_0n.p).sum();
-  for (const double reading : seed) nothing += 0.0 * reading;
-  if (nothing != 0) return std::unexpected(Error::kNotFinite);
-  if (chain.joint_count == 6) {
-    const auto solution = newton_inverse(chain, X_0n, seed, options);
+  // NaN and infinity make any sum of squares fail. R is looked at where the pose is met.
+  double squares = X_0n.p.squaredNorm() + options.p_nP.squaredNorm();
+  for (const double reading : seed) squares += reading * reading;
+  if (!(squares <= kFarthest * kFarthest)) [[unlikely]] {
+    if (const auto error = refusal(X_0n, seed, options)) return std::unexpected(*error);
+  }
+  int passes = 0;
+  if (has_turning_wrist(chain)) {
+    const auto solution = newton_inverse(chain, X_0n, seed, options, passes);
     if (solution && inside_limits(chain, *solution, seed, options)) return *solution;
   }
-  return damped_inverse(chain, X_0n, seed, seed, options);
+  if (const auto error = refusal(X_0n, seed, options)) return std::unexpected(*error);
+  return damped_inverse(chain, X_0n, seed, options, passes);
 }
 
 }  // namespace armsig::kinematics

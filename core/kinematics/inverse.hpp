@@ -25,18 +25,19 @@ enum class Verdict : std::uint8_t {
 
 struct InverseOptions {
   // The point of frame n, a tool's for instance, whose position counts where not all of a pose can
-  // be met. Finite.
+  // be met.
   Vector3 p_nP = Vector3::Zero();
   // An order below the 1e-9 that is promised, so that another computation of the error agrees.
   double position_tolerance_m = 1e-10;
   double rotation_tolerance_rad = 1e-10;
-  // Of a million random poses half a degree away, the slowest took 138, at a fold of the arm.
+  // Passes of all loops together, those that lead nowhere too; at least 1. Of a million random
+  // poses half a degree away, the slowest took 138, at a fold of the arm.
   int max_iterations = 200;
   // A solution whose regularity (see InverseSolution) is below this is kDegraded.
   double degraded_below = 1e-3;
   bool respect_limits = true;  // those of the chain, if it has any
-  // Largest change of each reading from the seed, for one tick: velocity limit times period. Empty:
-  // none.
+  // Largest change of each reading from the seed, for one tick: velocity limit times period; 0 or
+  // more, infinite for no limit. Empty: none.
   // NOLINTNEXTLINE(readability-redundant-member-init): lets a designated initializer leave it out
   JointVector max_step{};
 };
@@ -46,10 +47,11 @@ struct InverseSolution {
   // limits moves towards them by at most max_step).
   JointVector q;
   Verdict verdict = Verdict::kNotConverged;
-  int iterations = 0;           // evaluations of the chain
-  double position_error_m = 0;  // of options.p_nP, where the pose is not met as a whole
-  double rotation_error_rad = 0;
-  // 0 at a singularity, 1 at best: how independently the joints move frame n.
+  int iterations = 0;             // passes, at most options.max_iterations
+  double position_error_m = 0;    // of options.p_nP, where the pose is not met as a whole
+  double rotation_error_rad = 0;  // the angle, 0 to pi
+  // The manipulability in units of the arm, about 1 at best and 0 at a singularity: regularity.hpp
+  // says how it is defined, for any number of joints and whatever way the solution was found.
   double regularity = 1;
   // Dimensions of the pose that the joints can change from here: position, and orientation without
   // disturbing the position. 3 and 3 for a six-joint arm away from singularities.
@@ -58,8 +60,13 @@ struct InverseSolution {
 };
 
 // `seed` has as many readings as the chain has joints (the present reading in the servo tick).
-// A pose that is not met is a verdict, not an error; q is then the nearest that was found.
-// Errors: kNotFinite if the pose or the seed holds a NaN or an infinity.
+// A pose that is not met is a verdict, not an error; q is then the nearest that was found. No
+// verdict says that a pose is met unless the chain at q is within the tolerances of it, the angle
+// between the orientations included.
+// Errors: kNotFinite if the pose, the seed or an option holds a NaN or an infinity (but for a step
+// without limit); kNotARotation if the pose's R is off a right-handed rotation by more than 1e-9;
+// kOutOfReach if the pose is more than 1e6 m away; kOutOfRange if a reading is beyond 1e6 (rad or
+// m), a step or tolerance negative, max_iterations below 1, or p_nP beyond 1e6 m.
 [[nodiscard]] Result<InverseSolution> inverse(const Chain& chain, const Pose& X_0n,
                                               const JointVector& seed,
                                               const InverseOptions& options = {});

@@ -7,13 +7,10 @@
 #include <cstddef>
 #include <limits>
 
-#include <Eigen/Core>
-
 #include "core/kinematics/inverse.hpp"
+#include "core/kinematics/positive.hpp"
 
 namespace armsig::kinematics {
-
-using Joints = Eigen::Matrix<double, kMaxJoints, 1>;  // zero beyond the joint count
 
 struct JointBox {
   Joints lower = Joints::Constant(-std::numeric_limits<double>::infinity());

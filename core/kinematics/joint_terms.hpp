@@ -7,10 +7,12 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/base/lanes.hpp"
 #include "core/base/sine_cosine.hpp"
 #include "core/kinematics/chain.hpp"
 
 namespace armsig::kinematics {
+inline namespace ARMSIG_LANES {
 
 // Sine and cosine of each joint angle, and the height of each link
 // along the joint axis.
@@ -107,4 +109,5 @@ template <typename Scalar>
   return true;
 }
 
+}  // namespace ARMSIG_LANES
 }  // namespace armsig::kinematics

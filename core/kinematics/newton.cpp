@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/kinematics/forward_kernel.hpp"
+#include "core/kinematics/verdict.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -15,6 +16,10 @@ constexpr int kLargestIterations = 8;
 // above it; nearer to a singularity damping takes over.
 constexpr double kLeastVolume = 0.01;
 constexpr double kLargestError = 0.5;  // rad or m: beyond, the step may lead to another branch
+// Below this regularity the factors of the step before would misstate it by more than a hundredth.
+constexpr double kStaleBelow = 0.05;
+// Square of the sine up to which the angle is taken from it: the next term is below rounding.
+constexpr double kSmallSine = 1e-6;
 
 // The Jacobian in blocks, wrist (joints 4 to 6) and arm (joints 1 to 3):
 //   [A B] [dq_arm  ]   [position error]
@@ -51,7 +56,7 @@ class BlockSolver {
     const double arm = s_[0].dot(s_row1_);
     if (!(arm * arm > kLeastVolume * kLeastVolume * sizes)) return false;
     inverse_arm_ = 1.0 / arm;
-    regularity_squared_ = std::min(wrist * wrist, arm * arm / sizes);
+    determinant_ = wrist * arm;
     return true;
   }
 
@@ -74,7 +79,14 @@ class BlockSolver {
   }
 
   [[nodiscard]] double step_squared() const { return step_squared_; }
-  [[nodiscard]] double regularity() const { return std::sqrt(regularity_squared_); }
+  // See regularity.hpp: |det J| = |det D| |det S|, lengths in units of the chain's.
+  [[nodiscard]] double regularity(const Chain& chain) const {
+    double unit = 1 / (chain.length * chain.length * chain.length);
+    for (std::size_t i = 0; chain.has_prismatic && i < 3; ++i) {
+      if (!chain.revolute[i]) unit *= chain.length;
+    }
+    return std::abs(determinant_) * unit;
+  }
 
  private:
   // Columns i of S and of D^-1 C.
@@ -105,15 +117,23 @@ class BlockSolver {
   std::array<Vector3, 3> s_;          // columns of S
   Vector3 s_row1_, s_row2_, s_row3_;  // rows of the adjoint of S
   double inverse_arm_ = 0;
-  double regularity_squared_ = 0;
+  double determinant_ = 0;
   double step_squared_ = 0;
 };
+
+// Whether `R` is the rotation that is `sine` away from R_reached, to kRotationDefect: at half a
+// turn the sine is small, too, and of a matrix that is no rotation it says nothing.
+[[gnu::always_inline]] inline bool is_small_turn(const Matrix3& R_reached, const Matrix3& R,
+                                                 double sine_squared) {
+  return (R - R_reached).squaredNorm() <=
+         2 * sine_squared * (1 + sine_squared) + kRotationDefect * kRotationDefect;
+}
 
 }  // namespace
 
 std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_0n,
                                               const JointVector& seed,
-                                              const InverseOptions& options) {
+                                              const InverseOptions& options, int& passes) {
   BlockSolver solver;
   JointTerms<double> terms;
   JointAxes<double> axes;
@@ -122,9 +142,12 @@ std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_
   solution.q = seed;
   double* q = solution.q.data();
   const double position_goal = options.position_tolerance_m * options.position_tolerance_m;
-  const double rotation_goal = options.rotation_tolerance_rad * options.rotation_tolerance_rad;
+  const double rotation_goal =
+      std::min(options.rotation_tolerance_rad * options.rotation_tolerance_rad, kSmallSine);
+  const int most = std::min(kLargestIterations, options.max_iterations - 1);
   bool factored = false;
-  for (int k = 1; k <= kLargestIterations; ++k) {
+  for (int k = 1; k <= most; ++k) {
+    passes = k;
     if (!joint_terms(chain, q, terms)) return std::nullopt;
     Frame<double> frame;
     frame.advance_all(chain, terms, axes);
@@ -137,14 +160,21 @@ std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_
     const double position = position_error.squaredNorm();
     const double rotation = rotation_error.squaredNorm();
     if (position <= position_goal && rotation <= rotation_goal) {
-      if (!factored && !solver.factor(chain, axes, X.p)) return std::nullopt;
-      solution.verdict = Verdict::kConverged;
-      solution.iterations = k;
+      if (!is_small_turn(X.R, X_0n.R, rotation)) return std::nullopt;
       solution.position_error_m = std::sqrt(position);
-      solution.rotation_error_rad = std::sqrt(rotation);
-      solution.regularity = solver.regularity();
-      if (solution.regularity < options.degraded_below) return std::nullopt;
-      return solution;
+      solution.rotation_error_rad = std::sqrt(rotation) * (1 + rotation / 6);
+      if (is_met(solution, options)) {
+        if (!factored && !solver.factor(chain, axes, X.p)) return std::nullopt;
+        solution.regularity = solver.regularity(chain);
+        if (solution.regularity < kStaleBelow) {
+          if (!solver.factor(chain, axes, X.p)) return std::nullopt;
+          solution.regularity = solver.regularity(chain);
+        }
+        if (!(solution.regularity >= options.degraded_below)) return std::nullopt;
+        solution.verdict = Verdict::kConverged;
+        solution.iterations = k;
+        return solution;
+      }
     }
     const double error = position + rotation;
     if (!(error < kLargestError * kLargestError)) return std::nullopt;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/kinematics/positive.hpp"
+
 namespace armsig::kinematics {
 namespace {
 
@@ -26,29 +28,40 @@ Pivot largest(const Jacobian& m, Eigen::Index row, Eigen::Index row_end, Eigen::
   return pivot;
 }
 
+// sqrt(det(J J^T)) or, of fewer than six columns, sqrt(det(J^T J)).
+double volume(const Jacobian& J, Eigen::Index columns) {
+  Square gram = Square::Zero();
+  if (columns < 6) {
+    gram = J.transpose().lazyProduct(J);
+  } else {
+    gram.topLeftCorner<6, 6>() = J.lazyProduct(J.transpose());
+  }
+  const Eigen::Index size = std::min<Eigen::Index>(columns, 6);
+  if (!factor_positive(gram, size)) return 0;
+  double product = 1;
+  for (Eigen::Index i = 0; i < size; ++i) product *= gram(i, i);
+  return product;
+}
+
 }  // namespace
 
-Regularity regularity(const PoseAndJacobian& J, double threshold) {
-  const auto columns = static_cast<Eigen::Index>(J.joint_count);
-  Jacobian m = J.J;
-  double reach = 0;
-  for (Eigen::Index c = 0; c < columns; ++c) reach = std::max(reach, m.col(c).head<3>().norm());
-  if (reach > 0) m.topRows<3>() /= reach;
+Regularity regularity(const Chain& chain, const PoseAndJacobian& at, double threshold) {
+  const auto columns = static_cast<Eigen::Index>(chain.joint_count);
+  Jacobian m = at.J;
+  m.topRows<3>() /= chain.length;
+  for (std::size_t i = 0; i < chain.joint_count; ++i) {
+    if (!chain.revolute[i]) m.col(static_cast<Eigen::Index>(i)) *= chain.length;
+  }
 
-  Regularity result{.value = 1};
+  Regularity result{.value = volume(m, columns)};
   Eigen::Index used = 0;  // columns that hold a pivot, moved to the front
-  double left_over = 0;
   // Within a block the rows that hold a pivot move to its front; those of the position block that
   // hold none are dropped.
   const auto eliminate = [&](Eigen::Index begin, Eigen::Index end) {
     int dimensions = 0;
     for (Eigen::Index row = begin; row < end && used < columns; ++row) {
       const Pivot pivot = largest(m, row, end, used, columns);
-      if (pivot.size < threshold) {
-        left_over = std::max(left_over, pivot.size);
-        break;
-      }
-      result.value = std::min(result.value, pivot.size);
+      if (pivot.size < threshold) break;
       m.row(row).swap(m.row(pivot.row));
       m.col(used).swap(m.col(pivot.column));
       for (Eigen::Index r = row + 1; r < 6; ++r) {
@@ -62,7 +75,6 @@ Regularity regularity(const PoseAndJacobian& J, double threshold) {
   };
   result.position_dimensions = eliminate(0, 3);
   result.rotation_dimensions = eliminate(3, 6);
-  if (used < std::min<Eigen::Index>(columns, 6)) result.value = left_over;
   return result;
 }
 

@@ -105,6 +105,9 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
     }
     ++rows_of[row.target];
   }
+  if (targets.empty()) {
+    return std::unexpected(Refusal{Error::kTooFewPoints, 0, static_cast<double>(kFewestRows)});
+  }
   std::size_t main = 0;
   for (std::size_t t = 0; t < targets.size(); ++t) {
     if (targets[t].link != arm.joints.size()) continue;

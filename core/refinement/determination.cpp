@@ -15,8 +15,11 @@ constexpr double kExcessSigmas = 3.3;
 constexpr double kFewestFreedom = 3;
 
 Open open_kind(const Problem& problem, const Parameter& parameter) {
-  const bool at_rest = problem.largest_motion()[parameter.index] == 0;
-  const bool on_axis = problem.largest_radius()[parameter.index] < kOnAxis_m;
+  // Targets and receivers are counted apart: only an axis is in the tables of the joints.
+  const bool of_axis = parameter.kind == ParameterKind::kAxisDirection ||
+                       parameter.kind == ParameterKind::kAxisPosition;
+  const bool at_rest = of_axis && problem.largest_motion()[parameter.index] == 0;
+  const bool on_axis = of_axis && problem.largest_radius()[parameter.index] < kOnAxis_m;
   switch (parameter.kind) {
     case ParameterKind::kAxisDirection:
       if (at_rest) return Open::kJointAtRest;

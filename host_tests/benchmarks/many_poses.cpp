@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "host_tests/support/inverse_trials.hpp"
 #include "host_tests/support/pose_trials.hpp"
 
 namespace {
@@ -57,6 +58,19 @@ bool try_singular(int poses, std::mt19937_64& random) {
   return good;
 }
 
+bool try_any_arm(long poses, std::mt19937_64& random) {
+  const armsig::test::InverseTrial trial = armsig::test::try_inverses(poses, random);
+  std::printf(
+      "\nRandom arms of 1 to 8 joints, any of them prismatic, judged in extended precision:\n\n");
+  std::printf("| inverses | more than 90 degrees off | faults | met | met, near a singularity |");
+  std::printf(" out of reach | joint limit | step limit | iterations used up |\n");
+  std::printf("|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n| %ld | %ld | %ld |", trial.tried,
+              trial.beyond_quarter_turn, trial.faults());
+  for (const long count : trial.verdicts) std::printf(" %ld |", count);
+  std::printf("\n");
+  return trial.faults() == 0 && 2 * trial.beyond_quarter_turn >= trial.tried;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -65,5 +79,6 @@ int main(int argc, char** argv) {
   const bool reached = try_reachable(static_cast<int>(100'000 * share), random);
   const bool started = try_cold_starts(static_cast<int>(100'000 * share), random);
   const bool bounded = try_singular(static_cast<int>(125'000 * share), random);
-  return reached && started && bounded ? EXIT_SUCCESS : EXIT_FAILURE;
+  const bool truthful = try_any_arm(static_cast<long>(10'000'000 * share), random);
+  return reached && started && bounded && truthful ? EXIT_SUCCESS : EXIT_FAILURE;
 }

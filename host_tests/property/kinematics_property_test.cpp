@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host_tests/support/inverse_trials.hpp"
 #include "host_tests/support/pose_trials.hpp"
 
 namespace armsig::kinematics {
@@ -28,6 +29,20 @@ TEST(InverseProperty, is_finite_bounded_and_truthful_about_singularities) {
     EXPECT_EQ(trial.iterations_exceeded, 0) << arm.name;
     EXPECT_EQ(trial.untrue, 0) << arm.name;
   }
+}
+
+TEST(InverseProperty, of_any_arm_is_not_contradicted_by_a_product_of_matrices) {
+  std::mt19937_64 random(4);
+  const test::InverseTrial trial = test::try_inverses(100'000, random);
+  EXPECT_GE(trial.beyond_quarter_turn, trial.tried / 2);
+  EXPECT_EQ(trial.refused, 0);
+  EXPECT_EQ(trial.not_finite, 0);
+  EXPECT_EQ(trial.outside, 0);
+  EXPECT_EQ(trial.overrun, 0);
+  EXPECT_EQ(trial.misstated, 0);
+  EXPECT_EQ(trial.false_met, 0);
+  EXPECT_EQ(trial.false_stuck, 0);
+  for (const long count : trial.verdicts) EXPECT_GT(count, 0);
 }
 
 TEST(ColdStartProperty, of_calibrated_ur_arms_holds_a_solution_and_the_one_near_the_seed) {

@@ -169,6 +169,63 @@ TEST(ColdStart, is_empty_where_nothing_reaches) {
   EXPECT_TRUE(cold_start(chain, closed_form(chain), X)->empty());
 }
 
+// A joint that turns without end, or a rail of any length: looked for within a turn, or an arm's
+// length.
+TEST(ColdStart, finds_solutions_of_joints_without_limits) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::mt19937_64 random(5);
+  for (const test::KnownArm& arm : {test::puma560(), test::cobra600(), test::iiwa7()}) {
+    FixedVector<JointLimits, kMaxJoints> limits(arm.joints.size(), {-kInfinity, kInfinity});
+    limits[0].lower = -1;
+    limits[2].upper = 3;
+    const Chain chain = make_chain(arm.joints, limits);
+    const ClosedForm form = closed_form(chain);
+    for (int k = 0; k < 5; ++k) {
+      JointVector q = test::random_readings(arm, random);
+      q[0] = std::abs(q[0]);
+      const Pose X = *forward(chain, q);
+      const auto solutions = cold_start(chain, form, X);
+      ASSERT_TRUE(solutions.has_value()) << arm.name;
+      ASSERT_FALSE(solutions->empty()) << arm.name;
+      const InverseSolution& first = (*solutions)[0].solution;
+      EXPECT_NE(first.verdict, Verdict::kJointLimit) << arm.name;
+      EXPECT_LT(pose_difference(*forward(chain, first.q), X), 1e-9) << arm.name;
+    }
+  }
+}
+
+TEST(ColdStart, refuses_a_target_that_is_not_a_rotation) {
+  const Chain chain = make_chain(test::puma560().joints);
+  Pose X;
+  X.p = {0.4, 0.2, 0.1};
+  for (const ClosedForm& form : {closed_form(chain), ClosedForm{}}) {
+    for (const double factor : {0.0, 2.0, -1.0}) {
+      X.R = factor * Matrix3::Identity();
+      const auto solutions = cold_start(chain, form, X);
+      ASSERT_FALSE(solutions.has_value());
+      EXPECT_EQ(solutions.error(), Error::kNotARotation);
+    }
+  }
+}
+
+TEST(ColdStart, lists_no_solution_that_misses_the_pose) {
+  std::mt19937_64 random(6);
+  for (const test::KnownArm& arm : {test::puma560(), test::ur5()}) {
+    const Chain chain = make_chain(arm.joints);
+    const ClosedForm form = closed_form(chain);
+    for (int k = 0; k < 100; ++k) {
+      const JointVector q = test::random_readings(arm, random);
+      Pose X = *forward(chain, q);
+      X.R = X.R * rotation_about(Vector3::Unit(k % 3), kPi);
+      const auto solutions = cold_start(chain, form, X, q);
+      ASSERT_TRUE(solutions.has_value());
+      for (const NamedSolution& s : *solutions) {
+        EXPECT_LT(pose_difference(*forward(chain, s.solution.q), X), 1e-9) << arm.name;
+      }
+    }
+  }
+}
+
 TEST(ColdStart, refuses_a_pose_that_is_not_finite) {
   const Chain chain = make_chain(test::puma560().joints);
   Pose X;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "core/kinematics/closed_form.hpp"
 #include "core/kinematics/inverse.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/known_arms.hpp"
@@ -43,6 +46,103 @@ TEST(Inverse, refuses_a_pose_or_a_seed_that_is_not_finite) {
   JointVector seed = kReady;
   seed[3] = nan;
   EXPECT_EQ(inverse(puma(), *forward(puma(), kReady), seed).error(), Error::kNotFinite);
+}
+
+// Half a turn from the seed the sine of the angle is zero, as it is at the seed itself.
+TEST(Inverse, turns_half_a_turn_and_never_takes_the_seed_for_it) {
+  const Chain chain = make_chain(test::puma560().joints);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double angle : {kPi, kPi - 1e-12, kPi - 1e-6}) {
+      Pose X = *forward(chain, kReady);
+      X.R = X.R * rotation_about(Vector3::Unit(axis), angle);
+      const auto solution = inverse(chain, X, kReady);
+      ASSERT_TRUE(solution.has_value());
+      const Pose reached = *forward(chain, solution->q);
+      EXPECT_NEAR(solution->rotation_error_rad, angle_between(reached.R, X.R), 1e-12);
+      EXPECT_EQ(solution->verdict, Verdict::kConverged) << axis;
+      EXPECT_LT(angle_between(reached.R, X.R), 1e-9) << axis;
+    }
+  }
+}
+
+// With the wrist straight no joint turns about x: the pose half a turn about it is found all the
+// same, by way of a bent wrist.
+TEST(Inverse, leaves_a_saddle_at_half_a_turn) {
+  FixedVector<DhJoint, kMaxJoints> wrist;
+  for (const double alpha : {kPi / 2, -kPi / 2, 0.0}) {
+    wrist.push_back({JointType::kRevolute, 0, 0, 0, alpha});
+  }
+  const Chain chain = make_chain(wrist);
+  Pose X;
+  X.R = rotation_x(kPi);
+  const auto solution = inverse(chain, X, {0, 0, 0});
+  ASSERT_TRUE(solution.has_value());
+  EXPECT_LT(solution->rotation_error_rad, 1e-9);
+}
+
+TEST(Inverse, leaves_the_saddle_of_a_stretched_arm) {
+  const Chain chain = make_chain(FixedVector<DhJoint, kMaxJoints>{
+      {JointType::kRevolute, 0, 0, 0.5, 0}, {JointType::kRevolute, 0, 0, 0.5, 0}});
+  Pose X;
+  X.p = {0.8, 0, 0};
+  const auto solution = inverse(chain, X, {0, 0});
+  ASSERT_TRUE(solution.has_value());
+  EXPECT_EQ(solution->verdict, Verdict::kConverged);
+  EXPECT_LT(solution->position_error_m, 1e-9);
+}
+
+TEST(Inverse, refuses_a_target_that_is_not_a_rotation) {
+  const Pose X = *forward(puma(), kReady);
+  const Chain three = make_chain(first_rows(3));
+  Matrix3 mirrored = X.R;
+  mirrored.col(2) *= -1;
+  Matrix3 skewed = X.R;
+  skewed.col(1) += 1e-6 * X.R.col(0);
+  for (const Matrix3& R : {Matrix3(Matrix3::Zero()), Matrix3(2 * X.R), mirrored, skewed,
+                           Matrix3(-X.R), Matrix3(X.R * (1 + 1e-6))}) {
+    const Pose target{R, X.p};
+    const auto six = inverse(puma(), target, kReady);
+    ASSERT_FALSE(six.has_value());
+    EXPECT_EQ(six.error(), Error::kNotARotation);
+    const auto few = inverse(three, target, {0.2, -0.8, 0.9});
+    ASSERT_FALSE(few.has_value());
+    EXPECT_EQ(few.error(), Error::kNotARotation);
+  }
+}
+
+TEST(Inverse, refuses_options_that_are_no_numbers_or_out_of_range) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Pose X = *forward(puma(), kReady);
+  const auto error_of = [&](const InverseOptions& options) {
+    JointVector seed = kReady;
+    seed[1] += 1.5;  // beyond the reach of Newton
+    const auto solution = inverse(puma(), X, seed, options);
+    return solution ? std::optional<Error>() : solution.error();
+  };
+  EXPECT_EQ(error_of({.p_nP = {0, kNan, 0}}), Error::kNotFinite);
+  EXPECT_EQ(inverse(puma(), X, kReady, {.p_nP = {0, kNan, 0}}).error(), Error::kNotFinite);
+  EXPECT_EQ(error_of({.p_nP = {0, kInfinity, 0}}), Error::kNotFinite);
+  EXPECT_EQ(error_of({.position_tolerance_m = kNan}), Error::kNotFinite);
+  EXPECT_EQ(error_of({.max_iterations = 0}), Error::kOutOfRange);
+  InverseOptions step;
+  step.max_step = JointVector(6, 0.02);
+  step.max_step[3] = kNan;
+  EXPECT_EQ(error_of(step), Error::kNotFinite);
+  EXPECT_EQ(inverse(puma(), X, kReady, step).error(), Error::kNotFinite);
+  step.max_step[3] = -0.02;
+  EXPECT_EQ(error_of(step), Error::kOutOfRange);
+  step.max_step = JointVector(6, kInfinity);
+  EXPECT_EQ(error_of(step), std::nullopt);
+}
+
+TEST(Inverse, refuses_what_is_too_far_for_a_verdict) {
+  Pose X = *forward(puma(), kReady);
+  X.p.x() = 1e200;
+  EXPECT_EQ(inverse(puma(), X, kReady).error(), Error::kOutOfReach);
+  JointVector seed = kReady;
+  seed[0] = 1e200;
+  EXPECT_EQ(inverse(puma(), *forward(puma(), kReady), seed).error(), Error::kOutOfRange);
 }
 
 TEST(Inverse, says_that_a_pose_is_out_of_reach_and_comes_as_near_as_it_can) {
@@ -112,6 +212,76 @@ TEST(Inverse, stops_at_the_iterations_it_was_given) {
   const InverseSolution solution = *inverse(puma(), *forward(puma(), kReady), seed, options);
   EXPECT_EQ(solution.verdict, Verdict::kNotConverged);
   EXPECT_LE(solution.iterations, 3);
+}
+
+TEST(Inverse, counts_every_pass_of_every_loop) {
+  JointVector seed = kReady;
+  for (double& reading : seed) reading += radians(2);
+  Pose unreachable = *forward(puma(), kReady);
+  unreachable.p *= 1.5;
+  for (const Pose& X : {*forward(puma(), kReady), unreachable}) {
+    for (int most = 1; most < 30; ++most) {
+      const InverseOptions options{.max_iterations = most};
+      const auto solution = inverse(puma(), X, seed, options);
+      ASSERT_TRUE(solution.has_value());
+      EXPECT_LE(solution->iterations, most);
+      EXPECT_GE(solution->iterations, 1);
+    }
+  }
+  const InverseOptions once{.max_iterations = 1};
+  EXPECT_EQ(inverse(puma(), *forward(puma(), seed), seed, once)->verdict, Verdict::kConverged);
+}
+
+// The same measure by both ways: that of the servo's steps, and that of the damped descent.
+TEST(Inverse, states_the_manipulability_whatever_the_solver) {
+  std::mt19937_64 random(8);
+  for (const test::KnownArm& arm : test::six_joint_arms()) {
+    const Chain chain = make_chain(arm.joints);
+    for (int k = 0; k < 40; ++k) {
+      const JointVector q = test::random_readings(arm, random);
+      const Pose X = *forward(chain, q);
+      const auto near = inverse(chain, X, test::disturbed(arm, q, radians(0.5), random));
+      ASSERT_TRUE(near.has_value());
+      const PoseAndJacobian at = *forward_with_jacobian(chain, near->q);
+      double expected = std::abs(at.J.leftCols<6>().determinant()) / std::pow(chain.length, 3);
+      for (const DhJoint& row : arm.joints) {
+        if (row.type == JointType::kPrismatic) expected *= chain.length;
+      }
+      EXPECT_NEAR(near->regularity, expected, 0.01 * expected + 1e-6) << arm.name;
+      // A single pass is left to the damped solver.
+      const InverseOptions damped{.p_nP = {0.1, 0.2, 0.3}, .max_iterations = 1};
+      EXPECT_NEAR(inverse(chain, X, near->q, damped)->regularity, expected, 1e-6 * expected + 1e-6)
+          << arm.name;
+    }
+  }
+}
+
+// Three parallel revolute joints, then three prismatic ones: they turn the tool about one axis.
+TEST(InverseOfPrismaticWrist, meets_what_it_says_it_meets) {
+  FixedVector<DhJoint, kMaxJoints> rows;
+  for (int i = 0; i < 3; ++i) rows.push_back({JointType::kRevolute, 0, 0, 0.3, 0});
+  for (int i = 0; i < 3; ++i) rows.push_back({JointType::kPrismatic, kPi / 2, 0, 0, kPi / 2});
+  const Chain chain = make_chain(rows);
+  EXPECT_EQ(closed_form(chain).design, Design::kOther);
+  std::mt19937_64 random(9);
+  int met = 0;
+  for (int k = 0; k < 500; ++k) {
+    JointVector q;
+    JointVector seed;
+    for (std::size_t i = 0; i < 6; ++i) q.push_back(test::uniform(random, -1, 1));
+    for (const double reading : q) seed.push_back(reading + test::uniform(random, -0.2, 0.2));
+    const Pose X = *forward(chain, q);
+    const auto solution = inverse(chain, X, seed);
+    ASSERT_TRUE(solution.has_value());
+    if (solution->verdict != Verdict::kConverged && solution->verdict != Verdict::kDegraded) {
+      continue;
+    }
+    ++met;
+    const Pose reached = *forward(chain, solution->q);
+    EXPECT_LT((reached.p - X.p).norm(), 1e-9);
+    EXPECT_LT(angle_between(reached.R, X.R), 1e-9);
+  }
+  EXPECT_GT(met, 450);
 }
 
 TEST(InverseOfAScara, meets_the_pose_and_says_which_dimensions_it_can_meet) {

@@ -44,6 +44,17 @@ TEST(FitBaseAndTool, is_exact_for_an_arm_true_to_its_drawing) {
   EXPECT_LT(fitted->rms_m, 1e-7);
 }
 
+TEST(FitBaseAndTool, refuses_a_log_without_rows_or_targets) {
+  for (const bool with_target : {true, false}) {
+    const auto targets = one_target();
+    const auto fitted =
+        fit_base_and_tool(test::puma(), {}, std::span(targets).first(with_target ? 1 : 0));
+    ASSERT_FALSE(fitted);
+    EXPECT_EQ(fitted.error().error, Error::kTooFewPoints);
+    EXPECT_EQ(fitted.error().found, 0);
+  }
+}
+
 TEST(FitBaseAndTool, places_targets_on_other_links_and_a_second_one_on_the_last) {
   Random random(2);
   Cell cell = test::puma_cell(random, {0, 0, 0});

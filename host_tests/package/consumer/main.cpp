@@ -1,18 +1,71 @@
 // SPDX-License-Identifier: MIT
-// Uses the installed core: half a metre of arm, turned by a quarter.
+// Uses the installed core: half a metre of arm, turned by a quarter, and the servo's kinematics of
+// a six-joint arm, whose types must be those of the library whatever this is built with.
+#include <cmath>
 #include <cstdio>
 
 #include "core/identification.hpp"
+#include "core/kinematics/cold_start.hpp"
 #include "core/kinematics/s_model_chain.hpp"
+#include "core/layout.hpp"
+
+namespace {
+
+using namespace armsig;  // NOLINT(google-build-using-namespace): as a user's program would
+
+bool same_layout() {
+  const auto library = library_layout();
+  bool same = library.size() == kLayout.size();
+  for (std::size_t i = 0; same && i < kLayout.size(); ++i) {
+    if (library[i] == kLayout[i]) continue;
+    std::printf("%s: %zu bytes here, %zu in the library\n", kLayout[i].name.data(), kLayout[i].size,
+                library[i].size);
+    same = false;
+  }
+  return same;
+}
+
+FixedVector<DhJoint, kMaxJoints> puma() {
+  using enum JointType;
+  return {{kRevolute, 0, 0, 0, -kPi / 2},    {kRevolute, 0, 0, 0.4318, 0},
+          {kRevolute, 0, 0.149, 0, kPi / 2}, {kRevolute, 0, 0.4331, 0, -kPi / 2},
+          {kRevolute, 0, 0, 0, kPi / 2},     {kRevolute, 0, 0.0563, 0, 0}};
+}
+
+// What the library makes of a chain that has passed through this program's hands.
+bool servo() {
+  const kinematics::Chain made = kinematics::make_chain(puma());
+  kinematics::Chain chain;
+  chain = made;
+  const JointVector q{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
+  JointVector seed = q;
+  for (double& reading : seed) reading += 0.01;
+  const auto X = kinematics::forward(chain, q);
+  const auto at = kinematics::forward_with_jacobian(chain, q);
+  if (!X || !at) return false;
+  const auto solution = kinematics::inverse(chain, *X, seed);
+  if (!solution || solution->verdict != kinematics::Verdict::kConverged) return false;
+  bool good = std::abs(solution->q[4] - q[4]) < 1e-9 && (at->X_0n.p - X->p).norm() < 1e-12 &&
+              std::abs(at->J(5, 0) - 1) < 1e-12 && (X->R.transpose() * X->R).isIdentity(1e-12);
+  const auto solutions = kinematics::cold_start(chain, kinematics::closed_form(chain), *X);
+  good = good && solutions && solutions->size() == 8;
+  const auto single = kinematics::to_single(chain);
+  const auto X_single = kinematics::forward(single, {0.2F, -0.8F, 0.9F, 0.3F, 0.7F, -0.4F});
+  return good && X_single && (X_single->p.cast<double>() - X->p).norm() < 1e-5;
+}
+
+}  // namespace
 
 int main() {
-  armsig::Arm arm;
-  arm.joints.push_back({armsig::JointType::kRevolute, 0, 0, 0.5, 0});
-  arm.limits.push_back({-armsig::kPi, armsig::kPi});
-  armsig::JointVector q;
+  Arm arm;
+  arm.joints.push_back({JointType::kRevolute, 0, 0, 0.5, 0});
+  arm.limits.push_back({-kPi, kPi});
+  JointVector q;
   q.push_back(0);
-  const armsig::Signature signature = armsig::signature_of(arm, q, armsig::Pose{}, {});
-  q[0] = armsig::kPi / 2;
-  const armsig::Vector3 p = armsig::kinematics::link_pose(signature, q, 1).p;
+  const Signature signature = signature_of(arm, q, Pose{}, {});
+  q[0] = kPi / 2;
+  const Vector3 p = kinematics::link_pose(signature, q, 1).p;
   std::printf("%.3f %.3f %.3f\n", p.x(), p.y(), p.z());
+  if (!same_layout()) return 1;
+  return servo() ? 0 : 2;
 }

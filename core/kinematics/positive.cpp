@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#include "core/kinematics/positive.hpp"
+
+#include <cmath>
+
+namespace armsig::kinematics {
+
+bool factor_positive(Square& a, Eigen::Index n) {
+  for (Eigen::Index j = 0; j < n; ++j) {
+    double pivot = a(j, j);
+    for (Eigen::Index k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
+    if (!(pivot > 0)) return false;
+    a(j, j) = std::sqrt(pivot);
+    for (Eigen::Index i = j + 1; i < n; ++i) {
+      double sum = a(i, j);
+      for (Eigen::Index k = 0; k < j; ++k) sum -= a(i, k) * a(j, k);
+      a(i, j) = sum / a(j, j);
+    }
+  }
+  return true;
+}
+
+bool solve_positive(Square& a, Joints& b, Eigen::Index n) {
+  if (!factor_positive(a, n)) return false;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) b[i] -= a(i, k) * b[k];
+    b[i] /= a(i, i);
+  }
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    for (Eigen::Index k = i + 1; k < n; ++k) b[i] -= a(k, i) * b[k];
+    b[i] /= a(i, i);
+  }
+  return true;
+}
+
+}  // namespace armsig::kinematics
