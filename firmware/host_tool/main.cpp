@@ -35,6 +35,8 @@ int run(int argc, char** argv) {
   add_report(app, status);
   add_export(app, status);
   add_import(app, status);
+  add_arms(app, status);
+  add_join(app, status);
   add_connect(app, status);
   try {
     app.parse(argc, argv);

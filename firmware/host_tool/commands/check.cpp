@@ -10,6 +10,7 @@
 #include "firmware/host_tool/estimate.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/measurement_log.hpp"
 #include "firmware/host_tool/nominal_fit.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
@@ -146,7 +147,7 @@ Read<MeasurementLog> read_log(const CheckOptions& options, const Signature& sign
 // The drawing to compare with: the one that the signature keeps, or another one.
 Read<Arm> drawing_for(const CheckOptions& options, const SignatureRecord& record) {
   if (options.arm.empty()) return record.nominal;
-  const auto arm = read_arm_file(options.arm);
+  const auto arm = read_arm(options.arm);
   if (!arm) return std::unexpected(arm.error());
   if (!std::ranges::equal(types_of(arm->arm), record.signature.types)) {
     return std::unexpected(Problem{options.arm, 0, 0, "its joints are not those of the signature",

@@ -7,6 +7,7 @@
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 
 namespace armsig::tool {
@@ -43,7 +44,7 @@ Read<Signature> read_truth(const std::string& path, const Signature& signature) 
 }
 
 int run(const EvaluateOptions& options) {
-  const auto arm = read_arm_file(options.arm);
+  const auto arm = read_arm(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);

@@ -16,6 +16,7 @@
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/identification_run.hpp"
 #include "firmware/host_tool/identify_report.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/record.hpp"
 
@@ -149,7 +150,7 @@ Problem problem_of(const Doubt& doubt, const std::string& file) {
 int run(IdentifyOptions options) {
   const auto further = further_unknowns(options);
   if (!further) return fail(further.error(), kBadInput, options);
-  const auto arm = read_arm_file(options.arm);
+  const auto arm = read_arm(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   if (!options.columns.empty()) {
     auto mapped = map_measurements(options.measurements, options.columns, types_of(arm->arm));
@@ -215,7 +216,10 @@ int run(IdentifyOptions options) {
 void add_identify(CLI::App& app, int& status) {
   auto options = std::make_shared<IdentifyOptions>();
   CLI::App* command = app.add_subcommand("identify", "find the arm signature from measured sweeps");
-  command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
+  command
+      ->add_option("--arm", options->arm,
+                   "arm description (YAML), or a name that `armsig arms` lists: the drawing")
+      ->required();
   command->add_option("--measurements", options->measurements, "sweeps (CSV)")->required();
   command
       ->add_option(

@@ -6,6 +6,7 @@
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/measurement_writer.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/record.hpp"
@@ -119,7 +120,7 @@ Read<JointVector> configuration_of(const SimulateOptions& options, const Arm& ar
 }
 
 int run(const SimulateOptions& options) {
-  const auto arm = read_arm_file(options.arm);
+  const auto arm = read_arm(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   auto built = build(options, arm->arm);
   if (!built) return fail(built.error(), kBadInput, options);
@@ -179,7 +180,10 @@ int run(const SimulateOptions& options) {
 void add_simulate(CLI::App& app, int& status) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = app.add_subcommand("simulate", "measurements of a simulated arm");
-  command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
+  command
+      ->add_option("--arm", options->arm,
+                   "arm description (YAML), or a name that `armsig arms` lists: the drawing")
+      ->required();
   auto* truth = command->add_option("--truth", options->truth,
                                     "the arm as it was built: an arm description or a signature");
   command

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// armsig arms: the arms whose drawing comes with the command.
+#include <fmt/core.h>
+
+#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
+
+namespace armsig::tool {
+namespace {
+
+struct ArmsOptions : CommonOptions {
+  std::string show;
+};
+
+int show(const ArmsOptions& options) {
+  for (const KnownArm& arm : known_arms()) {
+    if (arm.name != options.show) continue;
+    fmt::print("{}", arm.text);
+    return kDone;
+  }
+  return fail({options.show, 0, 0, "no known arm", "a name that `armsig arms` lists"}, kBadInput,
+              options);
+}
+
+int list(const ArmsOptions& options) {
+  auto listed = nlohmann::ordered_json::array();
+  if (!options.json) fmt::print("  {:<12} {}\n", "--arm", "Arm");
+  for (const KnownArm& arm : known_arms()) {
+    const auto description = parse_arm(arm.text, arm.name);
+    if (!description) return fail(description.error(), kBadInput, options);
+    if (options.json) {
+      listed.push_back({{"name", arm.name},
+                        {"arm", description->name},
+                        {"joints", description->arm.joints.size()},
+                        {"source", source_of(arm)}});
+    } else {
+      fmt::print("  {:<12} {}, {} joints\n", arm.name, description->name,
+                 description->arm.joints.size());
+    }
+  }
+  if (options.json) {
+    print_json({{"status", 0}, {"arms", listed}});
+  } else {
+    fmt::print(
+        "\nDrawings, not your arm: check lengths, zeros and senses against its papers.\n"
+        "Next: armsig arms --show NAME, with its source, to copy and change.\n");
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_arms(CLI::App& app, int& status) {
+  auto options = std::make_shared<ArmsOptions>();
+  CLI::App* command = app.add_subcommand("arms", "arms whose drawing is known, for --arm NAME");
+  command->add_option("--show", options->show,
+                      "print the arm description of that name, and its source");
+  add_common(*command, *options);
+  command->callback(
+      [options, &status] { status = options->show.empty() ? list(*options) : show(*options); });
+}
+
+}  // namespace armsig::tool

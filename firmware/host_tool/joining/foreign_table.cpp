@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/joining/foreign_table.hpp"
+
+#include <algorithm>
+
+#include "core/base/error.hpp"
+#include "firmware/host_tool/formats/encoding.hpp"
+#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/host_tool/formats/text_file.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr char kBlanks = ' ';
+
+bool is_comment(std::string_view line) {
+  return line.empty() || line.starts_with("//") || line.front() == '#' || line.front() == '!';
+}
+
+// Whether `c` stands in `line` outside of double quotes.
+bool has_outside_quotes(std::string_view line, char c) {
+  bool quoted = false;
+  for (const char at : line) {
+    if (at == '"') quoted = !quoted;
+    if (at == c && !quoted) return true;
+  }
+  return false;
+}
+
+std::vector<std::string> split(std::string_view line, char separator) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (const char c : line) {
+    const bool blank = separator == kBlanks && (c == ' ' || c == '\t');
+    if (c == '"') {
+      quoted = !quoted;
+    } else if (!quoted && (c == separator || blank)) {
+      if (!blank || !fields.back().empty()) fields.emplace_back();
+    } else {
+      fields.back() += c;
+    }
+  }
+  for (std::string& field : fields) field = std::string(trimmed(field));
+  while (!fields.empty() && fields.back().empty()) fields.pop_back();
+  return fields;
+}
+
+std::vector<std::pair<std::size_t, std::string_view>> lines_of(std::string_view text) {
+  std::vector<std::pair<std::size_t, std::string_view>> lines;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (!is_comment(trimmed(line))) lines.emplace_back(number, line);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+}  // namespace
+
+Read<ForeignTable> read_foreign_table(const std::string& path) {
+  ARMSIG_TRY(bytes, read_text_file(path));
+  const auto text = in_utf8(bytes);
+  if (!text) {
+    return std::unexpected(
+        Problem{path, 0, 0, "its UTF-16 breaks off in mid-character", "a whole file"});
+  }
+  if (const auto bad = first_bad_byte(*text)) {
+    const auto line = 1 + std::count(text->begin(), text->begin() + static_cast<long>(*bad), '\n');
+    return std::unexpected(Problem{path, static_cast<int>(line), 0,
+                                   "a byte that is no text of UTF-8 or UTF-16", "a text file"});
+  }
+  const auto lines = lines_of(*text);
+  if (lines.empty()) return std::unexpected(Problem{path, 0, 0, "no rows", "a row a line"});
+  char separator = kBlanks;
+  for (const char candidate : {',', '\t', ';'}) {
+    if (std::ranges::any_of(
+            lines, [&](const auto& line) { return has_outside_quotes(line.second, candidate); })) {
+      separator = candidate;
+    }
+  }
+  ForeignTable table{.file = path, .decimal_comma = separator != ',', .rows = {}};
+  for (const auto& [number, line] : lines) table.rows.push_back({number, split(line, separator)});
+  return table;
+}
+
+std::optional<double> number_in(const ForeignTable& table, const std::string& field) {
+  if (!table.decimal_comma || field.find(',') == std::string::npos) return parse_number(field);
+  if (field.find('.') != std::string::npos || std::ranges::count(field, ',') > 1)
+    return std::nullopt;
+  std::string spelt = field;
+  std::ranges::replace(spelt, ',', '.');
+  return parse_number(spelt);
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/known_arms/known_arms.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/formats/text.hpp"
+
+namespace armsig::tool {
+namespace {
+
+std::string in_lower_case(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return lower;
+}
+
+// A file that exists, or words that no known arm could be called by.
+bool is_a_path(const std::string& text) {
+  std::error_code error;
+  return std::filesystem::exists(text, error) || text.find_first_of("/.") != std::string::npos;
+}
+
+}  // namespace
+
+std::string source_of(const KnownArm& arm) {
+  std::string source;
+  std::string_view rest = arm.text;
+  while (rest.starts_with("# ")) {
+    const std::size_t end = rest.find('\n');
+    source += fmt::format("{}{}", source.empty() ? "" : " ", rest.substr(2, end - 2));
+    rest.remove_prefix(end + 1);
+  }
+  return source;
+}
+
+Read<ArmDescription> read_arm(const std::string& file_or_name) {
+  if (is_a_path(file_or_name)) return read_arm_file(file_or_name);
+  const std::string name = in_lower_case(file_or_name);
+  std::vector<std::string> names;
+  for (const KnownArm& arm : known_arms()) {
+    if (arm.name == name) return parse_arm(arm.text, arm.name);
+    names.emplace_back(arm.name);
+  }
+  const std::string meant = nearest(name, names);
+  return std::unexpected(
+      Problem{file_or_name, 0, 0, "neither a file nor a known arm",
+              meant.empty() ? "a file, or a name that `armsig arms` lists"
+                            : fmt::format("{}, or another that `armsig arms` lists", meant)});
+}
+
+}  // namespace armsig::tool

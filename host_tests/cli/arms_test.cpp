@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// `--arm NAME`: drawings that come with the command.
+#include <sstream>
+#include <vector>
+
+#include "host_tests/cli/run_tool.hpp"
+
+namespace armsig::cli {
+namespace {
+
+std::vector<std::string> listed_names(const Folder& folder) {
+  const Outcome listed = run_tool(folder, "arms");
+  EXPECT_EQ(listed.status, 0) << listed.err;
+  std::istringstream lines(listed.out);
+  std::vector<std::string> names;
+  for (std::string line; std::getline(lines, line) && !line.empty();) {
+    if (line.starts_with("  --arm")) continue;
+    names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  }
+  return names;
+}
+
+TEST(KnownArms, every_arm_that_is_listed_has_a_source_and_can_be_simulated_and_identified) {
+  const Folder folder;
+  const std::vector<std::string> names = listed_names(folder);
+  EXPECT_GE(names.size(), 20U);
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    const Outcome shown = run_tool(folder, "arms --show " + name);
+    ASSERT_EQ(shown.status, 0) << shown.err;
+    EXPECT_TRUE(shown.out.starts_with("# ")) << "no source";
+    const Outcome made = run_tool(folder, "simulate --arm " + name +
+                                              " --arc 60 --points 12 --sigma-mm 0.02 --seed 1"
+                                              " --out m.csv --truth-out t.yaml");
+    ASSERT_EQ(made.status, 0) << made.err;
+    const Outcome found =
+        run_tool(folder, "identify --measurements m.csv --out s.yaml --arm " + name);
+    EXPECT_EQ(found.status, 0) << found.err;
+  }
+}
+
+TEST(KnownArms, a_name_is_taken_in_capitals_too) {
+  const Folder folder;
+  EXPECT_EQ(run_tool(folder,
+                     "simulate --arm UR10e --arc 60 --points 12 --sigma-mm 0 --seed 1"
+                     " --out m.csv --truth-out t.yaml")
+                .status,
+            0);
+}
+
+TEST(KnownArms, a_name_that_is_not_known_is_refused_with_the_nearest_one) {
+  const Folder folder;
+  const Outcome slip = run_tool(folder, "identify --measurements m.csv --out s.yaml --arm ur10w");
+  EXPECT_EQ(slip.status, 2);
+  EXPECT_NE(slip.err.find("ur10w: neither a file nor a known arm; expected ur10"),
+            std::string::npos)
+      << slip.err;
+  const Outcome far = run_tool(folder, "identify --measurements m.csv --out s.yaml --arm gantry99");
+  EXPECT_EQ(far.status, 2);
+  EXPECT_NE(far.err.find("a name that `armsig arms` lists"), std::string::npos) << far.err;
+}
+
+}  // namespace
+}  // namespace armsig::cli

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// armsig join, from a simulated arm's measurements taken apart into a joint log and a tracker's
+// points.
+#include "host_tests/cli/files.hpp"
+#include "host_tests/cli/run_tool.hpp"
+
+namespace armsig::cli {
+namespace {
+
+TEST(Join, puts_together_what_was_taken_apart_and_finds_the_sweeps) {
+  const Folder folder;
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm puma560 --arc 120 --points 12 --sigma-mm 0.05 --seed 3"
+                     " --out whole.csv --truth-out truth.yaml")
+                .status,
+            0);
+  const Csv whole = Csv::read(folder / "whole.csv");
+  std::string log = "Name;A1 [deg];A2 [deg];A3 [deg];A4 [deg];A5 [deg];A6 [deg]\n";
+  std::string points = "// Collection Group Target x y z\n";
+  for (std::size_t k = 0; k < whole.rows.size(); ++k) {
+    log += "P" + std::to_string(k);
+    for (int j = 1; j <= 6; ++j) {
+      log += ";" + whole.rows[k][whole.column("q" + std::to_string(j) + "_deg")];
+    }
+    log += "\n";
+    points += "A Sweeps P" + std::to_string(k);
+    for (const char* axis : {"x_mm", "y_mm", "z_mm"})
+      points += " " + whole.rows[k][whole.column(axis)];
+    points += "\n";
+  }
+  write_file(folder / "log.txt", log);
+  write_file(folder / "points.txt", points);
+  const Outcome joined = run_tool(
+      folder,
+      "join --arm puma560 --joints log.txt --points points.txt --units mm --out joined.csv");
+  ASSERT_EQ(joined.status, 0) << joined.err;
+  EXPECT_NE(joined.out.find("joint 6 swept: 12 points"), std::string::npos) << joined.out;
+  const Csv rows = Csv::read(folder / "joined.csv");
+  ASSERT_EQ(rows.rows.size(), whole.rows.size());
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    EXPECT_EQ(rows.rows[k][rows.column("sweep")], whole.rows[k][whole.column("sweep")]) << k;
+    EXPECT_NEAR(rows.number(k, "x_mm"), whole.number(k, "x_mm"), 1e-9);
+    EXPECT_NEAR(rows.number(k, "q4_deg"), whole.number(k, "q4_deg"), 1e-9);
+  }
+  const Outcome found =
+      run_tool(folder, "identify --arm puma560 --measurements joined.csv --out s.yaml");
+  EXPECT_EQ(found.status, 0) << found.err;
+}
+
+TEST(Join, refuses_in_one_line_with_status_2) {
+  const Folder folder;
+  write_file(folder / "log.txt", "Name;A1 [deg]\nP1;10\n");
+  write_file(folder / "points.txt", "P1 1 2 3\n");
+  const Outcome joined = run_tool(
+      folder,
+      "join --arm puma560 --joints log.txt --points points.txt --units mm --out joined.csv");
+  EXPECT_EQ(joined.status, 2);
+  EXPECT_NE(joined.err.find("log.txt:1: no header with the readings of 6 joints"),
+            std::string::npos)
+      << joined.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "joined.csv"));
+}
+
+}  // namespace
+}  // namespace armsig::cli

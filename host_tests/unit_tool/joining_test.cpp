@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+// A controller's joint log and a tracker's points, put together.
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/base/pose.hpp"
+#include "firmware/host_tool/formats/encoding.hpp"
+#include "firmware/host_tool/joining/join.hpp"
+#include "firmware/host_tool/joining/timestamp.hpp"
+
+namespace armsig::tool {
+namespace {
+
+// Two files of a test, removed with it.
+class Joining : public ::testing::Test {
+ protected:
+  Joining() {
+    folder_ =
+        std::filesystem::temp_directory_path() / ("armsig-joining-" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    types_.resize(2, JointType::kRevolute);
+    files_ = {(folder_ / "joints").string(), (folder_ / "points").string()};
+  }
+  ~Joining() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  void joints(const std::string& text) { write(files_.joints, text); }
+  void points(const std::string& text) { write(files_.points, text); }
+  static void write(const std::string& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+  }
+
+  Read<Joined> joined(JoinBy by, const std::string& units = "", double within_s = 0.5) {
+    const auto stated = stated_units(units);
+    if (!stated) return std::unexpected(stated.error());
+    const auto poses = read_joint_log(files_.joints, types_, *stated);
+    if (!poses) return std::unexpected(poses.error());
+    const auto tracked = read_tracked_points(files_.points, types_, *stated);
+    if (!tracked) return std::unexpected(tracked.error());
+    return join(*poses, *tracked, by, within_s, 7, files_, types_);
+  }
+  std::string refusal(JoinBy by, const std::string& units = "") {
+    const auto result = joined(by, units);
+    EXPECT_FALSE(result);
+    return result ? "" : render(result.error());
+  }
+
+  std::filesystem::path folder_;
+  JoinFiles files_;
+  JointTypes types_;
+};
+
+constexpr const char* kLog = "Name;A1 [deg];A2 [deg]\nP1;10;20\nP2;30;40\nP3;50;60\n";
+
+TEST_F(Joining, by_name_takes_spatial_analyzer_text) {
+  joints(kLog);
+  points(
+      "// exported by SpatialAnalyzer\n"
+      "A Sweep1 P3 1000.5 2.0 -3.0\n\"A\" \"Sweep1\" P1 1.0 2.0 3.0\n");
+  const auto result = joined(JoinBy::kName, "mm");
+  ASSERT_TRUE(result) << render(result.error());
+  ASSERT_EQ(result->rows.size(), 2U);
+  EXPECT_EQ(result->rows[0].p_S, Vector3(1.0005, 0.002, -0.003));
+  EXPECT_DOUBLE_EQ(result->rows[0].q[0], radians(50));
+  EXPECT_DOUBLE_EQ(result->rows[1].q[1], radians(20));
+  EXPECT_EQ(result->rows[0].target, 7);
+  EXPECT_EQ(result->poses_left, 1U);
+}
+
+TEST_F(Joining, takes_commas_semicolons_tabs_and_blanks_and_drops_empty_columns_at_the_end) {
+  joints(kLog);
+  for (const char* text :
+       {"C,G,P1,1,2,3,,\n", "C;G;P1;1;2;3;;\n", "C\tG\tP1\t1\t2\t3\t\n", "C G P1 1 2 3  \n"}) {
+    points(text);
+    const auto result = joined(JoinBy::kName, "m");
+    ASSERT_TRUE(result) << text << render(result.error());
+    ASSERT_EQ(result->rows.size(), 1U) << text;
+    EXPECT_EQ(result->rows[0].p_S, Vector3(1, 2, 3)) << text;
+  }
+}
+
+TEST_F(Joining, takes_a_header_with_units_and_decimal_commas) {
+  joints(kLog);
+  points("Point;X [mm];Y [mm];Z [mm]\nP2;1000,5;2,0;3,0\n");
+  const auto result = joined(JoinBy::kName);
+  ASSERT_TRUE(result) << render(result.error());
+  EXPECT_EQ(result->rows[0].p_S, Vector3(1.0005, 0.002, 0.003));
+}
+
+TEST_F(Joining, takes_utf_16_with_names_beyond_the_basic_plane) {
+  EXPECT_EQ(in_utf8(std::string_view("\xFF\xFE"
+                                     "A\0\x3D\xD8\x00\xDE",
+                                     8)),
+            "A\xF0\x9F\x98\x80");
+  EXPECT_EQ(in_utf8(std::string_view("\xFE\xFF\0B\x20\xAC", 6)), "B\xE2\x82\xAC");
+  EXPECT_EQ(in_utf8("\xEF\xBB\xBF"
+                    "C"),
+            "C");
+  EXPECT_FALSE(
+      in_utf8(std::string_view("\xFF\xFE"
+                               "A",
+                               3)));
+  EXPECT_FALSE(in_utf8(std::string_view("\xFF\xFE\x00\xDE", 4)));
+}
+
+TEST_F(Joining, numbers_as_names_are_names) {
+  joints("Point,q1_deg,q2_deg\n1,10,20\n2,30,40\n");
+  points("2 1.0 2.0 3.0\n1 4.0 5.0 6.0\n");
+  const auto result = joined(JoinBy::kName, "m");
+  ASSERT_TRUE(result) << render(result.error());
+  EXPECT_DOUBLE_EQ(result->rows[0].q[0], radians(30));
+  EXPECT_EQ(result->rows[1].p_S, Vector3(4, 5, 6));
+}
+
+TEST_F(Joining, units_stated_once_hold_for_columns_without) {
+  joints("Name A1 A2\nP1 0.5 1.5\n");
+  points("Name X Y Z\nP1 100 200 300\n");
+  const auto result = joined(JoinBy::kName, "rad,mm");
+  ASSERT_TRUE(result) << render(result.error());
+  EXPECT_DOUBLE_EQ(result->rows[0].q[1], 1.5);
+  EXPECT_EQ(result->rows[0].p_S, Vector3(0.1, 0.2, 0.3));
+}
+
+TEST_F(Joining, by_order_wants_as_many_of_both) {
+  joints(kLog);
+  points("1.0 2.0 3.0\n1.0 2.0 3.0\n1.0 2.0 3.5\n");
+  const auto result = joined(JoinBy::kOrder, "m");
+  ASSERT_TRUE(result) << render(result.error());
+  EXPECT_DOUBLE_EQ(result->rows[2].q[0], radians(50));
+  points("1.0 2.0 3.0\n1.0 2.0 3.0\n");
+  EXPECT_NE(refusal(JoinBy::kOrder, "m").find("2 points for 3 poses"), std::string::npos);
+}
+
+TEST_F(Joining, by_time_takes_the_nearest_pose_and_only_while_the_arm_stands) {
+  joints(
+      "Time,A1 [deg],A2 [deg]\n10:00:00.0,1,1\n10:00:00.4,1,1\n10:00:01.0,5,1\n10:00:02.0,9,1\n"
+      "10:00:02.3,9,1\n");
+  points("Time,X [m],Y [m],Z [m]\n2026-05-12 10:00:00.2,1,2,3\n");
+  EXPECT_NE(refusal(JoinBy::kTime).find("no point goes with any pose"), std::string::npos)
+      << "a date on one side only is another clock";
+  points("Time,X [m],Y [m],Z [m]\n10:00:00.2,1,2,3\n10:00:00.8,4,5,6\n10:00:02.2,7,8,9\n");
+  const auto result = joined(JoinBy::kTime, "", 0.45);
+  ASSERT_TRUE(result) << render(result.error());
+  ASSERT_EQ(result->rows.size(), 2U);  // at 00.8 the arm was on its way
+  EXPECT_DOUBLE_EQ(result->rows[1].q[0], radians(9));
+  EXPECT_EQ(result->points_left, std::vector<std::size_t>{3});
+}
+
+TEST_F(Joining, times_are_seconds_of_a_day_or_of_a_date) {
+  EXPECT_EQ(seconds_of("12.5"), 12.5);
+  EXPECT_EQ(seconds_of("01:02:03.25"), 3723.25);
+  EXPECT_EQ(*seconds_of("2026-03-01T00:00:01Z") - *seconds_of("2026-02-28 23:59:59"), 2);
+  for (const char* wrong : {"", "25:00:00", "10:61:00", "2026-02-30 10:00:00", "noon", "10:00"}) {
+    EXPECT_FALSE(seconds_of(wrong)) << wrong;
+  }
+}
+
+TEST_F(Joining, refuses_what_leaves_a_choice_and_names_the_cure) {
+  joints(kLog);
+  points("P1 1 2 3\n");
+  EXPECT_NE(refusal(JoinBy::kName).find("--units mm"), std::string::npos);
+  points("C G P1 1 2 3 4 5\n");
+  EXPECT_NE(refusal(JoinBy::kName, "mm").find("5 columns of numbers and no header"),
+            std::string::npos);
+  points("Point X Y Z\nP1 1 2 3\n");
+  EXPECT_NE(refusal(JoinBy::kName).find("X and --units mm"), std::string::npos);
+  EXPECT_NE(refusal(JoinBy::kName, "mm,mm").find("each once"), std::string::npos);
+  EXPECT_NE(refusal(JoinBy::kName, "inch").find("deg or rad, mm or m"), std::string::npos);
+  points("Q1 1 2 3\n");
+  EXPECT_NE(refusal(JoinBy::kName, "mm").find("no point goes with any pose"), std::string::npos);
+  joints("Name;A1 [deg];A2 [deg]\nP1;10;20\nP1;11;20\n");
+  points("P1 1 2 3\n");
+  EXPECT_NE(refusal(JoinBy::kName, "mm").find("other readings than in line 2"), std::string::npos);
+  joints("Name;A1 [deg]\nP1;10\n");
+  EXPECT_NE(refusal(JoinBy::kName, "mm").find("readings of 2 joints"), std::string::npos);
+}
+
+TEST_F(Joining, a_run_in_which_one_joint_moves_one_way_is_its_sweep) {
+  std::vector<MeasurementRow> rows;
+  const auto add = [&](double q1_deg, double q2_deg) {
+    MeasurementRow row;
+    row.q = {};
+    row.q.push_back(radians(q1_deg));
+    row.q.push_back(radians(q2_deg));
+    rows.push_back(row);
+  };
+  for (int k = 0; k < 6; ++k) add(10 * k, 5 + 0.001 * k);   // joint 1
+  for (int k = 0; k < 7; ++k) add(30, -20 + 10 * k);        // joint 2
+  for (int k = 0; k < 4; ++k) add(40 + 5 * k, 50 - 7 * k);  // both
+  for (int k = 0; k < 4; ++k) add(0, 3 * k);                // too short
+  const auto counts = find_sweeps(rows, types_);
+  EXPECT_EQ(counts, (std::vector<std::size_t>{6, 7}));
+  EXPECT_EQ(rows[0].sweep, 1U);
+  EXPECT_EQ(rows[5].sweep, 1U);
+  EXPECT_EQ(rows[6].sweep, 2U);
+  EXPECT_EQ(rows[12].sweep, 2U);
+  for (std::size_t k = 13; k < rows.size(); ++k) EXPECT_EQ(rows[k].sweep, 0U) << k;
+}
+
+}  // namespace
+}  // namespace armsig::tool
