@@ -27,8 +27,8 @@ bool any_has_torque(const hal::JointDrives& drives) {
 
 }  // namespace
 
-void shut_down(hal::JointDrives& drives, hal::Clock& clock, hal::Duration period) {
-  if (drives.all(DriveCondition::kDisabled)) return;
+bool shut_down(hal::JointDrives& drives, hal::Clock& clock, hal::Duration period) {
+  if (drives.all(DriveCondition::kDisabled)) return true;
   const hal::Instant began = clock.now();
   hal::Instant next = began;
   bool stopping = true;
@@ -36,8 +36,7 @@ void shut_down(hal::JointDrives& drives, hal::Clock& clock, hal::Duration period
   while (clock.now() - began < kLongestShutDown) {
     const bool heard = drives.read(clock.now()).has_value();
     (void)drives.write(drives.positions(), clock.now());
-    if (!heard) return;
-    if (!stopping && !any_has_torque(drives)) return;
+    if (!heard || (!stopping && !any_has_torque(drives))) break;
     if (stopping && (all_rest(drives) || clock.now() - began > kRamp)) {
       stopping = false;
       drives.disable();
@@ -45,6 +44,7 @@ void shut_down(hal::JointDrives& drives, hal::Clock& clock, hal::Duration period
     next += period;
     clock.wait_until(next);
   }
+  return !any_has_torque(drives);
 }
 
 }  // namespace armsig::daemon

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hal/canopen/emergency.hpp"
+#include "hal/canopen/sdo_client.hpp"
 
 namespace armsig::canopen {
 namespace {
@@ -78,11 +79,19 @@ bool needs_setup(Error fault) {
   }
 }
 
+std::string_view words_of(std::optional<Error> fault, std::uint32_t code) {
+  if (!fault || code == 0) return {};
+  if (*fault == Error::kSdoAborted) return describe_sdo_abort(code);
+  const bool emergency = *fault == Error::kDriveEmergency || *fault == Error::kDriveFault;
+  return emergency ? describe_emergency(static_cast<std::uint16_t>(code)) : std::string_view();
+}
+
 }  // namespace
 
 hal::DriveStatus DriveNode::status() const {
   hal::DriveStatus status{.fault = s_.fault,
                           .fault_code = s_.fault_code,
+                          .words = words_of(s_.fault, s_.fault_code),
                           .status_word = s_.status_word,
                           .limit_active = (s_.status_word & cia402::kStatusInternalLimit) != 0,
                           .warning = (s_.status_word & cia402::kStatusWarning) != 0,
@@ -251,9 +260,11 @@ bool DriveNode::take_emergency(const hal::CanFrame& frame) {
   if (emergency->code == 0 || !is_started()) return true;
   if (is_information(*emergency)) {
     s_.information = emergency->code;
-  } else {
-    latch(Error::kDriveEmergency, emergency->code);
+    return true;
   }
+  latch(Error::kDriveEmergency, emergency->code);
+  // A drive may tell its state before the reason.
+  if (s_.fault == Error::kDriveFault && s_.fault_code == 0) s_.fault_code = emergency->code;
   return true;
 }
 

@@ -256,7 +256,7 @@ TEST(HonestShutDown, of_the_process_takes_the_torque_off_at_rest) {
   (void)run_until(hal::DriveCondition::kFaulted, 1.0, 300);
   ASSERT_GT(drive.velocity() / test::kPumaCountsPerRadian, 0.9);
   const double before = drive.position() / test::kPumaCountsPerRadian;
-  daemon::shut_down(master, clock, configuration.period);
+  EXPECT_TRUE(daemon::shut_down(master, clock, configuration.period));
   EXPECT_FALSE(drive.has_torque());
   EXPECT_EQ(drive.velocity(), 0);
   EXPECT_LT(drive.position() / test::kPumaCountsPerRadian - before, 1.1 / (2 * kPi) + 0.01);

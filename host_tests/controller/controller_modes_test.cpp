@@ -39,6 +39,57 @@ TEST(Configuration, names_the_setting_that_is_wrong) {
   EXPECT_EQ(check(few).error().setting, "sweeps.points");
 }
 
+// A configuration with one change; what check() says of it.
+template <typename F>
+ConfigurationRefusal refusal_of(const F& change) {
+  Configuration c = test::puma_controller();
+  for (JointVector& q : c.grid.taught) q = c.sweeps.configuration;
+  c.grid.taught[1][0] += 0.3;
+  c.grid.taught[2][1] += 0.3;
+  c.grid.grid.size_m = {0.1, 0.1, 0.1};
+  c.grid.grid.count = {2, 2, 2};
+  EXPECT_TRUE(check(c)) << "the unchanged one is good";
+  change(c);
+  const auto checked = check(c);
+  if (!checked) return checked.error();
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+TEST(Configuration, that_no_arm_is_like_is_refused_with_a_reason) {
+  struct Slip {
+    std::string_view setting;
+    void (*change)(Configuration& c);
+  };
+  for (const Slip& slip : {
+           Slip{"supervision.latest_tick",
+                [](Configuration& c) { c.supervision.latest_tick = std::chrono::hours(1); }},
+           Slip{"supervision.following_error",
+                [](Configuration& c) { c.supervision.following_error[3] = 100; }},
+           Slip{"limits.speed", [](Configuration& c) { c.limits.speed[0] = 1e6; }},
+           Slip{"limits.acceleration", [](Configuration& c) { c.limits.acceleration[5] = 1e6; }},
+           Slip{"limits.tool_speed", [](Configuration& c) { c.limits.tool_speed = 250; }},
+           Slip{"limits.least_regularity", [](Configuration& c) { c.limits.least_regularity = 1; }},
+           Slip{"dwell.tolerance", [](Configuration& c) { c.dwell.tolerance = 0.05; }},
+           Slip{"dwell.tolerance",
+                [](Configuration& c) { c.supervision.following_error[2] = c.dwell.tolerance; }},
+           Slip{"dwell.settle", [](Configuration& c) { c.dwell.settle = std::chrono::hours(1); }},
+           Slip{"sensor.reading_timeout",
+                [](Configuration& c) { c.sensor.reading_timeout = std::chrono::hours(1); }},
+           Slip{"sensor.air", [](Configuration& c) { c.sensor.highest_air_celsius = 300; }},
+           Slip{"sensor.receivers",
+                [](Configuration& c) { c.sensor.receivers.p_S[0].x() = -1000; }},
+           Slip{"grid.taught", [](Configuration& c) { c.grid.taught[1] = c.grid.taught[0]; }},
+           Slip{"grid.taught",
+                [](Configuration& c) { c.grid.taught.fill(c.sweeps.configuration); }},
+           Slip{"grid.size", [](Configuration& c) { c.grid.grid.size_m[1] = 250; }},
+       }) {
+    const ConfigurationRefusal refusal = refusal_of(slip.change);
+    EXPECT_EQ(refusal.setting, slip.setting);
+    EXPECT_FALSE(refusal.reason.empty()) << slip.setting;
+  }
+}
+
 TEST(Controller, starts_without_torque) {
   PumaCabinet puma;
   ASSERT_TRUE(puma.run_until(Mode::kIdle));
@@ -149,6 +200,13 @@ TEST(Faults, an_emergency_of_a_drive_ends_in_a_quick_stop) {
   expect_safe(puma, Error::kDriveEmergency);
   EXPECT_EQ(puma.now().fault->joint, 3U);
   EXPECT_EQ(puma.now().fault->code, 0x2310U);
+  const std::string words = "code=0x2310 says=\"continuous over-current\"";
+  EXPECT_NE(puma.console.told.back().find(" joint=4 " + words), std::string::npos)
+      << puma.console.told.back();
+  const std::string status = puma.ask("status");
+  EXPECT_NE(status.find(" fault_joint=4 fault_code=0x2310 fault_says=\"continuous over-current\""),
+            std::string::npos)
+      << status;
 }
 
 TEST(Faults, a_lost_heartbeat_ends_in_a_quick_stop) {
@@ -169,18 +227,18 @@ TEST(Faults, the_operators_stop_ends_every_mode) {
     PumaCabinet idle;
     ASSERT_TRUE(idle.run_until(Mode::kIdle));
     EXPECT_EQ(idle.ask("stop"), "ok");
-    expect_safe(idle, Error::kEmergencyStop);
+    expect_safe(idle, Error::kQuickStop);
   }
   {
     PumaCabinet holding;
     ASSERT_TRUE(holding.enable());
     EXPECT_EQ(holding.ask("stop"), "ok");
-    expect_safe(holding, Error::kEmergencyStop);
+    expect_safe(holding, Error::kQuickStop);
   }
   {
     Moving servoing;
     EXPECT_EQ(servoing.ask("stop"), "ok");
-    expect_safe(servoing, Error::kEmergencyStop);
+    expect_safe(servoing, Error::kQuickStop);
   }
   {
     PumaCabinet sweeping;
@@ -189,7 +247,7 @@ TEST(Faults, the_operators_stop_ends_every_mode) {
     sweeping.run(3);
     ASSERT_EQ(sweeping.mode(), Mode::kSweeping);
     EXPECT_EQ(sweeping.ask("stop"), "ok");
-    expect_safe(sweeping, Error::kEmergencyStop);
+    expect_safe(sweeping, Error::kQuickStop);
     EXPECT_FALSE(sweeping.cabinet->state().identification().is_running());
   }
 }
