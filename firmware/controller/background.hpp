@@ -6,11 +6,12 @@
 #include <span>
 
 #include "firmware/controller/announcer.hpp"
+#include "firmware/controller/custody.hpp"
 #include "firmware/controller/grid_sequence.hpp"
 #include "firmware/controller/identification_sequence.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
-#include "firmware/controller/signature_store.hpp"
+#include "firmware/controller/position_keeper.hpp"
 #include "hal/clock.hpp"
 
 namespace armsig::controller {
@@ -29,7 +30,7 @@ class Background {
   [[nodiscard]] const IdentificationSequence& identification() const { return identification_; }
   [[nodiscard]] const GridSequence& grid() const { return grid_; }
   // The signature servoed with; empty: the drawing.
-  [[nodiscard]] const std::optional<SignatureRecord>& active() const { return active_; }
+  [[nodiscard]] const std::optional<SignatureRecord>& active() const { return custody_.active(); }
 
  private:
   struct Client {
@@ -42,8 +43,12 @@ class Background {
 
   void tell_changes();
   void step_store();
-  void load();
+  void step_writing();
+  void step_adopting();
   void adopt();
+  void look_at_machine();
+  void look_at_positions();
+  void keep_positions();
   void step_consoles();
   void answer(const hal::ConsoleLine& line);
   [[nodiscard]] Verdict serve(const Request& request);
@@ -55,6 +60,7 @@ class Background {
   [[nodiscard]] Verdict touch_grid();
   [[nodiscard]] Verdict accept();
   [[nodiscard]] Verdict rollback();
+  [[nodiscard]] Verdict acknowledge();
   [[nodiscard]] Verdict log(const Request& request);
   void tell_status();
   void tell_signature();
@@ -72,8 +78,8 @@ class Background {
   PointMeasurement measurement_;
   IdentificationSequence identification_;
   GridSequence grid_;
-  SignatureStore store_;
-  std::optional<SignatureRecord> active_;
+  Custody custody_;
+  PositionKeeper positions_;
   std::size_t model_ = 0;  // to be adopted
   hal::Duration longest_step_{};
   std::size_t turn_ = 0;  // the console to be read first
@@ -81,11 +87,14 @@ class Background {
   std::optional<Client> storing_for_;  // who waits for accept or rollback
   std::optional<Client> waiting_;      // who waits for the tick to take a command
   Line out_;
-  std::optional<Error> store_error_;
   Storing storing_ = Storing::kNothing;
+  Result<void> stored_;  // what becomes of the change under way
   Mode told_mode_ = Mode::kStarting;
-  bool waits_ = false;   // of the request being served: for the tick
-  bool stores_ = false;  // of the request being served: for the store
+  bool had_torque_ = false;          // and where the arm came to rest is still to be kept
+  bool positions_compared_ = false;  // with those at the last power-down
+  bool waits_ = false;               // of the request being served: for the tick
+  bool stores_ = false;              // of the request being served: for the store
+  bool accepting_ = false;           // a candidate is being stored
 };
 
 }  // namespace armsig::controller

@@ -155,7 +155,10 @@ void Servo::brake() {
 
 void Servo::step_mode() {
   using enum hal::DriveCondition;
-  if (mode_ == Mode::kStarting && drives_.all(kDisabled)) mode_ = Mode::kIdle;
+  if (mode_ == Mode::kStarting && drives_.all(kDisabled)) {
+    mode_ = Mode::kIdle;
+    publish_machine();
+  }
   if (!has_torque()) commanded_ = drives_.positions();
   if (enabling_ && drives_.all(kEnabled)) {
     enabling_ = false;
@@ -167,6 +170,13 @@ void Servo::step_mode() {
   if (!has_torque()) return;  // the move failed
   mode_ = in_sequence_ ? Mode::kSweeping : (move_ ? Mode::kServoing : Mode::kHolding);
   if (!is_settled()) unsettled_at_ = now_;
+}
+
+void Servo::publish_machine() {
+  const auto machine = machine_of(configuration_.drawing, drives_);
+  if (!machine) return;
+  link_.machine.writing() = *machine;
+  link_.machine.publish();
 }
 
 void Servo::step_move() {

@@ -31,6 +31,7 @@ class Servo {
   void step_move();
   void command_drives();
   void publish(hal::Duration lateness);
+  void publish_machine();
   void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0);
   [[nodiscard]] bool is_settled() const;
 

@@ -57,7 +57,7 @@ Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
 int run_cabinet(const DaemonConfiguration& configuration, const volatile std::sig_atomic_t& stop) {
   const auto drives = canopen::check(configuration.drives);
   if (!drives) return 1;  // refused when the file was read
-  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout);
+  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout, kStoreSpread);
   if (!memory) {
     complain(configuration.store, describe(memory.error()));
     return 1;
@@ -95,7 +95,10 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
         std::fflush(stdout);
       },
       stop);
-  if (served) shut_down(master, clock, configuration.controller.period);
+  if (served) {
+    shut_down(master, clock, configuration.controller.period);
+    controller::keep_positions(*memory, master);
+  }
   return served ? 0 : 1;
 }
 

@@ -21,7 +21,7 @@ constexpr std::uint16_t kEmergencySync = 0x8700;
 Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Instant now)
     : configuration_(configuration),
       bus_(&bus),
-      dictionary_(configuration.node),
+      dictionary_(configuration.node, configuration.serial),
       motion_(configuration.motion, now),
       now_(now),
       boot_at_(now + configuration.boot_time) {

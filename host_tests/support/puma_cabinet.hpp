@@ -67,8 +67,10 @@ struct PumaCabinet {
   // Power-up, again if it ran already: the memory keeps what it holds.
   void start(const controller::Configuration& configuration, std::uint64_t seed) {
     cabinet.reset();
-    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), puma_world(seed),
-                                                        memory, consoles);
+    cabinet::World world = puma_world(seed);
+    world.first_serial = first_serial;
+    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, memory,
+                                                        consoles);
   }
   void run(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds / 0.002); ++i) cabinet->step();
@@ -99,6 +101,7 @@ struct PumaCabinet {
   LineConsole other;  // a second operator's
   std::array<hal::Console*, 2> consoles{&console, &other};
   RamMemory memory;
+  std::uint32_t first_serial = 1001;  // of the drives, from the next start on
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 
