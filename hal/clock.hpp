@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 
 namespace armsig::hal {
 
@@ -25,12 +26,17 @@ class Clock {
   // A tick in the past returns at once. No errors.
   Duration wait_until(Instant tick) { return do_wait_until(tick); }
 
+  // The calendar's time, seconds since 1970-01-01 UTC, for records only: it may jump. 0: not known.
+  // No errors.
+  [[nodiscard]] std::int64_t calendar_s() { return do_calendar_s(); }
+
  protected:
   ~Clock() = default;
 
  private:
   virtual Instant do_now() = 0;
   virtual Duration do_wait_until(Instant tick) = 0;
+  virtual std::int64_t do_calendar_s() { return 0; }
 };
 
 }  // namespace armsig::hal

@@ -10,6 +10,11 @@ DriveStatus JointDrives::status(std::size_t joint) const {
   return do_status(joint);
 }
 
+std::optional<DriveIdentity> JointDrives::identity(std::size_t joint) const {
+  ARMSIG_CHECK(joint < count());
+  return do_identity(joint);
+}
+
 bool JointDrives::all(DriveCondition condition) const {
   for (std::size_t joint = 0; joint < count(); ++joint) {
     if (do_status(joint).condition != condition) return false;

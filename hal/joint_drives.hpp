@@ -15,6 +15,7 @@
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
 #include "hal/clock.hpp"
+#include "hal/drive_identity.hpp"
 
 namespace armsig::hal {
 
@@ -54,6 +55,9 @@ class JointDrives {
   [[nodiscard]] const JointVector& positions() const { return do_positions(); }
   [[nodiscard]] DriveStatus status(std::size_t joint) const;
 
+  // Which drive it is, and how it counts; empty until it has told, while it is being set up.
+  [[nodiscard]] std::optional<DriveIdentity> identity(std::size_t joint) const;
+
   // True if every drive has the condition.
   [[nodiscard]] bool all(DriveCondition condition) const;
 
@@ -85,6 +89,10 @@ class JointDrives {
   virtual Result<void> do_read(Instant now) = 0;
   [[nodiscard]] virtual const JointVector& do_positions() const = 0;
   [[nodiscard]] virtual DriveStatus do_status(std::size_t joint) const = 0;
+  // A backend that cannot tell its drives apart says nothing of them.
+  [[nodiscard]] virtual std::optional<DriveIdentity> do_identity(std::size_t /*joint*/) const {
+    return DriveIdentity{};
+  }
   virtual Result<void> do_write(const JointVector& targets, Instant now) = 0;
   virtual Result<void> do_enable() = 0;
   virtual void do_disable() = 0;

@@ -156,6 +156,10 @@ std::string_view describe(Error error) {
       return "the storage is full";
     case Error::kStorageFault:
       return "the storage failed";
+    case Error::kStorageReplaced:
+      return "the file of the storage was removed or replaced";
+    case Error::kStorageLayout:
+      return "the storage was made by another version of the program";
     case Error::kLineTooLong:
       return "the line is too long";
     case Error::kNotText:
@@ -206,6 +210,10 @@ std::string_view describe(Error error) {
       return "the arm moved while a point was measured";
     case Error::kToleranceTooFine:
       return "the tolerance is below one count of the encoder";
+    case Error::kRecordOtherMachine:
+      return "the stored record is of other drives or another drawing";
+    case Error::kDrawingUnacknowledged:
+      return "a stored signature is not in use, and nobody has acknowledged that";
   }
   return "unknown error";
 }

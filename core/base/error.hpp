@@ -92,33 +92,37 @@ enum class Error : std::uint8_t {
   kNotErased,          // a page is programmed that was not erased
   kStorageFull,        // no space on the device
   kStorageFault,       // the device failed
+  kStorageReplaced,    // the file of the storage was removed or replaced
+  kStorageLayout,      // the storage was made by another version, for another layout
   kLineTooLong,        // a console line above its bound
   kNotText,            // a console line with bytes that are no text
   kCharactersLost,     // a serial line was not emptied in time
   kConsoleGone,        // the client has left or does not take its replies
   kSystemRefused,      // the operating system refused a resource
   // Controller.
-  kWrongMode,          // the controller's mode does not allow the request
-  kQuickStop,          // the operator stopped the arm
-  kFollowingError,     // a joint is too far from where it is commanded to be
-  kLateTick,           // the servo tick came too late
-  kSingularPath,       // the line passes a singular configuration
-  kSpeedLimit,         // the line would need a joint faster than its limit
-  kOutOfRange,         // a count, share or argument outside its range
-  kUnsupported,        // the arm or the request is of a kind that is not supported
-  kUnknownRequest,     // a console line with an unknown verb or key
-  kContradiction,      // two keys of a request tell the same quantity
-  kAirChanged,         // the air temperature jumped
-  kSequenceStopped,    // the sequence was ended before it was done
-  kNoCandidate,        // there is no candidate signature
-  kCandidateNoBetter,  // the candidate has not beaten the active model on held-out poses
-  kNoSignature,        // no signature, or no former one, is stored
-  kRecordCorrupt,      // a stored record fails its check
-  kRecordUnsuitable,   // a stored record is of another arm
-  kNotSettled,         // a joint did not settle within the time and tolerance configured
-  kArmMoved,           // a joint left its place while a point was measured
-  kToleranceTooFine,   // a tolerance below the worth of one count
-  kPointTimeout,       // readings of the sensor come, but none of them gives a point
+  kWrongMode,              // the controller's mode does not allow the request
+  kQuickStop,              // the operator stopped the arm
+  kFollowingError,         // a joint is too far from where it is commanded to be
+  kLateTick,               // the servo tick came too late
+  kSingularPath,           // the line passes a singular configuration
+  kSpeedLimit,             // the line would need a joint faster than its limit
+  kOutOfRange,             // a count, share or argument outside its range
+  kUnsupported,            // the arm or the request is of a kind that is not supported
+  kUnknownRequest,         // a console line with an unknown verb or key
+  kContradiction,          // two keys of a request tell the same quantity
+  kAirChanged,             // the air temperature jumped
+  kSequenceStopped,        // the sequence was ended before it was done
+  kNoCandidate,            // there is no candidate signature
+  kCandidateNoBetter,      // the candidate has not beaten the active model on held-out poses
+  kNoSignature,            // no signature, or no former one, is stored
+  kRecordCorrupt,          // a stored record fails its check
+  kRecordUnsuitable,       // a stored record is of another arm
+  kRecordOtherMachine,     // a stored record is of other drives or another drawing
+  kDrawingUnacknowledged,  // a stored signature is not in use, and nobody has acknowledged that
+  kNotSettled,             // a joint did not settle within the time and tolerance configured
+  kArmMoved,               // a joint left its place while a point was measured
+  kToleranceTooFine,       // a tolerance below the worth of one count
+  kPointTimeout,           // readings of the sensor come, but none of them gives a point
   // What a drive says of itself while it is enabled.
   kTargetsIgnored,  // the target is not followed
   kDriveLimited,    // an internal limit, for longer than allowed

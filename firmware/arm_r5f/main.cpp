@@ -205,15 +205,16 @@ class WatchdogModel {
 }  // namespace
 }  // namespace armsig::arm_r5f
 
-std::span<const armsig::board::Region> armsig::board::regions() {
-  static constexpr std::array kRegions{
-      Region{0x1000'0000, 24, kData, 0},
-      Region{0x1000'0000, 16, kCodeUncached, 0},
-      Region{0x1010'0000, 20, kCode, 0},
-      Region{0xFF00'0000, 21, kDevice, 0},
-      Region{cabinet::kEmulatedWorldAt, cabinet::kEmulatedWorldLog2, kShared, 0},
-  };
-  return kRegions;
-}
+// NOLINTNEXTLINE(readability-identifier-naming)
+extern "C" constexpr armsig::board::RegionTable<5> armsig_mpu_regions{{
+    {0x1000'0000, 24, armsig::board::kData, 0},
+    {0x1000'0000, 16, armsig::board::kCodeUncached, 0},
+    {0x1010'0000, 20, armsig::board::kCode, 0},
+    {0xFF00'0000, 21, armsig::board::kDevice, 0},
+    {armsig::cabinet::kEmulatedWorldAt, armsig::cabinet::kEmulatedWorldLog2, armsig::board::kShared,
+     0},
+}};
+
+std::span<const armsig::board::Region> armsig::board::regions() { return armsig_mpu_regions; }
 
 extern "C" [[noreturn]] void armsig_main() { armsig::arm_r5f::run(); }

@@ -4,7 +4,6 @@
 
 #include "core/base/check.hpp"
 #include "firmware/cabinet_r5f/configuration.hpp"
-#include "firmware/cabinet_r5f/emulated_world.hpp"
 #include "firmware/cabinet_r5f/platform.hpp"
 #include "firmware/controller/controller.hpp"
 #include "hal/canopen/master.hpp"
@@ -13,7 +12,6 @@
 #include "hal/r5f/cycle_clock.hpp"
 #include "hal/r5f/uart.hpp"
 #include "hal/serial_console.hpp"
-#include "toolchain/boards/r5f/protection.hpp"
 #include "toolchain/boards/stack.hpp"
 
 namespace armsig::cabinet {
@@ -51,7 +49,7 @@ static_assert(kBitsPerSecond == r5f::CanController::kBitsPerSecond);
   [[gnu::section(".bss.near")]] static r5f::Uart uart(kUart0, r5f::Parity::kNone);
   static hal::SerialConsole console(uart);
   static r5f::CanController bus(kCan0, clock, forced_can_state());
-  static r5f::BankMemory memory(bank);
+  static r5f::BankMemory memory(bank, lost_power());
   static canopen::RangeSensor sensor(sensor_configuration());
   controller::Controller& controller =
       controller_of(master(bus, sensor), sensor, clock, memory, console);
@@ -76,21 +74,6 @@ static_assert(kBitsPerSecond == r5f::CanController::kBitsPerSecond);
 
 }  // namespace
 }  // namespace armsig::cabinet
-
-std::span<const armsig::board::Region> armsig::board::regions() {
-  constexpr std::uint8_t kLowerHalf = 0x0F;
-  constexpr std::uint8_t kUpperHalf = 0xF0;
-  static constexpr std::array kRegions{
-      Region{0x0000'0000, 16, kCodeUncached, 0},   // ATCM: vectors, start-up
-      Region{0x0002'0000, 16, kData, 0},           // BTCM: stack
-      Region{0xFFFC'0000, 18, kCode, kUpperHalf},  // OCM: code
-      Region{0xFFFC'0000, 18, kData, kLowerHalf},  // OCM: data
-      Region{0xFFFE'0000, 13, kCode, 0},           // its last 8 KiB
-      Region{0xFF00'0000, 21, kDevice, 0},         // peripherals of the low-power domain
-      Region{cabinet::kEmulatedWorldAt, cabinet::kEmulatedWorldLog2, kShared, 0},
-  };
-  return kRegions;
-}
 
 extern "C" [[noreturn]] void armsig_main() {
   // A symbol for the check of the image: how much of its RAM is the measurement log.

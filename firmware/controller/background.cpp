@@ -18,10 +18,11 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
       measurement_(configuration, sensor),
       identification_(configuration, mover_, measurement_, announcer_),
       grid_(configuration, mover_, link, announcer_),
-      store_(memory) {
-  load();
-  link.models[0] = active_ ? model_of(active_->signature, configuration.drawing)
-                           : model_of(configuration.drawing);
+      custody_(configuration.drawing, memory),
+      positions_(memory, custody_.sectors()) {
+  custody_.load();
+  link.models[0] = active() ? model_of(active()->signature, configuration.drawing)
+                            : model_of(configuration.drawing);
 }
 
 bool Background::step() {
@@ -33,6 +34,7 @@ bool Background::step() {
   grid_.step();
   step_store();
   step_planning();
+  keep_positions();
   step_consoles();
   longest_step_ = std::max(longest_step_, clock_.now() - began);
   return measurement_.is_computing() || identification_.is_computing() || planning_;
@@ -52,58 +54,10 @@ void Background::tell_changes() {
     line.device_says(snapshot.fault->code, snapshot.fault->words);
   }
   announcer_.say(line);
-}
-
-// What the store has now; nothing where it has nothing that can be read.
-void Background::load() {
-  if (!active_) active_.emplace();
-  store_error_.reset();
-  if (const auto loaded = store_.load(configuration_.drawing, *active_); !loaded) {
-    active_.reset();
-    if (loaded.error() != Error::kNoSignature) store_error_ = loaded.error();
+  if (snapshot.mode == Mode::kIdle) {
+    look_at_machine();
+    look_at_positions();
   }
-}
-
-// The servo takes over what is active, so that it is never other than what the status says.
-void Background::adopt() {
-  model_ = 1 - mover_.now().model;
-  link_.models[model_] = active_ ? model_of(active_->signature, configuration_.drawing)
-                                 : model_of(configuration_.drawing);
-  storing_ = Storing::kAdopting;
-}
-
-void Background::step_store() {
-  if (storing_ == Storing::kNothing) return;
-  Result<void> result;
-  if (storing_ == Storing::kWriting) {
-    const auto written = store_.step_write();
-    if (written && !*written) return;
-    if (written) {
-      load();
-      identification_.forget_candidate();
-      adopt();
-      return;
-    }
-    result = std::unexpected(written.error());
-    storing_ = Storing::kNothing;
-  } else {
-    if (mover_.now().model != model_) {
-      Command command;
-      command.kind = CommandKind::kAdoptModel;
-      command.model = model_;
-      if (mover_.is_handled(adopt_ticket_)) {
-        adopt_ticket_ = mover_.send(command).value_or(adopt_ticket_);
-      }
-      return;
-    }
-    if (store_error_) result = std::unexpected(*store_error_);
-    storing_ = Storing::kNothing;
-  }
-  if (!storing_for_) return;
-  client_ = *storing_for_;
-  storing_for_.reset();
-  out_.clear();
-  reply(result);
 }
 
 void Background::step_consoles() {

@@ -6,12 +6,13 @@
 #include <span>
 
 #include "firmware/controller/announcer.hpp"
+#include "firmware/controller/custody.hpp"
 #include "firmware/controller/grid_sequence.hpp"
 #include "firmware/controller/identification_sequence.hpp"
 #include "firmware/controller/motion.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
-#include "firmware/controller/signature_store.hpp"
+#include "firmware/controller/position_keeper.hpp"
 #include "hal/clock.hpp"
 
 namespace armsig::controller {
@@ -30,7 +31,7 @@ class Background {
   [[nodiscard]] const IdentificationSequence& identification() const { return identification_; }
   [[nodiscard]] const GridSequence& grid() const { return grid_; }
   // The signature servoed with; empty: the drawing.
-  [[nodiscard]] const std::optional<SignatureRecord>& active() const { return active_; }
+  [[nodiscard]] const std::optional<SignatureRecord>& active() const { return custody_.active(); }
 
  private:
   struct Client {
@@ -43,9 +44,13 @@ class Background {
 
   void tell_changes();
   void step_store();
-  void load();
+  void step_writing();
+  void step_adopting();
   void adopt();
   void step_planning();
+  void look_at_machine();
+  void look_at_positions();
+  void keep_positions();
   void step_consoles();
   void answer(const hal::ConsoleLine& line);
   [[nodiscard]] Verdict serve(const Request& request);
@@ -58,6 +63,7 @@ class Background {
   [[nodiscard]] Verdict touch_grid();
   [[nodiscard]] Verdict accept();
   [[nodiscard]] Verdict rollback();
+  [[nodiscard]] Verdict acknowledge();
   [[nodiscard]] Verdict log(const Request& request);
   void tell_status();
   void tell_signature();
@@ -76,8 +82,8 @@ class Background {
   PointMeasurement measurement_;
   IdentificationSequence identification_;
   GridSequence grid_;
-  SignatureStore store_;
-  std::optional<SignatureRecord> active_;
+  Custody custody_;
+  PositionKeeper positions_;
   std::size_t model_ = 0;  // to be adopted
   Ticket adopt_ticket_ = 0;
   hal::Duration longest_step_{};
@@ -89,13 +95,16 @@ class Background {
   std::optional<LinePlanning> planning_;
   Client planning_for_;
   Line out_;
-  std::optional<Error> store_error_;
   Storing storing_ = Storing::kNothing;
+  Result<void> stored_;  // what becomes of the change under way
   Mode told_mode_ = Mode::kStarting;
-  std::uint32_t told_code_ = 0;  // of the fault told
-  bool waits_ = false;           // of the request being served: for the tick
-  bool stores_ = false;          // of the request being served: for the store
-  bool plans_ = false;           // of the request being served: for the plan of a line
+  std::uint32_t told_code_ = 0;      // of the fault told
+  bool waits_ = false;               // of the request being served: for the tick
+  bool stores_ = false;              // of the request being served: for the store
+  bool plans_ = false;               // of the request being served: for the plan of a line
+  bool had_torque_ = false;          // and where the arm came to rest is still to be kept
+  bool positions_compared_ = false;  // with those at the last power-down
+  bool accepting_ = false;           // a candidate is being stored
 };
 
 }  // namespace armsig::controller

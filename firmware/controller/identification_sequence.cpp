@@ -53,6 +53,11 @@ void IdentificationSequence::forget_candidate() {
   report_ = {};
 }
 
+void IdentificationSequence::stamp(std::int64_t identified_at_s, const Machine& machine) {
+  candidate_->identified_at_s = identified_at_s;
+  candidate_->machine = machine;
+}
+
 void IdentificationSequence::resume() {
   paused_ = false;
   pause_reason_.reset();
@@ -339,6 +344,7 @@ void IdentificationSequence::add_targets() {
                                .link = signature.joint_count(),
                                .p_S = covariance * weighted,
                                .covariance_m2 = covariance});
+  candidate_->predicted_sigma_m = std::sqrt(covariance.trace());
 }
 
 void IdentificationSequence::finish_held_out() {

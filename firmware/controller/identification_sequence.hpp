@@ -65,6 +65,8 @@ class IdentificationSequence {
   [[nodiscard]] const HeldOutReport& report() const { return report_; }
   [[nodiscard]] const MeasurementLog& log() const { return log_; }
   void forget_candidate();
+  // When and on which machine the candidate was identified. Precondition: has_verdict().
+  void stamp(std::int64_t identified_at_s, const Machine& machine);
 
  private:
   enum class Phase : std::uint8_t { kNext, kMoving, kMeasuring };

@@ -9,6 +9,7 @@
 
 #include "firmware/controller/histogram.hpp"
 #include "firmware/controller/latest_value.hpp"
+#include "firmware/controller/machine.hpp"
 #include "firmware/controller/mode.hpp"
 #include "firmware/controller/model.hpp"
 #include "firmware/controller/motion.hpp"
@@ -88,6 +89,7 @@ class TickObserver {
 struct Link {
   hal::Mailbox<Command, 4> commands;  // background to tick
   LatestValue<Snapshot> snapshot;     // tick to background
+  LatestValue<Machine> machine;       // tick to background, whenever the drives have been set up
   // The background writes the one that the tick does not use, then sends kAdoptModel.
   std::array<Model, 2> models;
   TickObserver* observer = nullptr;  // set before the first tick

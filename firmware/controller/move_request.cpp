@@ -135,6 +135,7 @@ Background::Verdict Background::move_joints(const Request& request, double pace)
 }
 
 Background::Verdict Background::move_tool(const Request& request, double pace) {
+  if (custody_.needs_acknowledgement()) return std::unexpected(Error::kDrawingUnacknowledged);
   const Model& model = link_.models[mover_.now().model];
   ARMSIG_TRY(goal, goal_of(request, model, mover_.now().commanded));
   planning_.emplace(configuration_, model, mover_.now().commanded, goal, pace);

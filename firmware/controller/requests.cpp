@@ -8,7 +8,7 @@ namespace {
 constexpr std::string_view kVerbs =
     " verbs=status,enable,disable,reset,stop,halt,move,identify,pause,resume,candidate,accept,"
     "rollback,"
-    "signature,touch-grid,log,help";
+    "acknowledge,signature,touch-grid,log,help";
 
 }  // namespace
 
@@ -26,6 +26,7 @@ Background::Verdict Background::serve(const Request& request) {
   if (verb == "touch-grid") return touch_grid();
   if (verb == "accept") return accept();
   if (verb == "rollback") return rollback();
+  if (verb == "acknowledge") return acknowledge();
   if (verb == "candidate") return tell_candidate();
   if (verb == "pause" || verb == "resume") {
     if (!identification_.is_running()) return std::unexpected(Error::kWrongMode);
@@ -59,45 +60,19 @@ Background::Verdict Background::wait_for(std::optional<Ticket> ticket) {
 Background::Verdict Background::identify() {
   if (mover_.now().mode != Mode::kHolding || is_busy()) return std::unexpected(Error::kWrongMode);
   if (auto sent = command(CommandKind::kBeginSequence); !sent) return sent;
-  identification_.begin(active_ ? &active_->signature : nullptr, waiting_ticket_);
+  identification_.begin(active() ? &active()->signature : nullptr, waiting_ticket_);
   return {};
 }
 
 Background::Verdict Background::touch_grid() {
   if (mover_.now().mode != Mode::kHolding || is_busy()) return std::unexpected(Error::kWrongMode);
+  if (custody_.needs_acknowledgement()) return std::unexpected(Error::kDrawingUnacknowledged);
   if (auto begun = grid_.begin(); !begun) return begun;
   if (auto sent = command(CommandKind::kBeginSequence); !sent) {
     grid_.end(sent.error());
     return sent;
   }
   grid_.begun(waiting_ticket_);
-  return {};
-}
-
-Background::Verdict Background::accept() {
-  const Mode mode = mover_.now().mode;
-  if ((mode != Mode::kHolding && mode != Mode::kIdle) || is_busy()) {
-    return std::unexpected(Error::kWrongMode);
-  }
-  if (!identification_.has_verdict()) return std::unexpected(Error::kNoCandidate);
-  if (!identification_.report().is_better()) return std::unexpected(Error::kCandidateNoBetter);
-  if (!store_.fits()) return std::unexpected(Error::kAddressOutOfRange);
-  store_.begin_write(*identification_.candidate());
-  storing_ = Storing::kWriting;
-  stores_ = true;
-  return {};
-}
-
-Background::Verdict Background::rollback() {
-  const Mode mode = mover_.now().mode;
-  if ((mode != Mode::kHolding && mode != Mode::kIdle) || is_busy()) {
-    return std::unexpected(Error::kWrongMode);
-  }
-  if (!active_) return std::unexpected(Error::kNoSignature);
-  if (auto revoked = store_.revoke(); !revoked) return revoked;
-  load();
-  adopt();
-  stores_ = true;
   return {};
 }
 

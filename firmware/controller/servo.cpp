@@ -168,7 +168,10 @@ void Servo::brake() {
 
 void Servo::step_mode() {
   using enum hal::DriveCondition;
-  if (mode_ == Mode::kStarting && drives_.all(kDisabled)) mode_ = Mode::kIdle;
+  if (mode_ == Mode::kStarting && drives_.all(kDisabled)) {
+    mode_ = Mode::kIdle;
+    publish_machine();
+  }
   if (!has_torque()) follow_positions();
   if (enabling_ && drives_.all(kEnabled)) {
     enabling_ = false;
@@ -189,6 +192,13 @@ void Servo::follow_positions() {
   for (std::size_t joint = 0; joint < actual.size(); ++joint) {
     if (!(enabling_ && drives_.status(joint).has_torque)) commanded_[joint] = actual[joint];
   }
+}
+
+void Servo::publish_machine() {
+  const auto machine = machine_of(configuration_.drawing, drives_);
+  if (!machine) return;
+  link_.machine.writing() = *machine;
+  link_.machine.publish();
 }
 
 void Servo::step_move() {

@@ -32,6 +32,7 @@ class Servo {
   void step_move();
   void command_drives();
   void publish(hal::Duration lateness);
+  void publish_machine();
   void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0,
             std::string_view words = {});
   void learn_the_reason();

@@ -2,65 +2,57 @@
 #include "firmware/controller/signature_record.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 
 #include "core/base/crc32.hpp"
 #include "core/identification.hpp"
+#include "firmware/controller/little_endian.hpp"
 
 namespace armsig::controller {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic{'A', 'S', 'I', 'G'};
-constexpr std::uint16_t kVersion = 1;
+constexpr std::uint16_t kVersion = 2;
 constexpr std::size_t kCrcOffset = kRecordBytes - 4;
 
-class Writer {
- public:
-  explicit Writer(RecordImage& image) : image_(image) {}
-  void integer(std::uint64_t value, std::size_t bytes) {
-    for (std::size_t i = 0; i < bytes; ++i) {
-      image_[at_++] = static_cast<std::uint8_t>(value >> (8 * i));
-    }
-  }
-  void real(double value) { integer(std::bit_cast<std::uint64_t>(value), 8); }
-  void vector(const Vector3& v) {
-    for (Eigen::Index i = 0; i < 3; ++i) real(v(i));
-  }
+void write_vector(LittleEndianWriter& out, const Vector3& v) {
+  for (Eigen::Index i = 0; i < 3; ++i) out.real(v(i));
+}
 
- private:
-  RecordImage& image_;
-  std::size_t at_ = 0;
-};
+Vector3 read_vector(LittleEndianReader& in) {
+  Vector3 v;
+  for (Eigen::Index i = 0; i < 3; ++i) v(i) = in.real();
+  return v;
+}
 
-class Reader {
- public:
-  explicit Reader(std::span<const std::uint8_t> image, std::size_t at = 0)
-      : image_(image), at_(at) {}
-  std::uint64_t integer(std::size_t bytes) {
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < bytes; ++i) {
-      value |= static_cast<std::uint64_t>(image_[at_++]) << (8 * i);
-    }
-    return value;
+void write_machine(LittleEndianWriter& out, const Machine& machine) {
+  out.integer(machine.drawing_crc, 8);
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    const hal::DriveIdentity drive =
+        i < machine.drives.size() ? machine.drives[i] : hal::DriveIdentity{};
+    for (const std::uint32_t number : drive.device) out.integer(number, 4);
+    out.real(drive.counts_per_revolution);
+    out.real(drive.gear_ratio);
+    out.real(drive.lead_m);
+    out.integer(static_cast<std::uint32_t>(drive.zero_counts), 4);
+    out.integer(drive.reversed ? 1 : 0, 4);
   }
-  double real() {
-    const auto value = std::bit_cast<double>(integer(8));
-    finite_ = finite_ && std::isfinite(value);
-    return value;
-  }
-  Vector3 vector() {
-    Vector3 v;
-    for (Eigen::Index i = 0; i < 3; ++i) v(i) = real();
-    return v;
-  }
-  [[nodiscard]] bool all_finite() const { return finite_; }
+}
 
- private:
-  std::span<const std::uint8_t> image_;
-  std::size_t at_;
-  bool finite_ = true;
-};
+Machine read_machine(LittleEndianReader& in, std::size_t joints) {
+  Machine machine;
+  machine.drawing_crc = static_cast<std::uint32_t>(in.integer(8));
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    hal::DriveIdentity drive;
+    for (std::uint32_t& number : drive.device) number = static_cast<std::uint32_t>(in.integer(4));
+    drive.counts_per_revolution = in.real();
+    drive.gear_ratio = in.real();
+    drive.lead_m = in.real();
+    drive.zero_counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(in.integer(4)));
+    drive.reversed = in.integer(4) == 1;
+    if (i < joints) machine.drives.push_back(drive);
+  }
+  return machine;
+}
 
 const Target* hand_target(const Signature& signature) {
   const auto* found = std::ranges::find_if(signature.targets, [&](const Target& target) {
@@ -73,17 +65,23 @@ bool is_rotation(const Matrix3& R) {
   return (R * R.transpose() - Matrix3::Identity()).norm() < 1e-9 && R.determinant() > 0;
 }
 
-std::uint32_t crc_of(std::span<const std::uint8_t> image) {
-  return crc32(std::as_bytes(image.first(kCrcOffset)));
+std::uint32_t content_crc(const RecordImage& image) {
+  return crc32(std::as_bytes(std::span(image).first(kCrcOffset)));
 }
 
 }  // namespace
+
+std::uint32_t crc_of(const RecordImage& image) {
+  return static_cast<std::uint32_t>(LittleEndianReader(image, kCrcOffset).integer(4));
+}
+
+bool is_whole(const RecordImage& image) { return crc_of(image) == content_crc(image); }
 
 RecordImage encode(const SignatureRecord& record, std::uint32_t sequence) {
   const Signature& signature = record.signature;
   const std::size_t n = signature.joint_count();
   RecordImage image{};
-  Writer out(image);
+  LittleEndianWriter out(image);
   for (const std::uint8_t byte : kMagic) out.integer(byte, 1);
   out.integer(kVersion, 2);
   out.integer(n, 2);
@@ -95,26 +93,27 @@ RecordImage encode(const SignatureRecord& record, std::uint32_t sequence) {
   for (std::size_t i = 0; i < kMaxJoints; ++i) out.real(i < n ? signature.configuration[i] : 0);
   for (std::size_t k = 0; k < kMaxFrames; ++k) {
     const Pose X_SL = k <= n ? signature.X_SL[k] : Pose{};
-    for (Eigen::Index row = 0; row < 3; ++row) out.vector(X_SL.R.row(row).transpose());
-    out.vector(X_SL.p);
+    for (Eigen::Index row = 0; row < 3; ++row) write_vector(out, X_SL.R.row(row).transpose());
+    write_vector(out, X_SL.p);
   }
   const Target* target = hand_target(signature);
   out.integer(target != nullptr ? static_cast<std::uint32_t>(target->number) : 0, 4);
   out.integer(target != nullptr ? 1 : 0, 4);
-  out.vector(target != nullptr ? target->p_S : Vector3::Zero());
+  write_vector(out, target != nullptr ? target->p_S : Vector3::Zero());
   out.real(record.air_celsius);
   out.real(record.held_out_rms_m);
-  out.integer(crc_of(image), 4);
+  out.integer(static_cast<std::uint64_t>(record.identified_at_s), 8);
+  out.real(record.predicted_sigma_m);
+  write_machine(out, record.machine);
+  out.integer(content_crc(image), 4);
   return image;
 }
 
-Result<void> decode(std::span<const std::uint8_t> image, const Arm& drawing,
-                    SignatureRecord& record) {
-  if (image.size() != kRecordBytes || !std::ranges::equal(image.first(4), kMagic) ||
-      Reader(image, kCrcOffset).integer(4) != crc_of(image)) {
+Result<void> decode(const RecordImage& image, const Arm& drawing, SignatureRecord& record) {
+  if (!std::ranges::equal(std::span(image).first(4), kMagic) || !is_whole(image)) {
     return std::unexpected(Error::kRecordCorrupt);
   }
-  Reader in(image, 4);
+  LittleEndianReader in(image, 4);
   const std::uint64_t version = in.integer(2);
   const auto n = static_cast<std::size_t>(in.integer(2));
   const std::uint64_t length = in.integer(4);
@@ -140,17 +139,20 @@ Result<void> decode(std::span<const std::uint8_t> image, const Arm& drawing,
   bool rotations = true;
   for (std::size_t k = 0; k < kMaxFrames; ++k) {
     Pose X_SL;
-    for (Eigen::Index row = 0; row < 3; ++row) X_SL.R.row(row) = in.vector().transpose();
-    X_SL.p = in.vector();
+    for (Eigen::Index row = 0; row < 3; ++row) X_SL.R.row(row) = read_vector(in).transpose();
+    X_SL.p = read_vector(in);
     rotations = rotations && is_rotation(X_SL.R);
     if (k <= n) signature.X_SL.push_back(X_SL);
   }
   Target target{.number = static_cast<int>(in.integer(4)), .link = n};
   const bool has_target = in.integer(4) == 1;
-  target.p_S = in.vector();
+  target.p_S = read_vector(in);
   if (has_target) signature.targets.push_back(target);
   record.air_celsius = in.real();
   record.held_out_rms_m = in.real();
+  record.identified_at_s = static_cast<std::int64_t>(in.integer(8));
+  record.predicted_sigma_m = in.real();
+  record.machine = read_machine(in, n);
   if (!in.all_finite() || !rotations) return std::unexpected(Error::kRecordCorrupt);
   if (n != drawing.joints.size()) return std::unexpected(Error::kRecordUnsuitable);
   for (std::size_t i = 0; i < n; ++i) {

@@ -3,7 +3,7 @@
 //
 //   offset  bytes
 //        0      4  magic "ASIG"
-//        4      2  version, 1
+//        4      2  version, 2
 //        6      1  joints, n
 //        7      1  zero
 //        8      4  length of the whole record, CRC included
@@ -15,7 +15,14 @@
 //      960     24  its position in the sensor frame at the signature configuration
 //      984      8  air temperature, degrees C
 //      992      8  RMS error on the held-out poses, m
-//     1000      4  CRC-32 of all before
+//     1000      8  when it was identified, seconds since 1970-01-01 UTC; 0: no clock knew
+//     1008      8  predicted 1 sigma error of the tool at the signature configuration, m; 0:
+//     unknown 1016      4  CRC-32 of the drawing 1020      4  zero 1024    384  the machine: per
+//     joint, 48 bytes, those of unused joints zero:
+//                    vendor, product, revision and serial number of the drive, u32 each; 0: untold
+//                    encoder counts a revolution, gear ratio, lead in m; doubles
+//                    counts at the zero of the joint, i32; u32: 1 where the sense is reversed
+//     1408      4  CRC-32 of all before
 // The S-Model and pseudo-DH parameters are derived from the link frames when it is read.
 #pragma once
 
@@ -25,6 +32,7 @@
 
 #include "core/base/error.hpp"
 #include "core/signature.hpp"
+#include "firmware/controller/machine.hpp"
 
 namespace armsig::controller {
 
@@ -33,9 +41,12 @@ struct SignatureRecord {
   std::uint32_t sequence = 0;
   double air_celsius = 0;
   double held_out_rms_m = 0;
+  std::int64_t identified_at_s = 0;  // since 1970-01-01 UTC; 0: no clock knew
+  double predicted_sigma_m = 0;      // of the tool at the signature configuration; 0: unknown
+  Machine machine;                   // that it was identified on
 };
 
-inline constexpr std::size_t kRecordBytes = 1004;
+inline constexpr std::size_t kRecordBytes = 1412;
 using RecordImage = std::array<std::uint8_t, kRecordBytes>;
 
 [[nodiscard]] RecordImage encode(const SignatureRecord& record, std::uint32_t sequence);
@@ -43,9 +54,13 @@ using RecordImage = std::array<std::uint8_t, kRecordBytes>;
   return encode(record, record.sequence);
 }
 
+// The image ends with the CRC-32 of what comes before it.
+[[nodiscard]] std::uint32_t crc_of(const RecordImage& image);
+[[nodiscard]] bool is_whole(const RecordImage& image);
+
 // Errors: kRecordCorrupt (magic, version, length, CRC, content), kRecordUnsuitable (joints other
 // than those of the drawing).
-[[nodiscard]] Result<void> decode(std::span<const std::uint8_t> image, const Arm& drawing,
+[[nodiscard]] Result<void> decode(const RecordImage& image, const Arm& drawing,
                                   SignatureRecord& record);
 
 }  // namespace armsig::controller

@@ -1,67 +1,48 @@
 // SPDX-License-Identifier: MIT
-// Two slots for signatures in non-volatile memory, of which a power loss at any moment spoils at
-// most the one that is not active.
-//
-// A slot is a whole number of sectors: the record, page by page, then one page that revokes it.
-// Active is the valid, unrevoked record with the largest sequence number. A new one goes to the
-// other slot: erased, programmed, read back. Rolling back programs the revoking page of the active
-// slot, and the other becomes active: nothing is erased, and a page cut short revokes nothing.
+// The signatures of one arm in non-volatile memory: the active one, and the one before it.
+// How they survive a loss of power is in record_store.hpp.
 #pragma once
 
-#include <optional>
-
+#include "firmware/controller/record_store.hpp"
 #include "firmware/controller/signature_record.hpp"
 #include "hal/nonvolatile_memory.hpp"
 
 namespace armsig::controller {
 
-// How far the writing of a record is.
-struct RecordWriting {
-  RecordImage image{};
-  std::size_t slot = 0;
-  std::size_t erased = 0;  // sectors
-  std::size_t pages = 0;   // programmed
-};
-
 class SignatureStore {
  public:
-  static constexpr std::size_t kLargestPage = 512;
+  explicit SignatureStore(hal::NonvolatileMemory& memory) : records_(memory) {}
 
-  explicit SignatureStore(hal::NonvolatileMemory& memory) : memory_(memory) {}
+  // Whether the memory has room for the store, and pages that suit.
+  [[nodiscard]] bool fits() const { return records_.fits(); }
+  [[nodiscard]] std::size_t sectors() const { return records_.sectors(); }
 
-  // Whether the memory has room for two slots, and pages that suit.
-  [[nodiscard]] bool fits() const;
-
-  // Looks at both slots and loads the active record.
-  // Errors: kNoSignature (none is valid), kRecordCorrupt (none is valid, but something is stored),
-  // kRecordUnsuitable, kStorageFault, kAddressOutOfRange (the memory does not fit).
+  // Settles what a power loss left in doubt, and loads the active record; after an error `record`
+  // is of no use.
+  // Errors: kNoSignature (none is stored, or the last one was rolled back), kRecordCorrupt,
+  // kStorageFault (something is stored that cannot be read), kRecordUnsuitable (it is of an arm
+  // with other joints), kAddressOutOfRange (the memory does not fit).
   [[nodiscard]] Result<void> load(const Arm& drawing, SignatureRecord& record);
+  // What load() met although it found a record: as RecordStore::trouble().
+  [[nodiscard]] std::optional<Error> trouble() const { return records_.trouble(); }
 
-  // Begins to store `record` after the active one, with its number plus one. Precondition: load()
-  // was called, fits(), not is_writing().
-  void begin_write(const SignatureRecord& record);
-  [[nodiscard]] bool is_writing() const { return writing_.has_value(); }
-  // One erase or one page; true when all is stored and verified. On an error the write has ended
-  // and the active record is as before. Errors: kStorageFull, kStorageFault, kNotErased,
-  // kRecordCorrupt (what was read back differs). Precondition: is_writing().
-  [[nodiscard]] Result<bool> step_write();
-
-  // Revokes the active record. Errors: kNoSignature (none is active), kStorageFull, kStorageFault,
-  // kNotErased.
-  [[nodiscard]] Result<void> revoke();
+  // Begins to store `record` after the active one, with the next number. Precondition: load() was
+  // called, fits(), not is_writing().
+  void begin_write(const SignatureRecord& record) {
+    records_.begin_write(encode(record, records_.next_sequence()));
+  }
+  // Begins to go back to the record before the active one, or to none. Errors: kNoSignature (none
+  // is active), kStorageFault, kRecordCorrupt (the one before cannot be read). Precondition: as
+  // above.
+  [[nodiscard]] Result<void> begin_rollback() { return records_.begin_rollback(); }
+  [[nodiscard]] bool is_writing() const { return records_.is_writing(); }
+  // One erase or one page; true when all is stored and verified. On an error the write has ended,
+  // and load() tells what is active. Errors: kStorageFull, kStorageFault, kStorageReplaced,
+  // kNotErased, kRecordCorrupt (what was read back differs). Precondition: is_writing().
+  [[nodiscard]] Result<bool> step() { return records_.step(); }
 
  private:
-  [[nodiscard]] std::size_t record_pages() const;
-  [[nodiscard]] std::size_t sectors_per_slot() const;
-  [[nodiscard]] std::size_t address(std::size_t slot) const;
-  [[nodiscard]] Result<RecordImage> read_image(std::size_t slot);
-  [[nodiscard]] Result<bool> is_revoked(std::size_t slot, const RecordImage& image);
-  [[nodiscard]] Result<void> program(std::size_t address, std::span<const std::uint8_t> bytes);
-
-  hal::NonvolatileMemory& memory_;
-  std::optional<std::size_t> active_;  // slot
-  std::uint32_t newest_ = 0;           // sequence number, of all valid records
-  std::optional<RecordWriting> writing_;
+  RecordStore records_;
 };
 
 }  // namespace armsig::controller

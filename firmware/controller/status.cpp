@@ -52,7 +52,8 @@ void Background::tell_status() {
   if (const std::string_view words = measurement_.trouble_words(); !words.empty()) {
     out_.text(" sensor_says=\"").text(words).text("\"");
   }
-  if (store_error_) out_.text(" store=").text(name(*store_error_));
+  if (custody_.trouble()) out_.text(" store=").text(name(*custody_.trouble()));
+  if (custody_.needs_acknowledgement()) out_.text(" acknowledge=needed");
   if (identification_.is_running()) {
     out_.text(" sequence=").text(identification_.is_paused() ? "paused" : "identifying");
     out_.text(" points=").integer(identification_.points_done());
@@ -70,15 +71,20 @@ void Background::tell_status() {
 }
 
 void Background::tell_signature() {
-  if (!active_) {
+  const auto& record = active();
+  if (!record) {
     out_.text(" model=drawing");
     return;
   }
-  out_.text(" model=signature sequence=").integer(active_->sequence);
-  out_.text(" air_c=").number(active_->air_celsius, 1);
-  out_.text(" held_out_rms_mm=").number(1e3 * active_->held_out_rms_m, 4);
-  for (std::size_t i = 0; i < active_->signature.pseudo_dh.size(); ++i) {
-    const DhJoint& row = active_->signature.pseudo_dh[i];
+  out_.text(" model=signature sequence=").integer(record->sequence);
+  out_.text(" air_c=").number(record->air_celsius, 1);
+  out_.text(" held_out_rms_mm=").number(1e3 * record->held_out_rms_m, 4);
+  out_.text(" predicted_sigma_mm=").number(1e3 * record->predicted_sigma_m, 4);
+  if (record->identified_at_s > 0) {
+    out_.text(" identified_unix_s=").integer(static_cast<std::uint64_t>(record->identified_at_s));
+  }
+  for (std::size_t i = 0; i < record->signature.pseudo_dh.size(); ++i) {
+    const DhJoint& row = record->signature.pseudo_dh[i];
     out_.text(" theta").integer(i + 1).text("_deg=").number(degrees(row.theta_rad), 6);
     out_.text(" d").integer(i + 1).text("_mm=").number(1e3 * row.d_m, 4);
     out_.text(" a").integer(i + 1).text("_mm=").number(1e3 * row.a_m, 4);

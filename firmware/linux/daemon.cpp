@@ -70,7 +70,7 @@ void warn_about_queue(const DaemonConfiguration& configuration, Journal& journal
 int run_cabinet(const DaemonConfiguration& configuration, const volatile std::sig_atomic_t& stop) {
   const auto drives = canopen::check(configuration.drives);
   if (!drives) return 1;  // refused when the file was read
-  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout);
+  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout, kStoreSpread);
   if (!memory) {
     complain(configuration.store, describe(memory.error()));
     return 1;
@@ -112,6 +112,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
       },
       [&] { at_rest = shut_down(master, clock, configuration.controller.period); }, stop);
   attendance.end(stop, at_rest);
+  if (served) controller::keep_positions(*memory, master);
   return served ? 0 : 1;
 }
 

@@ -5,13 +5,16 @@
 #include <csignal>
 
 #include "firmware/linux/daemon_configuration.hpp"
-#include "hal/nonvolatile_memory.hpp"
+#include "hal/linux/file_memory.hpp"
 
 namespace armsig::daemon {
 
-// Of the file that keeps the signatures: two slots of a sector each.
+// Of the file that keeps the signatures: three banks of two sectors (record_store.hpp), and one
+// sector more for the positions at power-down. Banks lie in erase blocks of their own on any card.
 inline constexpr hal::MemoryLayout kStoreLayout{
-    .page_bytes = 256, .pages_per_sector = 16, .sectors = 2};
+    .page_bytes = 256, .pages_per_sector = 8, .sectors = 7};
+inline constexpr linux_hal::FileSpread kStoreSpread{.sectors = 2,
+                                                    .stride_bytes = std::size_t{4} << 20U};
 
 // Runs the controller on its CAN interface until `stop` is set, then brings the drives to rest.
 // The servo tick is the calling thread's, under SCHED_FIFO where that is permitted; console,

@@ -57,7 +57,7 @@ void pace(cabinet::VirtualCabinet& cabinet, hal::Clock& clock, ProcessWatch& wat
 
 int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& options,
                 const volatile std::sig_atomic_t& stop) {
-  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout);
+  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout, kStoreSpread);
   auto console = linux_hal::SocketConsole::open(configuration.console);
   if (!memory || !console) {
     fmt::print(stderr, "armsigd: {}: {}\n", !memory ? configuration.store : configuration.console,

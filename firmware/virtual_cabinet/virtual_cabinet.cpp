@@ -60,6 +60,7 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
   for (std::size_t i = 0; i < drives.axes.size(); ++i) {
     simulated::DriveConfiguration drive = world.drive;
     drive.node = drives.axes[i].node;
+    drive.serial = world.first_serial + static_cast<std::uint32_t>(i);
     drive.sync_loss_periods = world.sync_loss_periods;
     drive.motion.start = drives_.scaling(i).counts(world.start[i]).value_or(0);
     motors_[i].emplace(drive, ports_[i]);

@@ -28,6 +28,7 @@ struct World {
   simulated::UltrasonicConfig sensor;
   hal::Duration ping_period = std::chrono::milliseconds(20);
   std::uint64_t seed = 1;
+  std::uint32_t first_serial = 1001;  // of the drives, one after the other
 };
 
 // Measures the hand target where the drives really are. Time is the servo thread's, polling the

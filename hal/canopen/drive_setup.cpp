@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "hal/canopen/identity.hpp"
+
 namespace armsig::canopen {
 namespace {
 
@@ -87,6 +89,7 @@ DriveSetup drive_setup(const CheckedConfiguration& configuration, std::size_t ax
   DriveSetup setup;
   expect(setup, kDeviceType, SetupRule::kMustEqual, kProfileMask, kProfile402);
   expect(setup, kSupportedModes, SetupRule::kMustEqual, kSupportsCsp, kSupportsCsp);
+  append_identity_requests(setup);
   write(setup, kHeartbeatProducer, 0, 2, milliseconds_of(configuration->heartbeat));
   write(setup, kHeartbeatConsumer, 1, 4,
         (static_cast<std::uint32_t>(configuration->master_node) << 16) |

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "core/base/check.hpp"
+#include "hal/canopen/identity.hpp"
 
 namespace armsig::canopen {
 
@@ -221,6 +222,7 @@ void Master::step_setup() {
     setup_joint_ = joint;
     setup_ = drive_setup(configuration_, joint);
     setup_step_ = 0;
+    identities_[joint] = identity_of(configuration_->axes[joint]);
     transfer_.reset();
     nodes_[joint]->enter(Phase::kConfiguring, now_);
   }
@@ -243,7 +245,10 @@ void Master::step_requests(DriveNode& drive) {
       fail_setup(drive, *error, outcome ? *outcome : outcome.error().abort_code);
       return;
     }
-    if (!error) ++setup_step_;
+    if (!error) {
+      take_identity(step.request, *transfer_->outcome(), identities_[*setup_joint_]);
+      ++setup_step_;
+    }
     transfer_.reset();
   }
   if (setup_step_ == setup_.size()) {

@@ -72,6 +72,10 @@ class Master final : public hal::JointDrives {
   [[nodiscard]] hal::DriveStatus do_status(std::size_t joint) const override {
     return nodes_[joint]->status();
   }
+  [[nodiscard]] std::optional<hal::DriveIdentity> do_identity(std::size_t joint) const override {
+    if (!nodes_[joint]->is_started()) return std::nullopt;
+    return identities_[joint];
+  }
   Result<void> do_write(const JointVector& targets, hal::Instant now) override;
   Result<void> do_enable() override;
   void do_disable() override;
@@ -96,6 +100,7 @@ class Master final : public hal::JointDrives {
   hal::CanBus* bus_;
   FrameSink* other_frames_;
   FixedVector<std::optional<DriveNode>, kMaxJoints> nodes_;
+  std::array<hal::DriveIdentity, kMaxJoints> identities_{};  // of those that were set up
   std::array<bool, kMaxOtherNodes> other_needs_start_{};
   JointVector positions_;
   cia402::Goal goal_ = cia402::Goal::kDisabled;

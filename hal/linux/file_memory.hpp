@@ -9,22 +9,40 @@
 
 namespace armsig::linux_hal {
 
+// How sectors are laid out in the file. A card or stick with flash in it erases blocks of up to
+// some megabytes whatever it is told, and may lose all of one when the power goes: what must not be
+// lost together lies further apart than that. In one file, as its blocks follow each other on the
+// device when it is allocated at once, and two files may lie side by side.
+struct FileSpread {
+  std::size_t sectors = 0;       // that lie together; 0: all of them
+  std::size_t stride_bytes = 0;  // from the beginning of one such group to that of the next
+};
+
 // Pages are written in place and reach the device before program_page() returns. A page lies within
 // one page of the kernel's cache, so that a process that is killed leaves it either old or new. The
 // whole file is allocated when it is made, so that a full disk is met then and not while a
-// signature is stored.
+// signature is stored. A change is refused when the file is not at its path any more, for nobody
+// would find it there after a restart.
 class FileMemory final : public hal::NonvolatileMemory {
  public:
-  // Opens the file at `path`, or makes it, erased, if there is none; a file is never half made. The
-  // file is locked against a second process.
-  // Errors: kAddressOutOfRange (a layout that is empty, or pages that do not divide 4096 bytes),
-  // kStorageFull, kStorageFault (also: a file of another size), kSystemRefused (in use elsewhere).
+  // Opens the file at `path`, or makes it, erased, if there is none; a file is never half made, and
+  // of two that are made at once one is used by both. The file is locked against a second process.
+  // Errors: kAddressOutOfRange (a layout that is empty, pages or a stride that do not suit 4096
+  // bytes), kStorageFull, kStorageFault (also: not a regular file), kStorageLayout (a file of
+  // another size), kStorageReplaced (it was replaced meanwhile), kSystemRefused (in use elsewhere).
+  // Changes answer kStorageReplaced as well.
   [[nodiscard]] static Result<FileMemory> open(const std::string& path,
-                                               const hal::MemoryLayout& layout);
+                                               const hal::MemoryLayout& layout,
+                                               const FileSpread& spread = {});
 
  private:
-  FileMemory(FileDescriptor file, const hal::MemoryLayout& layout)
-      : file_(std::move(file)), layout_(layout) {}
+  FileMemory(FileDescriptor file, std::string path, const hal::MemoryLayout& layout,
+             const FileSpread& spread)
+      : file_(std::move(file)), path_(std::move(path)), layout_(layout), spread_(spread) {}
+
+  [[nodiscard]] Result<void> reach_device() const;
+  // Errors: kStorageReplaced.
+  [[nodiscard]] Result<void> check_place() const;
 
   [[nodiscard]] hal::MemoryLayout do_layout() const override { return layout_; }
   Result<void> do_read(std::size_t address, std::span<std::uint8_t> into) override;
@@ -32,7 +50,9 @@ class FileMemory final : public hal::NonvolatileMemory {
   Result<void> do_program_page(std::size_t address, std::span<const std::uint8_t> page) override;
 
   FileDescriptor file_;
+  std::string path_;
   hal::MemoryLayout layout_;
+  FileSpread spread_;
 };
 
 }  // namespace armsig::linux_hal

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <ctime>
 
 namespace armsig::linux_hal {
 
@@ -26,5 +27,7 @@ hal::Duration SteadyClock::do_wait_until(hal::Instant tick) {
   }
   return std::max(hal::Duration::zero(), monotonic_now() - tick);
 }
+
+std::int64_t SteadyClock::do_calendar_s() { return std::time(nullptr); }
 
 }  // namespace armsig::linux_hal

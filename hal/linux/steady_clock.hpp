@@ -11,6 +11,7 @@ namespace armsig::linux_hal {
 class SteadyClock final : public hal::Clock {
   hal::Instant do_now() override { return monotonic_now(); }
   hal::Duration do_wait_until(hal::Instant tick) override;
+  std::int64_t do_calendar_s() override;
 };
 
 }  // namespace armsig::linux_hal

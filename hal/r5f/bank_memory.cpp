@@ -5,10 +5,21 @@
 
 namespace armsig::r5f {
 
-BankMemory::BankMemory(Bank& bank) : bank_(bank) {
-  constexpr std::uint32_t kMarker = 0x4D42'5341;
-  if (bank.marker == kMarker) return;
-  bank.bytes.fill(hal::kErasedByte);
+namespace {
+
+// Every byte of it written before any is read: memory with error correction that was not written
+// since its power came reads as an error, and a part of one of its words can't be written either.
+void erase_whole(BankMemory::Bank& bank) {
+  auto* const words = reinterpret_cast<volatile std::uint64_t*>(&bank);
+  for (std::size_t i = 0; i < sizeof bank / sizeof *words; ++i) words[i] = ~std::uint64_t{0};
+}
+
+}  // namespace
+
+BankMemory::BankMemory(Bank& bank, bool lost_power) : bank_(bank) {
+  constexpr std::uint64_t kMarker = 0x4D42'5341;
+  if (!lost_power && bank.marker == kMarker) return;
+  erase_whole(bank);
   bank.marker = kMarker;
 }
 

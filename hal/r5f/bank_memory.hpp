@@ -17,15 +17,16 @@ namespace armsig::r5f {
 class BankMemory final : public hal::NonvolatileMemory {
  public:
   static constexpr hal::MemoryLayout kLayout{
-      .page_bytes = 256, .pages_per_sector = 16, .sectors = 2};
+      .page_bytes = 256, .pages_per_sector = 6, .sectors = 7};
 
   struct Bank {
-    std::array<std::uint8_t, kLayout.bytes()> bytes;
-    std::uint32_t marker;
+    alignas(8) std::array<std::uint8_t, kLayout.bytes()> bytes;
+    std::uint64_t marker;
   };
-  // A bank without its marker has lost its power: it is erased. Precondition: `bank` is neither
-  // initialised nor touched by anybody else.
-  explicit BankMemory(Bank& bank);
+  // A bank that has lost its power, or is without its marker, is erased; after a loss of power it
+  // is not read before. Preconditions: `bank` is neither initialised nor touched by anybody else,
+  // and does not lie in cached memory: a reset would throw away what was written.
+  BankMemory(Bank& bank, bool lost_power);
 
  private:
   [[nodiscard]] hal::MemoryLayout do_layout() const override { return kLayout; }

@@ -28,7 +28,7 @@ DriveConfiguration honest_drive(std::uint8_t node, double counts_per_radian) {
 Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Instant now)
     : configuration_(configuration),
       bus_(&bus),
-      dictionary_(configuration.node),
+      dictionary_(configuration.node, configuration.serial),
       motion_(configuration.motion, now),
       now_(now),
       boot_at_(now + configuration.boot_time) {

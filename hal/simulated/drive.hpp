@@ -19,6 +19,7 @@ namespace armsig::simulated {
 
 struct DriveConfiguration {
   std::uint8_t node = 1;
+  std::uint32_t serial = 0;  // of the identity object; 0: not told
   MotionConfiguration motion{};
   hal::Duration boot_time = std::chrono::milliseconds(5);
   // SYNC periods that may be missing while enabled, before emergency 8700h; 0: not watched.

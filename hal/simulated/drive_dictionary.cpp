@@ -47,8 +47,11 @@ void DriveDictionary::restore() {
   add(0x1016, 0, 1, kReadOnly, 1);
   add(0x1016, 1, 4, kReadWrite, 0);  // heartbeat consumer
   add(0x1017, 0, 2, kReadWrite, 0);  // heartbeat producer
-  add(0x1018, 0, 1, kReadOnly, 1);
+  add(0x1018, 0, 1, kReadOnly, 4);
   add(0x1018, 1, 4, kReadOnly, 0);  // vendor: none
+  add(0x1018, 2, 4, kReadOnly, 402);
+  add(0x1018, 3, 4, kReadOnly, 0x00010000);
+  add(0x1018, 4, 4, kReadOnly, serial_);
   add_pdos();
   add(0x603F, 0, 2, kMapsOut, 0);             // error code
   add(0x6007, 0, 2, kReadWrite, 1);           // abort connection option: fault

@@ -35,7 +35,9 @@ class DriveDictionary {
   static constexpr std::size_t kMaxObjects = 72;
   static constexpr std::size_t kMaxEntries = 2;  // of a PDO mapping
 
-  explicit DriveDictionary(std::uint8_t node) : node_(node) { restore(); }
+  DriveDictionary(std::uint8_t node, std::uint32_t serial) : node_(node), serial_(serial) {
+    restore();
+  }
 
   // Power-up values of the communication objects (1000h to 1FFFh) and of the profile's.
   void restore();
@@ -65,6 +67,7 @@ class DriveDictionary {
   [[nodiscard]] AbortCode check_mapping(const Object& object, std::uint32_t value) const;
 
   std::uint8_t node_;
+  std::uint32_t serial_;
   FixedVector<Object, kMaxObjects> objects_;  // by rising key
 };
 

@@ -22,7 +22,7 @@
 namespace armsig::controller {
 namespace {
 
-constexpr hal::MemoryLayout kLayout{.page_bytes = 256, .pages_per_sector = 16, .sectors = 2};
+constexpr hal::MemoryLayout kLayout{.page_bytes = 256, .pages_per_sector = 8, .sectors = 7};
 constexpr int kKills = 250;
 
 SignatureRecord record_of(int robot) {
@@ -45,7 +45,7 @@ SignatureRecord record_of(int robot) {
   for (;;) {
     store.begin_write(records[sequence % 2]);
     Result<bool> done = false;
-    while (done && !*done) done = store.step_write();
+    while (done && !*done) done = store.step();
     if (!done) _exit(2);
     ++sequence;
     if (::write(told, &sequence, sizeof sequence) != sizeof sequence) _exit(3);

@@ -12,6 +12,7 @@
 #include "firmware/cabinet_r5f/configuration.hpp"
 #include "firmware/controller/model.hpp"
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
+#include "hal/simulated/flash.hpp"
 #include "host_tests/support/line_console.hpp"
 #include "host_tests/support/ram_memory.hpp"
 
@@ -67,11 +68,15 @@ double compare(const Arm& drawing, const Signature& a, const Signature& b) {
 
 int run(const char* path) {
   std::ifstream file(path, std::ios::binary);
-  test::RamMemory stored;
-  stored.bytes.assign(std::istreambuf_iterator<char>(file), {});
-  if (stored.bytes.size() != 8192) {
-    std::fprintf(stderr, "%s: not 8192 bytes\n", path);
+  // As the bank of the board is laid out (hal/r5f/bank_memory.hpp).
+  simulated::Flash stored({.layout = {.page_bytes = 256, .pages_per_sector = 6, .sectors = 7}});
+  const std::vector<std::uint8_t> image(std::istreambuf_iterator<char>(file), {});
+  if (image.size() != stored.layout().bytes()) {
+    std::fprintf(stderr, "%s: not %zu bytes\n", path, stored.layout().bytes());
     return 2;
+  }
+  for (std::size_t at = 0; at < image.size(); at += 256) {
+    (void)stored.program_page(at, std::span(image).subspan(at, 256));
   }
   Run reference;
   if (!reference.identify()) {

@@ -78,6 +78,7 @@ struct PumaCabinet {
     cabinet.reset();
     cabinet::World world = puma_world(seed);
     world.drive = drives;
+    world.first_serial = first_serial;
     cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, memory,
                                                         consoles);
   }
@@ -111,6 +112,7 @@ struct PumaCabinet {
   std::array<hal::Console*, 2> consoles{&console, &other};
   RamMemory memory;
   simulated::DriveConfiguration drives;
+  std::uint32_t first_serial = 1001;  // of the drives, from the next start on
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 

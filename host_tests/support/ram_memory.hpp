@@ -12,7 +12,13 @@ namespace armsig::test {
 
 class RamMemory final : public hal::NonvolatileMemory {
  public:
-  std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(8 * 1024, hal::kErasedByte);
+  static constexpr hal::MemoryLayout kLayout{
+      .page_bytes = 256, .pages_per_sector = 8, .sectors = 7};
+  // Where the store puts its first record, and its second one.
+  static constexpr std::size_t kFirstRecord = 3 * kLayout.sector_bytes();
+  static constexpr std::size_t kSecondRecord = kLayout.sector_bytes();
+
+  std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(kLayout.bytes(), hal::kErasedByte);
   // Bytes that may still be changed before the power goes; what is under way then stops there.
   std::optional<std::size_t> bytes_left;
   std::size_t changed = 0;
@@ -21,9 +27,7 @@ class RamMemory final : public hal::NonvolatileMemory {
   std::optional<std::size_t> reads_left;
 
  private:
-  [[nodiscard]] hal::MemoryLayout do_layout() const override {
-    return {.page_bytes = 256, .pages_per_sector = 16, .sectors = 2};
-  }
+  [[nodiscard]] hal::MemoryLayout do_layout() const override { return kLayout; }
   Result<void> do_read(std::size_t address, std::span<std::uint8_t> into) override {
     if (reads_left && *reads_left == 0) return std::unexpected(Error::kStorageFault);
     if (reads_left) --*reads_left;
@@ -39,8 +43,9 @@ class RamMemory final : public hal::NonvolatileMemory {
     return {};
   }
   Result<void> do_erase_sector(std::size_t sector) override {
-    for (std::size_t i = 0; i < 4096; ++i) {
-      if (auto done = change(sector * 4096 + i, hal::kErasedByte); !done) return done;
+    const std::size_t first = sector * kLayout.sector_bytes();
+    for (std::size_t i = 0; i < kLayout.sector_bytes(); ++i) {
+      if (auto done = change(first + i, hal::kErasedByte); !done) return done;
     }
     return {};
   }

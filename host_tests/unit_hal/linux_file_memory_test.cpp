@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <signal.h>
 #include <sys/mount.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -8,6 +9,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -94,7 +96,9 @@ TEST(FileMemory, refuses_a_second_user_of_the_file) {
 TEST(FileMemory, refuses_a_file_of_another_size_and_layouts_that_cannot_be_kept_whole) {
   const Folder folder;
   std::ofstream(folder.file()) << "short";
-  EXPECT_EQ(FileMemory::open(folder.file(), kLayout).error(), Error::kStorageFault);
+  const auto other = FileMemory::open(folder.file(), kLayout);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error(), Error::kStorageLayout);
   EXPECT_EQ(FileMemory::open(folder.path + "/other", {}).error(), Error::kAddressOutOfRange);
   EXPECT_EQ(FileMemory::open(folder.path + "/other", {300, 1, 1}).error(),
             Error::kAddressOutOfRange);
@@ -120,6 +124,108 @@ TEST(FileMemory, meets_a_full_disk_when_it_is_made_and_leaves_nothing) {
   EXPECT_TRUE(memory->program_page(0, page_of(7)));
   memory = std::unexpected(Error::kStorageFault);
   EXPECT_EQ(umount(folder.path.c_str()), 0);
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    names.push_back(entry.path().filename());
+  }
+  return names;
+}
+
+TEST(FileMemory, is_made_without_following_a_link_that_lies_in_its_way) {
+  const Folder folder;
+  const std::string victim = folder.path + "/victim";
+  std::ofstream(victim) << "precious";
+  ASSERT_EQ(symlink(victim.c_str(), (folder.file() + ".new").c_str()), 0);
+  ASSERT_TRUE(FileMemory::open(folder.file(), kLayout));
+  // A link that leads nowhere is not filled either.
+  const std::string nowhere = folder.path + "/nowhere";
+  ASSERT_EQ(symlink(nowhere.c_str(), (folder.path + "/dangling").c_str()), 0);
+  EXPECT_FALSE(FileMemory::open(folder.path + "/dangling", kLayout));
+  EXPECT_NE(access(nowhere.c_str(), F_OK), 0);
+  std::string kept;
+  std::ifstream(victim) >> kept;
+  EXPECT_EQ(kept, "precious");
+}
+
+// Two processes find no file and make one, at once: one gets it, and what it writes stays.
+TEST(FileMemory, of_two_first_starts_neither_loses_a_page) {
+  for (int trial = 0; trial < 40; ++trial) {
+    const Folder folder;
+    std::array<pid_t, 2> children{};
+    for (pid_t& child : children) {
+      child = fork();
+      ASSERT_GE(child, 0);
+      if (child == 0) {
+        auto memory = FileMemory::open(folder.file(), kLayout);
+        if (!memory) _exit(memory.error() == Error::kSystemRefused ? 1 : 2);
+        const bool kept = memory->program_page(0, page_of(0x5A)).has_value();
+        usleep(2000);
+        _exit(kept ? 0 : 3);
+      }
+    }
+    int used = 0;
+    for (const pid_t child : children) {
+      int status = 0;
+      ASSERT_EQ(waitpid(child, &status, 0), child);
+      ASSERT_TRUE(WIFEXITED(status));
+      // The second may come when the first has gone: then it finds the page.
+      EXPECT_TRUE(WEXITSTATUS(status) != 2) << "trial " << trial;
+      if (WEXITSTATUS(status) == 0) ++used;
+    }
+    EXPECT_EQ(used, 1) << "trial " << trial;
+    auto memory = FileMemory::open(folder.file(), kLayout);
+    ASSERT_TRUE(memory);
+    std::array<std::uint8_t, 256> page{};
+    ASSERT_TRUE(memory->read(0, page));
+    EXPECT_EQ(page, page_of(0x5A)) << "trial " << trial;
+    EXPECT_EQ(names_in(folder.path), std::vector<std::string>{"store"});
+  }
+}
+
+TEST(FileMemory, refuses_a_change_of_a_file_that_was_removed_or_replaced) {
+  const Folder folder;
+  auto memory = FileMemory::open(folder.file(), kLayout);
+  ASSERT_TRUE(memory);
+  ASSERT_TRUE(memory->program_page(0, page_of(1)));
+  ASSERT_EQ(unlink(folder.file().c_str()), 0);
+  for (const bool replaced : {false, true}) {
+    if (replaced) std::ofstream(folder.file()) << std::string(kLayout.bytes(), '\xFF');
+    const auto programmed = memory->program_page(replaced ? 256 : 512, page_of(2));
+    ASSERT_FALSE(programmed);
+    EXPECT_EQ(programmed.error(), Error::kStorageReplaced);
+    const auto erased = memory->erase_sector(1);
+    ASSERT_FALSE(erased);
+    EXPECT_EQ(erased.error(), Error::kStorageReplaced);
+  }
+}
+
+// Groups of two sectors, 4 MiB apart on a device that the file has to itself.
+TEST(FileMemory, lays_groups_of_sectors_apart_and_reads_across_them) {
+  constexpr hal::MemoryLayout kSpreadLayout{.page_bytes = 256, .pages_per_sector = 8, .sectors = 5};
+  constexpr std::size_t kStride = std::size_t{1} << 20U;
+  const Folder folder;
+  {
+    auto memory = FileMemory::open(folder.file(), kSpreadLayout, {2, kStride});
+    ASSERT_TRUE(memory);
+    ASSERT_TRUE(memory->program_page(4096 - 256, page_of(1)));
+    ASSERT_TRUE(memory->program_page(4096, page_of(2)));
+    std::array<std::uint8_t, 512> both{};
+    ASSERT_TRUE(memory->read(4096 - 256, both));
+    EXPECT_EQ(both[0], 1);
+    EXPECT_EQ(both[511], 2);
+  }
+  EXPECT_EQ(std::filesystem::file_size(folder.file()), 2 * kStride + 2048);
+  std::ifstream file(folder.file(), std::ios::binary);
+  file.seekg(kStride);
+  EXPECT_EQ(file.get(), 2);
+  EXPECT_EQ(FileMemory::open(folder.file(), kSpreadLayout, {2, 100}).error(),
+            Error::kAddressOutOfRange);
+  struct stat status{};
+  ASSERT_EQ(stat(folder.file().c_str(), &status), 0);
+  EXPECT_GE(static_cast<std::size_t>(status.st_blocks) * 512, 2 * kStride) << "not allocated";
 }
 
 // The child writes pages of one value each, over and over, until it is killed at some moment.

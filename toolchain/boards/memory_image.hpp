@@ -4,14 +4,14 @@
 
 #include <cstdint>
 
-// From the linker script; all on word boundaries.
+// From the linker script; all on boundaries of eight bytes.
 extern "C" {
 // NOLINTBEGIN(readability-identifier-naming)
 extern std::uint32_t armsig_data_begin[];
 extern std::uint32_t armsig_data_end[];
 extern const std::uint32_t armsig_data_image[];
-extern std::uint32_t armsig_bss_begin[];
-extern std::uint32_t armsig_bss_end[];
+extern std::uint64_t armsig_bss_begin[];
+extern std::uint64_t armsig_bss_end[];
 // NOLINTEND(readability-identifier-naming)
 }
 
@@ -20,7 +20,9 @@ namespace armsig::board {
 [[gnu::always_inline]] inline void initialise_memory() {
   const std::uint32_t* from = armsig_data_image;
   for (volatile std::uint32_t* to = armsig_data_begin; to < armsig_data_end; ++to) *to = *from++;
-  for (volatile std::uint32_t* to = armsig_bss_begin; to < armsig_bss_end; ++to) *to = 0;
+  // Memory with error correction knows words of eight bytes, and none of them before it is written
+  // as a whole.
+  for (volatile std::uint64_t* to = armsig_bss_begin; to < armsig_bss_end; ++to) *to = 0;
 }
 
 }  // namespace armsig::board

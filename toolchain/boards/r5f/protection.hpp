@@ -2,6 +2,8 @@
 // Regions of the memory protection unit (DDI 0460, 7.2), which each image defines for itself.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -23,6 +25,12 @@ struct Region {
   Access access;
   std::uint8_t without;  // eighths that the region does not cover, from bit 0
 };
+
+// An image defines its table as `extern "C" constexpr RegionTable<N> armsig_mpu_regions`, a symbol
+// that toolchain/memory_map.py holds its sections against.
+template <std::size_t kCount>
+using RegionTable = std::array<Region, kCount>;
+static_assert(sizeof(Region) == 16);
 
 inline constexpr std::uint32_t kStackGuardLog2 = 8;
 

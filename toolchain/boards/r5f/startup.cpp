@@ -88,6 +88,8 @@ extern "C" {
   armsig::board::paint_stack();
   armsig::board::initialise_memory();
   armsig::board::protect_memory();
+  // From here on an error that the bus tells late stops the core as any other does.
+  asm volatile("cpsie a" : : : "memory");
   armsig_main();
 }
 

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/position_keeper.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/check.hpp"
+#include "core/base/crc32.hpp"
+#include "firmware/controller/little_endian.hpp"
+#include "firmware/controller/record_store.hpp"
+
+namespace armsig::controller {
+namespace {
+
+constexpr std::array<std::uint8_t, 4> kPositionMagic{'A', 'P', 'O', 'S'};
+constexpr std::uint16_t kPositionVersion = 1;
+constexpr std::size_t kPositionBytes = 80;
+constexpr std::size_t kPositionCrcOffset = kPositionBytes - 4;
+using PositionImage = std::array<std::uint8_t, kPositionBytes>;
+
+// Rad or m: what moves less is the arm settling on its brakes.
+constexpr double kSamePlace = 1e-6;
+
+std::uint32_t position_crc(const PositionImage& image) {
+  return crc32(std::as_bytes(std::span(image).first(kPositionCrcOffset)));
+}
+
+PositionImage image_of(const JointVector& positions, std::uint32_t number) {
+  PositionImage image{};
+  LittleEndianWriter out(image);
+  for (const std::uint8_t byte : kPositionMagic) out.integer(byte, 1);
+  out.integer(kPositionVersion, 2);
+  out.integer(positions.size(), 2);
+  out.integer(number, 4);
+  for (std::size_t i = 0; i < kMaxJoints; ++i) out.real(i < positions.size() ? positions[i] : 0);
+  out.integer(position_crc(image), 4);
+  return image;
+}
+
+struct Kept {
+  std::uint32_t number = 0;
+  JointVector positions;
+};
+
+std::optional<Kept> kept_in(const PositionImage& image) {
+  if (!std::ranges::equal(std::span(image).first(4), kPositionMagic)) return std::nullopt;
+  if (LittleEndianReader(image, kPositionCrcOffset).integer(4) != position_crc(image)) {
+    return std::nullopt;
+  }
+  LittleEndianReader in(image, 4);
+  const std::uint64_t version = in.integer(2);
+  const auto joints = static_cast<std::size_t>(in.integer(2));
+  if (version != kPositionVersion || joints > kMaxJoints) return std::nullopt;
+  Kept kept;
+  kept.number = static_cast<std::uint32_t>(in.integer(4));
+  for (std::size_t i = 0; i < joints; ++i) kept.positions.push_back(in.real());
+  if (!in.all_finite()) return std::nullopt;
+  return kept;
+}
+
+}  // namespace
+
+bool PositionKeeper::fits() const {
+  const hal::MemoryLayout layout = memory_.layout();
+  return sector_ < layout.sectors && layout.page_bytes >= kPositionBytes &&
+         layout.page_bytes <= kLargestPage;
+}
+
+std::optional<JointVector> PositionKeeper::load(std::size_t joints) {
+  kept_.reset();
+  number_ = 0;
+  next_page_ = 0;
+  if (!fits()) return std::nullopt;
+  const hal::MemoryLayout layout = memory_.layout();
+  for (std::size_t page = 0; page < layout.pages_per_sector; ++page) {
+    PositionImage image{};
+    const std::size_t at = sector_ * layout.sector_bytes() + page * layout.page_bytes;
+    const bool read = memory_.read(at, image).has_value();
+    if (read && is_erased(image)) continue;
+    next_page_ = page + 1;
+    const auto kept = read ? kept_in(image) : std::nullopt;
+    if (!kept || kept->number < number_) continue;
+    number_ = kept->number;
+    kept_ = kept->positions;
+  }
+  if (kept_ && kept_->size() != joints) kept_.reset();
+  return kept_;
+}
+
+void PositionKeeper::begin(const JointVector& positions) {
+  const auto same = [](double a, double b) { return std::abs(a - b) <= kSamePlace; };
+  if (!fits() || (kept_ && std::ranges::equal(*kept_, positions, same))) return;
+  writing_ = positions;
+}
+
+void PositionKeeper::step() {
+  ARMSIG_CHECK(writing_.has_value());
+  const hal::MemoryLayout layout = memory_.layout();
+  if (next_page_ == layout.pages_per_sector) {
+    next_page_ = 0;
+    if (!memory_.erase_sector(sector_)) writing_.reset();
+    return;
+  }
+  const std::size_t at = sector_ * layout.sector_bytes() + next_page_++ * layout.page_bytes;
+  if (program_padded(memory_, at, image_of(*writing_, ++number_))) kept_ = writing_;
+  writing_.reset();
+}
+
+void keep_positions(hal::NonvolatileMemory& memory, const hal::JointDrives& drives) {
+  if (!drives.all(hal::DriveCondition::kDisabled)) return;
+  PositionKeeper keeper(memory, RecordStore(memory).sectors());
+  (void)keeper.load(drives.count());
+  keeper.begin(drives.positions());
+  while (keeper.is_writing()) keeper.step();
+}
+
+}  // namespace armsig::controller
