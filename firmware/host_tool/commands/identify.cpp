@@ -3,16 +3,17 @@
 #include <filesystem>
 #include <functional>
 
-#include <fmt/core.h>
-
 #include "core/base/error.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/foreign_columns.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/identification_run.hpp"
 #include "firmware/host_tool/identify_report.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/record.hpp"
 
 namespace armsig::tool {
@@ -109,6 +110,13 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
 }
 
 int run(IdentifyOptions options) {
+  const auto apart = check_roles({{"--arm", options.arm},
+                                  {"--measurements", options.measurements},
+                                  {"--sensor", options.sensor}},
+                                 {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
+  const auto serial = check_option_text("--serial", options.serial);
+  if (!serial) return fail(serial.error(), kBadInput, options);
   const auto further = further_unknowns(options);
   if (!further) return fail(further.error(), kBadInput, options);
   const auto arm = read_arm_file(options.arm);
@@ -116,7 +124,7 @@ int run(IdentifyOptions options) {
   if (!options.columns.empty()) {
     auto mapped = map_measurements(options.measurements, options.columns, types_of(arm->arm));
     if (!mapped) return fail(mapped.error(), kBadInput, options);
-    fmt::print(stderr, "{}", in_words(*mapped));
+    say(stderr, "{}", in_words(*mapped));
     options.mapped = std::move(*mapped);
   }
   std::optional<SensorDescription> sensor;
@@ -151,7 +159,7 @@ int run(IdentifyOptions options) {
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);
   for (const std::string& warning : record.warnings) {
-    fmt::print(stderr, "armsig: warning: {}\n", warning);
+    say(stderr, "armsig: warning: {}\n", shown(warning));
   }
   const ReportedFiles files{options.measurements, options.out};
   if (options.json) {

@@ -73,7 +73,7 @@ Read<ArmDescription> arm_from(const YamlNode& root) {
   if (auto tag = check_tag(root, kArmTag); !tag) return std::unexpected(std::move(tag).error());
   ARMSIG_TRY(map, YamlMap::open(root, "the arm", {"armsig", "name", "joints", "coupling"}));
   ArmDescription description;
-  ARMSIG_TRY(name, map.text("name"));
+  ARMSIG_TRY(name, map.name_under("name"));
   description.name = name;
   ARMSIG_TRY(list_node, map.require("joints"));
   ARMSIG_TRY(list, read_list(*list_node, "joints", 1, kMaxJoints));
@@ -200,7 +200,7 @@ Read<void> write_arm_file(const std::string& path, const ArmDescription& descrip
 }
 
 Read<std::string> read_tag(const std::string& path) {
-  ARMSIG_TRY(text, read_text_file(path));
+  ARMSIG_TRY(text, read_text_file(path, kLargestSignature));
   const auto parse = [&]() -> Read<std::string> {
     ARMSIG_TRY(root, parse_yaml(text));
     const YamlNode* tag = root.find("armsig");
