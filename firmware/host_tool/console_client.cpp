@@ -19,6 +19,8 @@ namespace {
 
 using linux_hal::FileDescriptor;
 
+constexpr std::size_t kLongestBacklog = std::size_t{1} << 20U;
+
 std::unexpected<Problem> refused(const std::string& path, int number) {
   return std::unexpected(Problem{path, 0, 0, std::strerror(number), "the console of a controller"});
 }
@@ -99,6 +101,7 @@ std::optional<std::string> ConsoleClient::receive(std::chrono::milliseconds long
     const ssize_t count = ::read(connection_.get(), buffer.data(), buffer.size());
     if (count > 0) {
       received_.append(buffer.data(), static_cast<std::size_t>(count));
+      if (received_.size() > kLongestBacklog) gone_ = true;  // no console of ours
     } else if (count == 0 || errno != EINTR) {
       gone_ = true;
     }

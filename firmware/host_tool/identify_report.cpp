@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "firmware/host_tool/differences.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 
@@ -15,51 +16,48 @@ namespace {
 void print_head(const ReportedFiles& files, const SignatureRecord& record,
                 const RowCounts& counts) {
   const Signature& signature = record.signature;
-  fmt::print("{}: arm signature from {} by the {} method\n\n", record.arm_name, files.measurements,
-             record.method);
-  fmt::print("  {} rows: {} rejected as outliers", counts.rows,
-             record.fit ? record.fit->rows_rejected : 0);
-  if (counts.missing > 0) fmt::print(", {} without a position", counts.missing);
+  say("{}: arm signature from {} by the {} method\n\n", record.arm_name, files.measurements,
+      record.method);
+  say("  {} rows: {} rejected as outliers", counts.rows,
+      record.fit ? record.fit->rows_rejected : 0);
+  if (counts.missing > 0) say(", {} without a position", counts.missing);
   if (counts.inconsistent > 0) {
-    fmt::print(", {} with ranges that do not meet in a point", counts.inconsistent);
+    say(", {} with ranges that do not meet in a point", counts.inconsistent);
   }
   if (counts.excluded_ranges > 0) {
-    fmt::print(", {} single ranges not believed", counts.excluded_ranges);
+    say(", {} single ranges not believed", counts.excluded_ranges);
   }
   if (counts.mixed > 0 && record.method != "refined") {
-    fmt::print(", {} with sweep 0, which this method does not use", counts.mixed);
+    say(", {} with sweep 0, which this method does not use", counts.mixed);
   }
-  if (record.air_c) fmt::print("; air {:.1f} °C", *record.air_c);
-  fmt::print("\n\n");
+  if (record.air_c) say("; air {:.1f} °C", *record.air_c);
+  say("\n\n");
   if (!signature.features.empty()) {
-    fmt::print("What the sweeps say (residuals are root mean squares)\n\n{}\n",
-               sweep_table(signature));
+    say("What the sweeps say (residuals are root mean squares)\n\n{}\n", sweep_table(signature));
   }
-  fmt::print("Pseudo Denavit-Hartenberg parameters\n\n{}\n{}", dh_table(signature.pseudo_dh),
-             near_parallel_note(signature));
+  say("Pseudo Denavit-Hartenberg parameters\n\n{}\n{}", dh_table(signature.pseudo_dh),
+      near_parallel_note(signature));
 }
 
 void print_corrections(const refinement::Refined& refined) {
-  fmt::print("  errors of the readings\n");
+  say("  errors of the readings\n");
   for (std::size_t j = 0; j < refined.readings.corrections.size(); ++j) {
     const refinement::ReadingCorrection& c = refined.readings.corrections[j];
-    fmt::print("    joint {}: gain {:+.6f}, once a turn {:.4f}°, twice a turn {:.4f}°\n", j + 1,
-               c.gain, degrees(std::hypot(c.cos_1, c.sin_1)),
-               degrees(std::hypot(c.cos_2, c.sin_2)));
+    say("    joint {}: gain {:+.6f}, once a turn {:.4f}°, twice a turn {:.4f}°\n", j + 1, c.gain,
+        degrees(std::hypot(c.cos_1, c.sin_1)), degrees(std::hypot(c.cos_2, c.sin_2)));
   }
 }
 
 // Noise and model error, as far as they can be told apart.
 void print_noise(const NoiseStatement& noise) {
-  fmt::print("  noise and model error together  {:8.3f} mm per axis\n", 1e3 * noise.total_m);
+  say("  noise and model error together  {:8.3f} mm per axis\n", 1e3 * noise.total_m);
   if (noise.stated_m == 0) {
-    fmt::print("  no row states its sigma_mm: all of it counts as error of the model\n");
+    say("  no row states its sigma_mm: all of it counts as error of the model\n");
   } else if (noise.contradicted) {
-    fmt::print("  that is {:.1f} times the stated noise, which is therefore not believed\n",
-               noise.total_m / noise.stated_m);
+    say("  that is {:.1f} times the stated noise, which is therefore not believed\n",
+        noise.total_m / noise.stated_m);
   } else if (noise.unexplained_m > 0) {
-    fmt::print(
-        "  that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
+    say("  that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
         "sensor's\n",
         noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m);
   }
@@ -67,33 +65,32 @@ void print_noise(const NoiseStatement& noise) {
 
 void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
   const refinement::FitQuality& quality = outcome.refined->quality;
-  fmt::print("\nThe refinement\n\n");
+  say("\nThe refinement\n\n");
   if (outcome.drawing_rms_m) {
-    fmt::print("  drawing, base and tool fitted   {:8.3f} mm RMS\n", 1e3 * *outcome.drawing_rms_m);
+    say("  drawing, base and tool fitted   {:8.3f} mm RMS\n", 1e3 * *outcome.drawing_rms_m);
   }
-  fmt::print("  residual of the fit             {:8.3f} mm RMS, {} measurements\n",
-             1e3 * quality.rms_m, quality.rows_used);
+  say("  residual of the fit             {:8.3f} mm RMS, {} measurements\n", 1e3 * quality.rms_m,
+      quality.rows_used);
   if (outcome.noise) {
     print_noise(*outcome.noise);
   } else if (quality.covariance_enlarged) {
-    fmt::print(
-        "  the residuals are {:.1f} times the stated noise; the uncertainty is enlarged by as "
+    say("  the residuals are {:.1f} times the stated noise; the uncertainty is enlarged by as "
         "much\n",
         quality.noise_factor);
   }
   if (!outcome.rejected_lines.empty()) {
-    fmt::print("  outliers, by line               {}\n", lines_in_words(outcome.rejected_lines));
+    say("  outliers, by line               {}\n", lines_in_words(outcome.rejected_lines));
   }
   if (!outcome.fitted.readings.empty()) print_corrections(*outcome.refined);
   if (outcome.fitted.receiver_offsets) {
-    fmt::print("  offsets of the ranges, mm      ");
+    say("  offsets of the ranges, mm      ");
     for (std::size_t k = 0; k < receivers; ++k) {
-      fmt::print(" {:+.3f}", 1e3 * outcome.refined->receiver_offsets_m[k]);
+      say(" {:+.3f}", 1e3 * outcome.refined->receiver_offsets_m[k]);
     }
-    fmt::print("\n");
+    say("\n");
   }
   if (outcome.fitted.scale) {
-    fmt::print("  measured lengths are {:+.4f} % too long\n", 100 * outcome.refined->scale);
+    say("  measured lengths are {:+.4f} % too long\n", 100 * outcome.refined->scale);
   }
 }
 
@@ -112,32 +109,30 @@ std::string terms_in_words(const refinement::ReadingTerms& terms) {
 // With and without the rows that the fit to everything rejects; and what is stated for the latter.
 void print_left_out(const calibration::HeldOutScore& score) {
   if (score.rejected > 0) {
-    fmt::print("  without the {} of them rejected as outliers: {:.3f} mm RMS, {:.3f} mm mean\n",
-               score.rejected, 1e3 * score.rms_kept_m, 1e3 * score.mean_kept_m);
+    say("  without the {} of them rejected as outliers: {:.3f} mm RMS, {:.3f} mm mean\n",
+        score.rejected, 1e3 * score.rms_kept_m, 1e3 * score.mean_kept_m);
   }
-  fmt::print("  stated for such rows beforehand: {:.3f} mm RMS\n", 1e3 * score.stated_rms_m);
+  say("  stated for such rows beforehand: {:.3f} mm RMS\n", 1e3 * score.stated_rms_m);
 }
 
 // The figures that count, whichever the method: they are not those of the fit.
 void print_accuracy(const Found& found, const SignatureRecord& record) {
-  fmt::print("\nHow accurate it is\n\n");
+  say("\nHow accurate it is\n\n");
   if (found.validation && found.validation->rows > 0) {
     const refinement::CrossValidation& left_out = *found.validation;
-    fmt::print("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
-               left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m,
-               1e3 * left_out.largest_m);
+    say("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
+        left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
     if (found.refinement && found.refinement->left_out) print_left_out(*found.refinement->left_out);
   } else {
-    fmt::print("  too few rows to leave some of them out of the fit\n");
+    say("  too few rows to leave some of them out of the fit\n");
   }
   if (found.refinement && found.refinement->offered) {
-    fmt::print("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
-               1e3 * found.refinement->offered->left_out_mean_m,
-               terms_in_words(found.refinement->offered->terms));
+    say("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
+        1e3 * found.refinement->offered->left_out_mean_m,
+        terms_in_words(found.refinement->offered->terms));
   }
   if (record.predicted_tool_error_m) {
-    fmt::print(
-        "  predicted tool error, 1 sigma: {:.3f} mm RMS over the joint limits, in the sensor's "
+    say("  predicted tool error, 1 sigma: {:.3f} mm RMS over the joint limits, in the sensor's "
         "frame\n",
         1e3 * *record.predicted_tool_error_m);
   }
@@ -187,10 +182,10 @@ void print_identified(const Found& found, const SignatureRecord& record, const R
   print_head(files, record, found.identified.counts);
   if (found.refinement) print_refinement(*found.refinement, receivers);
   if (const auto differences = difference_table(record)) {
-    fmt::print("\n{}", in_words(*differences, record.signature.joint_count()));
+    say("\n{}", in_words(*differences, record.signature.joint_count()));
   }
   print_accuracy(found, record);
-  fmt::print("\nWritten: {}\n", files.out);
+  say("\nWritten: {}\n", files.out);
 }
 
 nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record,

@@ -2,10 +2,12 @@
 // armsig: the operator's command.
 #include <cstdio>
 #include <exception>
-
-#include <fmt/core.h>
+#include <new>
+#include <sstream>
 
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 
 namespace {
 
@@ -41,7 +43,12 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kBadInput;
+    std::ostringstream out;
+    std::ostringstream err;
+    const int code = app.exit(error, out, err);
+    put(stdout, out.str());
+    put(stderr, err.str());
+    return code == 0 ? kDone : kBadInput;
   }
   return status;
 }
@@ -50,9 +57,16 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    armsig::tool::remove_temporaries_on_signals();
+    const int status = run(argc, argv);
+    if (std::fflush(stdout) == 0) return status;
+    std::fputs("armsig: the output can't be written\n", stderr);
+    return armsig::tool::kNoAnswer;
+  } catch (const std::bad_alloc&) {
+    std::fputs("armsig: out of memory\n", stderr);
+    return armsig::tool::kNoAnswer;
   } catch (const std::exception& error) {
-    // Out of memory or a full terminal: nothing that a command could have foreseen.
+    // A full terminal: nothing that a command could have foreseen.
     std::fprintf(stderr, "armsig: %s\n", error.what());
     return armsig::tool::kNoAnswer;
   }

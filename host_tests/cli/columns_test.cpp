@@ -122,6 +122,50 @@ TEST(Columns, name_the_line_of_the_file_in_problems) {
       << outcome.err;
 }
 
+// Three columns of a table that has no other separator than the comma.
+std::string quoted_numbers(const std::string& x) {
+  return "Sweep,Point,A1 [deg],Achse2 [deg],X [mm],Y [mm],Z [mm]\n1,1,0,0," + x + ",2,3\n";
+}
+
+TEST(Columns, never_take_a_thousands_separator_for_a_decimal_comma) {
+  const Folder folder;
+  simulate_two_joints(folder);
+  write_file(folder / "theirs.txt", quoted_numbers("\"-1,211\""));
+  const Outcome outcome = identify(folder, "auto");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("theirs.txt:2: X [mm]: \"-1,211\" may have a decimal comma or a "
+                             "thousands separator; expected decimal points"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST(Columns, refuse_decimal_points_and_commas_in_one_file) {
+  const Folder folder;
+  simulate_two_joints(folder);
+  std::string text = quoted_numbers("1,5") + "1,1,0,0,1.211,2,3\n";
+  std::ranges::replace(text, ',', ';');
+  text.replace(text.find(";5;"), 2, ",5");
+  write_file(folder / "theirs.txt", text);
+  const Outcome outcome = identify(folder, "auto");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("theirs.txt:3: X [mm]: \"1.211\" has another decimal separator"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST(Columns, refuse_a_header_with_control_characters) {
+  const Folder folder;
+  simulate_two_joints(folder);
+  std::string text = quoted_numbers("1");
+  text.replace(text.find("Sweep"), 5, "Sweep,Note \x1b[31m");
+  write_file(folder / "theirs.txt", text);
+  const Outcome outcome = identify(folder, "auto");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("theirs.txt:1:12: the byte \"\\x1B\" in the header"),
+            std::string::npos)
+      << outcome.err;
+}
+
 TEST(Columns, say_what_a_header_should_look_like_where_there_is_none) {
   const Folder folder;
   simulate_two_joints(folder);

@@ -227,7 +227,7 @@ TEST(ArmFile, refuses_what_is_not_yaml) {
 
 TEST(ArmFile, refuses_what_is_nested_too_deeply) {
   EXPECT_EQ(message_of(std::string(100000, '[')),
-            "A.yaml:1:1: not YAML: nested too deeply; expected a YAML document");
+            "A.yaml:1:17: nested too deeply; expected 16 levels");
 }
 
 TEST(ArmFile, refuses_more_keys_than_any_map_has) {

@@ -4,6 +4,7 @@
 
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -15,7 +16,7 @@ struct ArmsOptions : CommonOptions {
 int show(const ArmsOptions& options) {
   for (const KnownArm& arm : known_arms()) {
     if (arm.name != options.show) continue;
-    fmt::print("{}", arm.text);
+    say("{}", arm.text);
     return kDone;
   }
   return fail({options.show, 0, 0, "no known arm", "a name that `armsig arms` lists"}, kBadInput,
@@ -24,7 +25,7 @@ int show(const ArmsOptions& options) {
 
 int list(const ArmsOptions& options) {
   auto listed = nlohmann::ordered_json::array();
-  if (!options.json) fmt::print("  {:<12} {}\n", "--arm", "Arm");
+  if (!options.json) say("  {:<12} {}\n", "--arm", "Arm");
   for (const KnownArm& arm : known_arms()) {
     const auto description = parse_arm(arm.text, arm.name);
     if (!description) return fail(description.error(), kBadInput, options);
@@ -34,15 +35,13 @@ int list(const ArmsOptions& options) {
                         {"joints", description->arm.joints.size()},
                         {"source", source_of(arm)}});
     } else {
-      fmt::print("  {:<12} {}, {} joints\n", arm.name, description->name,
-                 description->arm.joints.size());
+      say("  {:<12} {}, {} joints\n", arm.name, description->name, description->arm.joints.size());
     }
   }
   if (options.json) {
     print_json({{"status", 0}, {"arms", listed}});
   } else {
-    fmt::print(
-        "\nDrawings, not your arm: check lengths, zeros and senses against its papers.\n"
+    say("\nDrawings, not your arm: check lengths, zeros and senses against its papers.\n"
         "Next: armsig arms --show NAME, with its source, to copy and change.\n");
   }
   return kDone;

@@ -13,6 +13,7 @@
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/measurement_log.hpp"
 #include "firmware/host_tool/nominal_fit.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/ranging.hpp"
 #include "firmware/host_tool/record.hpp"
@@ -54,43 +55,42 @@ struct Checked {
 };
 
 void print_residuals(const char* of, double rms_m, double mean_m, double largest_m) {
-  fmt::print("  {:<38}{:8.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n", of, 1e3 * rms_m,
-             1e3 * mean_m, 1e3 * largest_m);
+  say("  {:<38}{:8.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n", of, 1e3 * rms_m, 1e3 * mean_m,
+      1e3 * largest_m);
 }
 
 void print_for_a_person(const Checked& checked, std::size_t joints,
                         const std::string& measurements) {
   const uncertainty::DriftReport& report = checked.report;
   if (checked.place) {
-    fmt::print("{}: measured from another place: {:.1f} mm, {:.2f}°; from there {}\n\n",
-               measurements, 1e3 * checked.place->shift_m, degrees(checked.place->turn_rad),
-               uncertainty::describe(report.verdict));
+    say("{}: measured from another place: {:.1f} mm, {:.2f}°; from there {}\n\n", measurements,
+        1e3 * checked.place->shift_m, degrees(checked.place->turn_rad),
+        uncertainty::describe(report.verdict));
   } else {
-    fmt::print("{}: {}\n\n", measurements, uncertainty::describe(report.verdict));
+    say("{}: {}\n\n", measurements, uncertainty::describe(report.verdict));
   }
   if (report.verdict == uncertainty::Verdict::kDrifted) {
-    fmt::print("  most likely {}\n", what_moved(report, joints));
+    say("  most likely {}\n", what_moved(report, joints));
   }
   if (report.verdict == uncertainty::Verdict::kSensorWorse) {
-    fmt::print("  the noise is {:.1f} times the one stated\n", report.noise_factor);
+    say("  the noise is {:.1f} times the one stated\n", report.noise_factor);
   }
-  fmt::print("  {} rows, {} of them outliers\n", report.rows + report.rows_rejected,
-             report.rows_rejected);
+  say("  {} rows, {} of them outliers\n", report.rows + report.rows_rejected, report.rows_rejected);
   if (!checked.rejected_lines.empty()) {
-    fmt::print("  outliers, by line: {}\n", lines_in_words(checked.rejected_lines));
+    say("  outliers, by line: {}\n", lines_in_words(checked.rejected_lines));
   }
   if (checked.nominal) {
     const ResidualSummary& nominal = *checked.nominal;
     print_residuals("before: drawing, base and tool fitted", nominal.rms_m, nominal.mean_m,
                     nominal.largest_m);
   } else {
-    fmt::print("  before: these rows are too few to fit base and tool to the drawing\n");
+    say("  before: these rows are too few to fit base and tool to the drawing\n");
   }
   print_residuals(
       checked.place ? "after: the signature, from that place" : "after: the signature as it is",
       report.rms_m, report.mean_m, report.largest_m);
-  fmt::print("  chi-square {:.1f} with {} degrees of freedom; healthy arms stay below {:.1f}\n",
-             report.chi_square, report.freedom, report.allowed);
+  say("  chi-square {:.1f} with {} degrees of freedom; healthy arms stay below {:.1f}\n",
+      report.chi_square, report.freedom, report.allowed);
 }
 
 nlohmann::ordered_json json_of(const Checked& checked, int status) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/commands/command.hpp"
 
-#include <fmt/core.h>
+#include "firmware/host_tool/formats/characters.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
 
 int fail(const Problem& problem, ExitStatus status, const CommonOptions& options) {
-  fmt::print(stderr, "armsig: {}\n", render(problem));
+  say(stderr, "armsig: {}\n", shown(render(problem)));
   if (options.json) {
     nlohmann::ordered_json error{{"what", problem.what}, {"expected", problem.expected}};
     if (!problem.file.empty()) error["file"] = problem.file;
@@ -17,7 +18,7 @@ int fail(const Problem& problem, ExitStatus status, const CommonOptions& options
   return status;
 }
 
-void print_json(const nlohmann::ordered_json& result) { fmt::print("{}\n", result.dump(2)); }
+void print_json(const nlohmann::ordered_json& result) { say("{}\n", json_text(result, 2)); }
 
 void add_common(CLI::App& command, CommonOptions& options) {
   command.add_flag("--json", options.json, "print the result for programs on standard output");

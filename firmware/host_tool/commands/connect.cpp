@@ -16,7 +16,9 @@
 
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/console_client.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
 #include "firmware/host_tool/line_editor.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -41,18 +43,17 @@ int talk_for_a_script(ConsoleClient& console, const ConnectOptions& options) {
       const auto line = console.receive(longest);
       if (!line && console.gone()) break;
       if (!line) {
-        fmt::print(stderr, "armsig connect: no reply to \"{}\" within {} s\n", request,
-                   options.timeout_s);
+        say(stderr, "armsig connect: no reply to \"{}\" within {} s\n", request, options.timeout_s);
         return kNoAnswer;
       }
       replied = is_reply(*line);
-      fmt::print(replied ? stdout : stderr, "{}\n", *line);
+      say(replied ? stdout : stderr, "{}\n", *line);
       std::fflush(stdout);
       good = good && !is_error(*line);
     }
     if (console.gone()) break;
   }
-  if (console.gone()) fmt::print(stderr, "armsig connect: the controller closed the console\n");
+  if (console.gone()) say(stderr, "armsig connect: the controller closed the console\n");
   return good && !console.gone() ? kDone : kNoAnswer;
 }
 
@@ -97,7 +98,7 @@ bool take_keys(ConsoleClient& console, LineEditor& editor) {
     if (key == kEndOfInput && editor.text().empty()) return false;
     const auto line = editor.key(key);
     if (!line) continue;
-    fmt::print("{}{}{}\n", kClearLine, kPrompt, *line);
+    fmt::print("{}{}{}\n", kClearLine, kPrompt, shown(*line));
     if (*line == "quit" || *line == "exit") return false;
     if (!line->empty() && !console.send(*line)) return true;
   }
@@ -119,7 +120,7 @@ int talk_to_a_person(ConsoleClient& console) {
     }
     if (ready[1].revents != 0) {
       while (const auto line = console.receive(milliseconds(0))) {
-        fmt::print("{}{}\n", kClearLine, *line);
+        fmt::print("{}{}\n", kClearLine, shown(*line));
       }
     }
     if (console.gone()) {

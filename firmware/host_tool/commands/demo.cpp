@@ -15,6 +15,7 @@
 #include "firmware/host_tool/formats/text_file.hpp"
 #include "firmware/host_tool/paper_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
@@ -179,8 +180,7 @@ Read<std::optional<std::string>> write_report(const std::string& folder) {
 void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::string>& report,
                  const DemoOptions& options) {
   const DemoPlan plan;
-  fmt::print(
-      "armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman measured theirs "
+  say("armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman measured theirs "
       "(1986)\n"
       "\n"
       "Each joint is swept in turn as far as its limits allow, {} points a joint. An ultrasonic "
@@ -189,32 +189,26 @@ void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::
       "link.\n"
       "On the arm this would take {}.\n\n",
       plan.points, plan.pings, duration_in_words(robots[0].sweep_duration_s));
-  fmt::print("Table 1. Ideal kinematic parameters: the drawing\n\n{}\n",
-             dh_table(puma560().joints));
+  say("Table 1. Ideal kinematic parameters: the drawing\n\n{}\n", dh_table(puma560().joints));
   for (int robot : {1, 2}) {
     const Signature& signature = robots[static_cast<std::size_t>(robot) - 1].encoder.signature;
-    fmt::print(
-        "Table 2. Arm signature of robot {}, as recovered and as printed in the paper\n\n{}\n",
+    say("Table 2. Arm signature of robot {}, as recovered and as printed in the paper\n\n{}\n",
         robot, table2(signature, table2_robot(robot)));
   }
-  fmt::print(
-      "  * θ and d of links 1 and 6 depend on the choice of frames 0 and 6, which is free.\n{}\n",
+  say("  * θ and d of links 1 and 6 depend on the choice of frames 0 and 6, which is free.\n{}\n",
       near_parallel_note(robots[0].encoder.signature));
-  fmt::print(
-      "Table 3. Touching a 25 x 25 x 60 cm grid: improvement factors by circles that follow the "
+  say("Table 3. Touching a 25 x 25 x 60 cm grid: improvement factors by circles that follow the "
       "joint\n"
       "reading, beside those that the paper reached by plane and centre of rotation alone\n\n{}\n",
       table3_text(robots));
-  fmt::print(
-      "{}  Over the joint limits, each where the sensor sees it: the drawing with base and tool "
+  say("{}  Over the joint limits, each where the sensor sees it: the drawing with base and tool "
       "fitted,\n  the signatures as they are.\n\n",
       tool_error_table(robots));
-  fmt::print(
-      "Drawing, sensor, measurements, signatures and truths are in {}/.\n"
+  say("Drawing, sensor, measurements, signatures and truths are in {}/.\n"
       "Robot 1 again, by the command for your own arm:\n"
       "  armsig identify --arm {}/{} --measurements {}/{} --sensor {}/{} --out signature.yaml\n",
       options.out, options.out, kArmFile, options.out, kMeasurementsFile, options.out, kSensorFile);
-  if (report) fmt::print("\nThe report of robot 1, to open in a browser: {}\n", *report);
+  if (report) say("\nThe report of robot 1, to open in a browser: {}\n", *report);
 }
 
 int run(const DemoOptions& options) {

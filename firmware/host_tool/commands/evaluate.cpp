@@ -8,6 +8,7 @@
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 
 namespace armsig::tool {
@@ -68,9 +69,9 @@ int run(const EvaluateOptions& options) {
     return kDone;
   }
   const auto& size_m = comparison->grid.size_m;
-  fmt::print("{}: touching a grid of {:.0f} x {:.0f} x {:.0f} cm, {} vertices\n\n{}", arm->name,
-             100 * size_m[0], 100 * size_m[1], 100 * size_m[2], comparison->grid.vertex_count(),
-             comparison_table(*comparison));
+  say("{}: touching a grid of {:.0f} x {:.0f} x {:.0f} cm, {} vertices\n\n{}", arm->name,
+      100 * size_m[0], 100 * size_m[1], 100 * size_m[2], comparison->grid.vertex_count(),
+      comparison_table(*comparison));
   return kDone;
 }
 

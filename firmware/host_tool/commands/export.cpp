@@ -2,11 +2,11 @@
 // armsig export: a signature for other software.
 #include "firmware/host_tool/exports/export.hpp"
 
-#include <fmt/core.h>
-
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -16,6 +16,8 @@ struct ExportOptions : CommonOptions {
 };
 
 int run(const ExportOptions& options) {
+  const auto apart = check_roles({{"--signature", options.signature}}, {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const auto text = in_file(options.signature, export_text(options.format, *record));
@@ -28,8 +30,8 @@ int run(const ExportOptions& options) {
                 {"joints", record->signature.joint_count()},
                 {"out", options.out}});
   } else {
-    fmt::print("{}: {} joints as {}\nWritten: {}\n", record->arm_name,
-               record->signature.joint_count(), options.format, options.out);
+    say("{}: {} joints as {}\nWritten: {}\n", record->arm_name, record->signature.joint_count(),
+        options.format, options.out);
   }
   return kDone;
 }

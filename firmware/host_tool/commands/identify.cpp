@@ -4,20 +4,21 @@
 #include <filesystem>
 #include <functional>
 
-#include <fmt/core.h>
-
 #include "core/base/error.hpp"
 #include "core/refinement/chain.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/diagnosis/collector.hpp"
 #include "firmware/host_tool/diagnosis/gate.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/foreign_columns.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/identification_run.hpp"
 #include "firmware/host_tool/identify_report.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/record.hpp"
 
 namespace armsig::tool {
@@ -148,6 +149,13 @@ Problem problem_of(const Doubt& doubt, const std::string& file) {
 }
 
 int run(IdentifyOptions options) {
+  const auto apart = check_roles({{"--arm", options.arm},
+                                  {"--measurements", options.measurements},
+                                  {"--sensor", options.sensor}},
+                                 {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
+  const auto serial = check_option_text("--serial", options.serial);
+  if (!serial) return fail(serial.error(), kBadInput, options);
   const auto further = further_unknowns(options);
   if (!further) return fail(further.error(), kBadInput, options);
   const auto arm = read_arm(options.arm);
@@ -155,7 +163,7 @@ int run(IdentifyOptions options) {
   if (!options.columns.empty()) {
     auto mapped = map_measurements(options.measurements, options.columns, types_of(arm->arm));
     if (!mapped) return fail(mapped.error(), kBadInput, options);
-    fmt::print(stderr, "{}", in_words(*mapped));
+    say(stderr, "{}", in_words(*mapped));
     options.mapped = std::move(*mapped);
   }
   std::optional<SensorDescription> sensor;
@@ -200,7 +208,7 @@ int run(IdentifyOptions options) {
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);
   for (const std::string& warning : record.warnings) {
-    fmt::print(stderr, "armsig: warning: {}\n", warning);
+    say(stderr, "armsig: warning: {}\n", shown(warning));
   }
   const ReportedFiles files{options.measurements, options.out};
   if (options.json) {

@@ -2,9 +2,10 @@
 // armsig import: an arm description out of the file of other software.
 #include "firmware/host_tool/imports/import.hpp"
 
-#include <fmt/core.h>
-
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 
 namespace armsig::tool {
@@ -15,6 +16,11 @@ struct ImportOptions : CommonOptions {
 };
 
 int run(const ImportOptions& options) {
+  const auto apart =
+      check_roles({{"--urdf", options.urdf}, {"--dh", options.dh}}, {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
+  const auto name = check_option_text("--name", options.name);
+  if (!name) return fail(name.error(), kBadInput, options);
   auto imported = options.urdf.empty() ? import_dh(options.dh)
                                        : import_urdf(options.urdf, options.base, options.tip);
   if (!imported) return fail(imported.error(), kBadInput, options);
@@ -30,13 +36,13 @@ int run(const ImportOptions& options) {
                 {"out", options.out}});
     return kDone;
   }
-  fmt::print("{}\n\n{}", imported->description.name, dh_table(imported->description.arm.joints));
+  say("{}\n\n{}", imported->description.name, dh_table(imported->description.arm.joints));
   for (std::size_t i = 0; i < imported->joint_names.size(); ++i) {
-    fmt::print("{}{} is {}", i == 0 ? "\n  " : ", ", i + 1, imported->joint_names[i]);
+    say("{}{} is {}", i == 0 ? "\n  " : ", ", i + 1, imported->joint_names[i]);
   }
-  fmt::print("\n");
-  for (const std::string& note : imported->notes) fmt::print("  Note: {}.\n", note);
-  fmt::print("\nWritten: {}\n", options.out);
+  say("\n");
+  for (const std::string& note : imported->notes) say("  Note: {}.\n", note);
+  say("\nWritten: {}\n", options.out);
   return kDone;
 }
 

@@ -7,8 +7,10 @@
 #include <fmt/core.h>
 
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/measurement_writer.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -46,25 +48,28 @@ Read<void> write_rows(const JoinOptions& options, const Joined& joined, const Jo
 
 void print_joined(const JoinOptions& options, const Joined& joined,
                   const std::vector<std::size_t>& sweeps) {
-  fmt::print("{} points with their poses, by {}\n", joined.rows.size(), options.by);
+  say("{} points with their poses, by {}\n", joined.rows.size(), options.by);
   if (!joined.points_left.empty()) {
-    fmt::print("  {} points without a pose, the first in line {} of {}\n",
-               joined.points_left.size(), joined.points_left.front(), options.points);
+    say("  {} points without a pose, the first in line {} of {}\n", joined.points_left.size(),
+        joined.points_left.front(), options.points);
   }
-  if (joined.poses_left > 0) fmt::print("  {} poses without a point\n", joined.poses_left);
+  if (joined.poses_left > 0) say("  {} poses without a point\n", joined.poses_left);
   std::size_t swept = 0;
   for (std::size_t j = 0; j < sweeps.size(); ++j) {
     swept += sweeps[j];
-    if (sweeps[j] > 0) fmt::print("  joint {} swept: {} points\n", j + 1, sweeps[j]);
+    if (sweeps[j] > 0) say("  joint {} swept: {} points\n", j + 1, sweeps[j]);
   }
-  fmt::print("  several joints moved: {} points\n", joined.rows.size() - swept);
+  say("  several joints moved: {} points\n", joined.rows.size() - swept);
   const bool all = std::ranges::all_of(sweeps, [](std::size_t count) { return count > 0; });
-  fmt::print(
-      "\nWritten: {}\nNext: armsig identify --arm {} --measurements {}{} --out signature.yaml\n",
+  say("\nWritten: {}\nNext: armsig identify --arm {} --measurements {}{} --out signature.yaml\n",
       options.out, options.arm, options.out, all ? "" : " --method refined");
 }
 
 int run(const JoinOptions& options) {
+  const auto apart = check_roles(
+      {{"--arm", options.arm}, {"--joints", options.joints}, {"--points", options.points}},
+      {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
   const auto arm = read_arm(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   const JointTypes types = types_of(arm->arm);

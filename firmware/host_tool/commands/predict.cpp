@@ -8,9 +8,11 @@
 #include "core/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/estimate.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/poses.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/model.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -73,6 +75,9 @@ Read<std::optional<Target>> target_for(const PredictOptions& options,
 }
 
 int run(const PredictOptions& options) {
+  const auto apart = check_roles({{"--signature", options.signature}, {"--joints", options.joints}},
+                                 {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const Signature& signature = record->signature;
@@ -106,9 +111,9 @@ int run(const PredictOptions& options) {
     if (options.sigma) json["rms_sigma_m"] = rms_length(sigmas_m);
     print_json(json);
   } else {
-    fmt::print("{} poses of {} in {}\n", poses.size(), what, options.out);
+    say("{} poses of {} in {}\n", poses.size(), what, options.out);
     if (options.sigma) {
-      fmt::print("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(sigmas_m));
+      say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(sigmas_m));
     }
   }
   return kDone;

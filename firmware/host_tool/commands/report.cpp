@@ -2,10 +2,10 @@
 // armsig report: a signature for the eye.
 #include "firmware/host_tool/report/report.hpp"
 
-#include <fmt/core.h>
-
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/report/report_input.hpp"
 
 namespace armsig::tool {
@@ -17,6 +17,12 @@ struct ReportOptions : CommonOptions {
 };
 
 int run(const ReportOptions& options) {
+  const auto apart = check_roles({{"--signature", options.files.signature},
+                                  {"--measurements", options.files.measurements},
+                                  {"--sensor", options.files.sensor},
+                                  {"--truth", options.files.truth}},
+                                 {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
   const auto input = read_report_input(options.files);
   if (!input) return fail(input.error(), kBadInput, options);
   const auto report = report_json(*input);
@@ -32,11 +38,11 @@ int run(const ReportOptions& options) {
                 {"out", options.out}});
     return kDone;
   }
-  fmt::print("{}\n", report["verdict"]["headline"].get<std::string>());
+  say("{}\n", report["verdict"]["headline"].get<std::string>());
   for (const auto& sentence : report["verdict"]["sentences"]) {
-    fmt::print("  {}\n", sentence.get<std::string>());
+    say("  {}\n", sentence.get<std::string>());
   }
-  fmt::print("\nWritten: {}; open it in a browser\n", options.out);
+  say("\nWritten: {}; open it in a browser\n", options.out);
   return kDone;
 }
 

@@ -4,10 +4,12 @@
 
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/measurement_writer.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/record.hpp"
 #include "firmware/host_tool/simulation.hpp"
@@ -120,6 +122,10 @@ Read<JointVector> configuration_of(const SimulateOptions& options, const Arm& ar
 }
 
 int run(const SimulateOptions& options) {
+  const auto apart = check_roles(
+      {{"--arm", options.arm}, {"--truth", options.truth}, {"--sensor", options.sensor}},
+      {{"--out", options.out}, {"--truth-out", options.truth_out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
   const auto arm = read_arm(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   auto built = build(options, arm->arm);
@@ -169,9 +175,9 @@ int run(const SimulateOptions& options) {
                 {"truth_out", options.truth_out}});
     return kDone;
   }
-  fmt::print("{}: {} rows in {}; the sweeps would take {} on the arm\n", arm->name, total,
-             options.out, duration_in_words(seconds));
-  if (!options.truth_out.empty()) fmt::print("The truth is in {}\n", options.truth_out);
+  say("{}: {} rows in {}; the sweeps would take {} on the arm\n", arm->name, total, options.out,
+      duration_in_words(seconds));
+  if (!options.truth_out.empty()) say("The truth is in {}\n", options.truth_out);
   return kDone;
 }
 

@@ -7,9 +7,11 @@
 #include "core/kinematics/cold_start.hpp"
 #include "core/kinematics/forward.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/poses.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/model.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -106,6 +108,10 @@ class Solver {
 };
 
 int run(const SolveOptions& options) {
+  const auto apart = check_roles(
+      {{"--signature", options.signature}, {"--poses", options.poses}, {"--seed", options.seed}},
+      {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const auto target = find_target(*record, options.signature, options.target);
@@ -157,10 +163,9 @@ int run(const SolveOptions& options) {
                 {"largest_rotation_error_rad", rotation_error_rad},
                 {"out", options.out}});
   } else {
-    fmt::print("{} poses solved; joint readings in {}\n", solutions.size(), options.out);
+    say("{} poses solved; joint readings in {}\n", solutions.size(), options.out);
     if (rotation_error_rad > kRotationMissed) {
-      fmt::print(
-          "positions are met, orientations missed by up to {:.3g}°: an arm with fewer than six "
+      say("positions are met, orientations missed by up to {:.3g}°: an arm with fewer than six "
           "joints can't choose all of an orientation\n",
           degrees(rotation_error_rad));
     }

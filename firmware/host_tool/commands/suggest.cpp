@@ -5,8 +5,10 @@
 #include "core/uncertainty/suggestion.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/estimate.hpp"
+#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/poses.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 
@@ -25,6 +27,8 @@ struct SuggestOptions : CommonOptions {
 constexpr double kWorthwhile = 0.05;
 
 int run(const SuggestOptions& options) {
+  const auto apart = check_roles({{"--signature", options.signature}}, {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
   const auto estimate = estimate_of(*record, options.signature);
@@ -92,15 +96,13 @@ int run(const SuggestOptions& options) {
     table.add_row({fmt::format("{}", k + 1), readings,
                    fmt::format("{:.3f}", 1e3 * suggestions[k].predicted_rms_m)});
   }
-  fmt::print(
-      "{}: poses worth measuring next (tool error 1 sigma, RMS over the joint limits)\n\n{}\n",
+  say("{}: poses worth measuring next (tool error 1 sigma, RMS over the joint limits)\n\n{}\n",
       record->arm_name, table.render());
   if (!worthwhile) {
-    fmt::print(
-        "They would lower the error by less than {:.0f} %: what was measured already will do.\n",
+    say("They would lower the error by less than {:.0f} %: what was measured already will do.\n",
         100 * kWorthwhile);
   }
-  fmt::print("Written: {}\n", options.out);
+  say("Written: {}\n", options.out);
   return kDone;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <array>
+#include <string>
+#include <string_view>
 
 #include <fmt/core.h>
 
@@ -14,10 +16,20 @@
 namespace armsig::tool {
 namespace {
 
+// A spreadsheet takes what follows a separator and an equals sign for a formula, in a comment too.
+std::string without_formulas(std::string text) {
+  for (std::size_t at = 0; (at = text.find_first_of(",;", at)) != std::string::npos; ++at) {
+    const std::size_t next = text.find_first_not_of(' ', at + 1);
+    if (next == std::string::npos) break;
+    if (std::string_view("=+-@").find(text[next]) != std::string_view::npos) text.insert(next, "'");
+  }
+  return text;
+}
+
 std::string heading(const SignatureRecord& record, const std::string& convention, const Pose& X_S0,
                     const Pose& X_FL) {
   return comment_text(
-      provenance(record) + convention +
+      without_formulas(provenance(record)) + convention +
       "The reading is added to theta of a revolute joint, to d of a prismatic one.\n"
       "Pose of the last link in the sensor frame = base * product of the rows * tool.\n"
       "base: " +

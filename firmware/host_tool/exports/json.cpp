@@ -3,6 +3,7 @@
 
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/joint_frames.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 
 namespace armsig::tool {
@@ -59,7 +60,7 @@ Read<std::string> json_text(const SignatureRecord& record) {
         {"base", pose_json(frames.X_SB)},
         {"joints", std::move(joints)},
         {"last_link", pose_json(frames.X_KL)}}}};
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace armsig::tool

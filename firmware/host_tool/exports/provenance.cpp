@@ -5,17 +5,19 @@
 
 #include <fmt/core.h>
 
+#include "firmware/host_tool/formats/characters.hpp"
 #include "firmware/host_tool/formats/text.hpp"
 #include "firmware/host_tool/formats/units.hpp"
 
 namespace armsig::tool {
 
 std::string provenance(const SignatureRecord& record) {
-  std::string serial = record.serial.empty() ? "" : ", serial number " + record.serial;
+  std::string serial = record.serial.empty() ? "" : ", serial number " + shown(record.serial);
   return fmt::format(
       "Arm signature of {}{}; method {}, {}, {}.\n"
       "Lengths in metres and angles in radians unless a name says otherwise.\n",
-      record.arm_name, serial, record.method, record.time, record.version);
+      shown(record.arm_name), serial, shown(record.method), shown(record.time),
+      shown(record.version));
 }
 
 std::string pose_words(const Pose& X) {

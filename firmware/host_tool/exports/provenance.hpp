@@ -9,7 +9,7 @@
 
 namespace armsig::tool {
 
-// Lines of text: arm, serial number, method, time, version.
+// Two lines of text: arm, serial number, method, time, version; what is not printable escaped.
 [[nodiscard]] std::string provenance(const SignatureRecord& record);
 
 // "x_m=...,y_m=...,z_m=...,qw=...,qx=...,qy=...,qz=..."

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <string_view>
+
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "core/base/error.hpp"
 #include "firmware/host_tool/exports/dh_rows.hpp"
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
 #include "firmware/host_tool/formats/csv_text.hpp"
 #include "firmware/host_tool/formats/text.hpp"
 
@@ -30,11 +33,32 @@ std::string link(const DhJoint& row, const JointLimits& limits) {
                      number_text(limits.lower), number_text(limits.upper));
 }
 
+// A string of Python in ASCII. JSON writes what is above U+FFFF as two halves, which Python keeps.
+std::string python_quoted(std::string_view text) {
+  std::string quoted = "\"";
+  while (!text.empty()) {
+    const Character character = first_character(text);
+    if (character.length == 0) {
+      quoted += "\\ufffd";
+    } else if (character.code == '"' || character.code == '\\') {
+      quoted += {'\\', text[0]};
+    } else if (character.code >= 0x20 && character.code < 0x7F) {
+      quoted += text[0];
+    } else {
+      quoted += fmt::format("\\U{:08x}", character.code);
+    }
+    text.remove_prefix(std::max<std::size_t>(character.length, 1));
+  }
+  return quoted + "\"";
+}
+
 }  // namespace
 
 Read<std::string> rtb_text(const SignatureRecord& record) {
   ARMSIG_TRY(standard, standard_rows("rtb", record));
+  // A name in the first two lines could state another encoding of the source; the first one counts.
   std::string text =
+      "# -*- coding: utf-8 -*-\n" +
       comment_text(provenance(record) +
                    "Robotics Toolbox for Python. robot.fkine(effective(q)) is the pose of the last "
                    "link\nin the sensor frame; q in radians and metres.\n") +
@@ -45,11 +69,9 @@ Read<std::string> rtb_text(const SignatureRecord& record) {
   for (std::size_t i = 0; i < standard.rows.size(); ++i) {
     text += link(standard.rows[i], record.nominal.limits[i]);
   }
-  // A JSON string is a Python string.
   text += fmt::format(
       "]\nbase = {}\ntool = {}\nrobot = DHRobot(links, name={}, base=base, tool=tool)\n",
-      matrix(standard.X_S0), matrix(standard.X_FL),
-      nlohmann::json(record.arm_name).dump(-1, ' ', true));
+      matrix(standard.X_S0), matrix(standard.X_FL), python_quoted(record.arm_name));
   text +=
       "\n\ndef effective(q):\n"
       "    \"\"\"The readings that move the joints: couplings added.\"\"\"\n"

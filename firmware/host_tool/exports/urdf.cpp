@@ -6,15 +6,17 @@
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/joint_frames.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
 #include "firmware/host_tool/formats/text.hpp"
 #include "firmware/host_tool/formats/units.hpp"
 
 namespace armsig::tool {
 namespace {
 
+// As the value of an attribute. XML 1.0 has no way to write most control characters.
 std::string escaped(std::string_view text) {
   std::string xml;
-  for (const char c : text) {
+  for (const char c : shown(text)) {
     switch (c) {
       case '&':
         xml += "&amp;";

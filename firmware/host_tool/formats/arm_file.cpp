@@ -109,7 +109,7 @@ Read<ArmDescription> arm_from(const YamlNode& root) {
   ARMSIG_TRY(
       map, YamlMap::open(root, "the arm", {"armsig", "name", "joints", "coupling", "deviations"}));
   ArmDescription description;
-  ARMSIG_TRY(name, map.text("name"));
+  ARMSIG_TRY(name, map.name_under("name"));
   description.name = name;
   ARMSIG_TRY(list_node, map.require("joints"));
   ARMSIG_TRY(list, read_list(*list_node, "joints", 1, kMaxJoints));
@@ -240,7 +240,7 @@ Read<void> write_arm_file(const std::string& path, const ArmDescription& descrip
 }
 
 Read<std::string> read_tag(const std::string& path) {
-  ARMSIG_TRY(text, read_text_file(path));
+  ARMSIG_TRY(text, read_text_file(path, kLargestSignature));
   const auto parse = [&]() -> Read<std::string> {
     ARMSIG_TRY(root, parse_yaml(text));
     const YamlNode* tag = root.find("armsig");

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/pose.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
 
 namespace armsig::tool {
 
@@ -26,7 +27,7 @@ std::string comment_text(std::string_view comment) {
   std::string text;
   while (!comment.empty()) {
     const std::size_t stop = std::min(comment.find('\n'), comment.size());
-    text += fmt::format("# {}\n", comment.substr(0, stop));
+    text += fmt::format("# {}\n", shown(comment.substr(0, stop)));
     comment.remove_prefix(std::min(stop + 1, comment.size()));
   }
   return text;

@@ -2,12 +2,14 @@
 #include "firmware/host_tool/formats/foreign_columns.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
 #include "firmware/host_tool/formats/csv_lines.hpp"
 #include "firmware/host_tool/formats/foreign_header.hpp"
 #include "firmware/host_tool/formats/text.hpp"
@@ -94,13 +96,18 @@ std::optional<Places> places_in(const std::vector<std::string>& header, const Wa
   return places;
 }
 
-// Numbers with a decimal comma in ours. Refuses thousands separators.
-std::optional<std::string> number_in_ours(std::string field) {
-  const auto commas = std::ranges::count(field, ',');
-  if (commas == 0) return field;
-  if (commas > 1 || field.find('.') != std::string::npos) return std::nullopt;
-  std::ranges::replace(field, ',', '.');
-  return field;
+// Programs that write Latin-1 are understood: a header line may have its letters and signs. What is
+// a control character in either encoding is refused.
+std::optional<std::size_t> first_bad_in_header(std::string_view line, char separator) {
+  for (std::size_t at = 0; at < line.size();) {
+    const Character character = first_character(line.substr(at));
+    const auto byte = static_cast<std::uint8_t>(line[at]);
+    const bool good =
+        character.length > 0 ? is_printable(character.code) || line[at] == separator : byte >= 0xA0;
+    if (!good) return at;
+    at += std::max<std::size_t>(character.length, 1);
+  }
+  return std::nullopt;
 }
 
 std::unexpected<Problem> no_header(const std::string& path, const Wanted& wanted,
@@ -157,6 +164,11 @@ class Mapper {
       const auto header = fields_of(line, separator);
       auto found = places_in(header, wanted_, types_, mapped_.columns);
       if (!found) continue;
+      if (const auto bad = first_bad_in_header(line, separator)) {
+        return std::unexpected(Problem{
+            path_, static_cast<int>(number), static_cast<int>(*bad + 1),
+            "the byte " + in_quotes(line.substr(*bad, 1)) + " in the header", "printable text"});
+      }
       places_ = std::move(*found);
       mapped_.separator = separator;
       mapped_.header_line = number;
@@ -183,18 +195,40 @@ class Mapper {
       }
       if (*places_[k] >= fields.size()) break;  // the reader of our format says so
       const std::string& field = fields[*places_[k]];
-      const auto spelt = number_in_ours(field);
-      if (!spelt) {
-        return std::unexpected(Problem{path_, static_cast<int>(number), 0,
-                                       fmt::format("{}: {} has more than a decimal separator",
-                                                   mapped_.columns[k].theirs, in_quotes(field)),
-                                       "a number without thousands separators"});
-      }
-      if (*spelt != field) mapped_.decimal_comma = true;
-      ours.push_back(*spelt);
+      auto spelt = number_in_ours(field, mapped_.columns[k].theirs, number);
+      if (!spelt) return std::unexpected(std::move(spelt).error());
+      ours.push_back(*std::move(spelt));
     }
     write(ours, number);
     return {};
+  }
+
+  // A number with a decimal comma in ours. Refuses what could be a thousands separator.
+  Read<std::string> number_in_ours(std::string field, const std::string& column,
+                                   std::size_t number) {
+    const auto refused = [&](const char* what, std::string expected) {
+      return std::unexpected(Problem{path_, static_cast<int>(number), 0,
+                                     fmt::format("{}: {} {}", column, in_quotes(field), what),
+                                     std::move(expected)});
+    };
+    const auto commas = std::ranges::count(field, ',');
+    const bool point = field.find('.') != std::string::npos;
+    if (commas > 1 || (commas == 1 && point)) {
+      return refused("has more than a decimal separator", "a number without thousands separators");
+    }
+    if (commas == 1 && mapped_.separator == ',') {
+      return refused("may have a decimal comma or a thousands separator",
+                     "decimal points where commas separate the columns; or columns separated by "
+                     "semicolons or tabs");
+    }
+    if ((commas == 1 && decimal_point_) || (point && mapped_.decimal_comma)) {
+      return refused("has another decimal separator than the lines before",
+                     "points in all numbers, or commas in all");
+    }
+    mapped_.decimal_comma = mapped_.decimal_comma || commas == 1;
+    decimal_point_ = decimal_point_ || point;
+    std::ranges::replace(field, ',', '.');
+    return field;
   }
 
   // Our lines have the numbers of theirs, so that a problem names the right one.
@@ -210,6 +244,7 @@ class Mapper {
   MappedMeasurements mapped_;
   Places places_;
   std::string first_line_;
+  bool decimal_point_ = false;  // a number had one
   std::size_t preamble_ = 0;
   std::size_t written_ = 0;
 };

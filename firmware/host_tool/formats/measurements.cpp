@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/formats/measurements.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -136,6 +137,16 @@ Read<void> MeasurementReader::read_target(MeasurementRow& row) const {
   return {};
 }
 
+Read<void> MeasurementReader::count_target(int number) {
+  if (std::ranges::find(targets_, number) != targets_.end()) return {};
+  if (targets_.full()) {
+    return table_.problem(kTarget, fmt::format("target {} is one too many", number),
+                          fmt::format("at most {} targets", kMaxTargets));
+  }
+  targets_.push_back(number);
+  return {};
+}
+
 Read<bool> MeasurementReader::next(MeasurementRow& row) {
   ARMSIG_TRY(more, table_.next());
   if (!more) {
@@ -151,6 +162,9 @@ Read<bool> MeasurementReader::next(MeasurementRow& row) {
   row.line = table_.line();
   row.sweep = static_cast<std::size_t>(sweep);
   row.target = static_cast<int>(table_.value(kTarget));
+  if (auto counted = count_target(row.target); !counted) {
+    return std::unexpected(std::move(counted).error());
+  }
   row.q.resize(joints_);
   for (std::size_t i = 0; i < joints_; ++i) row.q[i] = table_.value(q_ + i);
   if (auto target = read_target(row); !target) return std::unexpected(std::move(target).error());

@@ -11,6 +11,7 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
+#include "core/signature.hpp"
 #include "firmware/host_tool/formats/csv_table.hpp"
 #include "firmware/host_tool/formats/problem.hpp"
 #include "firmware/host_tool/formats/text_file.hpp"
@@ -45,7 +46,8 @@ class MeasurementReader {
   [[nodiscard]] static Read<MeasurementReader> over(std::string_view text, std::string_view file,
                                                     const JointTypes& types);
 
-  // Fills `row`, or gives false at the end of the file. A file without any row is refused.
+  // Fills `row`, or gives false at the end of the file. Refuses a file without any row, and one
+  // with more than kMaxTargets targets.
   [[nodiscard]] Read<bool> next(MeasurementRow& row);
 
   [[nodiscard]] std::size_t receiver_count() const { return receivers_; }  // 0: positions
@@ -59,11 +61,13 @@ class MeasurementReader {
   [[nodiscard]] static Read<MeasurementReader> over(LineReader lines, const JointTypes& types);
   [[nodiscard]] Read<void> check_columns();
   [[nodiscard]] Read<void> read_target(MeasurementRow& row) const;
+  [[nodiscard]] Read<void> count_target(int number);
 
   CsvTable table_;
   std::size_t joints_;
   std::size_t receivers_ = 0;
   std::size_t rows_ = 0;
+  FixedVector<int, kMaxTargets> targets_;  // numbers seen
   // Indices of the quantities in the table; sweep and target are 0 and 1.
   std::size_t q_ = 2;
   std::size_t x_;

@@ -67,7 +67,7 @@ Read<SensorDescription> sensor_from(const YamlNode& root) {
   add_names(known, "range_sigma", Dimension::kLength);
   ARMSIG_TRY(map, YamlMap::open(root, "the sensor", known));
   SensorDescription sensor;
-  ARMSIG_TRY(name, map.text("name"));
+  ARMSIG_TRY(name, map.name_under("name"));
   ARMSIG_TRY(receivers, map.require("receivers"));
   ARMSIG_TRY(receivers_S, read_receivers(*receivers));
   ARMSIG_TRY(sigma_m, map.quantity("range_sigma", Dimension::kLength));

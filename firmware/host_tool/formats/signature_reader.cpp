@@ -96,12 +96,9 @@ Read<void> read_targets(const YamlMap& root, Signature& signature) {
 
 // What says where the signature comes from.
 Read<void> read_origin(const YamlMap& root, SignatureRecord& record) {
-  ARMSIG_TRY(arm_name, root.text("name"));
-  ARMSIG_TRY(serial, root.require("serial"));
-  if (serial->kind != YamlNode::Kind::kScalar) {
-    return problem_at(*serial, "serial: " + std::string(word_of(serial->kind)),
-                      "text, \"\" where there is none");
-  }
+  ARMSIG_TRY(arm_name, root.name_under("name"));
+  ARMSIG_TRY(serial_node, root.require("serial"));
+  ARMSIG_TRY(serial, read_name(*serial_node, "serial"));
   ARMSIG_TRY(method, root.text("method"));
   constexpr std::array<std::string_view, 4> kMethods{"paper", "encoder", "refined", "exact"};
   if (std::ranges::find(kMethods, method) == kMethods.end()) {
@@ -113,9 +110,9 @@ Read<void> read_origin(const YamlMap& root, SignatureRecord& record) {
     return problem_at(*root.find("time"), "time: " + in_quotes(time),
                       "UTC like 1986-04-07T12:00:00Z");
   }
-  ARMSIG_TRY(version, root.text("version"));
+  ARMSIG_TRY(version, root.name_under("version"));
   record.arm_name = arm_name;
-  record.serial = serial->text;
+  record.serial = serial;
   record.method = method;
   record.time = time;
   record.version = version;
@@ -259,7 +256,7 @@ Read<SignatureRecord> parse_signature(std::string_view text, std::string_view fi
 }
 
 Read<SignatureRecord> read_signature_file(const std::string& path) {
-  ARMSIG_TRY(text, read_text_file(path));
+  ARMSIG_TRY(text, read_text_file(path, kLargestSignature));
   return parse_signature(text, path);
 }
 

@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "firmware/host_tool/formats/characters.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -35,40 +36,20 @@ std::string_view without_plus(std::string_view text) {
   return text;
 }
 
-// The length of the UTF-8 sequence at the start of `text`, 0 if it is none.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
-  const std::uint8_t first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  std::uint32_t code = first & (0x7FU >> length);
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0U) != 0x80U) return 0;
-    code = (code << 6U) | (byte(i) & 0x3FU);
-  }
-  const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
-  const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
-  return overlong || surrogate || code > 0x10FFFF ? 0 : length;
-}
-
 }  // namespace
 
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 40;
-  const bool clipped = text.size() > kLongest;
-  std::string shown = "\"";
-  for (text = text.substr(0, kLongest); !text.empty();) {
-    const std::size_t length = utf8_length(text);
-    const auto first = static_cast<std::uint8_t>(text[0]);
-    if (length == 0 || first < 0x20 || first == 0x7F) {
-      shown += fmt::format("\\x{:02X}", first);
-    } else {
-      shown += text.substr(0, length);
-    }
-    text.remove_prefix(std::max<std::size_t>(length, 1));
+  std::size_t end = 0;  // of the last character that fits
+  while (end < text.size()) {
+    const std::size_t length = std::max<std::size_t>(first_character(text.substr(end)).length, 1);
+    if (end + length > kLongest) break;
+    end += length;
   }
-  return shown + (clipped ? "...\"" : "\"");
+  std::string quoted(1, '"');
+  quoted += shown(text.substr(0, end));
+  quoted += end < text.size() ? "...\"" : "\"";
+  return quoted;
 }
 
 std::string any_of(std::span<const std::string> words) {
@@ -138,13 +119,12 @@ std::optional<int> parse_integer(std::string_view text) {
 std::string number_text(double value) { return fmt::format("{:.17g}", value); }
 
 std::optional<std::size_t> first_bad_byte(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = utf8_length(text.substr(at));
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const auto bad = first_unprintable(text.substr(at));
+    if (!bad) return std::nullopt;
+    at += *bad;
     const char c = text[at];
-    const bool control =
-        (static_cast<std::uint8_t>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7F;
-    if (length == 0 || control) return at;
-    at += length;
+    if (c != '\t' && c != '\n' && c != '\r') return at;
   }
   return std::nullopt;
 }

@@ -12,7 +12,7 @@ namespace armsig::tool {
 // What some editors begin a file of UTF-8 with.
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-// `text` in double quotes, clipped to 40 bytes, bytes that a terminal can't show as \xNN.
+// `text` in double quotes, clipped to 40 bytes, what is not printable escaped (characters.hpp).
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 // "a", "a or b", "a, b or c".
@@ -38,8 +38,8 @@ inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 // `value` with 17 significant digits, which parse_number reads back bit for bit.
 [[nodiscard]] std::string number_text(double value);
 
-// Is `text` valid UTF-8 without control characters other than tab, line feed and carriage return?
-// Gives the position of the first byte that is not, or nothing.
+// Is `text` printable (characters.hpp) but for tabs, line feeds and carriage returns? Gives the
+// position of the first byte that is not, or nothing.
 [[nodiscard]] std::optional<std::size_t> first_bad_byte(std::string_view text);
 
 }  // namespace armsig::tool

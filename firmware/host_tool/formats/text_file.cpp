@@ -6,15 +6,19 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
+#include <climits>
+#include <fmt/format.h>
+
 namespace armsig::tool {
 namespace {
 
-constexpr std::size_t kLargestText = std::size_t{16} << 20U;
 constexpr std::size_t kWriteBuffer = std::size_t{64} << 10U;
 
 std::unexpected<Problem> system_problem(const std::string& path, std::string_view what, int error) {
@@ -27,14 +31,55 @@ std::string directory_of(const std::string& path) {
   return directory.empty() ? "." : directory;
 }
 
+// The temporary files there are now, for the handler of signals: fixed places, since a handler may
+// not allocate. A file beyond them is only left behind by a signal.
+struct Temporary {
+  std::atomic<bool> used = false;
+  std::array<char, PATH_MAX> path{};
+};
+std::array<Temporary, 4> temporaries;
+
+void remember(const std::string& path) {
+  for (Temporary& temporary : temporaries) {
+    if (temporary.used || path.size() >= temporary.path.size()) continue;
+    path.copy(temporary.path.data(), path.size());
+    temporary.path[path.size()] = '\0';
+    temporary.used = true;
+    return;
+  }
+}
+
+void forget(const std::string& path) {
+  for (Temporary& temporary : temporaries) {
+    if (temporary.used && path == temporary.path.data()) temporary.used = false;
+  }
+}
+
+extern "C" void remove_temporaries(int signal) {
+  for (const Temporary& temporary : temporaries) {
+    if (temporary.used) ::unlink(temporary.path.data());
+  }
+  // SA_RESETHAND has put the default back: this ends the process as the signal would have.
+  ::raise(signal);
+}
+
 // A name in the same directory that nobody uses; its file, or -1 with errno set.
 int open_temporary(const std::string& path, mode_t mode, std::string& temporary_path) {
   constexpr int kTries = 100;
   for (int i = 0; i < kTries; ++i) {
     temporary_path = path + ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(i);
+    // Open before it is remembered: the handler must not remove a file that is not ours.
+    sigset_t all;
+    sigset_t former;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_BLOCK, &all, &former);
     const int descriptor =
         ::open(temporary_path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+    const int error = errno;
+    if (descriptor >= 0) remember(temporary_path);
+    ::pthread_sigmask(SIG_SETMASK, &former, nullptr);
+    errno = error;
+    if (descriptor >= 0 || error != EEXIST) return descriptor;
   }
   return -1;
 }
@@ -51,19 +96,32 @@ Read<FileHandle> open_file(const std::string& path) {
   return file;
 }
 
-Read<std::string> read_text_file(const std::string& path) {
+Read<std::string> read_text_file(const std::string& path, std::size_t largest) {
   auto file = open_file(path);
   if (!file) return std::unexpected(std::move(file).error());
   std::string text;
   std::array<char, 16384> piece{};
   while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file->get())) {
     text.append(piece.data(), count);
-    if (text.size() > kLargestText) {
-      return std::unexpected(Problem{path, 0, 0, "the file is too large", "at most 16 MiB"});
+    if (text.size() > largest) {
+      return std::unexpected(Problem{path, 0, 0, "the file is too large",
+                                     fmt::format("at most {} KiB", largest >> 10U)});
     }
   }
   if (std::ferror(file->get()) != 0) return system_problem(path, "can't be read", errno);
   return text;
+}
+
+void remove_temporaries_on_signals() {
+  struct sigaction action{};
+  action.sa_handler = remove_temporaries;
+  action.sa_flags = SA_RESETHAND;
+  ::sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGXFSZ}) {
+    struct sigaction former{};
+    if (::sigaction(signal, nullptr, &former) != 0 || former.sa_handler != SIG_DFL) continue;
+    ::sigaction(signal, &action, nullptr);
+  }
 }
 
 Read<AtomicFile> AtomicFile::create(const std::string& path) {
@@ -107,7 +165,9 @@ AtomicFile::AtomicFile(AtomicFile&& other) noexcept
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!temporary_path_.empty()) ::unlink(temporary_path_.c_str());
+  if (temporary_path_.empty()) return;
+  ::unlink(temporary_path_.c_str());
+  forget(temporary_path_);
 }
 
 void AtomicFile::write(std::string_view text) {
@@ -138,6 +198,7 @@ Read<void> AtomicFile::commit() {
   }
   if (first_errno_ != 0) return system_problem(path_, "can't be written", first_errno_);
   if (direct) return {};
+  forget(temporary_path_);
   temporary_path_.clear();
   // The rename itself must survive a power cut too; a directory that can't be opened is no reason
   // to disown a complete file.

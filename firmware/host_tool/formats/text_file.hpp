@@ -2,6 +2,7 @@
 // Whole text files in and out. Measurements are not read here: csv_lines.hpp streams them.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -20,8 +21,19 @@ using FileHandle = std::unique_ptr<std::FILE, FileCloser>;
 // Opens `path` for reading; the problem says why it can't be ("No such file or directory").
 [[nodiscard]] Read<FileHandle> open_file(const std::string& path);
 
-// The content of `path`. Refuses a file above 16 MiB: no description or signature is that large.
-[[nodiscard]] Read<std::string> read_text_file(const std::string& path);
+// No file of its kind is larger.
+inline constexpr std::size_t kLargestDescription = std::size_t{256} << 10U;  // arm, sensor, daemon
+inline constexpr std::size_t kLargestSignature = std::size_t{4} << 20U;
+inline constexpr std::size_t kLargestUrdf = std::size_t{4} << 20U;
+
+// The content of `path`. Refuses a file of more than `largest` bytes.
+[[nodiscard]] Read<std::string> read_text_file(const std::string& path,
+                                               std::size_t largest = kLargestDescription);
+
+// From now on SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU and SIGXFSZ, where they end the process,
+// end it without a temporary file left behind. For a program to call when it starts; SIGKILL and a
+// power cut leave one, whose name ends in .tmp-PID-N.
+void remove_temporaries_on_signals();
 
 // A file that appears under its name only when it is complete: written beside it under a temporary
 // name, synchronised to the disk, then renamed. Without commit() the temporary file is removed and

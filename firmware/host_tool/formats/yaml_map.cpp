@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
 #include "firmware/host_tool/formats/text.hpp"
 
 namespace armsig::tool {
@@ -61,6 +62,17 @@ Read<int> read_integer(const YamlNode& node, std::string_view what, int lowest, 
 Read<std::string> read_text(const YamlNode& node, std::string_view what) {
   if (node.kind != YamlNode::Kind::kScalar || node.text.empty()) {
     return problem_at(node, fmt::format("{}: {}", what, seen(node)), "text");
+  }
+  return node.text;
+}
+
+Read<std::string> read_name(const YamlNode& node, std::string_view what) {
+  if (node.kind != YamlNode::Kind::kScalar) {
+    return problem_at(node, fmt::format("{}: {}", what, word_of(node.kind)),
+                      "text, \"\" where there is none");
+  }
+  if (const auto why = why_no_name(node.text)) {
+    return problem_at(node, fmt::format("{}: {}", what, *why), std::string(kNameExpected));
   }
   return node.text;
 }
@@ -156,6 +168,12 @@ Read<int> YamlMap::integer(std::string_view key, int lowest, int highest) const 
 Read<std::string> YamlMap::text(std::string_view key) const {
   ARMSIG_TRY(node, require(key));
   return read_text(*node, key);
+}
+
+Read<std::string> YamlMap::name_under(std::string_view key) const {
+  ARMSIG_TRY(node, require(key));
+  if (auto text = read_text(*node, key); !text) return text;
+  return read_name(*node, key);
 }
 
 Read<Vector3> YamlMap::vector3(std::string_view key) const {

@@ -27,6 +27,9 @@ namespace armsig::tool {
 // A text that is not empty.
 [[nodiscard]] Read<std::string> read_text(const YamlNode& node, std::string_view what);
 
+// A name, serial number or version: a text of at most kLongestName bytes, which may be empty.
+[[nodiscard]] Read<std::string> read_name(const YamlNode& node, std::string_view what);
+
 // A list of exactly `count` finite numbers.
 [[nodiscard]] Read<std::vector<double>> read_numbers(const YamlNode& node, std::string_view what,
                                                      std::size_t count);
@@ -64,6 +67,8 @@ class YamlMap {
   [[nodiscard]] Read<double> number(std::string_view key) const;
   [[nodiscard]] Read<int> integer(std::string_view key, int lowest, int highest) const;
   [[nodiscard]] Read<std::string> text(std::string_view key) const;
+  // The name under `key`, not empty.
+  [[nodiscard]] Read<std::string> name_under(std::string_view key) const;
   [[nodiscard]] Read<Vector3> vector3(std::string_view key) const;
   // The number of quantity_unit, in SI.
   [[nodiscard]] Read<double> quantity(std::string_view quantity, Dimension dimension) const;

@@ -2,8 +2,8 @@
 #include "firmware/host_tool/formats/yaml_tree.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <exception>
-#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -13,6 +13,7 @@
 #include <yaml-cpp/mark.h>
 #include <yaml-cpp/parser.h>
 
+#include "firmware/host_tool/formats/characters.hpp"
 #include "firmware/host_tool/formats/text.hpp"
 
 namespace armsig::tool {
@@ -21,7 +22,18 @@ namespace {
 // More than any of our maps has; keeps the search for equal keys short.
 constexpr std::size_t kMostKeys = 256;
 
-// Builds the tree from yaml-cpp's events; keeps the first problem and ignores what follows it.
+// Deeper than any of ours.
+constexpr std::size_t kDeepest = 16;
+// A signature with the largest covariance has 70,000. yaml-cpp keeps a token for each, and a list
+// in brackets whole, before it says a word: what is more is refused before it sees the text.
+constexpr std::ptrdiff_t kMostMarks = 250'000;
+
+// Thrown through yaml-cpp, which has no other way to stop.
+struct Stop {
+  Problem problem;
+};
+
+// Builds the tree from yaml-cpp's events; stops it at the first problem.
 class TreeBuilder final : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
@@ -37,6 +49,7 @@ class TreeBuilder final : public YAML::EventHandler {
                 const std::string& value) override {
     refuse_anchor(mark, anchor);
     refuse_tag(mark, tag);
+    refuse_unprintable(mark, value);
     YamlNode node = node_at(mark, YamlNode::Kind::kScalar);
     node.plain = tag == "?";
     node.text = value;
@@ -46,21 +59,18 @@ class TreeBuilder final : public YAML::EventHandler {
                        YAML::EmitterStyle::value /*style*/) override {
     refuse_anchor(mark, anchor);
     refuse_tag(mark, tag);
-    open_.push_back(node_at(mark, YamlNode::Kind::kSequence));
+    open(node_at(mark, YamlNode::Kind::kSequence));
   }
   void OnSequenceEnd() override { close(); }
   void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value /*style*/) override {
     refuse_anchor(mark, anchor);
     refuse_tag(mark, tag);
-    open_.push_back(node_at(mark, YamlNode::Kind::kMap));
+    open(node_at(mark, YamlNode::Kind::kMap));
   }
   void OnMapEnd() override { close(); }
 
-  [[nodiscard]] Read<YamlNode> result() && {
-    if (problem_) return std::unexpected(*std::move(problem_));
-    return std::move(root_);
-  }
+  [[nodiscard]] YamlNode result() && { return std::move(root_); }
 
  private:
   static YamlNode node_at(const YAML::Mark& mark, YamlNode::Kind kind) {
@@ -71,18 +81,35 @@ class TreeBuilder final : public YAML::EventHandler {
     return node;
   }
 
-  void refuse(int line, int column, std::string what, std::string expected) {
-    if (problem_) return;
-    problem_ = Problem{{}, line, column, std::move(what), std::move(expected)};
+  [[noreturn]] static void refuse(int line, int column, std::string what, std::string expected) {
+    throw Stop{{{}, line, column, std::move(what), std::move(expected)}};
   }
-  void refuse_anchor(const YAML::Mark& mark, YAML::anchor_t anchor) {
+  // Escapes such as "\r" and "\N" make characters that the bytes of the file do not show.
+  static void refuse_unprintable(const YAML::Mark& mark, const std::string& value) {
+    const auto bad = first_unprintable(value);
+    if (!bad) return;
+    const std::string_view rest = std::string_view(value).substr(*bad);
+    const std::size_t length = std::max<std::size_t>(first_character(rest).length, 1);
+    refuse(
+        mark.line + 1, mark.column + 1,
+        fmt::format("the character {} in {}", in_quotes(rest.substr(0, length)), in_quotes(value)),
+        "printable text on one line");
+  }
+  static void refuse_anchor(const YAML::Mark& mark, YAML::anchor_t anchor) {
     if (anchor == 0) return;
     refuse(mark.line + 1, mark.column + 1, "a YAML anchor or alias", "the value itself");
   }
   // "?" and "!" are yaml-cpp's marks for plain and quoted scalars without a tag.
-  void refuse_tag(const YAML::Mark& mark, const std::string& tag) {
+  static void refuse_tag(const YAML::Mark& mark, const std::string& tag) {
     if (tag.empty() || tag == "?" || tag == "!") return;
     refuse(mark.line + 1, mark.column + 1, "a YAML tag", "a value without a tag");
+  }
+
+  void open(YamlNode node) {
+    if (open_.size() == kDeepest) {
+      refuse(node.line, node.column, "nested too deeply", fmt::format("{} levels", kDeepest));
+    }
+    open_.push_back(std::move(node));
   }
 
   void close() {
@@ -92,7 +119,6 @@ class TreeBuilder final : public YAML::EventHandler {
   }
 
   void add(YamlNode node) {
-    if (problem_) return;
     if (open_.empty()) {
       root_ = std::move(node);
       return;
@@ -106,14 +132,12 @@ class TreeBuilder final : public YAML::EventHandler {
     }
   }
 
-  void check_key(const YamlNode& map, const YamlNode& key) {
+  static void check_key(const YamlNode& map, const YamlNode& key) {
     if (key.kind != YamlNode::Kind::kScalar) {
       refuse(key.line, key.column, "a key that is not text", "a name before the colon");
-      return;
     }
     if (map.keys.size() == kMostKeys) {
       refuse(key.line, key.column, "too many keys", fmt::format("at most {} in a map", kMostKeys));
-      return;
     }
     const auto earlier = std::ranges::find(map.keys, key.text, &YamlNode::text);
     if (earlier == map.keys.end()) return;
@@ -125,18 +149,30 @@ class TreeBuilder final : public YAML::EventHandler {
 
   YamlNode root_;
   std::vector<YamlNode> open_;
-  std::optional<Problem> problem_;
 };
 
 // yaml-cpp takes some bytes for more than they are (0x04 ends its input, 0xFF 0xFE starts UTF-16).
 Read<void> check_bytes(std::string_view text) {
   const auto bad = first_bad_byte(text);
   if (!bad) return {};
+  const Character character = first_character(text.substr(*bad));
   const std::string_view before = text.substr(0, *bad);
   const auto line = std::ranges::count(before, '\n') + 1;
   const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
   return problem_at(static_cast<int>(line), static_cast<int>(*bad - line_start + 1),
-                    "the byte " + in_quotes(text.substr(*bad, 1)), "UTF-8 text");
+                    character.length > 1
+                        ? "the character " + in_quotes(text.substr(*bad, character.length))
+                        : "the byte " + in_quotes(text.substr(*bad, 1)),
+                    "UTF-8 text");
+}
+
+Read<void> check_size(std::string_view text) {
+  const auto is_mark = [](char c) {
+    return std::string_view(",:[]{}\n").find(c) != std::string_view::npos;
+  };
+  if (std::ranges::count_if(text, is_mark) <= kMostMarks) return {};
+  return problem_at(0, 0, "too much in one file",
+                    fmt::format("at most {} lines, commas, colons and brackets", kMostMarks));
 }
 
 Read<YamlNode> parse_with_yaml_cpp(std::string_view text) {
@@ -148,8 +184,8 @@ Read<YamlNode> parse_with_yaml_cpp(std::string_view text) {
   }
   TreeBuilder second;
   if (parser.HandleNextDocument(second)) {
-    const auto extra = std::move(second).result();
-    return problem_at(extra ? extra->line : 0, 0, "a second YAML document", "one document a file");
+    return problem_at(std::move(second).result().line, 0, "a second YAML document",
+                      "one document a file");
   }
   return std::move(document).result();
 }
@@ -164,9 +200,12 @@ const YamlNode* YamlNode::find(std::string_view key) const {
 
 Read<YamlNode> parse_yaml(std::string_view text) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  if (auto small = check_size(text); !small) return std::unexpected(std::move(small).error());
   if (auto clean = check_bytes(text); !clean) return std::unexpected(std::move(clean).error());
   try {
     return parse_with_yaml_cpp(text);
+  } catch (const Stop& stop) {
+    return std::unexpected(stop.problem);
   } catch (const YAML::Exception& fault) {
     // There is no file behind our stream: yaml-cpp says "bad file" of maps in maps in maps ...
     const bool too_deep = fault.msg == YAML::ErrorMsg::BAD_FILE;
@@ -194,17 +233,20 @@ std::string_view word_of(YamlNode::Kind kind) {
 
 std::string yaml_quoted(std::string_view text) {
   std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
+  while (!text.empty()) {
+    const Character character = first_character(text);
+    const std::size_t length = std::max<std::size_t>(character.length, 1);
+    if (text[0] == '"' || text[0] == '\\') {
       out += '\\';
-      out += c;
-    } else if (c == '\n') {
-      out += "\\n";
-    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+      out += text[0];
+    } else if (character.length == 0) {
+      out += "\\uFFFD";  // YAML has no way to write a byte
+    } else if (is_printable(character.code)) {
+      out += text.substr(0, length);
     } else {
-      out += c;
+      out += fmt::format("\\U{:08X}", character.code);
     }
+    text.remove_prefix(length);
   }
   return out + "\"";
 }

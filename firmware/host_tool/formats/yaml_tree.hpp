@@ -3,7 +3,8 @@
 //
 // yaml-cpp does the parsing; its own Node loses the places of keys, keeps the first of two equal
 // keys, and throws on access. Only the part of YAML that our files use is let in: maps with
-// distinct text keys, sequences, scalars; no anchors, aliases or tags, one document a file.
+// distinct text keys, sequences, scalars of printable characters; no anchors, aliases or tags, one
+// document a file, 16 levels, 250,000 lines, commas, colons and brackets.
 #pragma once
 
 #include <cstdint>
@@ -30,13 +31,13 @@ struct YamlNode {
   [[nodiscard]] const YamlNode* find(std::string_view key) const;
 };
 
-// The document in `text`; the caller names the file in the problem.
+// The document in `text`; the caller names the file in the problem. Stops at the first problem.
 [[nodiscard]] Read<YamlNode> parse_yaml(std::string_view text);
 
 // "a map", "a list", "text", "nothing".
 [[nodiscard]] std::string_view word_of(YamlNode::Kind kind);
 
-// `text` as a double-quoted YAML scalar.
+// `text` as a double-quoted YAML scalar; bytes that are no UTF-8 become U+FFFD.
 [[nodiscard]] std::string yaml_quoted(std::string_view text);
 
 }  // namespace armsig::tool

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "firmware/host_tool/formats/characters.hpp"
 #include "firmware/host_tool/formats/text.hpp"
 #include "firmware/host_tool/formats/text_file.hpp"
 #include "firmware/host_tool/imports/import.hpp"
@@ -95,6 +96,14 @@ Read<JointLimits> read_joint_limits(const XMLElement& joint, std::string_view ty
   return JointLimits{lower, upper};
 }
 
+// The name of a robot or joint becomes part of files and messages.
+Read<void> check_name(const XMLElement& element, std::string_view whose) {
+  if (const auto why = why_no_name(attribute(element, "name"))) {
+    return at(element, fmt::format("name of {}: {}", whose, *why), std::string(kNameExpected));
+  }
+  return {};
+}
+
 // A joint that follows another by mimic, waiting for the joint about the same axis.
 struct Follower {
   const XMLElement* element = nullptr;
@@ -109,6 +118,9 @@ class ChainReader {
       : robot_(robot), base_(std::move(base)), tip_(std::move(tip)) {}
 
   Read<ImportedArm> read() {
+    if (auto name = check_name(robot_, "the robot"); !name) {
+      return std::unexpected(std::move(name).error());
+    }
     ARMSIG_TRY(path, path_of_joints());
     for (const XMLElement* joint : path) {
       if (auto added = add(*joint); !added) return std::unexpected(std::move(added).error());
@@ -170,6 +182,7 @@ class ChainReader {
   }
 
   Read<void> add(const XMLElement& joint) {
+    if (auto name = check_name(joint, "a joint"); !name) return name;
     ARMSIG_TRY(X_PJ, read_origin(joint));
     X_BK_ = X_BK_ * X_PJ;
     const std::string type = attribute(joint, "type");
@@ -252,7 +265,7 @@ class ChainReader {
 
 Read<ImportedArm> import_urdf(const std::string& path, const std::string& base,
                               const std::string& tip) {
-  ARMSIG_TRY(text, read_text_file(path));
+  ARMSIG_TRY(text, read_text_file(path, kLargestUrdf));
   const auto parse = [&]() -> Read<ImportedArm> {
     tinyxml2::XMLDocument document;
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {

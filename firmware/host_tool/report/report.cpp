@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/report/report.hpp"
 
+#include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/report/report_page.hpp"
 
 namespace armsig::tool {
@@ -12,7 +13,7 @@ Read<std::string> report_page(const nlohmann::ordered_json& report) {
                                    "a build where npm is found"});
   }
   // "</script>" in a name must not end the page's data.
-  std::string data = report.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  std::string data = json_text(report, -1);
   for (std::size_t k = 0; (k = data.find('<', k)) != std::string::npos;) {
     data.replace(k, 1, "\\u003c");
   }
