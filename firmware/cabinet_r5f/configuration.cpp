@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::size_t kJoints = 6;
 constexpr double kRangeSigma_m = 0.2e-3;
+constexpr double kCountsPerRevolution = 4000;
+constexpr double kGearRatio = 100;
 
 JointVector readings_deg(const std::array<double, kJoints>& degrees) {
   JointVector readings;
@@ -32,6 +34,7 @@ controller::Configuration controller_configuration() {
     c.limits.speed.push_back(1.5);
     c.limits.acceleration.push_back(6.0);
     c.supervision.following_error.push_back(0.08);
+    c.resolution.push_back(2 * kPi / (kCountsPerRevolution * kGearRatio));
   }
   for (const Vector3& p_S : receivers_S()) c.sensor.receivers.p_S.push_back(p_S);
   c.sensor.receivers.range_sigma_m = kRangeSigma_m;
@@ -53,10 +56,11 @@ canopen::Configuration drive_configuration() {
   canopen::Configuration c;
   const Arm drawing = tool::puma560();
   for (std::size_t i = 0; i < kJoints; ++i) {
-    c.axes.push_back({.node = static_cast<canopen::NodeId>(i + 1),
-                      .scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
-                      .limits = drawing.limits[i],
-                      .largest_speed = 2.0});
+    c.axes.push_back(
+        {.node = static_cast<canopen::NodeId>(i + 1),
+         .scaling = {.counts_per_revolution = kCountsPerRevolution, .gear_ratio = kGearRatio},
+         .limits = drawing.limits[i],
+         .largest_speed = 2.0});
   }
   c.period = kPeriod;
   c.bits_per_second = kBitsPerSecond;

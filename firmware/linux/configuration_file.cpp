@@ -42,7 +42,8 @@ Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
   std::vector<std::string> known{"interface", "bits_per_second", "master_node", "sdo_attempts",
                                  "missed_feedback_limit"};
   for (const char* time :
-       {"heartbeat", "heartbeat_timeout", "boot_timeout", "sdo_timeout", "transition_timeout"}) {
+       {"heartbeat", "heartbeat_timeout", "boot_timeout", "sdo_timeout", "transition_timeout",
+        "stop_timeout", "targets_ignored", "limited", "lagging", "warning", "voltage_lost"}) {
     add_names(known, time, Dimension::kTime);
   }
   ARMSIG_TRY(node, root.require("can"));
@@ -63,6 +64,12 @@ Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
       .time("sdo_timeout", c.drives.sdo_timeout)
       .integer("sdo_attempts", 1, kMost, c.drives.sdo_attempts)
       .time("transition_timeout", c.drives.transition_timeout)
+      .time("stop_timeout", c.drives.stop_timeout)
+      .time("targets_ignored", c.drives.status_limits.ignores)
+      .time("limited", c.drives.status_limits.limits)
+      .time("lagging", c.drives.status_limits.lags)
+      .time("warning", c.drives.status_limits.warns)
+      .time("voltage_lost", c.drives.status_limits.no_voltage)
       .integer("missed_feedback_limit", 1, kMost, c.drives.missed_feedback_limit);
   return settings.done();
 }

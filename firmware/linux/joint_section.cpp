@@ -42,7 +42,9 @@ std::vector<std::string> known_keys() {
       add_names(known, reading, tool::dimension_of(type));
     }
     for (const char* speed : {"speed", "motor_speed"}) add_names(known, speed, speed_of(type));
-    add_names(known, "acceleration", acceleration_of(type));
+    for (const char* acceleration : {"acceleration", "stop_deceleration"}) {
+      add_names(known, acceleration, acceleration_of(type));
+    }
   }
   return known;
 }
@@ -78,7 +80,12 @@ Read<void> refuse_other_units(const YamlMap& map, JointType type) {
   for (const char* speed : {"speed", "motor_speed"}) {
     if (auto ok = refuse(speed, speed_of(other), speed_of(type)); !ok) return ok;
   }
-  return refuse("acceleration", acceleration_of(other), acceleration_of(type));
+  for (const char* acceleration : {"acceleration", "stop_deceleration"}) {
+    if (auto ok = refuse(acceleration, acceleration_of(other), acceleration_of(type)); !ok) {
+      return ok;
+    }
+  }
+  return {};
 }
 
 Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
@@ -106,7 +113,8 @@ Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
   settings.flag("reversed", scaling.reversed)
       .integer("zero_counts", std::numeric_limits<std::int32_t>::min() + 1,
                std::numeric_limits<std::int32_t>::max(), scaling.zero_counts)
-      .quantity("following_window", tool::dimension_of(type), axis.following_window);
+      .quantity("following_window", tool::dimension_of(type), axis.following_window)
+      .quantity("stop_deceleration", acceleration_of(type), axis.stop_deceleration);
   if (auto done = settings.done(); !done) return std::unexpected(done.error());
   return axis;
 }

@@ -41,6 +41,7 @@ void Drive::restore_dictionary() {
   const auto ramp = static_cast<std::uint32_t>(configuration_.motion.stop_deceleration);
   dictionary_.set(0x6084, 0, ramp);
   dictionary_.set(0x6085, 0, ramp);
+  if (set_) dictionary_.set(set_->index, set_->subindex, set_->value);
   read_settings();
 }
 

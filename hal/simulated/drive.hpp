@@ -70,6 +70,11 @@ class Drive final : public CanDevice {
   [[nodiscard]] const DriveDictionary& dictionary() const { return dictionary_; }
 
   void inject(DriveFault fault, std::int32_t code = 0);
+  // What another tool stored in the drive: its value now, and after every reset.
+  void set_object(std::uint16_t index, std::uint8_t subindex, std::uint32_t value) {
+    set_ = SetObject{index, subindex, value};
+    dictionary_.set(index, subindex, value);
+  }
   // Somebody leans on the joint.
   void push(double counts) { motion_.push(counts); }
 
@@ -91,6 +96,12 @@ class Drive final : public CanDevice {
     hal::Duration following_timeout{};
     hal::Duration period{};   // 60C2h
     std::int32_t offset = 0;  // 60B0h
+  };
+
+  struct SetObject {
+    std::uint16_t index = 0;
+    std::uint8_t subindex = 0;
+    std::uint32_t value = 0;
   };
 
   void restore_dictionary();
@@ -129,6 +140,7 @@ class Drive final : public CanDevice {
   std::optional<hal::CanFrame> pending_pdo_;
   std::optional<hal::Instant> answer_at_;
   DriveFault fault_ = DriveFault::kNone;
+  std::optional<SetObject> set_;
   std::int32_t jump_ = 0;
   std::uint16_t bits_ = 0;  // of kBitsClear and kBitsSet
 };

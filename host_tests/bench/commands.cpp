@@ -36,6 +36,10 @@ constexpr std::array kDriveFaults{
     std::pair{std::string_view("pre-operational"), DriveFault::kPreOperational},
     std::pair{std::string_view("sdo"), DriveFault::kSdoSilent},
     std::pair{std::string_view("sync"), DriveFault::kSyncLost},
+    std::pair{std::string_view("ignores"), DriveFault::kIgnoresTargets},
+    std::pair{std::string_view("bits-clear"), DriveFault::kBitsClear},
+    std::pair{std::string_view("bits-set"), DriveFault::kBitsSet},
+    std::pair{std::string_view("information"), DriveFault::kInformation},
 };
 constexpr std::array kSensorFaults{
     std::pair{std::string_view("none"), SensorFault::kNone},
@@ -80,7 +84,8 @@ std::string hand(Plant& plant, Request& request) {
 
 std::string drive_fault(Plant& plant, Request& request) {
   const std::string kind = request.text("kind");
-  const bool with_code = kind == "emergency" || kind == "jump";
+  const bool with_code = kind == "emergency" || kind == "jump" || kind == "bits-clear" ||
+                         kind == "bits-set" || kind == "information";
   const int code = with_code ? request.integer("code", -1'000'000'000, 1'000'000'000) : 0;
   const int joint = request.integer("joint", 1, static_cast<int>(plant.joints()));
   const DriveFault* fault = named(kDriveFaults, kind);
@@ -134,7 +139,8 @@ std::string lose_sync(Plant& plant, Request& request) {
 
 constexpr std::string_view kHelp =
     "ok status | hand | drive joint=N kind=none|emergency|silent|heartbeat|feedback|blocked|power|"
-    "reboot|deaf|jump|pre-operational|sdo|sync [code=N] | sensor kind=none|stale|silent|crc|unit|"
+    "reboot|deaf|jump|pre-operational|sdo|sync|ignores|bits-clear|bits-set|information [code=N] | "
+    "sensor kind=none|stale|silent|crc|unit|"
     "exception|short|unplugged | field [air_c=] [thermometer_error_k=] [sigma_mm=] [dropout=] "
     "[multipath=] | lose-sync frames=N";
 

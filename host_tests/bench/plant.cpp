@@ -46,12 +46,13 @@ Plant::Plant(const PlantConfiguration& configuration, hal::Instant now)
       now_(now) {
   for (std::size_t i = 0; i < configuration.arm.arm.joints.size(); ++i) {
     const double start = configuration.start[i] * counts_per_unit(i) + configuration.zero_counts[i];
-    drives_.emplace_back(
-        simulated::DriveConfiguration{
-            .node = static_cast<std::uint8_t>(i + 1),
-            .motion = {.start = start, .bandwidth_hz = configuration.bandwidth_hz},
-            .sync_loss_periods = configuration.sync_loss_periods},
-        bus_, now);
+    simulated::DriveConfiguration drive;
+    if (configuration.honest) drive = simulated::honest_drive(drive.node, counts_per_unit(i));
+    drive.node = static_cast<std::uint8_t>(i + 1);
+    drive.motion.start = start;
+    drive.motion.bandwidth_hz = configuration.bandwidth_hz;
+    drive.sync_loss_periods = configuration.sync_loss_periods;
+    drives_.emplace_back(drive, bus_, now);
   }
   if (configuration.sensor_node != 0) node_.emplace(configuration.sensor_node, bus_, now);
   if (!configuration.sensor_device.empty()) line_.emplace(configuration.sensor_device);

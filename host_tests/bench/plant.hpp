@@ -34,6 +34,7 @@ struct PlantConfiguration {
   JointVector start;                // readings at power-up
   double bandwidth_hz = 25;         // of the position loops: following error = speed / (pi * this)
   unsigned sync_loss_periods = 0;   // that drives bear while enabled; 0: any number
+  bool honest = false;              // drives as they are: simulated::honest_drive()
   simulated::UltrasonicConfig field;
   hal::Duration ping_period = std::chrono::milliseconds(20);
   std::uint64_t seed = 1;

@@ -71,7 +71,7 @@ TEST(Identification, reaches_the_indices_of_table_3_on_robot_1_and_survives_a_re
   const auto began = std::chrono::steady_clock::now();
   const Configuration configuration = with_grid();
   ASSERT_TRUE(check(configuration));
-  PumaCabinet puma(1, configuration);
+  PumaCabinet puma(4, configuration);
   ASSERT_TRUE(identify_and_accept(puma))
       << (puma.console.told.empty() ? "" : puma.console.told.back());
   const auto readings = touch(puma, configuration);

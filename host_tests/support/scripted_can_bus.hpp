@@ -56,8 +56,9 @@ class ScriptedCanBus final : public hal::CanBus {
   // What sending and status() say from now on.
   void set_state(hal::CanState state) { state_ = state; }
   void set_full(bool full) { full_ = full; }
-  // Stamps of frames received.
+  // Stamps of frames received, and by how much they are off.
   hal::Instant now;
+  hal::Duration stamp_error{};
 
  private:
   struct Step {
@@ -82,7 +83,7 @@ class ScriptedCanBus final : public hal::CanBus {
     if (waiting_.empty()) return std::nullopt;
     const hal::CanFrame received = waiting_.front();
     waiting_.pop_front();
-    return hal::ReceivedCanFrame{received, now};
+    return hal::ReceivedCanFrame{received, now + stamp_error};
   }
   hal::CanStatus do_status() override { return {.state = state_}; }
 

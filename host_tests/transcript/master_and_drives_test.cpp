@@ -48,6 +48,28 @@ TEST(MasterAndDrives, leaves_the_objects_of_the_drives_as_the_wire_map_says) {
   EXPECT_EQ(objects.get(0x1016, 1), 0x007F0096U);
 }
 
+TEST(MasterAndDrives, sets_every_ramp_to_rest_and_no_offset) {
+  Configuration configuration = puma_drives(1);
+  configuration.axes[0].stop_deceleration = kPi;
+  EmulatedArm arm(configuration);
+  ASSERT_TRUE(arm.run_until(DriveCondition::kDisabled));
+  const simulated::DriveDictionary& objects = arm.drives[0].dictionary();
+  EXPECT_EQ(objects.get(0x605A), 6U);
+  EXPECT_EQ(objects.get(0x605B), 1U);
+  EXPECT_EQ(objects.get(0x605C), 1U);
+  EXPECT_EQ(objects.get(0x605E), 2U);
+  EXPECT_EQ(objects.get(0x6085), 200000U);  // half a turn a second squared
+  EXPECT_EQ(objects.get(0x60B0), 0U);
+}
+
+TEST(MasterAndDrives, a_drive_that_turns_the_sense_itself_is_refused) {
+  EmulatedArm arm(puma_drives(1));
+  arm.drives[0].set_object(0x607E, 0, 0x80);
+  arm.run(200);
+  EXPECT_EQ(arm.master->status(0).fault, Error::kSdoUnexpectedValue);
+  EXPECT_EQ(arm.master->status(0).fault_code, 0x80U);
+}
+
 TEST(MasterAndDrives, enabling_does_not_move_a_joint) {
   EmulatedArm arm(puma_drives());
   ASSERT_TRUE(arm.power_up_and_enable());

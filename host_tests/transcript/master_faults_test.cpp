@@ -15,7 +15,8 @@ using std::chrono::milliseconds;
 using test::MasterScript;
 
 struct EnabledMaster : MasterScript {
-  EnabledMaster() {
+  explicit EnabledMaster(const Configuration& configuration = test::puma_drives(1))
+      : MasterScript(configuration) {
     start();
     EXPECT_TRUE(master->enable());
     cycle("181#5002E8030000", "201#0600E8030000");
@@ -44,6 +45,70 @@ TEST(MasterFaults, the_emergency_no_error_stops_nothing) {
   script.bus.bring("081#0000000000000000");
   script.cycle("181#3712E8030000", "201#0F00E8030000");
   EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
+}
+
+// No bit of the error register is set, or the drive has come back from bus-off.
+TEST(MasterFaults, an_emergency_that_tells_no_error_is_kept_and_stops_nothing) {
+  for (const auto& [frame, code] :
+       {std::pair{"081#01FF000000000000", 0xFF01U}, std::pair{"081#4081110000000000", 0x8140U}}) {
+    EnabledMaster script;
+    script.bus.bring(frame);
+    script.cycle("181#3712E8030000", "201#0F00E8030000");
+    EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
+    EXPECT_EQ(script.master->status(0).information, code);
+  }
+}
+
+// On the wire TPDO1 goes before a heartbeat that the drive had queued before it was started.
+TEST(MasterFaults, a_heartbeat_that_the_first_position_overtook_stops_nothing_once) {
+  MasterScript script;
+  script.start();
+  script.bus.bring("701#7F");
+  script.cycle("181#5002E8030000", "201#0000E8030000");
+  EXPECT_EQ(script.master->status(0).condition, DriveCondition::kDisabled);
+  script.bus.bring("701#7F");
+  script.cycle("181#5002E8030000", "201#0000E8030000");
+  EXPECT_EQ(script.master->status(0).fault, Error::kDriveNotOperational);
+}
+
+// Some buses stamp by a clock that people set.
+TEST(MasterFaults, stamps_that_step_by_an_hour_stop_nothing) {
+  for (const auto step : {std::chrono::hours(1), std::chrono::hours(-1)}) {
+    EnabledMaster script;
+    script.bus.stamp_error = step;
+    for (int i = 0; i < 20; ++i) script.cycle("181#3712E8030000", "201#0F00E8030000");
+    script.master->quick_stop();
+    script.cycle("181#3712E8030000", "201#0200E8030000");
+    script.cycle("181#1702E8030000", "201#0200E8030000");
+    script.bus.stamp_error = {};
+    script.cycle("181#1702E8030000", "201#0200E8030000");
+    EXPECT_EQ(script.master->status(0).condition, DriveCondition::kStopped);
+  }
+}
+
+TEST(MasterFaults, what_a_drive_says_of_itself_stops_when_it_lasts) {
+  Configuration configuration = test::puma_drives(1);
+  configuration.status_limits = {.ignores = milliseconds(10),
+                                 .limits = milliseconds(11),
+                                 .lags = milliseconds(12),
+                                 .warns = milliseconds(13),
+                                 .no_voltage = milliseconds(14)};
+  struct Told {
+    const char* feedback;
+    Error error;
+    int ticks;
+  };
+  for (const Told& told : {Told{"181#3702E8030000", Error::kTargetsIgnored, 10},
+                           Told{"181#371AE8030000", Error::kDriveLimited, 11},
+                           Told{"181#3732E8030000", Error::kDriveLags, 12},
+                           Told{"181#B712E8030000", Error::kDriveWarning, 13},
+                           Told{"181#2712E8030000", Error::kVoltageLost, 14}}) {
+    EnabledMaster script(configuration);
+    for (int i = 0; i < told.ticks; ++i) script.cycle(told.feedback, "201#0F00E8030000");
+    EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
+    script.cycle(told.feedback, "201#0200E8030000");
+    script.expect_stopped_by(told.error);
+  }
 }
 
 TEST(MasterFaults, the_fault_state_stops) {
