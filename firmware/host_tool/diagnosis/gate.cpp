@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "firmware/host_tool/diagnosis/explanation.hpp"
+#include "firmware/host_tool/diagnosis/row_groups.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 
 namespace armsig::tool {
@@ -19,15 +20,27 @@ constexpr double kSigmaTooLarge = 6;
 constexpr std::size_t kFewestForSigma = 30;
 // A method may miss the rows by so much more than the nearest arm does, and than it says itself.
 constexpr double kMethodFactor = 4;
+// A sweep may miss by so much more than all rows together.
+constexpr double kOfGroup = 2;
 
-// RMS of the best seven tenths of what the found arm misses the rows by.
-double missed_m(const Evidence& evidence, const FoundArm& found) {
-  std::vector<double> lengths;
+// What the found arm misses each row by, negative where it does not say.
+std::vector<double> misses_m(const Evidence& evidence, const FoundArm& found) {
+  std::vector<double> lengths_m;
   for (const EvidenceRow& row : evidence.rows) {
-    if (const auto p_S = found.predicted_S(row)) lengths.push_back((row.p_S - *p_S).norm());
+    const auto p_S = found.predicted_S(row);
+    lengths_m.push_back(p_S ? (row.p_S - *p_S).norm() : -1);
   }
-  if (lengths.empty()) return 0;
-  return trimmed_rms(std::move(lengths));
+  return lengths_m;
+}
+
+// A group of rows that the nearest arm does not explain, while it explains the others.
+std::string objection_to_group(const Evidence& evidence, const NearFit& fit, double allowed_m) {
+  std::vector<double> lengths_m;
+  for (const Vector3& residual_S : fit.residuals_S) lengths_m.push_back(residual_S.norm());
+  const GroupMiss worst = worst_group(evidence, lengths_m);
+  if (worst.length_m <= kOfGroup * allowed_m) return {};
+  return fmt::format("{} and the other rows are not of one arm: there the nearest misses by {}",
+                     worst.name, short_length(worst.length_m));
 }
 
 std::string deviation_in_words(const NearFit& fit, const ArmLimits& limits, const Arm& arm) {
@@ -82,14 +95,14 @@ std::string objection(const Evidence& evidence, const Reference& reference, cons
     return fmt::format("sigma_mm states {}, and the rows scatter by {}",
                        short_length(reference.stated_m), short_length(reference.shown_m));
   }
+  if (auto group = objection_to_group(evidence, fit, allowed_m); !group.empty()) return group;
   if (found) {
-    const double missed = missed_m(evidence, *found);
+    const GroupMiss worst = worst_group(evidence, misses_m(evidence, *found));
     const double noise_m = std::sqrt(3.0) * std::max(reference.stated_m, reference.sweeps_m);
-    if (missed >
+    if (worst.length_m >
         kMethodFactor * std::max(fit.best_rms_m, std::hypot(noise_m, found->predicted_error_m))) {
-      return fmt::format(
-          "the arm found misses the measured points by {}, where one near the drawing misses by {}",
-          short_length(missed), short_length(fit.best_rms_m));
+      return fmt::format("the arm found misses {} by {}, where one near the drawing misses by {}",
+                         worst.name, short_length(worst.length_m), short_length(fit.best_rms_m));
     }
   }
   return {};
