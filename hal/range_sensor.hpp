@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/base/error.hpp"
 #include "core/base/flight_time.hpp"
@@ -33,11 +34,15 @@ class RangeSensor {
   // does not end anything: polling goes on and readings come again when the cause is gone.
   // Errors: kSensorSilent (nothing for the time allowed), kSensorStale (answers, but the sequence
   // has not advanced for the time allowed), kSensorBadCrc, kSensorWrongUnit, kSensorException,
-  // kSensorMalformed, kBusDown (the line is gone).
+  // kSensorMalformed, kSensorPortGone (the line is gone or was never there), kBusDown.
   [[nodiscard]] Result<std::optional<RangeReading>> poll(Instant now) { return do_poll(now); }
 
   // The device's own code of the last kSensorException, for the console; 0 if there was none.
   [[nodiscard]] std::uint8_t exception_code() const { return do_exception_code(); }
+
+  // What stands behind `error`, the last that poll() told, in words of the device's protocol or of
+  // the operating system, for the console; empty: nothing more is known.
+  [[nodiscard]] std::string_view words(Error error) const { return do_words(error); }
 
  protected:
   ~RangeSensor() = default;
@@ -45,6 +50,7 @@ class RangeSensor {
  private:
   virtual Result<std::optional<RangeReading>> do_poll(Instant now) = 0;
   [[nodiscard]] virtual std::uint8_t do_exception_code() const { return 0; }
+  [[nodiscard]] virtual std::string_view do_words(Error) const { return {}; }
 };
 
 }  // namespace armsig::hal

@@ -118,6 +118,8 @@ std::string_view describe(Error error) {
       return "an object of the drive holds another value than the one needed";
     case Error::kProfileInvalid:
       return "the sensor profile contradicts itself";
+    case Error::kSensorPortGone:
+      return "the range sensor's serial port is missing or cannot be opened";
     case Error::kSensorSilent:
       return "the range sensor is silent";
     case Error::kSensorStale:
@@ -166,6 +168,8 @@ std::string_view describe(Error error) {
       return "this kind of arm or request is not supported";
     case Error::kUnknownRequest:
       return "the request or one of its keys is unknown";
+    case Error::kContradiction:
+      return "two keys of the request tell the same quantity";
     case Error::kAirChanged:
       return "the air temperature jumped";
     case Error::kSequenceStopped:

@@ -79,6 +79,7 @@ enum class Error : std::uint8_t {
   kSdoUnexpectedValue,   // an object holds another value than the one needed
   // Range sensor.
   kProfileInvalid,   // a register profile or sensor description that contradicts itself
+  kSensorPortGone,   // the serial port of the sensor is missing or can't be opened
   kSensorSilent,     // no answer within the time allowed
   kSensorStale,      // the sequence number does not advance
   kSensorBadCrc,     // a frame with a wrong checksum
@@ -105,6 +106,7 @@ enum class Error : std::uint8_t {
   kOutOfRange,         // a count, share or argument outside its range
   kUnsupported,        // the arm or the request is of a kind that is not supported
   kUnknownRequest,     // a console line with an unknown verb or key
+  kContradiction,      // two keys of a request tell the same quantity
   kAirChanged,         // the air temperature jumped
   kSequenceStopped,    // the sequence was ended before it was done
   kNoCandidate,        // there is no candidate signature

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 // `move`: readings of some joints (q2_deg, q2_rad, q2_mm, q2_m), the others stay; or a straight
 // line of the tool to x, y, z (_mm, _m) and, where given, the unit quaternion qw, qx, qy, qz; dx,
-// dy, dz
-// (_mm, _m) instead are relative to where the tool is. `pace` slows the limits down.
+// dy, dz (_mm, _m) instead are relative to where the tool is. `pace` slows the limits down. What is
+// told twice, in two units or to and by, is refused.
+#include <array>
 #include <cmath>
 
 #include "firmware/controller/background.hpp"
 
 namespace armsig::controller {
 namespace {
+
+// A joint of 60 deg/s then takes an hour and a half for a turn: slower is a slip of the pen.
+constexpr double kLeastPace = 1e-3;
 
 std::optional<double> unit_factor(std::string_view unit) {
   if (unit == "deg") return kPi / 180;
@@ -40,13 +44,15 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
   return static_cast<Eigen::Index>(at);
 }
 
-// Where the tool shall go from readings `from`. Errors: kUnknownRequest, kOutOfRange, kNotFinite.
+// Where the tool shall go from readings `from`. Errors: kUnknownRequest, kContradiction,
+// kOutOfRange, kNotFinite.
 // Apart from move_tool(), so that its poses do not stand on the stack below the planning.
 [[gnu::noinline]] Result<Pose> goal_of(const Request& request, const Model& model,
                                        const JointVector& from) {
   ARMSIG_TRY(X_RT, tool_pose(model, from));
   Pose goal = X_RT;
   Eigen::Vector4d wxyz = Eigen::Vector4d::Zero();
+  std::array<bool, 3> told{};
   int places = 0;
   int parts = 0;
   for (const auto& [key, value] : request.arguments) {
@@ -65,6 +71,8 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
       wxyz(*part) = *number;
       ++parts;
     } else {
+      if (told[static_cast<std::size_t>(*axis)]) return std::unexpected(Error::kContradiction);
+      told[static_cast<std::size_t>(*axis)] = true;
       const double length = *unit_factor(unit) * *number;
       goal.p(*axis) = relative ? X_RT.p(*axis) + length : length;
       ++places;
@@ -91,7 +99,7 @@ Background::Verdict Background::move(const Request& request) {
   for (const auto& [key, value] : request.arguments) {
     if (key == "pace") {
       const auto told = parse_number(value);
-      if (!told) return std::unexpected(Error::kOutOfRange);
+      if (!told || !(*told >= kLeastPace && *told <= 1)) return std::unexpected(Error::kOutOfRange);
       pace = *told;
     } else if (joint_of(split(key).name)) {
       joints = true;
@@ -102,6 +110,7 @@ Background::Verdict Background::move(const Request& request) {
 
 Background::Verdict Background::move_joints(const Request& request, double pace) {
   JointVector to = mover_.now().commanded;
+  std::array<bool, kMaxJoints> told{};
   for (const auto& [key, value] : request.arguments) {
     if (key == "pace") continue;
     const auto [name, unit] = split(key);
@@ -113,6 +122,8 @@ Background::Verdict Background::move_joints(const Request& request, double pace)
     const bool turns = configuration_.drawing.joints[*joint].type == JointType::kRevolute;
     if (angle != turns) return std::unexpected(Error::kUnknownRequest);
     if (!number) return std::unexpected(Error::kOutOfRange);
+    if (told[*joint]) return std::unexpected(Error::kContradiction);
+    told[*joint] = true;
     to[*joint] = *factor * *number;
   }
   const auto planned = plan_joint_move(configuration_, mover_.now().commanded, to, pace);

@@ -16,6 +16,11 @@ bool is_passing(Error error) {
          error == Error::kSensorException || error == Error::kSensorMalformed;
 }
 
+// Of what carries the readings, so that the sensor itself is not to blame.
+bool is_of_the_line(std::optional<Error> error) {
+  return error == Error::kSensorPortGone || error == Error::kBusDown;
+}
+
 }  // namespace
 
 PointMeasurement::PointMeasurement(const Configuration& configuration, hal::RangeSensor& sensor)
@@ -41,8 +46,8 @@ Result<std::optional<MeasuredPoint>> PointMeasurement::step(hal::Instant now) {
   }
   if (median_ && now - heard_at_ > configuration_.sensor.reading_timeout) {
     end();
-    trouble_ = Error::kSensorSilent;
-    return std::unexpected(Error::kSensorSilent);
+    if (!is_of_the_line(trouble_)) trouble_ = Error::kSensorSilent;
+    return std::unexpected(*trouble_);
   }
   return std::optional<MeasuredPoint>{};
 }

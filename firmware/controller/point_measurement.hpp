@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "core/measurement/ping_median.hpp"
 #include "core/measurement/trilateration.hpp"
@@ -29,10 +30,10 @@ class PointMeasurement {
   }
 
   // Takes one reading of the sensor, whether or not a point is being measured; the point when it is
-  // complete. Errors, after which begin() starts anew: kSensorSilent, kSensorStale, kBusDown;
-  // kSensorBadCrc, kSensorWrongUnit, kSensorException, kSensorMalformed (the third in a row);
-  // kTemperatureImplausible, kAirChanged; and, when the pings allowed are used up, the reason why
-  // they give no point (measurement::trilaterate).
+  // complete. Errors, after which begin() starts anew: kSensorSilent, kSensorStale,
+  // kSensorPortGone, kBusDown;  // kSensorBadCrc, kSensorWrongUnit, kSensorException,
+  // kSensorMalformed (the third in a row); kTemperatureImplausible, kAirChanged; and, when the
+  // pings allowed are used up, the reason why they give no point (measurement::trilaterate).
   [[nodiscard]] Result<std::optional<MeasuredPoint>> step(hal::Instant now);
 
   // Pings enough are in, and where they put the target is being worked out.
@@ -40,6 +41,10 @@ class PointMeasurement {
 
   // Errors that the last readings were lost by; empty while readings come. For `status`.
   [[nodiscard]] std::optional<Error> trouble() const { return trouble_; }
+  // What stands behind it, in words of the device or the operating system; may be empty.
+  [[nodiscard]] std::string_view trouble_words() const {
+    return trouble_ ? sensor_.words(*trouble_) : std::string_view();
+  }
   [[nodiscard]] std::optional<double> air_celsius() const { return air_celsius_; }
 
  private:

@@ -37,6 +37,9 @@ void Background::tell_status() {
   out_.text(" model=").text(link_.models[s.model].identified ? "signature" : "drawing");
   out_.text(" sensor=");
   out_.text(measurement_.trouble() ? name(*measurement_.trouble()) : "well");
+  if (const std::string_view words = measurement_.trouble_words(); !words.empty()) {
+    out_.text(" sensor_says=\"").text(words).text("\"");
+  }
   if (store_error_) out_.text(" store=").text(name(*store_error_));
   if (identification_.is_running()) {
     out_.text(" sequence=").text(identification_.is_paused() ? "paused" : "identifying");

@@ -10,14 +10,13 @@
 
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/linux/daemon.hpp"
+#include "firmware/linux/signals.hpp"
 #include "firmware/linux/virtual_run.hpp"
 
 namespace armsig::daemon {
 namespace {
 
 constexpr int kWrongUsage = 2;
-
-volatile std::sig_atomic_t stop_requested = 0;
 
 struct Options {
   std::string configuration;
@@ -80,7 +79,7 @@ int refuse(const tool::Problem& problem) {
   return kWrongUsage;
 }
 
-int run(Options& options) {
+int run(Options& options, const volatile std::sig_atomic_t& stop) {
   auto configuration = read_configuration(options.configuration);
   if (!configuration) return refuse(configuration.error());
   if (!options.console.empty()) configuration->console = options.console;
@@ -89,7 +88,7 @@ int run(Options& options) {
     tell(*configuration);
     return 0;
   }
-  if (!options.is_virtual) return run_cabinet(*configuration, stop_requested);
+  if (!options.is_virtual) return run_cabinet(*configuration, stop);
   if (!options.truth.empty()) {
     const auto truth = tool::read_arm_file(options.truth);
     if (!truth) return refuse(truth.error());
@@ -101,10 +100,10 @@ int run(Options& options) {
     }
     options.emulated.truth = truth->arm;
   }
-  return run_virtual(*configuration, options.emulated, stop_requested);
+  return run_virtual(*configuration, options.emulated, stop);
 }
 
-int parse_and_run(int argc, char** argv) {
+int parse_and_run(int argc, char** argv, const volatile std::sig_atomic_t& stop) {
   CLI::App app{"The controller of one robot arm: servo, identification, signature store.",
                "armsigd"};
   Options options;
@@ -114,19 +113,15 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::Error& error) {
     return app.exit(error) == 0 ? 0 : kWrongUsage;
   }
-  return run(options);
+  return run(options, stop);
 }
 
 }  // namespace
 }  // namespace armsig::daemon
 
 int main(int argc, char** argv) {
-  const auto stop = [](int) { armsig::daemon::stop_requested = 1; };
-  std::signal(SIGTERM, stop);
-  std::signal(SIGINT, stop);
-  std::signal(SIGPIPE, SIG_IGN);
   try {
-    return armsig::daemon::parse_and_run(argc, argv);
+    return armsig::daemon::parse_and_run(argc, argv, armsig::daemon::catch_signals());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "armsigd: %s\n", error.what());
     return 1;

@@ -20,6 +20,7 @@ class BackOff {
     delay_ = std::min(2 * delay_, kLongest);
   }
   [[nodiscard]] bool due(hal::Instant now) const { return now >= due_; }
+  [[nodiscard]] hal::Instant due_at() const { return due_; }
   // Lasting success: the next failure is tried again soon.
   void succeed() { delay_ = kShortest; }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <span>
 #include <system_error>
 
@@ -11,6 +12,7 @@
 
 #include "hal/linux/back_off.hpp"
 #include "hal/linux/steady_clock.hpp"
+#include "hal/modbus/rtu.hpp"
 
 namespace armsig::linux_hal {
 namespace {
@@ -37,7 +39,7 @@ Error sensor_error(int number) {
       return Error::kSensorMalformed;
     default:
       return number > MODBUS_ENOBASE && number < EMBBADCRC ? Error::kSensorException
-                                                           : Error::kBusDown;
+                                                           : Error::kSensorPortGone;
   }
 }
 
@@ -99,19 +101,20 @@ void RtuRangeSensor::talk() {
     const hal::Instant begin = monotonic_now();
     if (!connected_) {
       connected_ = modbus_connect(as_modbus(context_.get())) == 0;
+      port_errno_ = connected_ ? 0 : std::max(errno, 1);
       if (connected_) {
         reopen.succeed();
       } else {
         reopen.fail(begin);
-        (void)box_.post(std::unexpected(Error::kBusDown));
-        while (!stop_ && !reopen.due(monotonic_now())) sleep_until(begin + kLongestSleep);
+        (void)box_.post(std::unexpected(Error::kSensorPortGone));
+        sleep_until(reopen.due_at());
         continue;
       }
     }
     const auto reading = measure();
     // A full box means that nobody polls; what it holds is old then, and so is this soon.
     if (reading || reading.error() != Error::kSensorSilent) (void)box_.post(reading);
-    if (!reading && reading.error() == Error::kBusDown) {
+    if (!reading && reading.error() == Error::kSensorPortGone) {
       modbus_close(as_modbus(context_.get()));
       connected_ = false;
     }
@@ -134,7 +137,8 @@ Result<hal::RangeReading> RtuRangeSensor::measure() {
       exception_ = static_cast<std::uint8_t>(number - MODBUS_ENOBASE);
     }
     // What a late or broken answer left behind must not be taken for the next one.
-    if (error != Error::kBusDown) modbus_flush(context);
+    if (error != Error::kSensorPortGone) modbus_flush(context);
+    if (error == Error::kSensorPortGone) port_errno_ = number;
     return std::unexpected(error);
   }
   auto reading = modbus::decode(profile, std::span(registers).first(range.count));
@@ -148,8 +152,17 @@ Result<std::optional<hal::RangeReading>> RtuRangeSensor::do_poll(hal::Instant no
     if (!*message) return std::unexpected(message->error());
     if (freshness_.take((*message)->sequence, (*message)->at)) return **message;
   }
-  if (const auto overdue = freshness_.overdue(now)) return std::unexpected(*overdue);
+  if (const auto overdue = freshness_.overdue(now)) {
+    return std::unexpected(port_errno_ == 0 ? *overdue : Error::kSensorPortGone);
+  }
   return std::nullopt;
+}
+
+std::string_view RtuRangeSensor::do_words(Error error) const {
+  if (error == Error::kSensorException) return modbus::describe_exception(exception_);
+  if (error != Error::kSensorPortGone) return {};
+  const char* const words = ::strerrordesc_np(port_errno_);
+  return words == nullptr ? std::string_view() : words;
 }
 
 }  // namespace armsig::linux_hal

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "hal/freshness.hpp"
@@ -52,6 +53,7 @@ class RtuRangeSensor final : public hal::RangeSensor {
 
   Result<std::optional<hal::RangeReading>> do_poll(hal::Instant now) override;
   [[nodiscard]] std::uint8_t do_exception_code() const override { return exception_; }
+  [[nodiscard]] std::string_view do_words(Error error) const override;
 
   void talk();
   void sleep_until(hal::Instant time) const;
@@ -64,6 +66,7 @@ class RtuRangeSensor final : public hal::RangeSensor {
   hal::Freshness freshness_;
   hal::Mailbox<Result<hal::RangeReading>, kMailboxReadings> box_;
   std::atomic<std::uint8_t> exception_{0};
+  std::atomic<int> port_errno_{0};  // why the port isn't open; 0: it is
   std::atomic<bool> stop_{false};
   bool connected_ = false;  // of the thread
   std::thread thread_;

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
+#include <tuple>
 
 namespace armsig::linux_hal {
 namespace {
@@ -57,20 +59,33 @@ Result<std::unique_ptr<SocketConsole>> SocketConsole::open(const std::string& pa
 
 SocketConsole::~SocketConsole() { ::unlink(path_.c_str()); }
 
+// A free place, or that of the client least missed: rather one whose requests are all answered, of
+// those rather one that never said a line, of those the one that has been quiet for longest. So a
+// flood of connections competes with itself for one place.
+SocketConsole::Client& SocketConsole::place_for_another() {
+  const auto worth = [](const Client& client) {
+    const bool asks = client.unanswered > 0 ||
+                      std::string_view(client.input.data(), client.input_size).contains('\n');
+    return std::tuple(client.socket.valid(), asks, client.spoke_at, client.name);
+  };
+  return *std::ranges::min_element(
+      clients_, [&](const Client& a, const Client& b) { return worth(a) < worth(b); });
+}
+
 void SocketConsole::accept_one() {
   FileDescriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (!socket.valid()) return;
-  for (Client& client : clients_) {
-    if (client.socket.valid()) continue;
-    client.socket = std::move(socket);
-    client.name = next_name_++;
-    client.input_size = client.output_size = 0;
-    client.discarding = client.ended = false;
-    client.unanswered = 0;
-    return;
+  Client& client = place_for_another();
+  if (client.socket.valid()) {
+    constexpr std::string_view kEnd = "# disconnected: every place is taken, and another came\n";
+    (void)::send(client.socket.get(), kEnd.data(), kEnd.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   }
-  constexpr std::string_view kFull = "error BUSY too many consoles are connected\n";
-  (void)::send(socket.get(), kFull.data(), kFull.size(), MSG_NOSIGNAL);
+  client.socket = std::move(socket);
+  client.name = next_name_++;
+  client.input_size = client.output_size = 0;
+  client.discarding = client.ended = client.deaf = false;
+  client.unanswered = 0;
+  client.spoke_at = 0;
 }
 
 void SocketConsole::flush(Client& client) {
@@ -78,7 +93,10 @@ void SocketConsole::flush(Client& client) {
   const ssize_t count = ::send(client.socket.get(), client.output.data(), client.output_size,
                                MSG_NOSIGNAL | MSG_DONTWAIT);
   if (count < 0) {
-    if (errno != EAGAIN && errno != EINTR) client.socket.reset();
+    if (errno != EAGAIN && errno != EINTR) {
+      client.deaf = true;
+      client.output_size = 0;
+    }
     return;
   }
   const auto sent = static_cast<std::size_t>(count);
@@ -87,12 +105,12 @@ void SocketConsole::flush(Client& client) {
 }
 
 bool SocketConsole::queue(Client& client, std::string_view text) {
-  if (text.size() + 1 > client.output.size() - client.output_size) return false;
+  if (client.deaf || text.size() + 1 > client.output.size() - client.output_size) return false;
   std::ranges::copy(text, client.output.data() + client.output_size);
   client.output_size += text.size();
   client.output[client.output_size++] = '\n';
   flush(client);
-  return true;
+  return !client.deaf;
 }
 
 void SocketConsole::receive(Client& client) {
@@ -102,10 +120,8 @@ void SocketConsole::receive(Client& client) {
       ::recv(client.socket.get(), client.input.data() + client.input_size, room, MSG_DONTWAIT);
   if (count > 0) {
     client.input_size += static_cast<std::size_t>(count);
-  } else if (count == 0) {
+  } else if (count == 0 || (errno != EAGAIN && errno != EINTR)) {
     client.ended = true;
-  } else if (errno != EAGAIN && errno != EINTR) {
-    client.socket.reset();
   }
 }
 
@@ -138,14 +154,20 @@ std::optional<hal::ConsoleLine> SocketConsole::extract(Client& client) {
 }
 
 std::optional<hal::ConsoleLine> SocketConsole::do_read_line() {
+  // Everybody is listened to before anybody may lose a place.
+  for (Client& client : clients_) {
+    if (!client.socket.valid()) continue;
+    flush(client);
+    receive(client);
+  }
   accept_one();
   for (std::size_t i = 0; i < clients_.size(); ++i) {
     Client& client = clients_[(turn_ + i) % clients_.size()];
     if (!client.socket.valid()) continue;
-    flush(client);
-    if (client.socket.valid()) receive(client);
+    if (client.spoke_at == 0) receive(client);
     if (auto line = extract(client)) {
       ++client.unanswered;
+      client.spoke_at = ++lines_;
       turn_ = (turn_ + i + 1) % clients_.size();
       return line;
     }
@@ -158,8 +180,8 @@ Result<void> SocketConsole::do_write_line(hal::ConsoleClient name, std::string_v
   for (Client& client : clients_) {
     if (!client.socket.valid() || client.name != name) continue;
     if (client.unanswered > 0) --client.unanswered;
-    if (queue(client, text) && client.socket.valid()) return {};
-    client.socket.reset();
+    if (queue(client, text)) return {};
+    if (!client.deaf) client.socket.reset();
   }
   return std::unexpected(Error::kConsoleGone);
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -14,7 +15,9 @@ namespace armsig::linux_hal {
 
 // Owner and group may connect (0660). Clients are served in turns, a line each; one that does not
 // take its replies is disconnected when its buffer is full; one that has said its last line is
-// disconnected when each of its lines has its reply. Everything is allocated in open().
+// disconnected when each of its lines has its reply. Where every place is taken, a new client gets
+// that of the one least missed, which is told so: nobody is kept from `stop` by consoles left open.
+// Everything is allocated in open().
 class SocketConsole final : public hal::Console {
  public:
   static constexpr std::size_t kMaxClients = 8;
@@ -36,9 +39,11 @@ class SocketConsole final : public hal::Console {
     hal::ConsoleClient name = 0;
     std::array<char, hal::kMaxConsoleLine> input{};
     std::size_t input_size = 0;
-    bool discarding = false;  // to the end of a line that was too long
-    bool ended = false;       // the client will send no more, but may wait for replies
-    unsigned unanswered = 0;  // lines handed out that were not replied to
+    bool discarding = false;     // to the end of a line that was too long
+    bool ended = false;          // the client will send no more, but may wait for replies
+    bool deaf = false;           // the client takes no replies, but what it said before counts
+    unsigned unanswered = 0;     // lines handed out that were not replied to
+    std::uint64_t spoke_at = 0;  // number of its last line among all lines; 0: it never said one
     std::array<char, kReplyBytes> output{};
     std::size_t output_size = 0;
   };
@@ -51,6 +56,7 @@ class SocketConsole final : public hal::Console {
   void do_broadcast(std::string_view text) override;
 
   void accept_one();
+  [[nodiscard]] Client& place_for_another();
   static void flush(Client& client);
   static bool queue(Client& client, std::string_view text);
   static void close_if_done(Client& client);
@@ -62,6 +68,7 @@ class SocketConsole final : public hal::Console {
   std::array<Client, kMaxClients> clients_;
   std::size_t turn_ = 0;
   hal::ConsoleClient next_name_ = 1;
+  std::uint64_t lines_ = 0;
 };
 
 }  // namespace armsig::linux_hal

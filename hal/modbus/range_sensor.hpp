@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "hal/byte_stream.hpp"
 #include "hal/freshness.hpp"
@@ -30,6 +31,9 @@ class RangeSensor final : public hal::RangeSensor {
  private:
   Result<std::optional<hal::RangeReading>> do_poll(hal::Instant now) override;
   [[nodiscard]] std::uint8_t do_exception_code() const override { return exception_; }
+  [[nodiscard]] std::string_view do_words(Error error) const override {
+    return error == Error::kSensorException ? describe_exception(exception_) : std::string_view();
+  }
 
   RangeSensorConfiguration configuration_;
   ReadRequest request_;

@@ -151,8 +151,9 @@ TEST(Bench, mbpoll_reads_the_emulated_sensor) {
 }
 
 TEST(Bench, a_sensor_that_pymodbus_serves_is_read) {
-  if (std::system("/usr/bin/python3 -c 'import pymodbus, serial' 2>/dev/null") != 0) {
-    GTEST_SKIP() << "python3-pymodbus and python3-serial are not installed";
+  if (std::system("/usr/bin/python3 -c 'import pymodbus, serial, serial_asyncio' 2>/dev/null") !=
+      0) {
+    GTEST_SKIP() << "python3-pymodbus, python3-serial or python3-serial-asyncio is not installed";
   }
   const std::string device = "/dev/shm/armsig_pymodbus_" + std::to_string(::getpid());
   const std::string command = "exec /usr/bin/python3 " ARMSIG_BENCH_FOLDER "/pymodbus_sensor.py " +
@@ -256,7 +257,7 @@ TEST(Bench, every_fault_of_the_serial_sensor_has_its_name_and_ends_with_its_caus
        {Fault{"crc", Error::kSensorBadCrc}, Fault{"unit", Error::kSensorWrongUnit},
         Fault{"exception", Error::kSensorException}, Fault{"short", Error::kSensorMalformed},
         Fault{"silent", Error::kSensorSilent}, Fault{"stale", Error::kSensorStale},
-        Fault{"unplugged", Error::kBusDown}}) {
+        Fault{"unplugged", Error::kSensorPortGone}}) {
     arm.order("sensor kind=" + std::string(fault.kind));
     EXPECT_TRUE(reports(*sensor, fault.error)) << fault.kind;
     arm.order("sensor kind=none");

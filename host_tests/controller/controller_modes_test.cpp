@@ -106,6 +106,27 @@ TEST(Controller, refuses_what_is_out_of_reach_or_beyond_a_limit_before_it_moves)
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(puma.now().commanded[i], before[i]);
 }
 
+TEST(Controller, refuses_a_move_that_tells_the_same_twice) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  for (const char* twice : {"move q1_deg=1 q1_rad=1", "move q1_rad=1 q1_deg=1", "move x_mm=1 x_m=1",
+                            "move z_mm=400 dz_mm=1", "move dx_m=0 dx_mm=1"}) {
+    EXPECT_TRUE(puma.ask(twice).starts_with("error CONTRADICTION ")) << twice;
+  }
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
+TEST(Controller, refuses_a_pace_that_would_take_for_ever_or_exceeds_the_limits) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  for (const char* pace : {"1e-300", "0.0009", "0", "-1", "1.001", "nan"}) {
+    for (const char* move : {"move q1_deg=1 pace=", "move dz_mm=-1 pace="}) {
+      EXPECT_TRUE(puma.ask(move + std::string(pace)).starts_with("error OUT_OF_RANGE ")) << pace;
+    }
+  }
+  EXPECT_EQ(puma.ask("move q1_deg=1 pace=0.001"), "ok");
+}
+
 TEST(Controller, refuses_a_line_through_a_singularity) {
   PumaCabinet puma;  // wrist stretched: axes 4 and 6 are one line
   ASSERT_TRUE(puma.enable());

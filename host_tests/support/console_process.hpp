@@ -70,6 +70,11 @@ class ConsoleProcess {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
+  // Whether it answers after `signal`.
+  bool survives(int signal) {
+    return ::kill(child_, signal) == 0 && ask("status").starts_with("ok ");
+  }
+
   // The reply to `request`.
   std::string ask(std::string_view request) {
     if (!console_ || !console_->send(request)) return "gone";

@@ -72,6 +72,20 @@ TEST(Daemon, has_a_console_for_its_group_and_nobody_else) {
   EXPECT_EQ(daemon.end(SIGTERM), 0);
 }
 
+// end() is 0 where the process ended of its own accord, after its stop.
+TEST(Daemon, brings_the_arm_to_rest_at_every_signal_that_can_be_caught) {
+  const Folder folder;
+  VirtualDaemon daemon(folder);
+  for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGUSR1, SIGALRM, SIGXCPU, SIGRTMIN + 3}) {
+    EXPECT_EQ(daemon.end(signal), 0) << signal;
+    daemon.start();
+  }
+  for (const int signal : {SIGPIPE, SIGTSTP, SIGXFSZ}) {
+    EXPECT_TRUE(daemon.survives(signal)) << signal;
+  }
+  EXPECT_EQ(daemon.end(SIGTERM), 0);
+}
+
 TEST(Daemon, answers_armsig_connect) {
   const Folder folder;
   VirtualDaemon daemon(folder, "1");

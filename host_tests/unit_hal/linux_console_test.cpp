@@ -211,21 +211,92 @@ TEST(SocketConsole, a_client_that_left_is_gone) {
   EXPECT_EQ((*console)->write_line(4711, "ok").error(), Error::kConsoleGone);
 }
 
-TEST(SocketConsole, refuses_the_ninth_client_with_a_word) {
+TEST(SocketConsole, hears_what_a_client_said_before_it_left_though_it_takes_no_reply) {
   const std::string path = socket_path();
   const auto console = SocketConsole::open(path);
   ASSERT_TRUE(console);
-  std::vector<std::unique_ptr<Operator>> people;
-  for (std::size_t i = 0; i <= SocketConsole::kMaxClients; ++i) {
-    people.push_back(std::make_unique<Operator>(path));
-    (void)read_line(**console);
+  const Operator other(path);
+  Operator hasty(path);
+  for (int i = 0; i < 3; ++i) (void)(*console)->read_line();
+  other.say("status\n");
+  hasty.say("stop\n");
+  hasty.hang_up();
+  (*console)->broadcast("# mode idle");  // which a client that is gone cannot take
+  bool heard = false;
+  for (int i = 0; i < 6; ++i) {
+    const auto line = (*console)->read_line();
+    heard = heard || (line && line->text() == "stop");
   }
-  EXPECT_TRUE(people.back()->hear().starts_with("error BUSY"));
-  people.front()->hang_up();
-  (void)read_line(**console);
-  const Operator next(path);
-  next.say("status\n");
-  EXPECT_TRUE(read_line(**console));
+  EXPECT_TRUE(heard);
+}
+
+// A console with every place taken, by clients of which some have said a line.
+struct FullHouse {
+  explicit FullHouse(std::size_t speakers = 0) {
+    for (std::size_t i = 0; i < SocketConsole::kMaxClients; ++i) {
+      people.push_back(std::make_unique<Operator>(path));
+      (void)read_line(*console);
+    }
+    for (std::size_t i = 0; i < speakers; ++i) answer(*people[i]);
+  }
+  void answer(const Operator& person) const {
+    person.say("status\n");
+    const auto line = read_line(*console);
+    ASSERT_TRUE(line);
+    ASSERT_TRUE(console->write_line(line->client, "ok"));
+    EXPECT_EQ(person.hear(), "ok\n");
+  }
+  const std::string path = socket_path();
+  std::unique_ptr<SocketConsole> console = *SocketConsole::open(path);
+  std::vector<std::unique_ptr<Operator>> people;
+};
+
+TEST(SocketConsole, eight_silent_clients_do_not_keep_a_ninth_from_stop) {
+  const FullHouse house;
+  const Operator ninth(house.path);
+  ninth.say("stop\n");
+  const auto line = read_line(*house.console);
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->text(), "stop");
+  EXPECT_TRUE(house.console->write_line(line->client, "ok"));
+  EXPECT_EQ(ninth.hear(), "ok\n");
+  EXPECT_TRUE(house.people[0]->hear().starts_with("# disconnected"));
+  EXPECT_TRUE(house.people[0]->hung_up());
+  EXPECT_FALSE(house.people[1]->hung_up());
+}
+
+TEST(SocketConsole, a_ninth_client_takes_the_place_of_the_one_that_was_quiet_for_longest) {
+  FullHouse house(SocketConsole::kMaxClients);
+  house.answer(*house.people[0]);
+  const Operator ninth(house.path);
+  house.answer(ninth);
+  EXPECT_FALSE(house.people[0]->hung_up());
+  EXPECT_TRUE(house.people[1]->hear().starts_with("# disconnected"));
+  EXPECT_FALSE(house.people[2]->hung_up());
+}
+
+TEST(SocketConsole, a_flood_of_connections_takes_no_place_of_one_that_has_spoken) {
+  FullHouse house(SocketConsole::kMaxClients - 1);
+  for (int i = 0; i < 100; ++i) {
+    house.people.push_back(std::make_unique<Operator>(house.path));
+    (void)house.console->read_line();
+  }
+  for (std::size_t i = 0; i + 1 < SocketConsole::kMaxClients; ++i) house.answer(*house.people[i]);
+}
+
+TEST(SocketConsole, a_client_that_waits_for_its_reply_keeps_its_place) {
+  FullHouse house;
+  house.people[0]->say("accept\n");
+  const auto line = read_line(*house.console);
+  ASSERT_TRUE(line);
+  house.people[1]->say("stop\n");  // not read yet
+  const Operator ninth(house.path);
+  const auto stop = house.console->read_line();
+  ASSERT_TRUE(stop);
+  EXPECT_EQ(stop->text(), "stop");
+  EXPECT_TRUE(house.console->write_line(line->client, "ok"));
+  EXPECT_TRUE(house.console->write_line(stop->client, "ok"));
+  EXPECT_TRUE(house.people[2]->hear().starts_with("# disconnected"));
 }
 
 TEST(SocketConsole, takes_the_place_of_a_dead_socket_but_of_no_live_one_and_no_file) {

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <termios.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -159,6 +160,7 @@ TEST(RtuRangeSensor, tells_each_wrong_answer_and_recovers) {
     EXPECT_EQ(next(**sensor).error(), wrong.error);
     if (wrong.error == Error::kSensorException) {
       EXPECT_EQ((*sensor)->exception_code(), 2);
+      EXPECT_EQ((*sensor)->words(wrong.error), "illegal data address");
     }
     EXPECT_TRUE(next(**sensor));
   }
@@ -185,7 +187,10 @@ TEST(RtuRangeSensor, says_when_its_device_is_missing_or_unplugged) {
     configuration.device = "/dev/nonexistent-sensor";
     const auto sensor = RtuRangeSensor::start(configuration);
     ASSERT_TRUE(sensor);
-    EXPECT_EQ(next(**sensor).error(), Error::kBusDown);
+    const auto missing = next(**sensor);
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error(), Error::kSensorPortGone);
+    EXPECT_EQ((*sensor)->words(missing.error()), "No such file or directory");
   }
   PtySensor line([](unsigned number) { return answer(1, static_cast<std::uint8_t>(number)); });
   const auto sensor = RtuRangeSensor::start(configuration_for(line));
@@ -194,7 +199,35 @@ TEST(RtuRangeSensor, says_when_its_device_is_missing_or_unplugged) {
   line.unplug();
   Result<hal::RangeReading> polled = next(**sensor);
   while (polled) polled = next(**sensor);
-  EXPECT_EQ(polled.error(), Error::kBusDown);
+  EXPECT_EQ(polled.error(), Error::kSensorPortGone);
+}
+
+// Tries come ever more seldom; between them the port is said to be missing, not the sensor to be
+// silent, and the thread rests.
+TEST(RtuRangeSensor, whose_port_is_missing_is_never_said_to_be_silent_and_does_not_spin) {
+  RtuRangeSensorConfiguration configuration;
+  configuration.device = "/dev/nonexistent-sensor";
+  configuration.freshness = {.silent_after = milliseconds(20), .stale_after = milliseconds(20)};
+  const auto sensor = RtuRangeSensor::start(configuration);
+  ASSERT_TRUE(sensor);
+  const auto processor_time = [] {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+  };
+  const auto before = processor_time();
+  const hal::Instant end = monotonic_now() + milliseconds(800);  // tries after 0, 100, 300, 700 ms
+  int told = 0;
+  while (monotonic_now() < end) {
+    const auto polled = (*sensor)->poll(monotonic_now());
+    if (!polled) {
+      ASSERT_EQ(polled.error(), Error::kSensorPortGone);
+      ++told;
+    }
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_GT(told, 8) << "told again and again, not only by the tries";
+  EXPECT_LT(processor_time() - before, milliseconds(150));
 }
 
 TEST(RtuRangeSensor, refuses_a_profile_or_a_line_that_cannot_be) {
