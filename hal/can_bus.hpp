@@ -33,8 +33,8 @@ enum class CanState : std::uint8_t { kActive, kWarning, kPassive, kBusOff, kDown
 
 struct CanStatus {
   CanState state = CanState::kDown;
-  std::uint32_t sent = 0;
-  std::uint32_t received = 0;
+  std::uint64_t sent = 0;  // of 32 bits it would wrap within a week
+  std::uint64_t received = 0;
   std::uint32_t lost = 0;          // received frames that no queue had room for
   std::uint32_t error_frames = 0;  // protocol errors told by the controller
   std::uint32_t bus_offs = 0;

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
@@ -28,8 +29,9 @@ enum class DriveCondition : std::uint8_t {
 
 struct DriveStatus {
   DriveCondition condition = DriveCondition::kStarting;
-  std::optional<Error> fault;     // the first cause, kept until reset_faults()
-  std::uint32_t fault_code = 0;   // the device's own: CANopen emergency or SDO abort code; 0: none
+  std::optional<Error> fault;    // the first cause, kept until reset_faults()
+  std::uint32_t fault_code = 0;  // the device's own: CANopen emergency or SDO abort code; 0: none
+  std::string_view words;  // what fault_code means, by the device's protocol; of static storage
   std::uint16_t status_word = 0;  // the device's own, for the log
   bool limit_active = false;      // the drive limits the motion by itself
 };

@@ -152,7 +152,7 @@ std::string_view describe(Error error) {
       return "the operating system refused a resource";
     case Error::kWrongMode:
       return "the present mode does not allow it";
-    case Error::kEmergencyStop:
+    case Error::kQuickStop:
       return "the arm was stopped by the operator";
     case Error::kFollowingError:
       return "the joint is too far from its commanded position";

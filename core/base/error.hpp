@@ -98,7 +98,7 @@ enum class Error : std::uint8_t {
   kSystemRefused,      // the operating system refused a resource
   // Controller.
   kWrongMode,          // the controller's mode does not allow the request
-  kEmergencyStop,      // the operator stopped the arm
+  kQuickStop,          // the operator stopped the arm
   kFollowingError,     // a joint is too far from where it is commanded to be
   kLateTick,           // the servo tick came too late
   kSingularPath,       // the line passes a singular configuration

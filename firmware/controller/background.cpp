@@ -39,14 +39,16 @@ bool Background::step() {
 
 void Background::tell_changes() {
   const Snapshot& snapshot = mover_.now();
-  if (snapshot.mode == told_mode_) return;
+  const std::uint32_t code = snapshot.fault ? snapshot.fault->code : 0;
+  if (snapshot.mode == told_mode_ && code == told_code_) return;
   told_mode_ = snapshot.mode;
+  told_code_ = code;
   Line line;
   line.text("# mode ").text(name(snapshot.mode));
   if (snapshot.fault) {
     line.reason(snapshot.fault->error);
     if (snapshot.fault->joint) line.text(" joint=").integer(*snapshot.fault->joint + 1);
-    if (snapshot.fault->code != 0) line.text(" code=").integer(snapshot.fault->code);
+    line.device_says(snapshot.fault->code, snapshot.fault->words);
   }
   announcer_.say(line);
 }

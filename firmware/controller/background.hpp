@@ -84,8 +84,9 @@ class Background {
   std::optional<Error> store_error_;
   Storing storing_ = Storing::kNothing;
   Mode told_mode_ = Mode::kStarting;
-  bool waits_ = false;   // of the request being served: for the tick
-  bool stores_ = false;  // of the request being served: for the store
+  std::uint32_t told_code_ = 0;  // of the fault told
+  bool waits_ = false;           // of the request being served: for the tick
+  bool stores_ = false;          // of the request being served: for the store
 };
 
 }  // namespace armsig::controller

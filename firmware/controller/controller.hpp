@@ -39,6 +39,9 @@ class Controller {
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
+  // Shows every tick to `observer`, which outlives the controller; to be called before the first.
+  void observe(TickObserver& observer) { link_.observer = &observer; }
+
   // One tick: read drives, supervise, mode step, command drives, publish. `lateness` is what
   // Clock::wait_until() returned. Never blocks.
   void tick(hal::Duration lateness) { servo_.tick(lateness); }

@@ -16,7 +16,7 @@ namespace armsig::controller {
 // Bin 0 counts below 1 microsecond, bin k from 2^(k-1) up to 2^k microseconds, the last all above.
 struct Histogram {
   static constexpr std::size_t kBins = 16;
-  std::array<std::uint32_t, kBins> counts{};
+  std::array<std::uint64_t, kBins> counts{};  // of 32 bits they would wrap after 49 days at 1 kHz
   hal::Duration largest{};
   hal::Duration sum{};
   std::uint64_t total = 0;

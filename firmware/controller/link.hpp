@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "firmware/controller/histogram.hpp"
 #include "firmware/controller/latest_value.hpp"
@@ -20,7 +21,7 @@ enum class CommandKind : std::uint8_t {
   kEnable,         // Idle, every drive without torque
   kDisable,        // any mode but Starting and Faulted
   kReset,          // Faulted
-  kStop,           // any mode: quick stop, Faulted with kEmergencyStop
+  kStop,           // any mode: quick stop, Faulted with kQuickStop
   kHalt,           // Holding, Servoing, Sweeping: the move and the sequence end in a ramp
   kMove,           // Holding, or Sweeping at rest
   kBeginSequence,  // Holding
@@ -41,6 +42,7 @@ struct Fault {
   Error error = Error::kNotFinite;
   std::optional<std::size_t> joint;
   std::uint32_t code = 0;  // the device's own, as in hal::DriveStatus
+  std::string_view words;  // and what it means
 };
 
 // What the tick publishes.
@@ -58,8 +60,22 @@ struct Snapshot {
   std::size_t model = 0;  // index of the model servoed with
   Pose X_RT;              // actual tool pose by that model
   bool all_disabled = false;
+  FixedVector<std::uint16_t, kMaxJoints> status_words;  // the drives' own
+  std::uint8_t limits_active = 0;  // bit per joint: its drive limits the motion by itself
   Histogram lateness;
   Histogram execution;
+};
+
+// Sees every tick, from inside of it: to be bounded, and never to block.
+class TickObserver {
+ public:
+  void take(const Snapshot& snapshot, hal::Duration lateness) { do_take(snapshot, lateness); }
+
+ protected:
+  ~TickObserver() = default;
+
+ private:
+  virtual void do_take(const Snapshot& snapshot, hal::Duration lateness) = 0;
 };
 
 struct Link {
@@ -67,6 +83,7 @@ struct Link {
   LatestValue<Snapshot> snapshot;     // tick to background
   // The background writes the one that the tick does not use, then sends kAdoptModel.
   std::array<Model, 2> models;
+  TickObserver* observer = nullptr;  // set before the first tick
 };
 
 }  // namespace armsig::controller

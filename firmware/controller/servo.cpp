@@ -33,7 +33,10 @@ void Servo::tick(hal::Duration lateness) {
 }
 
 void Servo::supervise(const Result<void>& read, hal::Duration lateness) {
-  if (mode_ == Mode::kFaulted) return;
+  if (mode_ == Mode::kFaulted) {
+    learn_the_reason();
+    return;
+  }
   supervise_drives();
   if (!read) fail(read.error());
   if (has_torque()) supervise_following();
@@ -45,7 +48,7 @@ void Servo::supervise_drives() {
   for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
     if (status.condition != hal::DriveCondition::kFaulted && !status.fault) continue;
-    fail(status.fault.value_or(Error::kDriveFault), joint, status.fault_code);
+    fail(status.fault.value_or(Error::kDriveFault), joint, status.fault_code, status.words);
   }
   for (std::size_t joint = 0; joint < drives_.count() && has_torque(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
@@ -66,13 +69,23 @@ void Servo::supervise_following() {
 }
 
 // The first cause is kept; what follows from it is not told.
-void Servo::fail(Error error, std::optional<std::size_t> joint, std::uint32_t code) {
+void Servo::fail(Error error, std::optional<std::size_t> joint, std::uint32_t code,
+                 std::string_view words) {
   if (mode_ == Mode::kFaulted) return;
   mode_ = Mode::kFaulted;
-  fault_ = Fault{error, joint, code};
+  fault_ = Fault{error, joint, code, words};
   enabling_ = in_sequence_ = false;
   move_.reset();
   drives_.quick_stop();
+}
+
+// A drive may be seen to be in its fault state before it says why.
+void Servo::learn_the_reason() {
+  if (!fault_->joint || fault_->code != 0) return;
+  const hal::DriveStatus status = drives_.status(*fault_->joint);
+  if (status.fault != fault_->error) return;
+  fault_->code = status.fault_code;
+  fault_->words = status.words;
 }
 
 void Servo::take_commands() {
@@ -105,7 +118,7 @@ std::optional<Error> Servo::take(const Command& command) {
       mode_ = Mode::kStarting;
       return std::nullopt;
     case CommandKind::kStop:
-      fail(Error::kEmergencyStop);
+      fail(Error::kQuickStop);
       return std::nullopt;
     case CommandKind::kHalt:
       if (!has_torque()) return Error::kWrongMode;
@@ -217,10 +230,18 @@ void Servo::publish(hal::Duration lateness) {
   out.model = model_;
   if (const auto X_RT = tool_pose(link_.models[model_], out.positions)) out.X_RT = *X_RT;
   out.all_disabled = drives_.all(hal::DriveCondition::kDisabled);
+  out.status_words.clear();
+  out.limits_active = 0;
+  for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
+    const hal::DriveStatus status = drives_.status(joint);
+    out.status_words.push_back(status.status_word);
+    if (status.limit_active) out.limits_active |= static_cast<std::uint8_t>(1U << joint);
+  }
   lateness_.add(lateness);
   out.lateness = lateness_;
   execution_.add(clock_.now() - now_);
   out.execution = execution_;
+  if (link_.observer != nullptr) link_.observer->take(out, lateness);
   link_.snapshot.publish();
 }
 

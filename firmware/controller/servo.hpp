@@ -31,7 +31,9 @@ class Servo {
   void step_move();
   void command_drives();
   void publish(hal::Duration lateness);
-  void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0);
+  void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0,
+            std::string_view words = {});
+  void learn_the_reason();
   [[nodiscard]] bool is_settled() const;
 
   const Configuration& configuration_;

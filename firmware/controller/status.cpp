@@ -15,6 +15,17 @@ void tell(Line& line, std::string_view what, const Histogram& histogram) {
   }
 }
 
+// Joints whose drives limit the motion by themselves: ` limits_active=3,5`.
+void tell_limits(Line& line, const Snapshot& snapshot) {
+  line.text(" limits_active=");
+  bool first = true;
+  for (std::size_t joint = 0; joint < snapshot.positions.size(); ++joint) {
+    if ((snapshot.limits_active >> joint & 1U) == 0) continue;
+    line.text(first ? "" : ",").integer(joint + 1);
+    first = false;
+  }
+}
+
 }  // namespace
 
 void Background::tell_status() {
@@ -23,9 +34,10 @@ void Background::tell_status() {
   if (s.fault) {
     out_.text(" fault=").text(name(s.fault->error));
     if (s.fault->joint) out_.text(" fault_joint=").integer(*s.fault->joint + 1);
-    if (s.fault->code != 0) out_.text(" fault_code=").integer(s.fault->code);
+    out_.device_says(s.fault->code, s.fault->words, "fault_");
   }
   out_.text(" moving=").text(s.moving ? "yes" : "no");
+  if (s.limits_active != 0) tell_limits(out_, s);
   for (std::size_t i = 0; i < s.positions.size(); ++i) {
     const bool turns = configuration_.drawing.joints[i].type == JointType::kRevolute;
     out_.text(" q").integer(i + 1).text(turns ? "_deg=" : "_mm=");

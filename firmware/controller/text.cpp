@@ -41,6 +41,17 @@ Line& Line::integer(std::uint64_t value) {
   return text({digits.data() + first, digits.size() - first});
 }
 
+Line& Line::hex(std::uint32_t value, unsigned digits) {
+  text("0x");
+  bool begun = false;
+  for (unsigned digit = 8; digit-- > 0;) {
+    const std::uint32_t nibble = (value >> (4 * digit)) & 0xFU;
+    begun = begun || nibble != 0 || digit < digits;
+    if (begun) text({&"0123456789ABCDEF"[nibble], 1});
+  }
+  return *this;
+}
+
 Line& Line::number(double value, unsigned decimals) {
   if (!std::isfinite(value)) return text("none");
   std::uint64_t scale = 1;
@@ -56,6 +67,14 @@ Line& Line::number(double value, unsigned decimals) {
     integer(scaled / digit % 10);
   }
   return *this;
+}
+
+Line& Line::device_says(std::uint32_t code, std::string_view words, std::string_view prefix) {
+  constexpr unsigned kEmergencyDigits = 4;
+  if (code == 0) return *this;
+  text(" ").text(prefix).text("code=").hex(code, kEmergencyDigits);
+  if (words.empty()) return *this;
+  return text(" ").text(prefix).text("says=\"").text(words).text("\"");
 }
 
 Line& Line::reason(Error error) {

@@ -18,8 +18,13 @@ class Line {
  public:
   Line& text(std::string_view words);
   Line& integer(std::uint64_t value);
+  // In hexadecimal, with at least `digits` of them: 0x2310.
+  Line& hex(std::uint32_t value, unsigned digits);
   // With `decimals` digits after the point, at most 9.
   Line& number(double value, unsigned decimals);
+  // A device's own code and what it means: ` code=0x2310 says="words"`, with `prefix` before either
+  // key; nothing where the code is 0.
+  Line& device_says(std::uint32_t code, std::string_view words, std::string_view prefix = {});
   // Why something ended: ` error=NAME reason="words"`.
   Line& reason(Error error);
   void clear() { characters_.clear(); }

@@ -125,7 +125,9 @@ Read<void> read_top(const YamlMap& root, DaemonConfiguration& c) {
   c.console = console;
   c.store = store;
   Settings settings(root);
-  settings.time("period", c.controller.period).integer("priority", 0, 99, c.priority);
+  settings.time("period", c.controller.period)
+      .integer("priority", 0, 99, c.priority)
+      .text("black_box", c.black_box);
   if (auto done = settings.done(); !done) return done;
   c.drives.period = c.controller.period;
   return {};
@@ -135,9 +137,9 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
   }
-  std::vector<std::string> known{"armsig", "name",   "console", "store",  "priority",
-                                 "joints", "can",    "sensor",  "motion", "supervision",
-                                 "dwell",  "sweeps", "grid"};
+  std::vector<std::string> known{"armsig",      "name",   "console", "store",  "priority",
+                                 "black_box",   "joints", "can",     "sensor", "motion",
+                                 "supervision", "dwell",  "sweeps",  "grid"};
   add_names(known, "period", Dimension::kTime);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));
   DaemonConfiguration c;

@@ -9,11 +9,10 @@
 #include <fmt/format.h>
 
 #include "firmware/controller/controller.hpp"
+#include "firmware/linux/attendance.hpp"
 #include "firmware/linux/can_sensor.hpp"
-#include "firmware/linux/process_watch.hpp"
 #include "firmware/linux/real_time_loop.hpp"
 #include "firmware/linux/shut_down.hpp"
-#include "firmware/linux/system_console.hpp"
 #include "hal/canopen/master.hpp"
 #include "hal/linux/file_memory.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"
@@ -52,6 +51,20 @@ Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
   return backend;
 }
 
+// Every tick puts a burst into the queue of the interface: SYNC, a frame a drive, a heartbeat, an
+// SDO; and where a tick is late, the next one follows before it is empty. By default Linux gives a
+// CAN interface ten places.
+void warn_about_queue(const DaemonConfiguration& configuration, Journal& journal) {
+  const auto places = linux_hal::send_queue_frames(configuration.can_interface);
+  const std::size_t needed = 2 * (configuration.drives.axes.size() + 3);
+  if (!places || *places == 0 || *places >= needed) return;
+  journal.tell(
+      Priority::kWarning,
+      fmt::format("warning: {} queues {} frames where {} may come at once: commands may be "
+                  "lost (ip link set {} txqueuelen 64)",
+                  configuration.can_interface, *places, needed, configuration.can_interface));
+}
+
 }  // namespace
 
 int run_cabinet(const DaemonConfiguration& configuration, const volatile std::sig_atomic_t& stop) {
@@ -73,29 +86,32 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
     return 1;
   }
 
-  ProcessWatch watch;
-  SystemConsole console(**socket, watch);
-  const std::array<hal::Console*, 1> consoles{&console};
+  Attendance attendance(configuration, **socket);
+  const std::array<hal::Console*, 1> consoles{&attendance.console()};
+  warn_about_queue(configuration, attendance.journal());
   linux_hal::SteadyClock clock;
   linux_hal::SocketCan bus({.interface_name = configuration.can_interface, .filters = {}});
   canopen::Master master(*drives, bus, backend->can.get());
   const auto controller = std::make_unique<controller::Controller>(
       configuration.controller, master, backend->sensor(), clock, *memory, consoles);
+  attendance.begin(*controller);
   const RealTimeLoop loop{.controller = *controller,
                           .clock = clock,
                           .period = configuration.controller.period,
                           .priority = configuration.priority,
-                          .watch = watch};
+                          .watch = attendance.watch(),
+                          .journal = attendance.journal(),
+                          .bus = &bus};
+  bool at_rest = false;
   const bool served = run_in_real_time(
       loop,
       [&] {
-        fmt::print("armsigd: {}: {} joints on {}, console at {}\n", configuration.name,
-                   configuration.drives.axes.size(), configuration.can_interface,
-                   configuration.console);
-        std::fflush(stdout);
+        attendance.started(fmt::format("{}: {} joints on {}, console at {}", configuration.name,
+                                       configuration.drives.axes.size(),
+                                       configuration.can_interface, configuration.console));
       },
-      stop);
-  if (served) shut_down(master, clock, configuration.controller.period);
+      [&] { at_rest = shut_down(master, clock, configuration.controller.period); }, stop);
+  attendance.end(stop, at_rest);
   return served ? 0 : 1;
 }
 

@@ -26,6 +26,7 @@ struct DaemonConfiguration {
   Vector3 p_nT = Vector3::Zero();  // the emitter in the frame of the last link, by the drawing
   std::string console;             // path of the Unix socket
   std::string store;               // path of the file that keeps the signatures
+  std::string black_box;           // folder of its files; empty: black-box beside the store
   int priority = 80;               // of the servo thread, SCHED_FIFO; 0: ordinary scheduling
   double bus_load = 0;             // of the CAN bus at worst, 1 being all of it
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/linux/process_watch.hpp"
 
+#include <string.h>
 #include <sys/resource.h>
 
 #include "hal/linux/heap_calls.hpp"
@@ -14,6 +15,22 @@ std::int64_t page_faults(int who) {
   return usage.ru_minflt + usage.ru_majflt;
 }
 
+std::string_view name_of(hal::CanState state) {
+  switch (state) {
+    case hal::CanState::kActive:
+      return "active";
+    case hal::CanState::kWarning:
+      return "warning";
+    case hal::CanState::kPassive:
+      return "passive";
+    case hal::CanState::kBusOff:
+      return "bus-off";
+    case hal::CanState::kDown:
+      return "down";
+  }
+  return "unknown";
+}
+
 }  // namespace
 
 void ProcessWatch::begin(const linux_hal::RealTimeReport& report, int priority) {
@@ -24,7 +41,27 @@ void ProcessWatch::begin(const linux_hal::RealTimeReport& report, int priority) 
   servo_faults_before_ = servo_faults_ = page_faults(RUSAGE_THREAD);
 }
 
-void ProcessWatch::look() { servo_faults_ = page_faults(RUSAGE_THREAD); }
+void ProcessWatch::look(const linux_hal::SocketCan* bus) {
+  servo_faults_ = page_faults(RUSAGE_THREAD);
+  if (bus == nullptr) return;
+  const hal::CanStatus status = bus->last_status();
+  can_state_ = status.state;
+  can_error_frames_ = status.error_frames;
+  can_lost_ = status.lost;
+  can_bus_offs_ = status.bus_offs;
+  can_restarts_ = status.restarts;
+  can_errno_ = bus->last_errno();
+  has_bus_ = true;
+}
+
+bool ProcessWatch::progressed() {
+  const std::uint64_t ticks = ticks_;
+  const std::uint64_t steps = steps_;
+  if (ticks == seen_ticks_ || steps == seen_steps_) return false;
+  seen_ticks_ = ticks;
+  seen_steps_ = steps;
+  return true;
+}
 
 void ProcessWatch::tell(controller::Line& line) const {
   const auto difference = [](std::int64_t now, std::int64_t before) {
@@ -35,6 +72,15 @@ void ProcessWatch::tell(controller::Line& line) const {
   line.text(" heap_calls=").integer(linux_hal::heap_calls() - heap_calls_before_);
   line.text(" page_faults=").integer(difference(page_faults(RUSAGE_SELF), faults_before_));
   line.text(" servo_page_faults=").integer(difference(servo_faults_, servo_faults_before_));
+  if (!has_bus_) return;
+  line.text(" can=").text(name_of(can_state_));
+  line.text(" can_error_frames=").integer(can_error_frames_);
+  line.text(" can_lost=").integer(can_lost_);
+  line.text(" can_bus_offs=").integer(can_bus_offs_);
+  line.text(" can_restarts=").integer(can_restarts_);
+  const int number = can_errno_;
+  const char* const words = number == 0 ? nullptr : ::strerrordesc_np(number);
+  if (words != nullptr) line.text(" can_says=\"").text(words).text("\"");
 }
 
 }  // namespace armsig::daemon

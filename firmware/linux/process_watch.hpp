@@ -8,6 +8,7 @@
 
 #include "firmware/controller/text.hpp"
 #include "hal/linux/real_time.hpp"
+#include "hal/linux/socket_can.hpp"
 
 namespace armsig::daemon {
 
@@ -15,11 +16,17 @@ class ProcessWatch {
  public:
   // By the servo thread when everything is started; `report` is what it was granted.
   void begin(const linux_hal::RealTimeReport& report, int priority);
-  // By the servo thread, now and then.
-  void look();
+  // By the servo thread, now and then; `bus` where there is a real one.
+  void look(const linux_hal::SocketCan* bus);
+  // By the servo thread after each tick, and by the background's after each of its turns.
+  void ticked() { ++ticks_; }
+  void stepped() { ++steps_; }
+  // By one thread: whether both have gone on since the last time that they both had.
+  [[nodiscard]] bool progressed();
 
   // By any thread: ` memory_locked=yes real_time=yes heap_calls=0 page_faults=0
-  // servo_page_faults=0`.
+  // servo_page_faults=0`, and of a real bus ` can=active can_error_frames=0 can_lost=0
+  // can_bus_offs=0 can_restarts=0`, with ` can_says="words"` of the system's last refusal.
   void tell(controller::Line& line) const;
 
  private:
@@ -29,6 +36,17 @@ class ProcessWatch {
   std::atomic<std::int64_t> faults_before_{0};
   std::atomic<std::int64_t> servo_faults_before_{0};
   std::atomic<std::int64_t> servo_faults_{0};
+  std::atomic<bool> has_bus_{false};
+  std::atomic<hal::CanState> can_state_{hal::CanState::kDown};
+  std::atomic<std::uint32_t> can_error_frames_{0};
+  std::atomic<std::uint32_t> can_lost_{0};
+  std::atomic<std::uint32_t> can_bus_offs_{0};
+  std::atomic<std::uint32_t> can_restarts_{0};
+  std::atomic<int> can_errno_{0};
+  std::atomic<std::uint64_t> ticks_{0};
+  std::atomic<std::uint64_t> steps_{0};
+  std::uint64_t seen_ticks_ = 0;
+  std::uint64_t seen_steps_ = 0;
 };
 
 }  // namespace armsig::daemon

@@ -16,9 +16,9 @@ namespace {
 
 constexpr unsigned kTicksBetweenLooks = 256;
 
-void warn_about(const linux_hal::RealTimeReport& report) {
-  const auto warn = [](std::string_view advice, int number) {
-    fmt::print(stderr, "armsigd: warning: {}: {}\n", advice, std::strerror(number));
+void warn_about(const linux_hal::RealTimeReport& report, Journal& journal) {
+  const auto warn = [&](std::string_view advice, int number) {
+    journal.tell(Priority::kWarning, fmt::format("warning: {}: {}", advice, std::strerror(number)));
   };
   if (report.memory_not_locked) warn(linux_hal::kMemoryAdvice, *report.memory_not_locked);
   if (report.priority_not_given) warn(linux_hal::kPriorityAdvice, *report.priority_not_given);
@@ -29,13 +29,14 @@ class BackgroundThread {
  public:
   // Looks once a period, short against anything that a person or a sensor notices, and computes for
   // half of it where there is something to compute.
-  BackgroundThread(controller::Controller& controller, hal::Duration period)
-      : thread_([this, &controller, period] {
+  BackgroundThread(controller::Controller& controller, hal::Duration period, ProcessWatch& watch)
+      : thread_([this, &controller, period, &watch] {
           linux_hal::SteadyClock clock;
           while (!stop_) {
             const hal::Instant half = clock.now() + period / 2;
             while (controller.background() && clock.now() < half) {
             }
+            watch.stepped();
             clock.wait_until(half + period / 2);
           }
         }) {}
@@ -57,7 +58,8 @@ void serve(const RealTimeLoop& loop, const volatile std::sig_atomic_t& stop) {
   for (unsigned ticks = 0; stop == 0; ++ticks) {
     const hal::Duration lateness = loop.clock.wait_until(next);
     loop.controller.tick(lateness);
-    if (ticks % kTicksBetweenLooks == 0) loop.watch.look();
+    loop.watch.ticked();
+    if (ticks % kTicksBetweenLooks == 0) loop.watch.look(loop.bus);
     next += loop.period * (1 + lateness / loop.period);
   }
 }
@@ -65,16 +67,18 @@ void serve(const RealTimeLoop& loop, const volatile std::sig_atomic_t& stop) {
 }  // namespace
 
 bool run_in_real_time(const RealTimeLoop& loop, const std::function<void()>& started,
+                      const std::function<void()>& bring_to_rest,
                       const volatile std::sig_atomic_t& stop) {
   try {
-    const BackgroundThread background(loop.controller, loop.period);
+    const BackgroundThread background(loop.controller, loop.period, loop.watch);
     const linux_hal::RealTimeReport report = linux_hal::become_real_time(loop.priority);
-    warn_about(report);
+    warn_about(report, loop.journal);
     started();
     loop.watch.begin(report, loop.priority);
     serve(loop, stop);
+    bring_to_rest();
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "armsigd: thread: {}\n", error.what());
+    loop.journal.tell(Priority::kError, fmt::format("thread: {}", error.what()));
     return false;
   }
   return true;

@@ -6,8 +6,10 @@
 #include <functional>
 
 #include "firmware/controller/controller.hpp"
+#include "firmware/linux/journal.hpp"
 #include "firmware/linux/process_watch.hpp"
 #include "hal/clock.hpp"
+#include "hal/linux/socket_can.hpp"
 
 namespace armsig::daemon {
 
@@ -17,12 +19,16 @@ struct RealTimeLoop {
   hal::Duration period{};
   int priority = 0;  // SCHED_FIFO of the ticks, where permitted; 0: ordinary scheduling
   ProcessWatch& watch;
+  Journal& journal;
+  const linux_hal::SocketCan* bus = nullptr;  // of the drives; none where it is emulated
 };
 
 // The servo tick is the calling thread's; everything else is another's, which ends with this call.
-// Calls `started` before the first tick; what is not permitted is told on standard error. Returns
-// when `stop` is set; false if there was no second thread to have, told too.
+// Calls `started` before the first tick, and `bring_to_rest` when `stop` is set, at once: the other
+// thread may be waiting for a disk, and is waited for only after that. What is not permitted is
+// told in the log; false if there was no second thread to have, told too.
 [[nodiscard]] bool run_in_real_time(const RealTimeLoop& loop, const std::function<void()>& started,
+                                    const std::function<void()>& bring_to_rest,
                                     const volatile std::sig_atomic_t& stop);
 
 }  // namespace armsig::daemon

@@ -18,11 +18,11 @@ bool any_faulted(const hal::JointDrives& drives) {
 
 }  // namespace
 
-void shut_down(hal::JointDrives& drives, hal::Clock& clock, hal::Duration period) {
+bool shut_down(hal::JointDrives& drives, hal::Clock& clock, hal::Duration period) {
   const hal::Instant began = clock.now();
   hal::Instant next = began;
   bool stopping = !drives.all(DriveCondition::kDisabled);
-  if (!stopping) return;
+  if (!stopping) return true;
   drives.quick_stop();
   while (clock.now() - began < kLongestShutDown) {
     const bool heard = drives.read(clock.now()).has_value();
@@ -32,12 +32,13 @@ void shut_down(hal::JointDrives& drives, hal::Clock& clock, hal::Duration period
       stopping = false;
       drives.disable();
     } else if (!stopping && drives.all(DriveCondition::kDisabled)) {
-      return;
+      return true;
     }
-    if (!heard || (!stopping && any_faulted(drives))) return;
+    if (!heard || (!stopping && any_faulted(drives))) break;
     next += period;
     clock.wait_until(next);
   }
+  return drives.all(DriveCondition::kDisabled);
 }
 
 }  // namespace armsig::daemon

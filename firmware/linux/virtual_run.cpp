@@ -8,10 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "firmware/linux/attendance.hpp"
 #include "firmware/linux/daemon.hpp"
-#include "firmware/linux/process_watch.hpp"
 #include "firmware/linux/real_time_loop.hpp"
-#include "firmware/linux/system_console.hpp"
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
 #include "hal/linux/file_memory.hpp"
 #include "hal/linux/socket_console.hpp"
@@ -39,12 +38,14 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
   return world;
 }
 
-void pace(cabinet::VirtualCabinet& cabinet, hal::Clock& clock, double speed,
+void pace(cabinet::VirtualCabinet& cabinet, hal::Clock& clock, ProcessWatch& watch, double speed,
           const volatile std::sig_atomic_t& stop) {
   const hal::Instant real = clock.now();
   const hal::Instant imagined = cabinet.clock().now();
   while (stop == 0) {
     cabinet.step();
+    watch.ticked();
+    watch.stepped();
     if (speed > 0) {
       const double elapsed_s = hal::seconds(cabinet.clock().now() - imagined);
       clock.wait_until(real + hal::Duration(std::llround(1e9 * elapsed_s / speed)));
@@ -63,30 +64,32 @@ int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& 
                describe(!memory ? memory.error() : console.error()));
     return 1;
   }
-  ProcessWatch watch;
-  SystemConsole system(**console, watch);
-  std::array<hal::Console*, 1> consoles{console->get()};
-  if (options.real_time) consoles[0] = &system;
+  Attendance attendance(configuration, **console);
+  const std::array<hal::Console*, 1> consoles{&attendance.console()};
   linux_hal::SteadyClock clock;
   const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
       configuration.controller, configuration.drives, world_of(configuration, options), *memory,
       consoles, options.real_time ? &clock : nullptr);
+  attendance.begin(cabinet->controller());
   const auto started = [&] {
-    fmt::print("armsigd: {}: virtual cabinet, console at {}\n", configuration.name,
-               configuration.console);
-    std::fflush(stdout);
+    attendance.started(fmt::format("{}: virtual cabinet, console at {}", configuration.name,
+                                   configuration.console));
   };
+  bool served = true;
   if (options.real_time) {
     const RealTimeLoop loop{.controller = cabinet->controller(),
                             .clock = cabinet->clock(),
                             .period = configuration.controller.period,
                             .priority = configuration.priority,
-                            .watch = watch};
-    return run_in_real_time(loop, started, stop) ? 0 : 1;
+                            .watch = attendance.watch(),
+                            .journal = attendance.journal()};
+    served = run_in_real_time(loop, started, [] {}, stop);
+  } else {
+    started();
+    pace(*cabinet, clock, attendance.watch(), options.speed, stop);
   }
-  started();
-  pace(*cabinet, clock, options.speed, stop);
-  return 0;
+  attendance.end(stop, true);  // the emulated arm goes with the process
+  return served ? 0 : 1;
 }
 
 }  // namespace armsig::daemon

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hal/canopen/emergency.hpp"
+#include "hal/canopen/sdo_client.hpp"
 
 namespace armsig::canopen {
 namespace {
@@ -39,11 +40,19 @@ bool needs_setup(Error fault) {
   }
 }
 
+std::string_view words_of(std::optional<Error> fault, std::uint32_t code) {
+  if (!fault || code == 0) return {};
+  if (*fault == Error::kSdoAborted) return describe_sdo_abort(code);
+  const bool emergency = *fault == Error::kDriveEmergency || *fault == Error::kDriveFault;
+  return emergency ? describe_emergency(static_cast<std::uint16_t>(code)) : std::string_view();
+}
+
 }  // namespace
 
 hal::DriveStatus DriveNode::status() const {
   hal::DriveStatus status{.fault = s_.fault,
                           .fault_code = s_.fault_code,
+                          .words = words_of(s_.fault, s_.fault_code),
                           .status_word = s_.status_word,
                           .limit_active = (s_.status_word & cia402::kStatusInternalLimit) != 0};
   using enum hal::DriveCondition;
@@ -153,7 +162,10 @@ bool DriveNode::take_emergency(const hal::CanFrame& frame) {
   if (!emergency) return false;
   // What a device says while it boots is about the time before; "no error" ends nothing, because a
   // fault is forgotten by the operator only.
-  if (emergency->code != 0 && is_started()) latch(Error::kDriveEmergency, emergency->code);
+  if (emergency->code == 0 || !is_started()) return true;
+  latch(Error::kDriveEmergency, emergency->code);
+  // A drive may tell its state before the reason.
+  if (s_.fault == Error::kDriveFault && s_.fault_code == 0) s_.fault_code = emergency->code;
   return true;
 }
 

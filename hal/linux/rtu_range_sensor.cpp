@@ -160,6 +160,8 @@ Result<std::optional<hal::RangeReading>> RtuRangeSensor::do_poll(hal::Instant no
 
 std::string_view RtuRangeSensor::do_words(Error error) const {
   if (error == Error::kSensorException) return modbus::describe_exception(exception_);
+  // An answer that begins with the request is none that libmodbus can read.
+  if (error == Error::kSensorBadCrc) return "noise, or an RS-485 adapter that echoes requests";
   if (error != Error::kSensorPortGone) return {};
   const char* const words = ::strerrordesc_np(port_errno_);
   return words == nullptr ? std::string_view() : words;

@@ -46,6 +46,15 @@ hal::Duration since_epoch(const timespec& time) {
 
 }  // namespace
 
+std::optional<unsigned> send_queue_frames(const std::string& interface_name) {
+  ifreq request{};
+  if (interface_name.size() >= sizeof request.ifr_name) return std::nullopt;
+  std::memcpy(request.ifr_name, interface_name.c_str(), interface_name.size());
+  const FileDescriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (::ioctl(socket.get(), SIOCGIFTXQLEN, &request) != 0) return std::nullopt;
+  return static_cast<unsigned>(request.ifr_qlen);
+}
+
 SocketCan::SocketCan(const SocketCanConfiguration& configuration) : configuration_(configuration) {
   (void)do_status();
 }
@@ -228,6 +237,10 @@ hal::CanStatus SocketCan::do_status() {
     if (last_errno_ == EOPNOTSUPP) leave_bus_off();
     restart_.fail(now);
   }
+  return last_status();
+}
+
+hal::CanStatus SocketCan::last_status() const {
   hal::CanStatus status = counts_;
   status.state = up_ ? controller_ : hal::CanState::kDown;
   return status;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/base/fixed_vector.hpp"
@@ -14,6 +15,10 @@
 namespace armsig::linux_hal {
 
 inline constexpr std::size_t kMaxCanFilters = 16;
+
+// How many frames the interface's own queue holds (`ip link set NAME txqueuelen N`); 0: it has none
+// and sends at once; empty: there is no such interface.
+[[nodiscard]] std::optional<unsigned> send_queue_frames(const std::string& interface_name);
 
 // Frames with (identifier & mask) == (this identifier & mask) are received.
 struct CanFilter {
@@ -39,6 +44,9 @@ class SocketCan final : public hal::CanBus {
   // The errno value of the last try to open the interface or to restart its controller, 0 after a
   // success; for the log.
   [[nodiscard]] int last_errno() const { return last_errno_; }
+
+  // As of the last status(), without its steps of recovery; for the log.
+  [[nodiscard]] hal::CanStatus last_status() const;
 
  private:
   Result<void> do_send(const hal::CanFrame& frame) override;

@@ -149,6 +149,13 @@ TEST(Faults, an_emergency_of_a_drive_ends_in_a_quick_stop) {
   expect_safe(puma, Error::kDriveEmergency);
   EXPECT_EQ(puma.now().fault->joint, 3U);
   EXPECT_EQ(puma.now().fault->code, 0x2310U);
+  const std::string words = "code=0x2310 says=\"continuous over-current\"";
+  EXPECT_NE(puma.console.told.back().find(" joint=4 " + words), std::string::npos)
+      << puma.console.told.back();
+  const std::string status = puma.ask("status");
+  EXPECT_NE(status.find(" fault_joint=4 fault_code=0x2310 fault_says=\"continuous over-current\""),
+            std::string::npos)
+      << status;
 }
 
 TEST(Faults, a_lost_heartbeat_ends_in_a_quick_stop) {
@@ -169,18 +176,18 @@ TEST(Faults, the_operators_stop_ends_every_mode) {
     PumaCabinet idle;
     ASSERT_TRUE(idle.run_until(Mode::kIdle));
     EXPECT_EQ(idle.ask("stop"), "ok");
-    expect_safe(idle, Error::kEmergencyStop);
+    expect_safe(idle, Error::kQuickStop);
   }
   {
     PumaCabinet holding;
     ASSERT_TRUE(holding.enable());
     EXPECT_EQ(holding.ask("stop"), "ok");
-    expect_safe(holding, Error::kEmergencyStop);
+    expect_safe(holding, Error::kQuickStop);
   }
   {
     Moving servoing;
     EXPECT_EQ(servoing.ask("stop"), "ok");
-    expect_safe(servoing, Error::kEmergencyStop);
+    expect_safe(servoing, Error::kQuickStop);
   }
   {
     PumaCabinet sweeping;
@@ -189,7 +196,7 @@ TEST(Faults, the_operators_stop_ends_every_mode) {
     sweeping.run(3);
     ASSERT_EQ(sweeping.mode(), Mode::kSweeping);
     EXPECT_EQ(sweeping.ask("stop"), "ok");
-    expect_safe(sweeping, Error::kEmergencyStop);
+    expect_safe(sweeping, Error::kQuickStop);
     EXPECT_FALSE(sweeping.cabinet->state().identification().is_running());
   }
 }

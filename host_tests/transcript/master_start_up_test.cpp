@@ -83,7 +83,7 @@ TEST(MasterStartUp, keeps_the_code_of_an_abort) {
   script.tick();
   script.tick();
   EXPECT_EQ(script.master->status(0).fault, Error::kSdoAborted);
-  EXPECT_EQ(describe_sdo_abort(script.master->status(0).fault_code), "object does not exist");
+  EXPECT_EQ(script.master->status(0).words, "object does not exist");
   script.bus.expect_all_consumed();
 }
 

@@ -3,8 +3,11 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -84,6 +87,33 @@ TEST(Daemon, brings_the_arm_to_rest_at_every_signal_that_can_be_caught) {
     EXPECT_TRUE(daemon.survives(signal)) << signal;
   }
   EXPECT_EQ(daemon.end(SIGTERM), 0);
+}
+
+// At 20 times real time, so that the half second after the fault is soon over.
+TEST(Daemon, keeps_the_seconds_before_a_fault_in_a_file_that_status_names) {
+  const Folder folder;
+  VirtualDaemon daemon(folder, "20");
+  ASSERT_TRUE(daemon.is_in("idle"));
+  EXPECT_EQ(daemon.ask("status").find("black_box="), std::string::npos);
+  EXPECT_EQ(daemon.ask("enable"), "ok");
+  ASSERT_TRUE(daemon.is_in("holding"));
+  EXPECT_EQ(daemon.ask("move q1_deg=60"), "ok");
+  ASSERT_TRUE(daemon.is_in("servoing"));
+  EXPECT_EQ(daemon.ask("stop"), "ok");
+  std::string status;
+  std::size_t at = std::string::npos;
+  for (int i = 0; i < 500 && at == std::string::npos; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    status = daemon.ask("status");
+    at = status.find(" black_box=");
+  }
+  ASSERT_NE(at, std::string::npos) << status;
+  const std::string path = status.substr(at + 11, status.find(' ', at + 1) - at - 11);
+  EXPECT_EQ(std::filesystem::path(path).parent_path(), folder / "black-box");
+  const std::string text = read_file(path);
+  EXPECT_NE(text.find("# fault: QUICK_STOP: "), std::string::npos) << text.substr(0, 300);
+  EXPECT_NE(text.find(",servoing,"), std::string::npos);
+  EXPECT_NE(text.find("\n0.000000,faulted,"), std::string::npos);
 }
 
 TEST(Daemon, answers_armsig_connect) {

@@ -166,6 +166,23 @@ TEST(RtuRangeSensor, tells_each_wrong_answer_and_recovers) {
   }
 }
 
+TEST(RtuRangeSensor, a_line_that_echoes_requests_is_told_and_what_to_look_for) {
+  PtySensor line([](unsigned number) {
+    auto echoed = bytes("01040000000CF00F");
+    const auto real = answer(1, static_cast<std::uint8_t>(number));
+    echoed.insert(echoed.end(), real.begin(), real.end());
+    return echoed;
+  });
+  const auto sensor = RtuRangeSensor::start(configuration_for(line));
+  ASSERT_TRUE(sensor);
+  for (int i = 0; i < 3; ++i) {
+    const auto polled = next(**sensor);
+    ASSERT_FALSE(polled) << "a wrong reading";
+    ASSERT_EQ(polled.error(), Error::kSensorBadCrc);
+  }
+  EXPECT_NE((*sensor)->words(Error::kSensorBadCrc).find("echoes"), std::string_view::npos);
+}
+
 TEST(RtuRangeSensor, a_sensor_that_does_not_answer_is_silent) {
   PtySensor line([](unsigned) { return std::vector<std::uint8_t>(); });
   const auto sensor = RtuRangeSensor::start(configuration_for(line));
