@@ -59,6 +59,7 @@ canopen::Configuration drive_configuration() {
                       .largest_speed = 2.0});
   }
   c.period = kPeriod;
+  c.bits_per_second = kBitsPerSecond;
   const canopen::RangeNodeConfiguration sensor = sensor_configuration();
   c.other_nodes.push_back(sensor.node);
   for (const auto& frame : canopen::traffic(sensor, std::chrono::milliseconds(20))) {

@@ -10,6 +10,7 @@
 namespace armsig::cabinet {
 
 inline constexpr std::size_t kReceivers = 6;
+inline constexpr std::uint32_t kBitsPerSecond = 1'000'000;              // of the drives' CAN bus
 inline constexpr hal::Duration kPeriod = std::chrono::milliseconds(2);  // of the tick and of SYNC
 
 // In the sensor frame, metres.

@@ -22,6 +22,9 @@ namespace {
 constexpr std::uintptr_t kUart0 = 0xFF00'0000;
 constexpr std::uintptr_t kCan0 = 0xFF06'0000;
 
+// What the drives are told and the bus load is computed from is what the controller talks at.
+static_assert(kBitsPerSecond == r5f::CanController::kBitsPerSecond);
+
 [[gnu::section(".bank")]] r5f::BankMemory::Bank bank;
 
 // These two have their own frames, for what they are made of is large.

@@ -2,10 +2,14 @@
 #include "firmware/controller/configuration.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/measurement/ping_median.hpp"
 #include "firmware/controller/measurement_log.hpp"
+#include "firmware/controller/model.hpp"
+#include "firmware/controller/plausibility.hpp"
 #include "hal/range_sensor.hpp"
 
 namespace armsig::controller {
@@ -13,30 +17,38 @@ namespace {
 
 using Checked = std::expected<void, ConfigurationRefusal>;
 
-constexpr double kLargestRevolute_rad = 20 * kPi;
-constexpr double kLargestPrismatic_m = 100;
-
 std::unexpected<ConfigurationRefusal> refused(std::string_view setting, Error error,
                                               std::optional<std::size_t> joint = {},
                                               double found = 0, double needed = 0) {
   return std::unexpected(ConfigurationRefusal{setting, error, joint, found, needed});
 }
 
-Checked check_positive(std::string_view setting, double value,
-                       std::optional<std::size_t> joint = {}) {
+Checked check_plausible(std::string_view setting, double value, const Bounds& bounds,
+                        Error error = Error::kOutOfRange, std::optional<std::size_t> joint = {}) {
   if (!std::isfinite(value)) return refused(setting, Error::kNotFinite, joint);
-  if (!(value > 0)) return refused(setting, Error::kNotPositive, joint, value, 0);
-  return {};
+  if (value <= 0 && bounds.lowest > 0) {
+    return refused(setting, Error::kNotPositive, joint, value, bounds.lowest);
+  }
+  if (value >= bounds.lowest && value <= bounds.highest) return {};
+  return std::unexpected(
+      ConfigurationRefusal{.setting = setting,
+                           .error = error,
+                           .joint = joint,
+                           .found = value,
+                           .needed = value < bounds.lowest ? bounds.lowest : bounds.highest,
+                           .reason = bounds.reason});
 }
 
-Checked check_each_positive(std::string_view setting, const JointVector& values,
-                            std::size_t joints) {
-  if (values.size() != joints) {
+Checked check_each(std::string_view setting, const JointVector& values, const Arm& arm,
+                   const JointBounds& bounds) {
+  if (values.size() != arm.joints.size()) {
     return refused(setting, Error::kOutOfRange, {}, static_cast<double>(values.size()),
-                   static_cast<double>(joints));
+                   static_cast<double>(arm.joints.size()));
   }
-  for (std::size_t i = 0; i < joints; ++i) {
-    if (auto checked = check_positive(setting, values[i], i); !checked) return checked;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto checked =
+        check_plausible(setting, values[i], bounds.of(arm.joints[i].type), Error::kOutOfRange, i);
+    if (!checked) return checked;
   }
   return {};
 }
@@ -75,35 +87,36 @@ Checked check_arm(const Arm& arm) {
     }
     if (!std::isfinite(lower + upper)) return refused("arm.limits", Error::kNotFinite, i);
     if (!(lower < upper)) return refused("arm.limits", Error::kLimitsReversed, i, lower, upper);
-    const double largest =
-        row.type == JointType::kRevolute ? kLargestRevolute_rad : kLargestPrismatic_m;
-    if (std::max(-lower, upper) > largest) {
-      return refused("arm.limits", Error::kLimitsImplausible, i, std::max(-lower, upper), largest);
+    for (const double limit : {lower, upper}) {
+      auto ok = check_plausible("arm.limits", limit, plausible::kLimit.of(row.type),
+                                Error::kLimitsImplausible, i);
+      if (!ok) return ok;
     }
   }
   return {};
 }
 
 Checked check_motion(const Configuration& c) {
-  const std::size_t n = c.drawing.joints.size();
   if (c.period < std::chrono::microseconds(100) || c.period > std::chrono::milliseconds(50)) {
     return refused("period", Error::kPeriodInvalid, {}, hal::seconds(c.period), 0.05);
   }
-  if (auto ok = check_each_positive("limits.speed", c.limits.speed, n); !ok) return ok;
-  if (auto ok = check_each_positive("limits.acceleration", c.limits.acceleration, n); !ok) {
-    return ok;
+  const Arm& arm = c.drawing;
+  for (auto ok : {
+           check_each("limits.speed", c.limits.speed, arm, plausible::kSpeed),
+           check_each("limits.acceleration", c.limits.acceleration, arm, plausible::kAcceleration),
+           check_plausible("limits.tool_speed", c.limits.tool_speed, plausible::kToolSpeed),
+           check_plausible("limits.tool_turn_rate", c.limits.tool_turn_rate,
+                           plausible::kToolTurnRate),
+           check_plausible("limits.least_regularity", c.limits.least_regularity,
+                           plausible::kLeastRegularity),
+           check_each("supervision.following_error", c.supervision.following_error, arm,
+                      plausible::kFollowingError),
+           check_plausible("supervision.latest_tick", hal::seconds(c.supervision.latest_tick),
+                           plausible::kLatestTick),
+       }) {
+    if (!ok) return ok;
   }
-  if (auto ok = check_positive("limits.tool_speed", c.limits.tool_speed); !ok) return ok;
-  if (auto ok = check_positive("limits.tool_turn_rate", c.limits.tool_turn_rate); !ok) return ok;
-  if (auto ok = check_positive("limits.least_regularity", c.limits.least_regularity); !ok) {
-    return ok;
-  }
-  if (auto ok =
-          check_each_positive("supervision.following_error", c.supervision.following_error, n);
-      !ok) {
-    return ok;
-  }
-  return check_positive("supervision.latest_tick", hal::seconds(c.supervision.latest_tick));
+  return {};
 }
 
 Checked check_measuring(const Configuration& c) {
@@ -114,15 +127,37 @@ Checked check_measuring(const Configuration& c) {
     return refused("sensor.air", Error::kLimitsReversed, {}, c.sensor.lowest_air_celsius,
                    c.sensor.highest_air_celsius);
   }
-  if (auto ok = check_positive("sensor.largest_air_step", c.sensor.largest_air_step_kelvin); !ok) {
-    return ok;
+  for (const Vector3& p_S : c.sensor.receivers.p_S) {
+    for (const double coordinate : p_S) {
+      auto ok = check_plausible("sensor.receivers", coordinate, plausible::kReceiver);
+      if (!ok) return ok;
+    }
   }
-  if (auto ok = check_positive("sensor.reading_timeout", hal::seconds(c.sensor.reading_timeout));
-      !ok) {
-    return ok;
+  for (auto ok : {
+           check_plausible("sensor.range_sigma", c.sensor.receivers.range_sigma_m,
+                           plausible::kRangeSigma),
+           check_plausible("sensor.air", c.sensor.lowest_air_celsius, plausible::kAir),
+           check_plausible("sensor.air", c.sensor.highest_air_celsius, plausible::kAir),
+           check_plausible("sensor.largest_air_step", c.sensor.largest_air_step_kelvin,
+                           plausible::kAirStep),
+           check_plausible("sensor.reading_timeout", hal::seconds(c.sensor.reading_timeout),
+                           plausible::kReadingTimeout),
+           check_plausible("dwell.tolerance", c.dwell.tolerance, plausible::kDwellTolerance),
+           check_plausible("dwell.settle", hal::seconds(c.dwell.settle), plausible::kSettle),
+       }) {
+    if (!ok) return ok;
   }
-  if (auto ok = check_positive("dwell.tolerance", c.dwell.tolerance); !ok) return ok;
-  if (auto ok = check_positive("dwell.settle", hal::seconds(c.dwell.settle)); !ok) return ok;
+  // Else a joint that stands still within its tolerance faults, or none is ever at rest.
+  for (std::size_t i = 0; i < c.supervision.following_error.size(); ++i) {
+    if (c.dwell.tolerance < c.supervision.following_error[i]) continue;
+    return std::unexpected(ConfigurationRefusal{
+        .setting = "dwell.tolerance",
+        .error = Error::kOutOfRange,
+        .joint = i,
+        .found = c.dwell.tolerance,
+        .needed = c.supervision.following_error[i],
+        .reason = "a joint within the tolerance would be beyond its following error"});
+  }
   if (auto ok = check_count("dwell.pings", c.dwell.pings, 1, measurement::kMaxPings); !ok) {
     return ok;
   }
@@ -134,21 +169,50 @@ Checked check_sweeps(const Configuration& c) {
   if (auto ok = check_readings("sweeps.configuration", plan.configuration, c.drawing); !ok) {
     return ok;
   }
-  if (auto ok = check_positive("sweeps.arc", plan.arc_rad); !ok) return ok;
-  if (plan.arc_rad > 2 * kPi) {
-    return refused("sweeps.arc", Error::kOutOfRange, {}, plan.arc_rad, 2 * kPi);
-  }
+  if (auto ok = check_plausible("sweeps.arc", plan.arc_rad, plausible::kArc); !ok) return ok;
   if (auto ok = check_count("sweeps.points", plan.points, 6, plan.most_points); !ok) return ok;
   if (auto ok = check_count("sweeps.most_points", plan.most_points, 6, kMostSweepPoints); !ok) {
     return ok;
   }
-  if (auto ok = check_positive("sweeps.axis_sigma", plan.axis_sigma_rad); !ok) return ok;
-  if (auto ok = check_positive("sweeps.point_sigma", plan.point_sigma_m); !ok) return ok;
-  if (auto ok = check_positive("sweeps.held_out_reach", plan.held_out_reach); !ok) return ok;
-  if (plan.held_out_reach > 1) {
-    return refused("sweeps.held_out_reach", Error::kOutOfRange, {}, plan.held_out_reach, 1);
+  for (auto ok : {
+           check_plausible("sweeps.axis_sigma", plan.axis_sigma_rad, plausible::kAxisSigma),
+           check_plausible("sweeps.point_sigma", plan.point_sigma_m, plausible::kPointSigma),
+           check_plausible("sweeps.held_out_reach", plan.held_out_reach, plausible::kHeldOutReach),
+       }) {
+    if (!ok) return ok;
   }
   return check_count("sweeps.held_out_poses", plan.held_out_poses, 3, kMostHeldOut);
+}
+
+// Three corners at different places, not in a line, make a workspace. Where the tool is out of the
+// last frame's origin two corners may share that: then only the orientations tell them apart.
+Checked check_taught(const Configuration& c) {
+  const auto refuse = [](double distance_m) -> Checked {
+    return std::unexpected(ConfigurationRefusal{
+        .setting = "grid.taught",
+        .error = Error::kCoincidentPoints,
+        .joint = {},
+        .found = distance_m,
+        .needed = plausible::kLeastTaughtDistance_m,
+        .reason = "origin, x axis and xy plane are taught at three places, not in a line"});
+  };
+  const Model drawing = model_of(c.drawing);
+  std::array<Pose, 3> X_RT;
+  for (std::size_t i = 0; i < X_RT.size(); ++i) {
+    const auto pose = tool_pose(drawing, c.grid.taught[i]);
+    if (!pose) return refused("grid.taught", pose.error());
+    X_RT[i] = *pose;
+  }
+  for (const auto& [a, b] : {std::pair(0U, 1U), std::pair(1U, 2U), std::pair(2U, 0U)}) {
+    const double distance_m = (X_RT[a].p - X_RT[b].p).norm();
+    const bool turned = angle_between(X_RT[a].R, X_RT[b].R) > 1e-2;
+    if (distance_m < plausible::kLeastTaughtDistance_m && !turned) return refuse(distance_m);
+  }
+  const Vector3 along = X_RT[1].p - X_RT[0].p;
+  if (along.norm() < plausible::kLeastTaughtDistance_m) return {};
+  const double off_m = along.cross(X_RT[2].p - X_RT[0].p).norm() / along.norm();
+  if (off_m < plausible::kLeastTaughtDistance_m) return refuse(off_m);
+  return {};
 }
 
 Checked check_grid(const Configuration& c) {
@@ -157,12 +221,16 @@ Checked check_grid(const Configuration& c) {
     if (auto ok = check_readings("grid.taught", q, c.drawing); !ok) return ok;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (auto ok = check_positive("grid.size", c.grid.grid.size_m[axis]); !ok) return ok;
+    auto size = check_plausible("grid.size", c.grid.grid.size_m[axis], plausible::kGridSize);
+    if (!size) return size;
     if (auto ok = check_count("grid.count", c.grid.grid.count[axis], 2, evaluation::kMaxVertices);
         !ok) {
       return ok;
     }
   }
+  auto dwell = check_plausible("grid.dwell", hal::seconds(c.grid.dwell), plausible::kGridDwell);
+  if (!dwell) return dwell;
+  if (auto ok = check_taught(c); !ok) return ok;
   return check_count("grid.count", c.grid.grid.vertex_count(), 8, evaluation::kMaxVertices);
 }
 

@@ -91,11 +91,14 @@ struct ConfigurationRefusal {
   std::optional<std::size_t> joint;  // from 0
   double found = 0;
   double needed = 0;
+  std::string_view reason = {};  // why that is needed; may be empty
 };
 
 // Errors: kTooFewAxes, kNotFinite, kCapacityExceeded, kLimitsReversed, kLimitsImplausible,
-// kNotPositive, kJointLimit (a reading outside its limits), kPeriodInvalid, kOutOfRange (a count or
-// a share), kUnsupported (a coupled joint), and those of measurement::check().
+// kNotPositive, kJointLimit (a reading outside its limits), kPeriodInvalid, kOutOfRange (a count,
+// or a value that is not plausible, with the reason of plausibility.hpp), kCoincidentPoints
+// (corners of the grid taught at one place, or in a line), kUnsupported (a coupled joint), and
+// those of measurement::check().
 [[nodiscard]] std::expected<void, ConfigurationRefusal> check(const Configuration& configuration);
 
 }  // namespace armsig::controller

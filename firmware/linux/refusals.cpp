@@ -91,6 +91,10 @@ std::string joint_words(std::optional<std::size_t> joint) {
   return joint ? fmt::format("joint {}: ", *joint + 1) : std::string();
 }
 
+std::string because(std::string_view reason) {
+  return reason.empty() ? std::string() : fmt::format(": {}", reason);
+}
+
 Problem problem(const YamlNode& place, std::string what, std::string expected) {
   return tool::problem_at(place, std::move(what), std::move(expected)).error();
 }
@@ -101,7 +105,8 @@ Problem problem_of(const controller::ConfigurationRefusal& refusal, const YamlNo
   return problem(place_of(refusal, root),
                  fmt::format("{}{}: {}, found {:.6g}", joint_words(refusal.joint), refusal.setting,
                              describe(refusal.error), refusal.found),
-                 fmt::format("the bound {:.6g} kept (radians, metres, seconds)", refusal.needed));
+                 fmt::format("the bound {:.6g} kept (radians, metres, seconds){}", refusal.needed,
+                             because(refusal.reason)));
 }
 
 Problem problem_of(const canopen::ConfigurationRefusal& refusal, const YamlNode& root) {
@@ -124,8 +129,8 @@ Problem problem_of(const canopen::ConfigurationRefusal& refusal, const YamlNode&
     case Error::kPeriodInvalid:
       return problem(place, fmt::format("{}, found {:.6g}", what, refusal.found),
                      fmt::format("times that the drives can be told and that suit each other; the "
-                                 "bound here is {:.6g} s",
-                                 refusal.needed));
+                                 "bound here is {:.6g} s{}",
+                                 refusal.needed, because(refusal.reason)));
     default:
       return problem(place, fmt::format("{}, found {:.6g}", what, refusal.found),
                      fmt::format("the bound {:.6g} kept (radians, metres)", refusal.needed));

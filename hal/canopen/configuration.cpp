@@ -10,9 +10,9 @@
 namespace armsig::canopen {
 namespace {
 
-using hal::seconds;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
+using std::chrono::seconds;
 
 // Ten turns and twenty metres: beyond any joint, and below what a limit in degrees or millimetres
 // that was taken for radians or metres usually is.
@@ -78,28 +78,60 @@ bool is_heartbeat_time(hal::Duration time) {
          time % milliseconds(1) == hal::Duration::zero();
 }
 
+// The longest that anything may be waited for: longer is a slip of unit, and an arm that nobody
+// stops meanwhile.
+Checked check_patience(const Configuration& c) {
+  struct Wait {
+    hal::Duration time;
+    hal::Duration shortest;
+    hal::Duration longest;
+    std::string_view reason;
+  };
+  const hal::Duration unheard = c.period * static_cast<int>(c.missed_feedback_limit);
+  for (const Wait& wait : {
+           Wait{c.heartbeat, c.period, seconds(10), "a tick sends one heartbeat at most"},
+           Wait{c.heartbeat_timeout, c.period, seconds(15),
+                "a drive that is gone is believed for as long"},
+           Wait{c.boot_timeout, c.period, seconds(120), "no drive takes longer to start"},
+           Wait{c.sdo_timeout, c.period, seconds(10), "no drive takes longer to answer"},
+           Wait{c.transition_timeout, c.period, seconds(60), "no brake takes longer to open"},
+           Wait{unheard, c.period, seconds(15), "a joint moves unseen for as many ticks"},
+       }) {
+    if (wait.time >= wait.shortest && wait.time <= wait.longest) continue;
+    const hal::Duration bound = wait.time < wait.shortest ? wait.shortest : wait.longest;
+    return std::unexpected(ConfigurationRefusal{Error::kPeriodInvalid, std::nullopt,
+                                                hal::seconds(wait.time), hal::seconds(bound),
+                                                wait.reason});
+  }
+  return {};
+}
+
 Checked check_times(const Configuration& configuration) {
   const auto refuse = [](double found, double needed) -> Checked {
     return std::unexpected(
         ConfigurationRefusal{Error::kPeriodInvalid, std::nullopt, found, needed});
   };
-  if (!interpolation_period(configuration.period)) return refuse(seconds(configuration.period), 0);
+  if (!interpolation_period(configuration.period))
+    return refuse(hal::seconds(configuration.period), 0);
   for (const hal::Duration time : {configuration.heartbeat, configuration.heartbeat_timeout}) {
-    if (!is_heartbeat_time(time)) return refuse(seconds(time), 1e-3);
+    if (!is_heartbeat_time(time)) return refuse(hal::seconds(time), 1e-3);
   }
   if (configuration.heartbeat_timeout <= configuration.heartbeat) {
-    return refuse(seconds(configuration.heartbeat_timeout), seconds(configuration.heartbeat));
+    return refuse(hal::seconds(configuration.heartbeat_timeout),
+                  hal::seconds(configuration.heartbeat));
   }
+  if (auto ok = check_patience(configuration); !ok) return ok;
   for (const hal::Duration time :
        {configuration.boot_timeout, configuration.sdo_timeout, configuration.transition_timeout}) {
-    if (time < configuration.period) return refuse(seconds(time), seconds(configuration.period));
+    if (time < configuration.period)
+      return refuse(hal::seconds(time), hal::seconds(configuration.period));
   }
   for (const unsigned count : {configuration.sdo_attempts, configuration.missed_feedback_limit}) {
     if (count == 0) return refuse(0, 1);
   }
   for (const PeriodicFrame& frame : configuration.other_traffic) {
     if (frame.period <= hal::Duration::zero() || frame.data_bytes > hal::kMaxCanData) {
-      return refuse(seconds(frame.period), 0);
+      return refuse(hal::seconds(frame.period), 0);
     }
   }
   for (const std::uint32_t rate : kBitRates) {

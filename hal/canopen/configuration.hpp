@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
+#include <string_view>
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
@@ -51,6 +52,7 @@ struct ConfigurationRefusal {
   std::optional<std::size_t> axis;  // from 0; empty where no single axis is to blame
   double found = 0;                 // SI units; for kBusOverload the part of the bus
   double needed = 0;                // the bound that was broken
+  std::string_view reason = {};     // why it is one; may be empty
 };
 
 class CheckedConfiguration;

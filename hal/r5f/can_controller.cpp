@@ -42,6 +42,7 @@ constexpr unsigned kLengthShift = 28;
 // 100 MHz / 10 is 10 quanta a bit: 1 + 7 + 2, sampled at 80 %, jump width 1 (each less one).
 constexpr std::uint32_t kDivideBy10 = 9;
 constexpr std::uint32_t kSegments = (1U << 4) | 6U;
+static_assert(100'000'000 / 10 / 10 == CanController::kBitsPerSecond);
 
 std::uint32_t identifier_word(const hal::CanFrame& frame) {
   if (!frame.extended) return frame.id << kBaseShift | (frame.remote ? kStandardRemote : 0);

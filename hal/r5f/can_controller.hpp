@@ -17,6 +17,7 @@ class CanController final : public hal::CanBus {
   // After a bus-off the controller stays away this long, or what took it off would do so at once
   // again; then it is reset.
   static constexpr hal::Duration kStayAway = std::chrono::milliseconds(100);
+  static constexpr std::uint32_t kBitsPerSecond = 1'000'000;
 
   // Resets the block at `base` and goes on the bus, receiving every frame. `clock` must outlive the
   // controller. `forced_state`, where not null, points to a word that stands for the error state of

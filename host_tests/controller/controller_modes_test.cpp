@@ -39,6 +39,57 @@ TEST(Configuration, names_the_setting_that_is_wrong) {
   EXPECT_EQ(check(few).error().setting, "sweeps.points");
 }
 
+// A configuration with one change; what check() says of it.
+template <typename F>
+ConfigurationRefusal refusal_of(const F& change) {
+  Configuration c = test::puma_controller();
+  for (JointVector& q : c.grid.taught) q = c.sweeps.configuration;
+  c.grid.taught[1][0] += 0.3;
+  c.grid.taught[2][1] += 0.3;
+  c.grid.grid.size_m = {0.1, 0.1, 0.1};
+  c.grid.grid.count = {2, 2, 2};
+  EXPECT_TRUE(check(c)) << "the unchanged one is good";
+  change(c);
+  const auto checked = check(c);
+  if (!checked) return checked.error();
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+TEST(Configuration, that_no_arm_is_like_is_refused_with_a_reason) {
+  struct Slip {
+    std::string_view setting;
+    void (*change)(Configuration& c);
+  };
+  for (const Slip& slip : {
+           Slip{"supervision.latest_tick",
+                [](Configuration& c) { c.supervision.latest_tick = std::chrono::hours(1); }},
+           Slip{"supervision.following_error",
+                [](Configuration& c) { c.supervision.following_error[3] = 100; }},
+           Slip{"limits.speed", [](Configuration& c) { c.limits.speed[0] = 1e6; }},
+           Slip{"limits.acceleration", [](Configuration& c) { c.limits.acceleration[5] = 1e6; }},
+           Slip{"limits.tool_speed", [](Configuration& c) { c.limits.tool_speed = 250; }},
+           Slip{"limits.least_regularity", [](Configuration& c) { c.limits.least_regularity = 1; }},
+           Slip{"dwell.tolerance", [](Configuration& c) { c.dwell.tolerance = 0.05; }},
+           Slip{"dwell.tolerance",
+                [](Configuration& c) { c.supervision.following_error[2] = c.dwell.tolerance; }},
+           Slip{"dwell.settle", [](Configuration& c) { c.dwell.settle = std::chrono::hours(1); }},
+           Slip{"sensor.reading_timeout",
+                [](Configuration& c) { c.sensor.reading_timeout = std::chrono::hours(1); }},
+           Slip{"sensor.air", [](Configuration& c) { c.sensor.highest_air_celsius = 300; }},
+           Slip{"sensor.receivers",
+                [](Configuration& c) { c.sensor.receivers.p_S[0].x() = -1000; }},
+           Slip{"grid.taught", [](Configuration& c) { c.grid.taught[1] = c.grid.taught[0]; }},
+           Slip{"grid.taught",
+                [](Configuration& c) { c.grid.taught.fill(c.sweeps.configuration); }},
+           Slip{"grid.size", [](Configuration& c) { c.grid.grid.size_m[1] = 250; }},
+       }) {
+    const ConfigurationRefusal refusal = refusal_of(slip.change);
+    EXPECT_EQ(refusal.setting, slip.setting);
+    EXPECT_FALSE(refusal.reason.empty()) << slip.setting;
+  }
+}
+
 TEST(Controller, starts_without_torque) {
   PumaCabinet puma;
   ASSERT_TRUE(puma.run_until(Mode::kIdle));

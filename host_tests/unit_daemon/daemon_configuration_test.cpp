@@ -209,6 +209,25 @@ TEST(DaemonConfiguration, refuses_what_is_not_positive_or_no_number) {
   expect_refused("sensor:", "air_c: [0, 45]", "air_c: [45, 0]", "lowest");
 }
 
+TEST(DaemonConfiguration, refuses_what_no_arm_is_like_and_says_why) {
+  expect_refused("supervision:", "latest_tick_ms: 10", "latest_tick_s: 3600", "not supervised");
+  expect_refused("joints:", "following_error_deg: 3", "following_error_rad: 100",
+                 "follows nothing");
+  expect_refused("node: 2,", "speed_deg_per_s: 60", "speed_rad_per_s: 1e6", "degrees as radians?");
+  expect_refused("joints:", "acceleration_deg_per_s2: 180", "acceleration_rad_per_s2: 1e6",
+                 "degrees as radians?");
+  expect_refused("dwell:", "tolerance_rad_or_m: 1.0e-4", "tolerance_rad_or_m: 0.06",
+                 "does not stand still");
+  for (const char* slip : {"heartbeat_ms: 1 ", "heartbeat_timeout_s: 60 ", "sdo_timeout_s: 60 ",
+                           "transition_timeout_s: 600 ", "boot_timeout_s: 600 "}) {
+    const std::string key(slip, std::string_view(slip).rfind('_'));
+    std::string text = change("can:", "  " + key + "_ms: ", "  " + std::string(slip) + "#").text;
+    const auto read = parse_configuration(text, "cabinet.yaml");
+    ASSERT_FALSE(read) << slip;
+    EXPECT_NE(tool::render(read.error()).find("the bound here is"), std::string::npos) << slip;
+  }
+}
+
 TEST(DaemonConfiguration, refuses_words_that_it_does_not_know) {
   expect_refused("sensor:", "parity: even", "parity: mark", "even, odd or none");
   expect_refused("sensor:", "path: one-way", "path: both", "one-way or echo");
