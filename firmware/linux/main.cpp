@@ -38,7 +38,8 @@ void add_options(CLI::App& app, Options& options) {
                                          "run about an emulated arm instead of the cabinet");
   check->excludes(is_virtual);
   app.add_option("--console", options.console, "Unix socket, instead of the configured one");
-  app.add_option("--store", options.store, "file of signatures, instead of the configured one");
+  app.add_option("--store", options.store,
+                 "file of signatures, instead of the configured one; the black box is beside it");
   app.add_option("--truth", options.truth,
                  "--virtual: the arm as it was built (arm description); otherwise it is drawn "
                  "from the usual tolerances")
@@ -83,7 +84,10 @@ int run(Options& options, const volatile std::sig_atomic_t& stop) {
   auto configuration = read_configuration(options.configuration);
   if (!configuration) return refuse(configuration.error());
   if (!options.console.empty()) configuration->console = options.console;
-  if (!options.store.empty()) configuration->store = options.store;
+  if (!options.store.empty()) {
+    configuration->store = options.store;
+    configuration->black_box.clear();  // beside it
+  }
   if (options.check) {
     tell(*configuration);
     return 0;

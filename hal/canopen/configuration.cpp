@@ -99,7 +99,7 @@ Checked check_patience(const Configuration& c) {
            Wait{c.boot_timeout, c.period, seconds(120), "no drive takes longer to start"},
            Wait{c.sdo_timeout, c.period, seconds(10), "no drive takes longer to answer"},
            Wait{c.transition_timeout, c.period, seconds(60), "no brake takes longer to open"},
-           Wait{unheard, c.period, seconds(5), "a joint moves unseen for as many ticks"},
+           Wait{unheard, c.period, seconds(15), "a joint moves unseen for as many ticks"},
        }) {
     if (wait.time >= wait.shortest && wait.time <= wait.longest) continue;
     const hal::Duration bound = wait.time < wait.shortest ? wait.shortest : wait.longest;

@@ -23,6 +23,25 @@ if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
   endif()
 endif()
 
+# armsig_harden(): what this folder adds is hardened, on Linux. A stack that was written over, and a copy beyond an object
+# whose size the compiler knows, end the process instead of being used (the drives then stop by themselves); addresses of
+# the linker can't be written; jumps end where functions begin. Programs that may be loaded anywhere are the compiler's
+# default. Held by host_tests/toolchain/hardened. core does without: it takes values that hal and firmware have checked,
+# reads nothing from outside, and is what every tick waits for.
+set(ARMSIG_HARDENED OFF)
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT ARMSIG_SANITIZE)
+  set(ARMSIG_HARDENED ON)
+endif()
+macro(armsig_harden)
+  if(ARMSIG_HARDENED)
+    add_compile_options(-fstack-protector-strong "$<$<CONFIG:Release>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=3>")
+    if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+      add_compile_options(-fcf-protection)
+    endif()
+    add_link_options(-Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
+  endif()
+endmacro()
+
 # armsig_controller_library(name sources...): code that must also run on bare metal:
 # no exceptions, no RTTI, and no implicit use of a heap.
 function(armsig_controller_library name)
