@@ -150,6 +150,7 @@ class Engine {
   double update_geometry_scales();
   double update_map_scales();
   void finish_covariance();
+  void note_map_variance(std::size_t joint);
   // outliers.cpp
   void weigh_softly();
   void reject();

@@ -110,6 +110,19 @@ void Engine::finish_covariance() {
     }
     work_.factor.factorise(work_.band[j], scales_.sigma_squared, map_prior(), scales_.map[j]);
     work_.factor.inverse_band(work_.band[j]);
+    note_map_variance(j);
+  }
+}
+
+// At the middle of every spline: b = (1, 4, 1) / 6 about its knot.
+void Engine::note_map_variance(std::size_t joint) {
+  const CyclicBand& C = work_.band[joint];
+  for (std::size_t i = 0; i < kKnots; ++i) {
+    const std::size_t before = (i + kKnots - 1) % kKnots;
+    const std::size_t after = (i + 1) % kKnots;
+    model_.joints[joint].map_variance[i] = (C[before][0] + 16 * C[i][0] + C[after][0] +
+                                            8 * C[before][1] + 8 * C[i][1] + 2 * C[before][2]) /
+                                           36;
   }
 }
 
