@@ -161,9 +161,17 @@ Engine::Stated Engine::covariance_at(const ChainFrames& frames, std::size_t targ
   return stated;
 }
 
+// The gravity terms are the last columns: the factor without them is a corner of the whole one.
 void Engine::times_covariance(std::array<double, kMaxGeometry>& b) const {
-  solve_lower(b, 0);
-  solve_upper(b);
+  const std::size_t count = gravity_column();
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < i; ++k) b[i] -= lower(i, k) * b[k];
+    b[i] /= lower(i, i);
+  }
+  for (std::size_t i = count; i-- > 0;) {
+    b[i] /= lower(i, i);
+    for (std::size_t k = 0; k < i; ++k) b[k] -= lower(i, k) * b[i];
+  }
 }
 
 }  // namespace armsig::calibration

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/refinement_run.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/core.h>
@@ -252,10 +253,11 @@ double Run::predicted_where_measured(std::size_t tool) const {
   double sum = 0;
   double count = 0;
   for (std::size_t k = 0; k < rows.size(); k += stride) {
+    if (verdicts_[k].rejected) continue;
     sum += uncertainty::tool_covariance(*refined_, rows[k].readings, tool).trace();
     count += 1;
   }
-  return std::sqrt(sum / count);
+  return std::sqrt(sum / std::max(count, 1.0));
 }
 
 Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
