@@ -109,7 +109,7 @@ class Engine {
   };
   [[nodiscard]] Stated covariance_at(const ChainFrames& frames, std::size_t target,
                                      const std::array<float, 6>& relative) const;
-  // Replaces b by the covariance of the geometry block times b.
+  // Replaces b by the covariance of base, targets and deviations, gravity as found, times b.
   void times_covariance(std::array<double, kMaxGeometry>& b) const;
   // Residuals of all rows, those held out too, at the present model.
   void evaluate();
@@ -150,6 +150,7 @@ class Engine {
   double update_geometry_scales();
   double update_map_scales();
   void finish_covariance();
+  void note_map_variance(std::size_t joint);
   // outliers.cpp
   void weigh_softly();
   void reject();

@@ -110,6 +110,19 @@ void Engine::finish_covariance() {
     }
     work_.factor.factorise(work_.band[j], scales_.sigma_squared, map_prior(), scales_.map[j]);
     work_.factor.inverse_band(work_.band[j]);
+    note_map_variance(j);
+  }
+}
+
+// At the middle of every spline: b = (1, 4, 1) / 6 about its knot.
+void Engine::note_map_variance(std::size_t joint) {
+  const CyclicBand& C = work_.band[joint];
+  for (std::size_t i = 0; i < kKnots; ++i) {
+    const std::size_t before = (i + kKnots - 1) % kKnots;
+    const std::size_t after = (i + 1) % kKnots;
+    model_.joints[joint].map_variance[i] = (C[before][0] + 16 * C[i][0] + C[after][0] +
+                                            8 * C[before][1] + 8 * C[i][1] + 2 * C[before][2]) /
+                                           36;
   }
 }
 
@@ -148,9 +161,17 @@ Engine::Stated Engine::covariance_at(const ChainFrames& frames, std::size_t targ
   return stated;
 }
 
+// The gravity terms are the last columns: the factor without them is a corner of the whole one.
 void Engine::times_covariance(std::array<double, kMaxGeometry>& b) const {
-  solve_lower(b, 0);
-  solve_upper(b);
+  const std::size_t count = gravity_column();
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < i; ++k) b[i] -= lower(i, k) * b[k];
+    b[i] /= lower(i, i);
+  }
+  for (std::size_t i = count; i-- > 0;) {
+    b[i] /= lower(i, i);
+    for (std::size_t k = 0; k < i; ++k) b[k] -= lower(i, k) * b[i];
+  }
 }
 
 }  // namespace armsig::calibration

@@ -37,6 +37,33 @@ ArmModel model_of(const Arm& arm, const Pose& X_SB) {
   return model;
 }
 
+void deflections(const ArmModel& model, const JointVector& readings,
+                 std::array<double, kMaxJoints>& by) {
+  by.fill(0);
+  if (!model.gravity.empty()) {
+    GravityLevers levers;
+    gravity_levers(model, effective_readings(model.couplings, readings), levers);
+    for (std::size_t t = 0; t < model.gravity.size(); ++t) {
+      by[model.gravity[t].joint] += model.gravity[t].coefficient * levers[t];
+    }
+  }
+  for (std::size_t i = 0; i < model.joint_count(); ++i) {
+    const JointModel& joint = model.joints[i];
+    by[i] += map_unit(joint.type) * map_value(joint.map, spline_support(joint.domain, readings[i]));
+  }
+}
+
+double map_variance_at(const JointModel& joint, double reading) {
+  // A spline's middle is two knots beyond its first.
+  const SplineSupport support = spline_support(joint.domain, reading);
+  double variance = 0;
+  for (std::size_t k = 0; k < kSplines; ++k) {
+    variance += support.weight[k] * static_cast<double>(joint.map_variance[support.knot(k)]);
+  }
+  const double unit = map_unit(joint.type);
+  return unit * unit * variance;
+}
+
 void evaluate_chain(const ArmModel& model, const JointVector& readings, std::size_t link,
                     ChainFrames& frames) {
   const JointVector effective = effective_readings(model.couplings, readings);

@@ -33,6 +33,8 @@ struct JointModel {
   std::array<double, kDeviations> deviation{};
   MapDomain domain;
   MapCoefficients map{};
+  // Variance of the map at its knots, in units of map_unit() squared, as far as known.
+  std::array<float, kKnots> map_variance{};
 };
 
 struct ArmModel {
@@ -56,6 +58,13 @@ void choose_gravity_terms(const Arm& arm, ArmModel& model);
 // by the drawing; its base stands upright, z up.
 using GravityLevers = std::array<double, kMaxGravityTerms>;
 void gravity_levers(const ArmModel& model, const JointVector& effective, GravityLevers& levers);
+
+// By how much gravity and maps turn or shift the joints at encoder readings `readings`.
+void deflections(const ArmModel& model, const JointVector& readings,
+                 std::array<double, kMaxJoints>& by);
+
+// Variance [rad^2 or m^2] of joint `joint`'s map at a reading.
+[[nodiscard]] double map_variance_at(const JointModel& joint, double reading);
 
 // One configuration of the chain up to a link.
 struct ChainFrames {

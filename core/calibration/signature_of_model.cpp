@@ -13,21 +13,18 @@ using refinement::kMaxParameters;
 using refinement::Layout;
 using refinement::SquareRootFactor;
 
-// The model at the signature configuration: effective readings, gravity and maps at rest.
+// The model at the signature configuration, with what gravity and maps are there.
 struct Configuration {
   std::array<Pose, kMaxJoints> X_SJ;
   FixedVector<Pose, kMaxFrames> X_SL;
 };
 
 Configuration at_configuration(const ArmModel& model, const JointVector& effective) {
-  ArmModel geometry = model;
-  geometry.couplings.clear();
-  geometry.gravity.clear();
-  for (JointModel& joint : geometry.joints) joint.map.fill(0);
+  const JointVector readings = readings_for(model.couplings, effective);
   Configuration found;
   ChainFrames frames;
   for (std::size_t link = 0; link <= model.joint_count(); ++link) {
-    evaluate_chain(geometry, effective, link, frames);
+    evaluate_chain(model, readings, link, frames);
     found.X_SL.push_back(frames.X_SL);
   }
   found.X_SJ = frames.X_SJ;

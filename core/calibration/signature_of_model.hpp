@@ -10,7 +10,7 @@ namespace armsig::calibration {
 
 // Moves the axis lines and targets of `refined.signature`, whose configuration and link frames say
 // where to put them, to those of the model, and sets the layout and information of `refined` to the
-// covariance of the model: geometry only, gravity and maps are left out.
+// covariance of the model: that of the geometry.
 // `scratch`: kMaxParameters squared numbers.
 // Errors: kCapacityExceeded (unknowns, capacity); kSingular.
 [[nodiscard]] Judged<void> geometry_to_signature(const ArmModel& model,

@@ -23,9 +23,13 @@ Chain::Chain(const Signature& signature, const ReadingModel& readings)
   const std::size_t n = types_.size();
   ARMSIG_CHECK(X_SL_.size() == n + 1 && signature.configuration.size() == n);
   ARMSIG_CHECK(readings.corrections.empty() || readings.corrections.size() == n);
+  Deflections at_rest{};
+  if (readings_.deflections != nullptr) {
+    at_rest = deflections_at(readings_, readings_for(readings_.couplings, signature.configuration));
+  }
   for (std::size_t i = 0; i < n; ++i) {
     const double effective = signature.configuration[i];
-    configuration_[i] = {effective, corrected_reading(readings_, i, effective)};
+    configuration_[i] = {effective, corrected_reading(readings_, i, effective) + at_rest[i]};
     B_[i] = X_SL_[i].inverse() * X_SL_[i + 1];
   }
 }
@@ -36,11 +40,14 @@ JointMotion Chain::motion(const JointVector& readings) const {
   JointMotion motion;
   const JointVector coupled = effective_readings(readings_.couplings, readings);
   std::array<double, kMaxJoints> angles{};
+  Deflections deflections{};
+  if (readings_.deflections != nullptr) deflections = deflections_at(readings_, readings);
   double largest = 0;
   for (std::size_t i = 0; i < types_.size(); ++i) {
     JointMotion::One& one = motion.joints[i];
     one.coupled = coupled[i];
-    one.moved = corrected_reading(readings_, i, coupled[i]) - configuration_[i].corrected;
+    one.moved =
+        corrected_reading(readings_, i, coupled[i]) + deflections[i] - configuration_[i].corrected;
     if (types_[i] == JointType::kRevolute) angles[i] = one.moved;
     largest = std::max(largest, std::abs(angles[i]));
   }

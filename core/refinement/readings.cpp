@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "core/calibration/model.hpp"
+
 namespace armsig::refinement {
 
 double corrected(const ReadingCorrection& c, double coupled) {
@@ -16,27 +18,36 @@ double corrected(const ReadingCorrection& c, double coupled) {
   return result;
 }
 
+Deflections deflections_at(const ReadingModel& model, const JointVector& readings) {
+  Deflections deflections{};
+  if (model.deflections != nullptr) {
+    calibration::deflections(*model.deflections, readings, deflections);
+  }
+  return deflections;
+}
+
 JointVector true_readings(const ReadingModel& model, const JointVector& configuration,
                           const JointVector& readings) {
   JointVector turned = effective_readings(model.couplings, readings);
+  const Deflections there = deflections_at(model, readings);
+  const Deflections at_rest = deflections_at(model, readings_for(model.couplings, configuration));
   for (std::size_t i = 0; i < turned.size(); ++i) {
     turned[i] = configuration[i] + corrected_reading(model, i, turned[i]) -
-                corrected_reading(model, i, configuration[i]);
+                corrected_reading(model, i, configuration[i]) + there[i] - at_rest[i];
   }
   return turned;
 }
 
 JointVector encoder_readings(const ReadingModel& model, const JointVector& configuration,
                              const JointVector& turned) {
-  JointVector effective = turned;
-  // The corrections' slope is their size: every pass takes another two digits.
+  // The slopes of corrections and deflections are their size: every pass takes another two digits.
   constexpr int kPasses = 10;
-  for (std::size_t i = 0; !model.corrections.empty() && i < effective.size(); ++i) {
-    const double wanted =
-        turned[i] - configuration[i] + corrected_reading(model, i, configuration[i]);
-    for (int pass = 0; pass < kPasses; ++pass) {
-      effective[i] += wanted - corrected_reading(model, i, effective[i]);
-    }
+  JointVector effective = turned;
+  const bool exact = model.corrections.empty() && model.deflections == nullptr;
+  for (int pass = 0; !exact && pass < kPasses; ++pass) {
+    const JointVector now =
+        true_readings(model, configuration, readings_for(model.couplings, effective));
+    for (std::size_t i = 0; i < effective.size(); ++i) effective[i] += turned[i] - now[i];
   }
   return readings_for(model.couplings, effective);
 }

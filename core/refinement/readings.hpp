@@ -3,9 +3,14 @@
 // a reading that repeat with it (section 5 of ALGORITHMS).
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/base/arm.hpp"
+
+namespace armsig::calibration {
+struct ArmModel;
+}
 
 namespace armsig::refinement {
 
@@ -25,7 +30,13 @@ struct ReadingCorrection {
 struct ReadingModel {
   JointCouplings couplings;
   FixedVector<ReadingCorrection, kMaxJoints> corrections;  // none, or one per joint
+  // Gravity and the maps of the readings, kept by whoever made this; null: none.
+  const calibration::ArmModel* deflections = nullptr;
 };
+
+// By how much the joints turn beyond their corrected readings at encoder readings `readings`.
+using Deflections = std::array<double, kMaxJoints>;
+[[nodiscard]] Deflections deflections_at(const ReadingModel& model, const JointVector& readings);
 
 [[nodiscard]] double corrected(const ReadingCorrection& correction, double coupled);
 
@@ -41,7 +52,8 @@ struct ReadingModel {
 [[nodiscard]] JointVector true_readings(const ReadingModel& model, const JointVector& configuration,
                                         const JointVector& readings);
 
-// The readings at which true_readings() gives `turned`; exact for corrections below 0.1.
+// The readings at which true_readings() gives `turned`; exact for corrections and slopes of
+// deflections below 0.1.
 [[nodiscard]] JointVector encoder_readings(const ReadingModel& model,
                                            const JointVector& configuration,
                                            const JointVector& turned);

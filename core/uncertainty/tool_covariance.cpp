@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/low_discrepancy.hpp"
+#include "core/calibration/model.hpp"
 
 namespace armsig::uncertainty {
 
@@ -15,6 +16,19 @@ using refinement::RowBlock;
 using refinement::StateVector;
 
 namespace {
+
+// What the maps of the readings leave open.
+Matrix3 of_maps(const Refined& refined, const JointMotion& motion, const PointJacobian& jacobian,
+                const JointVector& readings, std::size_t target) {
+  Matrix3 covariance = Matrix3::Zero();
+  for (std::size_t i = 0; i < refined.signature.targets[target].link; ++i) {
+    if (motion.joints[i].moved == 0) continue;
+    const calibration::JointModel& joint = refined.readings.deflections->joints[i];
+    covariance += calibration::map_variance_at(joint, readings[i]) * jacobian.motion[i] *
+                  jacobian.motion[i].transpose();
+  }
+  return covariance;
+}
 
 Matrix3 covariance_at(const Refined& refined, const Chain& chain, const JointVector& readings,
                       std::size_t target) {
@@ -33,6 +47,8 @@ Matrix3 covariance_at(const Refined& refined, const Chain& chain, const JointVec
   }
   const double unexplained_m = refined.quality.unexplained_m;
   Matrix3 covariance = unexplained_m * unexplained_m * Matrix3::Identity();
+  if (refined.readings.deflections != nullptr)
+    covariance += of_maps(refined, motion, jacobian, readings, target);
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       double sum = 0;

@@ -26,6 +26,10 @@ constexpr double kChance = 3;
 // No sensor of a file without sigmas is taken to be without noise.
 constexpr double kSmallShare = 1e-3;
 
+// A richer model must earn its keep by this much on poses that it has not seen.
+constexpr double kWorthwhile = 0.98;
+constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
+
 // Where a fit starts: a chain, and the targets in its links.
 struct Start {
   ArmModel model;
@@ -170,91 +174,143 @@ NoiseStatement noise_of(double variance, double freedom, double stated_variance)
   return noise;
 }
 
+// A model fitted to everything, and scored on poses left out.
+struct Candidate {
+  std::unique_ptr<refinement::Refined> refined = std::make_unique<refinement::Refined>();
+  std::shared_ptr<calibration::ArmModel> model;
+  calibration::FitSummary summary;
+  std::optional<calibration::HeldOutScore> left_out;
+  std::vector<refinement::RowOutcome> verdicts;
+  std::vector<std::size_t> alone;
+  double variance = 0;
+};
+
 class Run {
  public:
   Run(const CalibrationLog& log, std::span<refinement::RowOutcome> verdicts)
       : log_(log), verdicts_(verdicts), fitting_(log) {}
 
   std::expected<Calibrated, Refusal> operator()() {
-    refused_ = {};
     const auto drawn = refinement::fit_base_and_tool(log_.nominal, log_.rows, log_.targets);
     if (!drawn && !log_.start) return std::unexpected(drawn.error());
     if (drawn) found_.drawing_rms_m = drawn->rms_m;
-    const bool zeros_first = drawn && drawn->rms_m > kZerosInDoubt_m;
     if (drawn && drawn->rms_m <= limits_.drawn_rms_m &&
-        attempt(start_from_drawing(log_, log_.nominal, *drawn))) {
+        attempt(start_from_drawing(log_, log_.nominal, *drawn), true)) {
       return std::move(found_);
     }
-    if (zeros_first) {
+    if (drawn && drawn->rms_m > kZerosInDoubt_m) {
       const auto zeroed = refinement::fit_zeros(log_.nominal, log_.rows, log_.targets);
       if (zeroed && zeroed->fitted.rms_m <= limits_.drawn_rms_m &&
-          attempt(start_from_drawing(log_, zeroed->arm, zeroed->fitted))) {
+          attempt(start_from_drawing(log_, zeroed->arm, zeroed->fitted), true)) {
         found_.zero_shifts = zeroed->shifts;
         return std::move(found_);
       }
     }
-    if (log_.start && attempt(start_from_signature(log_))) return std::move(found_);
+    if (log_.start && attempt(start_from_signature(log_), false)) return std::move(found_);
     return std::unexpected(refused_.value_or(
         Refusal{Error::kNotConverged, found_.drawing_rms_m, limits_.drawn_rms_m}));
   }
 
  private:
-  // True, and everything found, where the fit from there is to be believed.
-  bool attempt(const Start& from) {
+  // True, and everything found, where the fit from there is to be believed. `upright`: the start
+  // has the drawing's base.
+  bool attempt(const Start& from, bool upright) {
+    auto geometry = fitted(from, kGeometry);
+    if (!geometry) return note(geometry.error());
+    if (const auto good = believable(from, *geometry); !good) return note(good.error());
+    geometry->left_out = fitting_.score(from, kGeometry);
+    found_.geometry = geometry->left_out;
+    std::optional<Candidate> whole;
+    if (upright) whole = with_deflections(from, *geometry);
+    adopt(whole ? std::move(*whole) : std::move(*geometry));
+    return true;
+  }
+
+  // The first reason counts: it is about the drawing as it is.
+  bool note(const Refusal& refusal) {
+    if (!refused_) refused_ = refusal;
+    return false;
+  }
+
+  std::expected<Candidate, Refusal> fitted(const Start& from,
+                                           const calibration::ModelParts& parts) {
     Start start = from;
-    const calibration::ModelParts parts{.gravity = false, .maps = false};
     const auto summary = fitting_.run(start, parts);
-    const auto refuse = [&](Error error, double value, double allowed) {
-      if (!refused_) refused_ = Refusal{error, value, allowed};
-      return false;
-    };
-    if (!summary) return refuse(summary.error(), 0, 0);
-    found_.summary = *summary;
-    found_.refined = std::make_unique<refinement::Refined>();
-    refinement::Refined& refined = *found_.refined;
+    if (!summary) return std::unexpected(Refusal{summary.error(), 0, 0});
+    Candidate found;
+    found.summary = *summary;
+    found.variance = fitting_.engine().scales().sigma_squared;
+    found.model = std::make_shared<calibration::ArmModel>(start.model);
+    refinement::Refined& refined = *found.refined;
     refined.signature = from.signature;
     refined.signature.s_model.clear();
     refined.signature.pseudo_dh.clear();
     refined.readings.couplings = log_.nominal.couplings;
-    fitting_.report(verdicts_, refined.quality);
+    found.verdicts.resize(verdicts_.size());
+    fitting_.report(found.verdicts, refined.quality);
     refined.quality.iterations = summary->rounds;
-    const double allowed = kRejectedShare * static_cast<double>(summary->rows);
-    if (static_cast<double>(summary->rejected) > allowed) {
-      return refuse(Error::kTooManyOutliers, static_cast<double>(summary->rejected), allowed);
-    }
-    const double stated = std::sqrt(fitting_.stated_variance());
-    if (const double most = std::max(limits_.rms_m, kCoarse * stated);
-        !(refined.quality.rms_m <= most)) {
-      return refuse(Error::kNotConverged, refined.quality.rms_m, most);
-    }
-    const double freedom =
+    refined.quality.noise_freedom =
         3 * static_cast<double>(refined.quality.rows_used) - summary->degrees_of_model;
-    settle(start, freedom);
-    if (!log_.start) {
-      if (const auto like =
-              refinement::like_its_drawing(from.signature, refined.signature, limits_);
-          !like) {
-        return refuse(like.error().error, like.error().found, like.error().needed);
-      }
-    }
-    found_.left_out = fitting_.score(from, parts);
-    state(freedom);
-    return true;
-  }
-
-  // Signature and covariance, and the names of what the rows do not determine.
-  void settle(const Start& start, double freedom) {
-    refinement::Refined& refined = *found_.refined;
     std::vector<double> scratch(refinement::kMaxParameters * refinement::kMaxParameters);
     const auto done = calibration::geometry_to_signature(start.model, start.targets,
                                                          fitting_.engine(), refined, scratch);
-    if (!done && !refused_) refused_ = done.error();
-    variance_ = fitting_.engine().scales().sigma_squared;
-    refined.quality.noise_freedom = freedom;
+    if (!done) return std::unexpected(done.error());
     for (std::size_t t = 0; t < start.targets.size(); ++t) {
-      if (start.targets[t].rows == 1) found_.alone.push_back(t);
+      if (start.targets[t].rows == 1) found.alone.push_back(t);
     }
+    return found;
+  }
+
+  std::expected<void, Refusal> believable(const Start& from, const Candidate& found) const {
+    const auto refuse = [](Error error, double value, double allowed) {
+      return std::unexpected(Refusal{error, value, allowed});
+    };
+    const double allowed = kRejectedShare * static_cast<double>(found.summary.rows);
+    if (static_cast<double>(found.summary.rejected) > allowed) {
+      return refuse(Error::kTooManyOutliers, static_cast<double>(found.summary.rejected), allowed);
+    }
+    const double most = std::max(limits_.rms_m, kCoarse * std::sqrt(fitting_.stated_variance()));
+    if (const double rms_m = found.refined->quality.rms_m; !(rms_m <= most)) {
+      return refuse(Error::kNotConverged, rms_m, most);
+    }
+    if (log_.start) return {};
+    return refinement::like_its_drawing(from.signature, found.refined->signature, limits_);
+  }
+
+  // Gravity and maps too, where they predict poses left out better by kWorthwhile.
+  std::optional<Candidate> with_deflections(const Start& from, const Candidate& geometry) {
+    if (!geometry.left_out) return std::nullopt;
+    Start bent = from;
+    calibration::choose_gravity_terms(log_.nominal, bent.model);
+    if (Engine::columns(bent.model, bent.targets.size()) > calibration::kMaxGeometry) {
+      return std::nullopt;
+    }
+    auto whole = fitted(bent, {});
+    if (!whole || !believable(from, *whole)) return std::nullopt;
+    whole->left_out = fitting_.score(bent, {});
+    const auto& score = whole->left_out;
+    if (!score || score->mean_kept_m > kWorthwhile * geometry.left_out->mean_kept_m ||
+        score->mean_m > geometry.left_out->mean_m) {
+      return std::nullopt;
+    }
+    const double k = score->factor;
+    for (calibration::JointModel& joint : whole->model->joints) {
+      joint.deviation.fill(0);
+      for (float& variance : joint.map_variance) variance *= static_cast<float>(k * k);
+    }
+    whole->refined->readings.deflections = whole->model.get();
+    found_.deflections = whole->model;
+    return std::move(*whole);
+  }
+
+  void adopt(Candidate chosen) {
+    std::ranges::copy(chosen.verdicts, verdicts_.begin());
+    found_.refined = std::move(chosen.refined);
+    found_.summary = chosen.summary;
+    found_.left_out = chosen.left_out;
+    found_.alone = chosen.alone;
     name_undetermined();
+    state(chosen.variance);
   }
 
   // By the rows alone, without the priors of the engine.
@@ -262,7 +318,7 @@ class Run {
     refinement::Refined& refined = *found_.refined;
     const refinement::SquareRootFactor information = refined.information;
     refinement::RefinementConfig config;
-    config.readings.couplings = log_.nominal.couplings;
+    config.readings = refined.readings;
     config.compress_sweeps = false;
     std::vector<refinement::RowOutcome> outcomes(verdicts_.begin(), verdicts_.end());
     const Signature start = refined.signature;
@@ -273,14 +329,14 @@ class Run {
     refined.information = information;
   }
 
-  void state(double freedom) {
+  void state(double variance) {
     refinement::Refined& refined = *found_.refined;
+    refinement::FitQuality& quality = refined.quality;
     const double k = found_.left_out ? found_.left_out->factor : 1;
-    found_.noise = noise_of(k * k * variance_, freedom, fitting_.stated_variance());
+    found_.noise = noise_of(k * k * variance, quality.noise_freedom, fitting_.stated_variance());
     const NoiseStatement& noise = found_.noise;
     refined.information.scale(1 / k);
     for (Target& target : refined.signature.targets) target.covariance_m2 *= k * k;
-    refinement::FitQuality& quality = refined.quality;
     quality.sigma_is_estimated = noise.stated_m == 0 || noise.contradicted;
     quality.sigma_m = quality.sigma_is_estimated ? kSmallShare * noise.total_m : noise.stated_m;
     quality.unexplained_m = noise.unexplained_m;
@@ -299,7 +355,6 @@ class Run {
   std::optional<Refusal> refused_;
   // An arm of several metres, or one driven by cables, may be left with more than a table-top one.
   refinement::StartLimits limits_{.rms_m = 10e-3};
-  double variance_ = 0;
 };
 
 }  // namespace

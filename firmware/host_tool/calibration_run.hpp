@@ -25,7 +25,11 @@ struct Calibrated {
   std::unique_ptr<refinement::Refined> refined;
   calibration::FitSummary summary;
   std::optional<calibration::HeldOutScore> left_out;  // none of too few poses
+  std::optional<calibration::HeldOutScore> geometry;  // the same of geometry alone
   NoiseStatement noise;
+  // Gravity and maps of the readings, where poses left out are predicted better with them; the
+  // readings of `refined` point there.
+  std::shared_ptr<const calibration::ArmModel> deflections;
   std::vector<std::size_t> alone;  // targets that a single row sees: nothing checks them
   double drawing_rms_m = 0;        // of the drawing with base and targets fitted
   JointVector zero_shifts;         // of the start, where the drawing's zeros led nowhere
@@ -38,9 +42,10 @@ struct CalibrationLog {
   std::span<const Target> targets;
 };
 
-// Fits the geometry, and scores it on poses left out. `verdicts`, as long as the rows, receives
-// residuals and rejections. Refusals: those of fit_base_and_tool(); kNotConverged and
-// kTooManyOutliers where no arm near the description explains the rows.
+// Fits the geometry, and gravity and maps of the readings where they help, and scores the model on
+// poses left out. `verdicts`, as long as the rows, receives residuals and rejections. Refusals:
+// those of fit_base_and_tool(); kNotConverged and kTooManyOutliers where no arm near the
+// description explains the rows.
 [[nodiscard]] std::expected<Calibrated, Refusal> run_calibration(
     const CalibrationLog& log, std::span<refinement::RowOutcome> verdicts);
 

@@ -126,15 +126,19 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
   } else {
     say("  too few rows to leave some of them out of the fit\n");
   }
+  if (found.refinement && found.refinement->geometry_left_out_mean_m) {
+    say("  gravity and a map of each reading are part of it: {:.3f} mm mean by geometry alone\n",
+        1e3 * *found.refinement->geometry_left_out_mean_m);
+  }
   if (found.refinement && found.refinement->offered) {
     say("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
         1e3 * found.refinement->offered->left_out_mean_m,
         terms_in_words(found.refinement->offered->terms));
   }
   if (record.predicted_tool_error_m) {
-    say("  predicted tool error, 1 sigma: {:.3f} mm RMS over the joint limits, in the sensor's "
-        "frame\n",
-        1e3 * *record.predicted_tool_error_m);
+    say("  predicted tool error, 1 sigma: {:.3f} mm RMS over the {}, in the sensor's frame\n",
+        1e3 * *record.predicted_tool_error_m,
+        record.deflections ? "poses measured" : "joint limits");
   }
 }
 
@@ -152,6 +156,9 @@ nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::si
     json["noise_and_model_error_m"] = outcome.noise->total_m;
     json["model_error_m"] = outcome.noise->unexplained_m;
     json["stated_sigma_believed"] = outcome.noise->stated_m > 0 && !outcome.noise->contradicted;
+  }
+  if (outcome.geometry_left_out_mean_m) {
+    json["geometry_left_out_mean_m"] = *outcome.geometry_left_out_mean_m;
   }
   if (outcome.drawing_rms_m) json["drawing_rms_m"] = *outcome.drawing_rms_m;
   if (!outcome.fitted.readings.empty()) {

@@ -64,6 +64,7 @@ void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
   record.noise_freedom = refined.quality.noise_freedom;
   record.predicted_tool_error_m = outcome.predicted_tool_error_m;
   record.fitted = outcome.fitted;
+  record.deflections = outcome.deflections;
   if (!outcome.fitted.readings.empty()) record.corrections = refined.readings.corrections;
   for (std::size_t k = 0; outcome.fitted.receiver_offsets && k < receivers; ++k) {
     record.receiver_offsets_m.push_back(refined.receiver_offsets_m[k]);

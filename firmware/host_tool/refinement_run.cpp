@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/refinement_run.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/core.h>
@@ -21,6 +22,8 @@ constexpr std::size_t kFewestMixed = 6;
 constexpr double kNotableShift = 0.05;
 // Corrections that nobody asked for are tried on logs up to this long: a second or two.
 constexpr std::size_t kMostRowsToOffer = 1000;
+// They are offered where they predict rows left out better by this much.
+constexpr double kWorthOffering = 0.95;
 // Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
 constexpr std::size_t kToTellNoise = 3;
 
@@ -53,6 +56,7 @@ class Run {
   [[nodiscard]] Read<void> fit_further(const FurtherUnknowns& further);
   void note_zeros(const JointVector& shifts);
   [[nodiscard]] std::size_t unknowns() const;
+  [[nodiscard]] double predicted_where_measured(std::size_t tool) const;
   [[nodiscard]] std::expected<void, Refusal> refit(const Signature& start);
   [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
   [[nodiscard]] std::unexpected<Problem> refuse(const Refusal& refusal) const;
@@ -222,6 +226,8 @@ std::expected<void, Refusal> Run::refit(const Signature& start) {
 
 Read<void> Run::fit_further(const FurtherUnknowns& further) {
   const std::size_t n = nominal_.joints.size();
+  calibrated_.reset();
+  refined_->readings.deflections = nullptr;
   refinement::ReadingTerms terms = further.readings;
   config_.request.receiver_offsets = further.receiver_offsets;
   config_.request.scale = further.scale;
@@ -236,8 +242,22 @@ Read<void> Run::fit_further(const FurtherUnknowns& further) {
   if (any(terms)) config_.request.readings.resize(n, terms);
   const auto done = refit(refined_->signature);
   if (!done) return refuse(done.error());
-  calibrated_.reset();
   return {};
+}
+
+// Over the poses measured: elsewhere a map says nothing, and its prior everything.
+double Run::predicted_where_measured(std::size_t tool) const {
+  constexpr std::size_t kMostPoses = 300;
+  const auto& rows = log_.observations();
+  const std::size_t stride = 1 + rows.size() / kMostPoses;
+  double sum = 0;
+  double count = 0;
+  for (std::size_t k = 0; k < rows.size(); k += stride) {
+    if (verdicts_[k].rejected) continue;
+    sum += uncertainty::tool_covariance(*refined_, rows[k].readings, tool).trace();
+    count += 1;
+  }
+  return std::sqrt(sum / std::max(count, 1.0));
 }
 
 Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
@@ -257,6 +277,8 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                             .cross_validation = {},
                             .left_out = {},
                             .noise = {},
+                            .deflections = {},
+                            .geometry_left_out_mean_m = {},
                             .offered = {},
                             .drawing_rms_m = drawing_rms_m_,
                             .zeros = zeros_,
@@ -269,7 +291,10 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
     outcome.undetermined.push_back(in_words(open, refined_->signature));
   }
   if (const auto tool = tool_target(refined_->signature)) {
-    outcome.predicted_tool_error_m = uncertainty::predicted_rms(*refined_, nominal_.limits, *tool);
+    outcome.predicted_tool_error_m =
+        calibrated_ && calibrated_->deflections
+            ? predicted_where_measured(*tool)
+            : uncertainty::predicted_rms(*refined_, nominal_.limits, *tool);
   }
   const auto scratch = std::make_unique<refinement::Refined>();
   if (calibrated_) {
@@ -280,6 +305,10 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
     }
     outcome.noise = calibrated_->noise;
     outcome.left_out = calibrated_->left_out;
+    outcome.deflections = calibrated_->deflections;
+    if (calibrated_->deflections) {
+      outcome.geometry_left_out_mean_m = calibrated_->geometry->mean_m;
+    }
     if (const auto& score = calibrated_->left_out) {
       outcome.cross_validation =
           refinement::CrossValidation{score->rows, score->mean_m, score->rms_m, score->largest_m};
@@ -294,7 +323,10 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
     refinement::CrossValidation best;
     const auto chosen = refinement::choose_reading_terms(refined_->signature, rows, config_,
                                                          verdicts_, *scratch, best);
-    if (chosen && any(*chosen)) outcome.offered = OfferedCorrections{*chosen, best.mean_m};
+    // Against the model that was found, which may hold more than geometry.
+    const bool better = best.mean_m < kWorthOffering * outcome.cross_validation->mean_m;
+    if (chosen && any(*chosen) && better)
+      outcome.offered = OfferedCorrections{*chosen, best.mean_m};
   }
   outcome.refined = std::move(refined_);
   return outcome;

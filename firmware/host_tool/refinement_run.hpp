@@ -38,6 +38,8 @@ struct RefinementOutcome {
   // Of positions without further unknowns: on poses left out, and the noise that they show.
   std::optional<calibration::HeldOutScore> left_out;
   std::optional<NoiseStatement> noise;
+  std::shared_ptr<const calibration::ArmModel> deflections;  // or none: geometry alone
+  std::optional<double> geometry_left_out_mean_m;            // where there are deflections
   std::optional<OfferedCorrections> offered;
   std::optional<double>
       drawing_rms_m;               // of the drawing with base and tool fitted; from drawings only

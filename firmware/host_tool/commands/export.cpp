@@ -6,6 +6,7 @@
 #include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/host_tool/model.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
@@ -24,6 +25,13 @@ int run(const ExportOptions& options) {
   if (!text) return fail(text.error(), kNoAnswer, options);
   const auto written = write_text_file(options.out, *text);
   if (!written) return fail(written.error(), kBadInput, options);
+  const double lost_m = deflection_rms_m(*record);
+  if (lost_m > 0) {
+    fmt::print(stderr,
+               "armsig: warning: gravity and the maps of the readings cannot be said in {}: {:.3f} "
+               "mm RMS at the tool are lost\n",
+               options.format, 1e3 * lost_m);
+  }
   if (options.json) {
     print_json({{"status", 0},
                 {"format", options.format},

@@ -10,6 +10,7 @@
 #include "core/base/error.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/canonical.hpp"
+#include "firmware/host_tool/formats/deflections.hpp"
 #include "firmware/host_tool/formats/signature_agreement.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/formats/signature_joint_reader.hpp"
@@ -229,6 +230,7 @@ Read<SignatureRecord> record_from(const YamlNode& root) {
                                  "joints",
                                  "last_link",
                                  "coupling",
+                                 "deflections",
                                  "targets",
                                  "covariance_of",
                                  "covariance",
@@ -238,6 +240,7 @@ Read<SignatureRecord> record_from(const YamlNode& root) {
   auto done = read_origin(map, record);
   if (done) done = read_joints(map, record);
   if (done) done = read_extras(map, record);
+  if (done) done = read_deflections(map, record);
   if (done) done = read_sensor_errors(map, record);
   if (done) done = read_targets(map, record.signature);
   if (done) done = check_agreement(record.signature, X_S0);

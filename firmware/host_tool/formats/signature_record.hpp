@@ -2,6 +2,7 @@
 // What a signature file holds: the signature, the arm it belongs to, and how it came about.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/flight_time.hpp"
+#include "core/calibration/model.hpp"
 #include "core/refinement/parameters.hpp"
 #include "core/refinement/readings.hpp"
 #include "core/signature.hpp"
@@ -55,9 +57,12 @@ struct SignatureRecord {
   std::string version;  // of the armsig that made it
   std::vector<std::string> warnings;
 
-  // From what the encoders read to how far the joints have turned.
+  // Gravity and the maps of the readings; none where they were not found.
+  std::shared_ptr<const calibration::ArmModel> deflections;
+
+  // From what the encoders read to how far the joints have turned. Points to `deflections`.
   [[nodiscard]] refinement::ReadingModel readings() const {
-    return {nominal.couplings, corrections};
+    return {nominal.couplings, corrections, deflections.get()};
   }
 };
 

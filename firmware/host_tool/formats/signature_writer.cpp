@@ -6,6 +6,7 @@
 #include "core/base/error.hpp"
 #include "firmware/host_tool/formats/arm_file.hpp"
 #include "firmware/host_tool/formats/canonical.hpp"
+#include "firmware/host_tool/formats/deflections.hpp"
 #include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/formats/text.hpp"
 #include "firmware/host_tool/formats/text_file.hpp"
@@ -210,6 +211,7 @@ std::string body_text(const SignatureRecord& record) {
   for (std::size_t i = 0; i < signature.joint_count(); ++i) text += joint_text(record, i);
   text += last_link_text(signature.X_SL.back());
   text += couplings_text(record.nominal.couplings);
+  text += deflections_text(record);
   text += targets_text(signature);
   if (record.covariance) {
     text += fmt::format("covariance_of: {}\ncovariance:\n", yaml_quoted(record.covariance_of));
@@ -227,6 +229,7 @@ bool counts_agree(const SignatureRecord& record) {
          (signature.features.empty() || signature.features.size() == n) &&
          record.fitted.readings.size() == record.corrections.size() &&
          (record.corrections.empty() || record.corrections.size() == n) &&
+         (!record.deflections || record.deflections->joint_count() == n) &&
          record.nominal.joints.size() == n && record.nominal.limits.size() == n;
 }
 

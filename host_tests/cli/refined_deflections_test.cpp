@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Gravity and the maps of the readings as a user meets them: found where they help, stored, and
+// applied by every command.
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "host_tests/cli/refined_arm.hpp"
+
+namespace armsig::cli {
+namespace {
+
+using nlohmann::json;
+
+// Readings as an encoder gives them that errs by 0.05 degrees five times a turn.
+Csv with_wavy_readings(Csv rows) {
+  for (Fields& row : rows.rows) {
+    for (const char* joint : {"q1_deg", "q2_deg", "q3_deg"}) {
+      std::string& text = row[rows.column(joint)];
+      const double q = std::stod(text);
+      char wavy[40];
+      std::snprintf(wavy, sizeof wavy, "%.17g", q - 0.05 * std::sin(5 * q * 0.017453292519943295));
+      text = wavy;
+    }
+  }
+  return rows;
+}
+
+Csv many_poses(const Folder& folder) {
+  write_file(folder / "arm.yaml", kPuma560);
+  const Outcome outcome =
+      run_tool(folder,
+               "simulate --arm arm.yaml --tolerances 1 --hand-target-mm 80,30,120 --sigma-mm 0.02 "
+               "--mixed-poses 400 --seed 12 --out good.csv --truth-out truth.yaml");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  Csv rows = Csv::read(folder / "good.csv");
+  keep_mixed(rows);
+  return rows;
+}
+
+TEST(RefinedDeflections, are_found_where_they_help_stored_and_applied) {
+  const Folder folder;
+  const Csv good = many_poses(folder);
+  const Csv rows = with_wavy_readings(good);
+  const Outcome outcome = refine(folder, rows, "--json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  const double left_out = result["cross_validation"]["mean_m"];
+  EXPECT_LT(left_out, 0.4 * result["refinement"]["geometry_left_out_mean_m"].get<double>());
+  EXPECT_LT(left_out, 0.2e-3);
+  write_joint_poses(good, folder / "q.csv");
+  const Csv truth = predict(folder, "truth.yaml", "1");
+  write_joint_poses(rows, folder / "q.csv");
+  const Csv predicted = predict(folder, "s.yaml", "1");
+  EXPECT_LT(largest_distance(predicted, truth), 0.4e-3);
+  // The inverse goes through the map and back.
+  const Outcome solved = run_tool(
+      folder, "solve --signature s.yaml --poses p.csv --seed q.csv --target 1 --out q.csv");
+  ASSERT_EQ(solved.status, 0) << solved.err;
+  EXPECT_LT(largest_distance(predict(folder, "s.yaml", "1"), predicted), 1e-9);
+  EXPECT_EQ(run_tool(folder, "check --signature s.yaml --measurements m.csv").status, 0);
+  const Outcome exported =
+      run_tool(folder, "export --signature s.yaml --format urdf --out arm.urdf");
+  EXPECT_EQ(exported.status, 0);
+  EXPECT_NE(exported.err.find("mm RMS at the tool are lost"), std::string::npos) << exported.err;
+}
+
+TEST(RefinedDeflections, are_left_out_where_there_are_none) {
+  const Folder folder;
+  const Outcome outcome = refine(folder, many_poses(folder), "--json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_FALSE(json::parse(outcome.out).contains("geometry_left_out_mean_m"));
+  EXPECT_FALSE(json::parse(outcome.out)["refinement"].contains("geometry_left_out_mean_m"));
+  EXPECT_EQ(read_file(folder / "s.yaml").find("deflections:"), std::string::npos);
+}
+
+TEST(RefinedDeflections, a_damaged_map_is_refused) {
+  const Folder folder;
+  ASSERT_EQ(refine(folder, with_wavy_readings(many_poses(folder))).status, 0);
+  std::string text = read_file(folder / "s.yaml");
+  const std::size_t values = text.find("values: [");
+  ASSERT_NE(values, std::string::npos);
+  text.insert(values + 9, "9");
+  write_file(folder / "s.yaml", text);
+  const Outcome outcome = run_tool(folder, "predict --signature s.yaml --joints q.csv --out p.csv");
+  EXPECT_EQ(outcome.status, 2);
+}
+
+}  // namespace
+}  // namespace armsig::cli
