@@ -69,7 +69,7 @@ struct PumaCabinet {
     cabinet.reset();
     cabinet::World world = puma_world(seed);
     world.first_serial = first_serial;
-    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, memory,
+    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, *device,
                                                         consoles);
   }
   void run(double seconds) {
@@ -101,7 +101,9 @@ struct PumaCabinet {
   LineConsole other;  // a second operator's
   std::array<hal::Console*, 2> consoles{&console, &other};
   RamMemory memory;
-  std::uint32_t first_serial = 1001;  // of the drives, from the next start on
+  // From the next start on.
+  hal::NonvolatileMemory* device = &memory;
+  std::uint32_t first_serial = 1001;  // of the drives
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 
