@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Which signature is in use: that of this machine, or the drawing once an operator knows it.
+#include <algorithm>
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "firmware/controller/machine.hpp"
+#include "hal/linux/file_memory.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::controller {
@@ -145,6 +149,23 @@ TEST(Positions, are_kept_a_page_each_time_and_the_last_ones_count) {
   memory.bytes[6 * 2048 + 3 * 256 + 20] ^= 1;  // the 20th
   PositionKeeper later(memory, 6);
   EXPECT_EQ((*later.load(2))[0], 0.1 * 19);
+}
+
+TEST(Custody, ok_is_never_said_to_a_store_whose_file_was_unlinked) {
+  const std::filesystem::path folder = testing::TempDir() + "armsig_unlinked";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directory(folder);
+  auto file = linux_hal::FileMemory::open(folder / "store", test::RamMemory::kLayout);
+  ASSERT_TRUE(file);
+  PumaCabinet puma(1, quick());
+  puma.device = &*file;
+  puma.start(quick(), 1);
+  ASSERT_TRUE(identify_and_accept(puma));
+  std::filesystem::remove(folder / "store");
+  EXPECT_TRUE(puma.ask("rollback").starts_with("error STORAGE_REPLACED "));
+  EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=1 "));
+  puma.cabinet.reset();
+  std::filesystem::remove_all(folder);
 }
 
 Machine machine() {

@@ -79,7 +79,7 @@ struct PumaCabinet {
     cabinet::World world = puma_world(seed);
     world.drive = drives;
     world.first_serial = first_serial;
-    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, memory,
+    cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, *device,
                                                         consoles);
   }
   void run(double seconds) {
@@ -112,7 +112,9 @@ struct PumaCabinet {
   std::array<hal::Console*, 2> consoles{&console, &other};
   RamMemory memory;
   simulated::DriveConfiguration drives;
-  std::uint32_t first_serial = 1001;  // of the drives, from the next start on
+  // From the next start on.
+  hal::NonvolatileMemory* device = &memory;
+  std::uint32_t first_serial = 1001;  // of the drives
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 

@@ -27,7 +27,7 @@ int run(const ExportOptions& options) {
   if (!written) return fail(written.error(), kBadInput, options);
   const double lost_m = deflection_rms_m(*record);
   if (lost_m > 0) {
-    fmt::print(stderr,
+    say(stderr,
                "armsig: warning: gravity and the maps of the readings cannot be said in {}: {:.3f} "
                "mm RMS at the tool are lost\n",
                options.format, 1e3 * lost_m);
