@@ -241,6 +241,26 @@ TEST(Mistakes, in_units_and_places_never_pass_on_any_arm) {
   }
 }
 
+TEST(DifferentArm, is_written_where_it_is_accepted_or_allowed) {
+  const Folder folder;
+  Bench bench(folder, cases()[0]);
+  const Mistake mistyped{"a length mistyped", [](Set& set) { set.joints()[1].a_m += 0.09; }};
+  const Answer refused = bench.answer(mistyped, "encoder");
+  ASSERT_EQ(refused.outcome.status, 1);
+  EXPECT_NE(refused.outcome.err.find("not the arm of the drawing"), std::string::npos)
+      << refused.outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "s.yaml"));
+  const std::string identify = "identify --arm arm.yaml --measurements m.csv --out s.yaml";
+  const Outcome accepted = cli::run_tool(folder, identify + " --accept-different-arm");
+  EXPECT_EQ(accepted.status, 0) << accepted.err;
+  EXPECT_NE(cli::read_file(folder / "s.yaml").find("accepted as a different arm"),
+            std::string::npos);
+  cli::write_file(folder / "arm.yaml", cli::read_file(folder / "arm.yaml") +
+                                           "deviations: {shift_mm: 200, tilt_deg: 10}\n");
+  const Outcome allowed = cli::run_tool(folder, identify);
+  EXPECT_EQ(allowed.status, 0) << allowed.err;
+}
+
 TEST(SoundArms, are_never_refused) {
   const std::vector<Case> all = cases();
   const std::size_t count = asked("ARMSIG_SOUND", 15);
