@@ -34,7 +34,7 @@ struct InverseOptions {
   // poses half a degree away, the slowest took 138, at a fold of the arm.
   int max_iterations = 200;
   // A solution whose regularity (see InverseSolution) is below this is kDegraded.
-  double degraded_below = 1e-3;
+  double degraded_below = 1e-4;
   bool respect_limits = true;  // those of the chain, if it has any
   // Largest change of each reading from the seed, for one tick: velocity limit times period; 0 or
   // more, infinite for no limit. Empty: none.

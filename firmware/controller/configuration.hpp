@@ -25,9 +25,9 @@ struct MotionLimits {
   JointVector acceleration;
   double tool_speed = 0.25;
   double tool_turn_rate = 1.0;
-  // A tool line is refused, or stopped, where the regularity of the arm (kinematics/inverse.hpp)
+  // A tool line is refused, or stopped, where the regularity of the arm (kinematics/regularity.hpp)
   // falls below this.
-  double least_regularity = 0.01;
+  double least_regularity = 0.001;
 };
 
 struct Supervision {
