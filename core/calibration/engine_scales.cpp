@@ -37,7 +37,7 @@ double update(const Group& group, double& scale) {
 }  // namespace
 
 double Engine::update_geometry_scales() {
-  enum : std::size_t { kRotation, kShift, kZero, kGravity, kOpen };
+  enum : std::size_t { kTurns, kShifts, kZeros, kSags, kOpen };
   std::array<Group, 5> groups;
   factorise_geometry(false);
   std::array<double, kMaxGeometry> e{};
@@ -50,11 +50,11 @@ double Engine::update_geometry_scales() {
     std::size_t group = kOpen;
     double scale = 1;
     if (c >= gravity_column()) {
-      group = kGravity;
+      group = kSags;
       scale = scales_.gravity;
     } else if (c >= joint_column(0)) {
       const std::size_t kind = (c - joint_column(0)) % kDeviations;
-      group = kind < 2 ? kRotation : kind < 4 ? kShift : kZero;
+      group = kind < 2 ? kTurns : kind < 4 ? kShifts : kZeros;
       scale = kind < 2 ? scales_.rotation : kind < 4 ? scales_.shift : scales_.zero;
     }
     const double unit = prior_variance(c) / scale;
@@ -62,8 +62,8 @@ double Engine::update_geometry_scales() {
     groups[group].trace += variance / unit;
     groups[group].unknowns += 1;
   }
-  return update(groups[kRotation], scales_.rotation) + update(groups[kShift], scales_.shift) +
-         update(groups[kZero], scales_.zero) + update(groups[kGravity], scales_.gravity) +
+  return update(groups[kTurns], scales_.rotation) + update(groups[kShifts], scales_.shift) +
+         update(groups[kZeros], scales_.zero) + update(groups[kSags], scales_.gravity) +
          groups[kOpen].unknowns - groups[kOpen].trace;
 }
 

@@ -17,7 +17,7 @@ using calibration::FitRow;
 using calibration::ModelTarget;
 
 // Rows that may be rejected before the fit itself is in doubt.
-constexpr double kRejectedShare = 0.4;
+constexpr double kMostRejected = 0.4;
 // Drawings further off than this, base and targets fitted, have other zeros than the encoders.
 constexpr double kZerosInDoubt_m = 0.02;
 // A stated variance beyond what the residuals show by so many of their own sigma is not believed,
@@ -27,7 +27,7 @@ constexpr double kChance = 3;
 constexpr double kSmallShare = 1e-3;
 
 // A richer model must earn its keep by this much on poses that it has not seen.
-constexpr double kWorthwhile = 0.98;
+constexpr double kWorthDeflections = 0.98;
 constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
 
 // Where a fit starts: a chain, and the targets in its links.
@@ -185,9 +185,9 @@ struct Candidate {
   double variance = 0;
 };
 
-class Run {
+class CalibrationFit {
  public:
-  Run(const CalibrationLog& log, std::span<refinement::RowOutcome> verdicts)
+  CalibrationFit(const CalibrationLog& log, std::span<refinement::RowOutcome> verdicts)
       : log_(log), verdicts_(verdicts), fitting_(log) {}
 
   std::expected<Calibrated, Refusal> operator()() {
@@ -265,7 +265,7 @@ class Run {
     const auto refuse = [](Error error, double value, double allowed) {
       return std::unexpected(Refusal{error, value, allowed});
     };
-    const double allowed = kRejectedShare * static_cast<double>(found.summary.rows);
+    const double allowed = kMostRejected * static_cast<double>(found.summary.rows);
     if (static_cast<double>(found.summary.rejected) > allowed) {
       return refuse(Error::kTooManyOutliers, static_cast<double>(found.summary.rejected), allowed);
     }
@@ -277,7 +277,7 @@ class Run {
     return refinement::like_its_drawing(from.signature, found.refined->signature, limits_);
   }
 
-  // Gravity and maps too, where they predict poses left out better by kWorthwhile.
+  // Gravity and maps too, where they predict poses left out better by kWorthDeflections.
   std::optional<Candidate> with_deflections(const Start& from, const Candidate& geometry) {
     if (!geometry.left_out) return std::nullopt;
     Start bent = from;
@@ -289,7 +289,7 @@ class Run {
     if (!whole || !believable(from, *whole)) return std::nullopt;
     whole->left_out = fitting_.score(bent, {});
     const auto& score = whole->left_out;
-    if (!score || score->mean_kept_m > kWorthwhile * geometry.left_out->mean_kept_m ||
+    if (!score || score->mean_kept_m > kWorthDeflections * geometry.left_out->mean_kept_m ||
         score->mean_m > geometry.left_out->mean_m) {
       return std::nullopt;
     }
@@ -361,7 +361,7 @@ class Run {
 
 std::expected<Calibrated, Refusal> run_calibration(const CalibrationLog& log,
                                                    std::span<refinement::RowOutcome> verdicts) {
-  return Run(log, verdicts)();
+  return CalibrationFit(log, verdicts)();
 }
 
 }  // namespace armsig::tool
