@@ -14,7 +14,7 @@
 namespace armsig::features {
 
 enum class Method : std::uint8_t {
-  kPaper,    // plane (13) and circle (14), without the joint reading
+  kPaper,    // plane (13) and circle (14); the joint reading gives the sense only, and the gate
   kEncoder,  // the circle or line is followed by the joint reading: p = c + A cos(theta) + B
              // sin(theta)
 };

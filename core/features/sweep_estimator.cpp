@@ -9,6 +9,7 @@
 
 #include "core/features/describe_fit.hpp"
 #include "core/features/encoder_ratio.hpp"
+#include "core/features/near_axis.hpp"
 
 namespace armsig::features {
 namespace {
@@ -93,6 +94,9 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
   const double shortfall = axis_direction_sigma(feature) / limits.greatest_axis_sigma_rad;
   if (shortfall > 1) {
     const double arc = feature.quality.arc();
+    // No arc makes up for a target that is next to the axis.
+    if (revolute && (feature.radius_m < kNextToAxis_m || arc * std::sqrt(shortfall) > 2 * kPi))
+      return Refusal{Error::kRadiusTooSmall, feature.radius_m, feature.radius_m * shortfall};
     return Refusal{Error::kArcTooShort, arc, arc * (revolute ? std::sqrt(shortfall) : shortfall)};
   }
   return std::nullopt;

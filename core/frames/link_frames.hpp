@@ -12,7 +12,8 @@
 namespace armsig::frames {
 
 // Link frames 0 ... n in the sensor frame, (15)-(17), from one feature a joint. Revolute joint i +
-// 1: origin of frame i at the centre of rotation, x towards the first target position. Prismatic:
+// 1: origin of frame i at the centre of rotation, x towards the target as all its positions
+// put it at the reference reading (the paper: towards its first position). Prismatic:
 // origin at the target when the joint is in the signature configuration, x any perpendicular. Frame
 // n is frame n - 1. Preconditions: one reading a feature; finite features with axis_S of nonzero
 // length.

@@ -2,8 +2,8 @@
 // The pseudo Denavit-Hartenberg model: section 3.2.4 of the paper.
 //
 // Its product (21) is the pose of Denavit-Hartenberg frame n in link frame 0 of the S-Model at any
-// readings. Near parallel axes only the product is meaningful: d moves by metres with a
-// microradian.
+// readings. Near parallel axes only the product is meaningful: a tilt of a microradian moves d by
+// d / sin(alpha) times that, 3 cm in robot 1 of Table 2 and 2 mm in robot 2.
 #pragma once
 
 #include "core/base/arm.hpp"

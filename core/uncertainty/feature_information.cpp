@@ -88,6 +88,26 @@ Result<void> absorb(const Block& block, const JointFeature& feature, Refined& es
   return {};
 }
 
+// A target that no feature is joined with knows its own uncertainty.
+void absorb(const Layout& layout, std::size_t target, const Matrix3& covariance_m2,
+            Refined& estimate) {
+  const Eigen::LLT<Matrix3> cholesky(covariance_m2);
+  if (cholesky.info() != Eigen::Success) return;
+  Matrix3 W;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3 unit = Vector3::Unit(k);
+    W.col(k) = cholesky.matrixL().solve(unit);
+  }
+  for (int row = 0; row < 3; ++row) {
+    RowBlock<1> rows;
+    rows.clear(layout.size());
+    for (int k = 0; k < 3; ++k) {
+      rows.rows[0][layout.target[target] + static_cast<std::size_t>(k)] = W(row, k);
+    }
+    estimate.information.absorb(rows);
+  }
+}
+
 const Target* seen_by(const Signature& signature, std::size_t joint) {
   const JointFeature& feature = signature.features[joint];
   for (const Target& target : signature.targets) {
@@ -118,10 +138,16 @@ Result<void> from_features(const Signature& signature, Refined& estimate) {
     rows.rows[0][i] = 1 / refinement::prior_sigma(prior, layout->parameters[i].kind);
     estimate.information.absorb(rows);
   }
+  std::array<bool, kMaxTargets> joined{};
   for (std::size_t joint = 0; joint < n; ++joint) {
-    const Block block = block_of(*layout, signature, joint, seen_by(signature, joint));
+    const Target* seen = seen_by(signature, joint);
+    if (seen != nullptr) joined[static_cast<std::size_t>(seen - signature.targets.data())] = true;
+    const Block block = block_of(*layout, signature, joint, seen);
     const Result<void> taken = absorb(block, signature.features[joint], estimate);
     if (!taken) return taken;
+  }
+  for (std::size_t t = 0; t < signature.targets.size(); ++t) {
+    if (!joined[t]) absorb(*layout, t, signature.targets[t].covariance_m2, estimate);
   }
   for (std::size_t t = 0; t < signature.targets.size(); ++t) {
     estimate.signature.targets[t].covariance_m2 =

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "core/features/near_axis.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/ranging.hpp"
@@ -112,6 +113,23 @@ Read<Signature> IdentificationRun::signature_from(const SweptArm& swept) const {
   return *signature;
 }
 
+namespace {
+
+void warn_of_targets_next_to_axes(const Signature& signature, std::vector<std::string>& warnings) {
+  for (std::size_t j = 0; j < signature.features.size(); ++j) {
+    const features::JointFeature& feature = signature.features[j];
+    if (feature.type == JointType::kPrismatic || feature.radius_m > features::kNextToAxis_m) {
+      continue;
+    }
+    warnings.push_back(fmt::format(
+        "joint {}: its target is {:.1f} mm from its axis, and tells its direction badly; one 200 "
+        "mm away tells it better",
+        j + 1, 1e3 * feature.radius_m));
+  }
+}
+
+}  // namespace
+
 Read<Identified> IdentificationRun::finish(features::Method method) const {
   auto swept = sweeps_.finish(method);
   if (!swept) return std::unexpected(swept.error());
@@ -121,6 +139,8 @@ Read<Identified> IdentificationRun::finish(features::Method method) const {
       .signature = *signature, .counts = counts_, .air_celsius = {}, .warnings = {}};
   identified.counts.mixed = sweeps_.mixed_rows();
   if (air_count_ > 0) identified.air_celsius = air_sum_c_ / static_cast<double>(air_count_);
+  identified.warnings = sweeps_.doubtful_targets();
+  warn_of_targets_next_to_axes(*signature, identified.warnings);
   if (!signature->description_matches) {
     identified.warnings.emplace_back(
         "the axes found do not match those of the arm description: another arm, a joint that turns "
@@ -152,10 +172,13 @@ void IdentificationRun::add_targets_of_mixed_poses(Signature& signature) const {
 Read<std::pair<Identified, RefinementOutcome>> IdentificationRun::finish_refined(
     const FurtherUnknowns& further) {
   Identified identified{.signature = {}, .counts = counts_, .air_celsius = {}, .warnings = {}};
+  identified.warnings = sweeps_.doubtful_targets();
   std::optional<Signature> start;
   if (const auto swept = sweeps_.finish(features::Method::kEncoder)) {
     auto signature = signature_from(*swept);
     if (!signature) return std::unexpected(signature.error());
+    // Poses anywhere tell the axes, too.
+    if (sweeps_.mixed_rows() == 0) warn_of_targets_next_to_axes(*signature, identified.warnings);
     add_targets_of_mixed_poses(*signature);
     start = *signature;
   } else if (counts_.rows > sweeps_.mixed_rows()) {

@@ -141,8 +141,41 @@ Read<features::JointFeature> SweepSet::joint_feature(std::size_t joint,
   return *feature;
 }
 
+bool SweepSet::holds(std::size_t swept, const JointVector& configuration) const {
+  for (std::size_t j = swept + 1; j < configuration.size(); ++j) {
+    const double off = sweeps_.at(swept).held[j].reading - configuration[j];
+    if (std::abs(off) > held_tolerance(nominal_.joints[j].type)) return false;
+  }
+  return true;
+}
+
+// Seen in the sweeps of inner joints only, a target may be on any link from theirs on. One target a
+// link is what most people do; a target of several sweeps, or beside one that is further out, looks
+// like one on the hand that the last sweeps have missed.
+std::vector<std::string> SweepSet::doubtful_targets() const {
+  std::map<int, std::set<std::size_t>> seen;
+  for (const auto& [swept, sweep] : sweeps_) {
+    for (const auto& [number, estimator] : sweep.targets) seen[number].insert(swept);
+  }
+  const std::size_t n = nominal_.joints.size();
+  std::vector<std::string> doubts;
+  for (const auto& [number, sweeps] : seen) {
+    const std::size_t outermost = *sweeps.rbegin();
+    if (outermost + 1 == n || mixed_targets_.contains(number)) continue;
+    const bool beside = std::ranges::any_of(seen, [&](const auto& other) {
+      return other.second.contains(outermost) && *other.second.rbegin() > outermost;
+    });
+    if (sweeps.size() < 2 && !beside) continue;
+    doubts.push_back(fmt::format(
+        "target {} is in no sweep beyond joint {}, and taken as fixed to link {}; if it is on the "
+        "hand, a row of it in sweep {} or with sweep 0 says so",
+        number, outermost + 1, outermost + 1, n));
+  }
+  return doubts;
+}
+
 // A target is fixed to the link beyond the swept joint; one seen in several sweeps to the outermost
-// of them.
+// of them; one seen in mixed poses to the last link.
 FixedVector<Target, kMaxTargets> SweepSet::targets(features::Method method,
                                                    const JointVector& configuration) const {
   std::map<int, Target> by_number;
@@ -150,8 +183,9 @@ FixedVector<Target, kMaxTargets> SweepSet::targets(features::Method method,
     for (const auto& [number, estimator] : sweep.targets) {
       const auto feature = estimator.estimate(method);
       if (!feature) continue;
+      const bool on_hand = mixed_targets_.contains(number) && holds(swept, configuration);
       by_number[number] = {.number = number,
-                           .link = swept + 1,
+                           .link = on_hand ? configuration.size() : swept + 1,
                            .p_S = feature->target_at(configuration[swept]),
                            .covariance_m2 = feature->target_covariance_at(configuration[swept])};
     }

@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/arm.hpp"
 #include "core/features/fusion.hpp"
@@ -45,6 +46,8 @@ class SweepSet {
   [[nodiscard]] std::optional<Problem> add(const LocatedRow& row);
   // Features by `method`, or why a sweep gives none.
   [[nodiscard]] Read<SweptArm> finish(features::Method method) const;
+  // Targets that may not be on the link that they are taken to be on, in words.
+  [[nodiscard]] std::vector<std::string> doubtful_targets() const;
   // Rows with sweep 0, which the features do not use.
   [[nodiscard]] std::size_t mixed_rows() const { return mixed_rows_; }
 
@@ -62,6 +65,8 @@ class SweepSet {
 
   [[nodiscard]] Problem at(std::size_t line, std::string what, std::string expected) const;
   [[nodiscard]] std::string reading(std::size_t joint, double value) const;
+  // Whether sweep `swept` holds every joint beyond at the reading that `configuration` has.
+  [[nodiscard]] bool holds(std::size_t swept, const JointVector& configuration) const;
   [[nodiscard]] bool hangs_on(std::size_t joint, std::size_t from) const;
   // A sweep whose target is on a link beyond a joint that it carries along: no circle.
   [[nodiscard]] Read<void> check_carried() const;

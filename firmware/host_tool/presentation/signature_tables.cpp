@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,6 +15,7 @@ namespace {
 
 // Twice any link of a common arm: a larger d comes from a common normal far away.
 constexpr double kLargeOffset_m = 2.0;
+constexpr double kMicroradian = 1e-6;
 
 std::string millimetres(double metres) { return fmt::format("{:.3f}", 1e3 * metres); }
 
@@ -77,18 +79,24 @@ std::string dh_table(const FixedVector<DhJoint, kMaxJoints>& rows) {
 
 std::string near_parallel_note(const Signature& signature) {
   std::string links;
+  double moved_m = 0;
   for (std::size_t i = 0; i < signature.pseudo_dh.size(); ++i) {
-    if (std::abs(signature.pseudo_dh[i].d_m) > kLargeOffset_m) {
-      links += fmt::format("{}{}", links.empty() ? "" : ", ", i + 1);
-    }
+    const DhJoint& row = signature.pseudo_dh[i];
+    if (std::abs(row.d_m) <= kLargeOffset_m) continue;
+    links += fmt::format("{}{}", links.empty() ? "" : ", ", i + 1);
+    // d is a distance across over the sine of the angle between the axes.
+    moved_m =
+        std::max(moved_m, std::abs(row.d_m) * kMicroradian / std::abs(std::sin(row.alpha_rad)));
   }
   if (links.empty()) return {};
   return fmt::format(
       "  The d of link {} is large because two axes there are nearly parallel: their common "
       "normal\n"
-      "  is far away, and a microradian moves it by metres. Only the product of the rows means\n"
-      "  something; compare predicted positions, never these parameters.\n",
-      links);
+      "  is far away, and a microradian of tilt moves it by {:.2g} mm. Only the product of the "
+      "rows\n"
+      "  means something; compare predicted positions, or what is different joint by joint, never\n"
+      "  these parameters.\n",
+      links, 1e3 * moved_m);
 }
 
 std::string comparison_table(const evaluation::Comparison& comparison) {
