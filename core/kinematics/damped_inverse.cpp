@@ -22,6 +22,7 @@ constexpr double kLowRotationWeight = 1e-4;
 constexpr double kLargestStep = 0.4;  // rad or m in one iteration, to stay near the seed
 constexpr double kFoldError = 0.03;   // m or rad: what a nudge of 0.2 rad on a fold can make up for
 constexpr int kMostSaddles = 4;       // left one after the other
+constexpr double kNearHalfTurn = 3;   // rad
 constexpr double kLower = 0.999;      // of the merit: below, a saddle was left
 constexpr double kStationaryStep = 1e-11;   // rad or m
 constexpr double kNearestTolerance = 1e-9;  // rad or m, of arms with more than six joints
@@ -50,8 +51,8 @@ class DampedSolver {
     if (!met() && n_ < 6) {
       rotation_weight_ = kLowRotationWeight;
       stationary = descend();
-      if (!position_met() && stationary) stationary = leave_saddle();
       stationary = meet_position() && stationary;
+      if (!position_met() && stationary) stationary = leave_saddle() && meet_position();
     }
     if (met() && n_ > 6) approach_seed();
     return finish(stationary);
@@ -171,7 +172,7 @@ class DampedSolver {
   // limited, or an orientation that a short arm cannot choose, needs no such reason.
   [[nodiscard]] bool may_be_saddle() const {
     if (merit(at_) <= kFoldError * kFoldError) return true;
-    if (n_ < 6) return at_.error.tail<3>().norm() > kPi / 2;
+    if (n_ < 6) return at_.error.tail<3>().norm() > kNearHalfTurn;
     return obstacle() != Verdict::kStepLimit;
   }
 

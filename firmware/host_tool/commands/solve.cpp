@@ -64,17 +64,20 @@ class Solver {
         limits_(record.nominal.limits) {}
 
   [[nodiscard]] Result<Answer> solve(const Pose& X_SP, const JointVector* seed) const {
-    const Pose X_0n = X_0S_ * X_SP * X_nP_.inverse();
+    Pose X_0n = X_0S_ * X_SP * X_nP_.inverse();
+    // The frames of a file are rotations to as many digits as were written.
+    X_0n.R = Eigen::Quaterniond(X_0n.R).normalized().toRotationMatrix();
     const kinematics::InverseOptions at_tool{.p_nP = X_nP_.p};
-    if (seed != nullptr) {
-      ARMSIG_TRY(
-          solution,
-          kinematics::inverse(
-              chain_, X_0n, refinement::true_readings(readings_, configuration_, *seed), at_tool));
-      return answer(solution);
-    }
-    ARMSIG_TRY(solutions, kinematics::cold_start(chain_, form_, X_0n, {}, at_tool));
+    JointVector reference;
     Answer nearest;
+    if (seed != nullptr) {
+      reference = refinement::true_readings(readings_, configuration_, *seed);
+      ARMSIG_TRY(solution, kinematics::inverse(chain_, X_0n, reference, at_tool));
+      nearest = answer(solution);
+      if (is_solved(nearest.verdict)) return nearest;
+    }
+    // Where no way leads from the seed, the solution nearest to it.
+    ARMSIG_TRY(solutions, kinematics::cold_start(chain_, form_, X_0n, reference, at_tool));
     for (const kinematics::NamedSolution& named : solutions) {
       const Answer found = answer(named.solution);
       if (is_solved(found.verdict)) return found;
@@ -182,8 +185,9 @@ void add_solve(CLI::App& app, int& status) {
   command->add_option("--signature", options->signature, "signature (YAML)")->required();
   command->add_option("--poses", options->poses, "tool poses (CSV: x_m, ..., qw, ...)")->required();
   command->add_option("--seed", options->seed,
-                      "joint readings to start from (CSV): one row, or one a pose; without them "
-                      "the solution nearest to the middle of the limits is taken");
+                      "joint readings to start from (CSV): one row, or one a pose; the solution "
+                      "nearest to them is taken, without them that nearest to the middle of the "
+                      "limits");
   command->add_option("--target", options->target,
                       "the poses are those of this target (default: the last link's frame)");
   command->add_option("--out", options->out, "joint readings to write (CSV)")->required();
