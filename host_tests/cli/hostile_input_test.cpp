@@ -95,8 +95,8 @@ TEST(Output, is_never_one_of_the_inputs) {
 TEST(Output, that_no_disk_has_room_for_is_told) {
   const Folder folder;
   write_file(folder / "arm.yaml", kTwoJointArm);
-  const Outcome outcome =
-      run_tool(folder, "simulate --arm arm.yaml --json --out m.csv > /dev/full; echo $? > status #");
+  const Outcome outcome = run_tool(
+      folder, "simulate --arm arm.yaml --json --out m.csv > /dev/full; echo $? > status #");
   EXPECT_EQ(read_file(folder / "status"), "1\n");
 }
 

@@ -55,7 +55,7 @@ TEST(Yaml, refuses_characters_that_its_escapes_make) {
   const auto root = parse_yaml("a: 1\nb: \"x\\ry\"\n");
   ASSERT_FALSE(root);
   EXPECT_EQ(render(root.error()),
-            "2:4: the character \"\\x0D\" in \"x\\x0Dy\"; expected printable text on one line");
+            ":2:4: the character \"\\x0D\" in \"x\\x0Dy\"; expected printable text on one line");
 }
 
 TEST(Yaml, refuses_what_turns_the_direction_of_writing_in_a_comment_too) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <new>
 #include <sstream>
 #include <utility>
 
@@ -168,7 +169,7 @@ Read<void> check_bytes(std::string_view text) {
 
 Read<void> check_size(std::string_view text) {
   const auto is_mark = [](char c) {
-    return std::string_view(",:[]{}\n").find(c) != std::string_view::npos;
+    return std::string_view(",:?[]{}\n").find(c) != std::string_view::npos;
   };
   if (std::ranges::count_if(text, is_mark) <= kMostMarks) return {};
   return problem_at(0, 0, "too much in one file",
@@ -206,6 +207,8 @@ Read<YamlNode> parse_yaml(std::string_view text) {
     return parse_with_yaml_cpp(text);
   } catch (const Stop& stop) {
     return std::unexpected(stop.problem);
+  } catch (const std::bad_alloc&) {
+    throw;  // says nothing of the file
   } catch (const YAML::Exception& fault) {
     // There is no file behind our stream: yaml-cpp says "bad file" of maps in maps in maps ...
     const bool too_deep = fault.msg == YAML::ErrorMsg::BAD_FILE;
