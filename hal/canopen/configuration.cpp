@@ -154,7 +154,7 @@ Checked check_ramps(const Configuration& configuration) {
     const double deceleration = configuration.axes[axis].stop_deceleration;
     if (deceleration == 0) continue;
     const double needed =
-        configuration.axes[axis].largest_speed / seconds(configuration.stop_timeout);
+        configuration.axes[axis].largest_speed / hal::seconds(configuration.stop_timeout);
     if (deceleration < needed) {
       return std::unexpected(
           ConfigurationRefusal{Error::kPeriodInvalid, axis, deceleration, needed});
