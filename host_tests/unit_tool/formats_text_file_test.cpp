@@ -125,8 +125,11 @@ TEST(Numbers, are_read_whole_or_not_at_all) {
 TEST(InQuotes, clips_long_text_and_shows_bytes) {
   EXPECT_EQ(in_quotes("Größe"), "\"Größe\"");
   EXPECT_EQ(in_quotes("a\x1b[31m"), "\"a\\x1B[31m\"");
-  EXPECT_EQ(in_quotes(std::string(39, 'a') + "ß"), "\"" + std::string(39, 'a') + "...\"");
-  EXPECT_EQ(in_quotes(std::string(50, 'a')), "\"" + std::string(40, 'a') + "...\"");
+  const auto clipped = [](std::size_t letters) {
+    return std::string("\"").append(letters, 'a').append("...\"");
+  };
+  EXPECT_EQ(in_quotes(std::string(39, 'a').append("ß")), clipped(39));
+  EXPECT_EQ(in_quotes(std::string(50, 'a')), clipped(40));
 }
 
 TEST(Render, leaves_out_what_does_not_apply) {

@@ -28,9 +28,9 @@ int run(const ExportOptions& options) {
   const double lost_m = deflection_rms_m(*record);
   if (lost_m > 0) {
     say(stderr,
-               "armsig: warning: gravity and the maps of the readings cannot be said in {}: {:.3f} "
-               "mm RMS at the tool are lost\n",
-               options.format, 1e3 * lost_m);
+        "armsig: warning: gravity and the maps of the readings cannot be said in {}: {:.3f} "
+        "mm RMS at the tool are lost\n",
+        options.format, 1e3 * lost_m);
   }
   if (options.json) {
     print_json({{"status", 0},

@@ -21,7 +21,8 @@ std::string without_formulas(std::string text) {
   for (std::size_t at = 0; (at = text.find_first_of(",;", at)) != std::string::npos; ++at) {
     const std::size_t next = text.find_first_not_of(' ', at + 1);
     if (next == std::string::npos) break;
-    if (std::string_view("=+-@").find(text[next]) != std::string_view::npos) text.insert(next, 1, '\'');
+    if (std::string_view("=+-@").find(text[next]) != std::string_view::npos)
+      text.insert(next, 1, '\'');
   }
   return text;
 }
