@@ -4,6 +4,8 @@
 // stay inside.
 #pragma once
 
+#include <optional>
+
 #include "core/base/arm.hpp"
 #include "hal/joint_drives.hpp"
 
@@ -25,6 +27,9 @@ class CoupledDrives final : public hal::JointDrives {
   [[nodiscard]] const JointVector& do_positions() const override { return positions_; }
   [[nodiscard]] hal::DriveStatus do_status(std::size_t joint) const override {
     return motors_.status(joint);
+  }
+  [[nodiscard]] std::optional<hal::DriveIdentity> do_identity(std::size_t joint) const override {
+    return motors_.identity(joint);
   }
   Result<void> do_write(const JointVector& targets, hal::Instant now) override {
     return motors_.write(readings_for(couplings_, targets), now);

@@ -15,10 +15,10 @@ TEST(Join, puts_together_what_was_taken_apart_and_finds_the_sweeps) {
                 .status,
             0);
   const Csv whole = Csv::read(folder / "whole.csv");
-  std::string log = "Name;A1 [deg];A2 [deg];A3 [deg];A4 [deg];A5 [deg];A6 [deg]\n";
+  std::string log = "Name;Target;A1 [deg];A2 [deg];A3 [deg];A4 [deg];A5 [deg];A6 [deg]\n";
   std::string points = "// Collection Group Target x y z\n";
   for (std::size_t k = 0; k < whole.rows.size(); ++k) {
-    log += "P" + std::to_string(k);
+    log += "P" + std::to_string(k) + ";" + whole.rows[k][whole.column("target")];
     for (int j = 1; j <= 6; ++j) {
       log += ";" + whole.rows[k][whole.column("q" + std::to_string(j) + "_deg")];
     }

@@ -33,9 +33,10 @@ TEST(Refined, solves_for_the_readings_of_a_coupled_elbow) {
   for (const char* seed : {"--seed q.csv", ""}) {
     const Outcome solved =
         run_tool(folder, std::string("solve --signature s.yaml --poses p.csv --target 1 --out "
-                                     "q.csv ") +
+                                     "solved.csv ") +
                              seed);
     ASSERT_EQ(solved.status, 0) << solved.err;
+    std::filesystem::rename(folder / "solved.csv", folder / "q.csv");
     EXPECT_LT(largest_distance(predict(folder, "s.yaml", "1"), asked), 1e-8) << seed;
     const Csv found = Csv::read(folder / "q.csv");
     for (std::size_t k = 0; k < found.rows.size(); ++k) {

@@ -104,7 +104,7 @@ class RandomRecord {
     record.covariance_of = "axis lines";
     record.predicted_tool_error_m = 1e-4 * std::abs(number());
     record.air_c = 20 + number();
-    record.warnings = {"joint 2: arc of 45 deg", "a line\nbreak"};
+    record.warnings = {"joint 2: arc of 45 deg", "joint 3: \"far\" # from: its drawing"};
     if (record.nominal.joints.size() > 1 &&
         record.nominal.joints[0].type == record.nominal.joints[1].type) {
       record.nominal.couplings.push_back({1, 0, number()});

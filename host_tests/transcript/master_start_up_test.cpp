@@ -22,7 +22,7 @@ TEST(MasterStartUp, sets_up_one_drive_with_the_standards_frames) {
   script.bus.expect("000#8201", {"701#00"});
   script.tick();
   script_set_up(script.bus);
-  for (int i = 0; i < 40 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+  for (int i = 0; i < 60 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
     script.tick();
   }
   script.bus.expect_all_consumed();

@@ -71,9 +71,13 @@ std::string deviation_in_words(const NearFit& fit, const ArmLimits& limits, cons
   return words;
 }
 
+// Rows that scatter less were computed, not measured.
+constexpr double kExact_m = 1e-6;
+
 bool states_too_much(const Reference& reference, const Evidence& evidence) {
-  return !evidence.located && evidence.rows.size() >= kFewestForSigma &&
-         reference.stated_m > kSigmaTooLarge * std::max(reference.sweeps_m, reference.shown_m);
+  const double scatter_m = std::max(reference.sweeps_m, reference.shown_m);
+  return !evidence.located && evidence.rows.size() >= kFewestForSigma && scatter_m > kExact_m &&
+         reference.stated_m > kSigmaTooLarge * scatter_m;
 }
 
 // What is wrong with the nearest arm, or with the method's against it; empty where nothing is.

@@ -169,11 +169,11 @@ Read<void> check_bytes(std::string_view text) {
 
 Read<void> check_size(std::string_view text) {
   const auto is_mark = [](char c) {
-    return std::string_view(",:?[]{}\n").find(c) != std::string_view::npos;
+    return std::string_view(",:?[]{}\"'!\n").find(c) != std::string_view::npos;
   };
   if (std::ranges::count_if(text, is_mark) <= kMostMarks) return {};
   return problem_at(0, 0, "too much in one file",
-                    fmt::format("at most {} lines, commas, colons and brackets", kMostMarks));
+                    fmt::format("at most {} lines, commas, colons, quotes and brackets", kMostMarks));
 }
 
 Read<YamlNode> parse_with_yaml_cpp(std::string_view text) {

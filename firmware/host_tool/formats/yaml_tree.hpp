@@ -4,7 +4,7 @@
 // yaml-cpp does the parsing; its own Node loses the places of keys, keeps the first of two equal
 // keys, and throws on access. Only the part of YAML that our files use is let in: maps with
 // distinct text keys, sequences, scalars of printable characters; no anchors, aliases or tags, one
-// document a file, 16 levels, 250,000 lines, commas, colons and brackets.
+// document a file, 16 levels, 250,000 lines, commas, colons, quotes and brackets.
 #pragma once
 
 #include <cstdint>
