@@ -89,14 +89,16 @@ std::string near_parallel_note(const Signature& signature) {
         std::max(moved_m, std::abs(row.d_m) * kMicroradian / std::abs(std::sin(row.alpha_rad)));
   }
   if (links.empty()) return {};
+  const std::string moved =
+      moved_m < 1 ? fmt::format("{:.2g} mm", 1e3 * moved_m) : fmt::format("{:.2g} m", moved_m);
   return fmt::format(
       "  The d of link {} is large because two axes there are nearly parallel: their common "
       "normal\n"
-      "  is far away, and a microradian of tilt moves it by {:.2g} mm. Only the product of the "
+      "  is far away, and a microradian of tilt moves it by {}. Only the product of the "
       "rows\n"
       "  means something; compare predicted positions, or what is different joint by joint, never\n"
       "  these parameters.\n",
-      links, 1e3 * moved_m);
+      links, moved);
 }
 
 std::string comparison_table(const evaluation::Comparison& comparison) {
