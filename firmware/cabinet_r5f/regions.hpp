@@ -16,6 +16,7 @@ inline constexpr std::uint8_t kFirstQuarter = 0x03;
 inline constexpr std::array kRegions{
     board::Region{0x0000'0000, 16, board::kCodeUncached, 0},        // ATCM: vectors, start-up
     board::Region{0x0002'0000, 16, board::kData, 0},                // BTCM: stack, constants
+    board::Region{0x0002'C000, 14, board::kCodeUncached, 0},        // BTCM: code that is rarely run
     board::Region{0xFFFC'0000, 18, board::kCode, kUpperHalf},       // OCM: code
     board::Region{0xFFFC'0000, 18, board::kData, kLowerHalf},       // OCM: data
     board::Region{0xFFFF'C000, 14, board::kShared, kFirstQuarter},  // OCM: the bank, 12 KiB
