@@ -172,8 +172,9 @@ Read<void> check_size(std::string_view text) {
     return std::string_view(",:?[]{}\"'!\n").find(c) != std::string_view::npos;
   };
   if (std::ranges::count_if(text, is_mark) <= kMostMarks) return {};
-  return problem_at(0, 0, "too much in one file",
-                    fmt::format("at most {} lines, commas, colons, quotes and brackets", kMostMarks));
+  return problem_at(
+      0, 0, "too much in one file",
+      fmt::format("at most {} lines, commas, colons, quotes and brackets", kMostMarks));
 }
 
 Read<YamlNode> parse_with_yaml_cpp(std::string_view text) {
