@@ -213,6 +213,8 @@ TEST(Bench, a_blocked_motor_and_a_lost_sync_end_in_the_drives_own_emergencies) {
   BenchProcess arm({"--sync-loss", "100"});
   canopen::Configuration configuration = patient_drives();
   for (auto& axis : configuration.axes) axis.following_window = 0.05;
+  // The drives wait 100 periods for a SYNC; the master has to be more patient with their silence.
+  configuration.missed_feedback_limit = 200;
   BenchMaster master(configuration);
   ASSERT_TRUE(master.enable());
   arm.order("drive joint=2 kind=blocked");
@@ -222,7 +224,7 @@ TEST(Bench, a_blocked_motor_and_a_lost_sync_end_in_the_drives_own_emergencies) {
   EXPECT_EQ(master.master.status(1).fault_code, 0x8611U);
   arm.order("drive joint=2 kind=none");
   ASSERT_TRUE(master.recover());
-  arm.order("lose-sync frames=250");
+  arm.order("lose-sync frames=400");
   EXPECT_TRUE(master.run_until([&] { return master.faulted(); }));
   EXPECT_EQ(master.master.status(0).fault, Error::kDriveEmergency);
   EXPECT_EQ(master.master.status(0).fault_code, 0x8700U);
