@@ -2,7 +2,7 @@
 #include "firmware/arm_r5f/world.hpp"
 
 #include "firmware/cabinet_r5f/configuration.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 #include "hal/simulated/random.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "firmware/host_tool/paper_arms.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 
 namespace armsig::cabinet {
 namespace {

@@ -5,8 +5,8 @@
 #include <new>
 #include <sstream>
 
+#include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/formats/text_file.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace {

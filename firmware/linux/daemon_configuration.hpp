@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "firmware/controller/configuration.hpp"
-#include "firmware/host_tool/formats/problem.hpp"
+#include "firmware/formats/problem.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/range_sensor.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"

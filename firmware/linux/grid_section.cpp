@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/evaluation/grid_touching.hpp"
-#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/formats/yaml_map.hpp"
 #include "firmware/linux/sections.hpp"
 #include "firmware/linux/settings.hpp"
 

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/yaml_map.hpp"
 #include "firmware/linux/sections.hpp"
 #include "firmware/linux/settings.hpp"
 

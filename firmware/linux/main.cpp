@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/formats/arm_file.hpp"
 #include "firmware/linux/daemon.hpp"
 #include "firmware/linux/signals.hpp"
 #include "firmware/linux/virtual_run.hpp"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/formats/yaml_map.hpp"
 
 namespace armsig::daemon {
 namespace {

@@ -2,7 +2,7 @@
 // What the portable checks refuse, told at its place in the configuration file.
 #pragma once
 
-#include "firmware/host_tool/formats/yaml_tree.hpp"
+#include "firmware/formats/yaml_tree.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
 
 namespace armsig::daemon {

@@ -2,7 +2,7 @@
 // The larger sections of the configuration file, read in this order: each needs what is before it.
 #pragma once
 
-#include "firmware/host_tool/formats/yaml_tree.hpp"
+#include "firmware/formats/yaml_tree.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
 
 namespace armsig::daemon {

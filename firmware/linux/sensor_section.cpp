@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/base/pose.hpp"
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/yaml_map.hpp"
 #include "firmware/linux/sections.hpp"
 #include "firmware/linux/settings.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/formats/text.hpp"
 
 namespace armsig::daemon {
 

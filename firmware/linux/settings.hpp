@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/host_tool/formats/yaml_map.hpp"
+#include "firmware/formats/yaml_map.hpp"
 #include "hal/clock.hpp"
 
 namespace armsig::daemon {

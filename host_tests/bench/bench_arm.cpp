@@ -10,8 +10,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 #include "hal/linux/real_time.hpp"
 #include "hal/linux/socket_console.hpp"
 #include "hal/linux/steady_clock.hpp"

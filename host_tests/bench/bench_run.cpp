@@ -14,8 +14,8 @@
 
 #include "core/evaluation/comparison.hpp"
 #include "core/identification.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 #include "hal/simulated/arm.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 #include "host_tests/bench/bench_process.hpp"

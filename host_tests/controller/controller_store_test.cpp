@@ -5,7 +5,7 @@
 
 #include "core/identification.hpp"
 #include "firmware/controller/signature_store.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 #include "host_tests/support/ram_memory.hpp"
 
 namespace armsig::controller {

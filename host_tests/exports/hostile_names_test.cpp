@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "core/identification.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/characters.hpp"
 #include "firmware/host_tool/exports/export.hpp"
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
-#include "firmware/host_tool/record.hpp"
+#include "firmware/host_tool/signature/record.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 #include "host_tests/cli/run_tool.hpp"
 
 namespace armsig::tool {

@@ -9,7 +9,7 @@
 
 #include <fmt/core.h>
 
-#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/formats/arm_file.hpp"
 #include "host_tests/cli/files.hpp"
 
 namespace armsig::mistakes {

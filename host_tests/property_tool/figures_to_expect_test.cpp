@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 
 #include "core/evaluation/tool_error.hpp"
-#include "firmware/host_tool/identification_run.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
-#include "firmware/host_tool/simulation.hpp"
+#include "firmware/host_tool/identification/identification_run.hpp"
+#include "firmware/host_tool/simulation/simulation.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 #include "hal/simulated/tolerances.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/demo_run.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
+#include "firmware/host_tool/simulation/demo_run.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -19,7 +19,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/console_client.hpp"
+#include "firmware/host_tool/console/console_client.hpp"
 
 namespace armsig::test {
 

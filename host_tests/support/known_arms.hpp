@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/arm.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 #include "host_tests/support/shared_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 

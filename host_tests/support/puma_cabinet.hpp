@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "firmware/host_tool/paper_arms.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 #include "host_tests/support/line_console.hpp"

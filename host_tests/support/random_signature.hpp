@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/formats/signature_record.hpp"
 
 namespace armsig::test {
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/problem.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/problem.hpp"
 
 namespace armsig::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/pose.hpp"
-#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/formats/arm_file.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/formats/measurements.hpp"
-#include "firmware/host_tool/formats/yaml_tree.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/characters.hpp"
+#include "firmware/formats/measurements.hpp"
+#include "firmware/formats/yaml_tree.hpp"
 
 namespace armsig::tool {
 namespace {

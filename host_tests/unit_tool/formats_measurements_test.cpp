@@ -7,9 +7,9 @@
 
 #include "core/base/error.hpp"
 #include "core/base/pose.hpp"
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/measurement_writer.hpp"
-#include "firmware/host_tool/formats/measurements.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/measurement_writer.hpp"
+#include "firmware/formats/measurements.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/pose.hpp"
-#include "firmware/host_tool/formats/poses.hpp"
+#include "firmware/formats/poses.hpp"
 
 namespace armsig::tool {
 namespace {

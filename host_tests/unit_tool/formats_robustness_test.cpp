@@ -10,12 +10,12 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/canonical.hpp"
-#include "firmware/host_tool/formats/measurements.hpp"
-#include "firmware/host_tool/formats/poses.hpp"
-#include "firmware/host_tool/formats/sensor_file.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/canonical.hpp"
+#include "firmware/formats/measurements.hpp"
+#include "firmware/formats/poses.hpp"
+#include "firmware/formats/sensor_file.hpp"
+#include "firmware/formats/signature_file.hpp"
 #include "host_tests/support/random_signature.hpp"
 
 namespace armsig::tool {

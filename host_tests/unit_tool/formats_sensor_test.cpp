@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/formats/sensor_file.hpp"
+#include "firmware/formats/sensor_file.hpp"
 
 namespace armsig::tool {
 namespace {

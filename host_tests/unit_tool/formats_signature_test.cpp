@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/formats/canonical.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/formats/canonical.hpp"
+#include "firmware/formats/signature_file.hpp"
 #include "host_tests/support/random_signature.hpp"
 
 namespace armsig::tool {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/text_file.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/pose.hpp"
-#include "firmware/host_tool/formats/encoding.hpp"
+#include "firmware/formats/encoding.hpp"
 #include "firmware/host_tool/joining/join.hpp"
 #include "firmware/host_tool/joining/timestamp.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "firmware/host_tool/line_editor.hpp"
+#include "firmware/host_tool/console/line_editor.hpp"
 
 #include <string>
 #include <string_view>

@@ -5,18 +5,18 @@
 #include <fmt/core.h>
 
 #include "core/uncertainty/drift.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/diagnosis/place.hpp"
-#include "firmware/host_tool/estimate.hpp"
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
+#include "firmware/host_tool/identification/nominal_fit.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
-#include "firmware/host_tool/measurement_log.hpp"
-#include "firmware/host_tool/nominal_fit.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/ranging.hpp"
-#include "firmware/host_tool/record.hpp"
+#include "firmware/host_tool/reading/measurement_log.hpp"
+#include "firmware/host_tool/reading/ranging.hpp"
+#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/host_tool/signature/record.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/commands/command.hpp"
 
-#include "firmware/host_tool/formats/characters.hpp"
+#include "firmware/formats/characters.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {

@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "firmware/host_tool/formats/problem.hpp"
+#include "firmware/formats/problem.hpp"
 
 namespace armsig::tool {
 

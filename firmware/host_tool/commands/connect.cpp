@@ -14,10 +14,10 @@
 
 #include <fmt/core.h>
 
+#include "firmware/formats/characters.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/console_client.hpp"
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/line_editor.hpp"
+#include "firmware/host_tool/console/console_client.hpp"
+#include "firmware/host_tool/console/line_editor.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {

@@ -8,19 +8,19 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "firmware/formats/measurement_writer.hpp"
+#include "firmware/formats/signature_file.hpp"
+#include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/demo_run.hpp"
-#include "firmware/host_tool/formats/measurement_writer.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
-#include "firmware/host_tool/formats/text_file.hpp"
-#include "firmware/host_tool/paper_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/record.hpp"
 #include "firmware/host_tool/report/report.hpp"
+#include "firmware/host_tool/signature/record.hpp"
+#include "firmware/host_tool/simulation/demo_run.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
 
 namespace armsig::tool {
 namespace {

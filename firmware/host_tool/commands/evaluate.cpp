@@ -4,9 +4,9 @@
 
 #include "core/evaluation/comparison.hpp"
 #include "core/identification.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"

@@ -2,12 +2,12 @@
 // armsig export: a signature for other software.
 #include "firmware/host_tool/exports/export.hpp"
 
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/signature_file.hpp"
+#include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/formats/file_roles.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
-#include "firmware/host_tool/formats/text_file.hpp"
-#include "firmware/host_tool/model.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/signature/model.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -6,20 +6,20 @@
 
 #include "core/base/error.hpp"
 #include "core/refinement/chain.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/characters.hpp"
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/foreign_columns.hpp"
+#include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/diagnosis/collector.hpp"
 #include "firmware/host_tool/diagnosis/gate.hpp"
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/formats/file_roles.hpp"
-#include "firmware/host_tool/formats/foreign_columns.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
-#include "firmware/host_tool/identification_run.hpp"
-#include "firmware/host_tool/identify_report.hpp"
+#include "firmware/host_tool/identification/identification_run.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
+#include "firmware/host_tool/presentation/identify_report.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
-#include "firmware/host_tool/record.hpp"
+#include "firmware/host_tool/signature/record.hpp"
 
 namespace armsig::tool {
 namespace {

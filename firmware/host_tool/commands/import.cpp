@@ -2,9 +2,9 @@
 // armsig import: an arm description out of the file of other software.
 #include "firmware/host_tool/imports/import.hpp"
 
+#include "firmware/formats/characters.hpp"
+#include "firmware/formats/file_roles.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/formats/file_roles.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 

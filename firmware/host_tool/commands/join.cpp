@@ -6,9 +6,9 @@
 
 #include <fmt/core.h>
 
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/measurement_writer.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/formats/file_roles.hpp"
-#include "firmware/host_tool/formats/measurement_writer.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 

@@ -2,9 +2,9 @@
 // armsig report: a signature for the eye.
 #include "firmware/host_tool/report/report.hpp"
 
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/formats/file_roles.hpp"
-#include "firmware/host_tool/formats/text_file.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/report/report_input.hpp"
 

@@ -2,18 +2,18 @@
 // armsig simulate: measurements of an arm that does not exist, and the truth about it.
 #include <fmt/core.h>
 
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/measurement_writer.hpp"
+#include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/formats/arm_file.hpp"
-#include "firmware/host_tool/formats/file_roles.hpp"
-#include "firmware/host_tool/formats/measurement_writer.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/record.hpp"
-#include "firmware/host_tool/simulation.hpp"
-#include "firmware/host_tool/tolerances_option.hpp"
+#include "firmware/host_tool/refinement/tolerances_option.hpp"
+#include "firmware/host_tool/signature/record.hpp"
+#include "firmware/host_tool/simulation/simulation.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 
 namespace armsig::tool {

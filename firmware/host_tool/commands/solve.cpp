@@ -6,12 +6,12 @@
 
 #include "core/kinematics/cold_start.hpp"
 #include "core/kinematics/forward.hpp"
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/poses.hpp"
+#include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/formats/file_roles.hpp"
-#include "firmware/host_tool/formats/poses.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
-#include "firmware/host_tool/model.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/signature/model.hpp"
 
 namespace armsig::tool {
 namespace {

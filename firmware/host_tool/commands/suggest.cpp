@@ -3,14 +3,14 @@
 #include <fmt/core.h>
 
 #include "core/uncertainty/suggestion.hpp"
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/poses.hpp"
+#include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/estimate.hpp"
-#include "firmware/host_tool/formats/file_roles.hpp"
-#include "firmware/host_tool/formats/poses.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "firmware/host_tool/ranging.hpp"
+#include "firmware/host_tool/reading/ranging.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "firmware/formats/measurements.hpp"
+#include "firmware/formats/sensor_file.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
-#include "firmware/host_tool/formats/measurements.hpp"
-#include "firmware/host_tool/formats/sensor_file.hpp"
 
 namespace armsig::tool {
 

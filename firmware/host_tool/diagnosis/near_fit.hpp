@@ -11,8 +11,8 @@
 #include <optional>
 #include <vector>
 
+#include "firmware/formats/arm_limits.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
-#include "firmware/host_tool/formats/arm_limits.hpp"
 
 namespace armsig::tool {
 

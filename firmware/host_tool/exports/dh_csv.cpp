@@ -6,12 +6,12 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "firmware/formats/csv_text.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/units.hpp"
 #include "firmware/host_tool/exports/dh_rows.hpp"
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
-#include "firmware/host_tool/formats/csv_text.hpp"
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/units.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/host_tool/formats/problem.hpp"
-#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/formats/problem.hpp"
+#include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {
 

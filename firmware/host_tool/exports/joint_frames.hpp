@@ -7,7 +7,7 @@
 // shortest way: meshes and limits made for the drawing keep their meaning.
 #pragma once
 
-#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {
 

@@ -5,9 +5,9 @@
 
 #include <fmt/core.h>
 
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/units.hpp"
+#include "firmware/formats/characters.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/units.hpp"
 
 namespace armsig::tool {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "firmware/host_tool/formats/problem.hpp"
-#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/formats/problem.hpp"
+#include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {
 

@@ -5,12 +5,12 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "firmware/formats/characters.hpp"
+#include "firmware/formats/csv_text.hpp"
+#include "firmware/formats/text.hpp"
 #include "firmware/host_tool/exports/dh_rows.hpp"
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/formats/csv_text.hpp"
-#include "firmware/host_tool/formats/text.hpp"
 
 namespace armsig::tool {
 namespace {

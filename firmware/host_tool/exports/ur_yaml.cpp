@@ -5,11 +5,11 @@
 #include <fmt/core.h>
 
 #include "core/base/crc32.hpp"
+#include "firmware/formats/csv_text.hpp"
+#include "firmware/formats/text.hpp"
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/joint_frames.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
-#include "firmware/host_tool/formats/csv_text.hpp"
-#include "firmware/host_tool/formats/text.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <fmt/core.h>
 
+#include "firmware/formats/characters.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/units.hpp"
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/joint_frames.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/units.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/pose.hpp"
-#include "firmware/host_tool/formats/arm_file.hpp"
+#include "firmware/formats/arm_file.hpp"
 
 namespace armsig::tool {
 

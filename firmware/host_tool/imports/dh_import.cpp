@@ -7,9 +7,9 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
-#include "firmware/host_tool/formats/csv_lines.hpp"
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/units.hpp"
+#include "firmware/formats/csv_lines.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/units.hpp"
 #include "firmware/host_tool/imports/import.hpp"
 
 namespace armsig::tool {

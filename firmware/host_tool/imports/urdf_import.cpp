@@ -8,9 +8,9 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
-#include "firmware/host_tool/formats/characters.hpp"
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/formats/characters.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/imports/import.hpp"
 
 namespace armsig::tool {

@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
-#include "firmware/host_tool/formats/foreign_header.hpp"
-#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/formats/foreign_header.hpp"
+#include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/host_tool/formats/measurements.hpp"
-#include "firmware/host_tool/formats/units.hpp"
+#include "firmware/formats/measurements.hpp"
+#include "firmware/formats/units.hpp"
 #include "firmware/host_tool/joining/foreign_table.hpp"
 
 namespace armsig::tool {

@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
-#include "firmware/host_tool/formats/encoding.hpp"
-#include "firmware/host_tool/formats/text.hpp"
-#include "firmware/host_tool/formats/text_file.hpp"
+#include "firmware/formats/encoding.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/text_file.hpp"
 
 namespace armsig::tool {
 namespace {

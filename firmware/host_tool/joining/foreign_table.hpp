@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/host_tool/formats/problem.hpp"
+#include "firmware/formats/problem.hpp"
 
 namespace armsig::tool {
 

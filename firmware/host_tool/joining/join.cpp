@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
-#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
 namespace {

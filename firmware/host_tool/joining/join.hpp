@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/host_tool/formats/measurements.hpp"
+#include "firmware/formats/measurements.hpp"
 #include "firmware/host_tool/joining/columns.hpp"
 
 namespace armsig::tool {

@@ -2,7 +2,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
-#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/formats/text.hpp"
 #include "firmware/host_tool/joining/join.hpp"
 #include "firmware/host_tool/joining/timestamp.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include "firmware/host_tool/formats/text.hpp"
+#include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <system_error>
 
-#include "firmware/host_tool/formats/characters.hpp"
+#include "firmware/formats/characters.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -6,8 +6,8 @@
 #include "core/base/low_discrepancy.hpp"
 #include "core/evaluation/tool_error.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "firmware/host_tool/estimate.hpp"
 #include "firmware/host_tool/exports/joint_frames.hpp"
+#include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {
 namespace {

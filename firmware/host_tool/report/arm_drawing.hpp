@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {
 

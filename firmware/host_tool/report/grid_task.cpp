@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "firmware/host_tool/estimate.hpp"
+#include "firmware/host_tool/signature/estimate.hpp"
 #include "hal/simulated/random.hpp"
 
 namespace armsig::tool {

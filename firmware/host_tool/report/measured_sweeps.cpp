@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
-#include "firmware/host_tool/ranging.hpp"
+#include "firmware/host_tool/reading/ranging.hpp"
 
 namespace armsig::tool {
 

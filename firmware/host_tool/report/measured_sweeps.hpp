@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/host_tool/formats/signature_record.hpp"
-#include "firmware/host_tool/identification_run.hpp"
+#include "firmware/formats/signature_record.hpp"
+#include "firmware/host_tool/identification/identification_run.hpp"
 
 namespace armsig::tool {
 

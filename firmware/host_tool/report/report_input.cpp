@@ -10,10 +10,10 @@
 
 #include "core/base/crc32.hpp"
 #include "core/base/error.hpp"
-#include "firmware/host_tool/formats/canonical.hpp"
-#include "firmware/host_tool/formats/signature_file.hpp"
-#include "firmware/host_tool/formats/text_file.hpp"
-#include "firmware/host_tool/record.hpp"
+#include "firmware/formats/canonical.hpp"
+#include "firmware/formats/signature_file.hpp"
+#include "firmware/formats/text_file.hpp"
+#include "firmware/host_tool/signature/record.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/formats/signature_record.hpp"
 #include "firmware/host_tool/report/measured_sweeps.hpp"
 
 namespace armsig::tool {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/host_tool/differences.hpp"
+#include "firmware/host_tool/presentation/differences.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/report/arm_drawing.hpp"
 #include "firmware/host_tool/report/grid_task.hpp"

@@ -9,7 +9,7 @@
 #include "core/evaluation/tool_error.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
-#include "firmware/host_tool/estimate.hpp"
+#include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/formats/signature_record.hpp"
 #include "firmware/host_tool/report/uncertain_signature.hpp"
 
 namespace armsig::tool {

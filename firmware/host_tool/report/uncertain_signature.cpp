@@ -6,7 +6,7 @@
 #include "core/identification.hpp"
 #include "core/refinement/chain.hpp"
 #include "core/uncertainty/feature_information.hpp"
-#include "firmware/host_tool/estimate.hpp"
+#include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {
 namespace {

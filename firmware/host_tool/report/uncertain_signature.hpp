@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/refinement/refinement.hpp"
-#include "firmware/host_tool/formats/signature_record.hpp"
+#include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {
 

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/formats/arm_file.hpp"
+
+#include <array>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/base/error.hpp"
+#include "core/base/pose.hpp"
+#include "firmware/formats/text.hpp"
+#include "firmware/formats/text_file.hpp"
+#include "firmware/formats/yaml_map.hpp"
+
+namespace armsig::tool {
+namespace {
+
+std::vector<std::string> joint_keys() {
+  std::vector<std::string> known{"type"};
+  add_names(known, "theta", Dimension::kAngle);
+  add_names(known, "d", Dimension::kLength);
+  add_names(known, "a", Dimension::kLength);
+  add_names(known, "alpha", Dimension::kAngle);
+  add_names(known, "limits", Dimension::kAngle);
+  add_names(known, "limits", Dimension::kLength);
+  return known;
+}
+
+Read<DhJoint> read_dh(const YamlMap& map) {
+  ARMSIG_TRY(type, read_joint_type(map));
+  ARMSIG_TRY(theta_rad, map.quantity("theta", Dimension::kAngle));
+  ARMSIG_TRY(d_m, map.quantity("d", Dimension::kLength));
+  ARMSIG_TRY(a_m, map.quantity("a", Dimension::kLength));
+  ARMSIG_TRY(alpha_rad, map.quantity("alpha", Dimension::kAngle));
+  return DhJoint{type, theta_rad, d_m, a_m, alpha_rad};
+}
+
+// Whether the couplings that move `joint` lead back to it.
+bool leads_back(const JointCouplings& couplings, std::size_t joint) {
+  std::array<bool, kMaxJoints> moves{};  // joints that move it
+  for (std::size_t pass = 0; pass < couplings.size(); ++pass) {
+    for (const JointCoupling& coupling : couplings) {
+      if (coupling.joint == joint || moves[coupling.joint]) moves[coupling.from] = true;
+    }
+  }
+  return moves[joint];
+}
+
+Read<JointCoupling> read_coupling(const YamlNode& node,
+                                  const FixedVector<DhJoint, kMaxJoints>& joints) {
+  ARMSIG_TRY(map, YamlMap::open(node, "a coupling", {"joint", "from", "ratio"}));
+  const int last = static_cast<int>(joints.size());
+  ARMSIG_TRY(joint, map.integer("joint", 1, last));
+  ARMSIG_TRY(from, map.integer("from", 1, last));
+  ARMSIG_TRY(ratio, map.number("ratio"));
+  const JointCoupling coupling{static_cast<std::size_t>(joint - 1),
+                               static_cast<std::size_t>(from - 1), ratio};
+  if (joint == from) {
+    return problem_at(node, fmt::format("joint {} is coupled to itself", joint), "another joint");
+  }
+  // A ratio between a length and an angle would need a unit, and its key names none.
+  if (joints[coupling.joint].type != joints[coupling.from].type) {
+    return problem_at(
+        node,
+        fmt::format("joint {} is {}, joint {} is {}", joint, word_of(joints[coupling.joint].type),
+                    from, word_of(joints[coupling.from].type)),
+        "a coupling between joints of one type");
+  }
+  return coupling;
+}
+
+// Far enough to let everything through that is no wrong unit; an arm that may differ more needs no
+// drawing.
+Read<double> read_deviation(const YamlQuantity& given) {
+  ARMSIG_TRY(value, read_number(*given.value, given.key->text));
+  if (value > 0) return given.unit.to_si(value);
+  return problem_at(*given.value, fmt::format("{}: {} is not positive", given.key->text, value),
+                    "how far an arm may be from the drawing");
+}
+
+Read<ArmLimits> read_deviations(const YamlNode& node) {
+  std::vector<std::string> known;
+  add_names(known, "tilt", Dimension::kAngle);
+  add_names(known, "shift", Dimension::kLength);
+  add_names(known, "zero", Dimension::kAngle);
+  ARMSIG_TRY(map, YamlMap::open(node, "deviations", known));
+  ArmLimits limits;
+  ARMSIG_TRY(tilt, map.find_quantity("tilt", Dimension::kAngle));
+  ARMSIG_TRY(shift, map.find_quantity("shift", Dimension::kLength));
+  ARMSIG_TRY(zero, map.find_quantity("zero", Dimension::kAngle));
+  if (tilt) {
+    ARMSIG_TRY(tilt_rad, read_deviation(*tilt));
+    limits.tilt_rad = tilt_rad;
+  }
+  if (shift) {
+    ARMSIG_TRY(shift_m, read_deviation(*shift));
+    limits.least_shift_m = shift_m;
+    limits.shift_share = 0;
+  }
+  if (zero) {
+    ARMSIG_TRY(zero_rad, read_deviation(*zero));
+    limits.zero_rad = zero_rad;
+  }
+  return limits;
+}
+
+Read<ArmDescription> arm_from(const YamlNode& root) {
+  if (auto tag = check_tag(root, kArmTag); !tag) return std::unexpected(std::move(tag).error());
+  ARMSIG_TRY(
+      map, YamlMap::open(root, "the arm", {"armsig", "name", "joints", "coupling", "deviations"}));
+  ArmDescription description;
+  ARMSIG_TRY(name, map.name_under("name"));
+  description.name = name;
+  ARMSIG_TRY(list_node, map.require("joints"));
+  ARMSIG_TRY(list, read_list(*list_node, "joints", 1, kMaxJoints));
+  for (const YamlNode& node : *list) {
+    Arm& arm = description.arm;
+    ARMSIG_TRY(joint_map,
+               YamlMap::open(node, fmt::format("joint {}", arm.joints.size() + 1), joint_keys()));
+    ARMSIG_TRY(joint, read_dh(joint_map));
+    ARMSIG_TRY(limits, read_limits(joint_map, joint.type));
+    arm.joints.push_back(joint);
+    arm.limits.push_back(limits);
+  }
+  if (const YamlNode* coupling = map.find("coupling")) {
+    ARMSIG_TRY(couplings, read_couplings(*coupling, description.arm.joints));
+    description.arm.couplings = couplings;
+  }
+  if (const YamlNode* deviations = map.find("deviations")) {
+    ARMSIG_TRY(limits, read_deviations(*deviations));
+    description.limits = limits;
+  }
+  return description;
+}
+
+}  // namespace
+
+Read<JointType> read_joint_type(const YamlMap& map) {
+  ARMSIG_TRY(node, map.require("type"));
+  if (node->text == "revolute") return JointType::kRevolute;
+  if (node->text == "prismatic") return JointType::kPrismatic;
+  return problem_at(*node, fmt::format("type of {}: {}", map.name(), in_quotes(node->text)),
+                    "revolute or prismatic");
+}
+
+Read<JointLimits> read_limits(const YamlMap& map, JointType type) {
+  const Dimension dimension = dimension_of(type);
+  const Dimension other = type == JointType::kRevolute ? Dimension::kLength : Dimension::kAngle;
+  const std::string expected = any_of(names_of("limits", dimension));
+  ARMSIG_TRY(wrong, map.find_quantity("limits", other));
+  if (wrong) {
+    return problem_at(
+        *wrong->key,
+        fmt::format("{} on {}, which is {}", wrong->key->text, map.name(), word_of(type)),
+        expected);
+  }
+  ARMSIG_TRY(found, map.find_quantity("limits", dimension));
+  if (!found && type == JointType::kRevolute) return JointLimits{-kPi, kPi};
+  if (!found) {
+    return problem_at(map.node(), fmt::format("{} is prismatic and has no limits", map.name()),
+                      expected);
+  }
+  ARMSIG_TRY(values, read_numbers(*found->value, found->key->text, 2));
+  if (!(values[0] < values[1])) {
+    return problem_at(*found->value,
+                      fmt::format("{} of {}: {} is not below {}", found->key->text, map.name(),
+                                  values[0], values[1]),
+                      "the lower limit first");
+  }
+  return JointLimits{found->unit.to_si(values[0]), found->unit.to_si(values[1])};
+}
+
+Read<JointCouplings> read_couplings(const YamlNode& list,
+                                    const FixedVector<DhJoint, kMaxJoints>& joints) {
+  JointCouplings couplings;
+  ARMSIG_TRY(items, read_list(list, "coupling", 0, kMaxJoints));
+  for (const YamlNode& node : *items) {
+    ARMSIG_TRY(coupling, read_coupling(node, joints));
+    for (const JointCoupling& earlier : couplings) {
+      if (earlier.joint != coupling.joint || earlier.from != coupling.from) continue;
+      return problem_at(node,
+                        fmt::format("the coupling of joint {} from joint {} is given twice",
+                                    coupling.joint + 1, coupling.from + 1),
+                        "each pair once");
+    }
+    couplings.push_back(coupling);
+    if (leads_back(couplings, coupling.joint)) {
+      return problem_at(
+          node, fmt::format("joint {} hangs, through others, on itself", coupling.joint + 1),
+          "couplings that lead from inner joints to outer ones, or the other way");
+    }
+  }
+  return couplings;
+}
+
+std::string couplings_text(const JointCouplings& couplings) {
+  if (couplings.empty()) return {};
+  std::string text = "coupling:\n";
+  for (const JointCoupling& coupling : couplings) {
+    text += fmt::format("  - {{joint: {}, from: {}, ratio: {}}}\n", coupling.joint + 1,
+                        coupling.from + 1, number_text(coupling.ratio));
+  }
+  return text;
+}
+
+Read<ArmDescription> parse_arm(std::string_view text, std::string_view file) {
+  const auto parse = [&]() -> Read<ArmDescription> {
+    ARMSIG_TRY(root, parse_yaml(text));
+    return arm_from(root);
+  };
+  return in_file(file, parse());
+}
+
+Read<ArmDescription> read_arm_file(const std::string& path) {
+  ARMSIG_TRY(text, read_text_file(path));
+  return parse_arm(text, path);
+}
+
+std::string arm_text(const ArmDescription& description) {
+  const Arm& arm = description.arm;
+  std::string text =
+      fmt::format("armsig: {}\nname: {}\njoints:\n", kArmTag, yaml_quoted(description.name));
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    const DhJoint& joint = arm.joints[i];
+    text += fmt::format(
+        "  - {{type: {}, theta_rad: {}, d_m: {}, a_m: {}, alpha_rad: {}, limits_{}: [{}, {}]}}\n",
+        word_of(joint.type), number_text(joint.theta_rad), number_text(joint.d_m),
+        number_text(joint.a_m), number_text(joint.alpha_rad), si_suffix(joint.type),
+        number_text(arm.limits[i].lower), number_text(arm.limits[i].upper));
+  }
+  return text + couplings_text(arm.couplings);
+}
+
+Read<void> write_arm_file(const std::string& path, const ArmDescription& description) {
+  const std::string text = arm_text(description);
+  if (auto check = parse_arm(text, path); !check) {
+    return std::unexpected(std::move(check).error());
+  }
+  return write_text_file(path, text);
+}
+
+Read<std::string> read_tag(const std::string& path) {
+  ARMSIG_TRY(text, read_text_file(path, kLargestSignature));
+  const auto parse = [&]() -> Read<std::string> {
+    ARMSIG_TRY(root, parse_yaml(text));
+    const YamlNode* tag = root.find("armsig");
+    if (tag == nullptr || tag->kind != YamlNode::Kind::kScalar) {
+      return problem_at(root, "the file does not say what it is",
+                        "armsig: arm/1 or armsig: signature/1 as its first line");
+    }
+    return tag->text;
+  };
+  return in_file(path, parse());
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Arm description, arm/1: what the drawing of an arm says (docs/formats.md).
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/base/arm.hpp"
+#include "firmware/formats/arm_limits.hpp"
+#include "firmware/formats/problem.hpp"
+#include "firmware/formats/yaml_tree.hpp"
+
+namespace armsig::tool {
+
+inline constexpr std::string_view kArmTag = "arm/1";
+
+struct ArmDescription {
+  std::string name;
+  Arm arm;
+  // The key `deviations`, or the defaults. (Without {}, g++ calls it missing where it is left out.)
+  ArmLimits limits = {};  // NOLINT(readability-redundant-member-init)
+};
+
+// A revolute joint without limits gets -180 to 180 degrees; a prismatic one must state them.
+[[nodiscard]] Read<ArmDescription> read_arm_file(const std::string& path);
+
+// The same from memory; `file` names the text in problems.
+[[nodiscard]] Read<ArmDescription> parse_arm(std::string_view text, std::string_view file);
+
+// The description as text, in radians and metres with 17 digits: reading it gives the same bits.
+[[nodiscard]] std::string arm_text(const ArmDescription& description);
+
+// Writes atomically; refuses what could not be read back (a number that is not finite, no name).
+[[nodiscard]] Read<void> write_arm_file(const std::string& path, const ArmDescription& description);
+
+// What a YAML file of ours says it is: "arm/1", "signature/1", ...
+[[nodiscard]] Read<std::string> read_tag(const std::string& path);
+
+// The `coupling` list, shared with the signature file.
+[[nodiscard]] Read<JointCouplings> read_couplings(const YamlNode& list,
+                                                  const FixedVector<DhJoint, kMaxJoints>& joints);
+[[nodiscard]] std::string couplings_text(const JointCouplings& couplings);
+
+// Two readings, the lower first, in the unit of the joint (limits_deg, limits_mm, ...); without
+// them +-180 degrees for a revolute joint. `map` must know all four keys.
+class YamlMap;
+[[nodiscard]] Read<JointLimits> read_limits(const YamlMap& map, JointType type);
+
+// "revolute" or "prismatic" under the key `type`.
+[[nodiscard]] Read<JointType> read_joint_type(const YamlMap& map);
+
+}  // namespace armsig::tool

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/formats/csv_lines.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/base/error.hpp"
+#include "firmware/formats/text.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr std::size_t kBuffer = std::size_t{256} << 10U;
+constexpr std::size_t kLongestLine = std::size_t{64} << 10U;
+
+}  // namespace
+
+Read<LineReader> LineReader::open(const std::string& path) {
+  auto handle = open_file(path);
+  if (!handle) return std::unexpected(std::move(handle).error());
+  LineReader reader(path);
+  struct stat status{};
+  if (::fstat(::fileno(handle->get()), &status) == 0 && S_ISREG(status.st_mode)) {
+    reader.size_ = static_cast<std::size_t>(status.st_size);
+  }
+  reader.handle_ = std::move(*handle);
+  reader.buffer_.resize(kBuffer);
+  return reader;
+}
+
+LineReader LineReader::over(std::string_view text, std::string_view file) {
+  LineReader reader(file);
+  reader.buffer_.assign(text.begin(), text.end());
+  reader.end_ = text.size();
+  reader.size_ = text.size();
+  return reader;
+}
+
+std::optional<double> LineReader::progress() const {
+  if (size_ == 0) return std::nullopt;
+  return std::min(1.0, static_cast<double>(bytes_before_ + start_) / static_cast<double>(size_));
+}
+
+Read<void> LineReader::refill() {
+  std::memmove(buffer_.data(), buffer_.data() + start_, end_ - start_);
+  bytes_before_ += start_;
+  end_ -= start_;
+  start_ = 0;
+  const std::size_t count =
+      std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, handle_.get());
+  end_ += count;
+  if (count > 0) return {};
+  if (std::ferror(handle_.get()) != 0) {
+    return std::unexpected(
+        Problem{file_, 0, 0, "can't be read: " + std::generic_category().message(errno), ""});
+  }
+  handle_.reset();
+  return {};
+}
+
+Read<bool> LineReader::next_raw() {
+  for (std::size_t searched = 0;;) {
+    const char* unread = buffer_.data() + start_;
+    const std::size_t count = end_ - start_;
+    const void* feed =
+        count > searched ? std::memchr(unread + searched, '\n', count - searched) : nullptr;
+    if (feed == nullptr && count <= kLongestLine && handle_) {
+      searched = count;
+      if (auto more = refill(); !more) return std::unexpected(std::move(more).error());
+      continue;
+    }
+    if (feed == nullptr && count == 0) return false;
+    ++number_;
+    line_start_ = start_;
+    line_length_ =
+        feed == nullptr ? count : static_cast<std::size_t>(static_cast<const char*>(feed) - unread);
+    if (line_length_ > kLongestLine) {
+      return std::unexpected(Problem{file_, static_cast<int>(number_), 0, "the line is too long",
+                                     fmt::format("at most {} characters", kLongestLine)});
+    }
+    start_ += line_length_ + (feed == nullptr ? 0 : 1);
+    if (line_length_ > 0 && unread[line_length_ - 1] == '\r') --line_length_;
+    return true;
+  }
+}
+
+Read<bool> LineReader::next() {
+  for (;;) {
+    ARMSIG_TRY(more, next_raw());
+    if (!more) return false;
+    if (number_ == 1 && line().starts_with(kByteOrderMark)) {
+      line_start_ += kByteOrderMark.size();
+      line_length_ -= kByteOrderMark.size();
+    }
+    const std::string_view content = trimmed(line());
+    if (!content.empty() && content.front() != '#') return true;
+  }
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// The lines of a CSV file, one at a time, in constant memory.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/formats/problem.hpp"
+#include "firmware/formats/text_file.hpp"
+
+namespace armsig::tool {
+
+// Skips blank lines, comment lines (#) and a UTF-8 byte order mark; takes LF and CRLF, and a last
+// line without either.
+class LineReader {
+ public:
+  [[nodiscard]] static Read<LineReader> open(const std::string& path);
+  [[nodiscard]] static LineReader over(std::string_view text, std::string_view file);
+
+  // Moves to the next line that says something; false at the end of the file. Refuses a file that
+  // can't be read, and a line longer than any of ours.
+  [[nodiscard]] Read<bool> next();
+
+  [[nodiscard]] std::string_view line() const {
+    return {buffer_.data() + line_start_, line_length_};  // valid until next()
+  }
+  [[nodiscard]] std::size_t number() const { return number_; }  // of line(), from 1
+  [[nodiscard]] const std::string& file() const { return file_; }
+
+  // How much of the file has been read, 0 to 1; nothing where its size is unknown (a pipe).
+  [[nodiscard]] std::optional<double> progress() const;
+
+ private:
+  explicit LineReader(std::string_view file) : file_(file) {}
+  [[nodiscard]] Read<bool> next_raw();
+  [[nodiscard]] Read<void> refill();
+
+  std::string file_;
+  FileHandle handle_;  // null once everything is in the buffer
+  std::size_t size_ = 0;
+  std::vector<char> buffer_;
+  std::size_t end_ = 0;    // of what the buffer holds
+  std::size_t start_ = 0;  // of what is not yet delivered
+  std::size_t line_start_ = 0;
+  std::size_t line_length_ = 0;
+  std::size_t number_ = 0;
+  std::size_t bytes_before_ = 0;  // of the file, before the buffer
+};
+
+}  // namespace armsig::tool

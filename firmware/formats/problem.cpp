@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/formats/problem.hpp"
+
+#include <fmt/format.h>
+
+namespace armsig::tool {
+
+std::string render(const Problem& problem) {
+  std::string text = problem.file;
+  if (problem.line > 0) text += fmt::format(":{}", problem.line);
+  if (problem.line > 0 && problem.column > 0) text += fmt::format(":{}", problem.column);
+  if (!text.empty()) text += ": ";
+  text += problem.what;
+  if (!problem.expected.empty()) text += "; expected " + problem.expected;
+  return text;
+}
+
+std::unexpected<Problem> problem_at(int line, int column, std::string what, std::string expected) {
+  return std::unexpected(Problem{{}, line, column, std::move(what), std::move(expected)});
+}
+
+}  // namespace armsig::tool

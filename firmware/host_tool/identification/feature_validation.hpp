@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// How well features predict rows that they were not fitted to, in constant memory but for one
+// number a row: the rows are read twice, once to fit and once to score.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/refinement/cross_validation.hpp"
+#include "firmware/host_tool/reading/sweeps.hpp"
+
+namespace armsig::tool {
+
+class FeatureValidation {
+ public:
+  FeatureValidation(const Arm& nominal, const std::string& file);
+
+  // First reading: the rows of sweeps are dealt to folds in turn; each fold's model sees all
+  // others.
+  void learn(const LocatedRow& row);
+  // Fits the models of all folds. False where rows are too few to leave some of them out.
+  [[nodiscard]] bool settle(
+      features::Method method,
+      const std::function<std::optional<Signature>(const SweptArm&)>& signature_from);
+  // Second reading of the same rows in the same order: a row of a sweep is scored by the model that
+  // has not seen it, a row of a mixed pose, which no model has seen, by the first.
+  void score(const LocatedRow& row);
+
+  // Over the mixed poses where there are enough of them, otherwise over the rows of the sweeps.
+  // Gross outliers do not count.
+  [[nodiscard]] refinement::CrossValidation result() const;
+
+ private:
+  // The fold of the next row of a sweep's target.
+  std::size_t deal(const LocatedRow& row);
+
+  std::vector<SweepSet> folds_;
+  std::vector<Signature> models_;
+  std::map<std::pair<std::size_t, int>, std::size_t> dealt_;
+  std::vector<double> swept_residuals_m_;
+  std::vector<double> mixed_residuals_m_;
+};
+
+}  // namespace armsig::tool

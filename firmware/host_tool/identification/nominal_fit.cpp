@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/identification/nominal_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/refinement/row.hpp"
+#include "core/refinement/start.hpp"
+
+namespace armsig::tool {
+
+std::optional<ResidualSummary> nominal_residuals(const Arm& nominal,
+                                                 std::span<const refinement::Observation> log,
+                                                 std::span<const refinement::Observation> positions,
+                                                 std::span<const Target> targets,
+                                                 const refinement::Receivers& receivers,
+                                                 std::span<const refinement::RowOutcome> judged) {
+  const auto fitted = refinement::fit_base_and_tool(nominal, positions, targets);
+  if (!fitted) return std::nullopt;
+  const auto drawn = std::make_unique<refinement::Refined>();
+  drawn->signature = refinement::drawn_signature(nominal, *fitted, log, targets);
+  drawn->readings.couplings = nominal.couplings;
+  const refinement::Chain chain(drawn->signature, drawn->readings);
+  ResidualSummary summary;
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    if (judged[k].rejected) continue;
+    const refinement::Observation& row = log[k];
+    const double residual_m = refinement::residual_length(
+        *drawn, receivers, row,
+        chain.point(chain.motion(row.readings), drawn->signature.targets[row.target]));
+    ++summary.rows;
+    summary.mean_m += residual_m;
+    summary.rms_m += residual_m * residual_m;
+    summary.largest_m = std::max(summary.largest_m, residual_m);
+  }
+  if (summary.rows == 0) return std::nullopt;
+  summary.mean_m /= static_cast<double>(summary.rows);
+  summary.rms_m = std::sqrt(summary.rms_m / static_cast<double>(summary.rows));
+  return summary;
+}
+
+}  // namespace armsig::tool

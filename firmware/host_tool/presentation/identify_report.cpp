@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/presentation/identify_report.hpp"
+
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "firmware/host_tool/presentation/differences.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/signature_tables.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
+
+namespace armsig::tool {
+namespace {
+
+void print_head(const ReportedFiles& files, const SignatureRecord& record,
+                const RowCounts& counts) {
+  const Signature& signature = record.signature;
+  say("{}: arm signature from {} by the {} method\n\n", record.arm_name, files.measurements,
+      record.method);
+  say("  {} rows: {} rejected as outliers", counts.rows,
+      record.fit ? record.fit->rows_rejected : 0);
+  if (counts.missing > 0) say(", {} without a position", counts.missing);
+  if (counts.inconsistent > 0) {
+    say(", {} with ranges that do not meet in a point", counts.inconsistent);
+  }
+  if (counts.excluded_ranges > 0) {
+    say(", {} single ranges not believed", counts.excluded_ranges);
+  }
+  if (counts.mixed > 0 && record.method != "refined") {
+    say(", {} with sweep 0, which this method does not use", counts.mixed);
+  }
+  if (record.air_c) say("; air {:.1f} °C", *record.air_c);
+  say("\n\n");
+  if (!signature.features.empty()) {
+    say("What the sweeps say (residuals are root mean squares)\n\n{}\n", sweep_table(signature));
+  }
+  say("Pseudo Denavit-Hartenberg parameters\n\n{}\n{}", dh_table(signature.pseudo_dh),
+      near_parallel_note(signature));
+}
+
+void print_corrections(const refinement::Refined& refined) {
+  say("  errors of the readings\n");
+  for (std::size_t j = 0; j < refined.readings.corrections.size(); ++j) {
+    const refinement::ReadingCorrection& c = refined.readings.corrections[j];
+    say("    joint {}: gain {:+.6f}, once a turn {:.4f}°, twice a turn {:.4f}°\n", j + 1, c.gain,
+        degrees(std::hypot(c.cos_1, c.sin_1)), degrees(std::hypot(c.cos_2, c.sin_2)));
+  }
+}
+
+// Noise and model error, as far as they can be told apart.
+void print_noise(const NoiseStatement& noise) {
+  say("  noise and model error together  {:8.3f} mm per axis\n", 1e3 * noise.total_m);
+  if (noise.stated_m == 0) {
+    say("  no row states its sigma_mm: all of it counts as error of the model\n");
+  } else if (noise.contradicted) {
+    say("  that is {:.1f} times the stated noise, which is therefore not believed\n",
+        noise.total_m / noise.stated_m);
+  } else if (noise.unexplained_m > 0) {
+    say("  that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
+        "sensor's\n",
+        noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m);
+  }
+}
+
+void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
+  const refinement::FitQuality& quality = outcome.refined->quality;
+  say("\nThe refinement\n\n");
+  if (outcome.drawing_rms_m) {
+    say("  drawing, base and tool fitted   {:8.3f} mm RMS\n", 1e3 * *outcome.drawing_rms_m);
+  }
+  say("  residual of the fit             {:8.3f} mm RMS, {} measurements\n", 1e3 * quality.rms_m,
+      quality.rows_used);
+  if (outcome.noise) {
+    print_noise(*outcome.noise);
+  } else if (quality.covariance_enlarged) {
+    say("  the residuals are {:.1f} times the stated noise; the uncertainty is enlarged by as "
+        "much\n",
+        quality.noise_factor);
+  }
+  if (!outcome.rejected_lines.empty()) {
+    say("  outliers, by line               {}\n", lines_in_words(outcome.rejected_lines));
+  }
+  if (!outcome.fitted.readings.empty()) print_corrections(*outcome.refined);
+  if (outcome.fitted.receiver_offsets) {
+    say("  offsets of the ranges, mm      ");
+    for (std::size_t k = 0; k < receivers; ++k) {
+      say(" {:+.3f}", 1e3 * outcome.refined->receiver_offsets_m[k]);
+    }
+    say("\n");
+  }
+  if (outcome.fitted.scale) {
+    say("  measured lengths are {:+.4f} % too long\n", 100 * outcome.refined->scale);
+  }
+}
+
+// As --correct wants it.
+std::string terms_in_words(const refinement::ReadingTerms& terms) {
+  std::string words;
+  const auto add = [&](bool term, std::string_view word) {
+    if (term) words += fmt::format("{}{}", words.empty() ? "" : ",", word);
+  };
+  add(terms.gain, "gain");
+  add(terms.first, "first-order");
+  add(terms.second, "second-order");
+  return words;
+}
+
+// With and without the rows that the fit to everything rejects; and what is stated for the latter.
+void print_left_out(const calibration::HeldOutScore& score) {
+  if (score.rejected > 0) {
+    say("  without the {} of them rejected as outliers: {:.3f} mm RMS, {:.3f} mm mean\n",
+        score.rejected, 1e3 * score.rms_kept_m, 1e3 * score.mean_kept_m);
+  }
+  say("  stated for such rows beforehand: {:.3f} mm RMS\n", 1e3 * score.stated_rms_m);
+}
+
+// The figures that count, whichever the method: they are not those of the fit.
+void print_accuracy(const Found& found, const SignatureRecord& record) {
+  say("\nHow accurate it is\n\n");
+  if (found.validation && found.validation->rows > 0) {
+    const refinement::CrossValidation& left_out = *found.validation;
+    say("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
+        left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
+    if (found.refinement && found.refinement->left_out) print_left_out(*found.refinement->left_out);
+  } else {
+    say("  too few rows to leave some of them out of the fit\n");
+  }
+  if (found.refinement && found.refinement->geometry_left_out_mean_m) {
+    say("  gravity and a map of each reading are part of it: {:.3f} mm mean by geometry alone\n",
+        1e3 * *found.refinement->geometry_left_out_mean_m);
+  }
+  if (found.refinement && found.refinement->offered) {
+    say("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
+        1e3 * found.refinement->offered->left_out_mean_m,
+        terms_in_words(found.refinement->offered->terms));
+  }
+  if (record.predicted_tool_error_m) {
+    say("  predicted tool error, 1 sigma: {:.3f} mm RMS over the {}, in the sensor's frame\n",
+        1e3 * *record.predicted_tool_error_m,
+        record.deflections ? "poses measured" : "joint limits");
+  }
+}
+
+nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::size_t receivers) {
+  const refinement::Refined& refined = *outcome.refined;
+  nlohmann::ordered_json json{{"rms_m", refined.quality.rms_m},
+                              {"rows_used", refined.quality.rows_used},
+                              {"rows_rejected", refined.quality.rows_rejected},
+                              {"iterations", refined.quality.iterations},
+                              {"noise_factor", refined.quality.noise_factor},
+                              {"sigma_m", refined.quality.sigma_m},
+                              {"rejected_lines", outcome.rejected_lines},
+                              {"undetermined", outcome.undetermined}};
+  if (outcome.noise) {
+    json["noise_and_model_error_m"] = outcome.noise->total_m;
+    json["model_error_m"] = outcome.noise->unexplained_m;
+    json["stated_sigma_believed"] = outcome.noise->stated_m > 0 && !outcome.noise->contradicted;
+  }
+  if (outcome.geometry_left_out_mean_m) {
+    json["geometry_left_out_mean_m"] = *outcome.geometry_left_out_mean_m;
+  }
+  if (outcome.drawing_rms_m) json["drawing_rms_m"] = *outcome.drawing_rms_m;
+  if (!outcome.fitted.readings.empty()) {
+    nlohmann::ordered_json& corrections = json["reading_corrections"];
+    for (const refinement::ReadingCorrection& c : refined.readings.corrections) {
+      corrections.push_back({{"gain", c.gain},
+                             {"cos_1_rad", c.cos_1},
+                             {"sin_1_rad", c.sin_1},
+                             {"cos_2_rad", c.cos_2},
+                             {"sin_2_rad", c.sin_2}});
+    }
+  }
+  if (outcome.offered) {
+    json["corrections_offered"] = {{"correct", terms_in_words(outcome.offered->terms)},
+                                   {"left_out_mean_m", outcome.offered->left_out_mean_m}};
+  }
+  for (std::size_t k = 0; outcome.fitted.receiver_offsets && k < receivers; ++k) {
+    json["range_offsets_m"].push_back(refined.receiver_offsets_m[k]);
+  }
+  if (outcome.fitted.scale) json["length_scale"] = refined.scale;
+  return json;
+}
+
+}  // namespace
+
+void print_identified(const Found& found, const SignatureRecord& record, const ReportedFiles& files,
+                      std::size_t receivers) {
+  print_head(files, record, found.identified.counts);
+  if (found.refinement) print_refinement(*found.refinement, receivers);
+  if (const auto differences = difference_table(record)) {
+    say("\n{}", in_words(*differences, record.signature.joint_count()));
+  }
+  print_accuracy(found, record);
+  say("\nWritten: {}\n", files.out);
+}
+
+nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record,
+                               const ReportedFiles& files, std::size_t receivers) {
+  const RowCounts& counts = found.identified.counts;
+  nlohmann::ordered_json json{{"status", 0},
+                              {"arm", record.arm_name},
+                              {"method", record.method},
+                              {"rows", counts.rows},
+                              {"rows_missing", counts.missing},
+                              {"rows_inconsistent", counts.inconsistent},
+                              {"ranges_excluded", counts.excluded_ranges},
+                              {"rows_mixed", counts.mixed},
+                              {"warnings", record.warnings},
+                              {"signature", signature_json(record.signature)},
+                              {"out", files.out}};
+  json["cross_validation"] = nullptr;
+  if (found.validation && found.validation->rows > 0) {
+    json["cross_validation"] = {{"rows", found.validation->rows},
+                                {"mean_m", found.validation->mean_m},
+                                {"rms_m", found.validation->rms_m},
+                                {"largest_m", found.validation->largest_m}};
+  }
+  if (found.refinement && found.refinement->left_out) {
+    const calibration::HeldOutScore& score = *found.refinement->left_out;
+    json["cross_validation"]["rejected"] = score.rejected;
+    json["cross_validation"]["mean_kept_m"] = score.mean_kept_m;
+    json["cross_validation"]["rms_kept_m"] = score.rms_kept_m;
+    json["cross_validation"]["stated_rms_m"] = score.stated_rms_m;
+    json["cross_validation"]["enlarged_by"] = score.factor;
+    json["cross_validation"]["region_squares"] = score.region_squares;
+  }
+  if (record.predicted_tool_error_m) {
+    json["predicted_tool_error_m"] = *record.predicted_tool_error_m;
+  }
+  json["differences"] = nullptr;
+  if (const auto differences = difference_table(record))
+    json["differences"] = json_of(*differences);
+  if (found.refinement) json["refinement"] = refinement_json(*found.refinement, receivers);
+  return json;
+}
+
+}  // namespace armsig::tool

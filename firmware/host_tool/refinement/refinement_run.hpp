@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// Maximum likelihood over everything measured: `armsig identify --method refined`.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/refinement/cross_validation.hpp"
+#include "core/refinement/start.hpp"
+#include "firmware/formats/problem.hpp"
+#include "firmware/host_tool/reading/measurement_log.hpp"
+#include "firmware/host_tool/refinement/calibration_run.hpp"
+
+namespace armsig::tool {
+
+// What is to be found beside axes and targets.
+struct FurtherUnknowns {
+  refinement::ReadingTerms readings;  // of every joint
+  bool choose_readings = false;       // those terms that predict rows left out better
+  bool receiver_offsets = false;
+  bool scale = false;
+};
+
+// Corrections of the readings that were not asked for, and would help.
+struct OfferedCorrections {
+  refinement::ReadingTerms terms;
+  double left_out_mean_m = 0;  // cross-validated, with them
+};
+
+struct RefinementOutcome {
+  std::unique_ptr<refinement::Refined> refined;                 // too large for a stack
+  refinement::ParameterRequest fitted;                          // beside axes and targets
+  std::vector<std::size_t> rejected_lines;                      // gross outliers
+  std::vector<std::string> undetermined;                        // in words
+  std::optional<refinement::CrossValidation> cross_validation;  // none of too few rows
+  // Of positions without further unknowns: on poses left out, and the noise that they show.
+  std::optional<calibration::HeldOutScore> left_out;
+  std::optional<NoiseStatement> noise;
+  std::shared_ptr<const calibration::ArmModel> deflections;  // or none: geometry alone
+  std::optional<double> geometry_left_out_mean_m;            // where there are deflections
+  std::optional<OfferedCorrections> offered;
+  std::optional<double>
+      drawing_rms_m;               // of the drawing with base and tool fitted; from drawings only
+  std::vector<std::string> zeros;  // in words: those far from the drawing's
+  std::optional<double> predicted_tool_error_m;  // with a target on the last link only
+};
+
+// Refines from `start` where there is one, otherwise from the drawing with base and targets
+// unknown. `log` is indexed by the targets of the start, or by its own.
+[[nodiscard]] Read<RefinementOutcome> run_refinement(const Arm& nominal,
+                                                     const std::optional<Signature>& start,
+                                                     MeasurementLog& log,
+                                                     const std::optional<SensorDescription>& sensor,
+                                                     const FurtherUnknowns& further,
+                                                     const std::string& file);
+
+}  // namespace armsig::tool

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/refinement/refinement_words.hpp"
+
+#include <fmt/core.h>
+
+namespace armsig::tool {
+
+std::string in_words(const refinement::Undetermined& open, const Signature& signature) {
+  const std::string phrase(refinement::describe(open.open));
+  switch (open.open) {
+    case refinement::Open::kTarget:
+      return fmt::format("target {}: {}", signature.targets[open.index].number, phrase);
+    case refinement::Open::kReceiverOffset:
+      return fmt::format("receiver {}: {}", open.index + 1, phrase);
+    default:
+      return fmt::format("joint {}: {}", open.index + 1, phrase);
+  }
+}
+
+Problem refinement_problem(const Refusal& refusal, const std::string& file) {
+  const auto problem = [&](std::string what, std::string expected) {
+    return Problem{file, 0, 0, std::move(what), std::move(expected)};
+  };
+  switch (refusal.error) {
+    case Error::kTooFewPoints:
+      return problem(fmt::format("{:.0f} measured numbers, and the unknowns need {:.0f}",
+                                 refusal.found, refusal.needed),
+                     "more rows: a position counts three numbers, a range one");
+    case Error::kJointDidNotMove:
+      return problem("no joint moves: all poses are equal", "rows at different joint readings");
+    case Error::kCoincidentPoints:
+      return problem("the joints move, and every row has the target at the same place",
+                     "a target that the arm carries");
+    case Error::kNotConverged:
+      return problem("no arm near the description explains the measurements",
+                     "the description of this arm; check the zeros and senses of the joints, "
+                     "coupled joints, and the order and units of the columns");
+    case Error::kTooManyOutliers:
+      return problem(fmt::format("{:.0f} rows contradict the others, at most {:.0f} may",
+                                 refusal.found, refusal.needed),
+                     "rows of one arm and one rigid target; check for multipath, sigma_mm and the "
+                     "numbers of the targets");
+    case Error::kScaleUndetermined:
+      return problem(
+          "the scale of the lengths is asked for, and nothing in these rows has a known "
+          "length: angles alone do not tell it",
+          "a prismatic joint, ranges to receivers at known places, or no scale in "
+          "--correct");
+    case Error::kCapacityExceeded:
+      return problem(
+          fmt::format("{:.0f} unknowns, and at most {:.0f} fit", refusal.found, refusal.needed),
+          "fewer targets, or fewer corrections");
+    default:
+      return problem(std::string(describe(refusal.error)), "consistent measurements");
+  }
+}
+
+std::string in_words(const refinement::ReadingSuspicion& suspicion) {
+  const JointCoupling& coupling = suspicion.coupling;
+  const std::string evidence =
+      fmt::format("then base and tool fit to {:.1f} mm instead of {:.1f} mm", 1e3 * suspicion.rms_m,
+                  1e3 * suspicion.plain_rms_m);
+  if (suspicion.reversed()) {
+    return fmt::format("joint {} seems to turn against the sense of its reading: {}",
+                       coupling.joint + 1, evidence);
+  }
+  if (coupling.ratio == 0) {
+    return fmt::format("joint {} does not seem to follow joint {}: {}", coupling.joint + 1,
+                       coupling.from + 1, evidence);
+  }
+  return fmt::format("joint {} seems to follow joint {}, {:+.4g} times its reading: {}",
+                     coupling.joint + 1, coupling.from + 1, coupling.ratio, evidence);
+}
+
+std::string remedy_for(const refinement::ReadingSuspicion& suspicion) {
+  const JointCoupling& coupling = suspicion.coupling;
+  if (suspicion.reversed()) {
+    return fmt::format("the reading of joint {} with the other sign", coupling.joint + 1);
+  }
+  if (coupling.ratio == 0) return "the arm description without that coupling";
+  return fmt::format(
+      "in the arm description \"coupling: [{{joint: {}, from: {}, ratio: {:.4g}}}]\"",
+      coupling.joint + 1, coupling.from + 1, coupling.ratio);
+}
+
+}  // namespace armsig::tool

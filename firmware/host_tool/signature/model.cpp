@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/signature/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "core/kinematics/forward.hpp"
+#include "core/kinematics/s_model_chain.hpp"
+#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/host_tool/signature/estimate.hpp"
+
+namespace armsig::tool {
+
+Read<std::optional<Target>> find_target(const SignatureRecord& record, const std::string& file,
+                                        std::optional<int> number) {
+  if (!number) return std::nullopt;
+  std::string known;
+  for (const Target& target : record.signature.targets) {
+    if (target.number == *number) return target;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", target.number);
+  }
+  return std::unexpected(
+      Problem{file, 0, 0, fmt::format("there is no target {}", *number),
+              known.empty() ? "a signature with targets" : fmt::format("one of {}", known)});
+}
+
+kinematics::Chain chain_of_record(const SignatureRecord& record) {
+  FixedVector<JointLimits, kMaxJoints> effective = record.nominal.limits;
+  for (const JointCoupling& coupling : record.nominal.couplings) {
+    const JointLimits& from = record.nominal.limits[coupling.from];
+    const auto [least, most] =
+        std::minmax({coupling.ratio * from.lower, coupling.ratio * from.upper});
+    effective[coupling.joint].lower += least;
+    effective[coupling.joint].upper += most;
+  }
+  return kinematics::make_chain(record.signature.pseudo_dh, effective);
+}
+
+Pose point_in_last_frame(const SignatureRecord& record, const kinematics::Chain& chain,
+                         const std::optional<Target>& target) {
+  const Signature& signature = record.signature;
+  const auto X_0n = kinematics::forward(chain, signature.configuration);
+  ARMSIG_CHECK(X_0n);  // a signature file holds finite numbers only
+  Pose X_SP = signature.X_SL.back();
+  if (target) X_SP.p = target->p_S;
+  return (signature.X_SL[0] * *X_0n).inverse() * X_SP;
+}
+
+double deflection_rms_m(const SignatureRecord& record) {
+  if (!record.deflections) return 0;
+  constexpr int kConfigurations = 200;
+  const Signature& signature = record.signature;
+  Target tool{.number = 0, .link = signature.joint_count(), .p_S = signature.X_SL.back().p};
+  if (const auto index = tool_target(signature)) tool = signature.targets[*index];
+  const refinement::ReadingModel whole = record.readings();
+  refinement::ReadingModel rigid = whole;
+  rigid.deflections = nullptr;
+  double squares = 0;
+  for (int n = 1; n <= kConfigurations; ++n) {
+    const JointVector q =
+        uncertainty::work_configuration(signature.types, record.nominal.limits, n);
+    const auto at = [&](const refinement::ReadingModel& model) {
+      return kinematics::target_position(
+          signature, refinement::true_readings(model, signature.configuration, q), tool);
+    };
+    squares += (at(whole) - at(rigid)).squaredNorm();
+  }
+  return std::sqrt(squares / kConfigurations);
+}
+
+}  // namespace armsig::tool

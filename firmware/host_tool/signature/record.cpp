@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/signature/record.hpp"
+
+#include <cmath>
+#include <ctime>
+#include <memory>
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include "core/measurement/receivers.hpp"
+#include "core/uncertainty/feature_information.hpp"
+#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/reading/ranging.hpp"
+#include "firmware/host_tool/signature/estimate.hpp"
+
+namespace armsig::tool {
+namespace {
+
+std::string now_utc() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+double square(double x) { return x * x; }
+
+void add_covariance(SignatureRecord& record, const refinement::Refined& refined) {
+  record.covariance = covariance_of(refined);
+  record.covariance_of =
+      "axis lines in their link frames (direction x, y; position x, y of a revolute joint), each "
+      "followed by what was fitted of its reading_correction, joint by joint; then target points, "
+      "range offsets, length scale, as far as fitted; rad and m";
+}
+
+std::optional<FitRecord::LeftOut> left_out(
+    const std::optional<refinement::CrossValidation>& validation) {
+  if (!validation || validation->rows == 0) return std::nullopt;
+  return FitRecord::LeftOut{validation->rows, validation->mean_m, validation->rms_m};
+}
+
+}  // namespace
+
+SignatureRecord record_of(const Identified& identified, const ArmDescription& arm,
+                          const std::string& method, const std::string& serial) {
+  SignatureRecord record;
+  record.signature = identified.signature;
+  record.arm_name = arm.name;
+  record.serial = serial;
+  record.method = method;
+  record.nominal = arm.arm;
+  record.air_c = identified.air_celsius;
+  record.time = now_utc();
+  record.version = ARMSIG_VERSION;
+  record.warnings = identified.warnings;
+  return record;
+}
+
+void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
+                    std::size_t receivers) {
+  const refinement::Refined& refined = *outcome.refined;
+  add_covariance(record, refined);
+  record.sigma_m = refined.quality.sigma_m;
+  record.unexplained_m = refined.quality.unexplained_m;
+  record.noise_freedom = refined.quality.noise_freedom;
+  record.predicted_tool_error_m = outcome.predicted_tool_error_m;
+  record.fitted = outcome.fitted;
+  record.deflections = outcome.deflections;
+  if (!outcome.fitted.readings.empty()) record.corrections = refined.readings.corrections;
+  for (std::size_t k = 0; outcome.fitted.receiver_offsets && k < receivers; ++k) {
+    record.receiver_offsets_m.push_back(refined.receiver_offsets_m[k]);
+  }
+  record.scale = refined.scale;
+  record.fit = FitRecord{refined.quality.rows_used, refined.quality.rows_rejected,
+                         refined.quality.rms_m, left_out(outcome.cross_validation)};
+}
+
+void add_features(SignatureRecord& record,
+                  const std::optional<refinement::CrossValidation>& validation) {
+  const Signature& signature = record.signature;
+  FitRecord fit;
+  double variance = 0;
+  double squares = 0;
+  for (const features::JointFeature& feature : signature.features) {
+    const features::SweepQuality& quality = feature.quality;
+    fit.rows_used += quality.used;
+    fit.rows_rejected += quality.rejected;
+    squares += static_cast<double>(quality.used) *
+               (square(quality.rms_normal_m) + square(quality.rms_radial_m) +
+                square(quality.rms_tangential_m));
+    variance += square(quality.sigma_m) / static_cast<double>(signature.joint_count());
+  }
+  if (fit.rows_used > 0) fit.rms_m = std::sqrt(squares / static_cast<double>(fit.rows_used));
+  fit.left_out = left_out(validation);
+  record.fit = fit;
+  record.sigma_m = std::sqrt(variance);
+  const auto estimate = std::make_unique<refinement::Refined>();
+  if (!uncertainty::from_features(signature, *estimate)) return;
+  estimate->readings = record.readings();
+  add_covariance(record, *estimate);
+  if (const auto tool = tool_target(signature)) {
+    record.predicted_tool_error_m =
+        uncertainty::predicted_rms(*estimate, record.nominal.limits, *tool);
+  }
+}
+
+SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm) {
+  SignatureRecord record;
+  record.signature = signature;
+  record.arm_name = arm.name;
+  record.method = "exact";
+  record.nominal = arm.arm;
+  record.time = now_utc();
+  record.version = ARMSIG_VERSION;
+  return record;
+}
+
+Read<SensorDescription> read_checked_sensor(const std::string& path) {
+  auto sensor = read_sensor_file(path);
+  if (!sensor) return sensor;
+  const auto usable = measurement::check(receivers_of(*sensor));
+  if (!usable) {
+    return std::unexpected(Problem{path, 0, 0, std::string(describe(usable.error())),
+                                   remedy_in_words(usable.error())});
+  }
+  return sensor;
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// From what a run found to what a signature file holds.
+#pragma once
+
+#include <string>
+
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/sensor_file.hpp"
+#include "firmware/formats/signature_record.hpp"
+#include "firmware/host_tool/identification/identification_run.hpp"
+
+namespace armsig::tool {
+
+// `method` as in SignatureRecord; time and version are those of now and of this program.
+[[nodiscard]] SignatureRecord record_of(const Identified& identified, const ArmDescription& arm,
+                                        const std::string& method, const std::string& serial);
+
+// What the refinement found beside the signature, and says of its own accuracy.
+void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
+                    std::size_t receivers);
+
+// What the features say of their own accuracy; nothing where their covariances do not tell.
+void add_features(SignatureRecord& record,
+                  const std::optional<refinement::CrossValidation>& validation);
+
+// A signature computed rather than measured (method "exact").
+[[nodiscard]] SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm);
+
+// A sensor description whose receivers can locate a target, or what is wrong with it.
+[[nodiscard]] Read<SensorDescription> read_checked_sensor(const std::string& path);
+
+}  // namespace armsig::tool
