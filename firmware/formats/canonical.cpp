@@ -22,7 +22,7 @@ void append(std::string& out, const YamlNode& node, std::string_view omitted_key
       return;
     case YamlNode::Kind::kScalar: {
       const auto number = node.plain ? parse_number(node.text) : std::nullopt;
-      out += number ? number_text(*number) : node.text;
+      out += number ? fmt::format("{:.17g}", *number) : node.text;
       return;
     }
     case YamlNode::Kind::kSequence:

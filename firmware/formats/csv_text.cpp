@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "core/base/pose.hpp"
 #include "firmware/formats/characters.hpp"
 
 namespace armsig::tool {
@@ -17,10 +16,6 @@ std::string joint_header(const FixedVector<JointType, kMaxJoints>& types) {
                           types[i] == JointType::kRevolute ? "deg" : "mm");
   }
   return header;
-}
-
-double shown_reading(JointType type, double reading) {
-  return type == JointType::kRevolute ? degrees(reading) : reading * 1000;
 }
 
 std::string comment_text(std::string_view comment) {

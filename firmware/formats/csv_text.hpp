@@ -12,9 +12,6 @@ namespace armsig::tool {
 // "q1_deg,q2_mm,..." for the joints.
 [[nodiscard]] std::string joint_header(const FixedVector<JointType, kMaxJoints>& types);
 
-// A reading in the unit of joint_header: degrees or millimetres.
-[[nodiscard]] double shown_reading(JointType type, double reading);
-
 // Every line of `comment` behind "# ", what is not printable escaped: for readers that end a line
 // where we do not, it remains one comment.
 [[nodiscard]] std::string comment_text(std::string_view comment);

@@ -14,8 +14,6 @@
 namespace armsig::tool {
 namespace {
 
-constexpr double kMillimetres = 1000;
-
 std::string header_of(const MeasurementLayout& layout) {
   std::string header = "sweep,target," + joint_header(layout.types);
   if (layout.receivers == 0) header += ",x_mm,y_mm,z_mm";
@@ -45,9 +43,10 @@ Read<MeasurementWriter> MeasurementWriter::create(const std::string& path,
   return MeasurementWriter(std::move(file), path, layout);
 }
 
-void MeasurementWriter::append(double value) {
-  all_finite_ = all_finite_ && std::isfinite(value);
-  fmt::format_to(std::back_inserter(line_), ",{:.17g}", value);
+void MeasurementWriter::append(const Unit& unit, double value_si) {
+  all_finite_ = all_finite_ && std::isfinite(value_si);
+  line_ += ',';
+  line_ += text_in(unit, value_si);
 }
 
 void MeasurementWriter::write(const MeasurementRow& row) {
@@ -55,26 +54,26 @@ void MeasurementWriter::write(const MeasurementRow& row) {
   ARMSIG_CHECK(row.ranges_m.size() <= receivers_);
   line_.clear();
   fmt::format_to(std::back_inserter(line_), "{},{}", row.sweep, row.target);
-  for (std::size_t i = 0; i < types_.size(); ++i) append(shown_reading(types_[i], row.q[i]));
+  for (std::size_t i = 0; i < types_.size(); ++i) append(unit_of(types_[i]), row.q[i]);
   if (receivers_ == 0) {
     if (row.p_S) {
-      for (const double coordinate_m : *row.p_S) append(coordinate_m * kMillimetres);
+      for (const double coordinate_m : *row.p_S) append(kMillimetre, coordinate_m);
     } else {
       line_ += ",,,";
     }
   }
-  const auto append_optional = [&](const std::optional<double>& value, double scale) {
-    if (value) {
-      append(*value * scale);
+  const auto append_optional = [&](const Unit& unit, const std::optional<double>& value_si) {
+    if (value_si) {
+      append(unit, *value_si);
     } else {
       line_ += ',';
     }
   };
   for (std::size_t j = 0; j < receivers_; ++j) {
-    append_optional(j < row.ranges_m.size() ? row.ranges_m[j] : std::nullopt, kMillimetres);
+    append_optional(kMillimetre, j < row.ranges_m.size() ? row.ranges_m[j] : std::nullopt);
   }
-  if (air_) append_optional(row.air_c, 1);
-  if (sigma_) append_optional(row.sigma_m, kMillimetres);
+  if (air_) append_optional({"c", 1, 1}, row.air_c);
+  if (sigma_) append_optional(kMillimetre, row.sigma_m);
   line_ += '\n';
   file_.write(line_);
 }

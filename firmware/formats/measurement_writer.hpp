@@ -9,6 +9,7 @@
 #include "firmware/formats/measurements.hpp"
 #include "firmware/formats/problem.hpp"
 #include "firmware/formats/text_file.hpp"
+#include "firmware/formats/units.hpp"
 
 namespace armsig::tool {
 
@@ -38,7 +39,7 @@ class MeasurementWriter {
 
  private:
   MeasurementWriter(AtomicFile file, std::string path, const MeasurementLayout& layout);
-  void append(double value);
+  void append(const Unit& unit, double value_si);
 
   AtomicFile file_;
   std::string path_;

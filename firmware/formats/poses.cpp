@@ -14,6 +14,7 @@
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
+#include "firmware/formats/units.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -106,10 +107,14 @@ Read<void> write_joint_poses(const std::string& path, const JointTypes& types,
                              std::span<const JointVector> poses, std::string_view comment) {
   std::string text = comment_text(comment) + joint_header(types) + "\n";
   bool all_finite = true;
-  for (JointVector q : poses) {
+  for (const JointVector& q : poses) {
     ARMSIG_CHECK(q.size() == types.size());
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] = shown_reading(types[i], q[i]);
-    all_finite = append_row(text, {q.data(), q.size()}) && all_finite;
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      if (i > 0) text += ',';
+      text += text_in(unit_of(types[i]), q[i]);
+      all_finite = all_finite && std::isfinite(q[i]);
+    }
+    text += '\n';
   }
   return write_poses(path, text, all_finite);
 }

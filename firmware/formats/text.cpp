@@ -116,7 +116,7 @@ std::optional<int> parse_integer(std::string_view text) {
   return value;
 }
 
-std::string number_text(double value) { return fmt::format("{:.17g}", value); }
+std::string number_text(double value) { return fmt::format("{}", value); }
 
 std::optional<std::size_t> first_bad_byte(std::string_view text) {
   for (std::size_t at = 0; at < text.size(); ++at) {

@@ -35,7 +35,7 @@ inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 // The integer that the whole of `text` spells, or nothing.
 [[nodiscard]] std::optional<int> parse_integer(std::string_view text);
 
-// `value` with 17 significant digits, which parse_number reads back bit for bit.
+// The shortest text that parse_number reads back as `value`, bit for bit.
 [[nodiscard]] std::string number_text(double value);
 
 // Is `text` printable (characters.hpp) but for tabs, line feeds and carriage returns? Gives the

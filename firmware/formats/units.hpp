@@ -42,6 +42,18 @@ struct Unit {
 // "theta_deg", "theta_rad" for an angle called theta; the bare name where there is no unit.
 [[nodiscard]] std::vector<std::string> names_of(std::string_view quantity, Dimension dimension);
 
+// `value_si` in `unit`: the shortest text that reads back, times the unit, as `value_si` bit for
+// bit; where rounding leaves none, the nearest.
+[[nodiscard]] std::string text_in(const Unit& unit, double value_si);
+
+inline constexpr Unit kDegree{"deg", kPi / 180.0, 1};
+inline constexpr Unit kMillimetre{"mm", 1, 1000};
+
+// Degrees or millimetres: what a reading of such a joint is written in.
+[[nodiscard]] constexpr Unit unit_of(JointType type) {
+  return type == JointType::kRevolute ? kDegree : kMillimetre;
+}
+
 [[nodiscard]] constexpr Dimension dimension_of(JointType type) {
   return type == JointType::kRevolute ? Dimension::kAngle : Dimension::kLength;
 }
