@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/refinement/base_and_targets.hpp"
 #include "core/refinement/robust.hpp"
 #include "core/refinement/rotation_search.hpp"
 #include "core/refinement/row.hpp"
@@ -17,64 +18,55 @@ constexpr std::size_t kFewestRows = 4;
 // Mean square about the mean below which nothing moved: rounding, in metres or unit vectors.
 constexpr double kAtRest = 1e-20;
 
-// The log as the fit wants it: rows of one target, each with the target's link by the drawing.
-class Rows {
- public:
-  Rows(const Arm& arm, std::span<const Observation> log, std::span<const Target> targets)
-      : arm_(arm), log_(log), targets_(targets) {}
-
-  template <typename Visit>
-  void for_each(std::size_t target, Visit visit) const {
-    for (const Observation& row : log_) {
-      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition || row.target != target)
-        continue;
-      const JointVector effective = effective_readings(arm_, row.readings);
-      visit(row, drawn_frames(arm_, effective)[targets_[target].link]);
-    }
-  }
-
- private:
-  const Arm& arm_;
-  std::span<const Observation> log_;
-  std::span<const Target> targets_;
-};
-
 Vector12 link_vector(const Pose& X_BL) {
   Vector12 g;
   g << X_BL.p, X_BL.R.col(0), X_BL.R.col(1), X_BL.R.col(2);
   return g;
 }
 
-double huber(double residual, double scale) {
-  return residual <= 2 * scale ? 1 : 2 * scale / residual;
-}
-
-// Robust scale of the residual lengths, per axis.
-double residual_scale(const Rows& rows, std::size_t target, const Pose& X_SB, const Vector3& u) {
+// Robust scale of the residual lengths of one target's rows, per axis.
+double residual_scale(const DrawnRows& rows, std::size_t target, const Pose& X_SB,
+                      const Vector3& u) {
   LogHistogram squares;
-  rows.for_each(target, [&](const Observation& row, const Pose& X_BL) {
+  rows.for_each_of(target, [&](const Observation& row, const Pose& X_BL) {
     squares.add((row.p_S - X_SB * (X_BL * u)).squaredNorm());
   });
   return std::max(kLeastScale_m, std::sqrt(squares.median() / kMedianChiSquare3));
 }
 
 // A further target, once the base is known: the mean of where its rows put it, robustly.
-Vector3 place_target(const Rows& rows, std::size_t target, const Pose& X_SB) {
+Vector3 place_target(const DrawnRows& rows, std::size_t target, const Pose& X_SB) {
   Vector3 u = Vector3::Zero();
   const Pose X_BS = X_SB.inverse();
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     const double scale = residual_scale(rows, target, X_SB, u);
     double weight = 0;
     Vector3 sum = Vector3::Zero();
-    rows.for_each(target, [&](const Observation& row, const Pose& X_BL) {
+    rows.for_each_of(target, [&](const Observation& row, const Pose& X_BL) {
       const Vector3 seen = X_BL.inverse() * (X_BS * row.p_S);
-      const double w = pass == 0 ? 1 : huber((seen - u).norm(), scale);
+      const double w = pass == 0 ? 1 : huber_weight((seen - u).norm(), scale);
       weight += w;
       sum += w * seen;
     });
     if (weight > 0) u = sum / weight;
   }
   return u;
+}
+
+// The fit of all rows, from the main target's; where targets are on other links, whose sweeps the
+// main one may know nothing of, from a search of its own too.
+BaseAndTargets from_all_targets(const DrawnRows& rows, std::span<const Target> targets,
+                                std::span<const std::size_t> rows_of, const BaseAndTargets& start) {
+  BaseAndTargets at = start;
+  polish_base_and_targets(rows, at);
+  bool other_links = false;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    other_links = other_links || (rows_of[t] > 0 && targets[t].link != targets[0].link);
+  }
+  if (!other_links) return at;
+  BaseAndTargets searched = search_base_and_targets(rows, targets.size());
+  polish_base_and_targets(rows, searched);
+  return residual_scale(rows, searched) < residual_scale(rows, at) ? searched : at;
 }
 
 }  // namespace
@@ -119,16 +111,16 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
                                    static_cast<double>(kFewestRows)});
   }
 
-  const Rows rows(arm, log, targets);
+  const DrawnRows rows(arm, log, targets);
   BaseAndTool found;
   found.main = main;
   Candidate best;
   double scale = 0;
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     Moments moments;
-    rows.for_each(main, [&](const Observation& row, const Pose& X_BL) {
+    rows.for_each_of(main, [&](const Observation& row, const Pose& X_BL) {
       const double residual = (row.p_S - found.X_SB * (X_BL * best.u)).norm();
-      moments.add(row.p_S, link_vector(X_BL), pass == 0 ? 1 : huber(residual, scale));
+      moments.add(row.p_S, link_vector(X_BL), pass == 0 ? 1 : huber_weight(residual, scale));
     });
     if (moments.gg.trace() <= kAtRest * moments.weight)
       return std::unexpected(Refusal{Error::kJointDidNotMove, 0, 0});
@@ -144,19 +136,24 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
     found.X_SB = {best.R, moments.mean_p - best.R * mean_y};
     scale = residual_scale(rows, main, found.X_SB, best.u);
   }
-  found.p_LT.resize(targets.size(), Vector3::Zero());
+  BaseAndTargets at{found.X_SB, {}};
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    at.p_LT.push_back(t == main         ? best.u
+                      : rows_of[t] == 0 ? Vector3::Zero()
+                                        : place_target(rows, t, found.X_SB));
+  }
+  if (targets.size() > 1) at = from_all_targets(rows, targets, rows_of, at);
+  found.X_SB = at.X_SB;
+  found.p_LT = at.p_LT;
+  if (targets.size() > 1) scale = residual_scale(rows, at);
   double weight = 0;
   double squares = 0;
-  for (std::size_t t = 0; t < targets.size(); ++t) {
-    if (rows_of[t] == 0) continue;
-    found.p_LT[t] = t == main ? best.u : place_target(rows, t, found.X_SB);
-    rows.for_each(t, [&](const Observation& row, const Pose& X_BL) {
-      const double residual = (row.p_S - found.X_SB * (X_BL * found.p_LT[t])).norm();
-      if (huber(residual, scale) < 0.5) return;
-      weight += 1;
-      squares += residual * residual;
-    });
-  }
+  rows.for_each([&](const Observation& row, const Pose& X_BL) {
+    const double residual = (row.p_S - found.X_SB * (X_BL * found.p_LT[row.target])).norm();
+    if (huber_weight(residual, scale) < 0.5) return;
+    weight += 1;
+    squares += residual * residual;
+  });
   found.rms_m = weight > 0 ? std::sqrt(squares / weight) : 0;
   if (!found.X_SB.p.allFinite() || !best.u.allFinite()) {
     return std::unexpected(Refusal{Error::kNotConverged, found.rms_m, 0});

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Where an arm of known drawing stands, and where on its last link the target is.
 //
-// Nine unknowns: the base's pose in the sensor frame (any rotation) and the target in the last
-// link, found by the search of rotation_search.hpp, repeated with Huber weights so that gross
-// outliers lose their say.
+// The base's pose in the sensor frame (any rotation) and the target in the last link are found by
+// the search of rotation_search.hpp, repeated with Huber weights so that gross outliers lose their
+// say. Where there are more targets, all rows have their say in the base (base_and_targets.hpp).
 #pragma once
 
 #include <span>
@@ -19,7 +19,7 @@ struct BaseAndTool {
   Pose X_SB;
   FixedVector<Vector3, kMaxTargets>
       p_LT;              // targets in their links' frames; zero where not observed
-  std::size_t main = 0;  // index of the target that the base was found from
+  std::size_t main = 0;  // index of the target on the last link that has most rows
   double rms_m = 0;      // residual lengths of the rows that carry at least half weight
 };
 
@@ -29,11 +29,10 @@ struct BaseAndTool {
                                                          const JointVector& effective);
 
 // Fits base and targets to the position rows of `log` whose use is kFit. `targets` says on which
-// link each target is; their positions are not used. The base is found from the target on the last
-// link that has most rows. Preconditions: every row's target is among `targets`, at most
-// kMaxTargets. Errors: kNotFinite (index of the row); kTooFewPoints (positions of that target, 4);
-// kJointDidNotMove (no joint moved); kCoincidentPoints (its positions are all one);
-// kNotConverged (RMS [m], 0: no minimum was found).
+// link each target is; their positions are not used. Preconditions: every row's target is among
+// `targets`, at most kMaxTargets. Errors: kNotFinite (index of the row); kTooFewPoints (positions
+// of the main target, 4); kJointDidNotMove (no joint moved); kCoincidentPoints (its positions are
+// all one); kNotConverged (RMS [m], 0: no minimum was found).
 [[nodiscard]] Judged<BaseAndTool> fit_base_and_tool(const Arm& arm,
                                                     std::span<const Observation> log,
                                                     std::span<const Target> targets);

@@ -44,6 +44,39 @@ TEST(FitBaseAndTool, is_exact_for_an_arm_true_to_its_drawing) {
   EXPECT_LT(fitted->rms_m, 1e-7);
 }
 
+// The sweep of the last joint says nothing of where the others' axes are.
+TEST(FitBaseAndTool, takes_the_base_from_the_sweeps_of_one_target_a_link) {
+  for (const unsigned seed : {3U, 4U, 5U}) {
+    Random random(seed);
+    const Cell cell = test::puma_cell(random, {0, 0, 0});
+    const JointVector configuration = random.configuration(cell.arm);
+    Log log;
+    std::array<Target, 6> targets;
+    for (std::size_t i = 0; i < 6; ++i) {
+      targets[i].link = i + 1;
+      const Vector3 p_L = Vector3(0.2, 0.1, 0.15);
+      for (int k = 0; k < 24; ++k) {
+        Observation row;
+        row.readings = configuration;
+        row.readings[i] += 0.1 * k - 1.2;
+        row.target = i;
+        row.p_S = cell.frame(row.readings, i + 1) * p_L;
+        log.push_back(row);
+      }
+    }
+    const auto fitted = fit_base_and_tool(test::puma(), log, targets);
+    ASSERT_TRUE(fitted);
+    EXPECT_LT(fitted->rms_m, 1e-7);
+    // Where joints 1 and 6 are zero is the targets' affair; where their axes are is not.
+    const auto axis = [&](const Pose& X_SB) { return Vector3(X_SB.R.col(2)); };
+    EXPECT_LT((axis(fitted->X_SB) - axis(cell.X_SB)).norm(), 1e-6);
+    for (std::size_t k = 0; k < log.size(); ++k) {
+      const Pose X_BL = drawn_frames(test::puma(), log[k].readings)[targets[log[k].target].link];
+      EXPECT_LT((log[k].p_S - fitted->X_SB * (X_BL * fitted->p_LT[log[k].target])).norm(), 1e-6);
+    }
+  }
+}
+
 TEST(FitBaseAndTool, refuses_a_log_without_rows_or_targets) {
   for (const bool with_target : {true, false}) {
     const auto targets = one_target();

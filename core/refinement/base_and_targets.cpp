@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "core/refinement/base_and_targets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/base/check.hpp"
+#include "core/refinement/base_and_tool.hpp"
+#include "core/refinement/robust.hpp"
+
+namespace armsig::refinement {
+
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Matrix63 = Eigen::Matrix<double, 6, 3>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr std::size_t kSearchRows = 150;
+constexpr int kSearchSteps = 12;
+constexpr int kPolishPasses = 12;
+constexpr int kStepsOfAPass = 3;
+constexpr int kMostTries = 8;
+constexpr double kFirstDamping = 1e-4;
+
+// Normal equations of base (turn about `centre`, shift) and targets. Rotations keep lengths, so
+// that the block of a target is its weight times the identity.
+struct NormalEquations {
+  Vector3 centre = Vector3::Zero();
+  Matrix6 H_bb = Matrix6::Zero();
+  Vector6 g_b = Vector6::Zero();
+  std::array<Matrix63, kMaxTargets> H_bt;
+  std::array<Vector3, kMaxTargets> g_t;
+  std::array<double, kMaxTargets> weight{};
+};
+
+// One fit: which rows, and about which scale their weights are (infinite: all weigh one).
+struct Fit {
+  const DrawnRows& rows;
+  std::size_t stride = 1;
+  double scale_m = std::numeric_limits<double>::infinity();
+};
+
+// The robust sum of squares that huber_weight() descends.
+double cost(const Fit& fit, const BaseAndTargets& at) {
+  double sum = 0;
+  fit.rows.for_each(
+      [&](const Observation& row, const Pose& X_BL) {
+        const double residual = (row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).norm();
+        const double knee = 2 * fit.scale_m;
+        sum += residual <= knee ? residual * residual : knee * (2 * residual - knee);
+      },
+      fit.stride);
+  return sum;
+}
+
+NormalEquations assemble(const Fit& fit, const BaseAndTargets& at) {
+  NormalEquations normal;
+  normal.H_bt.fill(Matrix63::Zero());
+  normal.g_t.fill(Vector3::Zero());
+  normal.centre = at.X_SB.p;
+  fit.rows.for_each(
+      [&](const Observation& row, const Pose& X_BL) {
+        const Vector3 x = at.X_SB * (X_BL * at.p_LT[row.target]);
+        const Vector3 residual = row.p_S - x;
+        const double w = huber_weight(residual.norm(), fit.scale_m);
+        Eigen::Matrix<double, 3, 6> J_b;
+        J_b << -cross_matrix(x - normal.centre), Matrix3::Identity();
+        const Matrix3 J_t = at.X_SB.R * X_BL.R;
+        normal.H_bb += w * J_b.transpose() * J_b;
+        normal.g_b += w * J_b.transpose() * residual;
+        normal.H_bt[row.target] += w * J_b.transpose() * J_t;
+        normal.g_t[row.target] += w * J_t.transpose() * residual;
+        normal.weight[row.target] += w;
+      },
+      fit.stride);
+  return normal;
+}
+
+BaseAndTargets moved(const NormalEquations& normal, double damping, const BaseAndTargets& from) {
+  Matrix6 S = normal.H_bb;
+  S.diagonal() *= 1 + damping;
+  S.diagonal().array() += 1e-12 * S.trace();
+  Vector6 g = normal.g_b;
+  for (std::size_t t = 0; t < from.p_LT.size(); ++t) {
+    if (normal.weight[t] == 0) continue;
+    const double h = normal.weight[t] * (1 + damping);
+    S -= normal.H_bt[t] * normal.H_bt[t].transpose() / h;
+    g -= normal.H_bt[t] * normal.g_t[t] / h;
+  }
+  const Vector6 base = S.ldlt().solve(g);
+  BaseAndTargets to = from;
+  const Vector3 turn = base.head<3>();
+  if (const double angle = turn.norm(); angle > 0) {
+    to.X_SB.R = rotation_about(turn / angle, angle) * from.X_SB.R;
+  }
+  to.X_SB.p += base.tail<3>();
+  for (std::size_t t = 0; t < from.p_LT.size(); ++t) {
+    if (normal.weight[t] == 0) continue;
+    const double h = normal.weight[t] * (1 + damping);
+    to.p_LT[t] += (normal.g_t[t] - normal.H_bt[t].transpose() * base) / h;
+  }
+  return to;
+}
+
+// At most `steps` steps that lower the cost. Returns the cost.
+double descend(const Fit& fit, int steps, BaseAndTargets& at) {
+  double damping = kFirstDamping;
+  double present = cost(fit, at);
+  for (int step = 0; step < steps; ++step) {
+    const NormalEquations normal = assemble(fit, at);
+    bool lower = false;
+    for (int tries = 0; tries < kMostTries && !lower; ++tries) {
+      const BaseAndTargets candidate = moved(normal, damping, at);
+      const double there = cost(fit, candidate);
+      lower = there < present;
+      if (lower) {
+        at = candidate;
+        present = there;
+        damping *= 0.2;
+      } else {
+        damping *= 10;
+      }
+    }
+    if (!lower) break;
+  }
+  return present;
+}
+
+// The 24 rotations of a cube: signed permutations of the axes that do not mirror.
+template <typename Visit>
+void for_each_cube_rotation(Visit visit) {
+  constexpr std::array<std::array<int, 3>, 6> kOrders{
+      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}}};
+  for (const std::array<int, 3>& order : kOrders) {
+    for (int signs = 0; signs < 8; ++signs) {
+      Matrix3 R = Matrix3::Zero();
+      for (int c = 0; c < 3; ++c) {
+        R(order[static_cast<std::size_t>(c)], c) = (signs >> c) % 2 == 0 ? 1 : -1;
+      }
+      if (R.determinant() > 0) visit(R);
+    }
+  }
+}
+
+}  // namespace
+
+Pose DrawnRows::drawn_link(const Observation& row) const {
+  return drawn_frames(arm_, effective_readings(arm_, row.readings))[targets_[row.target].link];
+}
+
+double huber_weight(double residual_m, double scale_m) {
+  return residual_m <= 2 * scale_m ? 1 : 2 * scale_m / residual_m;
+}
+
+double residual_scale(const DrawnRows& rows, const BaseAndTargets& at) {
+  LogHistogram squares;
+  rows.for_each([&](const Observation& row, const Pose& X_BL) {
+    squares.add((row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).squaredNorm());
+  });
+  return std::max(kLeastScale_m, std::sqrt(squares.median() / kMedianChiSquare3));
+}
+
+BaseAndTargets search_base_and_targets(const DrawnRows& rows, std::size_t targets) {
+  Vector3 sum_S = Vector3::Zero();
+  Vector3 sum_B = Vector3::Zero();
+  std::size_t count = 0;
+  rows.for_each([&](const Observation& row, const Pose& X_BL) {
+    sum_S += row.p_S;
+    sum_B += X_BL.p;
+    ++count;
+  });
+  ARMSIG_CHECK(count > 0);
+  const auto n = static_cast<double>(count);
+  const Fit fit{.rows = rows, .stride = count / kSearchRows + 1};
+  BaseAndTargets best;
+  double least = std::numeric_limits<double>::infinity();
+  for_each_cube_rotation([&](const Matrix3& R) {
+    BaseAndTargets candidate{{R, sum_S / n - R * (sum_B / n)}, {}};
+    candidate.p_LT.resize(targets, Vector3::Zero());
+    const double squares = descend(fit, kSearchSteps, candidate);
+    if (!(squares < least)) return;
+    least = squares;
+    best = candidate;
+  });
+  return best;
+}
+
+void polish_base_and_targets(const DrawnRows& rows, BaseAndTargets& at) {
+  for (int pass = 0; pass < kPolishPasses; ++pass) {
+    const double scale = residual_scale(rows, at);
+    descend({.rows = rows, .stride = 1, .scale_m = scale}, kStepsOfAPass, at);
+  }
+}
+
+}  // namespace armsig::refinement

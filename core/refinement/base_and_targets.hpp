@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Base and targets of an arm of known drawing from the rows of all targets at once, wherever on the
+// arm each one is. The sweep of a target on the last link alone says nothing of the axes before.
+#pragma once
+
+#include <span>
+
+#include "core/refinement/observation.hpp"
+#include "core/refinement/readings.hpp"
+#include "core/signature.hpp"
+
+namespace armsig::refinement {
+
+// The position rows of a log whose use is kFit, each with the pose of its target's link in the base
+// by the drawing.
+class DrawnRows {
+ public:
+  DrawnRows(const Arm& arm, std::span<const Observation> log, std::span<const Target> targets)
+      : arm_(arm), log_(log), targets_(targets) {}
+
+  // visit(row, X_BL) for every `stride`-th row.
+  template <typename Visit>
+  void for_each(Visit visit, std::size_t stride = 1) const {
+    std::size_t count = 0;
+    for (const Observation& row : log_) {
+      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition) continue;
+      if (count++ % stride != 0) continue;
+      visit(row, drawn_link(row));
+    }
+  }
+  template <typename Visit>
+  void for_each_of(std::size_t target, Visit visit) const {
+    for (const Observation& row : log_) {
+      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition || row.target != target)
+        continue;
+      visit(row, drawn_link(row));
+    }
+  }
+
+ private:
+  [[nodiscard]] Pose drawn_link(const Observation& row) const;
+
+  const Arm& arm_;
+  std::span<const Observation> log_;
+  std::span<const Target> targets_;
+};
+
+// Where the base is, and every target in its link; zero where it was not observed.
+struct BaseAndTargets {
+  Pose X_SB;
+  FixedVector<Vector3, kMaxTargets> p_LT;
+};
+
+// Huber's weight of a residual length, in metres, about a robust scale per axis.
+[[nodiscard]] double huber_weight(double residual_m, double scale_m);
+
+// Robust scale of the residual lengths of all rows, per axis [m].
+[[nodiscard]] double residual_scale(const DrawnRows& rows, const BaseAndTargets& at);
+
+// The best of the minima that the 24 rotations of a cube lead to, by the plain sum of squares over
+// some hundred rows. `targets` is how many there are. Precondition: at least one row.
+[[nodiscard]] BaseAndTargets search_base_and_targets(const DrawnRows& rows, std::size_t targets);
+
+// The nearest minimum over all rows, reweighted by Huber's weights until gross outliers have lost
+// their say: Levenberg-Marquardt, the targets eliminated from the normal equations.
+void polish_base_and_targets(const DrawnRows& rows, BaseAndTargets& at);
+
+}  // namespace armsig::refinement
