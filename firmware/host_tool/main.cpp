@@ -4,9 +4,11 @@
 #include <exception>
 #include <new>
 #include <sstream>
+#include <string>
 
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/examples.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace {
@@ -18,6 +20,17 @@ constexpr const char* kDescription =
 constexpr const char* kFooter =
     "Start with `armsig demo`. Files and units: docs/formats.md.\n"
     "Exit status: 0 done; 1 the data do not support an answer; 2 wrong usage or unreadable input.";
+
+// Every command's --help ends with what a person would type.
+void add_examples(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({})) {
+    std::string footer = "Examples:\n";
+    for (const armsig::tool::Example& example : armsig::tool::kExamples) {
+      if (example.command == command->get_name()) footer += "  " + std::string(example.line) + "\n";
+    }
+    command->footer(footer + "\n" + kFooter);
+  }
+}
 
 int run(int argc, char** argv) {
   using namespace armsig::tool;
@@ -40,6 +53,7 @@ int run(int argc, char** argv) {
   add_arms(app, status);
   add_join(app, status);
   add_connect(app, status);
+  add_examples(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -17,6 +17,7 @@
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/report/report.hpp"
 #include "firmware/host_tool/signature/record.hpp"
 #include "firmware/host_tool/simulation/demo_run.hpp"
@@ -180,30 +181,33 @@ Read<std::optional<std::string>> write_report(const std::string& folder) {
 void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::string>& report,
                  const DemoOptions& options) {
   const DemoPlan plan;
-  say("armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman measured theirs "
-      "(1986)\n"
-      "\n"
-      "Each joint is swept in turn as far as its limits allow, {} points a joint. An ultrasonic "
-      "sensor\n"
-      "of 8 receivers, 0.2 mm (1 sigma) a range, {} pings a point, locates a target on the moving "
-      "link.\n"
-      "On the arm this would take {}.\n\n",
-      plan.points, plan.pings, duration_in_words(robots[0].sweep_duration_s));
+  say("armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman\n"
+      "measured theirs (1986)\n\n{}\n",
+      paragraph(fmt::format(
+                    "Each joint is swept in turn as far as its limits allow, {} points a joint. An "
+                    "ultrasonic sensor of 8 receivers, 0.2 mm (1 sigma) a range, {} pings a point, "
+                    "locates a target on the moving link. On the arm this would take {}.",
+                    plan.points, plan.pings, duration_in_words(robots[0].sweep_duration_s)),
+                0));
   say("Table 1. Ideal kinematic parameters: the drawing\n\n{}\n", dh_table(puma560().joints));
   for (int robot : {1, 2}) {
     const Signature& signature = robots[static_cast<std::size_t>(robot) - 1].encoder.signature;
     say("Table 2. Arm signature of robot {}, as recovered and as printed in the paper\n\n{}\n",
         robot, table2(signature, table2_robot(robot)));
   }
-  say("  * θ and d of links 1 and 6 depend on the choice of frames 0 and 6, which is free.\n{}\n",
+  say("{}{}\n",
+      paragraph(
+          "* θ and d of links 1 and 6 depend on the choice of frames 0 and 6, which is free."),
       near_parallel_note(robots[0].encoder.signature));
-  say("Table 3. Touching a 25 x 25 x 60 cm grid: improvement factors by circles that follow the "
-      "joint\n"
-      "reading, beside those that the paper reached by plane and centre of rotation alone\n\n{}\n",
+  say("{}\n{}\n",
+      paragraph("Table 3. Touching a 25 x 25 x 60 cm grid: improvement factors by circles that "
+                "follow the joint reading, beside those that the paper reached by plane and centre "
+                "of rotation alone",
+                0),
       table3_text(robots));
-  say("{}  Over the joint limits, each where the sensor sees it: the drawing with base and tool "
-      "fitted,\n  the signatures as they are.\n\n",
-      tool_error_table(robots));
+  say("{}{}\n", tool_error_table(robots),
+      paragraph("Over the joint limits, each where the sensor sees it: the drawing with base and "
+                "tool fitted, the signatures as they are."));
   say("Drawing, sensor, measurements, signatures and truths are in {}/.\n"
       "Robot 1 again, by the command for your own arm:\n"
       "  armsig identify --arm {}/{} --measurements {}/{} --sensor {}/{} --out signature.yaml\n",

@@ -6,6 +6,7 @@
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/report/report_input.hpp"
 
 namespace armsig::tool {
@@ -38,9 +39,9 @@ int run(const ReportOptions& options) {
                 {"out", options.out}});
     return kDone;
   }
-  say("{}\n", report["verdict"]["headline"].get<std::string>());
+  say("{}", paragraph(report["verdict"]["headline"].get<std::string>(), 0));
   for (const auto& sentence : report["verdict"]["sentences"]) {
-    say("  {}\n", sentence.get<std::string>());
+    say("{}", paragraph(sentence.get<std::string>()));
   }
   say("\nWritten: {}; open it in a browser\n", options.out);
   return kDone;

@@ -9,6 +9,7 @@
 
 #include "core/evaluation/differences.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {
@@ -154,12 +155,12 @@ std::string in_words(const DifferenceTable& table, std::size_t joints) {
   text.add_row({"all", "", "base and tool fitted", fmt::format("{:.3f}", 1e3 * table.total_rms_m),
                 fmt::format("{:+.3f}", 1e3 * table.total_rms_m)});
   return fmt::format(
-      "What is different from the drawing, and what it does to the tool (RMS over the joint "
-      "limits)\n\n{}"
-      "  Each axis on the link before, base and tool fitted; ± is 1 sigma. The base stands on axis "
-      "1:\n"
-      "  the zero of joint 1 is the base's, that of joint {} the tool's.\n",
-      text.render(), joints);
+      "What is different from the drawing, and what it does to the tool\n\n{}{}", text.render(),
+      paragraph(fmt::format(
+          "Effects are RMS over the joint limits. Each axis on the link before, base and tool "
+          "fitted; ± is 1 sigma. The base stands on axis 1: the zero of joint 1 is the base's, "
+          "that of joint {} the tool's.",
+          joints)));
 }
 
 nlohmann::ordered_json json_of(const DifferenceTable& table) {

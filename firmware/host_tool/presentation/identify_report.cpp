@@ -9,6 +9,7 @@
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -136,9 +137,10 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
         terms_in_words(found.refinement->offered->terms));
   }
   if (record.predicted_tool_error_m) {
-    say("  predicted tool error, 1 sigma: {:.3f} mm RMS over the {}, in the sensor's frame\n",
-        1e3 * *record.predicted_tool_error_m,
-        record.deflections ? "poses measured" : "joint limits");
+    say("{}", paragraph(fmt::format("predicted tool error, 1 sigma: {:.3f} mm RMS over the {}, in "
+                                    "the sensor's frame",
+                                    1e3 * *record.predicted_tool_error_m,
+                                    record.deflections ? "poses measured" : "joint limits")));
   }
 }
 

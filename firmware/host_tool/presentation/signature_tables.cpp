@@ -9,6 +9,7 @@
 
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -20,7 +21,7 @@ constexpr double kMicroradian = 1e-6;
 std::string millimetres(double metres) { return fmt::format("{:.3f}", 1e3 * metres); }
 
 std::string encoder_scale(const features::SweepQuality& quality) {
-  return fmt::format("{:+.3f} ± {:.3f} %", 100 * (quality.encoder_ratio - 1),
+  return fmt::format("{:+.3f} ± {:.3f}", 100 * (quality.encoder_ratio - 1),
                      100 * quality.encoder_ratio_sigma);
 }
 
@@ -47,12 +48,12 @@ nlohmann::ordered_json feature_json(const features::JointFeature& feature) {
 std::string sweep_table(const Signature& signature) {
   if (signature.features.empty()) return {};
   Table table({"Joint", "Swept", "Radius mm", "Used", "Rejected", "Normal mm", "Radial mm",
-               "Tangential mm", "Scale error"});
+               "Tangential mm", "Scale error %"});
   for (std::size_t i = 0; i < signature.features.size(); ++i) {
     const features::JointFeature& feature = signature.features[i];
     const features::SweepQuality& quality = feature.quality;
     const bool revolute = feature.type == JointType::kRevolute;
-    table.add_row({fmt::format("{} {}", i + 1, revolute ? "revolute" : "prismatic"),
+    table.add_row({fmt::format("{}{}", i + 1, revolute ? "" : " slides"),
                    revolute ? fmt::format("{:.1f}°", degrees(quality.arc()))
                             : fmt::format("{:.1f} mm", 1e3 * quality.arc()),
                    revolute ? fmt::format("{:.2f}", 1e3 * feature.radius_m) : "",
@@ -91,14 +92,13 @@ std::string near_parallel_note(const Signature& signature) {
   if (links.empty()) return {};
   const std::string moved =
       moved_m < 1 ? fmt::format("{:.2g} mm", 1e3 * moved_m) : fmt::format("{:.2g} m", moved_m);
-  return fmt::format(
-      "  The d of link {} is large because two axes there are nearly parallel: their common "
-      "normal\n"
-      "  is far away, and a microradian of tilt moves it by {}. Only the product of the "
-      "rows\n"
-      "  means something; compare predicted positions, or what is different joint by joint, never\n"
-      "  these parameters.\n",
-      links, moved);
+  return paragraph(fmt::format(
+      "The d of link {} is large because two axes there are nearly parallel: their common normal "
+      "is "
+      "far away, and a microradian of tilt moves it by {}. Only the product of the rows means "
+      "something; compare predicted positions, or what is different joint by joint, never these "
+      "parameters.",
+      links, moved));
 }
 
 std::string comparison_table(const evaluation::Comparison& comparison) {

@@ -2,8 +2,11 @@
 // A table of text for a terminal: columns aligned, numbers to the right, a rule under the heading.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
+
+#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace armsig::tool {
 
@@ -13,8 +16,10 @@ class Table {
   explicit Table(std::vector<std::string> headings);
   // Precondition: as many cells as headings.
   void add_row(std::vector<std::string> cells);
-  // Every line ends with a newline and begins with `indent` spaces.
-  [[nodiscard]] std::string render(int indent = 2) const;
+  // Every line ends with a newline and begins with `indent` spaces. What is wider than `width`
+  // gets narrower gaps, then headings on several lines, then lines of the first column likewise;
+  // numbers are never cut, so that a table may remain wider.
+  [[nodiscard]] std::string render(int indent = 2, std::size_t width = output_width()) const;
 
  private:
   std::vector<std::vector<std::string>> rows_;

@@ -21,43 +21,28 @@ std::string length_in_words(double metres) {
   return fmt::format("{:.{}f} mm", 1e3 * metres, metres < 1e-3 ? 3 : 2);
 }
 
-// Ratios above this are said with why they may be believed, or not.
-constexpr double kSurprisingRatio = 100;
 // Arms as built are nearer to their drawings than this.
 constexpr double kFarFromDrawing_m = 0.02;
 
-std::string times(double factor) {
-  if (factor > kSurprisingRatio) return fmt::format("more than {:.0f}", kSurprisingRatio);
-  return factor < 10 ? fmt::format("{:.1f}", factor) : fmt::format("{:.0f}", factor);
-}
-
-void explain_ratio(double before_m, double after_m, Verdict& verdict) {
-  if (before_m <= kSurprisingRatio * after_m) return;
-  if (before_m > kFarFromDrawing_m) {
-    verdict.sentences.push_back(fmt::format(
-        "A ratio above {:.0f} tells more of the drawing than of the signature: arms as built are "
-        "some millimetres from their drawings, and this one is {} away. It is another arm's "
-        "drawing, or one of its units is wrong.",
-        kSurprisingRatio, length_in_words(before_m)));
-  } else {
-    verdict.sentences.push_back(fmt::format(
-        "The ratio is above {:.0f} because the measurements are precise: the drawing itself misses "
-        "by {}, as drawings do.",
-        kSurprisingRatio, length_in_words(before_m)));
-  }
+void doubt_the_drawing(double before_m, Verdict& verdict) {
+  if (before_m <= kFarFromDrawing_m) return;
+  verdict.sentences.push_back(fmt::format(
+      "Arms as built are some millimetres from their drawings, and this one is {} away: it is "
+      "another arm's drawing, or one of its units is wrong.",
+      length_in_words(before_m)));
 }
 
 void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
   const double before_m = *map.true_drawing_rms_m;
   const double after_m = *map.true_rms_m;
   verdict.headline =
-      fmt::format("The arm signature puts the tool {} times nearer than the drawing.",
-                  times(before_m / after_m));
+      fmt::format("By the drawing the tool misses by {}, by the arm signature by {}.",
+                  length_in_words(before_m), length_in_words(after_m));
   verdict.sentences.push_back(fmt::format(
       "Over the whole joint space the drawing misses by {} (root mean square, its base and tool "
       "fitted), the signature by {}. This arm is simulated, so that its true error is known.",
       length_in_words(before_m), length_in_words(after_m)));
-  explain_ratio(before_m, after_m, verdict);
+  doubt_the_drawing(before_m, verdict);
   if (map.predicted_rms_m) {
     verdict.sentences.push_back(
         fmt::format("From the measurements alone the signature predicted an error of {} (1σ), in "
@@ -79,13 +64,13 @@ void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
     return;
   }
   verdict.headline =
-      fmt::format("The arm signature should put the tool about {} times nearer than the drawing.",
-                  times(before_m / after_m));
+      fmt::format("By the drawing the tool misses by {}, by the arm signature by about {} (1σ).",
+                  length_in_words(before_m), length_in_words(after_m));
   verdict.sentences.push_back(fmt::format(
       "Over the whole joint space the drawing, its base and tool fitted, is {} (root mean square) "
       "from the signature; the signature is uncertain by {} (1σ).",
       length_in_words(before_m), length_in_words(after_m)));
-  explain_ratio(before_m, after_m, verdict);
+  doubt_the_drawing(before_m, verdict);
 }
 
 void judge_without_covariance(const std::optional<ToolErrorMap>& map, Verdict& verdict) {
