@@ -128,6 +128,11 @@ class DampedSolver {
     return solve_positive(normal, dq, n);
   }
 
+  static void shorten(Joints& dq) {
+    const double largest = dq.cwiseAbs().maxCoeff();
+    if (largest > kLargestStep) dq *= kLargestStep / largest;
+  }
+
   // Levenberg-Marquardt to the nearest stationary point. False if the iterations were used up.
   [[gnu::noinline]] bool descend() {
     double damping = 0.1 * merit(at_);
@@ -141,8 +146,7 @@ class DampedSolver {
         Joints dq = Joints::Zero();
         damping = std::max(damping, 1e-16 * scale);
         if (damped_step(J, e, damping, n_, dq)) {
-          const double largest = dq.cwiseAbs().maxCoeff();
-          if (largest > kLargestStep) dq *= kLargestStep / largest;
+          shorten(dq);
           const Joints q = box_.clamped(q_ + dq);
           if ((q - q_).cwiseAbs().maxCoeff() < kStationaryStep) return true;
           State next;
@@ -233,6 +237,8 @@ class DampedSolver {
       e.tail<3>().setZero();
       Joints dq = Joints::Zero();
       if (!damped_step(J, e, 1e-13 * J.squaredNorm(), n_, dq)) return true;
+      // Where two axes coincide, rounding alone turns one against the other, by any amount.
+      shorten(dq);
       const Joints q = box_.clamped(q_ + dq);
       State next;
       evaluate(q, next);

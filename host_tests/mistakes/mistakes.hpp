@@ -118,7 +118,19 @@ inline std::vector<Mistake> mistakes_of_positions() {
          for (std::size_t k = 0; k < x.size(); ++k) set.rows[k].p[0] = x[k];
        }},
       {"z written into y", every([](Row& row) { row.p[1] = row.p[2]; })},
-      {"scale of the sensor off by 5 %", positions_times(1.05, 1.05, 1.05)},
+      {"scale of the sensor off by 5 %", positions_times(1.05, 1.05, 1.05), false,
+       "all lengths seen are 1.0"},
+      {"scale of the sensor off by -2 %", positions_times(0.98, 0.98, 0.98), false,
+       "all lengths seen are 0.9"},
+      {"x and y swapped from the middle on",
+       rows_from(0.5, [](Row& row) { std::swap(row.p[0], row.p[1]); })},
+      {"signs of the positions lost", every([](Row& row) {
+         for (double& x : row.p) x = std::abs(x);
+       })},
+      {"positions to the centimetre", every([](Row& row) {
+         for (double& x : row.p) x = 10 * std::round(0.1 * x);
+       })},
+      {"x leans towards y", every([](Row& row) { row.p[0] += 0.02 * row.p[1]; })},
       {"sigma in micrometres", every([](Row& row) { row.sigma *= 1e3; }), false, "sigma_mm"},
   };
 }
@@ -142,7 +154,36 @@ inline std::vector<Mistake> mistakes_of_order() {
        false, "measured from another place"},
       {"tracker moved in a sweep", rows_from(0.42, [](Row& row) { row.p[0] += 250; }), false,
        "measured from another place"},
-      {"tracker turned", rows_from(0.55, [](Row& row) { turn(row, 5); })},
+      {"tracker turned", rows_from(0.55, [](Row& row) { turn(row, 5); }), false,
+       "measured from another place"},
+      {"tracker turned for a while",
+       [](Set& set) {
+         for (std::size_t k = 2 * set.rows.size() / 5; k < 4 * set.rows.size() / 5; ++k) {
+           turn(set.rows[k], 5);
+         }
+       },
+       false, "measured from another place"},
+      {"one row of another sweep",
+       [](Set& set) {
+         const std::size_t k = set.start_of(2) + 3;
+         if (k < set.rows.size()) set.rows[k].sweep = 3;
+       }},
+      {"three rows of another target",
+       [](Set& set) {
+         const std::size_t first = set.start_of(2) + 5;
+         for (std::size_t k = first; k < first + 3; ++k) set.rows[k].target = 1;
+       }},
+      {"positions of a sweep in any order",
+       [](Set& set) {
+         const std::size_t a = set.start_of(2);
+         const std::size_t b = set.start_of(3);
+         // Steps of seven through the rows: no order of any use.
+         const std::vector<Row> rows(set.rows.begin() + static_cast<std::ptrdiff_t>(a),
+                                     set.rows.begin() + static_cast<std::ptrdiff_t>(b));
+         for (std::size_t k = 0; k < rows.size(); ++k) {
+           std::copy_n(rows[7 * k % rows.size()].p, 3, set.rows[a + k].p);
+         }
+       }},
       {"tracker moved for the poses",
        [](Set& set) {
          for (std::size_t k = set.start_of(0); k < set.rows.size(); ++k) set.rows[k].p[1] += 60;
@@ -221,6 +262,27 @@ inline std::vector<Mistake> mistakes_of_readings() {
          }
        },
        true},
+      {"all gears 1 % off", angles_times(1.01), true, "1.0100 times what the joint turns"},
+      {"a gear 0.3 % off", angles_times(1.003, 1), true, "joint 2 is 1.0030 times"},
+      {"one reading in radians from the middle on",
+       rows_from(0.5, [](Row& row) { row.q[2] *= kPi / 180; })},
+      {"a reading is zero all along", every([](Row& row) { row.q[2] = 0; }), false, ""},
+      {"readings a row late",
+       [](Set& set) {
+         for (std::size_t k = set.rows.size() - 1; k > 0; --k) set.rows[k].q = set.rows[k - 1].q;
+       }},
+      {"one reading a row late",
+       [](Set& set) {
+         for (std::size_t k = set.rows.size() - 1; k > 0; --k) {
+           set.rows[k].q[2] = set.rows[k - 1].q[2];
+         }
+       }},
+      {"signs of the readings lost", every([](Row& row) {
+         for (double& q : row.q) q = std::abs(q);
+       })},
+      {"joint 3 reversed", angles_times(-1, 2), true},
+      {"the last two readings swapped",
+       every([](Row& row) { std::swap(row.q[row.q.size() - 1], row.q[row.q.size() - 2]); }), true},
       {"joint 1 reversed", angles_times(-1, 0), true},
       {"joint 2 reversed", angles_times(-1, 1), true, "joint 2"},
       {"all joints reversed", angles_times(-1), true},
@@ -296,6 +358,11 @@ inline std::vector<Mistake> mistakes_of_arm() {
          }
        },
        true},
+      {"the arm of another size", arm_by([](DhJoint& joint) {
+         joint.a_m *= 1.3;
+         joint.d_m *= 1.3;
+       }),
+       true, "all lengths seen are"},
       {"a length mistyped", [](Set& set) { set.joints()[1].a_m += 0.09; }, true},
   };
 }

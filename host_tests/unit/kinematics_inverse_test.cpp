@@ -328,6 +328,27 @@ TEST(InverseOfThreeJoints, meets_the_position_of_the_point_that_it_is_asked_for)
   EXPECT_GT(solution.rotation_error_rad, 0.01);
 }
 
+// Axes 1 and 2 coincide: what one turns the other may turn back, by any amount. Readings of 1e16
+// rad have no angle left, and the error stated there is not the true one.
+TEST(InverseOfThreeJoints, does_not_turn_axes_that_coincide_against_each_other) {
+  const FixedVector<DhJoint, kMaxJoints> rows{
+      {JointType::kRevolute, -2.8844989684825153, 0.43398548972378514, 0, 0},
+      {JointType::kRevolute, kPi / 2, -0.16513267219528094, 0, kPi},
+      {JointType::kRevolute, -kPi / 2, -0.30777518022860334, 0, -0.50463783448886756}};
+  Pose X;
+  X.R << -0.27048551952643912, -0.90510922899682589, -0.32804705045356447, 0.6995190399424478,
+      0.049339681373474886, -0.71290862570175162, 0.66144591349898629, -0.4223066177870472,
+      0.61979546956133569;
+  X.p = {1.674408659315195, -0.42090041716697923, 0.47203227337621234};
+  const InverseOptions options{.max_iterations = 60};
+  const auto solution = inverse(
+      make_chain(rows), X, {1.1741123563393583, 2.9496236962132256, 0.86414818563965845}, options);
+  ASSERT_TRUE(solution);
+  for (const double reading : solution->q) EXPECT_LT(std::abs(reading), 20);
+  const Pose reached = *forward(make_chain(rows), solution->q);
+  EXPECT_NEAR(solution->rotation_error_rad, angle_between(reached.R, X.R), 1e-9);
+}
+
 TEST(InverseOfOneJoint, turns_as_near_as_it_can) {
   FixedVector<DhJoint, kMaxJoints> rows{{JointType::kRevolute, 0, 0, 0.5, 0}};
   const Chain chain = make_chain(rows);

@@ -121,14 +121,17 @@ constexpr std::size_t kFewestToDoubt = 12;
 std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
                               const SignatureRecord& record) {
   if (evidence.rows.size() < kFewestToDoubt) return std::nullopt;
+  // A scale that was asked for is undone, and the rest judged.
+  Evidence unscaled = evidence;
+  for (EvidenceRow& row : unscaled.rows) row.p_S /= 1 + record.scale;
   const refinement::Chain chain(record.signature, record.readings());
   const auto& targets = record.signature.targets;
   const auto predicted_S = [&](const EvidenceRow& row) -> std::optional<Vector3> {
     const auto* target = std::ranges::find(targets, row.target, &Target::number);
     if (target == targets.end()) return std::nullopt;
-    return (1 + record.scale) * chain.point(chain.motion(row.q), *target);
+    return chain.point(chain.motion(row.q), *target);
   };
-  return doubt(evidence, limits,
+  return doubt(unscaled, limits,
                FoundArm{.predicted_S = predicted_S,
                         .predicted_error_m = record.predicted_tool_error_m.value_or(0)});
 }
@@ -202,8 +205,10 @@ int run(IdentifyOptions options) {
   }
   if (const auto doubt = doubt_of(collector.evidence(), arm->limits, record)) {
     const Problem problem = problem_of(*doubt, options.measurements);
-    if (!options.accept_different_arm) return fail(problem, kNoAnswer, options);
-    record.warnings.push_back("accepted as a different arm: " + problem.what);
+    if (doubt->refuses && !options.accept_different_arm) return fail(problem, kNoAnswer, options);
+    record.warnings.push_back(doubt->refuses
+                                  ? "accepted as a different arm: " + problem.what
+                                  : fmt::format("{}: {}", problem.what, problem.expected));
   }
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);

@@ -16,6 +16,7 @@ constexpr double kFarFrame_m = 5;
 constexpr double kTwistSigma_rad = radians(0.5);
 constexpr double kSecondPlace_m = 2;  // how far a sensor is carried, 1 sigma
 constexpr double kSecondPlace_rad = 1;
+constexpr double kFactorSigma = 0.2;  // of the logarithm of a factor that is looked for
 constexpr double kLeastReach_m = 1e-3;
 
 Pose turned(const Vector3& rotation, const Vector3& shift) {
@@ -42,7 +43,10 @@ Pose DeviatingChain::Link::deviating_part() const {
 }
 
 DeviatingChain::DeviatingChain(const Evidence& evidence, const ArmLimits& limits)
-    : couplings_(evidence.arm.couplings), targets_(seen_targets(evidence)) {
+    : couplings_(evidence.arm.couplings),
+      targets_(seen_targets(evidence)),
+      free_scale_(evidence.free_scale),
+      free_gain_(evidence.free_gain) {
   const Arm& arm = evidence.arm;
   const std::size_t n = arm.joints.size();
   // The middle of the readings is where the axes are looked at.
@@ -103,6 +107,23 @@ std::size_t DeviatingChain::target_of(int number) const {
                                   targets_.begin());
 }
 
+JointVector DeviatingChain::effective(const JointVector& read) const {
+  if (free_gain_ == 0) return effective_readings(couplings_, read);
+  JointVector turned = read;
+  for (std::size_t j = 0; j < turned.size(); ++j) {
+    if ((free_gain_ >> j & 1) != 0) turned[j] *= std::exp(log_turn_);
+  }
+  return effective_readings(couplings_, turned);
+}
+
+JointVector DeviatingChain::turned_by_factor(const JointVector& read) const {
+  JointVector turned = read;
+  for (std::size_t j = 0; j < turned.size(); ++j) {
+    turned[j] *= (free_gain_ >> j & 1) != 0 ? std::exp(log_turn_) : 0;
+  }
+  return effective_readings(couplings_, turned);
+}
+
 DeviatingChain::Placed DeviatingChain::placed(const JointVector& effective,
                                               std::size_t last) const {
   Placed placed;
@@ -120,23 +141,24 @@ std::vector<Vector3> DeviatingChain::residuals(const Evidence& evidence) const {
   for (const EvidenceRow& row : evidence.rows) {
     const std::size_t target = target_of(row.target);
     const std::size_t last = targets_[target].link;
-    const Placed at = placed(effective_readings(couplings_, row.q), last);
-    Vector3 p_S = X_SB_ * (at.drawn[last] * p_LT_[target]);
+    const Placed at = placed(effective(row.q), last);
+    Vector3 p_S = X_SB_ * (scale() * (at.drawn[last] * p_LT_[target]));
     if (row.moved) p_S = X_SM_ * p_S;
     residuals.emplace_back(row.p_S - p_S);
   }
   return residuals;
 }
 
-// Columns for base, second place and every link: displacements of the point by unit rotations about
-// centres and unit shifts, all in the sensor frame.
+// Columns for base, second place, factors and every link: displacements of the point by unit
+// rotations about centres and unit shifts, all in the sensor frame.
 void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
                                  Eigen::Matrix3Xd& J) const {
   J.setZero();
   const std::size_t last = targets_[target].link;
-  const Placed at = placed(effective_readings(couplings_, row.q), last);
+  const Placed at = placed(effective(row.q), last);
   const Vector3 p_B = at.drawn[last] * p_LT_[target];
-  const Matrix3 R = row.moved ? Matrix3(X_SM_.R * X_SB_.R) : X_SB_.R;
+  const Matrix3 R_seen = row.moved ? Matrix3(X_SM_.R * X_SB_.R) : X_SB_.R;
+  const Matrix3 R = scale() * R_seen;
   const auto shift_and_turn = [&](Eigen::Index column, const Matrix3& R_B,
                                   const Vector3& centre_B) {
     for (int i = 0; i < 3; ++i) {
@@ -145,8 +167,10 @@ void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
     }
   };
   shift_and_turn(0, Matrix3::Identity(), Vector3::Zero());
+  J.middleCols<3>(3) = R_seen;
+  if (free_scale_) J.col(kScale) = R * p_B;
   if (row.moved) {
-    const Vector3 p_S = X_SB_ * p_B;
+    const Vector3 p_S = X_SB_ * (scale() * p_B);
     for (int i = 0; i < 3; ++i) {
       J.col(kPlace + i) = Vector3::Unit(i).cross(X_SM_.R * p_S);
       J.col(kPlace + 3 + i) = Vector3::Unit(i);
@@ -163,6 +187,14 @@ void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
     J.col(column + 6) = R * (revolute ? Vector3(z.cross(p_B - at.full[k - 1].p)) : z);
     if (link.inverse_sigma[7] < 1e8) {
       J.col(column + 7) = R * before.R.col(0).cross(p_B - before.p);
+    }
+  }
+  if (free_gain_ != 0) {
+    const JointVector turned = turned_by_factor(row.q);
+    for (std::size_t k = 1; k <= last; ++k) {
+      if (links_[k - 1].drawn.type != JointType::kRevolute) continue;
+      const Pose& before = at.full[k - 1];
+      J.col(kTurn) += turned[k - 1] * (R * Vector3(before.R.col(2)).cross(p_B - before.p));
     }
   }
   J.middleCols<3>(target_column(target)) = R * at.drawn[last].R;
@@ -190,6 +222,12 @@ DeviatingChain::Normal DeviatingChain::normal(const Evidence& evidence,
       normal.g[column + i] -= weight * link.deviation[i];
     }
   }
+  const std::array<double, kFactors> factors{log_scale_, log_turn_};
+  for (Eigen::Index i = 0; i < kFactors; ++i) {
+    constexpr double kWeight = 1 / (kFactorSigma * kFactorSigma);
+    normal.H(kScale + i, kScale + i) += kWeight;
+    normal.g[kScale + i] -= kWeight * factors[static_cast<std::size_t>(i)];
+  }
   for (Eigen::Index i = 0; i < 3; ++i) {  // holds what no row speaks of
     normal.H(kPlace + i, kPlace + i) += 1 / (kSecondPlace_rad * kSecondPlace_rad);
     normal.H(kPlace + 3 + i, kPlace + 3 + i) += 1 / (kSecondPlace_m * kSecondPlace_m);
@@ -198,7 +236,8 @@ DeviatingChain::Normal DeviatingChain::normal(const Evidence& evidence,
 }
 
 double DeviatingChain::prior_squares() const {
-  double squares = 0;
+  double squares =
+      (log_scale_ * log_scale_ + log_turn_ * log_turn_) / (kFactorSigma * kFactorSigma);
   for (const Link& link : links_) {
     squares += link.deviation.cwiseProduct(link.inverse_sigma).squaredNorm();
   }
@@ -211,6 +250,8 @@ void DeviatingChain::move(const Eigen::VectorXd& x) {
     const Pose step = turned(x.segment<3>(kPlace), x.segment<3>(kPlace + 3));
     X_SM_ = {step.R * X_SM_.R, step.R * X_SM_.p + step.p};
   }
+  log_scale_ += x[kScale];
+  log_turn_ += x[kTurn];
   for (std::size_t k = 0; k < links_.size(); ++k) {
     links_[k].deviation += x.segment<kOfLink>(kFixed + kOfLink * static_cast<Eigen::Index>(k));
   }

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,8 +13,9 @@
 
 namespace armsig::tool {
 
-// Unknowns: base (6), the sensor's second place (6), per joint but the last rotation, shift and
-// zero (7) and, where the drawing's frame is metres away, the twist there (1), targets (3 each).
+// Unknowns: base (6), the sensor's second place (6), the factors of lengths and of readings (2),
+// per joint but the last rotation, shift and zero (7) and, where the drawing's frame is metres
+// away, the twist there (1), targets (3 each).
 class DeviatingChain {
  public:
   DeviatingChain(const Evidence& evidence, const ArmLimits& limits);
@@ -33,14 +36,19 @@ class DeviatingChain {
 
   [[nodiscard]] std::vector<Deviation> deviations() const;
   [[nodiscard]] double reach_m() const { return reach_m_; }
+  [[nodiscard]] double scale() const { return std::exp(log_scale_); }
+  [[nodiscard]] double gain() const { return 1 / std::exp(log_turn_); }
   [[nodiscard]] const Pose& X_SB() const { return X_SB_; }
   [[nodiscard]] const Pose& X_SM() const { return X_SM_; }
 
  private:
   static constexpr Eigen::Index kPlace = 6;
   static constexpr Eigen::Index kSecond = 6;
+  static constexpr Eigen::Index kFactors = 2;
   static constexpr Eigen::Index kOfLink = 8;
-  static constexpr Eigen::Index kFixed = kPlace + kSecond;
+  static constexpr Eigen::Index kScale = kPlace + kSecond;
+  static constexpr Eigen::Index kTurn = kScale + 1;
+  static constexpr Eigen::Index kFixed = kScale + kFactors;
 
   struct Link {
     DhJoint drawn;
@@ -65,6 +73,10 @@ class DeviatingChain {
   [[nodiscard]] std::size_t target_of(int number) const;
   [[nodiscard]] Placed placed(const JointVector& effective, std::size_t last) const;
   void derivatives(const EvidenceRow& row, std::size_t target, Eigen::Matrix3Xd& J) const;
+  // How far the joints turn for what was read, couplings applied; and of it what the factor acts
+  // on.
+  [[nodiscard]] JointVector effective(const JointVector& read) const;
+  [[nodiscard]] JointVector turned_by_factor(const JointVector& read) const;
 
   JointCouplings couplings_;
   std::vector<Link> links_;
@@ -74,6 +86,10 @@ class DeviatingChain {
   Pose X_SM_;
   double reach_m_ = 0;
   bool two_places_ = false;
+  bool free_scale_ = false;
+  std::uint32_t free_gain_ = 0;
+  double log_scale_ = 0;  // of the lengths seen
+  double log_turn_ = 0;   // of what the joints turn against what was read
 };
 
 }  // namespace armsig::tool

@@ -81,7 +81,8 @@ std::vector<SeenTarget> seen_targets(const Evidence& evidence) {
 
 Evidence thinned(const Evidence& evidence, std::size_t most) {
   if (evidence.rows.size() <= most) return evidence;
-  Evidence few{evidence.arm, {}, evidence.located};
+  Evidence few = evidence;
+  few.rows.clear();
   const double share = static_cast<double>(most) / static_cast<double>(evidence.rows.size());
   // By a sequence of low discrepancy, so that no period of the rows (one target of three, one
   // sweep of six) is met by it.

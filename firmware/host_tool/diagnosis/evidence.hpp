@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/base/arm.hpp"
@@ -34,6 +35,10 @@ struct Evidence {
   Arm arm;
   std::vector<EvidenceRow> rows;  // in the order of the file
   bool located = false;           // positions and sigmas were computed from ranges, not stated
+  // Factors that are not known, and are found with the rest: of all positions, and of the readings
+  // of turning joints (a bit a joint, one factor for all of them).
+  bool free_scale = false;
+  std::uint32_t free_gain = 0;
 };
 
 // Every target number seen, with the link that it is on: the last for rows with sweep 0, otherwise

@@ -2,7 +2,10 @@
 #include "firmware/host_tool/diagnosis/explanation.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -10,6 +13,7 @@
 
 #include <fmt/core.h>
 
+#include "firmware/host_tool/diagnosis/common_scale.hpp"
 #include "firmware/host_tool/diagnosis/hypothesis.hpp"
 #include "firmware/host_tool/diagnosis/moved.hpp"
 
@@ -21,7 +25,7 @@ constexpr double kModelShare = 0.005;
 constexpr double kOfSigma = 4 * 1.732;
 // Residuals beyond so many times the noise ask for a cause.
 constexpr double kSuspicious = 3;
-constexpr double kSuspiciousClipped = 8;
+constexpr double kSuspiciousClipped = 3;
 // Residuals below this share of the reach are nobody's mistake.
 constexpr double kNothing = 1e-4;
 // A cause must explain so much of the residuals of a set that is sound as it is.
@@ -29,8 +33,11 @@ constexpr double kExplains = 3;
 constexpr std::size_t kRowsToChoose = 120;
 constexpr std::size_t kRowsToFit = 260;
 constexpr std::size_t kFitted = 10;
+constexpr double kAsNoise = 1.15;  // what no other cause can better
 constexpr double kStrange = 0.25;
 constexpr double kSurprise = 0.5;
+constexpr double kAsBefore = 0.8;
+constexpr std::array<double, 3> kSizes{1, 0.75, 1.33};  // to look for a factor from
 // Arms from here to there are built.
 constexpr double kShortestReach_m = 0.15;
 constexpr double kLongestReach_m = 6;
@@ -59,6 +66,13 @@ struct Tried {
 };
 
 std::string fits_within(const NearFit& fit, const NearFit& before) {
+  if (fit.best_rms_m > kAsBefore * before.best_rms_m) {  // what it mends is elsewhere
+    if (fit.clipped_m < kAsBefore * before.clipped_m) {
+      return fmt::format("all rows fit within {}, instead of {}", short_length(fit.clipped_m),
+                         short_length(before.clipped_m));
+    }
+    return "the arm is like its drawing";
+  }
   return fmt::format("they fit within {}, instead of {}", short_length(fit.best_rms_m),
                      short_length(before.best_rms_m));
 }
@@ -91,6 +105,27 @@ class Search {
     for (std::size_t k = 0; k < std::min(kFitted, order.size()); ++k) try_one(*order[k].second);
   }
 
+  // Factors near one, which no table of units holds.
+  void try_factors() {
+    for (const double start : kSizes) {
+      const auto scale = common_scale(evidence_, before_, limits_, start);
+      if (!scale) continue;
+      take(scale->undone, scale->fit, 0.9,
+           {.words =
+                fmt::format("all lengths seen are {:.4f} times those of the drawing: divided by "
+                            "it {}",
+                            scale->factor, fits_within(scale->fit, before_)),
+            .mend = kMendOfScale});
+    }
+    std::uint32_t turning = 0;
+    for (std::size_t j = 0; j < evidence_.arm.joints.size(); ++j) {
+      if (evidence_.arm.joints[j].type != JointType::kRevolute) continue;
+      turning |= 1U << j;
+      try_gain(1U << j, fmt::format("the reading of joint {} is", j + 1), 1);
+    }
+    if (std::popcount(turning) > 1) try_gain(turning, "the joint readings are", 0.9);
+  }
+
   void try_moves() {
     if (const auto moved = find_moved_sensor(evidence_, limits_)) {
       const Vector3& along = moved->along_S;
@@ -120,7 +155,7 @@ class Search {
   [[nodiscard]] bool is_convincing() const {
     const double noise_m = reference_.noise_length_m();
     return std::isfinite(best_.score) &&
-           best_.fit.best_rms_m < (noise_m > 0 ? 2 * noise_m : 1e-3 * best_.fit.reach_m);
+           best_.fit.best_rms_m < (noise_m > 0 ? kAsNoise * noise_m : 1e-3 * best_.fit.reach_m);
   }
 
  private:
@@ -134,6 +169,17 @@ class Search {
                                fits_within(*fit, before_)),
           .mend = hypothesis.mend,
           .harmless = hypothesis.harmless});
+  }
+
+  void try_gain(std::uint32_t joints, const std::string& whose, double surprise) {
+    Evidence geared = evidence_;
+    geared.free_gain = joints;
+    const auto fit = fit_near(geared, limits_);
+    if (!fit) return;
+    take(geared, *fit, surprise,
+         {.words = fmt::format("{} {:.4f} times what the joint turns: divided by it {}", whose,
+                               fit->gain, fits_within(*fit, before_)),
+          .mend = "look at the gear ratio, or at the counts of a turn"});
   }
 
   void take(const Evidence& undone, const NearFit& fit, double surprise, Explanation explanation) {
@@ -203,6 +249,7 @@ std::optional<Explanation> explain(const Evidence& evidence, const Reference& re
                                    const ArmLimits& limits, bool refused) {
   Search search(evidence, reference, limits, refused);
   search.try_hypotheses();
+  search.try_factors();
   if (!search.is_convincing()) search.try_moves();
   auto best = search.best();
   if (!best && refused) {

@@ -40,6 +40,12 @@ struct Explanation {
                                                  const Reference& reference,
                                                  const ArmLimits& limits, bool refused);
 
+// What to do about lengths that are all wrong by one factor.
+inline constexpr const char* kMendOfScale =
+    "look at the scale of the sensor (unit, air temperature, calibration) and divide x, y, z by "
+    "the "
+    "factor, or at the lengths of the arm description";
+
 // "0.123 mm", "4.56 m".
 [[nodiscard]] std::string short_length(double metres);
 

@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "firmware/host_tool/diagnosis/common_scale.hpp"
 #include "firmware/host_tool/diagnosis/explanation.hpp"
 #include "firmware/host_tool/diagnosis/row_groups.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
@@ -19,7 +20,7 @@ constexpr std::size_t kRowsToJudge = 400;
 constexpr double kSigmaTooLarge = 6;
 constexpr std::size_t kFewestForSigma = 30;
 // A method may miss the rows by so much more than the nearest arm does, and than it says itself.
-constexpr double kMethodFactor = 4;
+constexpr double kMethodFactor = 3;
 // A sweep may miss by so much more than all rows together.
 constexpr double kOfGroup = 2;
 
@@ -112,6 +113,27 @@ std::string objection(const Evidence& evidence, const Reference& reference, cons
   return {};
 }
 
+// Deviations that are one factor on all lengths: the sensor's scale, or the drawing's. Said where
+// the evidence is fair; refused where it is overwhelming, and the factor larger than any sensor's.
+constexpr double kFairEvidence = 6;
+constexpr double kOverwhelming = 11;
+constexpr double kLeastFactor = 5e-3;
+constexpr double kLeastSaid = 1e-3;
+
+std::optional<Doubt> doubt_of_scale(const Evidence& evidence, const NearFit& fit,
+                                    const ArmLimits& limits) {
+  const auto scale = common_scale(evidence, fit, limits);
+  if (!scale) return std::nullopt;
+  const double off = std::abs(scale->factor - 1);
+  if (scale->evidence < kFairEvidence || off < kLeastSaid) return std::nullopt;
+  return Doubt{
+      .what = fmt::format("all lengths seen are {:.4f} times those of the drawing", scale->factor),
+      .cause = fmt::format("divided by it the axes are within {} of the drawing's, instead of {}",
+                           short_length(scale->after_m), short_length(scale->before_m)),
+      .expected = kMendOfScale,
+      .refuses = scale->evidence > kOverwhelming && off > kLeastFactor};
+}
+
 }  // namespace
 
 std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
@@ -122,7 +144,12 @@ std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
   Doubt result;
   result.what = objection(evidence, *reference, limits, found);
   const bool refused = !result.what.empty() || !found;
-  if (!refused && !is_suspicious(*reference)) return std::nullopt;
+  std::optional<Doubt> scale;
+  if (!refused) {
+    scale = doubt_of_scale(evidence, reference->fit, limits);
+    if (scale && scale->refuses) return scale;
+  }
+  if (!refused && !is_suspicious(*reference)) return scale;
   if (const auto explanation = explain(evidence, *reference, limits, refused)) {
     if (result.what.empty() && !found && explanation->harmless) return std::nullopt;
     if (result.what.empty()) {
@@ -134,7 +161,7 @@ std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
     result.expected = explanation->mend;
     return result;
   }
-  if (result.what.empty()) return std::nullopt;
+  if (result.what.empty()) return scale;
   if (states_too_much(*reference, evidence)) {
     if (!found) result.cause = result.what;
     result.expected = "1 sigma of a position per axis, in the unit of the column's name";

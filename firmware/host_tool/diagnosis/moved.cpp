@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace armsig::tool {
 namespace {
@@ -12,6 +12,7 @@ constexpr std::size_t kBlocksOfPoses = 8;
 constexpr int kTrySteps = 7;
 constexpr int kFinalSteps = 20;
 constexpr int kMovePasses = 4;
+constexpr std::size_t kStarts = 2;  // by each measure
 constexpr int kHalvings = 7;
 constexpr int kOtherTool = 1 << 20;
 
@@ -74,6 +75,56 @@ Interval best_run(const Evidence& evidence, const NearFit& fit) {
   return best;
 }
 
+// The runs of whole blocks to start from. By all residuals where the sensor was moved between two
+// blocks; by the best seven tenths of them where it was in the middle of one, whose other rows are
+// then outliers.
+std::vector<Interval> likely_runs(const Evidence& evidence, const ArmLimits& limits) {
+  const std::vector<std::size_t> borders = borders_of(evidence);
+  const std::size_t blocks = borders.size() - 1;
+  struct Tried {
+    Interval run;
+    double all = 0;
+    double best = 0;
+  };
+  std::vector<Tried> tried;
+  Evidence trial = evidence;
+  for (std::size_t i = 1; i < blocks; ++i) {
+    for (std::size_t j = i + 1; j <= blocks; ++j) {
+      mark(trial, borders[i], borders[j]);
+      const auto fit = fit_near(trial, limits, kTrySteps);
+      if (!fit) continue;
+      const double strange = 1 + fit->farthest(limits, trial.arm);
+      tried.push_back(
+          {{borders[i], borders[j]}, fit->clipped_m * strange, fit->best_rms_m * strange});
+    }
+  }
+  std::vector<Interval> runs;
+  for (const auto by : {&Tried::all, &Tried::best}) {
+    std::ranges::sort(tried, {}, by);
+    for (std::size_t k = 0; k < std::min(kStarts, tried.size()); ++k) runs.push_back(tried[k].run);
+  }
+  return runs;
+}
+
+// From there row by row: the run that gains, and the fit with it, until neither changes.
+std::optional<Moved> refined_run(const Evidence& evidence, const ArmLimits& limits, Interval run) {
+  std::optional<Moved> found;
+  Evidence trial = evidence;
+  for (int pass = 0; pass < kMovePasses; ++pass) {
+    mark(trial, run.begin, run.end);
+    const auto fit = fit_near(trial, limits, kFinalSteps);
+    if (!fit) break;
+    if (!found ||
+        cost_of_trial(*fit, limits, trial.arm) < cost_of_trial(found->fit, limits, trial.arm)) {
+      found = Moved{.evidence = trial, .fit = *fit};
+    }
+    const Interval next = best_run(trial, *fit);
+    if (next.end <= next.begin || (next.begin == run.begin && next.end == run.end)) break;
+    run = next;
+  }
+  return found;
+}
+
 void describe_move(Moved& found) {
   Vector3 mean = Vector3::Zero();
   double count = 0;
@@ -95,35 +146,15 @@ void describe_move(Moved& found) {
 }  // namespace
 
 std::optional<Moved> find_moved_sensor(const Evidence& evidence, const ArmLimits& limits) {
-  const std::vector<std::size_t> borders = borders_of(evidence);
-  const std::size_t blocks = borders.size() - 1;
-  if (blocks < 2) return std::nullopt;
-  Evidence trial = evidence;
-  Interval best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < blocks; ++i) {
-    for (std::size_t j = i + 1; j <= blocks; ++j) {
-      mark(trial, borders[i], borders[j]);
-      const auto fit = fit_near(trial, limits, kTrySteps);
-      if (!fit) continue;
-      const double score = cost_of_trial(*fit, limits, trial.arm);
-      if (!(score < least)) continue;
-      least = score;
-      best = {borders[i], borders[j]};
-    }
-  }
   std::optional<Moved> found;
-  for (int pass = 0; pass < kMovePasses; ++pass) {
-    mark(trial, best.begin, best.end);
-    const auto fit = fit_near(trial, limits, kFinalSteps);
-    if (!fit) break;
-    if (!found ||
-        cost_of_trial(*fit, limits, trial.arm) < cost_of_trial(found->fit, limits, trial.arm)) {
-      found = Moved{.evidence = trial, .fit = *fit};
+  for (const Interval& start : likely_runs(evidence, limits)) {
+    auto refined = refined_run(evidence, limits, start);
+    if (!refined) continue;
+    if (found && cost_of_trial(found->fit, limits, evidence.arm) <=
+                     cost_of_trial(refined->fit, limits, evidence.arm)) {
+      continue;
     }
-    const Interval next = best_run(trial, *fit);
-    if (next.end <= next.begin || (next.begin == best.begin && next.end == best.end)) break;
-    best = next;
+    found = std::move(refined);
   }
   if (found) describe_move(*found);
   return found;

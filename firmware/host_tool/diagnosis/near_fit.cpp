@@ -18,6 +18,7 @@ constexpr double kLeastSigma_m = 2e-6;
 constexpr double kHuber = 2.5;      // in sigmas per axis
 constexpr double kRejected = 10.0;  // of these, nothing is believed any more
 constexpr int kGentleSteps = 3;     // in which no row is given up yet
+constexpr double kLeastDamping = 1e-9;
 constexpr double kClip = 0.1;
 constexpr double kSettled = 5e-3;  // share of cost and scale that a step must save
 
@@ -31,6 +32,9 @@ class Fit {
   void descend(int steps) {
     residuals_ = chain_.residuals(evidence_);
     double damping = 1e-4;
+    // Between a factor and many deviations only their priors choose: damping holds them apart.
+    const bool free_factor = evidence_.free_scale || evidence_.free_gain != 0;
+    const double settled_below = free_factor ? kLeastDamping : 1;
     for (int step = 0; step < steps; ++step) {
       const double sigma_before_m = sigma_m_;
       weigh(step < kGentleSteps);
@@ -49,12 +53,12 @@ class Fit {
         std::vector<Vector3> there = next.residuals(evidence_);
         const double reached = cost_of(there, next);
         better = reached <= cost * (1 + 1e-12);
-        settled = step > kGentleSteps && better && reached > cost * (1 - kSettled) &&
-                  sigma_m_ > (1 - kSettled) * sigma_before_m;
+        settled = step > kGentleSteps && better && damping <= settled_below &&
+                  reached > cost * (1 - kSettled) && sigma_m_ > (1 - kSettled) * sigma_before_m;
         if (better) {
           chain_ = std::move(next);
           residuals_ = std::move(there);
-          damping = std::max(1e-9, 0.1 * damping);
+          damping = std::max(kLeastDamping, 0.1 * damping);
         } else {
           damping *= 30;
         }
@@ -68,6 +72,8 @@ class Fit {
     fit.joints = chain_.deviations();
     fit.residuals_S = residuals_;
     fit.reach_m = chain_.reach_m();
+    fit.scale = chain_.scale();
+    fit.gain = chain_.gain();
     fit.X_SB = chain_.X_SB();
     fit.X_SM = chain_.X_SM();
     std::vector<double> lengths;

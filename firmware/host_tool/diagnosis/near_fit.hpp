@@ -30,6 +30,8 @@ struct NearFit {
   double best_rms_m = 0;             // of the residual lengths of the best seven tenths of the rows
   double clipped_m = 0;  // RMS of all residual lengths, none counted above a tenth of the reach
   double reach_m = 0;    // of the drawing
+  double scale = 1;      // of what was seen against the arm: all lengths times this
+  double gain = 1;       // of the readings against the joints: how far they turn times this
   Pose X_SB;
   Pose X_SM;  // how the sensor's second place sees the arm: X_SM * (what the first would)
 
