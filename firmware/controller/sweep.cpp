@@ -47,11 +47,21 @@ bool Sweep::is_accurate() const {
 }
 
 std::optional<double> Sweep::next() const {
-  const std::size_t most = std::min(configuration_.sweeps.most_points, above_ + below_);
+  const std::size_t once = above_ + below_;
+  // On the way back, if it comes to that, the places in between.
+  const std::size_t most = std::min(configuration_.sweeps.most_points, 2 * once - 1);
   if (done_ >= most || is_accurate()) return std::nullopt;
+  double offset = 0;
+  if (done_ < above_) {
+    offset = static_cast<double>(done_);
+  } else if (done_ < once) {
+    offset = -static_cast<double>(done_ - above_ + 1);
+  } else {
+    const double back = static_cast<double>(done_ - once) + 0.5;
+    offset =
+        below_ > 0 ? back - static_cast<double>(below_) : static_cast<double>(above_ - 1) - back;
+  }
   const JointLimits& limits = configuration_.drawing.limits[joint_];
-  const double offset =
-      done_ < above_ ? static_cast<double>(done_) : -static_cast<double>(done_ - above_ + 1);
   return std::clamp(first_ + step_ * offset, limits.lower, limits.upper);
 }
 

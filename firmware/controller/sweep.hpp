@@ -17,8 +17,8 @@ class Sweep {
 
   // A bounded step of working out what the points show; false if nothing is left to do.
   bool step();
-  // Reading of the next point, empty when the sweep is over: accurate enough, at both limits, or
-  // out of points. Precondition: step() has returned false since the last point.
+  // Reading of the next point, empty when the sweep is over: accurate enough, through all places
+  // twice over, or out of points. Precondition: step() has returned false since the last point.
   [[nodiscard]] std::optional<double> next() const;
   // The point at next(), measured at the actual `reading`. Errors: those of SweepEstimator::add.
   Result<void> add(double reading, const Vector3& p_S, const Matrix3& covariance_m2);

@@ -90,7 +90,8 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   const std::array<hal::Console*, 1> consoles{&attendance.console()};
   warn_about_queue(configuration, attendance.journal());
   linux_hal::SteadyClock clock;
-  linux_hal::SocketCan bus({.interface_name = configuration.can_interface, .filters = {}});
+  linux_hal::SocketCan bus(
+      {.interface_name = configuration.can_interface, .filters = {}, .maintained = true});
   canopen::Master master(*drives, bus, backend->can.get());
   const auto controller = std::make_unique<controller::Controller>(
       configuration.controller, master, backend->sensor(), clock, *memory, consoles);

@@ -52,6 +52,9 @@ void add_options(CLI::App& app, Options& options) {
                            ->needs(is_virtual)
                            ->check(CLI::NonNegativeNumber)
                            ->capture_default_str();
+  app.add_flag("--ideal", options.emulated.ideal,
+               "--virtual: exact drives, without gravity, coasting, slow brakes, play and delays")
+      ->needs(is_virtual);
   app.add_flag("--real-time", options.emulated.real_time,
                "--virtual: by the threads and priorities of a real cabinet, to see this computer's "
                "lateness")

@@ -29,15 +29,16 @@ class BackgroundThread {
  public:
   // Looks once a period, short against anything that a person or a sensor notices, and computes for
   // half of it where there is something to compute.
-  BackgroundThread(controller::Controller& controller, hal::Duration period, ProcessWatch& watch)
-      : thread_([this, &controller, period, &watch] {
+  explicit BackgroundThread(const RealTimeLoop& loop)
+      : thread_([this, &loop] {
           linux_hal::SteadyClock clock;
           while (!stop_) {
-            const hal::Instant half = clock.now() + period / 2;
-            while (controller.background() && clock.now() < half) {
+            const hal::Instant half = clock.now() + loop.period / 2;
+            while (loop.controller.background() && clock.now() < half) {
             }
-            watch.stepped();
-            clock.wait_until(half + period / 2);
+            if (loop.bus != nullptr) loop.bus->maintain();
+            loop.watch.stepped();
+            clock.wait_until(half + loop.period / 2);
           }
         }) {}
   ~BackgroundThread() {
@@ -70,7 +71,7 @@ bool run_in_real_time(const RealTimeLoop& loop, const std::function<void()>& sta
                       const std::function<void()>& bring_to_rest,
                       const volatile std::sig_atomic_t& stop) {
   try {
-    const BackgroundThread background(loop.controller, loop.period, loop.watch);
+    const BackgroundThread background(loop);
     const linux_hal::RealTimeReport report = linux_hal::become_real_time(loop.priority);
     warn_about(report, loop.journal);
     started();

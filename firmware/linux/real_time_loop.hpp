@@ -20,7 +20,7 @@ struct RealTimeLoop {
   int priority = 0;  // SCHED_FIFO of the ticks, where permitted; 0: ordinary scheduling
   ProcessWatch& watch;
   Journal& journal;
-  const linux_hal::SocketCan* bus = nullptr;  // of the drives; none where it is emulated
+  linux_hal::SocketCan* bus = nullptr;  // of the drives; none where it is emulated
 };
 
 // The servo tick is the calling thread's; everything else is another's, which ends with this call.

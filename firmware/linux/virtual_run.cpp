@@ -29,6 +29,7 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
   world.arm.X_S0 = simulated::demo_base_pose();
   world.arm.targets.push_back(
       {.number = c.sweeps.target, .link = c.drawing.joints.size(), .p_L = configuration.p_nT});
+  if (options.ideal) world.drive.emplace();
   world.start = c.sweeps.configuration;
   // Real ticks may be late: that is to be counted, and not to end by a fault of an emulated drive.
   if (options.real_time) world.sync_loss_periods = 0;

@@ -15,6 +15,7 @@ struct VirtualOptions {
   std::optional<Arm> truth;  // the arm as it was built; none: drawn from the usual tolerances
   std::uint64_t seed = 1;    // of those, and of the sensor's noise
   double speed = 1;          // times real time; 0: as fast as it goes
+  bool ideal = false;        // drives without gravity, coasting, play and delays
   // By the threads of a real cabinet, whose ticks come as late as this computer lets them;
   // otherwise in virtual time, the same on every run.
   bool real_time = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
 
+#include <cmath>
+
 namespace armsig::cabinet {
 
 VirtualSensor::VirtualSensor(const World& world, const canopen::CheckedConfiguration& drives,
@@ -47,6 +49,38 @@ Result<std::optional<hal::RangeReading>> VirtualSensor::do_poll(hal::Instant now
   return reading;
 }
 
+VirtualGravity::VirtualGravity(const World& world, const canopen::CheckedConfiguration& drives,
+                               const VirtualSensor& sensor,
+                               std::span<std::optional<simulated::Drive>> motors)
+    : world_(world), drives_(drives), sensor_(sensor), motors_(motors) {
+  do_advance({});
+}
+
+void VirtualGravity::do_advance(hal::Instant until) {
+  // In which even a fast arm turns by a few degrees only.
+  constexpr hal::Duration kStep = std::chrono::milliseconds(10);
+  if (until < next_) return;
+  next_ = until + kStep;
+  const JointVector pull =
+      simulated::gravity_pull(world_.arm, sensor_.true_readings(), world_.limbs);
+  for (std::size_t i = 0; i < pull.size(); ++i) {
+    const canopen::Scaling& scaling = drives_.scaling(i);
+    motors_[i]->set_gravity(pull[i] / (scaling.reading(1) - scaling.reading(0)));
+  }
+}
+
+namespace {
+
+simulated::DriveConfiguration drive_of(const World& world, const canopen::AxisConfiguration& axis) {
+  if (world.drive) return *world.drive;
+  const double counts_per_unit = 1 / canopen::Scaling::make(axis.scaling)->resolution();
+  return axis.scaling.type == JointType::kRevolute
+             ? simulated::honest_drive(axis.node, counts_per_unit)
+             : simulated::honest_slide_drive(axis.node, counts_per_unit);
+}
+
+}  // namespace
+
 VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
                                const canopen::Configuration& drives, const World& world,
                                hal::NonvolatileMemory& memory,
@@ -58,8 +92,10 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
       bus_(drives.bits_per_second) {
   bus_.connect(master_port_);
   for (std::size_t i = 0; i < drives.axes.size(); ++i) {
-    simulated::DriveConfiguration drive = world.drive;
+    simulated::DriveConfiguration drive = drive_of(world, drives.axes[i]);
     drive.node = drives.axes[i].node;
+    drive.encoder_counts =
+        static_cast<std::uint32_t>(std::lround(drives.axes[i].scaling.counts_per_revolution));
     drive.serial = world.first_serial + static_cast<std::uint32_t>(i);
     drive.sync_loss_periods = world.sync_loss_periods;
     drive.motion.start = drives_.scaling(i).counts(world.start[i]).value_or(0);
@@ -70,6 +106,8 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
   sensor_.emplace(world_, drives_, motors_);
   clock_.add(bus_);
   clock_.add(*sensor_);
+  gravity_.emplace(world_, drives_, *sensor_, motors_);
+  clock_.add(*gravity_);
   controller_.emplace(configuration, *master_, *sensor_, clock_, memory, consoles);
 }
 

@@ -13,6 +13,7 @@
 #include "hal/canopen/master.hpp"
 #include "hal/simulated/arm.hpp"
 #include "hal/simulated/drive.hpp"
+#include "hal/simulated/gravity.hpp"
 #include "hal/simulated/ultrasonic_field.hpp"
 #include "hal/simulated/virtual_can_bus.hpp"
 #include "hal/simulated/virtual_clock.hpp"
@@ -21,9 +22,12 @@ namespace armsig::cabinet {
 
 // The arm as it is, behind the drives as they are.
 struct World {
-  simulated::SimulatedArm arm;          // as it was built; its last target is on the hand
-  JointVector start;                    // readings at power-up
-  simulated::DriveConfiguration drive;  // of every joint, but for its node and where it starts
+  simulated::SimulatedArm arm;  // as it was built; its last target is on the hand
+  JointVector start;            // readings at power-up
+  // Of every joint, but for its node and where it starts; none: drives as they are, of each joint's
+  // own counts (simulated::honest_drive(), honest_slide_drive()).
+  std::optional<simulated::DriveConfiguration> drive;
+  simulated::Limbs limbs;  // what gravity pulls at
   unsigned sync_loss_periods = simulated::DriveConfiguration{}.sync_loss_periods;
   simulated::UltrasonicConfig sensor;
   hal::Duration ping_period = std::chrono::milliseconds(20);
@@ -60,6 +64,22 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   hal::Duration stamp_error_{};
 };
 
+// Gravity, by the pose that the motors have brought the arm into.
+class VirtualGravity final : public simulated::TimeDriven {
+ public:
+  VirtualGravity(const World& world, const canopen::CheckedConfiguration& drives,
+                 const VirtualSensor& sensor, std::span<std::optional<simulated::Drive>> motors);
+
+ private:
+  void do_advance(hal::Instant until) override;
+
+  const World& world_;
+  const canopen::CheckedConfiguration& drives_;
+  const VirtualSensor& sensor_;
+  std::span<std::optional<simulated::Drive>> motors_;
+  hal::Instant next_;
+};
+
 class VirtualCabinet {
  public:
   // Preconditions: check() of both configurations; `memory`, `consoles` and the `real_time` of the
@@ -92,6 +112,7 @@ class VirtualCabinet {
   std::array<std::optional<simulated::Drive>, kMaxJoints> motors_;
   std::optional<canopen::Master> master_;
   std::optional<VirtualSensor> sensor_;
+  std::optional<VirtualGravity> gravity_;
   std::optional<controller::Controller> controller_;
   hal::Instant next_;
 };

@@ -21,6 +21,12 @@ enum class State : std::uint8_t {
 
 [[nodiscard]] std::string_view describe(State state);
 
+// Whether the motor has torque in `state`.
+[[nodiscard]] constexpr bool has_torque(State state) {
+  return state == State::kOperationEnabled || state == State::kQuickStopActive ||
+         state == State::kFaultReactionActive;
+}
+
 // Bits of the statusword 6041h. Bit 12 and 13 have these meanings in cyclic synchronous position
 // mode; bit 10 tells in Quick stop active that the drive is at rest.
 inline constexpr std::uint16_t kStatusVoltage = 1U << 4;

@@ -6,6 +6,7 @@
 
 #include "hal/canopen/emergency.hpp"
 #include "hal/canopen/sdo_client.hpp"
+#include "hal/canopen/standstill.hpp"
 
 namespace armsig::canopen {
 namespace {
@@ -21,10 +22,6 @@ constexpr double kTargetPeriods = 4;
 // a drive that overshoots or is pushed stays below, a bit error does not.
 constexpr double kFeedbackMargin = 4;
 
-// A joint that goes less far than this speed would take it, in this time, stands.
-constexpr double kRestSpeed_rad = 8.7e-3;  // a second; half a degree
-constexpr double kRestSpeed_m = 1e-3;
-constexpr hal::Duration kRestTime = std::chrono::milliseconds(50);
 // Older than this, or than these periods, a position tells nothing about standing.
 constexpr hal::Duration kFreshPosition = std::chrono::milliseconds(50);
 constexpr int kFreshPeriods = 5;
@@ -48,11 +45,6 @@ constexpr std::array<StatusRule, kStatusRules> kRules{{
     {cia402::kStatusInternalLimit, 0, Error::kDriveLimited, &StatusLimits::limits},
     {cia402::kStatusWarning, 0, Error::kDriveWarning, &StatusLimits::warns},
 }};
-
-bool has_torque(State state) {
-  return state == State::kOperationEnabled || state == State::kQuickStopActive ||
-         state == State::kFaultReactionActive;
-}
 
 // A drive that boots more often than this after one reset does not stay up.
 constexpr unsigned kMostBootUps = 3;
@@ -82,6 +74,9 @@ bool needs_setup(Error fault) {
 std::string_view words_of(std::optional<Error> fault, std::uint32_t code) {
   if (!fault || code == 0) return {};
   if (*fault == Error::kSdoAborted) return describe_sdo_abort(code);
+  if (*fault == Error::kScaleInvalid) {
+    return "this object says that the drive counts otherwise than configured";
+  }
   const bool emergency = *fault == Error::kDriveEmergency || *fault == Error::kDriveFault;
   return emergency ? describe_emergency(static_cast<std::uint16_t>(code)) : std::string_view();
 }
@@ -95,7 +90,7 @@ hal::DriveStatus DriveNode::status() const {
                           .status_word = s_.status_word,
                           .limit_active = (s_.status_word & cia402::kStatusInternalLimit) != 0,
                           .warning = (s_.status_word & cia402::kStatusWarning) != 0,
-                          .has_torque = has_torque(s_.state),
+                          .has_torque = cia402::has_torque(s_.state),
                           .information = s_.information};
   using enum hal::DriveCondition;
   if (s_.fault) {
@@ -168,15 +163,13 @@ void DriveNode::release(hal::Instant now) {
   if (!s_.set_up_again) return;
   if (!s_.released_at) s_.released_at = now;
   const bool listens = now - s_.position_at <= kFreshPosition;
-  if (has_torque(s_.state) && listens && now - *s_.released_at <= kLongestRelease) return;
+  if (cia402::has_torque(s_.state) && listens && now - *s_.released_at <= kLongestRelease) return;
   enter(Phase::kUnreset, now);
 }
 
 // A joint that is seen for the first time is taken to stand: it has no torque by us.
 void DriveNode::take_rest(hal::Instant at) {
-  const bool turns = axis_->scaling.type == JointType::kRevolute;
-  const double tolerance =
-      (turns ? kRestSpeed_rad : kRestSpeed_m) * hal::seconds(kRestTime) + 2 * scaling_.resolution();
+  const double tolerance = rest_tolerance(axis_->scaling.type, scaling_);
   if (s_.phase == Phase::kStarted) {
     s_.rest_position = s_.position;
     s_.moved_at = at - kRestTime;

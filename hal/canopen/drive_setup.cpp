@@ -3,6 +3,7 @@
 
 #include <chrono>
 
+#include "hal/canopen/factors.hpp"
 #include "hal/canopen/identity.hpp"
 
 namespace armsig::canopen {
@@ -90,6 +91,7 @@ DriveSetup drive_setup(const CheckedConfiguration& configuration, std::size_t ax
   expect(setup, kDeviceType, SetupRule::kMustEqual, kProfileMask, kProfile402);
   expect(setup, kSupportedModes, SetupRule::kMustEqual, kSupportsCsp, kSupportsCsp);
   append_identity_requests(setup);
+  append_factor_requests(setup);
   write(setup, kHeartbeatProducer, 0, 2, milliseconds_of(configuration->heartbeat));
   write(setup, kHeartbeatConsumer, 1, 4,
         (static_cast<std::uint32_t>(configuration->master_node) << 16) |
@@ -119,6 +121,7 @@ DriveSetup drive_setup(const CheckedConfiguration& configuration, std::size_t ax
   }
   expect(setup, kPolarity, SetupRule::kEqualIfPresent, kPositionReversed, 0);
   write(setup, kPositionOffset, 0, 4, 0, SetupRule::kIfPresent);
+  expect(setup, kPositionOffset, SetupRule::kEqualIfPresent, 0xFFFFFFFF, 0);
   if (joint.following_window > 0) {
     write(setup, kFollowingWindow, 0, 4,
           *configuration.scaling(axis).distance_counts(joint.following_window));

@@ -28,14 +28,14 @@ struct SetupStep {
   std::uint32_t expected = 0;
 };
 
-inline constexpr std::size_t kMaxSetupSteps = 48;
+inline constexpr std::size_t kMaxSetupSteps = 56;
 using DriveSetup = FixedVector<SetupStep, kMaxSetupSteps>;
 
-// Identity and mode are checked, heartbeats both ways set, every PDO switched off, RPDO1 and TPDO1
-// mapped and switched on (in the order that CiA 301, 7.5.2.36 demands: PDO off, entries to zero,
-// entries, their number, PDO on), then interpolation period, stop behaviour and mode. Polarity
-// (607Eh) must be none, as the sense of a joint is ours to turn; a position offset (60B0h) is
-// zeroed.
+// Type and mode are checked, identity and factor group (factors.hpp) read, heartbeats both ways
+// set, every PDO switched off, RPDO1 and TPDO1 mapped and switched on (in the order that CiA
+// 301, 7.5.2.36 demands: PDO off, entries to zero, entries, their number, PDO on), then
+// interpolation period, stop behaviour and mode. Polarity (607Eh) must be none, as the sense of a
+// joint is ours to turn; a position offset (60B0h) is zeroed, and read to be zero.
 [[nodiscard]] DriveSetup drive_setup(const CheckedConfiguration& configuration, std::size_t axis);
 
 // The error that `outcome` of `step` means; empty if the set-up may go on.

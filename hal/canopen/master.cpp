@@ -4,7 +4,6 @@
 #include <chrono>
 
 #include "core/base/check.hpp"
-#include "hal/canopen/identity.hpp"
 
 namespace armsig::canopen {
 
@@ -14,6 +13,8 @@ Master::Master(const CheckedConfiguration& configuration, hal::CanBus& bus, Fram
     : configuration_(configuration), bus_(&bus), other_frames_(other_frames) {
   for (std::size_t axis = 0; axis < configuration_->axes.size(); ++axis) {
     nodes_.push_back(DriveNode(configuration_->axes[axis], configuration_.scaling(axis)));
+    inquiries_.push_back(RestInquiry(configuration_->axes[axis], configuration_.scaling(axis),
+                                     configuration_->sdo_timeout));
   }
   positions_.resize(nodes_.size());
   other_needs_start_.fill(true);
@@ -122,9 +123,7 @@ void Master::take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& receiv
       well_formed = drive.take_emergency(received.frame);
       break;
     case kSdoResponseId:
-      if (transfer_ && setup_joint_ && nodes_[*setup_joint_]->node() == drive.node()) {
-        transfer_->take(received.frame);
-      }
+      take_answer(drive, received.frame);
       break;
     case kReceivePdo1Id:
       ++counters_.foreign;
@@ -188,91 +187,6 @@ Result<void> Master::send(const hal::CanFrame& frame) {
     busy_now_ = busy_now_ || sent.error() == Error::kBusBusy;
   }
   return sent;
-}
-
-void Master::step_others() {
-  const auto& others = configuration_->other_nodes;
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    if (other_needs_start_[i] && send(nmt_frame(NmtCommand::kStart, others[i]))) {
-      other_needs_start_[i] = false;
-    }
-  }
-}
-
-void Master::step_setup() {
-  // Every drive is reset at once, so that they boot side by side.
-  for (auto& node : nodes_) {
-    if (node->state().phase == Phase::kUnreset &&
-        send(nmt_frame(NmtCommand::kResetCommunication, node->node()))) {
-      node->enter(Phase::kBooting, now_);
-    }
-  }
-  for (auto& node : nodes_) {
-    if (node->state().phase == Phase::kBooting &&
-        now_ - node->state().phase_since > configuration_->boot_timeout) {
-      fail_setup(*node, Error::kDriveAbsent, 0);
-    }
-  }
-  if (setup_joint_ && nodes_[*setup_joint_]->state().phase != Phase::kConfiguring) {
-    setup_joint_.reset();  // reset by the operator, or restarted, in the middle of it
-    transfer_.reset();
-  }
-  for (std::size_t joint = 0; joint < nodes_.size() && !setup_joint_; ++joint) {
-    if (nodes_[joint]->state().phase != Phase::kBooted) continue;
-    setup_joint_ = joint;
-    setup_ = drive_setup(configuration_, joint);
-    setup_step_ = 0;
-    identities_[joint] = identity_of(configuration_->axes[joint]);
-    transfer_.reset();
-    nodes_[joint]->enter(Phase::kConfiguring, now_);
-  }
-  if (setup_joint_) step_requests(*nodes_[*setup_joint_]);
-}
-
-void Master::step_requests(DriveNode& drive) {
-  if (drive.state().fault) {  // does not stay up
-    fail_setup(drive, *drive.state().fault, 0);
-    return;
-  }
-  if (transfer_ && transfer_->outcome()) {
-    const SetupStep& step = setup_[setup_step_];
-    const auto error = judge(step, *transfer_->outcome());
-    const bool may_wait = step.rule == SetupRule::kWaitsEqual &&
-                          error == Error::kSdoUnexpectedValue &&
-                          now_ - drive.state().phase_since <= configuration_->boot_timeout;
-    if (error && !may_wait) {
-      const SdoOutcome& outcome = *transfer_->outcome();
-      fail_setup(drive, *error, outcome ? *outcome : outcome.error().abort_code);
-      return;
-    }
-    if (!error) {
-      take_identity(step.request, *transfer_->outcome(), identities_[*setup_joint_]);
-      ++setup_step_;
-    }
-    transfer_.reset();
-  }
-  if (setup_step_ == setup_.size()) {
-    if (send(nmt_frame(NmtCommand::kStart, drive.node()))) {
-      drive.enter(Phase::kStarted, now_);
-      setup_joint_.reset();
-    }
-    return;
-  }
-  if (!transfer_) {
-    transfer_.emplace(drive.node(), setup_[setup_step_].request, configuration_->sdo_timeout,
-                      configuration_->sdo_attempts);
-  }
-  // A request that the bus does not take is as good as lost: it is repeated after the time-out.
-  if (const auto request = transfer_->poll(now_)) (void)send(*request);
-}
-
-void Master::fail_setup(DriveNode& drive, Error error, std::uint32_t code) {
-  drive.latch(error, code);
-  drive.enter(Phase::kFailed, now_);
-  if (setup_joint_ && &*nodes_[*setup_joint_] == &drive) {
-    setup_joint_.reset();
-    transfer_.reset();
-  }
 }
 
 void Master::latch_all(Error error) {

@@ -10,6 +10,8 @@
 //   write(): the master's heartbeat if it is due; one step of the set-up of one drive; RPDO1 of
 //            every drive whose position is known. An RPDO1 takes effect at the next SYNC
 //            (transmission type 1).
+// No drive is reset for the first time before all that have torque by a former master were stopped
+// and stand, or Configuration::stop_timeout is over (rest_inquiry.hpp).
 // Drives are set up one after the other, with one SDO request under way at a time.
 #pragma once
 
@@ -22,6 +24,8 @@
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/drive_node.hpp"
 #include "hal/canopen/drive_setup.hpp"
+#include "hal/canopen/factors.hpp"
+#include "hal/canopen/rest_inquiry.hpp"
 #include "hal/canopen/sdo_client.hpp"
 #include "hal/joint_drives.hpp"
 
@@ -92,8 +96,13 @@ class Master final : public hal::JointDrives {
   void latch_all(Error error);
   void set_goals(cia402::Goal goal);
   void step_others();
+  // True while a drive may still be moving by its former master.
+  bool step_inquiries();
+  void take_answer(const DriveNode& drive, const hal::CanFrame& frame);
+  void reset_drives();
   void step_setup();
   void step_requests(DriveNode& drive);
+  void finish_setup(DriveNode& drive);
   void fail_setup(DriveNode& drive, Error error, std::uint32_t code);
 
   CheckedConfiguration configuration_;
@@ -110,10 +119,14 @@ class Master final : public hal::JointDrives {
   std::optional<hal::Instant> own_heartbeat_at_;
   unsigned busy_ticks_ = 0;
   bool busy_now_ = false;
+  // Before the first reset; empty after it.
+  FixedVector<std::optional<RestInquiry>, kMaxJoints> inquiries_;
+  std::optional<hal::Instant> inquiring_since_;
   // Set-up of one drive at a time.
   std::optional<std::size_t> setup_joint_;
   DriveSetup setup_;
   std::size_t setup_step_ = 0;
+  DriveFactors factors_;
   std::optional<SdoTransfer> transfer_;
   MasterCounters counters_;
 };

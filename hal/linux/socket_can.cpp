@@ -231,13 +231,26 @@ hal::CanStatus SocketCan::do_status() {
   // A controller starts anew with its interface.
   if (up_ && !was_up) controller_ = hal::CanState::kActive;
   if (up_ && controller_ == hal::CanState::kBusOff && restart_.due(now)) {
-    last_errno_ = restart_can_controller(interface_index_);
-    // Where there is no controller to restart, there is none that is off the bus either. Elsewhere
-    // an error frame tells when it is back.
-    if (last_errno_ == EOPNOTSUPP) leave_bus_off();
+    restart_asked_ = interface_index_;
     restart_.fail(now);
+    if (!configuration_.maintained) maintain();
   }
+  take_restart();
   return last_status();
+}
+
+void SocketCan::maintain() {
+  const unsigned interface_index = restart_asked_.exchange(0);
+  if (interface_index != 0) restart_result_ = restart_can_controller(interface_index);
+}
+
+void SocketCan::take_restart() {
+  const int result = restart_result_.exchange(kNoResult);
+  if (result == kNoResult) return;
+  last_errno_ = result;
+  // Where there is no controller to restart, there is none that is off the bus either. Elsewhere
+  // an error frame tells when it is back.
+  if (up_ && result == EOPNOTSUPP) leave_bus_off();
 }
 
 hal::CanStatus SocketCan::last_status() const {

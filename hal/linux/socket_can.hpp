@@ -2,6 +2,7 @@
 // A CAN interface of Linux, by a raw socket (Documentation/networking/can.rst of the kernel).
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,15 +32,23 @@ struct SocketCanConfiguration {
   // Of data frames with 11-bit identifiers; none: all of them. Extended and remote frames, which no
   // CANopen device of ours sends, are left to the kernel.
   FixedVector<CanFilter, kMaxCanFilters> filters;
+  // Another thread calls maintain(): status() then waits for no lock of the network's settings.
+  bool maintained = false;
 };
 
 // The interface need not exist yet: it is opened as soon as it does, reopened when it was gone,
 // used again when it was down, and its controller restarted when it was bus-off, each with a
-// back-off. All that happens inside status(). Stamps are the kernel's, told in CLOCK_MONOTONIC;
-// where the wall clock is set, those of one tick are wrong by as much.
+// back-off. All that happens inside status(), but for the restart, which waits for whoever changes
+// the network's settings at that moment: a thread without deadlines does it by maintain(). Stamps
+// are the kernel's, told in CLOCK_MONOTONIC; where the wall clock is set, those of one tick are
+// wrong by as much.
 class SocketCan final : public hal::CanBus {
  public:
   explicit SocketCan(const SocketCanConfiguration& configuration);
+
+  // What status() has asked for; from another thread, at least once a second. Only where
+  // SocketCanConfiguration::maintained.
+  void maintain();
 
   // The errno value of the last try to open the interface or to restart its controller, 0 after a
   // success; for the log.
@@ -58,6 +67,7 @@ class SocketCan final : public hal::CanBus {
   [[nodiscard]] bool interface_is_up();
   void take_error_frame(std::uint32_t error_class, std::uint8_t controller_status);
   void leave_bus_off();
+  void take_restart();
 
   SocketCanConfiguration configuration_;
   FileDescriptor socket_;
@@ -69,6 +79,10 @@ class SocketCan final : public hal::CanBus {
   hal::Instant restarted_at_;
   std::uint32_t kernel_drops_ = 0;  // as the socket counts them since it was opened
   int last_errno_ = 0;
+  // Between status() and maintain(): the interface to be restarted, 0: none; and what came of it.
+  static constexpr int kNoResult = -1;
+  std::atomic<unsigned> restart_asked_{0};
+  std::atomic<int> restart_result_{kNoResult};
   // As of the last status(): the time, and how far CLOCK_REALTIME, in which the kernel stamps
   // frames, is ahead of CLOCK_MONOTONIC. Read there and not for each frame, to save system calls.
   hal::Instant now_;

@@ -31,6 +31,16 @@ Pose link_pose(const SimulatedArm& arm, const JointVector& readings, std::size_t
   return X_SL;
 }
 
+FixedVector<Pose, kMaxFrames> link_poses(const SimulatedArm& arm, const JointVector& readings) {
+  const JointVector effective = effective_readings(arm.arm, readings);
+  FixedVector<Pose, kMaxFrames> X_SL;
+  X_SL.push_back(arm.X_S0);
+  for (std::size_t i = 0; i < arm.arm.joints.size(); ++i) {
+    X_SL.push_back(X_SL.back() * joint_transform(arm.arm.joints[i], effective[i]));
+  }
+  return X_SL;
+}
+
 Vector3 target_position(const SimulatedArm& arm, const JointVector& readings,
                         const Target& target) {
   return link_pose(arm, readings, target.link) * target.p_L;

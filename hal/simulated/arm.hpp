@@ -30,6 +30,10 @@ struct SimulatedArm {
 [[nodiscard]] Pose link_pose(const SimulatedArm& arm, const JointVector& readings,
                              std::size_t link);
 
+// X_SL of every link, 0 ... n.
+[[nodiscard]] FixedVector<Pose, kMaxFrames> link_poses(const SimulatedArm& arm,
+                                                       const JointVector& readings);
+
 // p_S of a target at the joint readings.
 [[nodiscard]] Vector3 target_position(const SimulatedArm& arm, const JointVector& readings,
                                       const Target& target);

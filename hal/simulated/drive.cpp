@@ -22,59 +22,26 @@ DriveConfiguration honest_drive(std::uint8_t node, double counts_per_radian) {
   return {.node = node,
           .motion = honest_motion(counts_per_radian),
           .tells_rest = true,
-          .answer_delay = std::chrono::microseconds(200)};
+          .answer_delay = std::chrono::microseconds(200),
+          .answer_jitter = std::chrono::microseconds(200)};
+}
+
+DriveConfiguration honest_slide_drive(std::uint8_t node, double counts_per_metre) {
+  DriveConfiguration drive = honest_drive(node, counts_per_metre);
+  drive.motion = honest_slide(counts_per_metre);
+  return drive;
 }
 
 Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Instant now)
     : configuration_(configuration),
       bus_(&bus),
-      dictionary_(configuration.node, configuration.serial),
+      dictionary_(configuration.node, configuration.serial, configuration.encoder_counts),
       motion_(configuration.motion, now),
       now_(now),
-      boot_at_(now + configuration.boot_time) {
+      boot_at_(now + configuration.boot_time),
+      jitter_(configuration.node) {
   restore_dictionary();
   publish();
-}
-
-void Drive::restore_dictionary() {
-  dictionary_.restore();
-  const auto ramp = static_cast<std::uint32_t>(configuration_.motion.stop_deceleration);
-  dictionary_.set(0x6084, 0, ramp);
-  dictionary_.set(0x6085, 0, ramp);
-  if (set_) dictionary_.set(set_->index, set_->subindex, set_->value);
-  read_settings();
-}
-
-void Drive::read_settings() {
-  using std::chrono::milliseconds;
-  constexpr std::uint32_t kLastSynchronousType = 240;
-  const auto on_sync = [&](std::uint16_t parameter) {
-    const std::uint32_t type = dictionary_.get(parameter, 2);
-    return type > 0 && type <= kLastSynchronousType;
-  };
-  const std::uint32_t consumer = dictionary_.get(0x1016, 1);
-  hal::Duration unit = std::chrono::seconds(1);
-  for (auto exponent = static_cast<std::int8_t>(dictionary_.get(0x60C2, 2)); exponent < 0;
-       ++exponent) {
-    unit /= 10;
-  }
-  settings_ = {.receive_pdo = dictionary_.get(0x1400, 1),
-               .transmit_pdo = dictionary_.get(0x1800, 1),
-               .receives_on_sync = on_sync(0x1400),
-               .transmits_on_sync = on_sync(0x1800),
-               .master = static_cast<std::uint8_t>((consumer >> 16) & 0x7F),
-               .master_timeout = milliseconds(consumer & 0xFFFF),
-               .heartbeat = milliseconds(dictionary_.get(0x1017)),
-               .stops = {.quick_stop = static_cast<std::uint16_t>(dictionary_.get(0x605A)),
-                         .shutdown = static_cast<std::uint16_t>(dictionary_.get(0x605B)),
-                         .disable_operation = static_cast<std::uint16_t>(dictionary_.get(0x605C)),
-                         .fault_reaction = static_cast<std::uint16_t>(dictionary_.get(0x605E)),
-                         .deceleration = static_cast<double>(dictionary_.get(0x6084)),
-                         .quick_deceleration = static_cast<double>(dictionary_.get(0x6085))},
-               .following_window = dictionary_.get(0x6065),
-               .following_timeout = milliseconds(dictionary_.get(0x6066)),
-               .period = unit * dictionary_.get(0x60C2, 1),
-               .offset = static_cast<std::int32_t>(dictionary_.get(0x60B0))};
 }
 
 void Drive::send(const hal::CanFrame& frame) {
@@ -268,7 +235,11 @@ void Drive::take_sync() {
   if (pending_pdo_) apply_receive_pdo();
   publish();
   if (configuration_.answer_delay > hal::Duration::zero()) {
-    answer_at_ = now_ + configuration_.answer_delay;
+    // A linear congruential generator (Numerical Recipes): its high bits are random enough for
+    // this.
+    jitter_ = 1664525U * jitter_ + 1013904223U;
+    answer_at_ =
+        now_ + configuration_.answer_delay + configuration_.answer_jitter * (jitter_ >> 16) / 65536;
   } else {
     answer_sync();
   }

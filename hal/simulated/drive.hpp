@@ -19,17 +19,22 @@ namespace armsig::simulated {
 
 struct DriveConfiguration {
   std::uint8_t node = 1;
-  std::uint32_t serial = 0;  // of the identity object; 0: not told
+  std::uint32_t serial = 0;          // of the identity object; 0: not told
+  std::uint32_t encoder_counts = 0;  // a motor revolution, of the factor group; 0: it has none
   MotionConfiguration motion{};
   hal::Duration boot_time = std::chrono::milliseconds(5);
   // SYNC periods that may be missing while enabled, before emergency 8700h; 0: not watched.
   unsigned sync_loss_periods = 5;
   bool tells_rest = false;       // statusword bit 10 in Quick stop active, once at rest
-  hal::Duration answer_delay{};  // from SYNC to TPDO1
+  hal::Duration answer_delay{};  // from SYNC to TPDO1, at least
+  // Most that a TPDO1 comes later than that: anew at every SYNC, the same for the same node.
+  hal::Duration answer_jitter{};
 };
 
-// A drive as they are: honest_motion(), bit 10, an answer 200 us after SYNC.
+// A drive as they are: honest_motion(), bit 10, an answer 200 us to 400 us after SYNC.
 [[nodiscard]] DriveConfiguration honest_drive(std::uint8_t node, double counts_per_radian);
+// Of a slide: honest_slide().
+[[nodiscard]] DriveConfiguration honest_slide_drive(std::uint8_t node, double counts_per_metre);
 
 // Faults on command.
 enum class DriveFault : std::uint8_t {
@@ -75,6 +80,8 @@ class Drive final : public CanDevice {
     set_ = SetObject{index, subindex, value};
     dictionary_.set(index, subindex, value);
   }
+  // counts/s^2 that pull at the motor in the pose that the arm has now.
+  void set_gravity(double gravity) { motion_.set_gravity(gravity); }
   // Somebody leans on the joint.
   void push(double counts) { motion_.push(counts); }
 
@@ -142,7 +149,8 @@ class Drive final : public CanDevice {
   DriveFault fault_ = DriveFault::kNone;
   std::optional<SetObject> set_;
   std::int32_t jump_ = 0;
-  std::uint16_t bits_ = 0;  // of kBitsClear and kBitsSet
+  std::uint32_t jitter_ = 0;  // last number drawn for answer_jitter
+  std::uint16_t bits_ = 0;    // of kBitsClear and kBitsSet
 };
 
 }  // namespace armsig::simulated

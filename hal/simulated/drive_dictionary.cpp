@@ -71,12 +71,24 @@ void DriveDictionary::restore() {
   add(0x607E, 0, 1, kReadWrite, 0);           // polarity
   add(0x6084, 0, 4, kReadWrite, 0);           // profile deceleration
   add(0x6085, 0, 4, kReadWrite, 0);           // quick stop deceleration
-  add(0x60B0, 0, 4, kReadWrite, 0);           // position offset, added to the target
+  if (encoder_counts_ > 0) {
+    add_quotient(0x608F, encoder_counts_);  // position encoder resolution
+    add_quotient(0x6091, 1);                // gear ratio: the drive knows of none
+    add_quotient(0x6092, encoder_counts_);  // feed constant
+  }
+  add(0x60B0, 0, 4, kReadWrite, 0);  // position offset, added to the target
   add(0x60C2, 0, 1, kReadOnly, 2);
   add(0x60C2, 1, 1, kReadWrite, 1);       // interpolation period
   add(0x60C2, 2, 1, kReadWrite, 0xFD);    // its exponent, -3
   add(0x6502, 0, 4, kReadOnly, 1U << 7);  // supported modes: CSP
   std::ranges::sort(objects_, std::ranges::less{}, &Object::key);
+}
+
+void DriveDictionary::add_quotient(std::uint16_t index, std::uint32_t over) {
+  using enum Access;
+  add(index, 0, 1, kReadOnly, 2);
+  add(index, 1, 4, kReadWrite, over);
+  add(index, 2, 4, kReadWrite, 1);
 }
 
 // Two PDOs each way exist, so that a master meets both kinds: PDO1 and PDO2 are on after power-up,

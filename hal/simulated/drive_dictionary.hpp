@@ -35,7 +35,9 @@ class DriveDictionary {
   static constexpr std::size_t kMaxObjects = 72;
   static constexpr std::size_t kMaxEntries = 2;  // of a PDO mapping
 
-  DriveDictionary(std::uint8_t node, std::uint32_t serial) : node_(node), serial_(serial) {
+  // `encoder_counts` a motor revolution, told by the factor group; 0: the drive has none.
+  DriveDictionary(std::uint8_t node, std::uint32_t serial, std::uint32_t encoder_counts = 0)
+      : node_(node), serial_(serial), encoder_counts_(encoder_counts) {
     restore();
   }
 
@@ -58,6 +60,7 @@ class DriveDictionary {
   void add(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes, Access access,
            std::uint32_t value);
   void add_pdos();
+  void add_quotient(std::uint16_t index, std::uint32_t over);
   [[nodiscard]] std::uint8_t entries(std::uint16_t mapping) const;  // kMaxEntries at most
   [[nodiscard]] Object* find(std::uint16_t index, std::uint8_t subindex);
   [[nodiscard]] const Object* find(std::uint16_t index, std::uint8_t subindex) const;
@@ -68,6 +71,7 @@ class DriveDictionary {
 
   std::uint8_t node_;
   std::uint32_t serial_;
+  std::uint32_t encoder_counts_;
   FixedVector<Object, kMaxObjects> objects_;  // by rising key
 };
 

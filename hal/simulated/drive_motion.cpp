@@ -8,19 +8,38 @@
 
 namespace armsig::simulated {
 
+namespace {
+
+// Of a position loop whose integrator stops at a few counts.
+constexpr double kCompliance_s2 = 1e-6;
+
+}  // namespace
+
 MotionConfiguration honest_motion(double counts_per_radian) {
   return {.stop_deceleration = radians(180) * counts_per_radian,
           .gravity = 3 * counts_per_radian,
           .friction = 0.5 * counts_per_radian,
           .brake_delay = std::chrono::milliseconds(60),
           .brake_deceleration = 50 * counts_per_radian,
-          .play = radians(0.01) * counts_per_radian};
+          .compliance_s2 = kCompliance_s2,
+          .play = radians(0.003) * counts_per_radian};
+}
+
+MotionConfiguration honest_slide(double counts_per_metre) {
+  return {.stop_deceleration = 2 * counts_per_metre,
+          .gravity = 0.1 * counts_per_metre,
+          .friction = 0.5 * counts_per_metre,
+          .brake_delay = std::chrono::milliseconds(60),
+          .brake_deceleration = 20 * counts_per_metre,
+          .compliance_s2 = kCompliance_s2,
+          .play = 1e-5 * counts_per_metre};
 }
 
 DriveMotion::DriveMotion(const MotionConfiguration& configuration, hal::Instant now)
     : configuration_(configuration) {
   s_.now = now;
   s_.brake_at = now;
+  s_.gravity = configuration.gravity;
   s_.position = s_.joint = s_.from = s_.to = configuration.start;
 }
 
@@ -90,7 +109,7 @@ void DriveMotion::slow_down(double change) {
 void DriveMotion::step_braked(double dt) {
   if (s_.now < s_.brake_at) {
     slow_down(configuration_.friction * dt);
-    s_.velocity += configuration_.gravity * dt;
+    s_.velocity += s_.gravity * dt;
   } else if (configuration_.brake_deceleration > 0) {
     slow_down(configuration_.brake_deceleration * dt);
   } else {
@@ -105,7 +124,8 @@ void DriveMotion::step_following(double dt) {
   }
   // a = w^2 (r - x) + 2 w (dr/dt - v), critically damped, then what the motor can do.
   const double w = 2 * kPi * configuration_.bandwidth_hz;
-  const double wanted = w * w * (reference(s_.now) + configuration_.droop - s_.position) +
+  const double droop = configuration_.droop + configuration_.compliance_s2 * s_.gravity;
+  const double wanted = w * w * (reference(s_.now) + droop - s_.position) +
                         2 * w * (reference_velocity(s_.now) - s_.velocity);
   const double acceleration =
       std::clamp(wanted, -configuration_.largest_acceleration, configuration_.largest_acceleration);
@@ -130,7 +150,11 @@ void DriveMotion::step() {
   if (s_.blocked) s_.velocity = 0;
   s_.position += s_.velocity * dt;
   const double slack = configuration_.play / 2;
-  s_.joint = std::clamp(s_.joint, s_.position - slack, s_.position + slack);
+  if (std::fabs(s_.gravity) > configuration_.friction && slack > 0) {
+    s_.joint = s_.position + std::copysign(slack, s_.gravity);
+  } else {
+    s_.joint = std::clamp(s_.joint, s_.position - slack, s_.position + slack);
+  }
 }
 
 }  // namespace armsig::simulated

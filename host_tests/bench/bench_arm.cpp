@@ -124,9 +124,8 @@ int run(int argc, char** argv) {
   app.add_option("--sync-loss", plant.sync_loss_periods,
                  "missing SYNC periods that make an enabled drive fault; 0: any number is borne")
       ->capture_default_str();
-  app.add_flag(
-      "--honest", plant.honest,
-      "drives as they are: gravity, coasting, slow brakes, ramps of 180 degrees/s^2, play");
+  app.add_flag("--ideal", plant.ideal,
+               "exact drives, without gravity, coasting, slow brakes, gentle ramps and play");
   app.add_option("--target-mm", options.target_mm, "the emitter in the frame of the last link")
       ->expected(3)
       ->delimiter(',')

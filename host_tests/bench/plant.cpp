@@ -5,11 +5,15 @@
 #include <cmath>
 #include <utility>
 
+#include "hal/simulated/gravity.hpp"
+
 namespace armsig::bench {
 namespace {
 
 constexpr std::size_t kReceiversOnCan = 6;  // TPDO2 to TPDO4, two each
-constexpr double kLead_m = 0.01;            // travel of a slide a revolution of its output
+// In which even a fast arm turns by a few degrees only.
+constexpr hal::Duration kGravityStep = std::chrono::milliseconds(10);
+constexpr double kLead_m = 0.01;  // travel of a slide a revolution of its output
 
 std::vector<std::uint16_t> registers_of(const simulated::Sounding& sounding) {
   unsigned status = 0;
@@ -45,17 +49,28 @@ Plant::Plant(const PlantConfiguration& configuration, hal::Instant now)
       next_ping_(now),
       now_(now) {
   for (std::size_t i = 0; i < configuration.arm.arm.joints.size(); ++i) {
-    const double start = configuration.start[i] * counts_per_unit(i) + configuration.zero_counts[i];
-    simulated::DriveConfiguration drive;
-    if (configuration.honest) drive = simulated::honest_drive(drive.node, counts_per_unit(i));
-    drive.node = static_cast<std::uint8_t>(i + 1);
-    drive.motion.start = start;
-    drive.motion.bandwidth_hz = configuration.bandwidth_hz;
-    drive.sync_loss_periods = configuration.sync_loss_periods;
-    drives_.emplace_back(drive, bus_, now);
+    drives_.emplace_back(drive_of(i), bus_, now);
   }
   if (configuration.sensor_node != 0) node_.emplace(configuration.sensor_node, bus_, now);
   if (!configuration.sensor_device.empty()) line_.emplace(configuration.sensor_device);
+}
+
+simulated::DriveConfiguration Plant::drive_of(std::size_t joint) const {
+  const auto node = static_cast<std::uint8_t>(joint + 1);
+  const bool turns = configuration_.arm.arm.joints[joint].type == JointType::kRevolute;
+  simulated::DriveConfiguration drive;
+  if (!configuration_.ideal) {
+    drive = turns ? simulated::honest_drive(node, counts_per_unit(joint))
+                  : simulated::honest_slide_drive(node, counts_per_unit(joint));
+  }
+  drive.node = node;
+  drive.encoder_counts =
+      static_cast<std::uint32_t>(std::lround(configuration_.counts_per_revolution));
+  drive.motion.start =
+      configuration_.start[joint] * counts_per_unit(joint) + configuration_.zero_counts[joint];
+  drive.motion.bandwidth_hz = configuration_.bandwidth_hz;
+  drive.sync_loss_periods = configuration_.sync_loss_periods;
+  return drive;
 }
 
 double Plant::counts_per_unit(std::size_t joint) const {
@@ -114,12 +129,23 @@ void Plant::run(hal::Instant now) {
   (void)bus_.status();  // opens the interface again when it was away
   while (const auto received = bus_.receive()) take(*received);
   advance(std::max(now_, now));
+  if (now >= next_gravity_) {
+    next_gravity_ = now + kGravityStep;
+    feel_gravity();
+  }
   if (now >= next_ping_) {
     // A ping that the host's scheduling missed is left out.
     next_ping_ = std::max(next_ping_ + configuration_.ping_period, now);
     ping();
   }
   if (line_) line_->serve(now);
+}
+
+void Plant::feel_gravity() {
+  const JointVector pull = simulated::gravity_pull(configuration_.arm, readings());
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    drives_[i].set_gravity(pull[i] * counts_per_unit(i));
+  }
 }
 
 void Plant::ping() {

@@ -34,7 +34,7 @@ struct PlantConfiguration {
   JointVector start;                // readings at power-up
   double bandwidth_hz = 25;         // of the position loops: following error = speed / (pi * this)
   unsigned sync_loss_periods = 0;   // that drives bear while enabled; 0: any number
-  bool honest = false;              // drives as they are: simulated::honest_drive()
+  bool ideal = false;               // else drives as they are: simulated::honest_drive()
   simulated::UltrasonicConfig field;
   hal::Duration ping_period = std::chrono::milliseconds(20);
   std::uint64_t seed = 1;
@@ -73,6 +73,8 @@ class Plant {
   [[nodiscard]] hal::CanStatus bus_status() { return bus_.status(); }
 
  private:
+  [[nodiscard]] simulated::DriveConfiguration drive_of(std::size_t joint) const;
+  void feel_gravity();
   [[nodiscard]] double counts_per_unit(std::size_t joint) const;
   void take(const hal::ReceivedCanFrame& received);
   void advance(hal::Instant until);
@@ -88,6 +90,7 @@ class Plant {
   SensorFault sensor_fault_ = SensorFault::kNone;
   simulated::Sounding sounding_;  // the last one
   hal::Instant next_ping_;
+  hal::Instant next_gravity_;
   hal::Instant now_;
   unsigned sync_to_lose_ = 0;
   double peak_speed_ = 0;

@@ -310,7 +310,7 @@ TEST(StoreFaults, a_corrupted_record_is_told_and_the_drawing_or_the_former_one_i
     accepted = puma.ask("accept") == "ok";
   }
   puma.memory.bytes[test::RamMemory::kSecondRecord + 500] ^= 1;
-  puma.start(Identified::quick(), 4);
+  puma.start(Identified::quick(), 2);
   ASSERT_TRUE(puma.run_until(Mode::kIdle));
   EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=1 "));
 }

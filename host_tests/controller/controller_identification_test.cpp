@@ -4,90 +4,25 @@
 
 #include <gtest/gtest.h>
 
-#include "core/evaluation/comparison.hpp"
-#include "core/identification.hpp"
-#include "host_tests/support/puma_cabinet.hpp"
+#include "host_tests/support/table_3_run.hpp"
 
 namespace armsig::controller {
 namespace {
 
 using test::PumaCabinet;
 
-constexpr double kLongest_s = 3600;
-
-Configuration with_grid() {
-  Configuration configuration = test::puma_controller();
-  const evaluation::ToolModel drawing{
-      .chain = kinematics::make_chain(configuration.drawing.joints, configuration.drawing.limits),
-      .p_nT = test::puma_world().arm.targets[0].p_L};
-  const auto placed = evaluation::place_grid(drawing, configuration.grid.grid);
-  EXPECT_TRUE(placed);
-  configuration.grid.grid = placed->grid;
-  configuration.grid.taught = placed->taught;
-  configuration.dwell.pings = 8;
-  return configuration;
-}
-
-bool identify_and_accept(PumaCabinet& puma) {
-  if (!puma.enable() || puma.ask("identify") != "ok") return false;
-  puma.run_until(Mode::kSweeping, 1);
-  if (!puma.run_until(Mode::kHolding, kLongest_s)) return false;
-  return puma.ask("accept") == "ok";
-}
-
-Signature truth() {
-  const cabinet::World world = test::puma_world();
-  const KnownTarget target{1, 6, world.arm.targets[0].p_L};
-  return signature_of(world.arm.arm, test::puma_configuration(), world.arm.X_S0, {&target, 1});
-}
-
-// The measuring machine at each vertex that the controller says it touches.
-evaluation::GridReadings touch(PumaCabinet& puma, const Configuration& configuration) {
-  const cabinet::World world = test::puma_world();
-  const auto tool = [&](const JointVector& q) {
-    const Pose X_S6 = simulated::link_pose(world.arm, q, 6);
-    return Pose{X_S6.R, X_S6 * world.arm.targets[0].p_L};
-  };
-  const auto& taught = configuration.grid.taught;
-  const Pose X_ST = tool(taught[0]);
-  const Pose X_WS =
-      evaluation::taught_frame(X_ST.p, tool(taught[1]).p, tool(taught[2]).p).inverse();
-  evaluation::GridReadings readings;
-  EXPECT_EQ(puma.ask("touch-grid"), "ok");
-  std::size_t seen = puma.cabinet->state().grid().touched();
-  for (int i = 0; i < 2'000'000 && puma.cabinet->state().grid().is_running(); ++i) {
-    puma.cabinet->step();
-    const std::size_t touched = puma.cabinet->state().grid().touched();
-    if (touched == seen) continue;
-    seen = touched;
-    const Pose X_now = tool(puma.cabinet->sensor().true_readings());
-    readings.p_W.push_back(X_WS * X_now.p);
-    readings.turn_rad.push_back(X_WS.R * rotation_vector(X_now.R * X_ST.R.transpose()));
-  }
-  return readings;
-}
+using test::identify_and_accept;
 
 TEST(Identification, reaches_the_indices_of_table_3_on_robot_1_and_survives_a_restart) {
   const auto began = std::chrono::steady_clock::now();
-  const Configuration configuration = with_grid();
+  const Configuration configuration = test::puma_with_grid();
   ASSERT_TRUE(check(configuration));
-  PumaCabinet puma(4, configuration);
-  ASSERT_TRUE(identify_and_accept(puma))
-      << (puma.console.told.empty() ? "" : puma.console.told.back());
-  const auto readings = touch(puma, configuration);
-  ASSERT_EQ(readings.p_W.size(), configuration.grid.grid.vertex_count());
+  PumaCabinet puma(1, configuration);
+  const auto factors = test::table_3_run(puma, configuration);
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const double speed = hal::seconds(puma.now().now.time_since_epoch()) / wall_s;
   RecordProperty("times_real_time", std::to_string(speed));
-
-  auto measured = readings;
-  evaluation::quantise(measured, {});
-  const Signature committed = puma.cabinet->state().active()->signature;
-  auto comparison = evaluation::compare(configuration.drawing, committed, truth());
-  ASSERT_TRUE(comparison);
-  comparison->with_signature = evaluation::indices(configuration.grid.grid, measured);
-  const auto factors = evaluation::improvement(*comparison);
   const auto printed = tool::table3(1);
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_GE(factors[k], printed[k]) << "index " << k + 1;
@@ -97,6 +32,7 @@ TEST(Identification, reaches_the_indices_of_table_3_on_robot_1_and_survives_a_re
   std::printf("%.0f s of virtual time at %.0f times real time\n",
               hal::seconds(puma.now().now.time_since_epoch()), speed);
 
+  ASSERT_TRUE(puma.cabinet->state().active());
   const auto image = encode(*puma.cabinet->state().active());
   puma.start(configuration, 2);
   ASSERT_TRUE(puma.run_until(Mode::kIdle));

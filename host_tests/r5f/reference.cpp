@@ -28,7 +28,7 @@ struct Run {
   test::RamMemory memory;
   cabinet::World world{.arm = arm_r5f::arm(),
                        .start = arm_r5f::start(),
-                       .drive = {},
+                       .drive = simulated::DriveConfiguration{},
                        .sensor = arm_r5f::field(kSeed),
                        .ping_period = std::chrono::milliseconds(20),
                        .seed = kSeed};

@@ -195,6 +195,22 @@ TEST(SocketCan, comes_back_from_bus_off_after_a_growing_pause) {
   EXPECT_TRUE(a.send(frame("123#")));
 }
 
+TEST(SocketCan, leaves_the_restart_to_the_thread_that_maintains_it) {
+  SocketCan a({.interface_name = "vcan0", .filters = {}, .maintained = true});
+  inject(CAN_ERR_FLAG | CAN_ERR_BUSOFF);
+  const hal::Instant begin = monotonic_now();
+  EXPECT_FALSE(eventually(
+      [&] {
+        (void)a.receive();
+        return a.status().state == CanState::kActive && monotonic_now() - begin > milliseconds(500);
+      },
+      milliseconds(1000)));
+  EXPECT_EQ(a.status().state, CanState::kBusOff);
+  a.maintain();
+  EXPECT_EQ(a.status().state, CanState::kActive);
+  EXPECT_EQ(a.status().restarts, 1U);
+}
+
 // Six emulated drives in one thread, the master in another, both in real time on the same kernel.
 class DrivesInAThread {
  public:

@@ -11,6 +11,17 @@
 
 namespace armsig::test {
 
+// The drive is asked what it does (6041h: Switch on disabled), and reset: the frames after the
+// first heartbeat, in two ticks. `boots`: it says so at once.
+inline void script_reset(ScriptedCanBus& bus, bool boots = true) {
+  bus.expect("601#4041600000000000", {"581#4B41600050020000"});
+  if (boots) {
+    bus.expect("000#8201", {"701#00"});
+  } else {
+    bus.expect("000#8201");
+  }
+}
+
 // Every SDO request of the set-up of node 1 at 500 Hz, each with a drive's answer, then NMT
 // start.
 inline void script_set_up(ScriptedCanBus& bus) {
@@ -20,6 +31,12 @@ inline void script_set_up(ScriptedCanBus& bus) {
   bus.expect("601#4018100200000000", {"581#4318100292010000"});  // :02: product 192h
   bus.expect("601#4018100300000000", {"581#8018100311000906"});  // :03: no such sub-index
   bus.expect("601#4018100400000000", {"581#4318100439300000"});  // :04: serial 12345
+  bus.expect("601#408F600100000000", {"581#438F6001A00F0000"});  // 608Fh:01: 4000 increments ...
+  bus.expect("601#408F600200000000", {"581#438F600201000000"});  // ... a motor revolution
+  bus.expect("601#4091600100000000", {"581#4391600101000000"});  // 6091h: the drive knows no gear
+  bus.expect("601#4091600200000000", {"581#4391600201000000"});
+  bus.expect("601#4092600100000000", {"581#8092600100000206"});  // 6092h: does not exist
+  bus.expect("601#4092600200000000", {"581#8092600200000206"});
   bus.expect("601#2B17100032000000", {"581#6017100000000000"});  // 1017h: 50 ms
   bus.expect("601#2316100196007F00", {"581#6016100100000000"});  // 1016h:01: node 127, 150 ms
   bus.expect("601#2301140101030080", {"581#6001140100000000"});  // RPDO2 off
@@ -51,6 +68,7 @@ inline void script_set_up(ScriptedCanBus& bus) {
   bus.expect("601#2B5E600002000000", {"581#605E600000000000"});  // 605Eh: quick stop ramp first
   bus.expect("601#407E600000000000", {"581#4F7E600000000000"});  // 607Eh: none
   bus.expect("601#23B0600000000000", {"581#80B0600000000206"});  // 60B0h: does not exist
+  bus.expect("601#40B0600000000000", {"581#80B0600000000206"});
   bus.expect("601#2F60600008000000", {"581#6060600000000000"});  // mode 8
   bus.expect("601#4061600000000000", {"581#4F61600000000000"});  // not yet ...
   bus.expect("601#4061600000000000", {"581#4F61600008000000"});  // ... in force
@@ -75,9 +93,9 @@ struct MasterScript {
   // heartbeat is due.
   void start() {
     bus.expect("77F#05");
-    bus.expect("000#8201", {"701#00"});
+    script_reset(bus);
     script_set_up(bus);
-    for (int i = 0; i < 50 && master->node_state(0).phase != canopen::Phase::kStarted; ++i)
+    for (int i = 0; i < 60 && master->node_state(0).phase != canopen::Phase::kStarted; ++i)
       tick({});
     // SYNC, answered: Switch on disabled, 1000 counts; the target sent is that position.
     bus.expect("080#", {"181#5002E8030000"});

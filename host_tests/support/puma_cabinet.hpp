@@ -78,6 +78,10 @@ struct PumaCabinet {
     cabinet.reset();
     cabinet::World world = puma_world(seed);
     world.drive = drives;
+    world.sensor.receivers_S.clear();
+    for (const Vector3& p_S : configuration.sensor.receivers.p_S) {
+      world.sensor.receivers_S.push_back(p_S);
+    }
     world.first_serial = first_serial;
     cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, *device,
                                                         consoles);

@@ -48,6 +48,15 @@ class ScriptedCanBus final : public hal::CanBus {
   // A frame that arrives by itself.
   void bring(const std::string& received) { waiting_.push_back(frame(received)); }
 
+  // What has `sent` as its frame in the script is answered by `reply` instead.
+  void replace(const std::string& sent, const char* reply) {
+    for (Step& step : steps_) {
+      if (step.sent == sent) step.replies = {reply};
+    }
+  }
+  // The last frame of the script is not sent.
+  void forget_last() { steps_.pop_back(); }
+
   // The frames sent in excess of the script, and the steps that were not sent, as a failure.
   void expect_all_consumed() {
     EXPECT_TRUE(steps_.empty()) << "not sent: " << steps_.front().sent;

@@ -19,8 +19,9 @@ using test::script_set_up;
 TEST(MasterStartUp, sets_up_one_drive_with_the_standards_frames) {
   MasterScript script;
   script.bus.expect("77F#05");
-  script.bus.expect("000#8201", {"701#00"});
+  test::script_reset(script.bus);
   script.tick();
+  script.tick({});
   script_set_up(script.bus);
   for (int i = 0; i < 60 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
     script.tick();
@@ -41,8 +42,9 @@ TEST(MasterStartUp, is_ready_and_disabled_at_the_first_position) {
 TEST(MasterStartUp, repeats_a_request_and_gives_up_with_a_named_error) {
   MasterScript script;
   script.bus.expect("77F#05");
-  script.bus.expect("000#8201", {"701#00"});
+  test::script_reset(script.bus);
   script.tick();
+  script.tick({});
   script.bus.expect("601#4000100000000000");
   script.tick(std::chrono::milliseconds(1));
   script.bus.expect("77F#05");
@@ -59,11 +61,97 @@ TEST(MasterStartUp, repeats_a_request_and_gives_up_with_a_named_error) {
   script.bus.expect_all_consumed();
 }
 
+// Operation enabled by a former master: stopped on its ramp by SDO, and reset when it stands.
+TEST(MasterStartUp, stops_a_drive_that_is_found_moving_and_resets_it_at_rest) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("601#4041600000000000", {"581#4B41600037120000"});
+  script.tick();
+  script.bus.expect("601#2B40600002000000", {"581#6040600000000000"});
+  script.tick();
+  const auto tick_with = [&](const char* position, int later_ms) {
+    script.bus.expect("601#4064600000000000", {position});
+    script.tick(std::chrono::milliseconds(later_ms));
+  };
+  tick_with("581#4364600000100000", 1);
+  tick_with("581#4364600000180000", 1);
+  tick_with("581#43646000001C0000", 10);
+  tick_with("581#43646000011C0000", 10);  // at 24 ms the former is heard; a count is no motion
+  tick_with("581#43646000001C0000", 10);
+  tick_with("581#43646000001C0000", 10);
+  script.bus.expect("77F#05");
+  tick_with("581#43646000001C0000", 10);
+  tick_with("581#43646000001C0000", 10);
+  script.bus.expect("000#8201");
+  script.tick(std::chrono::milliseconds(10));  // 50 ms later
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, resets_a_drive_that_does_not_answer_or_never_stands) {
+  MasterScript silent;
+  silent.bus.expect("77F#05");
+  silent.bus.expect("601#4041600000000000");
+  silent.tick();
+  silent.bus.expect("77F#05");
+  silent.bus.expect("000#8201");
+  silent.tick(std::chrono::milliseconds(100));
+  silent.bus.expect_all_consumed();
+
+  // One that is pushed for ever.
+  Configuration configuration = test::puma_drives(1);
+  configuration.stop_timeout = std::chrono::milliseconds(30);
+  MasterScript restless(configuration);
+  restless.bus.expect("77F#05");
+  restless.bus.expect("601#4041600000000000", {"581#4B41600017120000"});
+  restless.tick();
+  restless.bus.expect("601#4064600000000000", {"581#4364600000100000"});
+  restless.tick(std::chrono::milliseconds(15));
+  restless.bus.expect("601#4064600000000000", {"581#4364600000200000"});
+  restless.tick(std::chrono::milliseconds(15));
+  restless.bus.expect("601#4064600000000000");
+  restless.bus.expect("000#8201");
+  restless.tick(std::chrono::milliseconds(15));
+  restless.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, refuses_a_drive_that_counts_otherwise_than_configured) {
+  struct Told {
+    const char* gear;  // 6091h:01
+    const char* feed;  // 6092h:01 of one revolution, or that it is not there
+    std::optional<std::uint32_t> object;
+  };
+  // Configured are 4000 counts a revolution of the motor and a gear of 100; the encoder has 4000.
+  for (const Told& told : {Told{"581#4391600101000000", "581#8092600100000206", std::nullopt},
+                           Told{"581#4391600101000000", "581#43926001A00F0000", std::nullopt},
+                           Told{"581#4391600164000000", "581#43926001801A0600", std::nullopt},
+                           Told{"581#4391600150000000", "581#43926001801A0600", 0x6091},
+                           Told{"581#4391600101000000", "581#4392600100100000", 0x6092}}) {
+    MasterScript script;
+    script.bus.expect("77F#05");
+    test::script_reset(script.bus);
+    test::script_set_up(script.bus);
+    script.bus.replace("601#4091600100000000", told.gear);
+    script.bus.replace("601#4092600100000000", told.feed);
+    script.bus.replace("601#4092600200000000", "581#4392600201000000");
+    if (told.object) script.bus.forget_last();  // it is not started
+    for (int i = 0; i < 70 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+      script.tick({});
+    }
+    script.bus.expect_all_consumed();
+    EXPECT_EQ(script.master->status(0).fault.has_value(), told.object.has_value()) << told.feed;
+    if (!told.object) continue;
+    EXPECT_EQ(script.master->status(0).fault, Error::kScaleInvalid);
+    EXPECT_EQ(script.master->status(0).fault_code, *told.object);
+    EXPECT_NE(script.master->status(0).words, "");
+  }
+}
+
 TEST(MasterStartUp, refuses_a_device_that_is_no_drive) {
   MasterScript script;
   script.bus.expect("77F#05");
-  script.bus.expect("000#8201", {"701#00"});
+  test::script_reset(script.bus);
   script.tick();
+  script.tick({});
   script.bus.expect("601#4000100000000000", {"581#4300100091010F00"});  // profile 401, I/O
   script.tick();
   script.tick();
@@ -75,8 +163,9 @@ TEST(MasterStartUp, refuses_a_device_that_is_no_drive) {
 TEST(MasterStartUp, keeps_the_code_of_an_abort) {
   MasterScript script;
   script.bus.expect("77F#05");
-  script.bus.expect("000#8201", {"701#00"});
+  test::script_reset(script.bus);
   script.tick();
+  script.tick({});
   script.bus.expect("601#4000100000000000", {"581#4300100092010200"});
   script.tick();
   script.bus.expect("601#4002650000000000", {"581#8002650000000206"});
@@ -90,7 +179,8 @@ TEST(MasterStartUp, keeps_the_code_of_an_abort) {
 TEST(MasterStartUp, begins_the_set_up_anew_when_power_up_and_reset_cross) {
   MasterScript script;
   script.bus.expect("77F#05");
-  script.bus.expect("000#8201", {"701#00"});  // of the power-up
+  test::script_reset(script.bus);  // of the power-up
+  script.tick({});
   script.tick({});
   script.bus.expect("601#4000100000000000", {"581#4300100092010200"});
   script.tick({});
@@ -106,7 +196,8 @@ TEST(MasterStartUp, begins_the_set_up_anew_when_power_up_and_reset_cross) {
 TEST(MasterStartUp, gives_up_a_drive_that_does_not_stay_up) {
   MasterScript script;
   script.bus.expect("77F#05");
-  script.bus.expect("000#8201");
+  test::script_reset(script.bus, false);
+  script.tick({});
   script.tick({});
   for (int i = 0; i < 3; ++i) {
     script.bus.bring("701#00");
@@ -123,8 +214,9 @@ TEST(MasterStartUp, gives_up_a_drive_that_does_not_stay_up) {
 TEST(MasterStartUp, reports_a_drive_that_does_not_boot) {
   MasterScript script;
   script.bus.expect("77F#05");
-  script.bus.expect("000#8201");
+  test::script_reset(script.bus, false);
   script.tick();
+  script.tick({});
   script.bus.expect("77F#05");
   script.tick(std::chrono::milliseconds(2001));
   EXPECT_EQ(script.master->status(0).fault, Error::kDriveAbsent);
@@ -139,8 +231,9 @@ TEST(MasterStartUp, sends_nothing_while_the_bus_is_down_and_begins_when_it_is_up
   EXPECT_EQ(script.master->status(0).condition, DriveCondition::kStarting);
   script.bus.set_state(hal::CanState::kActive);
   script.bus.expect("77F#05");
-  script.bus.expect("000#8201");
+  test::script_reset(script.bus, false);
   script.tick();
+  script.tick({});
   EXPECT_TRUE(script.read);
   script.bus.expect_all_consumed();
 }
@@ -157,8 +250,9 @@ TEST(MasterStartUp, starts_the_other_nodes_and_starts_them_again_after_their_boo
   MasterScript script(configuration);
   script.bus.expect("77F#05");
   script.bus.expect("000#0120");
-  script.bus.expect("000#8201");
+  test::script_reset(script.bus, false);
   script.tick();
+  script.tick({});
   script.bus.bring("720#05");
   script.tick();
   script.bus.bring("720#00");
