@@ -37,6 +37,10 @@ ArmModel model_of(const Arm& arm, const Pose& X_SB) {
   return model;
 }
 
+double map_at(const JointModel& joint, double reading) {
+  return map_unit(joint.type) * map_value(joint.map, spline_support(joint.domain, reading));
+}
+
 void deflections(const ArmModel& model, const JointVector& readings,
                  std::array<double, kMaxJoints>& by) {
   by.fill(0);
@@ -48,8 +52,7 @@ void deflections(const ArmModel& model, const JointVector& readings,
     }
   }
   for (std::size_t i = 0; i < model.joint_count(); ++i) {
-    const JointModel& joint = model.joints[i];
-    by[i] += map_unit(joint.type) * map_value(joint.map, spline_support(joint.domain, readings[i]));
+    by[i] += map_at(model.joints[i], readings[i]);
   }
 }
 

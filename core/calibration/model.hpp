@@ -35,6 +35,8 @@ struct JointModel {
   MapCoefficients map{};
   // Variance of the map at its knots, in units of map_unit() squared, as far as known.
   std::array<float, kKnots> map_variance{};
+  // Encoder readings between which the rows were; unknown where both are the same.
+  JointLimits covered;
 };
 
 struct ArmModel {
@@ -58,6 +60,9 @@ void choose_gravity_terms(const Arm& arm, ArmModel& model);
 // by the drawing; its base stands upright, z up.
 using GravityLevers = std::array<double, kMaxGravityTerms>;
 void gravity_levers(const ArmModel& model, const JointVector& effective, GravityLevers& levers);
+
+// Joint `joint`'s map [rad or m] at a reading.
+[[nodiscard]] double map_at(const JointModel& joint, double reading);
 
 // By how much gravity and maps turn or shift the joints at encoder readings `readings`.
 void deflections(const ArmModel& model, const JointVector& readings,

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+// Gravity and maps of the readings in the servo tick: against the estimator's own evaluation, and
+// the inverse against the forward.
+#include "core/calibration/servo_readings.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/identification.hpp"
+#include "core/kinematics/forward.hpp"
+#include "core/refinement/readings.hpp"
+#include "host_tests/support/known_arms.hpp"
+
+namespace armsig::calibration {
+namespace {
+
+using test::Random;
+
+constexpr double kMap = radians(0.02);
+constexpr double kSag = 5e-4;  // rad per m of lever
+
+// Waves of up to thirty a turn in every joint, and all levers that the drawing can tell apart.
+ArmModel bent(const Arm& arm, Random& random) {
+  ArmModel model = model_of(arm, {});
+  choose_gravity_terms(arm, model);
+  for (GravityTerm& term : model.gravity) term.coefficient = random.uniform(-kSag, kSag);
+  for (JointModel& joint : model.joints) {
+    const double amplitude = (joint.type == JointType::kRevolute ? kMap : 2e-4);
+    for (const double waves : {1.0, 5.0, 30.0}) {
+      const double size = random.uniform(0.2, 1) * amplitude / 3 / map_unit(joint.type);
+      const double phase = random.uniform(0, 6);
+      for (std::size_t k = 0; k < kKnots; ++k) {
+        joint.map[k] += size * std::sin(waves * 2 * kPi * static_cast<double>(k) / kKnots + phase);
+      }
+    }
+  }
+  return model;
+}
+
+struct Bent {
+  Arm arm;
+  ArmModel model;
+  JointVector configuration;
+  ServoReadings joints;
+};
+
+Bent bent_arm(const Arm& arm, Random& random) {
+  Bent bent_one{arm, bent(arm, random), {}, {}};
+  bent_one.configuration = effective_readings(arm, random.configuration(arm));
+  bent_one.joints = ServoReadings(packed(bent_one.model), arm, bent_one.configuration);
+  return bent_one;
+}
+
+std::vector<Arm> arms() {
+  std::vector<Arm> all{test::puma(), test::ur5(), test::stanford(), test::cobra600(),
+                       test::iiwa7()};
+  Arm coupled = test::puma();
+  coupled.couplings.push_back({2, 1, -1});
+  all.push_back(coupled);
+  return all;
+}
+
+TEST(ServoReadings, turns_the_joints_as_the_estimator_does) {
+  Random random(3);
+  for (const Arm& arm : arms()) {
+    const Bent bent = bent_arm(arm, random);
+    const refinement::ReadingModel model{arm.couplings, {}, &bent.model};
+    for (int k = 0; k < 200; ++k) {
+      const JointVector readings = random.configuration(arm);
+      const JointVector q = effective_readings(arm, readings);
+      const auto turned = bent.joints.turned(q);
+      ASSERT_TRUE(turned);
+      const JointVector expected = refinement::true_readings(model, bent.configuration, readings);
+      for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR((*turned)[i], expected[i], 3e-8);
+    }
+    const auto at_rest = bent.joints.turned(bent.configuration);
+    ASSERT_TRUE(at_rest);
+    for (std::size_t i = 0; i < at_rest->size(); ++i) {
+      EXPECT_NEAR((*at_rest)[i], bent.configuration[i], 1e-15);
+    }
+  }
+}
+
+TEST(ServoReadings, gives_readings_that_turn_the_joints_where_they_are_wanted) {
+  Random random(5);
+  for (const Arm& arm : arms()) {
+    const Bent bent = bent_arm(arm, random);
+    for (int k = 0; k < 300; ++k) {
+      const JointVector wanted = effective_readings(arm, random.configuration(arm));
+      const auto q = bent.joints.readings(wanted);
+      ASSERT_TRUE(q);
+      const auto turned = bent.joints.turned(*q);
+      ASSERT_TRUE(turned);
+      for (std::size_t i = 0; i < q->size(); ++i) {
+        EXPECT_NEAR((*turned)[i], wanted[i], 5e-10);
+        EXPECT_LT(std::abs((*q)[i] - wanted[i]), bent.joints.largest());
+      }
+    }
+  }
+}
+
+TEST(ServoReadings, brings_the_last_frame_to_its_pose_within_a_nanometre) {
+  Random random(7);
+  const Arm arm = test::puma();
+  const Bent bent = bent_arm(arm, random);
+  const kinematics::Chain chain = kinematics::make_chain(arm.joints, bent.joints.turned_limits());
+  double worst_m = 0;
+  int met = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const JointVector q = random.configuration(arm);
+    const auto turned = bent.joints.turned(q);
+    ASSERT_TRUE(turned);
+    const auto X_0n = kinematics::forward(chain, *turned);
+    ASSERT_TRUE(X_0n);
+    JointVector seed = q;
+    for (double& reading : seed) reading += random.uniform(-1, 1) * radians(0.5);
+    const auto found = inverse(chain, bent.joints, *X_0n, seed);
+    ASSERT_TRUE(found);
+    if (found->verdict != kinematics::Verdict::kConverged) continue;
+    ++met;
+    const auto there = bent.joints.turned(found->q);
+    ASSERT_TRUE(there);
+    const auto X = kinematics::forward(chain, *there);
+    ASSERT_TRUE(X);
+    worst_m = std::max(worst_m, (X->p - X_0n->p).norm());
+  }
+  EXPECT_GT(met, 1900);
+  EXPECT_LT(worst_m, 1e-9);
+}
+
+TEST(ServoReadings, keeps_the_limits_of_the_readings_and_the_step_asked_for) {
+  Random random(9);
+  const Arm arm = test::puma();
+  const Bent bent = bent_arm(arm, random);
+  const kinematics::Chain chain = kinematics::make_chain(arm.joints, bent.joints.turned_limits());
+  JointVector q{0.3, -1, 1, 0.2, 0.8, 0.1};
+  const auto pose_at = [&](const JointVector& readings) {
+    return *kinematics::forward(chain, *bent.joints.turned(readings));
+  };
+  q[0] = arm.limits[0].upper + radians(0.005);  // the joint itself may have turned no further
+  auto found = inverse(chain, bent.joints, pose_at(q), q);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->verdict, kinematics::Verdict::kJointLimit);
+  q[0] = arm.limits[0].upper - radians(0.001);
+  found = inverse(chain, bent.joints, pose_at(q), q);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->verdict, kinematics::Verdict::kConverged);
+
+  q[0] = 0.3;
+  JointVector seed = q;
+  seed[3] -= 1.01e-3;
+  kinematics::InverseOptions options;
+  options.max_step = JointVector{1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3};
+  found = inverse(chain, bent.joints, pose_at(q), seed, options);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->verdict, kinematics::Verdict::kStepLimit);
+  options.max_step[3] = 1.02e-3;
+  found = inverse(chain, bent.joints, pose_at(q), seed, options);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->verdict, kinematics::Verdict::kConverged);
+}
+
+TEST(ServoReadings, refuses_what_is_no_reading) {
+  Random random(11);
+  const Bent bent = bent_arm(test::puma(), random);
+  for (const double value :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e7}) {
+    JointVector q = bent.configuration;
+    q[2] = value;
+    const auto turned = bent.joints.turned(q);
+    ASSERT_FALSE(turned);
+    EXPECT_EQ(turned.error(), Error::kNotFinite);
+    EXPECT_FALSE(bent.joints.readings(q));
+  }
+}
+
+TEST(ServoReadings, say_everything_where_there_are_no_deflections) {
+  const ServoReadings joints;
+  const JointVector q{1, 2, 3};
+  EXPECT_TRUE(joints.exact());
+  for (const auto& same : {joints.turned(q), joints.readings(q)}) {
+    ASSERT_TRUE(same);
+    for (std::size_t i = 0; i < q.size(); ++i) EXPECT_EQ((*same)[i], q[i]);
+  }
+}
+
+TEST(PackedDeflections, are_refused_where_a_reading_could_jump) {
+  Random random(13);
+  const Arm arm = test::ur5();
+  const PackedDeflections sound = packed(bent(arm, random));
+  ASSERT_TRUE(check(sound, 6));
+  const auto refused = [](const PackedDeflections& deflections) {
+    const auto checked = check(deflections, 6);
+    return !checked && checked.error() == Error::kOutOfRange;
+  };
+  PackedDeflections jump = sound;
+  jump.maps[2].step = 1e-6;
+  jump.maps[2].steps.fill(0);
+  jump.maps[2].steps[60] = 32000;  // 32 mrad within 3 degrees
+  EXPECT_TRUE(refused(jump));
+  PackedDeflections far = sound;
+  far.maps[0].step = 4e-6;
+  far.maps[0].steps.fill(32000);  // smooth, and 7 degrees
+  EXPECT_TRUE(refused(far));
+  PackedDeflections dense = sound;
+  dense.maps[1].domain.per_length *= 1e4;
+  EXPECT_TRUE(refused(dense));
+  PackedDeflections heavy = sound;
+  heavy.gravity[0].coefficient = 0.011;
+  EXPECT_TRUE(refused(heavy));
+  PackedDeflections backwards = sound;
+  backwards.gravity[0].origin = backwards.gravity[0].joint;
+  EXPECT_TRUE(refused(backwards));
+  PackedDeflections nan = sound;
+  nan.maps[5].step = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(refused(nan));
+  EXPECT_FALSE(check(sound, 5));
+}
+
+TEST(PackedDeflections, hold_the_steepest_map_that_is_taken_and_its_inverse_converges) {
+  const Arm arm = test::puma();
+  ArmModel model = model_of(arm, {});
+  for (JointModel& joint : model.joints) {
+    for (std::size_t k = 0; k < kKnots; ++k) {
+      joint.map[k] = (k % 4 < 2 ? 1 : -1) * 0.049 * 0.5 * (2 * kPi / kKnots) / map_unit(joint.type);
+    }
+  }
+  const PackedDeflections deflections = packed(model);
+  ASSERT_TRUE(check(deflections, 6));
+  const ServoReadings joints(deflections, arm, JointVector{0, 0, 0, 0, 0, 0});
+  Random random(15);
+  for (int k = 0; k < 300; ++k) {
+    const JointVector wanted = random.configuration(arm);
+    const auto q = joints.readings(wanted);
+    ASSERT_TRUE(q);
+    const auto turned = joints.turned(*q);
+    ASSERT_TRUE(turned);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR((*turned)[i], wanted[i], 5e-10);
+  }
+}
+
+}  // namespace
+}  // namespace armsig::calibration
