@@ -25,6 +25,7 @@
 #include "host_tests/bench/bench_master.hpp"
 #include "host_tests/bench/bench_process.hpp"
 #include "host_tests/bench/bus_recording.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::bench {
 namespace {
@@ -239,7 +240,7 @@ TEST(Bench, an_interface_that_goes_down_faults_the_drives_and_they_come_back_wit
   ASSERT_EQ(std::system("ip link set vcan0 down"), 0);
   master.run(5);
   EXPECT_FALSE(master.read);
-  EXPECT_EQ(master.read.error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(master.read), Error::kBusDown);
   EXPECT_TRUE(master.faulted());
   ASSERT_EQ(std::system("ip link set vcan0 up"), 0);
   EXPECT_TRUE(master.run_until([&] { return master.read.has_value(); }));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/kinematics/forward.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::controller {
@@ -76,7 +77,8 @@ TEST(CoupledWrist, that_leads_back_to_its_joint_is_refused) {
   EXPECT_TRUE(check(configuration));
   configuration.drawing.couplings.push_back({3, 5, 0.5});
   ASSERT_FALSE(check(configuration));
-  EXPECT_EQ(check(configuration).error().setting, "arm.coupling");
+  EXPECT_EQ(test::failure_of(check(configuration)).setting, "arm.coupling");
+  EXPECT_EQ(test::failure_of(check(configuration)).error, Error::kUnsupported);
 }
 
 }  // namespace

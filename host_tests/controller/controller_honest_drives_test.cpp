@@ -7,6 +7,7 @@
 
 #include "core/base/error_name.hpp"
 #include "firmware/linux/shut_down.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::controller {
@@ -198,7 +199,7 @@ TEST(Bounds, a_tolerance_below_a_count_is_refused) {
   EXPECT_TRUE(check(configuration));
   configuration.dwell.tolerance = 0.9e-5;
   ASSERT_FALSE(check(configuration));
-  EXPECT_EQ(check(configuration).error().error, Error::kToleranceTooFine);
+  EXPECT_EQ(test::failure_of(check(configuration)).error, Error::kToleranceTooFine);
 }
 
 TEST(Points, are_refused_when_the_arm_moved_between_pings) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "host_tests/support/allocation_guard.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::controller {
@@ -30,13 +31,13 @@ TEST(Configuration, names_the_setting_that_is_wrong) {
   Configuration reversed = test::puma_controller();
   reversed.drawing.limits[2] = {1, -1};
   ASSERT_FALSE(check(reversed));
-  EXPECT_EQ(check(reversed).error().setting, "arm.limits");
-  EXPECT_EQ(check(reversed).error().error, Error::kLimitsReversed);
-  EXPECT_EQ(check(reversed).error().joint, 2U);
+  EXPECT_EQ(test::failure_of(check(reversed)).setting, "arm.limits");
+  EXPECT_EQ(test::failure_of(check(reversed)).error, Error::kLimitsReversed);
+  EXPECT_EQ(test::failure_of(check(reversed)).joint, 2U);
   Configuration few = test::puma_controller();
   few.sweeps.points = 3;
   ASSERT_FALSE(check(few));
-  EXPECT_EQ(check(few).error().setting, "sweeps.points");
+  EXPECT_EQ(test::failure_of(check(few)).setting, "sweeps.points");
 }
 
 // A configuration with one change; what check() says of it.

@@ -6,6 +6,7 @@
 #include "core/identification.hpp"
 #include "firmware/controller/signature_store.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/ram_memory.hpp"
 
 namespace armsig::controller {
@@ -57,7 +58,7 @@ TEST(SignatureStore, is_empty_at_first) {
   SignatureRecord record;
   const auto loaded = store.load(tool::puma560(), record);
   ASSERT_FALSE(loaded);
-  EXPECT_EQ(loaded.error(), Error::kNoSignature);
+  EXPECT_EQ(test::failure_of(loaded), Error::kNoSignature);
   EXPECT_EQ(memory.changed, 0U) << "nothing is written before there is something to store";
 }
 
@@ -76,7 +77,7 @@ TEST(SignatureStore, keeps_the_last_written_and_the_one_before) {
   EXPECT_EQ(active_in(memory), 0) << "before the first there was the drawing";
   const auto again = store.begin_rollback();
   ASSERT_FALSE(again);
-  EXPECT_EQ(again.error(), Error::kNoSignature);
+  EXPECT_EQ(test::failure_of(again), Error::kNoSignature);
 }
 
 TEST(SignatureStore, refuses_a_record_of_another_arm) {
@@ -89,7 +90,7 @@ TEST(SignatureStore, refuses_a_record_of_another_arm) {
   other.joints[2].type = JointType::kPrismatic;
   const auto loaded = store.load(other, record);
   ASSERT_FALSE(loaded);
-  EXPECT_EQ(loaded.error(), Error::kRecordUnsuitable);
+  EXPECT_EQ(test::failure_of(loaded), Error::kRecordUnsuitable);
 }
 
 TEST(SignatureStore, never_takes_a_record_with_one_wrong_byte) {

@@ -12,6 +12,7 @@
 #include "core/base/crc32.hpp"
 #include "firmware/controller/record_store.hpp"
 #include "hal/simulated/flash.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -315,7 +316,7 @@ TEST(StorePower, a_store_of_another_layout_is_not_taken_for_an_empty_one) {
   RecordStore store(flash);
   const auto opened = store.open();
   ASSERT_FALSE(opened);
-  EXPECT_EQ(opened.error(), Error::kRecordCorrupt);
+  EXPECT_EQ(test::failure_of(opened), Error::kRecordCorrupt);
   EXPECT_TRUE(perform(store, {.id = 1})) << "what is stored next begins a new one";
   EXPECT_EQ(state_of(flash), (State{.active = 1, .former = 0}));
 }

@@ -11,6 +11,7 @@
 #include "firmware/host_tool/signature/record.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"
 #include "host_tests/cli/run_tool.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -114,8 +115,8 @@ TEST(HostileNames, come_back_from_an_arm_description_or_are_refused_at_their_pla
     if (name.starts_with("bytes")) continue;  // become U+FFFD: YAML holds characters only
     const auto arm = parse_arm(arm_text({.name = name, .arm = puma560()}), "A");
     ASSERT_FALSE(arm) << shown(name);
-    EXPECT_EQ(arm.error().line, 2) << render(arm.error());
-    EXPECT_NE(arm.error().what.find("the character"), std::string::npos) << render(arm.error());
+    EXPECT_EQ(test::failure_of(arm).line, 2) << shown(name);
+    EXPECT_NE(test::failure_of(arm).what.find("the character"), std::string::npos) << shown(name);
   }
 }
 

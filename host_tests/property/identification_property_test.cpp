@@ -9,6 +9,7 @@
 #include "core/kinematics/s_model_chain.hpp"
 #include "core/pseudo_dh/pseudo_dh.hpp"
 #include "host_tests/support/exact_arm.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/known_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
@@ -179,8 +180,8 @@ TEST(MirroredSense, of_one_joint_is_found_in_any_known_arm) {
       q[joint] *= -1.0;
       const auto signature = identify(features, q, known.drawing);
       ASSERT_FALSE(signature);
-      EXPECT_EQ(signature.error().refusal.error, Error::kMirroredSense);
-      EXPECT_EQ(signature.error().joint, joint);
+      EXPECT_EQ(test::failure_of(signature).refusal.error, Error::kMirroredSense);
+      EXPECT_EQ(test::failure_of(signature).joint, joint);
     }
   }
 }

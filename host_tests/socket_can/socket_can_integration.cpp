@@ -26,6 +26,7 @@
 #include "hal/linux/socket_can.hpp"
 #include "hal/linux/steady_clock.hpp"
 #include "hal/simulated/drive.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/puma_drives.hpp"
 #include "host_tests/support/scripted_can_bus.hpp"
 
@@ -121,7 +122,7 @@ TEST(SocketCan, leaves_extended_and_remote_frames_to_the_kernel) {
 TEST(SocketCan, is_down_without_its_interface_and_says_why) {
   SocketCan a({.interface_name = "vcan99", .filters = {}});
   EXPECT_EQ(a.status().state, CanState::kDown);
-  EXPECT_EQ(a.send(frame("123#")).error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(a.send(frame("123#"))), Error::kBusDown);
   EXPECT_EQ(a.last_errno(), ENODEV);
   SocketCan b({.interface_name = "a_name_that_is_too_long", .filters = {}});
   EXPECT_EQ(b.last_errno(), EINVAL);
@@ -132,7 +133,7 @@ TEST(SocketCan, goes_on_after_its_interface_was_down) {
   SocketCan b({.interface_name = "vcan0", .filters = {}});
   ip("set vcan0 down");
   EXPECT_EQ(a.status().state, CanState::kDown);
-  EXPECT_EQ(a.send(frame("123#")).error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(a.send(frame("123#"))), Error::kBusDown);
   EXPECT_FALSE(a.receive());
   ip("set vcan0 up");
   EXPECT_TRUE(eventually([&] { return a.status().state == CanState::kActive; }));
@@ -147,7 +148,7 @@ TEST(SocketCan, opens_its_interface_again_when_it_was_removed) {
   EXPECT_EQ(a.status().state, CanState::kActive);
   ip("delete vcan1");
   EXPECT_EQ(a.status().state, CanState::kDown);
-  EXPECT_EQ(a.send(frame("123#")).error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(a.send(frame("123#"))), Error::kBusDown);
   ip("add vcan1 type vcan");
   ip("set vcan1 up");
   EXPECT_TRUE(eventually([&] {
@@ -186,7 +187,7 @@ TEST(SocketCan, comes_back_from_bus_off_after_a_growing_pause) {
       (void)a.receive();
       return a.status().state == CanState::kBusOff;
     }));
-    EXPECT_EQ(a.send(frame("123#")).error(), Error::kBusOff);
+    EXPECT_EQ(test::failure_of(a.send(frame("123#"))), Error::kBusOff);
     ASSERT_TRUE(eventually([&] { return a.status().state == CanState::kActive; }));
     EXPECT_GE(monotonic_now() - begin, shortest);
     EXPECT_EQ(a.status().bus_offs, static_cast<unsigned>(times));

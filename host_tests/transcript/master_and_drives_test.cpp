@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host_tests/support/emulated_arm.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/puma_drives.hpp"
 #include "host_tests/support/scripted_can_bus.hpp"
 
@@ -245,7 +246,7 @@ TEST(MasterAndDrives, bus_off_stops_all_and_can_be_reset) {
   MovingArm arm;
   arm.master_port.go_bus_off();
   arm.tick();
-  EXPECT_EQ(arm.read.error(), Error::kBusOff);
+  EXPECT_EQ(test::failure_of(arm.read), Error::kBusOff);
   arm.run(100);
   EXPECT_TRUE(arm.read);
   for (const auto& drive : arm.drives) EXPECT_NE(drive.state(), State::kOperationEnabled);
@@ -260,7 +261,7 @@ TEST(MasterAndDrives, the_interface_taken_down_and_up_can_be_reset) {
   MovingArm arm;
   arm.master_port.set_up(false);
   arm.run(50);
-  EXPECT_EQ(arm.read.error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(arm.read), Error::kBusDown);
   arm.master_port.set_up(true);
   arm.run(10);
   EXPECT_EQ(arm.master->status(0).fault, Error::kBusDown);

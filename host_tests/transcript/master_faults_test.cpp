@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/master_script.hpp"
 
 namespace armsig::canopen {
@@ -224,8 +225,8 @@ TEST(MasterFaults, bus_off_is_told_and_stops_when_the_bus_is_back) {
   EnabledMaster script;
   script.bus.set_state(hal::CanState::kBusOff);
   script.tick();
-  EXPECT_EQ(script.read.error(), Error::kBusOff);
-  EXPECT_EQ(script.written.error(), Error::kBusOff);
+  EXPECT_EQ(test::failure_of(script.read), Error::kBusOff);
+  EXPECT_EQ(test::failure_of(script.written), Error::kBusOff);
   script.bus.set_state(hal::CanState::kActive);
   script.cycle("181#3712E8030000", "201#0200E8030000");
   EXPECT_TRUE(script.read);
@@ -236,7 +237,7 @@ TEST(MasterFaults, a_bus_that_is_down_is_told) {
   EnabledMaster script;
   script.bus.set_state(hal::CanState::kDown);
   script.tick();
-  EXPECT_EQ(script.read.error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(script.read), Error::kBusDown);
   script.expect_stopped_by(Error::kBusDown);
 }
 
@@ -246,7 +247,7 @@ TEST(MasterFaults, a_bus_that_takes_nothing_for_three_ticks_is_a_fault) {
   for (int i = 0; i < 2; ++i) {
     script.bus.bring("181#3712E8030000");
     script.tick();
-    EXPECT_EQ(script.written.error(), Error::kBusBusy);
+    EXPECT_EQ(test::failure_of(script.written), Error::kBusBusy);
     EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
   }
   script.bus.bring("181#3712E8030000");
@@ -263,7 +264,7 @@ TEST(MasterFaults, a_target_out_of_limits_or_too_fast_or_not_a_number_is_not_sen
         std::pair{std::nan(""), Error::kNotFinite}}) {
     script.targets[0] = target;
     script.cycle("181#3712E8030000", "201#0F00E8030000");
-    EXPECT_EQ(script.written.error(), error);
+    EXPECT_EQ(test::failure_of(script.written), error);
   }
   script.targets[0] = here;
   script.cycle("181#3712E8030000", "201#0F00E8030000");
@@ -282,7 +283,7 @@ TEST(MasterFaults, enabling_is_refused_until_the_fault_is_reset) {
   EnabledMaster script;
   script.bus.bring("081#1086210000000000");
   script.cycle("181#3712E8030000", "201#0200E8030000");
-  EXPECT_EQ(script.master->enable().error(), Error::kDrivesNotReady);
+  EXPECT_EQ(test::failure_of(script.master->enable()), Error::kDrivesNotReady);
   script.master->reset_faults();
   script.cycle("181#1702E8030000", "201#0000E8030000");
   script.cycle("181#5002E8030000", "201#0000E8030000");

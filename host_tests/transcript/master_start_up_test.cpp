@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/canopen/master.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/master_script.hpp"
 
 namespace armsig::canopen {
@@ -227,7 +228,7 @@ TEST(MasterStartUp, sends_nothing_while_the_bus_is_down_and_begins_when_it_is_up
   MasterScript script;
   script.bus.set_state(hal::CanState::kDown);
   script.tick();
-  EXPECT_EQ(script.read.error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(script.read), Error::kBusDown);
   EXPECT_EQ(script.master->status(0).condition, DriveCondition::kStarting);
   script.bus.set_state(hal::CanState::kActive);
   script.bus.expect("77F#05");
@@ -240,7 +241,7 @@ TEST(MasterStartUp, sends_nothing_while_the_bus_is_down_and_begins_when_it_is_up
 
 TEST(MasterStartUp, refuses_to_enable_before_every_drive_is_ready) {
   MasterScript script;
-  EXPECT_EQ(script.master->enable().error(), Error::kDrivesNotReady);
+  EXPECT_EQ(test::failure_of(script.master->enable()), Error::kDrivesNotReady);
 }
 
 TEST(MasterStartUp, starts_the_other_nodes_and_starts_them_again_after_their_boot_up) {

@@ -8,6 +8,7 @@
 #include "core/identification.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "host_tests/support/exact_arm.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/known_arms.hpp"
 
 namespace armsig::evaluation {
@@ -329,7 +330,7 @@ TEST(Differences, are_refused_of_an_arm_that_is_not_the_drawings) {
   const auto estimate = estimate_of(arm, some_readings(arm, 0.4), kBase, kTool_F);
   const auto result = differences(drawing, *estimate, 0);
   ASSERT_FALSE(result.has_value());
-  EXPECT_EQ(result.error(), Error::kNotConverged);
+  EXPECT_EQ(test::failure_of(result), Error::kNotConverged);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "core/evaluation/grid_touching.hpp"
 #include "core/kinematics/forward.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::evaluation {
 namespace {
@@ -56,7 +57,7 @@ TEST(PlaceGrid, shrinks_a_grid_that_is_larger_than_the_arm) {
 TEST(PlaceGrid, gives_up_on_a_grid_ten_times_too_large) {
   const auto placement = place_grid(puma560(), Grid{.size_m = {30, 30, 30}, .count = {2, 2, 2}});
   ASSERT_FALSE(placement);
-  EXPECT_EQ(placement.error(), Error::kOutOfReach);
+  EXPECT_EQ(test::failure_of(placement), Error::kOutOfReach);
 }
 
 TEST(TouchGrid, with_the_true_model_touches_every_vertex) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/features/sweep_estimator.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/measured_sweep.hpp"
 
 namespace armsig::features {
@@ -32,9 +33,11 @@ TEST(SweepEstimator, refuses_numbers_that_are_not_finite) {
   SweepEstimator estimator(kRevolute);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(estimator.add(nan, Vector3::Zero(), Matrix3::Zero()).error(), Error::kNotFinite);
-  EXPECT_EQ(estimator.add(0, Vector3(0, inf, 0), Matrix3::Zero()).error(), Error::kNotFinite);
-  EXPECT_EQ(estimator.add(0, Vector3::Zero(), nan * Matrix3::Identity()).error(),
+  EXPECT_EQ(test::failure_of(estimator.add(nan, Vector3::Zero(), Matrix3::Zero())),
+            Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(estimator.add(0, Vector3(0, inf, 0), Matrix3::Zero())),
+            Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(estimator.add(0, Vector3::Zero(), nan * Matrix3::Identity())),
             Error::kNotFinite);
   EXPECT_EQ(estimator.count(), 0U);
 }
@@ -42,8 +45,9 @@ TEST(SweepEstimator, refuses_numbers_that_are_not_finite) {
 TEST(SweepEstimator, refuses_a_covariance_that_is_not_positive_definite) {
   SweepEstimator estimator(kRevolute);
   const Matrix3 flat = Vector3(1, 1, 0).asDiagonal();
-  EXPECT_EQ(estimator.add(0, Vector3::Zero(), flat).error(), Error::kSingular);
-  EXPECT_EQ(estimator.add(0, Vector3::Zero(), -Matrix3::Identity()).error(), Error::kSingular);
+  EXPECT_EQ(test::failure_of(estimator.add(0, Vector3::Zero(), flat)), Error::kSingular);
+  EXPECT_EQ(test::failure_of(estimator.add(0, Vector3::Zero(), -Matrix3::Identity())),
+            Error::kSingular);
   EXPECT_EQ(estimator.count(), 0U);
 }
 

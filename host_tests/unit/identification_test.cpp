@@ -10,6 +10,7 @@
 #include "core/kinematics/s_model_chain.hpp"
 #include "core/pseudo_dh/pseudo_dh.hpp"
 #include "host_tests/support/exact_arm.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/known_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
@@ -129,8 +130,8 @@ TEST(Identify, refuses_a_feature_that_is_not_finite_and_names_the_joint) {
     if (part == 3) features[3].reference_reading = kNaN;
     const auto signature = identify(features, puma().q_s, test::puma560());
     ASSERT_FALSE(signature);
-    EXPECT_EQ(signature.error().refusal.error, Error::kNotFinite);
-    EXPECT_EQ(signature.error().joint, 3U);
+    EXPECT_EQ(test::failure_of(signature).refusal.error, Error::kNotFinite);
+    EXPECT_EQ(test::failure_of(signature).joint, 3U);
   }
 }
 
@@ -139,8 +140,8 @@ TEST(Identify, refuses_an_axis_without_direction) {
   features[2].axis_S.setZero();
   const auto signature = identify(features, puma().q_s, test::puma560());
   ASSERT_FALSE(signature);
-  EXPECT_EQ(signature.error().refusal.error, Error::kNotFinite);
-  EXPECT_EQ(signature.error().joint, 2U);
+  EXPECT_EQ(test::failure_of(signature).refusal.error, Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(signature).joint, 2U);
 }
 
 TEST(Identify, refuses_a_reading_that_is_not_finite) {
@@ -148,8 +149,8 @@ TEST(Identify, refuses_a_reading_that_is_not_finite) {
   q[5] = std::numeric_limits<double>::infinity();
   const auto signature = identify(testing::exact_features(puma()), q, test::puma560());
   ASSERT_FALSE(signature);
-  EXPECT_EQ(signature.error().refusal.error, Error::kNotFinite);
-  EXPECT_EQ(signature.error().joint, 5U);
+  EXPECT_EQ(test::failure_of(signature).refusal.error, Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(signature).joint, 5U);
 }
 
 TEST(Identify, refuses_a_joint_that_turns_backwards_and_names_it) {
@@ -160,10 +161,10 @@ TEST(Identify, refuses_a_joint_that_turns_backwards_and_names_it) {
   q[1] = -q[1];
   const auto signature = identify(features, q, test::puma560());
   ASSERT_FALSE(signature);
-  EXPECT_EQ(signature.error().refusal.error, Error::kMirroredSense);
-  EXPECT_GT(signature.error().refusal.found, signature.error().refusal.needed);
-  EXPECT_EQ(signature.error().joint, 1U);
-  EXPECT_EQ(signature.error().sense.verdict, frames::SenseVerdict::kJointsReversed);
+  EXPECT_EQ(test::failure_of(signature).refusal.error, Error::kMirroredSense);
+  EXPECT_GT(test::failure_of(signature).refusal.found, test::failure_of(signature).refusal.needed);
+  EXPECT_EQ(test::failure_of(signature).joint, 1U);
+  EXPECT_EQ(test::failure_of(signature).sense.verdict, frames::SenseVerdict::kJointsReversed);
 }
 
 TEST(Identify, refuses_a_left_handed_sensor) {
@@ -176,8 +177,8 @@ TEST(Identify, refuses_a_left_handed_sensor) {
   }
   const auto signature = identify(features, puma().q_s, test::puma560());
   ASSERT_FALSE(signature);
-  EXPECT_EQ(signature.error().refusal.error, Error::kMirroredSense);
-  EXPECT_EQ(signature.error().sense.verdict, frames::SenseVerdict::kSensorMirrored);
+  EXPECT_EQ(test::failure_of(signature).refusal.error, Error::kMirroredSense);
+  EXPECT_EQ(test::failure_of(signature).sense.verdict, frames::SenseVerdict::kSensorMirrored);
 }
 
 TEST(Identify, traps_when_counts_or_types_differ) {

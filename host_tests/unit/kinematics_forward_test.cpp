@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/kinematics/forward.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/kinematics_reference.hpp"
 #include "host_tests/support/known_arms.hpp"
@@ -117,10 +118,11 @@ TEST(Forward, refuses_a_reading_that_is_not_finite) {
       for (std::size_t joint = 0; joint < 6; ++joint) {
         JointVector q(6, 0.1);
         q[joint] = bad;
-        EXPECT_EQ(forward(chain, q).error(), Error::kNotFinite);
-        EXPECT_EQ(forward_with_jacobian(chain, q).error(), Error::kNotFinite);
-        EXPECT_EQ(forward(to_single(chain), single(q)).error(), Error::kNotFinite);
-        EXPECT_EQ(forward_with_jacobian(to_single(chain), single(q)).error(), Error::kNotFinite);
+        EXPECT_EQ(test::failure_of(forward(chain, q)), Error::kNotFinite);
+        EXPECT_EQ(test::failure_of(forward_with_jacobian(chain, q)), Error::kNotFinite);
+        EXPECT_EQ(test::failure_of(forward(to_single(chain), single(q))), Error::kNotFinite);
+        EXPECT_EQ(test::failure_of(forward_with_jacobian(to_single(chain), single(q))),
+                  Error::kNotFinite);
       }
     }
   }

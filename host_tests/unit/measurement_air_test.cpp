@@ -6,6 +6,7 @@
 
 #include "core/measurement/ranges.hpp"
 #include "core/measurement/speed_of_sound.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::measurement {
 namespace {
@@ -18,14 +19,16 @@ TEST(SpeedOfSound, is_that_of_dry_air) {
 }
 
 TEST(SpeedOfSound, refuses_air_of_no_workshop) {
-  EXPECT_EQ(speed_of_sound(60.1).error(), Error::kTemperatureImplausible);
-  EXPECT_EQ(speed_of_sound(-20.1).error(), Error::kTemperatureImplausible);
-  EXPECT_EQ(speed_of_sound(-273.15).error(), Error::kTemperatureImplausible);
+  EXPECT_EQ(test::failure_of(speed_of_sound(60.1)), Error::kTemperatureImplausible);
+  EXPECT_EQ(test::failure_of(speed_of_sound(-20.1)), Error::kTemperatureImplausible);
+  EXPECT_EQ(test::failure_of(speed_of_sound(-273.15)), Error::kTemperatureImplausible);
 }
 
 TEST(SpeedOfSound, refuses_what_is_not_a_number) {
-  EXPECT_EQ(speed_of_sound(std::numeric_limits<double>::quiet_NaN()).error(), Error::kNotFinite);
-  EXPECT_EQ(speed_of_sound(std::numeric_limits<double>::infinity()).error(), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(speed_of_sound(std::numeric_limits<double>::quiet_NaN())),
+            Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(speed_of_sound(std::numeric_limits<double>::infinity())),
+            Error::kNotFinite);
 }
 
 TEST(SpeedFromReference, is_length_over_time) {
@@ -33,14 +36,14 @@ TEST(SpeedFromReference, is_length_over_time) {
 }
 
 TEST(SpeedFromReference, refuses_a_speed_of_no_workshop_air) {
-  EXPECT_EQ(speed_from_reference(1, 2e-3).error(), Error::kTemperatureImplausible);
-  EXPECT_EQ(speed_from_reference(1, 4e-3).error(), Error::kTemperatureImplausible);
-  EXPECT_EQ(speed_from_reference(1, 0).error(), Error::kTemperatureImplausible);
-  EXPECT_EQ(speed_from_reference(1, -3e-3).error(), Error::kTemperatureImplausible);
+  EXPECT_EQ(test::failure_of(speed_from_reference(1, 2e-3)), Error::kTemperatureImplausible);
+  EXPECT_EQ(test::failure_of(speed_from_reference(1, 4e-3)), Error::kTemperatureImplausible);
+  EXPECT_EQ(test::failure_of(speed_from_reference(1, 0)), Error::kTemperatureImplausible);
+  EXPECT_EQ(test::failure_of(speed_from_reference(1, -3e-3)), Error::kTemperatureImplausible);
 }
 
 TEST(SpeedFromReference, refuses_what_is_not_a_number) {
-  EXPECT_EQ(speed_from_reference(1, std::numeric_limits<double>::quiet_NaN()).error(),
+  EXPECT_EQ(test::failure_of(speed_from_reference(1, std::numeric_limits<double>::quiet_NaN())),
             Error::kNotFinite);
 }
 

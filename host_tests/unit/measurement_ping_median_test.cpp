@@ -6,6 +6,7 @@
 
 #include "core/measurement/ping_median.hpp"
 #include "hal/simulated/random.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::measurement {
 namespace {
@@ -77,13 +78,13 @@ TEST(PingMedian, states_the_sigma_of_as_many_pings_as_were_heard) {
 TEST(PingMedian, refuses_more_pings_than_it_holds) {
   PingMedian dwell(1);
   for (std::size_t i = 0; i < kMaxPings; ++i) ASSERT_TRUE(dwell.add({heard(1)}));
-  EXPECT_EQ(dwell.add({heard(2)}).error(), Error::kCapacityExceeded);
+  EXPECT_EQ(test::failure_of(dwell.add({heard(2)})), Error::kCapacityExceeded);
   EXPECT_EQ(dwell.pings(), kMaxPings);
 }
 
 TEST(PingMedian, refuses_a_range_that_is_not_a_number_whole) {
   PingMedian dwell(2);
-  EXPECT_EQ(dwell.add({heard(1), heard(std::numeric_limits<double>::infinity())}).error(),
+  EXPECT_EQ(test::failure_of(dwell.add({heard(1), heard(std::numeric_limits<double>::infinity())})),
             Error::kNotFinite);
   EXPECT_EQ(dwell.pings(), 0U);
   EXPECT_EQ(dwell.heard(0), 0U);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/measurement/receivers.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::measurement {
 namespace {
@@ -40,46 +41,46 @@ TEST(ReceiverCheck, accepts_a_flat_array_that_says_where_it_faces) {
 TEST(ReceiverCheck, refuses_fewer_than_three) {
   ReceiverArray array = tetrahedron();
   array.p_S.resize(2, Vector3::Zero());
-  EXPECT_EQ(check(array).error(), Error::kTooFewReceivers);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kTooFewReceivers);
   array.p_S.clear();
-  EXPECT_EQ(check(array).error(), Error::kTooFewReceivers);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kTooFewReceivers);
 }
 
 TEST(ReceiverCheck, refuses_a_line_whatever_it_faces) {
   ReceiverArray array{.p_S = {{0, 0, 1}, {1, 2, 1}, {2, 4, 1}, {5, 10, 1}},
                       .range_sigma_m = 1e-4,
                       .facing_S = up()};
-  EXPECT_EQ(check(array).error(), Error::kReceiversCollinear);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kReceiversCollinear);
 }
 
 TEST(ReceiverCheck, refuses_receivers_in_one_point_as_collinear) {
   ReceiverArray array{
       .p_S = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, .range_sigma_m = 1e-4, .facing_S = up()};
-  EXPECT_EQ(check(array).error(), Error::kReceiversCollinear);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kReceiversCollinear);
 }
 
 TEST(ReceiverCheck, refuses_a_plane_without_a_side) {
-  EXPECT_EQ(check(flat_square()).error(), Error::kMirrorAmbiguity);
+  EXPECT_EQ(test::failure_of(check(flat_square())), Error::kMirrorAmbiguity);
 }
 
 TEST(ReceiverCheck, refuses_three_receivers_without_a_side) {
   ReceiverArray array = tetrahedron();
   array.p_S.resize(3, Vector3::Zero());
-  EXPECT_EQ(check(array).error(), Error::kMirrorAmbiguity);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kMirrorAmbiguity);
 }
 
 TEST(ReceiverCheck, refuses_a_facing_direction_in_the_plane) {
   ReceiverArray array = flat_square();
   array.facing_S = Vector3(1, 1, 0);
-  EXPECT_EQ(check(array).error(), Error::kMirrorAmbiguity);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kMirrorAmbiguity);
   array.facing_S = Vector3::Zero();
-  EXPECT_EQ(check(array).error(), Error::kMirrorAmbiguity);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kMirrorAmbiguity);
 }
 
 TEST(ReceiverCheck, takes_a_plane_for_one_to_a_millimetre_per_metre) {
   ReceiverArray array = flat_square();
   array.p_S[3].z() = 1e-3;
-  EXPECT_EQ(check(array).error(), Error::kMirrorAmbiguity);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kMirrorAmbiguity);
   array.p_S[3].z() = 1e-2;
   EXPECT_TRUE(check(array));
 }
@@ -88,19 +89,19 @@ TEST(ReceiverCheck, refuses_what_is_not_a_number) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   ReceiverArray array = tetrahedron();
   array.p_S[1].y() = kNan;
-  EXPECT_EQ(check(array).error(), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kNotFinite);
   array = tetrahedron();
   array.range_sigma_m = kNan;
-  EXPECT_EQ(check(array).error(), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kNotFinite);
   array = tetrahedron();
   array.facing_S = Vector3(0, kNan, 1);
-  EXPECT_EQ(check(array).error(), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kNotFinite);
 }
 
 TEST(ReceiverCheck, refuses_a_sigma_that_is_not_positive) {
   ReceiverArray array = tetrahedron();
   array.range_sigma_m = 0;
-  EXPECT_EQ(check(array).error(), Error::kNotPositive);
+  EXPECT_EQ(test::failure_of(check(array)), Error::kNotPositive);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/refinement/chain.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::refinement {
@@ -122,8 +123,8 @@ TEST(Layout, says_how_many_unknowns_are_too_many) {
   all.fill(true);
   const auto layout = make_layout(signature, all, {}, 0);
   ASSERT_FALSE(layout);
-  EXPECT_EQ(layout.error().error, Error::kCapacityExceeded);
-  EXPECT_EQ(layout.error().found, 22 + 3.0 * kMaxTargets);
+  EXPECT_EQ(test::failure_of(layout).error, Error::kCapacityExceeded);
+  EXPECT_EQ(test::failure_of(layout).found, 22 + 3.0 * kMaxTargets);
 }
 
 TEST(Readings, coupling_adds_the_raw_reading_of_the_other_joint) {

@@ -2,6 +2,7 @@
 // Raw ranges, and what else than axes and targets is found.
 #include <gtest/gtest.h>
 
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/refinement_case.hpp"
 
 namespace armsig::refinement {
@@ -58,7 +59,7 @@ TEST(Refine, refuses_a_scale_from_angles_alone) {
   config.request.scale = true;
   const Fit result = fit(s.start, s.log, config);
   ASSERT_FALSE(result.done);
-  EXPECT_EQ(result.done.error().error, Error::kScaleUndetermined);
+  EXPECT_EQ(test::failure_of(result.done).error, Error::kScaleUndetermined);
 }
 
 TEST(Refine, finds_the_scale_by_a_prismatic_joint) {

@@ -12,6 +12,7 @@
 
 #include "core/refinement/start.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/shared_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
@@ -83,8 +84,8 @@ TEST(FitBaseAndTool, refuses_a_log_without_rows_or_targets) {
     const auto fitted =
         fit_base_and_tool(test::puma(), {}, std::span(targets).first(with_target ? 1 : 0));
     ASSERT_FALSE(fitted);
-    EXPECT_EQ(fitted.error().error, Error::kTooFewPoints);
-    EXPECT_EQ(fitted.error().found, 0);
+    EXPECT_EQ(test::failure_of(fitted).error, Error::kTooFewPoints);
+    EXPECT_EQ(test::failure_of(fitted).found, 0);
   }
 }
 
@@ -117,20 +118,21 @@ TEST(FitBaseAndTool, refuses_what_cannot_be_fitted) {
   const Cell cell = test::puma_cell(random);
   Log log;
   test::add_poses(cell, 3, kSigma, random, log);
-  EXPECT_EQ(fit_base_and_tool(test::puma(), log, one_target()).error().error, Error::kTooFewPoints);
+  EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), log, one_target())).error,
+            Error::kTooFewPoints);
   test::add_poses(cell, 10, kSigma, random, log);
-  EXPECT_EQ(fit_base_and_tool(test::puma(), log, one_target(3)).error().error,
+  EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), log, one_target(3))).error,
             Error::kTooFewPoints);
 
   Log resting(10, log[0]);
-  EXPECT_EQ(fit_base_and_tool(test::puma(), resting, one_target()).error().error,
+  EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), resting, one_target())).error,
             Error::kJointDidNotMove);
   Log stuck = log;
   for (Observation& row : stuck) row.p_S = Vector3(1, 2, 3);
-  EXPECT_EQ(fit_base_and_tool(test::puma(), stuck, one_target()).error().error,
+  EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), stuck, one_target())).error,
             Error::kCoincidentPoints);
   log[5].p_S.z() = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(fit_base_and_tool(test::puma(), log, one_target()).error().found, 5);
+  EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), log, one_target())).found, 5);
 }
 
 TEST(RefineFromDrawing, follows_the_arms_coupled_elbow) {
@@ -160,7 +162,7 @@ TEST(RefineFromDrawing, refuses_the_log_of_another_arm) {
   std::vector<RowOutcome> outcomes(log.size());
   const auto done = refine_from_drawing(test::puma(), log, one_target(), {}, outcomes, *refined);
   ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().error, Error::kNotConverged);
+  EXPECT_EQ(test::failure_of(done).error, Error::kNotConverged);
 }
 
 Log ur5_log(const std::filesystem::path& path) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/refinement_case.hpp"
 
 namespace armsig::refinement {
@@ -90,8 +91,8 @@ TEST(Refine, names_the_row_that_is_not_finite) {
   s.log[17].p_S.y() = std::numeric_limits<double>::quiet_NaN();
   const Fit result = fit(s.start, s.log);
   ASSERT_FALSE(result.done);
-  EXPECT_EQ(result.done.error().error, Error::kNotFinite);
-  EXPECT_EQ(result.done.error().found, 17);
+  EXPECT_EQ(test::failure_of(result.done).error, Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(result.done).found, 17);
 }
 
 TEST(Refine, refuses_fewer_numbers_than_unknowns) {
@@ -100,9 +101,9 @@ TEST(Refine, refuses_fewer_numbers_than_unknowns) {
   test::add_poses(s.cell, 8, kSigma, s.random, log);
   const Fit result = fit(s.start, log);
   ASSERT_FALSE(result.done);
-  EXPECT_EQ(result.done.error().error, Error::kTooFewPoints);
-  EXPECT_EQ(result.done.error().found, 24);
-  EXPECT_EQ(result.done.error().needed, 27);
+  EXPECT_EQ(test::failure_of(result.done).error, Error::kTooFewPoints);
+  EXPECT_EQ(test::failure_of(result.done).found, 24);
+  EXPECT_EQ(test::failure_of(result.done).needed, 27);
 }
 
 TEST(Refine, refuses_poses_that_are_all_equal) {
@@ -111,7 +112,7 @@ TEST(Refine, refuses_poses_that_are_all_equal) {
   for (int k = 0; k < 30; ++k) {
     log.push_back(test::observe(s.cell, s.start.configuration, 0, kSigma, s.random));
   }
-  EXPECT_EQ(fit(s.start, log).done.error().error, Error::kJointDidNotMove);
+  EXPECT_EQ(test::failure_of(fit(s.start, log).done).error, Error::kJointDidNotMove);
 }
 
 TEST(Refine, refuses_rows_that_contradict_each_other) {
@@ -126,8 +127,8 @@ TEST(Refine, refuses_rows_that_contradict_each_other) {
     // Half against half: what is left must at least be the truth.
     EXPECT_LT(largest_error(*result.refined, s.cell), 5e-3);
   } else {
-    EXPECT_TRUE(result.done.error().error == Error::kTooManyOutliers ||
-                result.done.error().error == Error::kNotConverged);
+    EXPECT_TRUE(test::failure_of(result.done).error == Error::kTooManyOutliers ||
+                test::failure_of(result.done).error == Error::kNotConverged);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "core/uncertainty/feature_information.hpp"
 #include "core/uncertainty/suggestion.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::uncertainty {
@@ -164,11 +165,11 @@ TEST(CheckDrift, sets_a_blunder_apart) {
 TEST(CheckDrift, refuses_a_log_without_rows_and_numbers_that_are_not_finite) {
   Identified identified = identified_puma(6);
   Log log;
-  EXPECT_EQ(check(identified, log).error().error, Error::kTooFewPoints);
+  EXPECT_EQ(test::failure_of(check(identified, log)).error, Error::kTooFewPoints);
   test::add_poses(identified.cell, 3, kSigma, identified.random, log);
   log[1].readings[2] = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(check(identified, log).error().error, Error::kNotFinite);
-  EXPECT_EQ(check(identified, log).error().found, 1);
+  EXPECT_EQ(test::failure_of(check(identified, log)).error, Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(check(identified, log)).found, 1);
 }
 
 TEST(CheckDrift, refuses_rows_of_which_many_are_blunders) {
@@ -176,7 +177,7 @@ TEST(CheckDrift, refuses_rows_of_which_many_are_blunders) {
   Log log;
   test::add_poses(identified.cell, 10, kSigma, identified.random, log);
   for (std::size_t k = 0; k < 4; ++k) log[k].p_S.x() += 0.5;
-  EXPECT_EQ(check(identified, log).error().error, Error::kTooManyOutliers);
+  EXPECT_EQ(test::failure_of(check(identified, log)).error, Error::kTooManyOutliers);
 }
 
 // The target on a circle as its feature moves: the covariance must be that of the feature itself.
@@ -241,7 +242,7 @@ TEST(FromFeatures, refuses_a_feature_without_a_covariance) {
   Signature signature = test::signature_of(cell, test::puma_configuration());
   signature.features.resize(6);
   const auto estimate = std::make_unique<Refined>();
-  EXPECT_EQ(from_features(signature, *estimate).error(), Error::kSingular);
+  EXPECT_EQ(test::failure_of(from_features(signature, *estimate)), Error::kSingular);
 }
 
 TEST(Suggestion, predicts_the_accuracy_that_the_suggested_poses_then_give) {
@@ -287,7 +288,7 @@ TEST(Suggestion, says_when_the_box_is_out_of_reach) {
   SuggestionConfig config;
   config.limits = identified.cell.arm.limits;
   config.box.lower_S = Vector3::Constant(100);
-  EXPECT_EQ(search->start(*identified.refined, config).error(), Error::kOutOfReach);
+  EXPECT_EQ(test::failure_of(search->start(*identified.refined, config)), Error::kOutOfReach);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/pose.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::daemon {
 namespace {
@@ -45,9 +46,9 @@ void expect_refused(const std::string& near, const std::string& from, const std:
   const auto read = parse_configuration(changed.text, "cabinet.yaml");
   ASSERT_FALSE(read) << from << " -> " << to << " was accepted";
   const std::string message = tool::render(read.error());
-  EXPECT_EQ(read.error().line, changed.line) << message;
-  EXPECT_GT(read.error().column, 0) << message;
-  EXPECT_FALSE(read.error().expected.empty()) << message;
+  EXPECT_EQ(test::failure_of(read).line, changed.line) << message;
+  EXPECT_GT(test::failure_of(read).column, 0) << message;
+  EXPECT_FALSE(test::failure_of(read).expected.empty()) << message;
   EXPECT_NE(message.find(words), std::string::npos) << message;
   EXPECT_TRUE(message.starts_with("cabinet.yaml:")) << message;
 }
@@ -130,7 +131,7 @@ TEST(DaemonConfiguration, refuses_a_joint_without_limits) {
   const Changed changed = change("joints:", limits, "");
   const auto read = parse_configuration(changed.text, "cabinet.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(read.error()).find("limits_deg"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(read)).find("limits_deg"), std::string::npos);
 }
 
 TEST(DaemonConfiguration, refuses_a_node_that_is_given_twice) {
@@ -151,7 +152,7 @@ TEST(DaemonConfiguration, refuses_counts_in_a_wrong_unit) {
       change("joints:", "counts_per_revolution: 4000", "counts_per_revolution: 4e9");
   const auto read = parse_configuration(fine.text, "cabinet.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(read.error()).find("32-bit counts"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(read)).find("32-bit counts"), std::string::npos);
 }
 
 TEST(DaemonConfiguration, refuses_a_bus_that_would_be_overloaded) {
@@ -177,7 +178,7 @@ TEST(DaemonConfiguration, refuses_receivers_that_cannot_locate_a_target) {
   text.replace(text.find("facing: [0, 0, -1]"), 18, "facing: [1, 0, 0]");
   const auto read = parse_configuration(text, "cabinet.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(read.error()).find("one plane"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(read)).find("one plane"), std::string::npos);
 }
 
 TEST(DaemonConfiguration, refuses_a_sensor_on_no_bus_or_on_two) {
@@ -186,7 +187,7 @@ TEST(DaemonConfiguration, refuses_a_sensor_on_no_bus_or_on_two) {
   text = text.substr(0, text.find("  mo: ")) + text.substr(text.find("\nmotion:") + 1);
   const auto read = parse_configuration(text, "cabinet.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(read.error()).find("no bus"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(read)).find("no bus"), std::string::npos);
 }
 
 TEST(DaemonConfiguration, refuses_a_signature_configuration_outside_the_limits) {
@@ -224,7 +225,8 @@ TEST(DaemonConfiguration, refuses_what_no_arm_is_like_and_says_why) {
     std::string text = change("can:", "  " + key + "_ms: ", "  " + std::string(slip) + "#").text;
     const auto read = parse_configuration(text, "cabinet.yaml");
     ASSERT_FALSE(read) << slip;
-    EXPECT_NE(tool::render(read.error()).find("the bound here is"), std::string::npos) << slip;
+    EXPECT_NE(tool::render(test::failure_of(read)).find("the bound here is"), std::string::npos)
+        << slip;
   }
 }
 
@@ -240,7 +242,7 @@ TEST(DaemonConfiguration, refuses_registers_too_far_apart_for_one_request) {
   const Changed changed = change("sensor:", "first_flight: 4", "first_flight: 400");
   const auto read = parse_configuration(changed.text, "cabinet.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(read.error()).find("125 registers"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(read)).find("125 registers"), std::string::npos);
 }
 
 TEST(DaemonConfiguration, refuses_a_grid_that_the_arm_cannot_reach_and_corners_outside_limits) {
@@ -248,7 +250,7 @@ TEST(DaemonConfiguration, refuses_a_grid_that_the_arm_cannot_reach_and_corners_o
   const auto too_large = parse_configuration(
       head + "grid: {size_mm: [90000, 90000, 90000], count: [2, 2, 2], corners: automatic}\n", "f");
   ASSERT_FALSE(too_large);
-  EXPECT_NE(tool::render(too_large.error()).find("out of reach"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(too_large)).find("out of reach"), std::string::npos);
   const std::string corner =
       "{q1_deg: 0, q2_deg: -90, q3_deg: 90, q4_deg: 0, q5_deg: 200, q6_deg: 0}";
   const auto outside = parse_configuration(
@@ -256,13 +258,13 @@ TEST(DaemonConfiguration, refuses_a_grid_that_the_arm_cannot_reach_and_corners_o
           ", on_x: " + corner + ", in_xy: " + corner + "}}\n",
       "f");
   ASSERT_FALSE(outside);
-  EXPECT_NE(tool::render(outside.error()).find("joint limit"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(outside)).find("joint limit"), std::string::npos);
 }
 
 TEST(DaemonConfiguration, refuses_another_kind_of_file) {
   const auto read = parse_configuration("armsig: arm/1\nname: x\n", "arm.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(read.error()).find("controller/1"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(read)).find("controller/1"), std::string::npos);
   EXPECT_FALSE(read_configuration("/nonexistent/cabinet.yaml"));
 }
 

@@ -5,6 +5,7 @@
 #include "hal/canopen/range_sensor.hpp"
 #include "hal/simulated/range_node.hpp"
 #include "hal/simulated/virtual_can_bus.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/range_readings.hpp"
 #include "host_tests/support/scripted_can_bus.hpp"
 
@@ -78,7 +79,7 @@ TEST(CanRangeSensor, does_not_hand_out_a_repeated_sequence_and_calls_it_stale_in
     EXPECT_FALSE(f.sensor.poll(at_ms(ms))->has_value());
   }
   f.take_reading("1A0#0B07E600", 501);
-  EXPECT_EQ(f.sensor.poll(at_ms(501)).error(), Error::kSensorStale);
+  EXPECT_EQ(test::failure_of(f.sensor.poll(at_ms(501))), Error::kSensorStale);
   f.take_reading("1A0#0B08E600", 550);
   EXPECT_TRUE(f.sensor.poll(at_ms(550))->has_value());
 }
@@ -87,9 +88,9 @@ TEST(CanRangeSensor, is_silent_after_the_time_allowed_and_says_so_again_later) {
   RangeSensor sensor({});
   EXPECT_FALSE(sensor.poll(at_ms(1000))->has_value());
   EXPECT_FALSE(sensor.poll(at_ms(1500))->has_value());
-  EXPECT_EQ(sensor.poll(at_ms(1501)).error(), Error::kSensorSilent);
+  EXPECT_EQ(test::failure_of(sensor.poll(at_ms(1501))), Error::kSensorSilent);
   EXPECT_FALSE(sensor.poll(at_ms(1502))->has_value());
-  EXPECT_EQ(sensor.poll(at_ms(2002)).error(), Error::kSensorSilent);
+  EXPECT_EQ(test::failure_of(sensor.poll(at_ms(2002))), Error::kSensorSilent);
 }
 
 TEST(CanRangeSensor, calls_frames_out_of_order_or_of_a_wrong_length_malformed) {
@@ -101,7 +102,7 @@ TEST(CanRangeSensor, calls_frames_out_of_order_or_of_a_wrong_length_malformed) {
                              {"1A0#0B07E600", "1A0#0B08E600"}}) {
     Fixture f;
     for (const char* text : frames) f.take(text);
-    EXPECT_EQ(f.sensor.poll(at_ms(0)).error(), Error::kSensorMalformed) << frames.back();
+    EXPECT_EQ(test::failure_of(f.sensor.poll(at_ms(0))), Error::kSensorMalformed) << frames.back();
   }
 }
 
@@ -149,7 +150,7 @@ TEST(CanRangeSensor, takes_a_reading_without_crc_only_if_it_came_at_once) {
   late.take("1A0#0B07E600", 0);
   late.take("2A0#60E3160061E31600", 2);
   late.take("3A0#62E3160063E31600", 6);
-  EXPECT_EQ(late.sensor.poll(at_ms(6)).error(), Error::kSensorMalformed);
+  EXPECT_EQ(test::failure_of(late.sensor.poll(at_ms(6))), Error::kSensorMalformed);
 }
 
 TEST(CanRangeSensor, ignores_other_nodes_and_remote_frames) {
@@ -161,10 +162,12 @@ TEST(CanRangeSensor, ignores_other_nodes_and_remote_frames) {
 }
 
 TEST(CanRangeSensor, refuses_a_node_or_a_number_of_receivers_that_cannot_be) {
-  EXPECT_EQ(check(RangeNodeConfiguration{.node = 0}).error(), Error::kNodeOutOfRange);
-  EXPECT_EQ(check(RangeNodeConfiguration{.node = 128}).error(), Error::kNodeOutOfRange);
-  EXPECT_EQ(check(RangeNodeConfiguration{.receivers = 0}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(check(RangeNodeConfiguration{.receivers = 7}).error(), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(check(RangeNodeConfiguration{.node = 0})), Error::kNodeOutOfRange);
+  EXPECT_EQ(test::failure_of(check(RangeNodeConfiguration{.node = 128})), Error::kNodeOutOfRange);
+  EXPECT_EQ(test::failure_of(check(RangeNodeConfiguration{.receivers = 0})),
+            Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(check(RangeNodeConfiguration{.receivers = 7})),
+            Error::kProfileInvalid);
   EXPECT_TRUE(check(RangeNodeConfiguration{.receivers = 6}));
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/nonvolatile_memory.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/scripted_can_bus.hpp"
 
 namespace armsig::hal {
@@ -42,13 +43,18 @@ TEST(NonvolatileMemory, passes_on_what_is_inside_it) {
 TEST(NonvolatileMemory, refuses_what_is_outside_it_or_not_a_page) {
   CountingMemory memory;
   std::array<std::uint8_t, 17> bytes{};
-  EXPECT_EQ(memory.read(0, bytes).error(), Error::kAddressOutOfRange);
-  EXPECT_EQ(memory.read(15, std::span(bytes).first(2)).error(), Error::kAddressOutOfRange);
-  EXPECT_EQ(memory.read(SIZE_MAX, std::span(bytes).first(2)).error(), Error::kAddressOutOfRange);
-  EXPECT_EQ(memory.erase_sector(2).error(), Error::kAddressOutOfRange);
-  EXPECT_EQ(memory.program_page(2, std::span(bytes).first(4)).error(), Error::kAddressOutOfRange);
-  EXPECT_EQ(memory.program_page(16, std::span(bytes).first(4)).error(), Error::kAddressOutOfRange);
-  EXPECT_EQ(memory.program_page(4, std::span(bytes).first(3)).error(), Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(memory.read(0, bytes)), Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(memory.read(15, std::span(bytes).first(2))),
+            Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(memory.read(SIZE_MAX, std::span(bytes).first(2))),
+            Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(memory.erase_sector(2)), Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(memory.program_page(2, std::span(bytes).first(4))),
+            Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(memory.program_page(16, std::span(bytes).first(4))),
+            Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(memory.program_page(4, std::span(bytes).first(3))),
+            Error::kAddressOutOfRange);
   EXPECT_EQ(memory.calls, 0);
 }
 

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/linux/socket_console.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::linux_hal {
 namespace {
@@ -167,7 +168,7 @@ TEST(SocketConsole, a_client_that_takes_no_replies_is_disconnected) {
   const std::string reply(4000, 'r');
   Result<void> written;
   for (int i = 0; i < 1000 && written; ++i) written = (*console)->write_line(line->client, reply);
-  EXPECT_EQ(written.error(), Error::kConsoleGone);
+  EXPECT_EQ(test::failure_of(written), Error::kConsoleGone);
 }
 
 TEST(SocketConsole, binary_garbage_is_refused_a_line_at_a_time) {
@@ -207,8 +208,8 @@ TEST(SocketConsole, a_client_that_left_is_gone) {
   person.hang_up();
   Result<void> written = (*console)->write_line(line->client, "ok");
   if (written) written = (*console)->write_line(line->client, "ok");
-  EXPECT_EQ(written.error(), Error::kConsoleGone);
-  EXPECT_EQ((*console)->write_line(4711, "ok").error(), Error::kConsoleGone);
+  EXPECT_EQ(test::failure_of(written), Error::kConsoleGone);
+  EXPECT_EQ(test::failure_of((*console)->write_line(4711, "ok")), Error::kConsoleGone);
 }
 
 TEST(SocketConsole, hears_what_a_client_said_before_it_left_though_it_takes_no_reply) {
@@ -303,7 +304,7 @@ TEST(SocketConsole, takes_the_place_of_a_dead_socket_but_of_no_live_one_and_no_f
   const std::string path = socket_path();
   const auto console = SocketConsole::open(path);
   ASSERT_TRUE(console);
-  EXPECT_EQ(SocketConsole::open(path).error(), Error::kSystemRefused);
+  EXPECT_EQ(test::failure_of(SocketConsole::open(path)), Error::kSystemRefused);
 
   const std::string dead = socket_path();
   {
@@ -317,10 +318,11 @@ TEST(SocketConsole, takes_the_place_of_a_dead_socket_but_of_no_live_one_and_no_f
 
   const std::string file = socket_path();
   std::ofstream(file) << "precious";
-  EXPECT_EQ(SocketConsole::open(file).error(), Error::kSystemRefused);
+  EXPECT_EQ(test::failure_of(SocketConsole::open(file)), Error::kSystemRefused);
   EXPECT_EQ(access(file.c_str(), F_OK), 0);
   unlink(file.c_str());
-  EXPECT_EQ(SocketConsole::open(std::string(200, 'x')).error(), Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(SocketConsole::open(std::string(200, 'x'))),
+            Error::kAddressOutOfRange);
 }
 
 }  // namespace

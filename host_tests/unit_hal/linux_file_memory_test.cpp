@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/linux/file_memory.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::linux_hal {
 namespace {
@@ -67,7 +68,7 @@ TEST(FileMemory, refuses_to_program_a_page_twice_until_it_is_erased) {
   auto memory = FileMemory::open(folder.file(), kLayout);
   ASSERT_TRUE(memory);
   ASSERT_TRUE(memory->program_page(0, page_of(1)));
-  EXPECT_EQ(memory->program_page(0, page_of(1)).error(), Error::kNotErased);
+  EXPECT_EQ(test::failure_of(memory->program_page(0, page_of(1))), Error::kNotErased);
   ASSERT_TRUE(memory->erase_sector(0));
   EXPECT_TRUE(memory->program_page(0, page_of(2)));
 }
@@ -90,7 +91,7 @@ TEST(FileMemory, refuses_a_second_user_of_the_file) {
   const Folder folder;
   const auto memory = FileMemory::open(folder.file(), kLayout);
   ASSERT_TRUE(memory);
-  EXPECT_EQ(FileMemory::open(folder.file(), kLayout).error(), Error::kSystemRefused);
+  EXPECT_EQ(test::failure_of(FileMemory::open(folder.file(), kLayout)), Error::kSystemRefused);
 }
 
 TEST(FileMemory, refuses_a_file_of_another_size_and_layouts_that_cannot_be_kept_whole) {
@@ -98,14 +99,16 @@ TEST(FileMemory, refuses_a_file_of_another_size_and_layouts_that_cannot_be_kept_
   std::ofstream(folder.file()) << "short";
   const auto other = FileMemory::open(folder.file(), kLayout);
   ASSERT_FALSE(other);
-  EXPECT_EQ(other.error(), Error::kStorageLayout);
-  EXPECT_EQ(FileMemory::open(folder.path + "/other", {}).error(), Error::kAddressOutOfRange);
-  EXPECT_EQ(FileMemory::open(folder.path + "/other", {300, 1, 1}).error(),
+  EXPECT_EQ(test::failure_of(other), Error::kStorageLayout);
+  EXPECT_EQ(test::failure_of(FileMemory::open(folder.path + "/other", {})),
+            Error::kAddressOutOfRange);
+  EXPECT_EQ(test::failure_of(FileMemory::open(folder.path + "/other", {300, 1, 1})),
             Error::kAddressOutOfRange);
 }
 
 TEST(FileMemory, refuses_a_folder_that_does_not_exist) {
-  EXPECT_EQ(FileMemory::open("/nonexistent/store", kLayout).error(), Error::kStorageFault);
+  EXPECT_EQ(test::failure_of(FileMemory::open("/nonexistent/store", kLayout)),
+            Error::kStorageFault);
 }
 
 TEST(FileMemory, meets_a_full_disk_when_it_is_made_and_leaves_nothing) {
@@ -115,7 +118,7 @@ TEST(FileMemory, meets_a_full_disk_when_it_is_made_and_leaves_nothing) {
     GTEST_SKIP() << "a small disk cannot be mounted here";
   }
   const hal::MemoryLayout too_large{.page_bytes = 4096, .pages_per_sector = 16, .sectors = 2};
-  EXPECT_EQ(FileMemory::open(folder.file(), too_large).error(), Error::kStorageFull);
+  EXPECT_EQ(test::failure_of(FileMemory::open(folder.file(), too_large)), Error::kStorageFull);
   EXPECT_NE(access(folder.file().c_str(), F_OK), 0);
   EXPECT_NE(access((folder.file() + ".new").c_str(), F_OK), 0);
   auto memory = FileMemory::open(folder.file(), kLayout);
@@ -195,10 +198,10 @@ TEST(FileMemory, refuses_a_change_of_a_file_that_was_removed_or_replaced) {
     if (replaced) std::ofstream(folder.file()) << std::string(kLayout.bytes(), '\xFF');
     const auto programmed = memory->program_page(replaced ? 256 : 512, page_of(2));
     ASSERT_FALSE(programmed);
-    EXPECT_EQ(programmed.error(), Error::kStorageReplaced);
+    EXPECT_EQ(test::failure_of(programmed), Error::kStorageReplaced);
     const auto erased = memory->erase_sector(1);
     ASSERT_FALSE(erased);
-    EXPECT_EQ(erased.error(), Error::kStorageReplaced);
+    EXPECT_EQ(test::failure_of(erased), Error::kStorageReplaced);
   }
 }
 
@@ -221,7 +224,7 @@ TEST(FileMemory, lays_groups_of_sectors_apart_and_reads_across_them) {
   std::ifstream file(folder.file(), std::ios::binary);
   file.seekg(kStride);
   EXPECT_EQ(file.get(), 2);
-  EXPECT_EQ(FileMemory::open(folder.file(), kSpreadLayout, {2, 100}).error(),
+  EXPECT_EQ(test::failure_of(FileMemory::open(folder.file(), kSpreadLayout, {2, 100})),
             Error::kAddressOutOfRange);
   struct stat status{};
   ASSERT_EQ(stat(folder.file().c_str(), &status), 0);

@@ -21,6 +21,7 @@
 #include "hal/linux/rtu_range_sensor.hpp"
 #include "hal/linux/steady_clock.hpp"
 #include "hal/modbus/rtu.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/scripted_line.hpp"
 
 namespace armsig::linux_hal {
@@ -157,7 +158,7 @@ TEST(RtuRangeSensor, tells_each_wrong_answer_and_recovers) {
     });
     const auto sensor = RtuRangeSensor::start(configuration_for(line));
     ASSERT_TRUE(sensor);
-    EXPECT_EQ(next(**sensor).error(), wrong.error);
+    EXPECT_EQ(test::failure_of(next(**sensor)), wrong.error);
     if (wrong.error == Error::kSensorException) {
       EXPECT_EQ((*sensor)->exception_code(), 2);
       EXPECT_EQ((*sensor)->words(wrong.error), "illegal data address");
@@ -178,7 +179,7 @@ TEST(RtuRangeSensor, a_line_that_echoes_requests_is_told_and_what_to_look_for) {
   for (int i = 0; i < 3; ++i) {
     const auto polled = next(**sensor);
     ASSERT_FALSE(polled) << "a wrong reading";
-    ASSERT_EQ(polled.error(), Error::kSensorBadCrc);
+    ASSERT_EQ(test::failure_of(polled), Error::kSensorBadCrc);
   }
   EXPECT_NE((*sensor)->words(Error::kSensorBadCrc).find("echoes"), std::string_view::npos);
 }
@@ -187,7 +188,7 @@ TEST(RtuRangeSensor, a_sensor_that_does_not_answer_is_silent) {
   PtySensor line([](unsigned) { return std::vector<std::uint8_t>(); });
   const auto sensor = RtuRangeSensor::start(configuration_for(line));
   ASSERT_TRUE(sensor);
-  EXPECT_EQ(next(**sensor).error(), Error::kSensorSilent);
+  EXPECT_EQ(test::failure_of(next(**sensor)), Error::kSensorSilent);
 }
 
 TEST(RtuRangeSensor, a_sequence_that_stands_still_is_stale) {
@@ -195,7 +196,7 @@ TEST(RtuRangeSensor, a_sequence_that_stands_still_is_stale) {
   const auto sensor = RtuRangeSensor::start(configuration_for(line));
   ASSERT_TRUE(sensor);
   EXPECT_TRUE(next(**sensor));
-  EXPECT_EQ(next(**sensor).error(), Error::kSensorStale);
+  EXPECT_EQ(test::failure_of(next(**sensor)), Error::kSensorStale);
 }
 
 TEST(RtuRangeSensor, says_when_its_device_is_missing_or_unplugged) {
@@ -206,8 +207,8 @@ TEST(RtuRangeSensor, says_when_its_device_is_missing_or_unplugged) {
     ASSERT_TRUE(sensor);
     const auto missing = next(**sensor);
     ASSERT_FALSE(missing);
-    EXPECT_EQ(missing.error(), Error::kSensorPortGone);
-    EXPECT_EQ((*sensor)->words(missing.error()), "No such file or directory");
+    EXPECT_EQ(test::failure_of(missing), Error::kSensorPortGone);
+    EXPECT_EQ((*sensor)->words(test::failure_of(missing)), "No such file or directory");
   }
   PtySensor line([](unsigned number) { return answer(1, static_cast<std::uint8_t>(number)); });
   const auto sensor = RtuRangeSensor::start(configuration_for(line));
@@ -216,7 +217,7 @@ TEST(RtuRangeSensor, says_when_its_device_is_missing_or_unplugged) {
   line.unplug();
   Result<hal::RangeReading> polled = next(**sensor);
   while (polled) polled = next(**sensor);
-  EXPECT_EQ(polled.error(), Error::kSensorPortGone);
+  EXPECT_EQ(test::failure_of(polled), Error::kSensorPortGone);
 }
 
 // Tries come ever more seldom; between them the port is said to be missing, not the sensor to be
@@ -238,7 +239,7 @@ TEST(RtuRangeSensor, whose_port_is_missing_is_never_said_to_be_silent_and_does_n
   while (monotonic_now() < end) {
     const auto polled = (*sensor)->poll(monotonic_now());
     if (!polled) {
-      ASSERT_EQ(polled.error(), Error::kSensorPortGone);
+      ASSERT_EQ(test::failure_of(polled), Error::kSensorPortGone);
       ++told;
     }
     std::this_thread::sleep_for(milliseconds(5));
@@ -251,10 +252,10 @@ TEST(RtuRangeSensor, refuses_a_profile_or_a_line_that_cannot_be) {
   RtuRangeSensorConfiguration configuration;
   configuration.device = "/dev/null";
   configuration.profile.unit = 0;
-  EXPECT_EQ(RtuRangeSensor::start(configuration).error(), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(RtuRangeSensor::start(configuration)), Error::kProfileInvalid);
   configuration.profile.unit = 1;
   configuration.baud = 0;
-  EXPECT_EQ(RtuRangeSensor::start(configuration).error(), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(RtuRangeSensor::start(configuration)), Error::kProfileInvalid);
 }
 
 TEST(RtuRangeSensor, polling_never_waits) {

@@ -8,6 +8,7 @@
 #include "hal/modbus/profile.hpp"
 #include "hal/modbus/range_sensor.hpp"
 #include "hal/modbus/rtu.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/range_readings.hpp"
 #include "host_tests/support/scripted_line.hpp"
 
@@ -68,8 +69,8 @@ TEST(ModbusRtu, refuses_each_kind_of_wrong_answer_by_its_name) {
 TEST(ModbusRtu, keeps_the_code_of_an_exception) {
   const auto decoded = decode(kRead, bytes(kIllegalAddress));
   ASSERT_FALSE(decoded);
-  EXPECT_EQ(decoded.error().error, Error::kSensorException);
-  EXPECT_EQ(describe_exception(decoded.error().exception), "illegal data address");
+  EXPECT_EQ(test::failure_of(decoded).error, Error::kSensorException);
+  EXPECT_EQ(describe_exception(test::failure_of(decoded).exception), "illegal data address");
 }
 
 TEST(ModbusRtu, knows_how_long_an_answer_is) {
@@ -135,23 +136,24 @@ TEST(ModbusProfile, decodes_another_makers_map) {
 }
 
 TEST(ModbusProfile, refuses_profiles_that_contradict_themselves) {
-  EXPECT_EQ(registers_of({.unit = 0}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.unit = 248}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.function = 6}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.receivers = 0}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.receivers = 17}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.flight_stride = 1}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.seconds_a_step = 0}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.first_flight = 200}).error(), Error::kProfileInvalid);
-  EXPECT_EQ(registers_of({.status = 65535, .sequence = 65535}).error(), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.unit = 0})), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.unit = 248})), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.function = 6})), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.receivers = 0})), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.receivers = 17})), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.flight_stride = 1})), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.seconds_a_step = 0})), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.first_flight = 200})), Error::kProfileInvalid);
+  EXPECT_EQ(test::failure_of(registers_of({.status = 65535, .sequence = 65535})),
+            Error::kProfileInvalid);
 }
 
 TEST(ModbusProfile, refuses_a_sensor_with_fewer_receivers_or_another_number_of_registers) {
   std::vector<std::uint16_t> registers(12);
   registers[3] = 3;
-  EXPECT_EQ(decode(Profile{}, registers).error(), Error::kSensorMalformed);
+  EXPECT_EQ(test::failure_of(decode(Profile{}, registers)), Error::kSensorMalformed);
   registers.resize(11);
-  EXPECT_EQ(decode(Profile{}, registers).error(), Error::kSensorMalformed);
+  EXPECT_EQ(test::failure_of(decode(Profile{}, registers)), Error::kSensorMalformed);
 }
 
 TEST(ModbusRangeSensor, polls_and_hands_a_reading_out_once) {
@@ -191,7 +193,7 @@ TEST(ModbusRangeSensor, tells_each_wrong_answer_and_goes_on) {
     line.answer = bytes(answer);
     RangeSensor sensor({}, line);
     EXPECT_TRUE(sensor.poll(at_ms(0)));
-    EXPECT_EQ(sensor.poll(at_ms(1)).error(), error) << answer;
+    EXPECT_EQ(test::failure_of(sensor.poll(at_ms(1))), error) << answer;
     line.answer = bytes(kAnswer);
     EXPECT_TRUE(sensor.poll(at_ms(20)));
     EXPECT_TRUE(sensor.poll(at_ms(21))->has_value());
@@ -203,7 +205,7 @@ TEST(ModbusRangeSensor, keeps_the_code_of_the_last_exception) {
   line.answer = bytes(kIllegalAddress);
   RangeSensor sensor({}, line);
   EXPECT_TRUE(sensor.poll(at_ms(0)));
-  EXPECT_EQ(sensor.poll(at_ms(1)).error(), Error::kSensorException);
+  EXPECT_EQ(test::failure_of(sensor.poll(at_ms(1))), Error::kSensorException);
   EXPECT_EQ(sensor.exception_code(), 2);
 }
 
@@ -214,14 +216,14 @@ TEST(ModbusRangeSensor, a_cut_answer_ends_with_the_pause_of_the_line) {
   RangeSensor sensor({}, line);
   EXPECT_TRUE(sensor.poll(at_ms(0)));
   EXPECT_TRUE(sensor.poll(at_ms(1)));
-  EXPECT_EQ(sensor.poll(at_ms(3)).error(), Error::kSensorBadCrc);
+  EXPECT_EQ(test::failure_of(sensor.poll(at_ms(3))), Error::kSensorBadCrc);
 }
 
 TEST(ModbusRangeSensor, is_silent_after_the_time_allowed) {
   ScriptedLine line;
   RangeSensor sensor({}, line);
   for (int ms = 0; ms <= 500; ++ms) ASSERT_TRUE(sensor.poll(at_ms(ms)));
-  EXPECT_EQ(sensor.poll(at_ms(501)).error(), Error::kSensorSilent);
+  EXPECT_EQ(test::failure_of(sensor.poll(at_ms(501))), Error::kSensorSilent);
   EXPECT_GE(line.written.size(), 4U);
 }
 
@@ -250,7 +252,7 @@ TEST(ModbusRangeSensor, says_when_the_line_is_gone) {
   ScriptedLine line;
   line.down = true;
   RangeSensor sensor({}, line);
-  EXPECT_EQ(sensor.poll(at_ms(0)).error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(sensor.poll(at_ms(0))), Error::kBusDown);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/pose.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::canopen {
 namespace {
@@ -45,49 +46,51 @@ TEST(Scaling, refuses_what_does_not_fit_into_counts) {
   const Scaling scaling = *Scaling::make(kShoulder);
   const double largest = 2147483647.0 / 400000 * 2 * kPi;
   EXPECT_TRUE(scaling.counts(largest));
-  EXPECT_EQ(scaling.counts(largest + 2 * scaling.resolution()).error(), Error::kPositionOverflow);
-  EXPECT_EQ(scaling.counts(-largest - 3 * scaling.resolution()).error(), Error::kPositionOverflow);
-  EXPECT_EQ(scaling.counts(1e300).error(), Error::kPositionOverflow);
+  EXPECT_EQ(test::failure_of(scaling.counts(largest + 2 * scaling.resolution())),
+            Error::kPositionOverflow);
+  EXPECT_EQ(test::failure_of(scaling.counts(-largest - 3 * scaling.resolution())),
+            Error::kPositionOverflow);
+  EXPECT_EQ(test::failure_of(scaling.counts(1e300)), Error::kPositionOverflow);
 }
 
 TEST(Scaling, refuses_numbers_that_are_not_finite) {
   const Scaling scaling = *Scaling::make(kShoulder);
-  EXPECT_EQ(scaling.counts(kNan).error(), Error::kNotFinite);
-  EXPECT_EQ(scaling.counts(HUGE_VAL).error(), Error::kNotFinite);
-  EXPECT_EQ(scaling.distance_counts(HUGE_VAL).error(), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(scaling.counts(kNan)), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(scaling.counts(HUGE_VAL)), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(scaling.distance_counts(HUGE_VAL)), Error::kNotFinite);
   ScalingConfiguration configuration = kShoulder;
   configuration.gear_ratio = kNan;
-  EXPECT_EQ(Scaling::make(configuration).error(), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(Scaling::make(configuration)), Error::kNotFinite);
 }
 
 TEST(Scaling, refuses_factors_that_are_not_positive) {
   for (const double factor : {0.0, -1.0}) {
     ScalingConfiguration configuration = kLift;
     configuration.counts_per_revolution = factor;
-    EXPECT_EQ(Scaling::make(configuration).error(), Error::kScaleInvalid);
+    EXPECT_EQ(test::failure_of(Scaling::make(configuration)), Error::kScaleInvalid);
     configuration = kLift;
     configuration.gear_ratio = factor;
-    EXPECT_EQ(Scaling::make(configuration).error(), Error::kScaleInvalid);
+    EXPECT_EQ(test::failure_of(Scaling::make(configuration)), Error::kScaleInvalid);
     configuration = kLift;
     configuration.lead_m = factor;
-    EXPECT_EQ(Scaling::make(configuration).error(), Error::kScaleInvalid);
+    EXPECT_EQ(test::failure_of(Scaling::make(configuration)), Error::kScaleInvalid);
   }
 }
 
 TEST(Scaling, refuses_a_count_worth_more_than_a_tenth_of_a_degree) {
   ScalingConfiguration configuration = kShoulder;
   configuration.counts_per_revolution = 1;  // turns instead of counts
-  EXPECT_EQ(Scaling::make(configuration).error(), Error::kResolutionTooCoarse);
+  EXPECT_EQ(test::failure_of(Scaling::make(configuration)), Error::kResolutionTooCoarse);
   ScalingConfiguration lift = kLift;
   lift.lead_m = 10;  // millimetres instead of metres
-  EXPECT_EQ(Scaling::make(lift).error(), Error::kResolutionTooCoarse);
+  EXPECT_EQ(test::failure_of(Scaling::make(lift)), Error::kResolutionTooCoarse);
 }
 
 TEST(Scaling, a_distance_has_at_least_one_count) {
   const Scaling scaling = *Scaling::make(kShoulder);
   EXPECT_EQ(scaling.distance_counts(0), 1U);
   EXPECT_EQ(scaling.distance_counts(2 * kPi), 400000U);
-  EXPECT_EQ(scaling.distance_counts(1e9).error(), Error::kPositionOverflow);
+  EXPECT_EQ(test::failure_of(scaling.distance_counts(1e9)), Error::kPositionOverflow);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/scripted_can_bus.hpp"
 
 namespace armsig::canopen {
@@ -44,15 +45,15 @@ TEST(Sdo, decodes_a_download_response) {
 TEST(Sdo, decodes_an_abort) {
   const auto outcome = decode_sdo(frame("585#8000100000000206"), kReadDeviceType);
   ASSERT_TRUE(outcome && !*outcome);
-  EXPECT_EQ(outcome->error().error, Error::kSdoAborted);
-  EXPECT_EQ(outcome->error().abort_code, 0x06020000U);
-  EXPECT_EQ(describe_sdo_abort(outcome->error().abort_code), "object does not exist");
+  EXPECT_EQ(test::failure_of(*outcome).error, Error::kSdoAborted);
+  EXPECT_EQ(test::failure_of(*outcome).abort_code, 0x06020000U);
+  EXPECT_EQ(describe_sdo_abort(test::failure_of(*outcome).abort_code), "object does not exist");
 }
 
 TEST(Sdo, refuses_a_segmented_upload) {
   const auto outcome = decode_sdo(frame("585#4100100010000000"), kReadDeviceType);
   ASSERT_TRUE(outcome && !*outcome);
-  EXPECT_EQ(outcome->error().error, Error::kSdoAborted);
+  EXPECT_EQ(test::failure_of(*outcome).error, Error::kSdoAborted);
 }
 
 TEST(Sdo, ignores_answers_to_other_requests) {
@@ -89,7 +90,7 @@ TEST(SdoTransfer, gives_up_after_its_attempts) {
   }
   EXPECT_FALSE(transfer.poll(hal::Instant(milliseconds(300))));
   ASSERT_TRUE(transfer.outcome() && !*transfer.outcome());
-  EXPECT_EQ(transfer.outcome()->error().error, Error::kSdoTimeout);
+  EXPECT_EQ(test::failure_of(*transfer.outcome()).error, Error::kSdoTimeout);
 }
 
 TEST(SdoTransfer, ignores_an_answer_before_the_request) {

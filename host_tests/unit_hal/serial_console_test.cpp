@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host_tests/support/failure_of.hpp"
+
 namespace armsig::hal {
 namespace {
 
@@ -99,7 +101,7 @@ TEST(SerialConsole, writes_whole_lines_or_none) {
   EXPECT_EQ(serial.line.written, "ok\r\n");
   const auto refused = serial.console.write_line(SerialConsole::kClient, "a longer one");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error(), Error::kConsoleGone);
+  EXPECT_EQ(test::failure_of(refused), Error::kConsoleGone);
   serial.console.broadcast("# not this one either");
   EXPECT_EQ(serial.line.written, "ok\r\n");
 }

@@ -8,6 +8,7 @@
 
 #include "hal/canopen/bus_load.hpp"
 #include "hal/simulated/can_bits.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/scripted_can_bus.hpp"
 
 namespace armsig::simulated {
@@ -101,7 +102,7 @@ TEST(VirtualCanPort, is_busy_when_its_queue_is_full) {
   VirtualCanPort a;
   bus.connect(a);
   for (std::size_t i = 0; i < VirtualCanPort::kSendQueue; ++i) ASSERT_TRUE(a.send(frame("080#")));
-  EXPECT_EQ(a.send(frame("080#")).error(), Error::kBusBusy);
+  EXPECT_EQ(test::failure_of(a.send(frame("080#"))), Error::kBusBusy);
 }
 
 TEST(VirtualCanPort, counts_what_its_queue_has_no_room_for) {
@@ -124,7 +125,7 @@ TEST(VirtualCanPort, neither_sends_nor_hears_when_down_and_recovers) {
   bus.connect(a);
   bus.connect(b);
   b.set_up(false);
-  EXPECT_EQ(b.send(frame("080#")).error(), Error::kBusDown);
+  EXPECT_EQ(test::failure_of(b.send(frame("080#"))), Error::kBusDown);
   EXPECT_EQ(b.status().state, hal::CanState::kDown);
   ASSERT_TRUE(a.send(frame("080#")));
   bus.advance(at(milliseconds(1)));
@@ -138,7 +139,7 @@ TEST(VirtualCanPort, comes_back_from_bus_off_after_a_pause) {
   VirtualCanPort a;
   bus.connect(a);
   a.go_bus_off();
-  EXPECT_EQ(a.send(frame("080#")).error(), Error::kBusOff);
+  EXPECT_EQ(test::failure_of(a.send(frame("080#"))), Error::kBusOff);
   EXPECT_EQ(a.status().state, hal::CanState::kBusOff);
   bus.advance(at(microseconds(99'999)));
   EXPECT_EQ(a.status().state, hal::CanState::kBusOff);

@@ -6,6 +6,7 @@
 
 #include "core/base/pose.hpp"
 #include "firmware/formats/arm_file.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -271,9 +272,9 @@ TEST(ArmFile, refuses_anchors_tags_and_second_documents) {
 TEST(ArmFile, says_why_a_file_cannot_be_opened) {
   const auto read = read_arm_file("/nonexistent/A.yaml");
   ASSERT_FALSE(read);
-  EXPECT_EQ(render(read.error()),
+  EXPECT_EQ(render(test::failure_of(read)),
             "/nonexistent/A.yaml: can't be opened: No such file or directory");
-  EXPECT_EQ(render(read_arm_file("/").error()), "/: can't be read: Is a directory");
+  EXPECT_EQ(render(test::failure_of(read_arm_file("/"))), "/: can't be read: Is a directory");
 }
 
 TEST(ArmFile, gives_back_every_bit_that_was_written) {

@@ -13,6 +13,7 @@
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/measurements.hpp"
 #include "firmware/formats/yaml_tree.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -54,35 +55,35 @@ TEST(Characters, are_shown_escaped_one_by_one) {
 TEST(Yaml, refuses_characters_that_its_escapes_make) {
   const auto root = parse_yaml("a: 1\nb: \"x\\ry\"\n");
   ASSERT_FALSE(root);
-  EXPECT_EQ(render(root.error()),
+  EXPECT_EQ(render(test::failure_of(root)),
             ":2:4: the character \"\\x0D\" in \"x\\x0Dy\"; expected printable text on one line");
 }
 
 TEST(Yaml, refuses_what_turns_the_direction_of_writing_in_a_comment_too) {
   const auto root = parse_yaml("a: 1  # \xE2\x80\xAE\n");
   ASSERT_FALSE(root);
-  EXPECT_EQ(root.error().what, "the character \"\\u202E\"");
+  EXPECT_EQ(test::failure_of(root).what, "the character \"\\u202E\"");
 }
 
 TEST(Yaml, stops_at_depth) {
   EXPECT_TRUE(parse_yaml(repeated("[", 16) + repeated("]", 16)));
   const auto root = parse_yaml(repeated("[", 17) + repeated("]", 17));
   ASSERT_FALSE(root);
-  EXPECT_EQ(root.error().what, "nested too deeply");
-  EXPECT_EQ(root.error().column, 17);
+  EXPECT_EQ(test::failure_of(root).what, "nested too deeply");
+  EXPECT_EQ(test::failure_of(root).column, 17);
 }
 
 TEST(Yaml, stops_at_the_first_anchor) {
   const auto root = parse_yaml("a: &x [1]\nb: [*x, *x]\nc: \"not closed");
   ASSERT_FALSE(root);
-  EXPECT_EQ(root.error().what, "a YAML anchor or alias");
+  EXPECT_EQ(test::failure_of(root).what, "a YAML anchor or alias");
 }
 
 TEST(Yaml, is_refused_by_its_marks_before_it_is_parsed) {
   EXPECT_TRUE(parse_yaml("[" + repeated("1,", 249'997) + "1]"));
   const auto root = parse_yaml("[" + repeated("1,", 249'999) + "1]");
   ASSERT_FALSE(root);
-  EXPECT_EQ(root.error().what, "too much in one file");
+  EXPECT_EQ(test::failure_of(root).what, "too much in one file");
 }
 
 TEST(Names, are_at_most_two_hundred_bytes_long) {
@@ -95,7 +96,7 @@ TEST(Names, are_at_most_two_hundred_bytes_long) {
   EXPECT_TRUE(arm(200));
   const auto refused = arm(201);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(render(refused.error()),
+  EXPECT_EQ(render(test::failure_of(refused)),
             "A:2:7: name: 201 bytes; expected printable UTF-8 text of at most 200 bytes");
 }
 

@@ -10,6 +10,7 @@
 #include "core/base/pose.hpp"
 #include "firmware/formats/measurement_writer.hpp"
 #include "firmware/formats/measurements.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -49,7 +50,7 @@ TEST(Measurements, stop_at_a_problem_of_the_taker) {
     return problem_at(static_cast<int>(row.line), 0, "no", "yes");
   });
   ASSERT_FALSE(read);
-  EXPECT_EQ(render(read.error()), path + ":2: no; expected yes");
+  EXPECT_EQ(render(test::failure_of(read)), path + ":2: no; expected yes");
   std::filesystem::remove(path);
 }
 
@@ -65,7 +66,7 @@ TEST(Measurements, tell_how_far_they_have_been_read) {
 }
 
 TEST(Measurements, say_why_a_file_cannot_be_opened) {
-  EXPECT_EQ(render(MeasurementReader::open("/nonexistent/M.csv", kTypes).error()),
+  EXPECT_EQ(render(test::failure_of(MeasurementReader::open("/nonexistent/M.csv", kTypes))),
             "/nonexistent/M.csv: can't be opened: No such file or directory");
 }
 

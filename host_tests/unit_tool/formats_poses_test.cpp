@@ -8,6 +8,7 @@
 
 #include "core/base/pose.hpp"
 #include "firmware/formats/poses.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -68,9 +69,10 @@ TEST(JointPoses, that_are_not_finite_are_not_written) {
   const std::vector<JointVector> poses{{std::nan(""), 0}};
   const auto written = write_joint_poses(path, kTypes, poses);
   ASSERT_FALSE(written);
-  EXPECT_EQ(render(written.error()), path +
-                                         ": a pose to be written is not finite; expected finite "
-                                         "numbers");
+  EXPECT_EQ(render(test::failure_of(written)),
+            path +
+                ": a pose to be written is not finite; expected finite "
+                "numbers");
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 

@@ -16,6 +16,7 @@
 #include "firmware/formats/poses.hpp"
 #include "firmware/formats/sensor_file.hpp"
 #include "firmware/formats/signature_file.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/random_signature.hpp"
 
 namespace armsig::tool {
@@ -101,10 +102,10 @@ void torture(const std::string& text, int trials,
 template <typename T>
 std::string outcome(const Read<T>& read) {
   if (read) return "read";
-  EXPECT_FALSE(read.error().what.empty());
-  EXPECT_EQ(read.error().file, "F");
-  EXPECT_GE(read.error().line, 0);
-  EXPECT_GE(read.error().column, 0);
+  EXPECT_FALSE(test::failure_of(read).what.empty());
+  EXPECT_EQ(test::failure_of(read).file, "F");
+  EXPECT_GE(test::failure_of(read).line, 0);
+  EXPECT_GE(test::failure_of(read).column, 0);
   return render(read.error());
 }
 

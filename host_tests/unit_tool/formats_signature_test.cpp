@@ -8,6 +8,7 @@
 
 #include "firmware/formats/canonical.hpp"
 #include "firmware/formats/signature_file.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/random_signature.hpp"
 
 namespace armsig::tool {
@@ -254,7 +255,8 @@ TEST(SignatureFile, refuses_pseudo_dh_that_disagrees_with_the_frames) {
   record.signature.pseudo_dh[2].a_m += 1e-4;
   const auto text = signature_text(record);
   ASSERT_FALSE(text);
-  EXPECT_NE(render(text.error()).find("pseudo_dh and the link frames differ"), std::string::npos)
+  EXPECT_NE(render(test::failure_of(text)).find("pseudo_dh and the link frames differ"),
+            std::string::npos)
       << render(text.error());
 }
 
@@ -328,7 +330,7 @@ TEST(SignatureFile, refuses_to_write_what_is_not_finite) {
   record.signature.s_model[0].b_m = std::nan("");
   const auto text = signature_text(record);
   ASSERT_FALSE(text);
-  EXPECT_NE(render(text.error()).find("is not a finite number"), std::string::npos);
+  EXPECT_NE(render(test::failure_of(text)).find("is not a finite number"), std::string::npos);
 }
 
 TEST(SignatureFile, refuses_to_write_an_incomplete_signature) {
@@ -345,7 +347,7 @@ TEST(SignatureFile, leaves_the_old_file_when_the_new_one_is_refused) {
   bad.method = "guess";
   const auto written = write_signature_file(path, bad);
   ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().file, path);
+  EXPECT_EQ(test::failure_of(written).file, path);
   const auto read = read_signature_file(path);
   ASSERT_TRUE(read) << render(read.error());
   expect_same(read->signature, a_record().signature);

@@ -10,6 +10,7 @@
 
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -85,13 +86,15 @@ TEST(AtomicFile, reports_a_full_disk) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "/dev/full is absent";
   const auto written = write_text_file("/dev/full", "text");
   ASSERT_FALSE(written);
-  EXPECT_EQ(render(written.error()), "/dev/full: can't be written: No space left on device");
+  EXPECT_EQ(render(test::failure_of(written)),
+            "/dev/full: can't be written: No space left on device");
 }
 
 TEST(AtomicFile, says_why_it_cannot_be_written) {
-  EXPECT_EQ(render(write_text_file("/nonexistent/a.txt", "").error()),
+  EXPECT_EQ(render(test::failure_of(write_text_file("/nonexistent/a.txt", ""))),
             "/nonexistent/a.txt: can't be written: No such file or directory");
-  EXPECT_EQ(render(write_text_file("/", "").error()), "/: can't be written: Is a directory");
+  EXPECT_EQ(render(test::failure_of(write_text_file("/", ""))),
+            "/: can't be written: Is a directory");
 }
 
 TEST(ReadTextFile, refuses_a_huge_file) {
@@ -99,7 +102,7 @@ TEST(ReadTextFile, refuses_a_huge_file) {
   std::ofstream(folder / "huge.yaml") << std::string((16U << 20U) + 1, '#');
   const auto text = read_text_file(folder / "huge.yaml");
   ASSERT_FALSE(text);
-  EXPECT_EQ(text.error().what, "the file is too large");
+  EXPECT_EQ(test::failure_of(text).what, "the file is too large");
   fs::remove_all(folder);
 }
 

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// What the controller refuses or ends by a name that no other test of it asks for.
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+#include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/puma_cabinet.hpp"
+
+namespace armsig::controller {
+namespace {
+
+using std::chrono::milliseconds;
+using test::PumaCabinet;
+
+TEST(Refusals, a_move_that_names_nothing_or_nothing_known_is_an_unknown_request) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  for (const char* request : {"move", "move pace=0.5", "move w_mm=1", "move q1_mm=1",
+                              "move q9_deg=1", "move q1_deg=1 x_mm=1", "dance"}) {
+    EXPECT_TRUE(puma.ask(request).starts_with("error UNKNOWN_REQUEST ")) << request;
+  }
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
+TEST(Refusals, a_grid_that_was_never_taught_can_t_be_touched) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  EXPECT_TRUE(puma.ask("touch-grid").starts_with("error UNSUPPORTED "));
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
+TEST(Refusals, a_line_that_would_need_a_joint_faster_than_its_limit_is_not_followed) {
+  const Configuration configuration = test::puma_controller();
+  const Model model = model_of(configuration.drawing);
+  const JointVector from{radians(0),  radians(-90), radians(10),
+                         radians(30), radians(40),  radians(0)};
+  Pose to = *tool_pose(model, from);
+  to.p += Vector3(0.05, 0, -0.1);
+  const Planned planned = plan_line(configuration, model, from, to);
+  ASSERT_TRUE(planned);
+  const double period_s = hal::seconds(configuration.period);
+  EXPECT_TRUE(readings_at(*planned, configuration, model, from, period_s));
+  // As if all ticks of the first half had been lost.
+  const auto jump = readings_at(*planned, configuration, model, from, planned->duration_s / 2);
+  EXPECT_EQ(test::failure_of(jump), Error::kSpeedLimit);
+}
+
+// The bound is that of the configuration, exactly, and holds only where there is torque.
+TEST(Refusals, a_tick_that_comes_too_late_stops_an_enabled_arm) {
+  const hal::Duration latest = test::puma_controller().supervision.latest_tick;
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  puma.cabinet->controller().tick(latest + milliseconds(1));
+  puma.run(0.01);
+  EXPECT_EQ(puma.mode(), Mode::kIdle) << "without torque";
+  ASSERT_TRUE(puma.enable());
+  puma.cabinet->controller().tick(latest);
+  puma.run(0.01);
+  EXPECT_EQ(puma.mode(), Mode::kHolding) << "as late as it may be";
+  puma.cabinet->controller().tick(latest + hal::Duration(1));
+  puma.run(0.01);
+  ASSERT_EQ(puma.mode(), Mode::kFaulted);
+  EXPECT_EQ(puma.now().fault->error, Error::kLateTick);
+}
+
+TEST(Refusals, air_that_jumps_pauses_the_identification_and_air_that_warms_does_not) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  puma.run(10);
+  const IdentificationSequence& sequence = puma.cabinet->state().identification();
+  double& air_celsius = puma.cabinet->sensor().field().air_celsius;
+  air_celsius += 1.5;  // 2 K between two readings are too many
+  puma.run(5);
+  EXPECT_FALSE(sequence.is_paused());
+  // Every reading jumps, as that of a broken thermometer does.
+  for (int i = 0; i < 300 && !sequence.is_paused(); ++i) {
+    air_celsius += i % 2 == 0 ? 3 : -3;
+    puma.run(0.02);
+  }
+  ASSERT_TRUE(sequence.is_paused());
+  EXPECT_EQ(sequence.pause_reason(), Error::kAirChanged);
+}
+
+// With a sensor four times as bad as that of the active signature, the second one has not beaten it
+// on poses held out.
+TEST(Refusals, a_candidate_that_is_no_better_than_the_active_signature_is_not_accepted) {
+  PumaCabinet puma;
+  const auto identify = [&puma] {
+    EXPECT_EQ(puma.ask("identify"), "ok");
+    puma.run_until(Mode::kSweeping, 1);
+    EXPECT_TRUE(puma.run_until(Mode::kHolding, 3600));
+    return puma.ask("accept");
+  };
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(identify(), "ok");
+  const auto active = encode(*puma.cabinet->state().active());
+  puma.cabinet->sensor().field().range_sigma_m *= 4;
+  const std::string reply = identify();
+  EXPECT_TRUE(reply.starts_with("error CANDIDATE_NO_BETTER ")) << reply;
+  EXPECT_EQ(encode(*puma.cabinet->state().active()), active);
+}
+
+}  // namespace
+}  // namespace armsig::controller
