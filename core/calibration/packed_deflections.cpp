@@ -8,7 +8,7 @@ namespace armsig::calibration {
 
 namespace {
 
-constexpr double kMostSteps = 32767;
+constexpr double kFullStep = 32767;
 
 PackedMap packed(const JointModel& joint) {
   PackedMap map;
@@ -16,9 +16,9 @@ PackedMap packed(const JointModel& joint) {
   double largest = 0;
   for (const double value : joint.map) largest = std::max(largest, std::abs(value));
   if (largest == 0) return map;
-  map.step = map_unit(joint.type) * largest / kMostSteps;
+  map.step = map_unit(joint.type) * largest / kFullStep;
   for (std::size_t k = 0; k < kKnots; ++k) {
-    map.steps[k] = static_cast<std::int16_t>(std::lround(joint.map[k] / largest * kMostSteps));
+    map.steps[k] = static_cast<std::int16_t>(std::lround(joint.map[k] / largest * kFullStep));
   }
   return map;
 }
