@@ -13,8 +13,9 @@ Master::Master(const CheckedConfiguration& configuration, hal::CanBus& bus, Fram
     : configuration_(configuration), bus_(&bus), other_frames_(other_frames) {
   for (std::size_t axis = 0; axis < configuration_->axes.size(); ++axis) {
     nodes_.push_back(DriveNode(configuration_->axes[axis], configuration_.scaling(axis)));
-    inquiries_.push_back(RestInquiry(configuration_->axes[axis], configuration_.scaling(axis),
-                                     configuration_->sdo_timeout));
+    inquiries_.push_back(std::nullopt);
+    inquiries_.back().emplace(configuration_->axes[axis], configuration_.scaling(axis),
+                              configuration_->sdo_timeout);
   }
   positions_.resize(nodes_.size());
   other_needs_start_.fill(true);
