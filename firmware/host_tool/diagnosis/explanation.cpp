@@ -249,7 +249,7 @@ std::optional<Explanation> explain(const Evidence& evidence, const Reference& re
                                    const ArmLimits& limits, bool refused) {
   Search search(evidence, reference, limits, refused);
   search.try_hypotheses();
-  search.try_factors();
+  if (!search.is_convincing()) search.try_factors();
   if (!search.is_convincing()) search.try_moves();
   auto best = search.best();
   if (!best && refused) {
