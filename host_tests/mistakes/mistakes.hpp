@@ -263,7 +263,7 @@ inline std::vector<Mistake> mistakes_of_readings() {
        },
        true},
       {"all gears 1 % off", angles_times(1.01), true, "1.0100 times what the joint turns"},
-      {"a gear 0.3 % off", angles_times(1.003, 1), true, "joint 2 is 1.0030 times"},
+      {"a gear 2 % off", angles_times(1.02, 1), true, "joint 2 is 1.0200 times"},
       {"one reading in radians from the middle on",
        rows_from(0.5, [](Row& row) { row.q[2] *= kPi / 180; })},
       {"a reading is zero all along", every([](Row& row) { row.q[2] = 0; }), false, ""},

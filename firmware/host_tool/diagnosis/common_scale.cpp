@@ -14,6 +14,7 @@ constexpr double kUsualShift_m = 0.5e-3;
 constexpr double kUsualShare = 0.5e-3;  // of the reach, where that is more
 // Residuals hang together, as model errors do: so many numbers' worth of them, halved.
 constexpr double kIndependent = 15;
+constexpr double kWorthAsking = 6;   // of evidence
 constexpr double kNothing_m = 1e-6;  // rows that were computed, not measured
 constexpr int kMostSteps = 6;
 constexpr double kSettled = 2e-4;  // of the factor, in a step
@@ -31,6 +32,16 @@ double shift_squares(const NearFit& fit) {
 std::optional<CommonScale> common_scale(const Evidence& evidence, const NearFit& fit,
                                         const ArmLimits& limits, double start) {
   if (fit.joints.size() < 2) return std::nullopt;
+  const double axes = static_cast<double>(fit.joints.size() - 1);
+  const double usual_m = std::max(kUsualShift_m, kUsualShare * fit.reach_m);
+  const double usual = kUsual * usual_m * usual_m;
+  const double before = shift_squares(fit);
+  const double numbers = (kShiftsOfAxis * axes + kUsual) / 2;
+  const bool slides = std::ranges::any_of(evidence.arm.joints, [](const DhJoint& joint) {
+    return joint.type == JointType::kPrismatic;
+  });
+  // Without a slide, shifts that are gone altogether are the most that there can be.
+  if (!slides && numbers * std::log((before + usual) / usual) < kWorthAsking) return std::nullopt;
   // The way from deviations to a factor is curved: it is gone in steps, each from the drawing.
   Evidence scaled = evidence;
   scaled.free_scale = true;
@@ -49,15 +60,10 @@ std::optional<CommonScale> common_scale(const Evidence& evidence, const NearFit&
   for (double* length : {&found.fit.sigma_m, &found.fit.best_rms_m, &found.fit.clipped_m}) {
     *length *= found.factor;
   }
-  const double axes = static_cast<double>(fit.joints.size() - 1);
-  const double usual_m = std::max(kUsualShift_m, kUsualShare * fit.reach_m);
-  const double usual = kUsual * usual_m * usual_m;
-  const double before = shift_squares(fit);
   const double after = shift_squares(found.fit);
   found.before_m = std::sqrt(before / axes);
   found.after_m = std::sqrt(after / axes);
-  found.evidence =
-      (kShiftsOfAxis * axes + kUsual) / 2 * std::log((before + usual) / (after + usual));
+  found.evidence = numbers * std::log((before + usual) / (after + usual));
   // What is left of the rows tells as well where a slide's reading says how long a millimetre is.
   found.evidence += kIndependent * std::log(std::max(kNothing_m, fit.best_rms_m) /
                                             std::max(kNothing_m, found.fit.best_rms_m));

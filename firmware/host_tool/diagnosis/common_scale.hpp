@@ -22,7 +22,7 @@ struct CommonScale {
 // standard deviation that the shifts themselves tell, about that of a workshop (Student's
 // distribution): where they shrink together under one factor far more than the one dimension of
 // many that it takes, the factor is what there is. It is looked for from `start` on. Nothing where
-// no fit is found.
+// no fit is found, or where the shifts are too small for any factor to be evident.
 [[nodiscard]] std::optional<CommonScale> common_scale(const Evidence& evidence, const NearFit& fit,
                                                       const ArmLimits& limits, double start = 1);
 

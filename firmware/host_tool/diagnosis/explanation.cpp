@@ -25,7 +25,7 @@ constexpr double kModelShare = 0.005;
 constexpr double kOfSigma = 4 * 1.732;
 // Residuals beyond so many times the noise ask for a cause.
 constexpr double kSuspicious = 3;
-constexpr double kSuspiciousClipped = 3;
+constexpr double kSuspiciousClipped = 8;
 // Residuals below this share of the reach are nobody's mistake.
 constexpr double kNothing = 1e-4;
 // A cause must explain so much of the residuals of a set that is sound as it is.
@@ -249,7 +249,7 @@ std::optional<Explanation> explain(const Evidence& evidence, const Reference& re
                                    const ArmLimits& limits, bool refused) {
   Search search(evidence, reference, limits, refused);
   search.try_hypotheses();
-  search.try_factors();
+  if (refused && !search.is_convincing()) search.try_factors();
   if (!search.is_convincing()) search.try_moves();
   auto best = search.best();
   if (!best && refused) {
