@@ -19,8 +19,8 @@ struct ExportOptions : CommonOptions {
 
 void tell_loss(const ExportOptions& options, const Exported& exported) {
   say(stderr,
-      "armsig: warning: {} cannot say {}; its geometry is the best without, which loses {:.3f} mm "
-      "RMS at the tool, {:.3f} at most, over the readings measured\n",
+      "armsig: warning: {} cannot say {}; its geometry is the best without: {:.3f} mm RMS at the "
+      "tool are lost, {:.3f} at most, over the readings measured\n",
       options.format,
       exported.companions.empty() ? "gravity and the maps of the readings" : "gravity",
       1e3 * exported.lost_rms_m, 1e3 * exported.lost_largest_m);
