@@ -44,23 +44,32 @@ class ServoReadings {
   struct Map {
     double origin = 0;
     double turns_per_length = 0;  // whole periods
-    double step = 0;
+    double knots_per_length = 0;
+    double sixth = 0;  // of a step, rad or m
+    double sixth_by_length = 0;
     std::array<std::int16_t, kKnots + kSplines> steps{};  // the first ones once more at the end
   };
   using Values = std::array<double, kMaxJoints>;
+  struct Work;  // what deflections are made of
 
-  void add_maps(const JointVector& q, Values& by, Values& slope) const;
-  [[nodiscard]] bool add_gravity(const JointVector& q, Values& by) const;
-  [[nodiscard]] bool deflections(const JointVector& q, Values& by, Values& slope) const;
+  [[nodiscard]] bool has_gravity() const { return !gravity_.empty() || !slide_gravity_.empty(); }
+  void find_cubics(const JointVector& q, Work& work) const;
+  [[nodiscard]] bool begin(const JointVector& q, Work& work) const;
+  [[nodiscard]] bool move(const JointVector& q, const Values& moved, Work& work) const;
+  void deflections(const Work& work, Values& by) const;
+  void add_gravity(const Work& work, Values& by) const;
+  void add_slides(const Work& work, Values& by) const;
 
   std::size_t joint_count_ = 0;
   std::array<Map, kMaxJoints> maps_{};
   JointCouplings couplings_;
   kinematics::Chain drawing_;  // its frames where Denavit and Hartenberg put them
-  FixedVector<GravityTerm, kMaxGravityTerms> gravity_;
+  FixedVector<GravityTerm, kMaxGravityTerms> gravity_;  // of joints that turn
+  FixedVector<GravityTerm, kMaxGravityTerms> slide_gravity_;
   FixedVector<JointLimits, kMaxJoints> limits_;
   Values at_rest_{};
   double largest_ = 0;
+  double left_ = 0;  // by readings(): rad or m
 };
 
 // kinematics::inverse() of an arm whose joints turn as `joints` says: readings, near the readings

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/formats/deflections.hpp"
 
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/calibration/packed_deflections.hpp"
 #include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
@@ -15,11 +17,8 @@ using calibration::ArmModel;
 using calibration::GravityTerm;
 using calibration::JointModel;
 using calibration::kKnots;
-
-// Radians or metres; radians per radian; metres of a lever no arm exceeds.
-constexpr double kLargestDeflection = 0.1;
-constexpr double kSteepest = 0.1;
-constexpr double kLongestLever_m = 10;
+using calibration::kLargestDeflection;
+using calibration::kSteepestMap;
 
 template <typename Values>
 std::string row_text(const Values& values) {
@@ -38,7 +37,7 @@ Read<void> read_gravity(const YamlNode& node, ArmModel& model) {
     ARMSIG_TRY(term, read_numbers(item, "a gravity term", 3));
     const bool known = term[0] >= 1 && term[0] <= n && term[1] > term[0] - 1 && term[1] <= n &&
                        std::floor(term[0]) == term[0] && std::floor(term[1]) == term[1];
-    if (!known || !(std::abs(term[2]) * kLongestLever_m <= kLargestDeflection)) {
+    if (!known || !(std::abs(term[2]) * calibration::kLongestLever_m <= kLargestDeflection)) {
       return problem_at(item, fmt::format("a gravity term {}, {}, {}", term[0], term[1], term[2]),
                         "a joint, a link beyond it, and at most 0.01 rad or m per m");
     }
@@ -55,7 +54,7 @@ Read<void> check_map(const YamlNode& node, const JointModel& joint) {
     const double value = joint.map[k];
     const double rise = joint.map[(k + 1) % kKnots] - value;
     if (std::abs(unit * value) <= kLargestDeflection &&
-        std::abs(unit * rise * joint.domain.per_length) <= kSteepest &&
+        std::abs(unit * rise * joint.domain.per_length) <= kSteepestMap &&
         joint.map_variance[k] >= 0) {
       continue;
     }
@@ -67,7 +66,7 @@ Read<void> check_map(const YamlNode& node, const JointModel& joint) {
 
 Read<void> read_map(const YamlNode& node, std::size_t index, JointModel& joint) {
   ARMSIG_TRY(map, YamlMap::open(node, fmt::format("map {}", index + 1),
-                                {"origin", "per_length", "values", "variances"}));
+                                {"origin", "per_length", "values", "variances", "covered"}));
   ARMSIG_TRY(origin, map.number("origin"));
   ARMSIG_TRY(per_length, map.number("per_length"));
   ARMSIG_TRY(values_node, map.require("values"));
@@ -75,6 +74,14 @@ Read<void> read_map(const YamlNode& node, std::size_t index, JointModel& joint) 
   ARMSIG_TRY(variances_node, map.require("variances"));
   ARMSIG_TRY(variances, read_numbers(*variances_node, "variances", kKnots));
   joint.domain = {origin, per_length};
+  if (const YamlNode* covered_node = map.find("covered"); covered_node != nullptr) {
+    ARMSIG_TRY(covered, read_numbers(*covered_node, "covered", 2));
+    if (covered[0] > covered[1]) {
+      return problem_at(*covered_node, fmt::format("covered {}, {}", covered[0], covered[1]),
+                        "the lowest and the highest reading, in this order");
+    }
+    joint.covered = {covered[0], covered[1]};
+  }
   for (std::size_t k = 0; k < kKnots; ++k) {
     joint.map[k] = values[k];
     joint.map_variance[k] = static_cast<float>(variances[k]);
@@ -101,6 +108,8 @@ std::string deflections_text(const SignatureRecord& record) {
   for (const JointModel& joint : model.joints) {
     text += fmt::format("    - origin: {}\n      per_length: {}\n",
                         number_text(joint.domain.origin), number_text(joint.domain.per_length));
+    text += fmt::format("      covered: {}\n",
+                        row_text(std::array{joint.covered.lower, joint.covered.upper}));
     text += fmt::format("      values: {}\n      variances: {}\n", row_text(joint.map),
                         row_text(joint.map_variance));
   }

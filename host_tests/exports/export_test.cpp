@@ -64,6 +64,68 @@ TEST(Export, carries_couplings_along) {
   expect_same_poses(folder, {"linuxcnc", "dh-csv", "mdh-csv", "rtb", "json"});
 }
 
+const std::string kBent = "--tolerances 1 --maps-deg 0.02 --sag-mm 0.5";
+
+TEST(Export, carries_gravity_and_maps_in_json_and_as_a_table) {
+  for (const char* arm : {kPuma560, kStanfordArm, kCoupledArm}) {
+    const Folder folder;
+    make_individual(folder, arm, kBent);
+    expect_same_poses(folder, {"json"});
+    std::filesystem::rename(folder / "export.out", folder / "geometry.json");
+    expect_same_poses(folder, {"maps-csv"});
+  }
+}
+
+TEST(Export, carries_maps_as_compensation_tables_of_linuxcnc) {
+  const Folder folder;
+  make_individual(folder, kPuma560, "--tolerances 1 --maps-deg 0.02");
+  const Difference with_tables = read_back(folder, "linuxcnc");
+  EXPECT_LT(with_tables.distance_m, 2e-5);  // straight lines between 256 points
+  EXPECT_TRUE(std::filesystem::exists(folder / "export.out.joint-5.comp"));
+  EXPECT_NE(read_file(folder / "export.out").find("[JOINT_5] COMP_FILE_TYPE = 0"),
+            std::string::npos);
+  for (int joint = 0; joint < 6; ++joint) {
+    std::filesystem::remove(folder / ("export.out.joint-" + std::to_string(joint) + ".comp"));
+  }
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && /usr/bin/python3 '" ARMSIG_READ_EXPORT
+                              "' linuxcnc export.out q.csv p.csv >.read 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0);  // NOLINT(cert-env33-c): our own command line
+  EXPECT_GT(std::stod(read_file(folder / ".read")), 10 * with_tables.distance_m);
+}
+
+TEST(Export, fits_the_geometry_anew_where_gravity_and_maps_are_lost_and_says_what_that_costs) {
+  const Folder folder;
+  make_individual(folder, kPuma560, kBent);
+  for (const std::string format : {"dh-csv", "mdh-csv", "rtb", "ur-yaml", "linuxcnc"}) {
+    SCOPED_TRACE(format);
+    const Outcome exported = run_tool(
+        folder, "export --signature truth.yaml --json --format " + format + " --out export.out");
+    ASSERT_EQ(exported.status, 0) << exported.err;
+    EXPECT_NE(exported.err.find("its geometry is the best without"), std::string::npos)
+        << exported.err;
+    EXPECT_NE(read_file(folder / "export.out").find("geometry fitted anew without gravity"),
+              std::string::npos);
+    const std::string key = "\"lost_rms_m\":";
+    ASSERT_NE(exported.out.find(key), std::string::npos) << exported.out;
+    const double lost_m = std::stod(exported.out.substr(exported.out.find(key) + key.size()));
+    EXPECT_GT(lost_m, 2e-5);
+    EXPECT_LT(lost_m, 4e-4);
+    // All of it, and not more: the largest of fifty poses.
+    const Difference difference = read_back(folder, format);
+    EXPECT_GT(difference.distance_m, lost_m);
+    EXPECT_LT(difference.distance_m, 5 * lost_m);
+  }
+}
+
+TEST(Export, refuses_a_table_of_maps_where_there_are_none) {
+  const Folder folder;
+  make_individual(folder, kTwoJointArm);
+  const Outcome outcome = export_as(folder, "maps-csv");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("no gravity and no maps"), std::string::npos) << outcome.err;
+}
+
 TEST(Export, refuses_a_prismatic_joint_where_the_format_knows_none) {
   const Folder folder;
   make_individual(folder, kStanfordArm);

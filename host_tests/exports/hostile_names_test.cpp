@@ -78,9 +78,10 @@ void write_exports(const cli::Folder& folder, const std::vector<std::string>& na
   for (std::size_t k = 0; k < names.size(); ++k) {
     cli::write_file(folder / (std::to_string(k) + ".name"), names[k]);
     for (const std::string& format : export_formats()) {
+      if (format == "maps-csv") continue;  // of an arm with maps only
       const auto text = export_text(format, named(names[k]));
       ASSERT_TRUE(text) << format << ": " << render(text.error());
-      cli::write_file(folder / (std::to_string(k) + "." + format), *text);
+      cli::write_file(folder / (std::to_string(k) + "." + format), text->text);
     }
   }
 }

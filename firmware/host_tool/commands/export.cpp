@@ -2,12 +2,13 @@
 // armsig export: a signature for other software.
 #include "firmware/host_tool/exports/export.hpp"
 
+#include <vector>
+
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
-#include "firmware/host_tool/signature/model.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -16,30 +17,44 @@ struct ExportOptions : CommonOptions {
   std::string signature, format, out;
 };
 
+void tell_loss(const ExportOptions& options, const Exported& exported) {
+  say(stderr,
+      "armsig: warning: {} cannot say {}; its geometry is the best without: {:.3f} mm RMS at the "
+      "tool are lost, {:.3f} at most, over the readings measured\n",
+      options.format,
+      exported.companions.empty() ? "gravity and the maps of the readings" : "gravity",
+      1e3 * exported.lost_rms_m, 1e3 * exported.lost_largest_m);
+}
+
 int run(const ExportOptions& options) {
   const auto apart = check_roles({{"--signature", options.signature}}, {{"--out", options.out}});
   if (!apart) return fail(apart.error(), kBadInput, options);
   const auto record = read_signature_file(options.signature);
   if (!record) return fail(record.error(), kBadInput, options);
-  const auto text = in_file(options.signature, export_text(options.format, *record));
-  if (!text) return fail(text.error(), kNoAnswer, options);
-  const auto written = write_text_file(options.out, *text);
-  if (!written) return fail(written.error(), kBadInput, options);
-  const double lost_m = deflection_rms_m(*record);
-  if (lost_m > 0) {
-    say(stderr,
-        "armsig: warning: gravity and the maps of the readings cannot be said in {}: {:.3f} "
-        "mm RMS at the tool are lost\n",
-        options.format, 1e3 * lost_m);
+  const auto exported = in_file(options.signature, export_text(options.format, *record));
+  if (!exported) return fail(exported.error(), kNoAnswer, options);
+  std::vector<std::string> files{options.out};
+  std::vector<const std::string*> texts{&exported->text};
+  for (const Companion& companion : exported->companions) {
+    files.push_back(options.out + companion.suffix);
+    texts.push_back(&companion.text);
   }
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    const auto written = write_text_file(files[k], *texts[k]);
+    if (!written) return fail(written.error(), kBadInput, options);
+  }
+  if (exported->lost_rms_m > 0) tell_loss(options, *exported);
   if (options.json) {
     print_json({{"status", 0},
                 {"format", options.format},
                 {"joints", record->signature.joint_count()},
-                {"out", options.out}});
+                {"out", options.out},
+                {"files", files},
+                {"lost_rms_m", exported->lost_rms_m},
+                {"lost_largest_m", exported->lost_largest_m}});
   } else {
-    say("{}: {} joints as {}\nWritten: {}\n", record->arm_name, record->signature.joint_count(),
-        options.format, options.out);
+    say("{}: {} joints as {}\n", record->arm_name, record->signature.joint_count(), options.format);
+    for (const std::string& file : files) say("Written: {}\n", file);
   }
   return kDone;
 }

@@ -33,6 +33,7 @@ int run(const ReportOptions& options) {
   if (!written) return fail(written.error(), kBadInput, options);
   if (options.json) {
     print_json({{"status", 0},
+                {"reading_maps", report["reading_maps"]},
                 {"verdict", report["verdict"]},
                 {"sweeps", report["sweeps"].size()},
                 {"bytes", page->size()},

@@ -32,12 +32,16 @@ struct SimulateOptions : CommonOptions {
   double air_c = 20;
   double thermometer_error_c = 0;
   double bias_mm = 0;
+  double maps_deg = 0;
+  double sag_mm = 0;
+  double play_deg = 0;
   std::uint64_t seed = 1;
   std::vector<double> hand_target_mm;
   std::vector<double> configuration;  // degrees and millimetres, by joint type
 };
 
 constexpr std::uint64_t kArmStream = 0;
+constexpr std::uint64_t kBendStream = 3;
 
 // The arm as built, and where its base is.
 Read<simulated::SimulatedArm> build(const SimulateOptions& options, const Arm& drawing) {
@@ -141,13 +145,20 @@ int run(const SimulateOptions& options) {
     const std::vector<double>& p_mm = options.hand_target_mm;
     mount_hand_target(*built, 1e-3 * Vector3(p_mm[0], p_mm[1], p_mm[2]));
   }
+  const Bends bends{.map_rad = radians(options.maps_deg),
+                    .sag_m = 1e-3 * options.sag_mm,
+                    .play_rad = radians(options.play_deg)};
+  simulated::Random bend_random(options.seed, kBendStream);
+  const auto bent = bends.any() ? bent_model(arm->arm, bends, bend_random) : nullptr;
+  const BentJoints joints(bent, bends.play_rad);
   const Simulation simulation{
       .arm = *built,
       .plan = plan_sweeps(arm->arm, *configuration, radians(options.arc_deg), options.points),
       .sensor = *sensor,
       .pings = options.pings,
       .mixed_poses = options.mixed_poses,
-      .seed = options.seed};
+      .seed = options.seed,
+      .joints = joints};
 
   const std::string comment = fmt::format("Simulated: {}, seed {}", arm->name, options.seed);
   auto writer = MeasurementWriter::create(options.out, layout_of(simulation, comment));
@@ -160,8 +171,9 @@ int run(const SimulateOptions& options) {
   });
   if (const auto done = writer->commit(); !done) return fail(done.error(), kBadInput, options);
   if (!options.truth_out.empty()) {
-    const auto written = write_signature_file(options.truth_out,
-                                              exact_record(truth_of(*built, *configuration), *arm));
+    SignatureRecord truth = exact_record(truth_of(*built, *configuration, joints), *arm);
+    truth.deflections = bent;
+    const auto written = write_signature_file(options.truth_out, truth);
     if (!written) return fail(written.error(), kBadInput, options);
   }
 
@@ -246,6 +258,21 @@ void add_simulate(CLI::App& app, int& status) {
                    "what the sensor's thermometer reads too much")
       ->capture_default_str();
   command->add_option("--bias-mm", options->bias_mm, "constant error of every range")
+      ->capture_default_str();
+  command
+      ->add_option("--maps-deg", options->maps_deg,
+                   "largest error of each joint's reading, by waves of 1 to 17 a turn")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command
+      ->add_option("--sag-mm", options->sag_mm,
+                   "what gravity bends the arm by, stretched out level, its base upright")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  command
+      ->add_option("--play-deg", options->play_deg,
+                   "play of each joint, which stays on the side that it came from")
+      ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "the same seed gives the same file")
       ->capture_default_str();

@@ -1,23 +1,31 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/exports/export.hpp"
 
+#include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "core/base/check.hpp"
+#include "firmware/host_tool/exports/carried.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
 
 namespace armsig::tool {
 namespace {
 
 struct Format {
-  const char* name;
+  std::string_view name;
   Read<std::string> (*text)(const SignatureRecord&);
+  Carries carries = Carries::kGeometry;
 };
 constexpr std::array kFormats{
-    Format{"urdf", urdf_text},         Format{"ur-yaml", ur_yaml_text},
-    Format{"linuxcnc", linuxcnc_text}, Format{"dh-csv", dh_csv_text},
-    Format{"mdh-csv", mdh_csv_text},   Format{"rtb", rtb_text},
-    Format{"json", json_text},
+    Format{"urdf", urdf_text},
+    Format{"ur-yaml", ur_yaml_text},
+    Format{"linuxcnc", linuxcnc_text, Carries::kMaps},
+    Format{"dh-csv", dh_csv_text},
+    Format{"mdh-csv", mdh_csv_text},
+    Format{"rtb", rtb_text},
+    Format{"json", json_text, Carries::kEverything},
+    Format{"maps-csv", maps_csv_text, Carries::kEverything},
 };
 
 }  // namespace
@@ -29,15 +37,22 @@ std::vector<std::string> export_formats() {
   return names;
 }
 
-Read<std::string> export_text(const std::string& format, const SignatureRecord& record) {
+Read<Exported> export_text(const std::string& format, const SignatureRecord& record) {
   if (!record.corrections.empty()) {
     return cannot_hold(format, "its joint readings are corrected, and not by an offset alone",
                        "a signature identified without --correct");
   }
-  for (const Format& known : kFormats) {
-    if (format == known.name) return known.text(record);
-  }
-  ARMSIG_CHECK(false);
+  const auto* known = std::ranges::find(kFormats, format, &Format::name);
+  ARMSIG_CHECK(known != kFormats.end());
+  // LinuxCNC couples joints as its tables have corrected them, not as the encoders read.
+  const bool maps_apart = known->carries == Carries::kMaps && record.nominal.couplings.empty();
+  const Carries carries =
+      known->carries == Carries::kMaps && !maps_apart ? Carries::kGeometry : known->carries;
+  ARMSIG_TRY(carried, carried_by(format, carries, record));
+  ARMSIG_TRY(text, known->text(carried.record));
+  Exported exported{std::move(text), {}, carried.lost_rms_m, carried.lost_largest_m};
+  if (maps_apart) exported.companions = linuxcnc_tables(carried.record);
+  return exported;
 }
 
 }  // namespace armsig::tool

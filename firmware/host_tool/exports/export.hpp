@@ -31,18 +31,41 @@ inline constexpr double kExportTolerance_m = 1e-9;
 // numbers from the joint before.
 [[nodiscard]] Read<std::string> linuxcnc_text(const SignatureRecord& record);
 
+// A further file of an export, beside the one that was asked for.
+struct Companion {
+  std::string suffix;  // of its name, after that of the file asked for
+  std::string text;
+};
+
+// The maps of the readings as LinuxCNC's compensation tables, one a joint: lines of nominal,
+// forward and reverse position in degrees of the joint of genserkins (COMP_FILE_TYPE 0). None of a
+// record without maps. Precondition: linuxcnc_text() holds this arm.
+[[nodiscard]] std::vector<Companion> linuxcnc_tables(const SignatureRecord& record);
+
 // Source for the Robotics Toolbox for Python: a DHRobot called `robot`.
 [[nodiscard]] Read<std::string> rtb_text(const SignatureRecord& record);
 
-// Everything as JSON: axes, rows, base, last link, joint frames, targets.
+// Everything as JSON: axes, rows, base, last link, joint frames, targets, gravity, maps.
 [[nodiscard]] Read<std::string> json_text(const SignatureRecord& record);
+
+// Gravity and the maps of the readings as a table.
+[[nodiscard]] Read<std::string> maps_csv_text(const SignatureRecord& record);
 
 // Names of the formats, in the order of the documentation.
 [[nodiscard]] std::vector<std::string> export_formats();
 
-// The text in the format of that name; none of them holds corrections of the readings.
+struct Exported {
+  std::string text;
+  std::vector<Companion> companions;
+  // What gravity and maps that the format cannot carry are worth at the tool, RMS and at most over
+  // the readings measured; 0: nothing is lost.
+  double lost_rms_m = 0;
+  double lost_largest_m = 0;
+};
+
+// The signature in the format of that name, its geometry fitted anew where the format cannot carry
+// gravity and maps; none of them holds corrections of the readings.
 // Precondition: one of export_formats().
-[[nodiscard]] Read<std::string> export_text(const std::string& format,
-                                            const SignatureRecord& record);
+[[nodiscard]] Read<Exported> export_text(const std::string& format, const SignatureRecord& record);
 
 }  // namespace armsig::tool

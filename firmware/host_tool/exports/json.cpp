@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "firmware/host_tool/exports/export.hpp"
@@ -28,6 +30,55 @@ Json couplings_json(const Arm& arm) {
   return couplings;
 }
 
+// What the joints turn beyond their readings.
+Json deflections_json(const SignatureRecord& record) {
+  const calibration::ArmModel& model = *record.deflections;
+  Json drawing = Json::array();
+  Json maps = Json::array();
+  for (std::size_t i = 0; i < model.joint_count(); ++i) {
+    const calibration::JointModel& joint = model.joints[i];
+    const DhJoint& row = record.nominal.joints[i];
+    const bool revolute = row.type == JointType::kRevolute;
+    drawing.push_back({{"theta_rad", revolute ? joint.offset : row.theta_rad},
+                       {"d_m", revolute ? row.d_m : joint.offset},
+                       {"a_m", row.a_m},
+                       {"alpha_rad", row.alpha_rad}});
+    const double unit = calibration::map_unit(joint.type);
+    Json coefficients = Json::array();
+    Json sigmas = Json::array();
+    for (std::size_t k = 0; k < calibration::kKnots; ++k) {
+      coefficients.push_back(unit * joint.map[k]);
+      sigmas.push_back(unit * std::sqrt(static_cast<double>(joint.map_variance[k])));
+    }
+    maps.push_back({{"origin", joint.domain.origin},
+                    {"knots_per_unit", joint.domain.per_length},
+                    {"covered", {joint.covered.lower, joint.covered.upper}},
+                    {"coefficients", std::move(coefficients)},
+                    {"sigmas", std::move(sigmas)}});
+  }
+  Json gravity = Json::array();
+  for (const calibration::GravityTerm& term : model.gravity) {
+    gravity.push_back(
+        {{"joint", term.joint + 1}, {"link", term.origin}, {"coefficient", term.coefficient}});
+  }
+  Json at_rest = Json::array();
+  for (const double q : readings_for(record.nominal.couplings, record.signature.configuration)) {
+    at_rest.push_back(q);
+  }
+  return {
+      {"note",
+       "in joint_frames, q of joint i is its effective reading + d_i(readings) - d_i(at_rest); "
+       "d_i = map i at reading i + the sum of its gravity terms. Map: periodic cubic B-spline, "
+       "u = (reading - origin) knots_per_unit, k = floor(u), t = u - k, the sum of coefficients "
+       "k ... k + 3 modulo 120 by (1-t)^3/6, (4-6t^2+3t^3)/6, (4-6(1-t)^2+3(1-t)^3)/6, t^3/6. "
+       "Gravity: coefficient z_joint . ((O_link - O_joint) x down), of a slide z_joint . down; "
+       "axes and origins by `drawing`, base upright, at the effective readings"},
+      {"drawing", std::move(drawing)},
+      {"at_rest", std::move(at_rest)},
+      {"gravity", std::move(gravity)},
+      {"maps", std::move(maps)}};
+}
+
 }  // namespace
 
 Read<std::string> json_text(const SignatureRecord& record) {
@@ -38,7 +89,7 @@ Read<std::string> json_text(const SignatureRecord& record) {
   Json limits = Json::array();
   for (const JointLimits& limit : record.nominal.limits)
     limits.push_back({limit.lower, limit.upper});
-  const Json json{
+  Json json{
       {"armsig", "export/1"},
       {"name", record.arm_name},
       {"serial", record.serial},
@@ -60,6 +111,7 @@ Read<std::string> json_text(const SignatureRecord& record) {
         {"base", pose_json(frames.X_SB)},
         {"joints", std::move(joints)},
         {"last_link", pose_json(frames.X_KL)}}}};
+  if (record.deflections) json["deflections"] = deflections_json(record);
   return json_text(json, 2) + "\n";
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/check.hpp"
 #include "core/base/error.hpp"
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
@@ -49,7 +50,58 @@ JointVector offsets_rad(const Arm& arm, const ModifiedRows& modified) {
   return offsets;
 }
 
+// What a compensation table may hold at most, in LinuxCNC.
+constexpr int kMostTriplets = 256;
+
+std::string table_name(std::size_t joint) { return fmt::format(".joint-{}.comp", joint); }
+
+// Where the tables are, for the settings of the joints.
+std::string table_lines(const SignatureRecord& record) {
+  if (!record.deflections) return "";
+  std::string text =
+      "The maps of the readings are in compensation tables beside this file. For each joint, in "
+      "the "
+      "INI file:\n";
+  for (std::size_t i = 0; i < record.signature.joint_count(); ++i) {
+    text += fmt::format("  [JOINT_{}] COMP_FILE_TYPE = 0, COMP_FILE = (this file's name){}\n", i,
+                        table_name(i));
+  }
+  return text + "LinuxCNC ignores BACKLASH where a joint has a table.\n";
+}
+
+// LinuxCNC sends nominal + (nominal - forward) to the drive where it wants nominal: with the map m
+// at reading r, nominal = offset + r + m(r) and forward = nominal + m(r) make that offset + r.
+std::string table_text(const calibration::JointModel& joint, const JointLimits& limits,
+                       double offset_rad, double at_rest_rad) {
+  std::string text;
+  for (int k = 0; k < kMostTriplets; ++k) {
+    const double part = static_cast<double>(k) / (kMostTriplets - 1);
+    const double reading = limits.lower + part * (limits.upper - limits.lower);
+    const double map_rad = calibration::map_at(joint, reading) - at_rest_rad;
+    const double nominal_deg = degrees(offset_rad + reading + map_rad);
+    const double actual_deg = nominal_deg + degrees(map_rad);
+    text += fmt::format("{:.9f} {:.9f} {:.9f}\n", nominal_deg, actual_deg, actual_deg);
+  }
+  return text;
+}
+
 }  // namespace
+
+std::vector<Companion> linuxcnc_tables(const SignatureRecord& record) {
+  if (!record.deflections) return {};
+  const auto standard = standard_rows(kLinuxCncFormat, record);
+  ARMSIG_CHECK(standard);
+  const JointVector offsets = offsets_rad(record.nominal, modified_rows(*standard));
+  const JointVector at_rest =
+      readings_for(record.nominal.couplings, record.signature.configuration);
+  std::vector<Companion> tables;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    const calibration::JointModel& joint = record.deflections->joints[i];
+    tables.push_back({table_name(i), table_text(joint, record.nominal.limits[i], offsets[i],
+                                                calibration::map_at(joint, at_rest[i]))});
+  }
+  return tables;
+}
 
 Read<std::string> linuxcnc_text(const SignatureRecord& record) {
   if (auto six = need_six_revolute(kLinuxCncFormat, record.signature); !six) {
@@ -73,7 +125,8 @@ Read<std::string> linuxcnc_text(const SignatureRecord& record) {
       "  net j0-kin joint-offset.0.fb-out => joint.0.motor-pos-fb\n"
       "What genserkins leaves out stands before and after its product:\n"
       "base: " +
-      pose_words(modified.X_S0) + "\ntool: " + pose_words(modified.X_FL) + "\n");
+      pose_words(modified.X_S0) + "\ntool: " + pose_words(modified.X_FL) + "\n" +
+      table_lines(record));
   text += "loadrt offset names=";
   for (std::size_t i = 0; i < 6; ++i)
     text += fmt::format("{}joint-offset.{}", i == 0 ? "" : ",", i);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/calibration/signature_of_model.hpp"
 #include "core/refinement/determination.hpp"
@@ -131,6 +132,19 @@ class Fitting {
   [[nodiscard]] Engine& engine() { return *engine_; }
   [[nodiscard]] double stated_variance() const { return stated_variance_; }
   [[nodiscard]] const std::vector<FitRow>& rows() const { return rows_; }
+
+  // Between which readings the rows are that were not rejected.
+  void note_covered(ArmModel& model) const {
+    for (std::size_t i = 0; i < model.joint_count(); ++i) {
+      JointLimits& covered = model.joints[i].covered;
+      covered = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+      for (const FitRow& row : rows_) {
+        if (row.weight == 0) continue;
+        covered.lower = std::min(covered.lower, row.readings[i]);
+        covered.upper = std::max(covered.upper, row.readings[i]);
+      }
+    }
+  }
 
   void report(std::span<refinement::RowOutcome> verdicts, refinement::FitQuality& quality) const {
     double squares = 0;
@@ -287,6 +301,7 @@ class CalibrationFit {
     }
     auto whole = fitted(bent, {});
     if (!whole || !believable(from, *whole)) return std::nullopt;
+    fitting_.note_covered(*whole->model);
     whole->left_out = fitting_.score(bent, {});
     const auto& score = whole->left_out;
     if (!score || score->mean_kept_m > kWorthDeflections * geometry.left_out->mean_kept_m ||

@@ -6,6 +6,7 @@
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/report/arm_drawing.hpp"
 #include "firmware/host_tool/report/grid_task.hpp"
+#include "firmware/host_tool/report/reading_maps.hpp"
 #include "firmware/host_tool/report/report.hpp"
 #include "firmware/host_tool/report/sweep_picture.hpp"
 #include "firmware/host_tool/report/tool_error_map.hpp"
@@ -172,6 +173,30 @@ Json map_json(const ToolErrorMap& map) {
           {"points", std::move(points)}};
 }
 
+// Curves as [reading, map, sigma, covered], in rad or m.
+Json reading_maps_json(const ReadingMaps& maps) {
+  Json joints = Json::array();
+  for (const ReadingMapPicture& joint : maps.joints) {
+    Json curve = Json::array();
+    for (const ReadingMapPoint& point : joint.points) {
+      curve.push_back({rounded(point.reading, 1e-6), rounded(point.map, 1e-10),
+                       rounded(point.sigma, 1e-10), point.covered ? 1 : 0});
+    }
+    joints.push_back({{"joint", joint.joint + 1},
+                      {"revolute", joint.type == JointType::kRevolute},
+                      {"covered", {joint.covered.lower, joint.covered.upper}},
+                      {"tool_m_per_unit", joint.tool_m_per_unit},
+                      {"largest", joint.largest},
+                      {"tool_rms_m", joint.tool_rms_m},
+                      {"curve", std::move(curve)}});
+  }
+  return {{"gravity_terms", maps.gravity_terms},
+          {"gravity_rms_m", maps.gravity_rms_m},
+          {"gravity_largest_m", maps.gravity_largest_m},
+          {"maps_rms_m", maps.maps_rms_m},
+          {"joints", std::move(joints)}};
+}
+
 Json verdict_json(const Verdict& verdict) {
   return {{"headline", verdict.headline},
           {"sentences", verdict.sentences},
@@ -208,6 +233,8 @@ nlohmann::ordered_json report_json(const ReportInput& input) {
   Json sweep_list = Json::array();
   for (const SweepPicture& sweep : sweeps) sweep_list.push_back(sweep_json(sweep));
   report["sweeps"] = std::move(sweep_list);
+  const auto maps = reading_maps(record);
+  report["reading_maps"] = maps ? reading_maps_json(*maps) : Json(nullptr);
   report["map"] = map ? map_json(*map) : Json(nullptr);
   report["grid"] = nullptr;
   if (task) {

@@ -2,14 +2,10 @@
 #include "firmware/host_tool/signature/model.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/core.h>
 
 #include "core/kinematics/forward.hpp"
-#include "core/kinematics/s_model_chain.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {
 
@@ -46,28 +42,6 @@ Pose point_in_last_frame(const SignatureRecord& record, const kinematics::Chain&
   Pose X_SP = signature.X_SL.back();
   if (target) X_SP.p = target->p_S;
   return (signature.X_SL[0] * *X_0n).inverse() * X_SP;
-}
-
-double deflection_rms_m(const SignatureRecord& record) {
-  if (!record.deflections) return 0;
-  constexpr int kConfigurations = 200;
-  const Signature& signature = record.signature;
-  Target tool{.number = 0, .link = signature.joint_count(), .p_S = signature.X_SL.back().p};
-  if (const auto index = tool_target(signature)) tool = signature.targets[*index];
-  const refinement::ReadingModel whole = record.readings();
-  refinement::ReadingModel rigid = whole;
-  rigid.deflections = nullptr;
-  double squares = 0;
-  for (int n = 1; n <= kConfigurations; ++n) {
-    const JointVector q =
-        uncertainty::work_configuration(signature.types, record.nominal.limits, n);
-    const auto at = [&](const refinement::ReadingModel& model) {
-      return kinematics::target_position(
-          signature, refinement::true_readings(model, signature.configuration, q), tool);
-    };
-    squares += (at(whole) - at(rigid)).squaredNorm();
-  }
-  return std::sqrt(squares / kConfigurations);
 }
 
 }  // namespace armsig::tool

@@ -27,8 +27,4 @@ namespace armsig::tool {
                                        const kinematics::Chain& chain,
                                        const std::optional<Target>& target);
 
-// RMS over the joint limits of what gravity and maps of the readings move the tool (or the last
-// link's origin): what is lost where they cannot be said. 0 of a record without.
-[[nodiscard]] double deflection_rms_m(const SignatureRecord& record);
-
 }  // namespace armsig::tool

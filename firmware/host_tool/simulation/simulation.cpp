@@ -82,13 +82,17 @@ void mount_hand_target(simulated::SimulatedArm& arm, const Vector3& p_L) {
   arm.targets.push_back({.number = 1, .link = arm.arm.joints.size(), .p_L = p_L});
 }
 
-Signature truth_of(const simulated::SimulatedArm& arm, const JointVector& configuration) {
+Signature truth_of(const simulated::SimulatedArm& arm, const JointVector& configuration,
+                   BentJoints joints) {
   std::vector<KnownTarget> targets;
   for (const simulated::Target& target : arm.targets) {
     targets.push_back({.number = target.number, .link = target.link, .p_F = target.p_L});
   }
-  const JointVector effective = effective_readings(arm.arm, configuration);
-  return signature_of(arm.arm, effective, arm.X_S0, targets);
+  const JointVector turned = effective_readings(arm.arm, joints.turned(configuration));
+  Signature signature = signature_of(arm.arm, turned, arm.X_S0, targets);
+  signature.configuration = effective_readings(arm.arm, configuration);
+  derive_parameters(signature, arm.arm);
+  return signature;
 }
 
 std::size_t row_count(const Simulation& simulation) {
@@ -103,10 +107,12 @@ void simulate(const Simulation& simulation,
   const auto& targets = simulation.arm.targets;
   Sensor sensor(simulation.sensor, simulation.pings, simulation.seed);
   MeasurementRow row;
+  BentJoints joints = simulation.joints;
   const auto measure = [&](const simulated::Target& target) {
     ++row.line;
     row.target = target.number;
-    sensor.measure(simulated::target_position(simulation.arm, row.q, target), row);
+    const JointVector turned = joints.turned(row.q);
+    sensor.measure(simulated::target_position(simulation.arm, turned, target), row);
     sink(row);
   };
   for (std::size_t j = 0; j < arm.joints.size(); ++j) {

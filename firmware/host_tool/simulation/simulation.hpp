@@ -11,6 +11,7 @@
 #include "core/measurement/receivers.hpp"
 #include "core/signature.hpp"
 #include "firmware/formats/measurements.hpp"
+#include "firmware/host_tool/simulation/bent_arm.hpp"
 #include "firmware/host_tool/simulation/sweep_plan.hpp"
 #include "hal/simulated/arm.hpp"
 #include "hal/simulated/cartesian_sensor.hpp"
@@ -28,6 +29,7 @@ struct Simulation {
   std::size_t pings = 1;        // of an ultrasonic sensor, a point; the median counts
   std::size_t mixed_poses = 0;  // rows with sweep 0 after the sweeps
   std::uint64_t seed = 1;
+  BentJoints joints{};  // how far they turn at their readings
 };
 
 // Mounts target i on link i, `radius_m` from the axis of joint i (beside the slide of a prismatic
@@ -39,9 +41,9 @@ void mount_link_targets(simulated::SimulatedArm& arm, const JointVector& configu
 // as the joints beyond the swept one are held.
 void mount_hand_target(simulated::SimulatedArm& arm, const Vector3& p_L);
 
-// The exact signature of the simulated arm.
+// The exact signature of the simulated arm; with `joints`, its axes are where those have turned to.
 [[nodiscard]] Signature truth_of(const simulated::SimulatedArm& arm,
-                                 const JointVector& configuration);
+                                 const JointVector& configuration, BentJoints joints = {});
 
 // How many rows `simulate` gives.
 [[nodiscard]] std::size_t row_count(const Simulation& simulation);

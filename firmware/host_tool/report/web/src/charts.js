@@ -84,6 +84,43 @@ export function residualChart(host, sweep) {
   }, data.filter(shown));
 }
 
+// The map of a joint's reading: where it was measured, where it was not, and twice its 1 sigma. On the
+// right the same in millimetres at the tool.
+export function readingMapChart(host, joint) {
+  const unit = joint.revolute ? degrees : (metres) => 1e3 * metres;
+  const measured = (at) => at[3] === 1;
+  const data = [
+    joint.curve.map((at) => unit(at[0])),
+    joint.curve.map((at) => unit(at[1] + 2 * at[2])),
+    joint.curve.map((at) => unit(at[1] - 2 * at[2])),
+    joint.curve.map((at) => (measured(at) ? unit(at[1]) : null)),
+    joint.curve.map((at) => (measured(at) ? null : unit(at[1]))),
+  ];
+  const largest = 1.15 * Math.max(1e-6, ...data[1].map(Math.abs), ...data[2].map(Math.abs));
+  const atTool = (1e3 * joint.tool_m_per_unit) / unit(1);
+  const digits = (number) => Math.max(0, Math.min(5, 2 - Math.floor(Math.log10(number))));
+  const ticks = (number) => (_, values) => values.map((value) => fixed(value, digits(number)));
+  const line = (label, name, width) => ({ label, stroke: colour(name), width, points: { show: false }, spanGaps: false });
+  return keepDrawn(host, () => ({
+    height: 170,
+    legend: { show: false },
+    cursor: { drag: { x: true, y: false } },
+    scales: {
+      x: { time: false },
+      y: { range: [-largest, largest] },
+      tool: { range: [-largest * atTool, largest * atTool] },
+    },
+    bands: [{ series: [1, 2], fill: colour('line') }],
+    axes: [
+      axis('', 26, joint.revolute ? '°' : ' mm'),
+      { ...axis(joint.revolute ? 'map, °' : 'map, mm', 72), values: ticks(largest) },
+      { ...axis('at the tool, mm', 64), scale: 'tool', side: 1, grid: { show: false }, values: ticks(largest * atTool) },
+    ],
+    series: [{ label: 'reading' }, line('+2σ', 'line', 0), line('-2σ', 'line', 0),
+      line('map', 'actual', 2), line('not measured', 'soft', 1)],
+  }), data);
+}
+
 // Points (r, z) in classes with a colour each.
 export function mapChart(host, points, classes) {
   const sorted = points.slice().sort((a, b) => a.r - b.r);

@@ -4,6 +4,7 @@ import { ArmView, hasWebGl } from './arm_view.js';
 import { residualChart } from './charts.js';
 import { circleMagnification, drawCircle } from './circle_view.js';
 import { showErrorMap } from './error_map.js';
+import { showReadingMaps } from './reading_maps.js';
 import { aboutTable, differenceTable, gridTable, parameterTable } from './tables.js';
 import { degrees, element, fixed, length } from './text.js';
 import './page.css';
@@ -127,6 +128,7 @@ if (webGl) {
   by('arm-section').querySelector('.controls').remove();
 }
 sweeps(webGl);
+redraws.push(showReadingMaps(report));
 differenceTable(report);
 parameterTable(report);
 redraws.push(showErrorMap(report, view));
