@@ -39,14 +39,6 @@ std::string_view describe(Error error) {
       return "no circle or line explains half of the points";
     case Error::kNotACircle:
       return "the points do not follow the joint's motion";
-    case Error::kJointOutOfRange:
-      return "the joint number is outside the arm";
-    case Error::kJointNotSwept:
-      return "the joint is not swept";
-    case Error::kHeldJointMoved:
-      return "another joint moved during the sweep";
-    case Error::kSignatureConfigurationDiffers:
-      return "two sweeps hold the joint at different readings";
     case Error::kMirroredSense:
       return "the joint turns against the sense of the arm description";
     case Error::kScaleUndetermined:

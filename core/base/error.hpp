@@ -36,11 +36,7 @@ enum class Error : std::uint8_t {
   kNotACircle,  // residuals far above the noise stated: another joint moved, or the reading is
                 // coupled
   // Identification.
-  kJointOutOfRange,                // a joint number outside the arm
-  kJointNotSwept,                  // a joint without a sweep
-  kHeldJointMoved,                 // another joint moved during a sweep
-  kSignatureConfigurationDiffers,  // two sweeps hold a joint at different readings
-  kMirroredSense,                  // a joint turns against the sense of the arm description
+  kMirroredSense,  // a joint turns against the sense of the arm description
   // Refinement.
   kScaleUndetermined,  // the scale was asked for, and nothing in the log has a known length
   // Kinematics.

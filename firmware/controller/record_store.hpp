@@ -79,6 +79,8 @@ class RecordStore {
   };
   // What is being changed, and how far it is.
   struct Change {
+    // Said, as clang can't know of the defaults below before the class around them ends.
+    Change() {}                        // NOLINT(modernize-use-equals-default)
     std::optional<RecordImage> image;  // none: a roll back
     LedgerEntry entry;                 // from kEnter on
     Stage stage = Stage::kEraseLedger;

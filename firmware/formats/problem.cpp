@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "firmware/formats/characters.hpp"
+
 namespace armsig::tool {
 
 std::string render(const Problem& problem) {
@@ -12,7 +14,7 @@ std::string render(const Problem& problem) {
   if (!text.empty()) text += ": ";
   text += problem.what;
   if (!problem.expected.empty()) text += "; expected " + problem.expected;
-  return text;
+  return shown(text);
 }
 
 std::unexpected<Problem> problem_at(int line, int column, std::string what, std::string expected) {

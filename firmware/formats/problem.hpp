@@ -21,7 +21,7 @@ struct Problem {
 template <typename T>
 using Read = std::expected<T, Problem>;
 
-// "file:line:column: what; expected ..." on one line.
+// "file:line:column: what; expected ..." on one line, what is not printable escaped.
 [[nodiscard]] std::string render(const Problem& problem);
 
 // A problem at a place inside a file whose name the caller adds with in_file.

@@ -56,11 +56,12 @@ class BackgroundThread {
 // Ticks keep to the grid that the first one lays; those that were missed are left out.
 void serve(const RealTimeLoop& loop, const volatile std::sig_atomic_t& stop) {
   hal::Instant next = loop.clock.now() + loop.period;
-  for (unsigned ticks = 0; stop == 0; ++ticks) {
+  unsigned ticks = 0;
+  while (stop == 0) {
     const hal::Duration lateness = loop.clock.wait_until(next);
     loop.controller.tick(lateness);
     loop.watch.ticked();
-    if (ticks % kTicksBetweenLooks == 0) loop.watch.look(loop.bus);
+    if (ticks++ % kTicksBetweenLooks == 0) loop.watch.look(loop.bus);
     next += loop.period * (1 + lateness / loop.period);
   }
 }

@@ -18,7 +18,16 @@ void count() {
 
 }  // namespace
 
+// GCC and clang say in different ways that the sanitizer is there.
 #if defined(__SANITIZE_ADDRESS__)
+#define ARMSIG_ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ARMSIG_ADDRESS_SANITIZER
+#endif
+#endif
+
+#ifdef ARMSIG_ADDRESS_SANITIZER
 
 // Of sanitizer/allocator_interface.h, which Debian does not install with g++.
 // NOLINTNEXTLINE(bugprone-reserved-identifier): the sanitizer's name

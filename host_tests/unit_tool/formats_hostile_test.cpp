@@ -52,6 +52,12 @@ TEST(Characters, are_shown_escaped_one_by_one) {
   EXPECT_EQ(shown_lines("a\nb\rc"), "a\nb\\x0Dc");
 }
 
+// Also of a file's name, and of what a person wrote on the command line.
+TEST(Characters, that_drive_a_terminal_are_escaped_in_a_problem) {
+  EXPECT_EQ(render({"a\x1B]0;x\x07", 1, 2, "b\r", "c\n"}),
+            "a\\x1B]0;x\\x07:1:2: b\\x0D; expected c\\x0A");
+}
+
 TEST(Yaml, refuses_characters_that_its_escapes_make) {
   const auto root = parse_yaml("a: 1\nb: \"x\\ry\"\n");
   ASSERT_FALSE(root);

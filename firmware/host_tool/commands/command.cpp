@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/commands/command.hpp"
 
-#include "firmware/formats/characters.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
 
 int fail(const Problem& problem, ExitStatus status, const CommonOptions& options) {
-  say(stderr, "armsig: {}\n", shown(render(problem)));
+  say(stderr, "armsig: {}\n", render(problem));
   if (options.json) {
     nlohmann::ordered_json error{{"what", problem.what}, {"expected", problem.expected}};
     if (!problem.file.empty()) error["file"] = problem.file;

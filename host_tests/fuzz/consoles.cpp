@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+// What an operator, or whoever holds his line, may send: requests to a controller whose drives are
+// ideal, bytes to the serial line of a whole cabinet, keys to the line editor of `armsig connect`.
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "firmware/host_tool/console/line_editor.hpp"
+#include "hal/serial_console.hpp"
+#include "host_tests/fuzz/fuzz.hpp"
+#include "host_tests/support/puma_cabinet.hpp"
+
+namespace armsig::fuzz {
+namespace {
+
+using hal::DriveCondition;
+
+// Drives that are where they are told to be, at once.
+class IdealDrives final : public hal::JointDrives {
+ public:
+  IdealDrives(const JointVector& start, const FixedVector<JointLimits, kMaxJoints>& limits)
+      : positions_(start), limits_(limits) {}
+
+ private:
+  [[nodiscard]] std::size_t do_count() const override { return positions_.size(); }
+  Result<void> do_read(hal::Instant /*now*/) override { return {}; }
+  [[nodiscard]] const JointVector& do_positions() const override { return positions_; }
+  [[nodiscard]] hal::DriveStatus do_status(std::size_t /*joint*/) const override {
+    hal::DriveStatus status;
+    status.condition = condition_;
+    status.has_torque = condition_ == DriveCondition::kEnabled;
+    return status;
+  }
+  Result<void> do_write(const JointVector& targets, hal::Instant /*now*/) override {
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      FUZZ_CHECK(std::isfinite(targets[i]));
+      if (condition_ != DriveCondition::kEnabled) continue;
+      FUZZ_CHECK(targets[i] >= limits_[i].lower - 1e-9 && targets[i] <= limits_[i].upper + 1e-9);
+      // 1 rad/s is the limit of test::puma_controller, a tick 2 ms.
+      FUZZ_CHECK(std::fabs(targets[i] - positions_[i]) <= 1.001 * 0.002);
+    }
+    if (condition_ == DriveCondition::kEnabled) positions_ = targets;
+    return {};
+  }
+  Result<void> do_enable() override {
+    condition_ = DriveCondition::kEnabled;
+    return {};
+  }
+  void do_disable() override { condition_ = DriveCondition::kDisabled; }
+  void do_quick_stop() override {
+    if (condition_ == DriveCondition::kEnabled) condition_ = DriveCondition::kStopped;
+  }
+  void do_reset_faults() override { condition_ = DriveCondition::kDisabled; }
+
+  JointVector positions_;
+  FixedVector<JointLimits, kMaxJoints> limits_;
+  DriveCondition condition_ = DriveCondition::kDisabled;
+};
+
+class NoSensor final : public hal::RangeSensor {
+ private:
+  Result<std::optional<hal::RangeReading>> do_poll(hal::Instant /*now*/) override {
+    return std::optional<hal::RangeReading>{};
+  }
+};
+
+// A reply is a line of printable ASCII that begins as the protocol says.
+void check_reply(std::string_view line) {
+  FUZZ_CHECK(line.starts_with("ok") || line.starts_with("error ") || line.starts_with("#"));
+  FUZZ_CHECK(line.size() <= 4096);
+  for (const char c : line) FUZZ_CHECK((c >= ' ' && c <= '~') || c == '\t');
+}
+
+// Lines of the input are requests; an empty one lets 50 ms pass.
+void fuzz_requests(Bytes bytes) {
+  static const controller::Configuration configuration = test::puma_controller();
+  IdealDrives drives(test::puma_configuration(), configuration.drawing.limits);
+  NoSensor sensor;
+  simulated::VirtualClock clock;
+  test::RamMemory memory;
+  test::LineConsole console;
+  std::array<hal::Console*, 1> consoles{&console};
+  const auto controller = std::make_unique<controller::Controller>(configuration, drives, sensor,
+                                                                   clock, memory, consoles);
+  hal::Instant next;
+  const auto run = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      controller->tick(clock.wait_until(next));
+      controller->background();
+      next += std::chrono::milliseconds(2);
+    }
+  };
+  run(10);
+  std::string_view left = text_of(bytes);
+  for (int lines = 0; !left.empty() && lines < 40; ++lines) {
+    const std::size_t end = std::min(left.find('\n'), left.size());
+    const std::string_view line = left.substr(0, std::min(end, hal::kMaxConsoleLine));
+    left.remove_prefix(std::min(end + 1, left.size()));
+    if (!line.empty()) {
+      std::string request;
+      for (const char c : line) {
+        if ((c >= ' ' && c <= '~') || c == '\t') request += c;
+      }
+      console.requests.push_back(request);
+    }
+    run(line.empty() ? 25 : 3);
+  }
+  run(5);
+  for (const std::string& reply : console.replies) check_reply(reply);
+  for (const std::string& told : console.told) check_reply(told);
+}
+
+// A line that brings the tape, some bytes at a time.
+class TapeStream final : public hal::ByteStream {
+ public:
+  explicit TapeStream(Tape& tape) : tape_(tape) {}
+  std::string written;
+
+ private:
+  Result<void> do_write(std::span<const std::uint8_t> bytes) override {
+    written.append(text_of(bytes));
+    return {};
+  }
+  Result<std::size_t> do_read(std::span<std::uint8_t> into) override {
+    const Bytes piece = tape_.take(std::min<std::size_t>(into.size(), 16));
+    std::ranges::copy(piece, into.begin());
+    return piece.size();
+  }
+
+  Tape& tape_;
+};
+
+void fuzz_serial(Bytes bytes) {
+  Tape tape(bytes.first(std::min<std::size_t>(bytes.size(), 1024)));
+  TapeStream line(tape);
+  hal::SerialConsole console(line);
+  std::array<hal::Console*, 1> consoles{&console};
+  test::RamMemory memory;
+  cabinet::VirtualCabinet cabinet(test::puma_controller(), test::puma_bus(), test::puma_world(),
+                                  memory, consoles);
+  for (int ticks = 0; ticks < 600 && (ticks < 20 || !tape.empty()); ++ticks) cabinet.step();
+  for (int ticks = 0; ticks < 20; ++ticks) cabinet.step();
+  // Whole lines, each a reply.
+  FUZZ_CHECK(line.written.empty() || line.written.ends_with("\n"));
+  for (std::string_view left = line.written; !left.empty();) {
+    const std::size_t end = left.find('\n');
+    std::string_view reply = left.substr(0, end);
+    if (reply.ends_with('\r')) reply.remove_suffix(1);
+    check_reply(reply);
+    left.remove_prefix(end + 1);
+  }
+}
+
+void fuzz_line_editor(Bytes bytes) {
+  tool::LineEditor editor;
+  for (const std::uint8_t byte : bytes) {
+    const auto line = editor.key(static_cast<char>(byte));
+    FUZZ_CHECK(editor.cursor() <= editor.text().size());
+    FUZZ_CHECK(editor.text().size() <= tool::LineEditor::kLongestLine);
+    if (!line) continue;
+    FUZZ_CHECK(line->size() <= tool::LineEditor::kLongestLine);
+    for (const char c : *line) FUZZ_CHECK(c != '\n' && c != '\r' && c != '\x1B');
+  }
+}
+
+constexpr std::array kTargets{Target{"requests", fuzz_requests}, Target{"serial", fuzz_serial},
+                              Target{"line_editor", fuzz_line_editor}};
+
+}  // namespace
+
+std::span<const Target> console_targets() { return kTargets; }
+
+}  // namespace armsig::fuzz
