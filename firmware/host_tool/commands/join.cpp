@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/error.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/measurement_writer.hpp"
 #include "firmware/host_tool/commands/command.hpp"
