@@ -37,7 +37,9 @@ Engine::Engine(ArmModel& model, std::span<ModelTarget> targets, std::span<FitRow
   ARMSIG_CHECK(columns_ <= kMaxGeometry && matrix.size() >= matrix_size(columns_));
   ARMSIG_CHECK(cache.empty() || cache.size() == rows.size());
   constexpr std::array<float, 6> kUnit{1, 0, 0, 1, 0, 1};
-  for (const FitRow& row : rows) uniform_ = uniform_ && row.relative == kUnit;
+  for (const FitRow& row : rows) {
+    uniform_ = uniform_ && row.relative == kUnit && !row.is_range();
+  }
 }
 
 const ChainFrames& Engine::frames_of(std::size_t row) {
@@ -52,16 +54,35 @@ void Engine::evaluate() {
     const ModelTarget& target = targets_[row.target];
     ChainFrames& frames = cache_.empty() ? scratch_ : cache_[k];
     evaluate_chain(model_, row.readings, target.link, frames);
-    row.residual = row.p_S - frames.X_SL * target.p_L;
+    evaluate(row, frames);
   }
 }
 
+void Engine::evaluate(FitRow& row, const ChainFrames& frames) const {
+  const Vector3 p_S = frames.X_SL * targets_[row.target].p_L;
+  const SensorModel& sensor = model_.sensor;
+  if (!row.is_range()) {
+    row.residual = row.p_S - (1 + sensor.scale) * p_S;
+    return;
+  }
+  const Vector3 way = p_S - sensor.receivers[row.receiver];
+  const double length = way.norm();
+  // A target on the receiver itself has no direction; its row then says nothing about the target.
+  row.p_S = length > 0 ? Vector3(way / length) : Vector3::Zero();
+  const double predicted = (1 + sensor.scale) * length + sensor.offset_m[row.receiver];
+  row.residual = (row.range_m - predicted) * row.p_S;
+}
+
 // The share of the whole error that nobody stated is the same along every axis.
+Matrix3 Engine::row_covariance(const std::array<float, 6>& relative) const {
+  const double share = std::min(1.0, stated_variance_ / scales_.sigma_squared);
+  return (1 - share) * Matrix3::Identity() + share * symmetric(relative);
+}
+
 Matrix3 Engine::precision(const FitRow& row) const {
   if (uniform_) return Matrix3::Identity();
-  const double share = std::min(1.0, stated_variance_ / scales_.sigma_squared);
-  const Matrix3 relative = symmetric(row.relative);
-  return ((1 - share) * Matrix3::Identity() + share * relative).inverse();
+  if (row.is_range()) return row.p_S * row.p_S.transpose() / row_covariance(row.relative)(0, 0);
+  return row_covariance(row.relative).inverse();
 }
 
 double Engine::whitened_squares(const FitRow& row) const {
@@ -99,6 +120,9 @@ void Engine::move(double fraction) {
     if (!maps_on_) continue;
     for (std::size_t k = 0; k < kKnots; ++k) joint.map[k] += fraction * work_.map_step[j][k];
   }
+  for (std::size_t k = 0; k < model_.further.size(); ++k) {
+    value_of(model_, model_.further[k]) += fraction * step[further_column() + k];
+  }
   for (std::size_t t = 0; t < model_.gravity.size(); ++t) {
     model_.gravity[t].coefficient += fraction * step[gravity_column() + t];
   }
@@ -124,8 +148,12 @@ double Engine::predicted_motion() {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const FitRow& row = rows_[k];
     if (row.held_out || row.weight == 0) continue;
-    const Vector3 before = row.p_S - frames_of(k).X_SL * targets_[row.target].p_L;
-    squares += row.weight * (before - row.residual).squaredNorm();
+    FitRow before = row;
+    evaluate(before, frames_of(k));
+    const Vector3 moved = before.residual - row.residual;
+    // Per measured number, three of which are a position.
+    squares +=
+        row.weight * (row.is_range() ? 3 * std::pow(row.p_S.dot(moved), 2) : moved.squaredNorm());
     weights += row.weight;
   }
   return std::sqrt(squares / std::max(weights, 1.0));

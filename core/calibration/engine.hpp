@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
-// The estimator: geometry, gravity and reading maps from measured positions, with priors whose
-// scales are found from the same rows (sections 8 and 9 of ALGORITHMS).
+// The estimator: geometry, gravity, reading maps and the corrections that were asked for, from
+// measured positions and ranges, with priors whose scales are found from the same rows (sections 8
+// and 9 of ALGORITHMS).
 //
 // Maximum a posteriori by Gauss-Newton steps. The unknowns are blocks: the geometry with gravity
-// (base 6, target 3 each, 5 deviations a joint, gravity terms), and the map of every joint. A round
+// (base 6, target 3 each, 5 deviations a joint, corrections, gravity terms), and the map of every
+// joint. A round
 // linearises all rows, improves the blocks in turn (symmetric block Gauss-Seidel), takes the step
 // if it lowers the cost (a proximal term shortens it otherwise), and finds sigma and the scales of
 // the priors anew: MacKay's and the EM fixed point mixed (MacKay, Bayesian interpolation, Neural
 // Computation 4, 1992; Dempster, Laird and Rubin, 1977), block by block.
 // Nothing is frozen: what the data do not say stays where its prior has it, and the covariance
-// says so. No stated sigma is needed or believed.
+// says so. No stated sigma is needed or believed. A range is a position of which one direction was
+// measured: its precision has rank one.
 #pragma once
 
 #include <span>
@@ -39,12 +42,14 @@ struct ModelParts {
 };
 
 // Variances: of a row's error per axis [m^2], and of the priors over their unit standard
-// deviations (2 mrad, 1 mm, 10 mrad; map_unit() per metre of lever; map_unit()).
+// deviations (2 mrad, 1 mm, 10 mrad; 1 mrad of a correction, per radian of a gain; map_unit() per
+// metre of lever; map_unit()).
 struct Scales {
   double sigma_squared = 0;
   double rotation = 1;
   double shift = 1;
   double zero = 1;
+  double reading = 1;
   double gravity = 1;
   std::array<double, kMaxJoints> map{1, 1, 1, 1, 1, 1, 1, 1};
 };
@@ -86,7 +91,8 @@ class Engine {
          std::span<ChainFrames> cache, std::span<double> matrix, Workspace& work);
 
   [[nodiscard]] static std::size_t columns(const ArmModel& model, std::size_t targets) {
-    return 6 + 3 * targets + kDeviations * model.joint_count() + model.gravity.size();
+    return 6 + 3 * targets + kDeviations * model.joint_count() + model.further.size() +
+           model.gravity.size();
   }
 
   // Where the mean of the variances stated for the rows is known; scales to begin with.
@@ -109,21 +115,32 @@ class Engine {
   };
   [[nodiscard]] Stated covariance_at(const ChainFrames& frames, std::size_t target,
                                      const std::array<float, 6>& relative) const;
+  // The same of what a row measured; of a range, what matters is along its way.
+  [[nodiscard]] Stated covariance_of(const FitRow& row, const ChainFrames& frames) const;
   // Replaces b by the covariance of base, targets and deviations, gravity as found, times b.
   void times_covariance(std::array<double, kMaxGeometry>& b) const;
   // Residuals of all rows, those held out too, at the present model.
   void evaluate();
+  // Residual of a row at `frames`, the model's there.
+  void evaluate(FitRow& row, const ChainFrames& frames) const;
 
   [[nodiscard]] std::size_t columns() const { return columns_; }
   [[nodiscard]] std::size_t target_column(std::size_t target) const { return 6 + 3 * target; }
   [[nodiscard]] std::size_t joint_column(std::size_t joint) const {
     return 6 + 3 * targets_.size() + kDeviations * joint;
   }
-  [[nodiscard]] std::size_t gravity_column() const { return joint_column(model_.joint_count()); }
+  [[nodiscard]] std::size_t further_column() const { return joint_column(model_.joint_count()); }
+  [[nodiscard]] std::size_t gravity_column() const {
+    return further_column() + model_.further.size();
+  }
 
  private:
   const ChainFrames& frames_of(std::size_t row);
   void fill(const ChainFrames& frames, std::size_t target, GeometryColumns& columns) const;
+  void fill(const FitRow& row, const ChainFrames& frames, GeometryColumns& columns) const;
+  [[nodiscard]] Stated stated(GeometryColumns& J, const ChainFrames& frames, std::size_t target,
+                              const Matrix3& row) const;
+  [[nodiscard]] Matrix3 row_covariance(const std::array<float, 6>& relative) const;
   [[nodiscard]] Matrix3 precision(const FitRow& row) const;
   [[nodiscard]] double whitened_squares(const FitRow& row) const;
 
@@ -155,6 +172,7 @@ class Engine {
   void weigh_softly();
   void reject();
   void judge_pose(std::span<FitRow> pose, double gate);
+  [[nodiscard]] Vector3 common_residual(std::span<const FitRow> pose, double gate) const;
   [[nodiscard]] double residual_scale() const;
 
   double& upper(std::size_t i, std::size_t j) { return matrix_[i * (columns_ + 1) + j + 1]; }

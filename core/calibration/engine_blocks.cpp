@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The blocks of unknowns: their columns, normal equations and improvements.
 #include <cmath>
+#include <utility>
 
 #include "core/calibration/engine.hpp"
 #include "core/calibration/engine_detail.hpp"
@@ -15,6 +16,9 @@ constexpr double kFarAway_m = 3;
 constexpr double kRotation = 2e-3;
 constexpr double kShift_m = 1e-3;
 constexpr double kZero = 10e-3;
+constexpr double kReading = 1e-3;
+constexpr double kOffset_m = 0.05;
+constexpr double kUnknownScale = 0.05;  // that of an air temperature wrong by 30 K
 // The proximal term's lengths where the prior is no measure of a step.
 constexpr double kProximalTurn = 5e-3;
 constexpr double kProximal_m = 5e-3;
@@ -29,6 +33,11 @@ double Engine::prior_variance(std::size_t column) const {
   if (column >= gravity_column()) {
     const GravityTerm& term = model_.gravity[column - gravity_column()];
     return scales_.gravity * squared(map_unit(model_.joints[term.joint].type));
+  }
+  if (column >= further_column()) {
+    const refinement::Parameter& parameter = model_.further[column - further_column()];
+    if (of_reading(parameter)) return scales_.reading * squared(kReading);
+    return squared(parameter.kind == refinement::ParameterKind::kScale ? kUnknownScale : kOffset_m);
   }
   switch ((column - joint_column(0)) % kDeviations) {
     case 0:
@@ -58,6 +67,9 @@ double Engine::deviation(std::size_t column) const {
     return target.p_L[c] - target.start_L[c];
   }
   if (column >= gravity_column()) return model_.gravity[column - gravity_column()].coefficient;
+  if (column >= further_column()) {
+    return value_of(std::as_const(model_), model_.further[column - further_column()]);
+  }
   const std::size_t k = column - joint_column(0);
   return model_.joints[k / kDeviations].deviation[k % kDeviations];
 }
@@ -97,9 +109,34 @@ void Engine::fill(const ChainFrames& frames, std::size_t target, GeometryColumns
     set(first + 3, X_SJ.R.col(1));
     set(first + 4, motion[j]);
   }
+  for (std::size_t k = 0; k < model_.further.size(); ++k) {
+    const refinement::Parameter& parameter = model_.further[k];
+    const std::size_t j = parameter.index;
+    if (!of_reading(parameter) || j >= fixed.link) continue;
+    set(further_column() + k, turn_by(parameter, frames.effective[j]) * motion[j]);
+  }
   for (std::size_t t = 0; t < model_.gravity.size(); ++t) {
     const std::size_t j = model_.gravity[t].joint;
     if (j < fixed.link) set(gravity_column() + t, frames.levers[t] * motion[j]);
+  }
+}
+
+// What a row measured: of a range, its derivatives are those along its way.
+void Engine::fill(const FitRow& row, const ChainFrames& frames, GeometryColumns& columns) const {
+  fill(frames, row.target, columns);
+  for (std::size_t k = 0; k < model_.further.size(); ++k) {
+    const refinement::Parameter& parameter = model_.further[k];
+    if (of_reading(parameter)) continue;
+    const Vector3 p_S = frames.X_SL * targets_[row.target].p_L;
+    Vector3 value = Vector3::Zero();
+    if (parameter.kind == refinement::ParameterKind::kScale) {
+      value = row.is_range() ? Vector3(p_S - model_.sensor.receivers[row.receiver]) : p_S;
+    } else if (row.is_range() && row.receiver == parameter.index) {
+      value = row.p_S;
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      columns.d[c][further_column() + k] = value[static_cast<Eigen::Index>(c)];
+    }
   }
 }
 
@@ -115,7 +152,7 @@ void Engine::assemble() {
     const FitRow& row = rows_[k];
     if (row.held_out || row.weight == 0) continue;
     const ChainFrames& frames = frames_of(k);
-    fill(frames, row.target, J);
+    fill(row, frames, J);
     const Matrix3 W = row.weight * precision(row);
     for (std::size_t c = 0; c < columns_; ++c) {
       for (std::size_t i = 0; i < 3; ++i) {
@@ -187,7 +224,7 @@ void Engine::improve_geometry() {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const FitRow& row = rows_[k];
     if (row.held_out || row.weight == 0) continue;
-    fill(frames_of(k), row.target, J);
+    fill(row, frames_of(k), J);
     const Vector3 r = row.weight / scales_.sigma_squared * (precision(row) * row.residual);
     for (std::size_t c = 0; c < columns_; ++c) {
       x[c] += J.d[0][c] * r.x() + J.d[1][c] * r.y() + J.d[2][c] * r.z();
@@ -199,7 +236,7 @@ void Engine::improve_geometry() {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     FitRow& row = rows_[k];
     if (row.held_out) continue;
-    fill(frames_of(k), row.target, J);
+    fill(row, frames_of(k), J);
     Vector3 moved = Vector3::Zero();
     for (std::size_t c = 0; c < columns_; ++c) {
       for (std::size_t i = 0; i < 3; ++i) moved[static_cast<Eigen::Index>(i)] += J.d[i][c] * x[c];

@@ -37,8 +37,8 @@ double update(const Group& group, double& scale) {
 }  // namespace
 
 double Engine::update_geometry_scales() {
-  enum : std::size_t { kTurns, kShifts, kZeros, kSags, kOpen };
-  std::array<Group, 5> groups;
+  enum : std::size_t { kTurns, kShifts, kZeros, kReadings, kSags, kOpen };
+  std::array<Group, 6> groups;
   factorise_geometry(false);
   std::array<double, kMaxGeometry> e{};
   for (std::size_t c = 0; c < columns_; ++c) {
@@ -52,6 +52,11 @@ double Engine::update_geometry_scales() {
     if (c >= gravity_column()) {
       group = kSags;
       scale = scales_.gravity;
+    } else if (c >= further_column()) {
+      if (of_reading(model_.further[c - further_column()])) {
+        group = kReadings;
+        scale = scales_.reading;
+      }
     } else if (c >= joint_column(0)) {
       const std::size_t kind = (c - joint_column(0)) % kDeviations;
       group = kind < 2 ? kTurns : kind < 4 ? kShifts : kZeros;
@@ -63,8 +68,8 @@ double Engine::update_geometry_scales() {
     groups[group].unknowns += 1;
   }
   return update(groups[kTurns], scales_.rotation) + update(groups[kShifts], scales_.shift) +
-         update(groups[kZeros], scales_.zero) + update(groups[kSags], scales_.gravity) +
-         groups[kOpen].unknowns - groups[kOpen].trace;
+         update(groups[kZeros], scales_.zero) + update(groups[kReadings], scales_.reading) +
+         update(groups[kSags], scales_.gravity) + groups[kOpen].unknowns - groups[kOpen].trace;
 }
 
 double Engine::update_map_scales() {
@@ -94,7 +99,7 @@ void Engine::update_scales() {
   for (const FitRow& row : rows_) {
     if (row.held_out || row.weight == 0) continue;
     squares += row.weight * whitened_squares(row);
-    weights += 3 * row.weight;
+    weights += static_cast<double>(row.scalars()) * row.weight;
   }
   const double freedom = std::max(weights - effective_, kLeastFreedom * weights);
   scales_.sigma_squared = std::max(kLeastVariance, squares / freedom);
@@ -128,12 +133,24 @@ void Engine::note_map_variance(std::size_t joint) {
 
 Engine::Stated Engine::covariance_at(const ChainFrames& frames, std::size_t target,
                                      const std::array<float, 6>& relative) const {
-  Stated stated;
-  FitRow row;
-  row.relative = relative;
-  stated.row = scales_.sigma_squared * precision(row).inverse();
   GeometryColumns J;
   fill(frames, target, J);
+  return stated(J, frames, target, scales_.sigma_squared * row_covariance(relative));
+}
+
+Engine::Stated Engine::covariance_of(const FitRow& row, const ChainFrames& frames) const {
+  GeometryColumns J;
+  fill(row, frames, J);
+  Matrix3 own = scales_.sigma_squared * row_covariance(row.relative);
+  if (row.is_range()) own = own(0, 0) * Matrix3::Identity();
+  return stated(J, frames, row.target, own);
+}
+
+// J is used up.
+Engine::Stated Engine::stated(GeometryColumns& J, const ChainFrames& frames, std::size_t target,
+                              const Matrix3& row) const {
+  Stated stated;
+  stated.row = row;
   for (std::array<double, kMaxGeometry>& row_of_J : J.d) solve_lower(row_of_J, 0);
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t b = 0; b < 3; ++b) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One measured position as the engine keeps it, and the poses that rows belong to.
+// One measured position or range as the engine keeps it, and the poses that rows belong to.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,28 @@
 
 namespace armsig::calibration {
 
+inline constexpr std::uint8_t kNoReceiver = 255;
+
 struct FitRow {
-  JointVector readings;                // as read
-  Vector3 p_S = Vector3::Zero();       // measured
-  Vector3 residual = Vector3::Zero();  // measured minus predicted [m]
-  // The covariance stated for this row over the mean of all: xx, xy, xz, yy, yz, zz.
+  JointVector readings;           // as read
+  Vector3 p_S = Vector3::Zero();  // measured; of a range: the way from the receiver, of length one
+  double range_m = 0;             // measured, of a range
+  // Measured minus predicted [m]; of a range, that many along its way.
+  Vector3 residual = Vector3::Zero();
+  // The covariance stated for this row over the mean of all: xx, xy, xz, yy, yz, zz; of a range xx.
   std::array<float, 6> relative{1, 0, 0, 1, 0, 1};
-  double weight = 1;        // of the robust fit; 0: rejected
-  std::uint8_t target = 0;  // index
-  std::uint8_t sweep = 0;   // as in refinement::Observation
-  std::uint8_t fold = 0;    // kNoFold: always fitted
-  bool held_out = false;    // of the present fit
-  std::uint32_t index = 0;  // in the caller's log
-  std::uint32_t pose = 0;   // rows with one number repeat one pose
-  std::uint64_t hash = 0;   // of the pose's readings
+  double weight = 1;                    // of the robust fit; 0: rejected
+  std::uint8_t target = 0;              // index
+  std::uint8_t sweep = 0;               // as in refinement::Observation
+  std::uint8_t fold = 0;                // kNoFold: always fitted
+  std::uint8_t receiver = kNoReceiver;  // of a range
+  bool held_out = false;                // of the present fit
+  std::uint32_t index = 0;              // in the caller's log
+  std::uint32_t pose = 0;               // rows with one number repeat one pose
+  std::uint64_t hash = 0;               // of the pose's readings
+
+  [[nodiscard]] bool is_range() const { return receiver != kNoReceiver; }
+  [[nodiscard]] std::size_t scalars() const { return is_range() ? 1 : 3; }
 };
 
 inline constexpr std::uint8_t kNoFold = 255;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/calibration/engine_detail.hpp"
 
@@ -11,18 +12,27 @@ namespace armsig::calibration {
 namespace {
 
 constexpr double kInside = 0.95;
+// 95 % of one normal coordinate's square, to that of three.
+constexpr float kThreeOfOne = 7.815F / 3.841F;
 
 RowScore score(const Engine& engine, const ChainFrames& frames, const FitRow& row) {
-  const Engine::Stated stated = engine.covariance_at(frames, row.target, row.relative);
+  const Engine::Stated stated = engine.covariance_of(row, frames);
   const Matrix3 S = stated.row + stated.model;
+  if (row.is_range()) {
+    const double error = row.p_S.dot(row.residual);
+    const double variance = row.p_S.dot(S * row.p_S);
+    return {static_cast<float>(std::abs(error)), static_cast<float>(error * error / variance),
+            static_cast<float>(variance), 1, true};
+  }
   return {static_cast<float>(row.residual.norm()),
           static_cast<float>(row.residual.dot(S.inverse() * row.residual)),
-          static_cast<float>(S.trace()), true};
+          static_cast<float>(S.trace()), 3, true};
 }
 
 // The start of a fit, to come back to.
 struct Start {
   std::array<std::array<double, kDeviations>, kMaxJoints> deviations{};
+  std::array<double, kMaxFurther> further{};
   FixedVector<GravityTerm, kMaxGravityTerms> gravity;
   Pose X_SB;
   std::array<Vector3, kMaxTargets> p_L;
@@ -31,6 +41,9 @@ struct Start {
       : gravity(problem.model.gravity), X_SB(problem.model.X_SB) {
     for (std::size_t j = 0; j < problem.model.joint_count(); ++j) {
       deviations[j] = problem.model.joints[j].deviation;
+    }
+    for (std::size_t k = 0; k < problem.model.further.size(); ++k) {
+      further[k] = value_of(std::as_const(problem.model), problem.model.further[k]);
     }
     for (std::size_t t = 0; t < problem.targets.size(); ++t) p_L[t] = problem.targets[t].p_L;
   }
@@ -42,6 +55,9 @@ struct Start {
       problem.model.joints[j].deviation = deviations[j];
       problem.model.joints[j].map.fill(0);
     }
+    for (std::size_t k = 0; k < problem.model.further.size(); ++k) {
+      value_of(problem.model, problem.model.further[k]) = further[k];
+    }
     for (std::size_t t = 0; t < problem.targets.size(); ++t) problem.targets[t].p_L = p_L[t];
   }
 };
@@ -51,6 +67,7 @@ HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> r
   HeldOutScore sum;
   double normalised = 0;
   double stated = 0;
+  double numbers = 0;
   std::size_t kept = 0;
   for (std::size_t k = 0; k < scores.size(); ++k) {
     const RowScore& row = scores[k];
@@ -68,7 +85,8 @@ HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> r
     sum.rms_kept_m += length * length;
     normalised += static_cast<double>(row.normalised_squares);
     stated += static_cast<double>(row.stated_m2);
-    order[kept++] = row.normalised_squares;
+    numbers += static_cast<double>(row.scalars);
+    order[kept++] = row.normalised_squares * (row.scalars == 1 ? kThreeOfOne : 1);
   }
   if (kept == 0) return {};
   const auto all = static_cast<double>(sum.rows);
@@ -77,7 +95,7 @@ HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> r
   sum.rms_m = std::sqrt(sum.rms_m / all);
   sum.mean_kept_m /= some;
   sum.rms_kept_m = std::sqrt(sum.rms_kept_m / some);
-  sum.factor = std::sqrt(std::max(1.0, normalised / some / 3));
+  sum.factor = std::sqrt(std::max(1.0, normalised / numbers));
   sum.stated_rms_m = sum.factor * std::sqrt(stated / some);
   const auto rank = static_cast<std::size_t>(std::ceil(kInside * (some + 1)));
   if (rank <= kept) {
@@ -114,6 +132,7 @@ Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& pa
     for (std::size_t k = 0; fitted && k < rows.size(); ++k) {
       if (!rows[k].held_out) continue;
       evaluate_chain(problem.model, rows[k].readings, problem.targets[rows[k].target].link, frames);
+      engine.evaluate(rows[k], frames);
       scores[k] = score(engine, frames, rows[k]);
     }
     start.restore(problem);

@@ -13,6 +13,7 @@ struct RowScore {
   float length_m = 0;
   float normalised_squares = 0;
   float stated_m2 = 0;
+  std::uint8_t scalars = 3;  // 1 of a range
   bool scored = false;
 };
 
@@ -27,8 +28,9 @@ struct HeldOutScore {
   // k, by which the errors exceed what is stated for them (1 at least), of the rows kept.
   double factor = 1;
   double stated_rms_m = 0;  // k sqrt(tr S), rms over the rows kept: to be compared with rms_kept_m
-  // What e^T S^-1 e stays below in 95 % of the rows kept (split conformal prediction; Vovk,
-  // Gammerman and Shafer, Algorithmic Learning in a Random World, 2005); 0: too few rows.
+  // What e^T S^-1 e stays below in 95 % of the rows kept, as of three coordinates (split conformal
+  // prediction; Vovk, Gammerman and Shafer, Algorithmic Learning in a Random World, 2005); 0: too
+  // few rows.
   double region_squares = 0;
 };
 

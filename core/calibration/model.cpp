@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/calibration/model.hpp"
 
+#include <cmath>
+
 #include "core/base/sine_cosine.hpp"
 
 namespace armsig::calibration {
@@ -41,6 +43,66 @@ double map_at(const JointModel& joint, double reading) {
   return map_unit(joint.type) * map_value(joint.map, spline_support(joint.domain, reading));
 }
 
+void ask_for(const refinement::ParameterRequest& request, ArmModel& model) {
+  using refinement::ParameterKind;
+  model.further.clear();
+  const auto add = [&](ParameterKind kind, std::size_t index, std::size_t count) {
+    for (std::size_t c = 0; c < count; ++c) {
+      model.further.push_back(
+          {kind, static_cast<std::uint8_t>(index), static_cast<std::uint8_t>(c)});
+    }
+  };
+  for (std::size_t j = 0; j < request.readings.size(); ++j) {
+    const bool revolute = model.joints[j].type == JointType::kRevolute;
+    if (request.readings[j].gain) add(ParameterKind::kReadingGain, j, 1);
+    if (request.readings[j].first && revolute) add(ParameterKind::kReadingFirst, j, 2);
+    if (request.readings[j].second && revolute) add(ParameterKind::kReadingSecond, j, 2);
+  }
+  for (std::size_t r = 0; request.receiver_offsets && r < model.sensor.receivers.size(); ++r) {
+    add(ParameterKind::kReceiverOffset, r, 1);
+  }
+  if (request.scale) add(ParameterKind::kScale, 0, 1);
+}
+
+namespace {
+
+// Of a model that may be changed, or not.
+template <typename Model>
+auto& value_in(Model& model, const refinement::Parameter& parameter) {
+  using refinement::ParameterKind;
+  const auto of_joint = [&]() -> auto& { return model.joints[parameter.index].correction; };
+  switch (parameter.kind) {
+    case ParameterKind::kReadingGain:
+      return of_joint().gain;
+    case ParameterKind::kReadingFirst:
+      return parameter.component == 0 ? of_joint().cos_1 : of_joint().sin_1;
+    case ParameterKind::kReadingSecond:
+      return parameter.component == 0 ? of_joint().cos_2 : of_joint().sin_2;
+    case ParameterKind::kReceiverOffset:
+      return model.sensor.offset_m[parameter.index];
+    default:
+      ARMSIG_CHECK(parameter.kind == ParameterKind::kScale);
+      return model.sensor.scale;
+  }
+}
+
+}  // namespace
+
+double& value_of(ArmModel& model, const refinement::Parameter& parameter) {
+  return value_in(model, parameter);
+}
+
+double value_of(const ArmModel& model, const refinement::Parameter& parameter) {
+  return value_in(model, parameter);
+}
+
+double turn_by(const refinement::Parameter& parameter, double effective) {
+  using refinement::ParameterKind;
+  if (parameter.kind == ParameterKind::kReadingGain) return effective;
+  const double angle = parameter.kind == ParameterKind::kReadingSecond ? 2 * effective : effective;
+  return parameter.component == 0 ? std::cos(angle) : std::sin(angle);
+}
+
 void deflections(const ArmModel& model, const JointVector& readings,
                  std::array<double, kMaxJoints>& by) {
   by.fill(0);
@@ -69,7 +131,8 @@ double map_variance_at(const JointModel& joint, double reading) {
 
 void evaluate_chain(const ArmModel& model, const JointVector& readings, std::size_t link,
                     ChainFrames& frames) {
-  const JointVector effective = effective_readings(model.couplings, readings);
+  frames.effective = effective_readings(model.couplings, readings);
+  const JointVector& effective = frames.effective;
   if (!model.gravity.empty()) gravity_levers(model, effective, frames.levers);
   std::array<double, kMaxJoints> sag{};
   for (std::size_t t = 0; t < model.gravity.size(); ++t) {
@@ -81,7 +144,8 @@ void evaluate_chain(const ArmModel& model, const JointVector& readings, std::siz
     frames.support[i] = spline_support(joint.domain, readings[i]);
     X = X * deviation_pose(joint);
     frames.X_SJ[i] = X;
-    const double motion = effective[i] + joint.offset + joint.deviation[4] + sag[i] +
+    const double motion = refinement::corrected(joint.correction, effective[i]) + joint.offset +
+                          joint.deviation[4] + sag[i] +
                           map_unit(joint.type) * map_value(joint.map, frames.support[i]);
     if (joint.type == JointType::kRevolute) {
       const SineCosine turn = sine_and_cosine(motion);

@@ -2,14 +2,18 @@
 // The arm as sections 8 and 9 of ALGORITHMS model it: the drawing, small deviations of every
 // joint's axis and zero from it, gravity, and a map of each reading.
 //
-//   X_ST(q) = X_SB prod_i E_i M_i(t_i) A_i,  t_i = q_i + zero_i + sag_i(q) + map_i(q_i),
+//   X_ST(q) = X_SB prod_i E_i M_i(t_i) A_i,  t_i = c_i(q_i) + zero_i + sag_i(q) + map_i(q_i),
 // E_i a small rotation about and shift along x, y of joint i's frame, M_i its motion about or along
-// z, A_i what the drawing has between it and the next joint.
+// z, A_i what the drawing has between it and the next joint, c_i the corrections of its reading
+// that were asked for (refinement::ReadingCorrection).
 #pragma once
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
 #include "core/calibration/reading_map.hpp"
+#include "core/refinement/observation.hpp"
+#include "core/refinement/parameters.hpp"
+#include "core/refinement/readings.hpp"
 
 namespace armsig::calibration {
 
@@ -31,6 +35,7 @@ struct JointModel {
   double offset = 0;  // of the drawing: turned by effective reading + offset
   Pose after;         // A_i
   std::array<double, kDeviations> deviation{};
+  refinement::ReadingCorrection correction;
   MapDomain domain;
   MapCoefficients map{};
   // Variance of the map at its knots, in units of map_unit() squared, as far as known.
@@ -39,10 +44,24 @@ struct JointModel {
   JointLimits covered;
 };
 
+// The sensor: what it adds to a range of each receiver, and by how much all its lengths are wrong
+// (a measured length is (1 + scale) times the true one).
+struct SensorModel {
+  refinement::Receivers receivers;
+  std::array<double, kMaxReceivers> offset_m{};
+  double scale = 0;
+};
+
+// Corrections that may be asked for beside the geometry: of eight joints, receivers and the scale.
+inline constexpr std::size_t kMaxFurther = 5 * kMaxJoints + kMaxReceivers + 1;
+using FurtherParameters = FixedVector<refinement::Parameter, kMaxFurther>;
+
 struct ArmModel {
   JointCouplings couplings;
   FixedVector<JointModel, kMaxJoints> joints;
   FixedVector<GravityTerm, kMaxGravityTerms> gravity;
+  FurtherParameters further;  // those to be found
+  SensorModel sensor;
   Pose X_SB;
 
   [[nodiscard]] std::size_t joint_count() const { return joints.size(); }
@@ -55,6 +74,22 @@ struct ArmModel {
 // joint, those of the origins of the links beyond it whose levers over the joint limits are not
 // zero and no sum of others.
 void choose_gravity_terms(const Arm& arm, ArmModel& model);
+
+// Sets which corrections are to be found, of the values that they have.
+void ask_for(const refinement::ParameterRequest& request, ArmModel& model);
+
+// The value of one of them. Precondition: its kind is that of a correction.
+[[nodiscard]] double& value_of(ArmModel& model, const refinement::Parameter& parameter);
+[[nodiscard]] double value_of(const ArmModel& model, const refinement::Parameter& parameter);
+
+// How much joint `parameter.index` turns or shifts by one unit of a correction of its reading.
+[[nodiscard]] double turn_by(const refinement::Parameter& parameter, double effective);
+
+[[nodiscard]] inline bool of_reading(const refinement::Parameter& parameter) {
+  return parameter.kind == refinement::ParameterKind::kReadingGain ||
+         parameter.kind == refinement::ParameterKind::kReadingFirst ||
+         parameter.kind == refinement::ParameterKind::kReadingSecond;
+}
 
 // The levers [m] (1 for a slide along the vertical) of the model's gravity terms at these readings,
 // by the drawing; its base stands upright, z up.
@@ -75,6 +110,7 @@ void deflections(const ArmModel& model, const JointVector& readings,
 struct ChainFrames {
   std::array<Pose, kMaxJoints> X_SJ;  // of joint i, before its motion: z along its axis
   Pose X_SL;                          // of the link asked for
+  JointVector effective;              // readings, couplings applied
   GravityLevers levers{};
   std::array<SplineSupport, kMaxJoints> support;
 };

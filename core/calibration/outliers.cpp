@@ -11,8 +11,9 @@ namespace armsig::calibration {
 
 namespace {
 
-// The median length of three normal coordinates, in sigma.
-constexpr double kMedianLength = 1.538;
+// The median length of three normal coordinates, and of one, in sigma.
+constexpr double kMedianLength3 = 1.538;
+constexpr double kMedianLength1 = 0.6745;
 // Of the soft weight at the start, and of rejection: in robust sigma.
 constexpr double kSoft = 4;
 constexpr double kGate = 6;
@@ -25,11 +26,12 @@ double Engine::residual_scale() const {
   double count = 0;
   for (const FitRow& row : rows_) {
     if (row.held_out) continue;
-    lengths.add(std::sqrt(whitened_squares(row)));
-    count += 3;
+    lengths.add(std::sqrt(whitened_squares(row)) /
+                (row.is_range() ? kMedianLength1 : kMedianLength3));
+    count += static_cast<double>(row.scalars());
   }
   const double freedom = std::max(count - effective_, 0.05 * count);
-  return std::max(1e-9, lengths.median() / kMedianLength * std::sqrt(count / freedom));
+  return std::max(1e-9, lengths.median() * std::sqrt(count / freedom));
 }
 
 void Engine::weigh_softly() {
@@ -40,7 +42,32 @@ void Engine::weigh_softly() {
   }
 }
 
-// The rows of one pose, residuals judged about their median where most of them lie far out.
+// What the residuals of a pose have in common: the point from which the sum of their lengths is
+// least, by weighted means.
+Vector3 Engine::common_residual(std::span<const FitRow> pose, double gate) const {
+  constexpr int kPasses = 30;
+  // Of the gate: nearer residuals weigh the same, and directions that nobody measured stay put.
+  constexpr double kNear = 1e-3;
+  constexpr double kFirm = 1e-6;
+  Vector3 common = Vector3::Zero();
+  for (int pass = 0; pass < kPasses; ++pass) {
+    Matrix3 weights = kFirm / gate * Matrix3::Identity();
+    Vector3 sum = Vector3::Zero();
+    for (const FitRow& row : pose) {
+      FitRow shifted = row;
+      shifted.residual -= common;
+      const double length = pass == 0 ? gate : std::sqrt(whitened_squares(shifted));
+      const Matrix3 W = precision(row) / std::max(length, kNear * gate);
+      weights += W;
+      sum += W * row.residual;
+    }
+    common = weights.inverse() * sum;
+  }
+  return common;
+}
+
+// The rows of one pose, residuals judged about what they have in common where most of them lie far
+// out.
 void Engine::judge_pose(std::span<FitRow> pose, double gate) {
   std::size_t far = 0;
   bool several = false;
@@ -50,15 +77,12 @@ void Engine::judge_pose(std::span<FitRow> pose, double gate) {
     several = several || row.target != pose.front().target;
   }
   if (!several || 2 * far <= pose.size() || pose.size() > kMostTogether) return;
-  Vector3 median;
-  std::array<double, kMostTogether> values{};
-  for (Eigen::Index c = 0; c < 3; ++c) {
-    for (std::size_t k = 0; k < pose.size(); ++k) values[k] = pose[k].residual[c];
-    const auto end = values.begin() + static_cast<std::ptrdiff_t>(pose.size());
-    std::sort(values.begin(), end);
-    median[c] = 0.5 * (values[(pose.size() - 1) / 2] + values[pose.size() / 2]);
+  const Vector3 common = common_residual(pose, gate);
+  for (FitRow& row : pose) {
+    FitRow shifted = row;
+    shifted.residual -= common;
+    row.weight = whitened_squares(shifted) <= gate * gate ? 1 : 0;
   }
-  for (FitRow& row : pose) row.weight = (row.residual - median).norm() <= gate ? 1 : 0;
 }
 
 void Engine::reject() {

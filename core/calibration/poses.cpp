@@ -23,6 +23,8 @@ bool earlier(const FitRow& a, const FitRow& b) {
   for (Eigen::Index c = 0; c < 3; ++c) {
     if (a.p_S[c] != b.p_S[c]) return a.p_S[c] < b.p_S[c];
   }
+  if (a.receiver != b.receiver) return a.receiver < b.receiver;
+  if (a.range_m != b.range_m) return a.range_m < b.range_m;
   return a.sweep < b.sweep;
 }
 

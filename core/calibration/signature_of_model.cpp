@@ -16,6 +16,7 @@ using refinement::SquareRootFactor;
 // The model at the signature configuration, with what gravity and maps are there.
 struct Configuration {
   std::array<Pose, kMaxJoints> X_SJ;
+  JointVector effective;
   FixedVector<Pose, kMaxFrames> X_SL;
 };
 
@@ -28,6 +29,7 @@ Configuration at_configuration(const ArmModel& model, const JointVector& effecti
     found.X_SL.push_back(frames.X_SL);
   }
   found.X_SJ = frames.X_SJ;
+  found.effective = effective;
   return found;
 }
 
@@ -55,6 +57,10 @@ class Transfer {
   void row(std::size_t unknown, std::array<double, kMaxGeometry>& M) const {
     M.fill(0);
     const refinement::Parameter& parameter = refined_.layout.parameters[unknown];
+    if (const std::size_t k = further(parameter); k < model_.further.size()) {
+      M[engine_.further_column() + k] = 1;
+      return;
+    }
     const Signature& signature = refined_.signature;
     const auto component = static_cast<Eigen::Index>(parameter.component);
     const std::size_t index = parameter.index;
@@ -81,6 +87,28 @@ class Transfer {
   }
 
  private:
+  // The index of a correction among those of the model, or their number.
+  [[nodiscard]] std::size_t further(const refinement::Parameter& parameter) const {
+    std::size_t k = 0;
+    for (; k < model_.further.size(); ++k) {
+      const refinement::Parameter& other = model_.further[k];
+      if (other.kind == parameter.kind && other.index == parameter.index &&
+          other.component == parameter.component) {
+        break;
+      }
+    }
+    return k;
+  }
+  // What turning joint j by one does, its corrections do in proportion.
+  void add_corrections(std::size_t joint, double turned,
+                       std::array<double, kMaxGeometry>& M) const {
+    M[engine_.joint_column(joint) + 4] = turned;
+    for (std::size_t k = 0; k < model_.further.size(); ++k) {
+      const refinement::Parameter& parameter = model_.further[k];
+      if (!of_reading(parameter) || parameter.index != joint) continue;
+      M[engine_.further_column() + k] = turned * turn_by(parameter, at_.effective[joint]);
+    }
+  }
   // By the base and the joints before `link`: how they move a point of that link along `along`.
   void add_motions(std::size_t link, const Vector3& p_S, const Vector3& along,
                    std::array<double, kMaxGeometry>& M) const {
@@ -92,7 +120,7 @@ class Transfer {
     for (std::size_t j = 0; j < link; ++j) {
       add_deviation(j, p_S, along, M);
       const bool revolute = model_.joints[j].type == JointType::kRevolute;
-      M[engine_.joint_column(j) + 4] = motion_of(revolute, at_.X_SJ[j], p_S).dot(along);
+      add_corrections(j, motion_of(revolute, at_.X_SJ[j], p_S).dot(along), M);
     }
   }
   void add_deviation(std::size_t joint, const Vector3& p_S, const Vector3& along,
@@ -114,7 +142,9 @@ class Transfer {
       const std::size_t first = engine_.joint_column(j);
       M[first] = X.R.col(0).dot(along);
       M[first + 1] = X.R.col(1).dot(along);
-      if (model_.joints[j].type == JointType::kRevolute) M[first + 4] = X.R.col(2).dot(along);
+      if (model_.joints[j].type == JointType::kRevolute) {
+        add_corrections(j, X.R.col(2).dot(along), M);
+      }
     }
   }
 
@@ -162,6 +192,7 @@ Result<void> invert(std::span<double> P, std::size_t size, SquareRootFactor& inf
 
 Judged<void> geometry_to_signature(const ArmModel& model, std::span<const ModelTarget> targets,
                                    const Engine& engine, refinement::Refined& refined,
+                                   const refinement::ParameterRequest& request,
                                    std::span<double> scratch) {
   Signature& signature = refined.signature;
   const Configuration at = at_configuration(model, signature.configuration);
@@ -177,7 +208,8 @@ Judged<void> geometry_to_signature(const ArmModel& model, std::span<const ModelT
         onto_line(signature.X_SL[i], at.X_SJ[i], model.joints[i].type == JointType::kRevolute);
   }
   signature.X_SL[n] = signature.X_SL[n - 1] * X_last;
-  ARMSIG_TRY(layout, refinement::make_layout(signature, observed, {}, 0));
+  ARMSIG_TRY(layout,
+             refinement::make_layout(signature, observed, request, model.sensor.receivers.size()));
   refined.layout = layout;
   const std::size_t size = layout.size();
   ARMSIG_CHECK(scratch.size() >= kMaxParameters * kMaxParameters);

@@ -10,12 +10,13 @@ namespace armsig::calibration {
 
 // Moves the axis lines and targets of `refined.signature`, whose configuration and link frames say
 // where to put them, to those of the model, and sets the layout and information of `refined` to the
-// covariance of the model: that of the geometry.
-// `scratch`: kMaxParameters squared numbers.
-// Errors: kCapacityExceeded (unknowns, capacity); kSingular.
+// covariance of the model: that of the geometry and of the corrections in `request`, which are
+// those that the model was asked for. `scratch`: kMaxParameters squared numbers. Errors:
+// kCapacityExceeded (unknowns, capacity); kSingular.
 [[nodiscard]] Judged<void> geometry_to_signature(const ArmModel& model,
                                                  std::span<const ModelTarget> targets,
                                                  const Engine& engine, refinement::Refined& refined,
+                                                 const refinement::ParameterRequest& request,
                                                  std::span<double> scratch);
 
 }  // namespace armsig::calibration

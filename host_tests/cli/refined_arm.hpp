@@ -2,6 +2,7 @@
 // A simulated Puma, measured in sweeps and mixed poses, and `identify --method refined` of it.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "host_tests/cli/predictions.hpp"
@@ -31,6 +32,20 @@ inline Outcome refine(const Folder& folder, const Csv& rows, const std::string& 
 
 inline void keep_mixed(Csv& csv) {
   std::erase_if(csv.rows, [&](const Fields& row) { return row[csv.column("sweep")] != "0"; });
+}
+
+// Readings as an encoder gives them that errs by 0.05 degrees five times a turn.
+inline Csv with_wavy_readings(Csv rows) {
+  for (Fields& row : rows.rows) {
+    for (const char* joint : {"q1_deg", "q2_deg", "q3_deg"}) {
+      std::string& text = row[rows.column(joint)];
+      const double q = std::stod(text);
+      char wavy[40];
+      std::snprintf(wavy, sizeof wavy, "%.17g", q - 0.05 * std::sin(5 * q * 0.017453292519943295));
+      text = wavy;
+    }
+  }
+  return rows;
 }
 
 // Largest error of the target's position over the mixed poses of good.csv.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Gravity and the maps of the readings as a user meets them: found where they help, stored, and
 // applied by every command.
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
 #include "host_tests/cli/refined_arm.hpp"
@@ -11,20 +9,6 @@ namespace armsig::cli {
 namespace {
 
 using nlohmann::json;
-
-// Readings as an encoder gives them that errs by 0.05 degrees five times a turn.
-Csv with_wavy_readings(Csv rows) {
-  for (Fields& row : rows.rows) {
-    for (const char* joint : {"q1_deg", "q2_deg", "q3_deg"}) {
-      std::string& text = row[rows.column(joint)];
-      const double q = std::stod(text);
-      char wavy[40];
-      std::snprintf(wavy, sizeof wavy, "%.17g", q - 0.05 * std::sin(5 * q * 0.017453292519943295));
-      text = wavy;
-    }
-  }
-  return rows;
-}
 
 Csv many_poses(const Folder& folder) {
   write_file(folder / "arm.yaml", kPuma560);

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/calibration/held_out.hpp"
@@ -14,8 +15,10 @@ namespace armsig::test {
 
 class Calibration {
  public:
-  // One target on the last link.
-  Calibration(const Arm& arm, const Log& log, const calibration::ModelParts& parts)
+  // One target on the last link. `relative`: the covariances of the rows over `stated_variance`;
+  // none: all alike, and nothing stated.
+  Calibration(const Arm& arm, const Log& log, const calibration::ModelParts& parts,
+              std::span<const Matrix3> relative = {}, double stated_variance = 0)
       : parts_(parts), rows_(log.size()), cache_(log.size()) {
     Target target;
     target.link = arm.joints.size();
@@ -33,12 +36,18 @@ class Calibration {
       rows_[k].p_S = log[k].p_S;
       rows_[k].sweep = static_cast<std::uint8_t>(log[k].sweep);
       rows_[k].index = static_cast<std::uint32_t>(k);
+      if (relative.empty()) continue;
+      const auto at = [&](Eigen::Index i, Eigen::Index j) {
+        return static_cast<float>(relative[k](i, j));
+      };
+      rows_[k].relative = {at(0, 0), at(0, 1), at(0, 2), at(1, 1), at(1, 2), at(2, 2)};
     }
     calibration::group_poses(rows_, types);
     calibration::deal_folds(rows_);
     matrix_.resize(calibration::matrix_size(calibration::Engine::columns(*model_, 1)));
     engine_ =
         std::make_unique<calibration::Engine>(*model_, targets_, rows_, cache_, matrix_, *work_);
+    engine_->set_stated_variance(stated_variance);
   }
 
   std::optional<calibration::FitSummary> fit() {

@@ -4,19 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/calibration/fit_row.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 
 namespace armsig::tool {
 namespace {
 
 // Mixed poses say more of an arm than its sweeps, once there are as many as two a fold.
-constexpr std::size_t kEnoughMixed = 2 * refinement::kFolds;
+constexpr std::size_t kEnoughMixed = 2 * calibration::kFolds;
 // Residuals beyond so many times their median are gross outliers: for the lengths of errors of
 // three coordinates, 5.9 sigma.
 constexpr double kGate = 3.8;
 
-refinement::CrossValidation summary(std::vector<double> residuals_m) {
-  refinement::CrossValidation result;
+CrossValidation summary(std::vector<double> residuals_m) {
+  CrossValidation result;
   if (residuals_m.empty()) return result;
   const auto middle = residuals_m.begin() + static_cast<std::ptrdiff_t>(residuals_m.size() / 2);
   std::ranges::nth_element(residuals_m, middle);
@@ -36,14 +37,14 @@ refinement::CrossValidation summary(std::vector<double> residuals_m) {
 }  // namespace
 
 FeatureValidation::FeatureValidation(const Arm& nominal, const std::string& file)
-    : folds_(refinement::kFolds, SweepSet(nominal, file)) {}
+    : folds_(calibration::kFolds, SweepSet(nominal, file)) {}
 
 std::size_t FeatureValidation::deal(const LocatedRow& row) {
-  return dealt_[{row.sweep, row.target}]++ % refinement::kFolds;
+  return dealt_[{row.sweep, row.target}]++ % calibration::kFolds;
 }
 
 void FeatureValidation::learn(const LocatedRow& row) {
-  const std::size_t left_out = row.sweep == 0 ? refinement::kFolds : deal(row);
+  const std::size_t left_out = row.sweep == 0 ? calibration::kFolds : deal(row);
   for (std::size_t fold = 0; fold < folds_.size(); ++fold) {
     // What is wrong with a row, the set of all rows has said already.
     if (fold != left_out) static_cast<void>(folds_[fold].add(row));
@@ -73,7 +74,7 @@ void FeatureValidation::score(const LocatedRow& row) {
   (row.sweep == 0 ? mixed_residuals_m_ : swept_residuals_m_).push_back(residual_m);
 }
 
-refinement::CrossValidation FeatureValidation::result() const {
+CrossValidation FeatureValidation::result() const {
   return summary(mixed_residuals_m_.size() >= kEnoughMixed ? mixed_residuals_m_
                                                            : swept_residuals_m_);
 }

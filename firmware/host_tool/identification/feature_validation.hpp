@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/refinement/cross_validation.hpp"
 #include "firmware/host_tool/reading/sweeps.hpp"
+#include "firmware/host_tool/signature/cross_validation.hpp"
 
 namespace armsig::tool {
 
@@ -32,7 +32,7 @@ class FeatureValidation {
 
   // Over the mixed poses where there are enough of them, otherwise over the rows of the sweeps.
   // Gross outliers do not count.
-  [[nodiscard]] refinement::CrossValidation result() const;
+  [[nodiscard]] CrossValidation result() const;
 
  private:
   // The fold of the next row of a sweep's target.

@@ -57,7 +57,7 @@ class IdentificationRun {
   // every row again into score(). False where rows are too few to leave some of them out.
   [[nodiscard]] bool settle_validation(features::Method method);
   void score(const MeasurementRow& row);
-  [[nodiscard]] refinement::CrossValidation validation() const { return validation_->result(); }
+  [[nodiscard]] CrossValidation validation() const { return validation_->result(); }
 
  private:
   // Nothing, and counted, where the row gives no position.

@@ -49,15 +49,15 @@ void print_corrections(const refinement::Refined& refined) {
   }
 }
 
-// Noise and model error, as far as they can be told apart.
-void print_noise(const NoiseStatement& noise) {
+// Noise and model error, as far as they can be told apart. `beyond_chance`: they can.
+void print_noise(const NoiseStatement& noise, bool beyond_chance) {
   say("  noise and model error together  {:8.3f} mm per axis\n", 1e3 * noise.total_m);
   if (noise.stated_m == 0) {
     say("  no row states its sigma_mm: all of it counts as error of the model\n");
   } else if (noise.contradicted) {
     say("  that is {:.1f} times the stated noise, which is therefore not believed\n",
         noise.total_m / noise.stated_m);
-  } else if (noise.unexplained_m > 0) {
+  } else if (beyond_chance) {
     say("  that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
         "sensor's\n",
         noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m);
@@ -73,7 +73,7 @@ void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
   say("  residual of the fit             {:8.3f} mm RMS, {} measurements\n", 1e3 * quality.rms_m,
       quality.rows_used);
   if (outcome.noise) {
-    print_noise(*outcome.noise);
+    print_noise(*outcome.noise, quality.covariance_enlarged);
   } else if (quality.covariance_enlarged) {
     say("  the residuals are {:.1f} times the stated noise; the uncertainty is enlarged by as "
         "much\n",
@@ -120,7 +120,7 @@ void print_left_out(const calibration::HeldOutScore& score) {
 void print_accuracy(const Found& found, const SignatureRecord& record) {
   say("\nHow accurate it is\n\n");
   if (found.validation && found.validation->rows > 0) {
-    const refinement::CrossValidation& left_out = *found.validation;
+    const CrossValidation& left_out = *found.validation;
     say("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
         left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
     if (found.refinement && found.refinement->left_out) print_left_out(*found.refinement->left_out);

@@ -16,7 +16,7 @@ namespace armsig::tool {
 struct Found {
   Identified identified;
   std::optional<RefinementOutcome> refinement;
-  std::optional<refinement::CrossValidation> validation;
+  std::optional<CrossValidation> validation;
 };
 
 struct ReportedFiles {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// core/calibration over a log of positions: the memory it needs, the starts it may have, and what
-// its figures mean for a signature.
+// core/calibration over a log of positions or ranges: the memory it needs, the starts it may have,
+// and what its figures mean for a signature.
 #pragma once
 
 #include <memory>
@@ -21,9 +21,17 @@ struct NoiseStatement {
   bool contradicted = false;
 };
 
+// Corrections of the readings that were not asked for, and would help.
+struct OfferedCorrections {
+  refinement::ReadingTerms terms;
+  double left_out_mean_m = 0;  // cross-validated, with them
+};
+
 struct Calibrated {
   std::unique_ptr<refinement::Refined> refined;
   calibration::FitSummary summary;
+  refinement::ParameterRequest request;  // corrections found
+  std::optional<OfferedCorrections> offered;
   std::optional<calibration::HeldOutScore> left_out;  // none of too few poses
   std::optional<calibration::HeldOutScore> geometry;  // the same of geometry alone
   NoiseStatement noise;
@@ -37,15 +45,20 @@ struct Calibrated {
 
 struct CalibrationLog {
   const Arm& nominal;
-  const std::optional<Signature>& start;          // from features, or none
-  std::span<const refinement::Observation> rows;  // positions only
+  const std::optional<Signature>& start;  // from features, or none
+  std::span<const refinement::Observation> rows;
+  // What the base is found from: the rows, or where their ranges put the targets.
+  std::span<const refinement::Observation> positions;
   std::span<const Target> targets;
+  const refinement::Receivers& receivers;
+  const refinement::ParameterRequest& request;  // corrections to be found
+  bool choose_readings = false;                 // those of the readings that help
 };
 
 // Fits the geometry, and gravity and maps of the readings where they help, and scores the model on
 // poses left out. `verdicts`, as long as the rows, receives residuals and rejections. Refusals:
 // those of fit_base_and_tool(); kNotConverged and kTooManyOutliers where no arm near the
-// description explains the rows.
+// description explains the rows; kScaleUndetermined; kCapacityExceeded (unknowns, capacity).
 [[nodiscard]] std::expected<Calibrated, Refusal> run_calibration(
     const CalibrationLog& log, std::span<refinement::RowOutcome> verdicts);
 

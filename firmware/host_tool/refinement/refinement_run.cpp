@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "core/identification.hpp"
+#include "core/refinement/cross_validation.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/refinement/refinement_words.hpp"
@@ -20,10 +21,6 @@ constexpr double kContradictingShare = 0.5;
 constexpr std::size_t kFewestMixed = 6;
 // Radians or metres; zeros nearer to the drawing's are nothing to mention.
 constexpr double kNotableShift = 0.05;
-// Corrections that nobody asked for are tried on logs up to this long: a second or two.
-constexpr std::size_t kMostRowsToOffer = 1000;
-// They are offered where they predict rows left out better by this much.
-constexpr double kWorthOffering = 0.95;
 // Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
 constexpr std::size_t kToTellNoise = 3;
 
@@ -35,14 +32,9 @@ class Run {
  public:
   Run(const Arm& nominal, MeasurementLog& log, const std::optional<SensorDescription>& sensor,
       const std::string& file)
-      : nominal_(nominal),
-        log_(log),
-        file_(file),
-        verdicts_(log.observations().size()),
-        refined_(std::make_unique<refinement::Refined>()) {
-    config_.readings.couplings = nominal.couplings;
+      : nominal_(nominal), log_(log), file_(file), verdicts_(log.observations().size()) {
     if (!sensor) return;
-    for (const Vector3& p_S : sensor->receivers_S) config_.receivers.push_back(p_S);
+    for (const Vector3& p_S : sensor->receivers_S) receivers_.push_back(p_S);
   }
 
   [[nodiscard]] Read<RefinementOutcome> operator()(const std::optional<Signature>& start,
@@ -50,14 +42,15 @@ class Run {
 
  private:
   [[nodiscard]] Read<void> place_targets(const std::optional<Signature>& start);
-  [[nodiscard]] Read<void> fit(const std::optional<Signature>& start);
-  [[nodiscard]] Read<void> fit_positions(const std::optional<Signature>& start);
+  [[nodiscard]] Read<void> fit(const std::optional<Signature>& start,
+                               const FurtherUnknowns& further);
   [[nodiscard]] Read<void> check_counts(const std::optional<Signature>& start) const;
-  [[nodiscard]] Read<void> fit_further(const FurtherUnknowns& further);
+  [[nodiscard]] Read<void> fit_swept_ranges(const Signature& start,
+                                            const refinement::ParameterRequest& request,
+                                            const FurtherUnknowns& further);
   void note_zeros(const JointVector& shifts);
   [[nodiscard]] std::size_t unknowns() const;
   [[nodiscard]] double predicted_where_measured(std::size_t tool) const;
-  [[nodiscard]] std::expected<void, Refusal> refit(const Signature& start);
   [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
   [[nodiscard]] std::unexpected<Problem> refuse(const Refusal& refusal) const;
   [[nodiscard]] std::unexpected<Problem> refuse_start(const Refusal& refusal) const;
@@ -70,13 +63,13 @@ class Run {
   const Arm& nominal_;
   MeasurementLog& log_;
   const std::string& file_;
-  refinement::RefinementConfig config_;
+  refinement::Receivers receivers_;
   FixedVector<Target, kMaxTargets> targets_;
   std::vector<refinement::RowOutcome> verdicts_;
-  std::unique_ptr<refinement::Refined> refined_;
   std::optional<double> drawing_rms_m_;
   std::vector<std::string> zeros_;
-  std::optional<Calibrated> calibrated_;
+  Calibrated calibrated_;
+  std::optional<CrossValidation> left_out_;  // of ranges of sweeps
 };
 
 // With the reading that seems to be to blame, where one is found.
@@ -165,34 +158,55 @@ Read<void> Run::check_counts(const std::optional<Signature>& start) const {
   return {};
 }
 
-// Axes and targets alone.
-Read<void> Run::fit(const std::optional<Signature>& start) {
-  const auto& rows = log_.observations();
+Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns& further) {
   if (const auto counted = check_counts(start); !counted) return counted;
-  if (log_.positions_only()) return fit_positions(start);
-  if (start) {
-    const auto done = refinement::refine(*start, rows, config_, verdicts_, *refined_);
-    if (!done) return refuse(done.error());
-    return mixed_agree();
-  }
-  refinement::DrawingReport report;
-  const auto done = refinement::refine_from_drawing(nominal_, rows, targets(), config_, verdicts_,
-                                                    *refined_, {}, &report, log_.positions());
-  if (!done) return refuse_start(done.error());
-  drawing_rms_m_ = report.drawn_rms_m;
-  note_zeros(report.zero_shifts);
+  refinement::ParameterRequest request;
+  request.receiver_offsets = further.receiver_offsets;
+  request.scale = further.scale;
+  if (any(further.readings)) request.readings.resize(nominal_.joints.size(), further.readings);
+  // Ranges of sweeps start best from the features of their points, and stay with their axis lines.
+  if (start && !log_.positions_only()) return fit_swept_ranges(*start, request, further);
+  auto done = run_calibration({.nominal = nominal_,
+                               .start = start,
+                               .rows = log_.observations(),
+                               .positions = log_.positions(),
+                               .targets = targets(),
+                               .receivers = receivers_,
+                               .request = request,
+                               .choose_readings = further.choose_readings},
+                              verdicts_);
+  if (!done) return start ? refuse(done.error()) : refuse_start(done.error());
+  calibrated_ = std::move(*done);
+  if (start) return mixed_agree();
+  drawing_rms_m_ = calibrated_.drawing_rms_m;
+  note_zeros(calibrated_.zero_shifts);
   return {};
 }
 
-Read<void> Run::fit_positions(const std::optional<Signature>& start) {
-  auto done = run_calibration({nominal_, start, log_.observations(), targets()}, verdicts_);
-  if (!done) return start ? refuse(done.error()) : refuse_start(done.error());
-  calibrated_ = std::move(*done);
-  *refined_ = *calibrated_->refined;
-  if (start) return mixed_agree();
-  drawing_rms_m_ = calibrated_->drawing_rms_m;
-  note_zeros(calibrated_->zero_shifts);
-  return {};
+Read<void> Run::fit_swept_ranges(const Signature& start,
+                                 const refinement::ParameterRequest& request,
+                                 const FurtherUnknowns& further) {
+  auto& rows = log_.observations();
+  refinement::RefinementConfig config;
+  config.readings.couplings = nominal_.couplings;
+  config.receivers = receivers_;
+  config.request = request;
+  const auto scratch = std::make_unique<refinement::Refined>();
+  if (further.choose_readings) {
+    refinement::CrossValidation best;
+    const auto terms =
+        refinement::choose_reading_terms(start, rows, config, verdicts_, *scratch, best);
+    if (!terms) return refuse(terms.error());
+    if (any(*terms)) config.request.readings.resize(nominal_.joints.size(), *terms);
+  }
+  if (const auto crossed = refinement::cross_validate(start, rows, config, verdicts_, *scratch)) {
+    left_out_ = CrossValidation{crossed->rows, crossed->mean_m, crossed->rms_m, crossed->largest_m};
+  }
+  calibrated_.refined = std::make_unique<refinement::Refined>();
+  calibrated_.request = config.request;
+  const auto done = refinement::refine(start, rows, config, verdicts_, *calibrated_.refined);
+  if (!done) return refuse(done.error());
+  return mixed_agree();
 }
 
 Read<void> Run::mixed_agree() const {
@@ -213,36 +227,9 @@ std::unexpected<Problem> Run::refuse_start(const Refusal& refusal) const {
       Problem{file_, 0, 0,
               fmt::format("{:.0f} positions of a target on the last link to find the base from",
                           refusal.found),
-              config_.receivers.empty()
+              receivers_.empty()
                   ? "rows of a target on the last link, at four poses or more"
                   : "rows in which three receivers or more heard it, at four poses or more"});
-}
-
-std::expected<void, Refusal> Run::refit(const Signature& start) {
-  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): `start` may be part of *refined_
-  const Signature from = start;
-  return refinement::refine(from, log_.observations(), config_, verdicts_, *refined_);
-}
-
-Read<void> Run::fit_further(const FurtherUnknowns& further) {
-  const std::size_t n = nominal_.joints.size();
-  calibrated_.reset();
-  refined_->readings.deflections = nullptr;
-  refinement::ReadingTerms terms = further.readings;
-  config_.request.receiver_offsets = further.receiver_offsets;
-  config_.request.scale = further.scale;
-  if (further.choose_readings) {
-    const auto scratch = std::make_unique<refinement::Refined>();
-    refinement::CrossValidation best;
-    const auto chosen = refinement::choose_reading_terms(refined_->signature, log_.observations(),
-                                                         config_, verdicts_, *scratch, best);
-    if (!chosen) return refuse(chosen.error());
-    terms = *chosen;
-  }
-  if (any(terms)) config_.request.readings.resize(n, terms);
-  const auto done = refit(refined_->signature);
-  if (!done) return refuse(done.error());
-  return {};
 }
 
 // Over the poses measured: elsewhere a map says nothing, and its prior everything.
@@ -254,7 +241,7 @@ double Run::predicted_where_measured(std::size_t tool) const {
   double count = 0;
   for (std::size_t k = 0; k < rows.size(); k += stride) {
     if (verdicts_[k].rejected) continue;
-    sum += uncertainty::tool_covariance(*refined_, rows[k].readings, tool).trace();
+    sum += uncertainty::tool_covariance(*calibrated_.refined, rows[k].readings, tool).trace();
     count += 1;
   }
   return std::sqrt(sum / std::max(count, 1.0));
@@ -263,72 +250,47 @@ double Run::predicted_where_measured(std::size_t tool) const {
 Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                                         const FurtherUnknowns& further) {
   if (auto placed = place_targets(start); !placed) return std::unexpected(placed.error());
-  if (auto fitted = fit(start); !fitted) return std::unexpected(fitted.error());
-  const refinement::ReadingTerms& terms = further.readings;
-  if (any(terms) || further.choose_readings || further.receiver_offsets || further.scale) {
-    if (auto fitted = fit_further(further); !fitted) return std::unexpected(fitted.error());
-  }
-  derive_parameters(refined_->signature, nominal_);
+  if (auto fitted = fit(start, further); !fitted) return std::unexpected(fitted.error());
+  refinement::Refined& refined = *calibrated_.refined;
+  derive_parameters(refined.signature, nominal_);
 
   RefinementOutcome outcome{.refined = nullptr,
-                            .fitted = config_.request,
+                            .fitted = calibrated_.request,
                             .rejected_lines = log_.rejected_lines(verdicts_),
                             .undetermined = {},
-                            .cross_validation = {},
-                            .left_out = {},
+                            .cross_validation = left_out_,
+                            .left_out = calibrated_.left_out,
                             .noise = {},
-                            .deflections = {},
+                            .deflections = calibrated_.deflections,
                             .geometry_left_out_mean_m = {},
-                            .offered = {},
+                            .offered = calibrated_.offered,
                             .drawing_rms_m = drawing_rms_m_,
                             .zeros = zeros_,
                             .predicted_tool_error_m = {}};
+  if (!start || log_.positions_only()) outcome.noise = calibrated_.noise;
   auto& rows = log_.observations();
   for (std::size_t k = 0; k < verdicts_.size(); ++k) {
     if (verdicts_[k].rejected) rows[k].use = refinement::RowUse::kIgnore;
   }
-  for (const refinement::Undetermined& open : refined_->undetermined) {
-    outcome.undetermined.push_back(in_words(open, refined_->signature));
+  for (const refinement::Undetermined& open : refined.undetermined) {
+    outcome.undetermined.push_back(in_words(open, refined.signature));
   }
-  if (const auto tool = tool_target(refined_->signature)) {
+  for (const std::size_t t : calibrated_.alone) {
+    outcome.undetermined.push_back(
+        fmt::format("target {}: a single row sees it, and nothing checks that row",
+                    refined.signature.targets[t].number));
+  }
+  if (const auto tool = tool_target(refined.signature)) {
     outcome.predicted_tool_error_m =
-        calibrated_ && calibrated_->deflections
-            ? predicted_where_measured(*tool)
-            : uncertainty::predicted_rms(*refined_, nominal_.limits, *tool);
+        calibrated_.deflections ? predicted_where_measured(*tool)
+                                : uncertainty::predicted_rms(refined, nominal_.limits, *tool);
   }
-  const auto scratch = std::make_unique<refinement::Refined>();
-  if (calibrated_) {
-    for (const std::size_t t : calibrated_->alone) {
-      outcome.undetermined.push_back(
-          fmt::format("target {}: a single row sees it, and nothing checks that row",
-                      refined_->signature.targets[t].number));
-    }
-    outcome.noise = calibrated_->noise;
-    outcome.left_out = calibrated_->left_out;
-    outcome.deflections = calibrated_->deflections;
-    if (calibrated_->deflections) {
-      outcome.geometry_left_out_mean_m = calibrated_->geometry->mean_m;
-    }
-    if (const auto& score = calibrated_->left_out) {
-      outcome.cross_validation =
-          refinement::CrossValidation{score->rows, score->mean_m, score->rms_m, score->largest_m};
-    }
-  } else if (const auto crossed = refinement::cross_validate(refined_->signature, rows, config_,
-                                                             verdicts_, *scratch)) {
-    outcome.cross_validation = *crossed;
+  if (calibrated_.deflections) outcome.geometry_left_out_mean_m = calibrated_.geometry->mean_m;
+  if (const auto& score = calibrated_.left_out) {
+    outcome.cross_validation =
+        CrossValidation{score->rows, score->mean_m, score->rms_m, score->largest_m};
   }
-  const bool crossed = outcome.cross_validation.has_value();
-  if (crossed && config_.request.readings.empty() && !further.choose_readings &&
-      rows.size() <= kMostRowsToOffer) {
-    refinement::CrossValidation best;
-    const auto chosen = refinement::choose_reading_terms(refined_->signature, rows, config_,
-                                                         verdicts_, *scratch, best);
-    // Against the model that was found, which may hold more than geometry.
-    const bool better = best.mean_m < kWorthOffering * outcome.cross_validation->mean_m;
-    if (chosen && any(*chosen) && better)
-      outcome.offered = OfferedCorrections{*chosen, best.mean_m};
-  }
-  outcome.refined = std::move(refined_);
+  outcome.refined = std::move(calibrated_.refined);
   return outcome;
 }
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "core/refinement/cross_validation.hpp"
 #include "core/refinement/start.hpp"
 #include "firmware/formats/problem.hpp"
 #include "firmware/host_tool/reading/measurement_log.hpp"
 #include "firmware/host_tool/refinement/calibration_run.hpp"
+#include "firmware/host_tool/signature/cross_validation.hpp"
 
 namespace armsig::tool {
 
@@ -23,20 +23,13 @@ struct FurtherUnknowns {
   bool scale = false;
 };
 
-// Corrections of the readings that were not asked for, and would help.
-struct OfferedCorrections {
-  refinement::ReadingTerms terms;
-  double left_out_mean_m = 0;  // cross-validated, with them
-};
-
 struct RefinementOutcome {
-  std::unique_ptr<refinement::Refined> refined;                 // too large for a stack
-  refinement::ParameterRequest fitted;                          // beside axes and targets
-  std::vector<std::size_t> rejected_lines;                      // gross outliers
-  std::vector<std::string> undetermined;                        // in words
-  std::optional<refinement::CrossValidation> cross_validation;  // none of too few rows
-  // Of positions without further unknowns: on poses left out, and the noise that they show.
-  std::optional<calibration::HeldOutScore> left_out;
+  std::unique_ptr<refinement::Refined> refined;       // too large for a stack
+  refinement::ParameterRequest fitted;                // beside axes and targets
+  std::vector<std::size_t> rejected_lines;            // gross outliers
+  std::vector<std::string> undetermined;              // in words
+  std::optional<CrossValidation> cross_validation;    // none of too few rows
+  std::optional<calibration::HeldOutScore> left_out;  // the same, and what it says
   std::optional<NoiseStatement> noise;
   std::shared_ptr<const calibration::ArmModel> deflections;  // or none: geometry alone
   std::optional<double> geometry_left_out_mean_m;            // where there are deflections

@@ -32,8 +32,7 @@ void add_covariance(SignatureRecord& record, const refinement::Refined& refined)
       "range offsets, length scale, as far as fitted; rad and m";
 }
 
-std::optional<FitRecord::LeftOut> left_out(
-    const std::optional<refinement::CrossValidation>& validation) {
+std::optional<FitRecord::LeftOut> left_out(const std::optional<CrossValidation>& validation) {
   if (!validation || validation->rows == 0) return std::nullopt;
   return FitRecord::LeftOut{validation->rows, validation->mean_m, validation->rms_m};
 }
@@ -74,8 +73,7 @@ void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
                          refined.quality.rms_m, left_out(outcome.cross_validation)};
 }
 
-void add_features(SignatureRecord& record,
-                  const std::optional<refinement::CrossValidation>& validation) {
+void add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation) {
   const Signature& signature = record.signature;
   FitRecord fit;
   double variance = 0;

@@ -20,8 +20,7 @@ void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
                     std::size_t receivers);
 
 // What the features say of their own accuracy; nothing where their covariances do not tell.
-void add_features(SignatureRecord& record,
-                  const std::optional<refinement::CrossValidation>& validation);
+void add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation);
 
 // A signature computed rather than measured (method "exact").
 [[nodiscard]] SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm);

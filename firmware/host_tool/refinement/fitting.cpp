@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/refinement/fitting.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace armsig::tool {
+
+using calibration::Engine;
+using calibration::FitRow;
+
+namespace {
+
+// With the receivers of the log, and the corrections that are asked for.
+void equip(const CalibrationLog& log, calibration::ArmModel& model) {
+  model.sensor.receivers = log.receivers;
+  calibration::ask_for(log.request, model);
+}
+
+// The mean of the variances that rows state; 0 where none does.
+double mean_variance(std::span<const refinement::Observation> rows) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const refinement::Observation& row : rows) {
+    if (!(row.sigma_m > 0)) continue;
+    sum += row.sigma_m * row.sigma_m;
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+FitRow row_of(const refinement::Observation& from, double stated_variance) {
+  FitRow row;
+  row.readings = from.readings;
+  row.target = static_cast<std::uint8_t>(from.target);
+  row.sweep = static_cast<std::uint8_t>(from.sweep);
+  if (from.kind == refinement::ObservationKind::kRange) {
+    row.receiver = static_cast<std::uint8_t>(from.receiver);
+    row.range_m = from.range_m;
+  } else {
+    row.p_S = from.p_S;
+  }
+  if (!(from.sigma_m > 0)) return row;
+  const auto relative = static_cast<float>(from.sigma_m * from.sigma_m / stated_variance);
+  // Rounding must not make rows of one sigma differ.
+  if (std::abs(relative - 1.0F) > 1e-5F) row.relative = {relative, 0, 0, relative, 0, relative};
+  return row;
+}
+
+}  // namespace
+
+FitStart start_from_drawing(const CalibrationLog& log, const Arm& arm,
+                            const refinement::BaseAndTool& fitted) {
+  FitStart start{
+      calibration::model_of(arm, fitted.X_SB),
+      {},
+      log.start ? *log.start : refinement::drawn_signature(arm, fitted, log.rows, log.targets)};
+  equip(log, start.model);
+  for (std::size_t t = 0; t < log.targets.size(); ++t) {
+    start.targets.push_back({.link = log.targets[t].link, .p_L = fitted.p_LT[t]});
+  }
+  return start;
+}
+
+FitStart start_from_signature(const CalibrationLog& log) {
+  const Signature& signature = *log.start;
+  FitStart start{{}, {}, signature};
+  start.model.couplings = log.nominal.couplings;
+  start.model.X_SB = signature.X_SL[0];
+  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
+    calibration::JointModel joint;
+    joint.type = signature.types[i];
+    joint.offset = -signature.configuration[i];
+    joint.after = signature.X_SL[i].inverse() * signature.X_SL[i + 1];
+    joint.domain = calibration::map_domain(joint.type, log.nominal.limits[i]);
+    start.model.joints.push_back(joint);
+  }
+  equip(log, start.model);
+  for (const Target& target : signature.targets) {
+    start.targets.push_back(
+        {.link = target.link, .p_L = signature.X_SL[target.link].inverse() * target.p_S});
+  }
+  return start;
+}
+
+Fitting::Fitting(const CalibrationLog& log) : stated_variance_(mean_variance(log.rows)) {
+  std::vector<JointType> types;
+  for (const DhJoint& joint : log.nominal.joints) types.push_back(joint.type);
+  for (const refinement::Observation& from : log.rows) {
+    rows_.push_back(row_of(from, stated_variance_));
+    rows_.back().index = static_cast<std::uint32_t>(rows_.size() - 1);
+  }
+  calibration::group_poses(rows_, types);
+  poses_ = calibration::deal_folds(rows_);
+  cache_.resize(rows_.size());
+}
+
+Result<calibration::FitSummary> Fitting::run(FitStart& start,
+                                             const calibration::ModelParts& parts) {
+  matrix_.resize(calibration::matrix_size(Engine::columns(start.model, start.targets.size())));
+  engine_ = std::make_unique<Engine>(start.model, start.targets, rows_, cache_, matrix_, *work_);
+  engine_->set_stated_variance(stated_variance_);
+  return engine_->run(parts);
+}
+
+std::optional<calibration::HeldOutScore> Fitting::score(FitStart start,
+                                                        const calibration::ModelParts& parts) {
+  if (poses_ < calibration::kFolds) return std::nullopt;
+  const auto rejected = std::make_unique<bool[]>(rows_.size());
+  for (std::size_t k = 0; k < rows_.size(); ++k) rejected[k] = rows_[k].weight == 0;
+  std::vector<calibration::RowScore> scores(rows_.size());
+  std::vector<float> order(rows_.size());
+  const calibration::Scales scales = engine_->scales();
+  const auto left_out = calibration::score_held_out(
+      {start.model, start.targets, rows_, cache_, matrix_, *work_, stated_variance_}, parts, scales,
+      {rejected.get(), rows_.size()}, scores, order);
+  if (!left_out || left_out->rows == left_out->rejected) return std::nullopt;
+  return *left_out;
+}
+
+void Fitting::note_covered(calibration::ArmModel& model) const {
+  for (std::size_t i = 0; i < model.joint_count(); ++i) {
+    JointLimits& covered = model.joints[i].covered;
+    covered = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const FitRow& row : rows_) {
+      if (row.weight == 0) continue;
+      covered.lower = std::min(covered.lower, row.readings[i]);
+      covered.upper = std::max(covered.upper, row.readings[i]);
+    }
+  }
+}
+
+void Fitting::report(std::span<refinement::RowOutcome> verdicts,
+                     refinement::FitQuality& quality) const {
+  double squares = 0;
+  for (const FitRow& row : rows_) {
+    verdicts[row.index] = {row.residual.norm(), row.weight, row.weight == 0};
+    if (row.weight == 0) {
+      ++quality.rows_rejected;
+      continue;
+    }
+    ++quality.rows_used;
+    quality.scalars += row.scalars();
+    squares += row.residual.squaredNorm();
+  }
+  quality.rms_m = std::sqrt(squares / static_cast<double>(quality.rows_used));
+}
+
+}  // namespace armsig::tool
