@@ -13,6 +13,9 @@ namespace armsig::canopen {
 inline constexpr double kRestSpeed_rad = 8.7e-3;  // a second; half a degree
 inline constexpr double kRestSpeed_m = 1e-3;
 inline constexpr hal::Duration kRestTime = std::chrono::milliseconds(50);
+// Older than this, or than these periods, a position tells nothing about standing.
+inline constexpr hal::Duration kFreshPosition = std::chrono::milliseconds(50);
+inline constexpr int kFreshPeriods = 5;
 
 // How far that is, and what the encoder may flicker besides; rad or m.
 [[nodiscard]] inline double rest_tolerance(JointType type, const Scaling& scaling) {

@@ -185,13 +185,16 @@ TEST(Bench, every_fault_of_a_drive_stops_all_of_them_under_its_name_and_can_be_r
   struct Fault {
     const char* kind;
     Error error;
+    // Where the torque goes at once, the limb falls until its brake has closed: at 20 rad/s^2 and
+    // less in 60 ms, and on its way to rest at 50 rad/s^2.
+    double falls_rad = 1e-3;
   };
   for (const Fault& fault :
        {Fault{"emergency code=0x2310", Error::kDriveEmergency},
         Fault{"heartbeat", Error::kHeartbeatLost}, Fault{"feedback", Error::kFeedbackLost},
-        Fault{"reboot", Error::kDriveRebooted},
+        Fault{"reboot", Error::kDriveRebooted, 0.06},
         Fault{"pre-operational", Error::kDriveNotOperational},
-        Fault{"power", Error::kDriveDroppedOut}}) {
+        Fault{"power", Error::kDriveDroppedOut, 0.06}}) {
     const auto before = arm.numbers("status", "joints");
     arm.order("drive joint=3 kind=" + std::string(fault.kind));
     EXPECT_TRUE(master.run_until([&] { return master.faulted(); })) << fault.kind;
@@ -204,7 +207,9 @@ TEST(Bench, every_fault_of_a_drive_stops_all_of_them_under_its_name_and_can_be_r
         milliseconds(500)))
         << fault.kind;
     const auto after = arm.numbers("status", "joints");
-    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-3);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      EXPECT_NEAR(after[i], before[i], i == 2 ? fault.falls_rad : 1e-3) << fault.kind;
+    }
     arm.order("drive joint=3 kind=none");
     ASSERT_TRUE(master.recover()) << fault.kind;
   }

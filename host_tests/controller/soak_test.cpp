@@ -67,6 +67,8 @@ class Soak {
   void step() {
     puma_.console.told.clear();
     puma_.console.replies.clear();
+    puma_.other.told.clear();
+    puma_.other.replies.clear();
     switch (draw(6)) {
       case 0:
         sequence("identify", 400);
