@@ -52,6 +52,9 @@ struct Scales {
   double reading = 1;
   double gravity = 1;
   std::array<double, kMaxJoints> map{1, 1, 1, 1, 1, 1, 1, 1};
+  // Rotation, shift and zero stay as they are: where the start was found from the same rows, how
+  // near the fit comes to it says nothing of how near it is to be expected.
+  bool geometry_is_held = false;
 };
 
 // Memory beside the rows. 31 KiB, and a matrix of the geometry block apart.
@@ -97,10 +100,7 @@ class Engine {
 
   // Where the mean of the variances stated for the rows is known; scales to begin with.
   void set_stated_variance(double variance) { stated_variance_ = variance; }
-  void set_scales(const Scales& scales) {
-    scales_ = scales;
-    warm_ = true;
-  }
+  void set_scales(const Scales& scales) { scales_ = scales; }
 
   // Fits the rows that are not held out. Errors: kTooFewPoints (no row); kSingular.
   [[nodiscard]] Result<FitSummary> run(const ModelParts& parts);
@@ -190,7 +190,6 @@ class Engine {
   std::size_t columns_;
   std::array<double, 6> base_moved_{};
   Scales scales_;
-  bool warm_ = false;
   ModelParts parts_;
   bool maps_on_ = false;
   bool uniform_ = true;  // every row has the same relative covariance, a multiple of one

@@ -67,9 +67,17 @@ double Engine::update_geometry_scales() {
     groups[group].trace += variance / unit;
     groups[group].unknowns += 1;
   }
-  return update(groups[kTurns], scales_.rotation) + update(groups[kShifts], scales_.shift) +
-         update(groups[kZeros], scales_.zero) + update(groups[kReadings], scales_.reading) +
-         update(groups[kSags], scales_.gravity) + groups[kOpen].unknowns - groups[kOpen].trace;
+  Scales found = scales_;
+  const double determined =
+      update(groups[kTurns], found.rotation) + update(groups[kShifts], found.shift) +
+      update(groups[kZeros], found.zero) + update(groups[kReadings], scales_.reading) +
+      update(groups[kSags], scales_.gravity) + groups[kOpen].unknowns - groups[kOpen].trace;
+  if (!scales_.geometry_is_held) {
+    scales_.rotation = found.rotation;
+    scales_.shift = found.shift;
+    scales_.zero = found.zero;
+  }
+  return determined;
 }
 
 double Engine::update_map_scales() {

@@ -46,9 +46,10 @@ tool::SignatureRecord named(const std::string& name) {
 std::map<std::string, std::string> exports_of(const std::string& name) {
   std::map<std::string, std::string> texts;
   for (const std::string& format : tool::export_formats()) {
-    auto text = tool::export_text(format, named(name));
-    FUZZ_CHECK(text);
-    texts.emplace(format, std::move(*text));
+    if (format == "maps-csv") continue;  // of an arm with maps only
+    auto exported = tool::export_text(format, named(name));
+    FUZZ_CHECK(exported);
+    texts.emplace(format, std::move(exported->text));
   }
   return texts;
 }

@@ -81,12 +81,12 @@ Interval best_run(const Evidence& evidence, const NearFit& fit) {
 std::vector<Interval> likely_runs(const Evidence& evidence, const ArmLimits& limits) {
   const std::vector<std::size_t> borders = borders_of(evidence);
   const std::size_t blocks = borders.size() - 1;
-  struct Tried {
+  struct Run {
     Interval run;
     double all = 0;
     double best = 0;
   };
-  std::vector<Tried> tried;
+  std::vector<Run> tried;
   Evidence trial = evidence;
   for (std::size_t i = 1; i < blocks; ++i) {
     for (std::size_t j = i + 1; j <= blocks; ++j) {
@@ -99,7 +99,7 @@ std::vector<Interval> likely_runs(const Evidence& evidence, const ArmLimits& lim
     }
   }
   std::vector<Interval> runs;
-  for (const auto by : {&Tried::all, &Tried::best}) {
+  for (const auto by : {&Run::all, &Run::best}) {
     std::ranges::sort(tried, {}, by);
     for (std::size_t k = 0; k < std::min(kStarts, tried.size()); ++k) runs.push_back(tried[k].run);
   }

@@ -12,6 +12,10 @@ using calibration::FitRow;
 
 namespace {
 
+// Variance of a prior about what the rows themselves gave, in the engine's units: a hundredth of a
+// radian and five millimetres say next to nothing.
+constexpr double kWide = 25;
+
 // With the receivers of the log, and the corrections that are asked for.
 void equip(const CalibrationLog& log, calibration::ArmModel& model) {
   model.sensor.receivers = log.receivers;
@@ -55,7 +59,8 @@ FitStart start_from_drawing(const CalibrationLog& log, const Arm& arm,
   FitStart start{
       calibration::model_of(arm, fitted.X_SB),
       {},
-      log.start ? *log.start : refinement::drawn_signature(arm, fitted, log.rows, log.targets)};
+      log.start ? *log.start : refinement::drawn_signature(arm, fitted, log.rows, log.targets),
+      false};
   equip(log, start.model);
   for (std::size_t t = 0; t < log.targets.size(); ++t) {
     start.targets.push_back({.link = log.targets[t].link, .p_L = fitted.p_LT[t]});
@@ -65,7 +70,7 @@ FitStart start_from_drawing(const CalibrationLog& log, const Arm& arm,
 
 FitStart start_from_signature(const CalibrationLog& log) {
   const Signature& signature = *log.start;
-  FitStart start{{}, {}, signature};
+  FitStart start{{}, {}, signature, true};
   start.model.couplings = log.nominal.couplings;
   start.model.X_SB = signature.X_SL[0];
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
@@ -101,6 +106,10 @@ Result<calibration::FitSummary> Fitting::run(FitStart& start,
   matrix_.resize(calibration::matrix_size(Engine::columns(start.model, start.targets.size())));
   engine_ = std::make_unique<Engine>(start.model, start.targets, rows_, cache_, matrix_, *work_);
   engine_->set_stated_variance(stated_variance_);
+  if (start.of_the_rows) {
+    engine_->set_scales(
+        {.rotation = kWide, .shift = kWide, .zero = kWide, .geometry_is_held = true});
+  }
   return engine_->run(parts);
 }
 

@@ -14,7 +14,8 @@ namespace armsig::tool {
 struct FitStart {
   calibration::ArmModel model;
   std::vector<calibration::ModelTarget> targets;
-  Signature signature;  // whose frames the result is put into
+  Signature signature;       // whose frames the result is put into
+  bool of_the_rows = false;  // found from the same rows, not from the drawing
 };
 
 // The drawing `arm`, its base and targets as fitted.
