@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "core/base/check.hpp"
 #include "core/kinematics/forward_kernel.hpp"
@@ -133,9 +134,11 @@ void ServoReadings::find_cubics(const JointVector& q, Work& work) const {
 namespace {
 
 // The axes and origins of the drawing, x and y of them: all that levers about axes that turn need.
+// V: as many lanes as the processor has, of which one is a plain double.
+template <typename V>
 void horizontal_axes(const Chain& drawing, const JointTerms<double>& terms, JointAxes<double>& axes,
                      std::array<double, 4>& tip) {
-  if constexpr (Lanes<double>::kCount == 1) {
+  if constexpr (std::is_same_v<V, double>) {
     kinematics::FrameRows<double> x{1, 0, 0, 0};
     kinematics::FrameRows<double> y{0, 1, 0, 0};
     for (std::size_t i = 0; i < drawing.joint_count; ++i) {
@@ -149,7 +152,6 @@ void horizontal_axes(const Chain& drawing, const JointTerms<double>& terms, Join
     tip[0] = x.p;
     tip[1] = y.p;
   } else {
-    using V = Pack<double>;
     kinematics::FrameRows<V> rows{V{1, 0}, V{0, 1}, V{0, 0}, V{0, 0}};
     for (std::size_t i = 0; i < drawing.joint_count; ++i) {
       store(axes.axis(i), rows.z);
@@ -181,7 +183,7 @@ void turn_further(std::size_t count, const std::array<double, kMaxJoints>& by,
 void ServoReadings::add_gravity(const Work& work, Values& by) const {
   alignas(32) std::array<double, 4> tip;
   JointAxes<double> axes;
-  horizontal_axes(drawing_, work.terms, axes, tip);
+  horizontal_axes<Pack<double>>(drawing_, work.terms, axes, tip);
   for (const GravityTerm& term : gravity_) {
     const double* z = axes.axis(term.joint);
     const double* from = axes.origin(term.joint);

@@ -200,7 +200,7 @@ class ReportPage(unittest.TestCase):
         run("report", "--signature", "demo/robot2-encoder.yaml", "--out", "bare.html")
         page, console = opened(os.path.abspath("bare.html"), WEBGL)
         self.assertEqual(console, [])
-        self.assertIn("should put the tool about", page.ids["headline"])
+        self.assertIn("by the arm signature by about", page.ids["headline"])
         self.assertIn("--measurements", page.ids["sweeps"])
 
 

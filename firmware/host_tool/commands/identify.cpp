@@ -118,12 +118,32 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
 // Fewer rows than these say nothing against an arm.
 constexpr std::size_t kFewestToDoubt = 12;
 
+// How far the errors of the ranges to the receivers move a point that is found from them: least
+// squares, to first order.
+Vector3 moved_by_offsets(const Vector3& p_S, const SensorDescription& sensor,
+                         std::span<const double> offsets_m) {
+  Matrix3 H = Matrix3::Zero();
+  Vector3 g = Vector3::Zero();
+  for (std::size_t r = 0; r < offsets_m.size(); ++r) {
+    const Vector3 u = (p_S - sensor.receivers_S[r]).normalized();
+    H += u * u.transpose();
+    g += u * offsets_m[r];
+  }
+  return H.ldlt().solve(g);
+}
+
 std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
-                              const SignatureRecord& record) {
+                              const SignatureRecord& record,
+                              const std::optional<SensorDescription>& sensor) {
   if (evidence.rows.size() < kFewestToDoubt) return std::nullopt;
-  // A scale that was asked for is undone, and the rest judged.
+  // Offsets and a scale that were asked for are undone, and the rest judged.
   Evidence unscaled = evidence;
-  for (EvidenceRow& row : unscaled.rows) row.p_S /= 1 + record.scale;
+  for (EvidenceRow& row : unscaled.rows) {
+    if (sensor && !record.receiver_offsets_m.empty()) {
+      row.p_S -= moved_by_offsets(row.p_S, *sensor, record.receiver_offsets_m);
+    }
+    row.p_S /= 1 + record.scale;
+  }
   const refinement::Chain chain(record.signature, record.readings());
   const auto& targets = record.signature.targets;
   const auto predicted_S = [&](const EvidenceRow& row) -> std::optional<Vector3> {
@@ -203,7 +223,7 @@ int run(IdentifyOptions options) {
   } else {
     add_features(record, found->validation);
   }
-  if (const auto doubt = doubt_of(collector.evidence(), arm->limits, record)) {
+  if (const auto doubt = doubt_of(collector.evidence(), arm->limits, record, sensor)) {
     const Problem problem = problem_of(*doubt, options.measurements);
     if (doubt->refuses && !options.accept_different_arm) return fail(problem, kNoAnswer, options);
     record.warnings.push_back(doubt->refuses
