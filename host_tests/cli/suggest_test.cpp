@@ -82,9 +82,9 @@ TEST(Suggest, gives_poses_inside_the_limits_and_what_each_buys) {
     EXPECT_LE(std::abs(next.number(k, "q1_deg")), 160);
     EXPECT_LE(std::abs(next.number(k, "q5_deg")), 100);
   }
-  EXPECT_NE(run_tool(folder, "suggest --signature s.yaml --count 2 --out next.csv")
-                .out.find("Expected"),
-            std::string::npos);
+  EXPECT_NE(
+      run_tool(folder, "suggest --signature s.yaml --count 2 --out next.csv").out.find("Expected"),
+      std::string::npos);
 }
 
 TEST(Suggest, stays_where_the_sensor_sees_the_target) {
