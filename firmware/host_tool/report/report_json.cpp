@@ -166,6 +166,7 @@ Json map_json(const ToolErrorMap& map) {
     points.push_back(std::move(point));
   }
   return {{"drawing_rms_m", map.drawing_rms_m},
+          {"over", map.over},
           {"predicted_rms_m", or_null(map.predicted_rms_m)},
           {"true_drawing_rms_m", or_null(map.true_drawing_rms_m)},
           {"true_rms_m", or_null(map.true_rms_m)},

@@ -19,8 +19,9 @@ constexpr int kRmsConfigurations = 1000;
 constexpr int kShareConfigurations = 40;
 
 // Variance of the tool that each axis alone brings, by differences of a sigma of each unknown.
-std::vector<double> joint_share(const SignatureRecord& record, const refinement::Refined& estimate,
-                                std::size_t tool) {
+std::vector<double> joint_share(const SignatureRecord& record,
+                                const FixedVector<JointLimits, kMaxJoints>& limits,
+                                const refinement::Refined& estimate, std::size_t tool) {
   const Eigen::MatrixXd covariance = covariance_of(estimate);
   std::vector<double> variance(record.signature.joint_count(), 0.0);
   for (std::size_t joint = 0; joint < variance.size(); ++joint) {
@@ -33,8 +34,7 @@ std::vector<double> joint_share(const SignatureRecord& record, const refinement:
       step.segment(first, size) = half.col(c);
       const Signature shifted = moved(estimate, record.nominal, step);
       for (int n = 1; n <= kShareConfigurations; ++n) {
-        const JointVector q =
-            evenly_spread_configuration(record.signature.types, record.nominal.limits, n);
+        const JointVector q = evenly_spread_configuration(record.signature.types, limits, n);
         variance[joint] +=
             (kinematics::target_position(shifted, q, shifted.targets[tool]) -
              kinematics::target_position(record.signature, q, record.signature.targets[tool]))
@@ -48,12 +48,22 @@ std::vector<double> joint_share(const SignatureRecord& record, const refinement:
   return variance;
 }
 
+// The drawing, its joints limited to what the signature was measured at, where that counts.
+Arm judged_drawing(const SignatureRecord& record) {
+  Arm drawing = record.nominal;
+  if (!record.deflections) return drawing;
+  for (std::size_t i = 0; i < drawing.limits.size(); ++i) {
+    const JointLimits& covered = record.deflections->joints[i].covered;
+    if (covered.lower < covered.upper) drawing.limits[i] = covered;
+  }
+  return drawing;
+}
+
 // The drawing with base and tool fitted to the arm; with its axes laid over the arm's where it is
 // another arm altogether.
-Signature drawn_model(const SignatureRecord& record, const refinement::Refined& arm,
-                      std::size_t tool) {
-  const auto fitted = evaluation::fitted_drawing(record.nominal, arm, tool);
-  return fitted ? *fitted : evaluation::drawing_as_model(record.nominal, arm.signature);
+Signature drawn_model(const Arm& drawing, const refinement::Refined& arm, std::size_t tool) {
+  const auto fitted = evaluation::fitted_drawing(drawing, arm, tool);
+  return fitted ? *fitted : evaluation::drawing_as_model(drawing, arm.signature);
 }
 
 // An arm that is known exactly.
@@ -65,17 +75,16 @@ std::unique_ptr<refinement::Refined> known(const Signature& signature,
   return arm;
 }
 
-void compare_with_truth(const SignatureRecord& record, const Signature& truth, int tool,
-                        ToolErrorMap& map) {
+void compare_with_truth(const SignatureRecord& record, const Arm& drawing, const Signature& truth,
+                        int tool, ToolErrorMap& map) {
   const auto* found = std::ranges::find(truth.targets, tool, &Target::number);
   if (found == truth.targets.end()) return;
   const auto rms = [&](const Signature& model, const Pose& X_AM) {
-    return evaluation::rms_tool_error(model, truth, tool, X_AM, record.nominal.limits,
-                                      kRmsConfigurations);
+    return evaluation::rms_tool_error(model, truth, tool, X_AM, drawing.limits, kRmsConfigurations);
   };
   const auto arm = known(truth, {.couplings = record.nominal.couplings, .corrections = {}});
   const auto index = static_cast<std::size_t>(found - truth.targets.begin());
-  map.true_drawing_rms_m = rms(drawn_model(record, *arm, index), Pose{});
+  map.true_drawing_rms_m = rms(drawn_model(drawing, *arm, index), Pose{});
   map.true_rms_m = rms(record.signature, Pose{});
 }
 
@@ -88,12 +97,14 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
   if (!tool || record.nominal.limits.size() != record.signature.joint_count()) return std::nullopt;
   const Signature& signature = record.signature;
   const Target& target = signature.targets[*tool];
-  const Signature drawn = drawn_model(record, *known(signature, record.readings()), *tool);
+  const Arm drawing = judged_drawing(record);
+  const Signature drawn = drawn_model(drawing, *known(signature, record.readings()), *tool);
   const auto* drawn_tool = std::ranges::find(drawn.targets, target.number, &Target::number);
   ToolErrorMap map;
+  map.over = record.deflections ? "the readings measured" : "the joint limits";
   double squares = 0;
   for (int n = 1; n <= kRmsConfigurations; ++n) {
-    const JointVector q = evenly_spread_configuration(signature.types, record.nominal.limits, n);
+    const JointVector q = evenly_spread_configuration(signature.types, drawing.limits, n);
     ToolErrorAt at;
     const JointVector turned =
         refinement::true_readings(record.readings(), signature.configuration, q);
@@ -112,11 +123,11 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
   map.predicted_rms_m = record.predicted_tool_error_m;
   if (estimate != nullptr) {
     if (!map.predicted_rms_m) {
-      map.predicted_rms_m = uncertainty::predicted_rms(*estimate, record.nominal.limits, *tool);
+      map.predicted_rms_m = uncertainty::predicted_rms(*estimate, drawing.limits, *tool);
     }
-    map.joint_share = joint_share(record, *estimate, *tool);
+    map.joint_share = joint_share(record, drawing.limits, *estimate, *tool);
   }
-  if (truth) compare_with_truth(record, *truth, target.number, map);
+  if (truth) compare_with_truth(record, drawing, *truth, target.number, map);
   return map;
 }
 

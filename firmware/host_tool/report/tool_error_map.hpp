@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "firmware/formats/signature_record.hpp"
@@ -18,7 +19,10 @@ struct ToolErrorAt {
 };
 
 struct ToolErrorMap {
-  std::vector<ToolErrorAt> points;        // at configurations spread evenly within the joint limits
+  // What the configurations are spread over evenly: the joint limits, or the readings measured
+  // where maps of the readings hold there alone.
+  std::string over;
+  std::vector<ToolErrorAt> points;
   double drawing_rms_m = 0;               // over many more configurations
   std::optional<double> predicted_rms_m;  // as the record says, where it does
   // Where the truth is known.

@@ -38,10 +38,11 @@ void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
   verdict.headline =
       fmt::format("By the drawing the tool misses by {}, by the arm signature by {}.",
                   length_in_words(before_m), length_in_words(after_m));
-  verdict.sentences.push_back(fmt::format(
-      "Over the whole joint space the drawing misses by {} (root mean square, its base and tool "
-      "fitted), the signature by {}. This arm is simulated, so that its true error is known.",
-      length_in_words(before_m), length_in_words(after_m)));
+  verdict.sentences.push_back(
+      fmt::format("Over {} the drawing misses by {} (root mean square, its base and tool fitted), "
+                  "the signature "
+                  "by {}. This arm is simulated, so that its true error is known.",
+                  map.over, length_in_words(before_m), length_in_words(after_m)));
   doubt_the_drawing(before_m, verdict);
   if (map.predicted_rms_m) {
     verdict.sentences.push_back(
@@ -58,18 +59,18 @@ void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
     verdict.headline =
         "The measurements can't tell this arm from its drawing: nothing is gained yet.";
     verdict.sentences.push_back(fmt::format(
-        "Drawing and signature differ by {} over the joint space, and the signature itself is "
-        "uncertain by {} (1σ).",
-        length_in_words(before_m), length_in_words(after_m)));
+        "Drawing and signature differ by {} over {}, and the signature itself is uncertain by {} "
+        "(1σ).",
+        length_in_words(before_m), map.over, length_in_words(after_m)));
     return;
   }
   verdict.headline =
       fmt::format("By the drawing the tool misses by {}, by the arm signature by about {} (1σ).",
                   length_in_words(before_m), length_in_words(after_m));
   verdict.sentences.push_back(fmt::format(
-      "Over the whole joint space the drawing, its base and tool fitted, is {} (root mean square) "
-      "from the signature; the signature is uncertain by {} (1σ).",
-      length_in_words(before_m), length_in_words(after_m)));
+      "Over {} the drawing, its base and tool fitted, is {} (root mean square) from the signature; "
+      "the signature is uncertain by {} (1σ).",
+      map.over, length_in_words(before_m), length_in_words(after_m)));
   doubt_the_drawing(before_m, verdict);
 }
 
@@ -79,8 +80,8 @@ void judge_without_covariance(const std::optional<ToolErrorMap>& map, Verdict& v
         "An arm signature; no target on the last link says how well it places a tool.";
     return;
   }
-  verdict.headline = fmt::format("The drawing is {} from this signature over the joint space.",
-                                 length_in_words(map->drawing_rms_m));
+  verdict.headline = fmt::format("The drawing is {} from this signature over {}.",
+                                 length_in_words(map->drawing_rms_m), map->over);
   verdict.sentences.emplace_back(
       "How sure the signature is can't be said: the file holds neither covariance nor sweeps.");
 }
