@@ -108,11 +108,7 @@ struct Work {
 class EveryCall : public testing::TestWithParam<Work> {
  protected:
   void SetUp() override {
-    write_file(folder_ / "arm.yaml", kTwoJointArm);
-    ASSERT_EQ(
-        run_tool(folder_, "simulate --arm arm.yaml --points 24 --out m.csv --truth-out t.yaml")
-            .status,
-        0);
+    ASSERT_EQ(measure_two_joints(folder_).status, 0);
     write_file(out(), kOld);
     const Traced whole = trace(folder_, GetParam().words, 0, Fate::kNone);
     if (whole.status == 99 || whole.calls == 0) GTEST_SKIP() << "no ptrace here";

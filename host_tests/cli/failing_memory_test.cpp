@@ -18,13 +18,7 @@ struct Work {
 
 class FailingMemory : public testing::TestWithParam<Work> {
  protected:
-  void SetUp() override {
-    write_file(folder_ / "arm.yaml", kTwoJointArm);
-    ASSERT_EQ(
-        run_tool(folder_, "simulate --arm arm.yaml --points 24 --out m.csv --truth-out t.yaml")
-            .status,
-        0);
-  }
+  void SetUp() override { ASSERT_EQ(measure_two_joints(folder_).status, 0); }
   // Runs the command, whose allocation `failing` fails; 0: none.
   Outcome run(long failing) {
     write_file(folder_ / GetParam().out, kOld);

@@ -35,6 +35,12 @@ inline constexpr const char* kPuma560 =
     "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: 90, limits_deg: [-100, 100]}\n"
     "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: 0, limits_deg: [-266, 266]}\n";
 
+// Leaves arm.yaml, m.csv (24 points a sweep) and the truth t.yaml of that arm in the folder.
+inline Outcome measure_two_joints(const Folder& folder) {
+  write_file(folder / "arm.yaml", kTwoJointArm);
+  return run_tool(folder, "simulate --arm arm.yaml --points 24 --out m.csv --truth-out t.yaml");
+}
+
 using Fields = std::vector<std::string>;
 
 inline Fields split(const std::string& text, char separator) {
