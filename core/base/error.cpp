@@ -62,9 +62,8 @@ std::string_view describe(Error error) {
     case Error::kNodeTwice:
       return "two devices share one CAN node number";
     case Error::kScaleInvalid:
-      return "counts per revolution, gear ratio or lead is not a positive number, or not what the "
-             "drive "
-             "says";
+      return "counts per revolution, gear ratio or lead is not a positive number, or not what "
+             "the drive says";
     case Error::kResolutionTooCoarse:
       return "one count is too large a motion: counts per revolution or gear ratio is in a wrong "
              "unit";

@@ -50,7 +50,7 @@ enum class Error : std::uint8_t {
   kTooFewAxes,           // a machine without a drive
   kNodeOutOfRange,       // a CAN node number outside 1 to 127, or the master's own
   kNodeTwice,            // two devices with one node number
-  kScaleInvalid,         // counts per revolution, gear ratio or lead is not a positive number
+  kScaleInvalid,         // counts, gear ratio or lead not positive, or not what the drive says
   kResolutionTooCoarse,  // a count is worth more than an encoder's count can be: a wrong unit
   kLimitsReversed,       // the lower limit is not below the upper one
   kLimitsImplausible,    // limits no arm has: a wrong unit

@@ -2,8 +2,8 @@
 #include "firmware/host_tool/refinement/calibration_run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include "core/calibration/signature_of_model.hpp"
 #include "core/refinement/determination.hpp"
