@@ -204,7 +204,7 @@ void Engine::start() {
   }
   scales_.sigma_squared = 1;
   const double scale = residual_scale();
-  scales_.sigma_squared = std::max(kLeastVariance, scale * scale);
+  scales_.sigma_squared = scale * scale;
 }
 
 Result<FitSummary> Engine::run(const ModelParts& parts) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/calibration/engine.hpp"
+#include "core/calibration/engine_detail.hpp"
 #include "core/refinement/robust.hpp"
 
 namespace armsig::calibration {
@@ -31,7 +32,7 @@ double Engine::residual_scale() const {
     count += static_cast<double>(row.scalars());
   }
   const double freedom = std::max(count - effective_, 0.05 * count);
-  return std::max(1e-9, lengths.median() * std::sqrt(count / freedom));
+  return std::max(std::sqrt(kLeastVariance), lengths.median() * std::sqrt(count / freedom));
 }
 
 void Engine::weigh_softly() {
