@@ -15,6 +15,10 @@ constexpr double kQuick = 0.7;
 constexpr double kLeastScale = 1e-6;
 constexpr double kLargestScale = 1e6;
 constexpr double kLeastFreedom = 0.05;
+// What is known of a workshop before any row was seen counts as one unknown of the usual size: it
+// matters where the rows say little, and a scale found from little alone is too small as often as
+// it is too large, but only the former makes promises.
+constexpr double kUsual = 1;
 
 // One group of unknowns with a common prior scale.
 struct Group {
@@ -23,12 +27,14 @@ struct Group {
   double unknowns = 0;
 };
 
-// Updates the scale; returns how many of the unknowns the rows determine.
-double update(const Group& group, double& scale) {
+// Updates the scale, `usual` unknowns of unit size counted in; returns how many of the unknowns the
+// rows determine.
+double update(const Group& group, double& scale, double usual = 0) {
   if (group.unknowns == 0) return 0;
   const double determined = std::clamp(group.unknowns - group.trace / scale, 1e-3, group.unknowns);
-  const double quick = std::max(group.squares, 1e-12) / determined;
-  const double steady = std::max(group.squares + group.trace, 1e-12) / group.unknowns;
+  const double squares = group.squares + usual;
+  const double quick = std::max(squares, 1e-12) / (determined + usual);
+  const double steady = std::max(squares + group.trace, 1e-12) / (group.unknowns + usual);
   scale = std::clamp(std::exp(kQuick * std::log(quick) + (1 - kQuick) * std::log(steady)),
                      kLeastScale, kLargestScale);
   return determined;
@@ -69,9 +75,10 @@ double Engine::update_geometry_scales() {
   }
   Scales found = scales_;
   const double determined =
-      update(groups[kTurns], found.rotation) + update(groups[kShifts], found.shift) +
-      update(groups[kZeros], found.zero) + update(groups[kReadings], scales_.reading) +
-      update(groups[kSags], scales_.gravity) + groups[kOpen].unknowns - groups[kOpen].trace;
+      update(groups[kTurns], found.rotation, kUsual) +
+      update(groups[kShifts], found.shift, kUsual) + update(groups[kZeros], found.zero, kUsual) +
+      update(groups[kReadings], scales_.reading) + update(groups[kSags], scales_.gravity) +
+      groups[kOpen].unknowns - groups[kOpen].trace;
   if (!scales_.geometry_is_held) {
     scales_.rotation = found.rotation;
     scales_.shift = found.shift;

@@ -72,13 +72,7 @@ void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
   }
   say("  residual of the fit             {:8.3f} mm RMS, {} measurements\n", 1e3 * quality.rms_m,
       quality.rows_used);
-  if (outcome.noise) {
-    print_noise(*outcome.noise, quality.covariance_enlarged);
-  } else if (quality.covariance_enlarged) {
-    say("  the residuals are {:.1f} times the stated noise; the uncertainty is enlarged by as "
-        "much\n",
-        quality.noise_factor);
-  }
+  print_noise(outcome.noise, quality.covariance_enlarged);
   if (!outcome.rejected_lines.empty()) {
     say("  outliers, by line               {}\n", lines_in_words(outcome.rejected_lines));
   }
@@ -146,19 +140,18 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
 
 nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::size_t receivers) {
   const refinement::Refined& refined = *outcome.refined;
-  nlohmann::ordered_json json{{"rms_m", refined.quality.rms_m},
-                              {"rows_used", refined.quality.rows_used},
-                              {"rows_rejected", refined.quality.rows_rejected},
-                              {"iterations", refined.quality.iterations},
-                              {"noise_factor", refined.quality.noise_factor},
-                              {"sigma_m", refined.quality.sigma_m},
-                              {"rejected_lines", outcome.rejected_lines},
-                              {"undetermined", outcome.undetermined}};
-  if (outcome.noise) {
-    json["noise_and_model_error_m"] = outcome.noise->total_m;
-    json["model_error_m"] = outcome.noise->unexplained_m;
-    json["stated_sigma_believed"] = outcome.noise->stated_m > 0 && !outcome.noise->contradicted;
-  }
+  nlohmann::ordered_json json{
+      {"rms_m", refined.quality.rms_m},
+      {"rows_used", refined.quality.rows_used},
+      {"rows_rejected", refined.quality.rows_rejected},
+      {"iterations", refined.quality.iterations},
+      {"noise_factor", refined.quality.noise_factor},
+      {"sigma_m", refined.quality.sigma_m},
+      {"rejected_lines", outcome.rejected_lines},
+      {"undetermined", outcome.undetermined},
+      {"noise_and_model_error_m", outcome.noise.total_m},
+      {"model_error_m", outcome.noise.unexplained_m},
+      {"stated_sigma_believed", outcome.noise.stated_m > 0 && !outcome.noise.contradicted}};
   if (outcome.geometry_left_out_mean_m) {
     json["geometry_left_out_mean_m"] = *outcome.geometry_left_out_mean_m;
   }

@@ -7,7 +7,6 @@
 #include <fmt/core.h>
 
 #include "core/identification.hpp"
-#include "core/refinement/cross_validation.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/refinement/refinement_words.hpp"
@@ -45,9 +44,6 @@ class Run {
   [[nodiscard]] Read<void> fit(const std::optional<Signature>& start,
                                const FurtherUnknowns& further);
   [[nodiscard]] Read<void> check_counts(const std::optional<Signature>& start) const;
-  [[nodiscard]] Read<void> fit_swept_ranges(const Signature& start,
-                                            const refinement::ParameterRequest& request,
-                                            const FurtherUnknowns& further);
   void note_zeros(const JointVector& shifts);
   [[nodiscard]] std::size_t unknowns() const;
   [[nodiscard]] double predicted_where_measured(std::size_t tool) const;
@@ -69,7 +65,6 @@ class Run {
   std::optional<double> drawing_rms_m_;
   std::vector<std::string> zeros_;
   Calibrated calibrated_;
-  std::optional<CrossValidation> left_out_;  // of ranges of sweeps
 };
 
 // With the reading that seems to be to blame, where one is found.
@@ -164,8 +159,6 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
   request.receiver_offsets = further.receiver_offsets;
   request.scale = further.scale;
   if (any(further.readings)) request.readings.resize(nominal_.joints.size(), further.readings);
-  // Ranges of sweeps start best from the features of their points, and stay with their axis lines.
-  if (start && !log_.positions_only()) return fit_swept_ranges(*start, request, further);
   auto done = run_calibration({.nominal = nominal_,
                                .start = start,
                                .rows = log_.observations(),
@@ -181,32 +174,6 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
   drawing_rms_m_ = calibrated_.drawing_rms_m;
   note_zeros(calibrated_.zero_shifts);
   return {};
-}
-
-Read<void> Run::fit_swept_ranges(const Signature& start,
-                                 const refinement::ParameterRequest& request,
-                                 const FurtherUnknowns& further) {
-  auto& rows = log_.observations();
-  refinement::RefinementConfig config;
-  config.readings.couplings = nominal_.couplings;
-  config.receivers = receivers_;
-  config.request = request;
-  const auto scratch = std::make_unique<refinement::Refined>();
-  if (further.choose_readings) {
-    refinement::CrossValidation best;
-    const auto terms =
-        refinement::choose_reading_terms(start, rows, config, verdicts_, *scratch, best);
-    if (!terms) return refuse(terms.error());
-    if (any(*terms)) config.request.readings.resize(nominal_.joints.size(), *terms);
-  }
-  if (const auto crossed = refinement::cross_validate(start, rows, config, verdicts_, *scratch)) {
-    left_out_ = CrossValidation{crossed->rows, crossed->mean_m, crossed->rms_m, crossed->largest_m};
-  }
-  calibrated_.refined = std::make_unique<refinement::Refined>();
-  calibrated_.request = config.request;
-  const auto done = refinement::refine(start, rows, config, verdicts_, *calibrated_.refined);
-  if (!done) return refuse(done.error());
-  return mixed_agree();
 }
 
 Read<void> Run::mixed_agree() const {
@@ -258,16 +225,15 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                             .fitted = calibrated_.request,
                             .rejected_lines = log_.rejected_lines(verdicts_),
                             .undetermined = {},
-                            .cross_validation = left_out_,
+                            .cross_validation = {},
                             .left_out = calibrated_.left_out,
-                            .noise = {},
+                            .noise = calibrated_.noise,
                             .deflections = calibrated_.deflections,
                             .geometry_left_out_mean_m = {},
                             .offered = calibrated_.offered,
                             .drawing_rms_m = drawing_rms_m_,
                             .zeros = zeros_,
                             .predicted_tool_error_m = {}};
-  if (!start || log_.positions_only()) outcome.noise = calibrated_.noise;
   auto& rows = log_.observations();
   for (std::size_t k = 0; k < verdicts_.size(); ++k) {
     if (verdicts_[k].rejected) rows[k].use = refinement::RowUse::kIgnore;

@@ -30,7 +30,7 @@ struct RefinementOutcome {
   std::vector<std::string> undetermined;              // in words
   std::optional<CrossValidation> cross_validation;    // none of too few rows
   std::optional<calibration::HeldOutScore> left_out;  // the same, and what it says
-  std::optional<NoiseStatement> noise;
+  NoiseStatement noise;
   std::shared_ptr<const calibration::ArmModel> deflections;  // or none: geometry alone
   std::optional<double> geometry_left_out_mean_m;            // where there are deflections
   std::optional<OfferedCorrections> offered;
