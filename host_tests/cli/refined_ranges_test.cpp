@@ -62,6 +62,25 @@ TEST(RefinedRanges, leave_poses_out_and_find_what_the_arm_does_beyond_the_sensor
   EXPECT_LT(observed, 1.25 * stated);
 }
 
+TEST(RefinedRanges, of_sweeps_are_fitted_with_maps_of_the_readings_too) {
+  const Folder folder;
+  ranges(folder, 100);
+  const Csv good = Csv::read(folder / "good.csv");
+  const Csv rows = with_wavy_readings(good);
+  const Outcome outcome = refine(folder, rows, "--sensor sensor.yaml --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  EXPECT_LT(result["cross_validation"]["mean_m"],
+            0.4 * result["refinement"]["geometry_left_out_mean_m"].get<double>());
+  write_joint_poses(good, folder / "q.csv");
+  const Csv truth = predict(folder, "truth.yaml", "1");
+  write_joint_poses(rows, folder / "q.csv");
+  const double ratio = rms_distance(predict(folder, "s.yaml", "1"), truth) /
+                       result["predicted_tool_error_m"].get<double>();
+  EXPECT_GT(ratio, 0.75);
+  EXPECT_LT(ratio, 1.3);
+}
+
 TEST(RefinedRanges, noise_alone_is_no_error_of_the_model) {
   const Folder folder;
   const Outcome outcome = refine(folder, ranges(folder, 100), "--sensor sensor.yaml --json");

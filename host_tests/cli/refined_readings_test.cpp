@@ -10,6 +10,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kOffCentre_deg = 0.02;
+
 std::string with_coupled_elbow(double ratio) {
   return std::string(kPuma560) +
          "coupling:\n  - {joint: 3, from: 2, ratio: " + std::to_string(ratio) + "}\n";
@@ -131,10 +133,47 @@ TEST(Refined, chooses_the_corrections_that_help) {
   EXPECT_FALSE(json::parse(plain.out)["refinement"].contains("reading_corrections"));
   EXPECT_FALSE(json::parse(plain.out)["refinement"].contains("corrections_offered"));
   shrink_reading(rows);
-  expect_said(refine(folder, rows), "with corrections of the joint readings");
   const Outcome corrected = refine(folder, rows, "--correct readings-that-help --json");
   ASSERT_EQ(corrected.status, 0) << corrected.err;
   EXPECT_TRUE(json::parse(corrected.out)["refinement"].contains("reading_corrections"));
+}
+
+// In sweeps of ninety degrees a map takes up what the gear does, and poses beyond them look like
+// blunders.
+TEST(Refined, finds_a_gear_that_is_off_unasked_and_names_it) {
+  const Folder folder;
+  const Csv good = simulated(folder, "--sigma-mm 0.05");
+  write_joint_poses(good, folder / "q.csv");
+  const Csv truth = predict(folder, "truth.yaml", "1");
+  Csv rows = good;
+  shrink_reading(rows);
+  const Outcome outcome = refine(folder, rows, "--json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("joint 2: its reading is 0.997"),
+            std::string::npos)
+      << outcome.err;
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["refinement"]["rows_rejected"], 0);
+  write_joint_poses(rows, folder / "q.csv");
+  const double observed = rms_distance(predict(folder, "s.yaml", "1"), truth);
+  EXPECT_LT(observed, 1.5 * result["predicted_tool_error_m"].get<double>());
+  EXPECT_LT(observed, 1e-4);
+}
+
+// An encoder disc that is a little off its centre: it helps, but nothing is wrong without it.
+TEST(Refined, offers_corrections_that_would_help_a_little) {
+  const Folder folder;
+  Csv rows = simulated(folder, "--sigma-mm 0.05");
+  keep_mixed(rows);
+  for (Fields& row : rows.rows) {
+    std::string& text = row[rows.column("q2_deg")];
+    const double q = std::stod(text);
+    char eccentric[40];
+    std::snprintf(eccentric, sizeof eccentric, "%.17g",
+                  q - kOffCentre_deg * std::sin(q * 0.017453292519943295));
+    text = eccentric;
+  }
+  expect_said(refine(folder, rows), "with corrections of the joint readings");
 }
 
 TEST(Refined, refuses_a_scale_from_angles_alone) {

@@ -190,7 +190,7 @@ Read<std::pair<Identified, RefinementOutcome>> IdentificationRun::finish_refined
   identified.signature = outcome->refined->signature;
   identified.counts.mixed = sweeps_.mixed_rows();
   if (air_count_ > 0) identified.air_celsius = air_sum_c_ / static_cast<double>(air_count_);
-  for (const std::string& zero : outcome->zeros) identified.warnings.push_back(zero);
+  for (const std::string& note : outcome->notes) identified.warnings.push_back(note);
   for (const std::string& open : outcome->undetermined) identified.warnings.push_back(open);
   return std::pair(std::move(identified), std::move(*outcome));
 }

@@ -113,8 +113,7 @@ Result<calibration::FitSummary> Fitting::run(FitStart& start,
   return engine_->run(parts);
 }
 
-std::optional<calibration::HeldOutScore> Fitting::score(FitStart start,
-                                                        const calibration::ModelParts& parts) {
+std::optional<LeftOut> Fitting::score(FitStart start, const calibration::ModelParts& parts) {
   if (poses_ < calibration::kFolds) return std::nullopt;
   const auto rejected = std::make_unique<bool[]>(rows_.size());
   for (std::size_t k = 0; k < rows_.size(); ++k) rejected[k] = rows_[k].weight == 0;
@@ -125,7 +124,10 @@ std::optional<calibration::HeldOutScore> Fitting::score(FitStart start,
       {start.model, start.targets, rows_, cache_, matrix_, *work_, stated_variance_}, parts, scales,
       {rejected.get(), rows_.size()}, scores, order);
   if (!left_out || left_out->rows == left_out->rejected) return std::nullopt;
-  return *left_out;
+  LeftOut found{*left_out, std::vector<float>(rows_.size())};
+  for (std::size_t k = 0; k < rows_.size(); ++k)
+    found.length_m[rows_[k].index] = scores[k].length_m;
+  return found;
 }
 
 void Fitting::note_covered(calibration::ArmModel& model) const {

@@ -26,6 +26,12 @@ struct FitStart {
 // the log has one.
 [[nodiscard]] FitStart start_from_signature(const CalibrationLog& log);
 
+// What poses left out say of a model.
+struct LeftOut {
+  calibration::HeldOutScore score;
+  std::vector<float> length_m;  // of the error of every row of the log; 0 of those not left out
+};
+
 // The rows as the engine wants them, and its memory.
 class Fitting {
  public:
@@ -37,8 +43,7 @@ class Fitting {
 
   // Of the model found by run(), from its start; destroys what the engine knows. None of too few
   // poses.
-  [[nodiscard]] std::optional<calibration::HeldOutScore> score(
-      FitStart start, const calibration::ModelParts& parts);
+  [[nodiscard]] std::optional<LeftOut> score(FitStart start, const calibration::ModelParts& parts);
 
   // Notes in `model` between which readings the rows are that were not rejected.
   void note_covered(calibration::ArmModel& model) const;

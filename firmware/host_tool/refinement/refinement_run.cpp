@@ -20,6 +20,8 @@ constexpr double kContradictingShare = 0.5;
 constexpr std::size_t kFewestMixed = 6;
 // Radians or metres; zeros nearer to the drawing's are nothing to mention.
 constexpr double kNotableShift = 0.05;
+// Errors of gears larger than this are no encoder's.
+constexpr double kNotableGain = 5e-4;
 // Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
 constexpr std::size_t kToTellNoise = 3;
 
@@ -45,6 +47,7 @@ class Run {
                                const FurtherUnknowns& further);
   [[nodiscard]] Read<void> check_counts(const std::optional<Signature>& start) const;
   void note_zeros(const JointVector& shifts);
+  void note_gears(const refinement::ReadingModel& readings);
   [[nodiscard]] std::size_t unknowns() const;
   [[nodiscard]] double predicted_where_measured(std::size_t tool) const;
   [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
@@ -63,7 +66,7 @@ class Run {
   FixedVector<Target, kMaxTargets> targets_;
   std::vector<refinement::RowOutcome> verdicts_;
   std::optional<double> drawing_rms_m_;
-  std::vector<std::string> zeros_;
+  std::vector<std::string> notes_;
   Calibrated calibrated_;
 };
 
@@ -129,8 +132,19 @@ std::size_t Run::unknowns() const {
 void Run::note_zeros(const JointVector& shifts) {
   for (std::size_t j = 0; j < shifts.size(); ++j) {
     if (std::abs(shifts[j]) < kNotableShift) continue;
-    zeros_.push_back(fmt::format("joint {}: its zero is about {} from the drawing's", j + 1,
+    notes_.push_back(fmt::format("joint {}: its zero is about {} from the drawing's", j + 1,
                                  reading_in_words(nominal_.joints[j].type, shifts[j])));
+  }
+}
+
+void Run::note_gears(const refinement::ReadingModel& readings) {
+  for (std::size_t j = 0; j < readings.corrections.size(); ++j) {
+    const double gain = readings.corrections[j].gain;
+    if (std::abs(gain) < kNotableGain) continue;
+    notes_.push_back(
+        fmt::format("joint {}: its reading is {:.4f} times what it moves, which the signature "
+                    "corrects; look at the gear ratio",
+                    j + 1, 1 / (1 + gain)));
   }
 }
 
@@ -170,9 +184,10 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
                               verdicts_);
   if (!done) return start ? refuse(done.error()) : refuse_start(done.error());
   calibrated_ = std::move(*done);
+  note_zeros(calibrated_.zero_shifts);
+  note_gears(calibrated_.refined->readings);
   if (start) return mixed_agree();
   drawing_rms_m_ = calibrated_.drawing_rms_m;
-  note_zeros(calibrated_.zero_shifts);
   return {};
 }
 
@@ -232,7 +247,7 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                             .geometry_left_out_mean_m = {},
                             .offered = calibrated_.offered,
                             .drawing_rms_m = drawing_rms_m_,
-                            .zeros = zeros_,
+                            .notes = notes_,
                             .predicted_tool_error_m = {}};
   auto& rows = log_.observations();
   for (std::size_t k = 0; k < verdicts_.size(); ++k) {

@@ -36,7 +36,7 @@ struct RefinementOutcome {
   std::optional<OfferedCorrections> offered;
   std::optional<double>
       drawing_rms_m;               // of the drawing with base and tool fitted; from drawings only
-  std::vector<std::string> zeros;  // in words: those far from the drawing's
+  std::vector<std::string> notes;  // in words: zeros and gears far from the drawing's
   std::optional<double> predicted_tool_error_m;  // with a target on the last link only
 };
 

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/refinement/candidates.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/calibration/signature_of_model.hpp"
+
+namespace armsig::tool {
+namespace {
+
+// Rows that may be rejected before the fit itself is in doubt.
+constexpr double kMostRejected = 0.4;
+// Residual lengths of three coordinates are 1.7 sigma; so many are more than outliers let through.
+constexpr double kCoarse = 4;
+// A richer model must earn its keep by this much on poses that it has not seen.
+constexpr double kWorthDeflections = 0.98;
+
+constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
+constexpr std::array<refinement::ReadingTerms, 4> kCorrections{
+    {{false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
+
+bool fits_the_engine(const FitStart& start) {
+  return calibration::Engine::columns(start.model, start.targets.size()) <=
+         calibration::kMaxGeometry;
+}
+
+}  // namespace
+
+bool predicts_better(const Candidate& candidate, const Candidate& other, double share) {
+  if (!candidate.left_out || !other.left_out) return false;
+  double sum_m = 0;
+  double other_sum_m = 0;
+  for (std::size_t k = 0; k < candidate.verdicts.size(); ++k) {
+    if (candidate.verdicts[k].rejected && other.verdicts[k].rejected) continue;
+    sum_m += static_cast<double>(candidate.left_out->length_m[k]);
+    other_sum_m += static_cast<double>(other.left_out->length_m[k]);
+  }
+  return sum_m <= share * other_sum_m;
+}
+
+std::size_t taken_back(const Candidate& candidate, const Candidate& other) {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < candidate.verdicts.size(); ++k) {
+    if (other.verdicts[k].rejected && !candidate.verdicts[k].rejected) ++count;
+  }
+  return count;
+}
+
+double Candidates::most_m() const {
+  return std::max(limits_.rms_m, kCoarse * std::sqrt(fitting_.stated_variance()));
+}
+
+std::expected<Candidate, Refusal> Candidates::fitted(const FitStart& from,
+                                                     const calibration::ModelParts& parts,
+                                                     const refinement::ParameterRequest& request) {
+  FitStart start = from;
+  const auto summary = fitting_.run(start, parts);
+  if (!summary) return std::unexpected(Refusal{summary.error(), 0, 0});
+  Candidate found;
+  found.start = from;
+  found.request = request;
+  found.summary = *summary;
+  found.variance = fitting_.engine().scales().sigma_squared;
+  found.model = std::make_shared<calibration::ArmModel>(start.model);
+  refinement::Refined& refined = *found.refined;
+  refined.signature = from.signature;
+  refined.signature.s_model.clear();
+  refined.signature.pseudo_dh.clear();
+  refined.readings.couplings = log_.nominal.couplings;
+  if (!request.readings.empty()) {
+    for (const calibration::JointModel& joint : start.model.joints) {
+      refined.readings.corrections.push_back(joint.correction);
+    }
+  }
+  refined.receiver_offsets_m = start.model.sensor.offset_m;
+  refined.scale = start.model.sensor.scale;
+  found.verdicts.resize(log_.rows.size());
+  fitting_.report(found.verdicts, refined.quality);
+  refined.quality.iterations = summary->rounds;
+  refined.quality.noise_freedom =
+      static_cast<double>(refined.quality.scalars) - summary->degrees_of_model;
+  std::vector<double> scratch(refinement::kMaxParameters * refinement::kMaxParameters);
+  const auto done = calibration::geometry_to_signature(
+      start.model, start.targets, fitting_.engine(), refined, request, scratch);
+  if (!done) return std::unexpected(done.error());
+  for (std::size_t t = 0; t < start.targets.size(); ++t) {
+    if (start.targets[t].rows == 1) found.alone.push_back(t);
+  }
+  return found;
+}
+
+std::expected<void, Refusal> Candidates::believable(const Candidate& found) const {
+  const auto refuse = [](Error error, double value, double allowed) {
+    return std::unexpected(Refusal{error, value, allowed});
+  };
+  const double allowed = kMostRejected * static_cast<double>(found.summary.rows);
+  if (static_cast<double>(found.summary.rejected) > allowed) {
+    return refuse(Error::kTooManyOutliers, static_cast<double>(found.summary.rejected), allowed);
+  }
+  if (const double rms_m = found.refined->quality.rms_m; !(rms_m <= most_m())) {
+    return refuse(Error::kNotConverged, rms_m, most_m());
+  }
+  if (log_.start) return {};
+  return refinement::like_its_drawing(found.start.signature, found.refined->signature, limits_);
+}
+
+std::expected<Candidate, Refusal> Candidates::geometry(const FitStart& from) {
+  auto found = fitted(from, kGeometry, log_.request);
+  if (!found) return found;
+  if (const auto good = believable(*found); !good) return std::unexpected(good.error());
+  found->left_out = fitting_.score(from, kGeometry);
+  return found;
+}
+
+// A model too rich for the rows is no error, only no choice.
+std::optional<Candidate> Candidates::with_terms(const Candidate& plain,
+                                                const refinement::ReadingTerms& terms) {
+  FitStart start = plain.start;
+  refinement::ParameterRequest request = log_.request;
+  request.readings.resize(log_.nominal.joints.size(), terms);
+  calibration::ask_for(request, start.model);
+  if (!fits_the_engine(start)) return std::nullopt;
+  auto candidate = fitted(start, kGeometry, request);
+  if (!candidate || !believable(*candidate)) return std::nullopt;
+  return std::move(*candidate);
+}
+
+bool Candidates::corrections_take_back(const Candidate& plain) {
+  if (plain.summary.rejected < kFewestTakenBack) return false;
+  const auto richest = with_terms(plain, kCorrections.back());
+  return richest && taken_back(*richest, plain) >= kFewestTakenBack;
+}
+
+std::optional<Candidate> Candidates::corrected(const Candidate& plain) {
+  std::optional<Candidate> best;
+  for (const refinement::ReadingTerms& terms : kCorrections) {
+    auto candidate = with_terms(plain, terms);
+    if (!candidate) continue;
+    candidate->left_out = fitting_.score(candidate->start, kGeometry);
+    if (predicts_better(*candidate, best ? *best : plain, kWorthCorrections)) {
+      best = std::move(candidate);
+    }
+  }
+  return best;
+}
+
+std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
+  if (!geometry.left_out) return std::nullopt;
+  FitStart bent = geometry.start;
+  calibration::choose_gravity_terms(log_.nominal, bent.model);
+  if (!fits_the_engine(bent)) return std::nullopt;
+  auto whole = fitted(bent, {}, geometry.request);
+  if (!whole || !believable(*whole)) return std::nullopt;
+  fitting_.note_covered(*whole->model);
+  whole->left_out = fitting_.score(bent, {});
+  if (!predicts_better(*whole, geometry, kWorthDeflections)) return std::nullopt;
+  const double k = whole->left_out->score.factor;
+  for (calibration::JointModel& joint : whole->model->joints) {
+    joint.deviation.fill(0);
+    for (float& variance : joint.map_variance) variance *= static_cast<float>(k * k);
+  }
+  whole->refined->readings.deflections = whole->model.get();
+  whole->deflected = true;
+  return std::move(*whole);
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Models of one log, each fitted to everything and scored on poses left out: geometry alone, with
+// corrections of the readings, with gravity and maps. Which of them is believed is decided by the
+// scores.
+#pragma once
+
+#include "core/refinement/start.hpp"
+#include "firmware/host_tool/refinement/fitting.hpp"
+
+namespace armsig::tool {
+
+// Corrections of the readings must earn their keep by this much on poses that they have not seen.
+inline constexpr double kWorthCorrections = 0.95;
+// Fewer rows taken back may be chance.
+inline constexpr std::size_t kFewestTakenBack = 2;
+
+struct Candidate {
+  FitStart start;  // where its fit began
+  refinement::ParameterRequest request;
+  std::unique_ptr<refinement::Refined> refined = std::make_unique<refinement::Refined>();
+  std::shared_ptr<calibration::ArmModel> model;
+  calibration::FitSummary summary;
+  std::optional<LeftOut> left_out;  // none of too few poses
+  std::vector<refinement::RowOutcome> verdicts;
+  std::vector<std::size_t> alone;  // targets that a single row sees
+  double variance = 0;
+  bool deflected = false;  // with gravity and maps
+};
+
+// Whether `candidate` predicts poses left out with at most `share` of the mean error of `other`, of
+// the rows that either of them does not reject.
+[[nodiscard]] bool predicts_better(const Candidate& candidate, const Candidate& other,
+                                   double share);
+
+// How many rows `other` rejects and `candidate` does not.
+[[nodiscard]] std::size_t taken_back(const Candidate& candidate, const Candidate& other);
+
+class Candidates {
+ public:
+  explicit Candidates(const CalibrationLog& log) : log_(log), fitting_(log) {}
+
+  // Geometry alone, scored. Errors: those of calibration::Engine::run(); kNotConverged and
+  // kTooManyOutliers where it is not to be believed.
+  [[nodiscard]] std::expected<Candidate, Refusal> geometry(const FitStart& from);
+
+  // With those corrections of the readings that predict poses left out better than fewer of them,
+  // if any do.
+  [[nodiscard]] std::optional<Candidate> corrected(const Candidate& plain);
+
+  // With gravity and maps too, where poses left out are predicted better with them.
+  [[nodiscard]] std::optional<Candidate> deflected(const Candidate& geometry);
+
+  // Whether the richest corrections take back rows that `plain` rejects.
+  [[nodiscard]] bool corrections_take_back(const Candidate& plain);
+
+  [[nodiscard]] double stated_variance() const { return fitting_.stated_variance(); }
+  [[nodiscard]] const refinement::StartLimits& limits() const { return limits_; }
+
+ private:
+  [[nodiscard]] std::expected<Candidate, Refusal> fitted(
+      const FitStart& from, const calibration::ModelParts& parts,
+      const refinement::ParameterRequest& request);
+  [[nodiscard]] std::expected<void, Refusal> believable(const Candidate& found) const;
+  [[nodiscard]] std::optional<Candidate> with_terms(const Candidate& plain,
+                                                    const refinement::ReadingTerms& terms);
+  // What a fit may be left with: an arm's, or a coarse sensor's.
+  [[nodiscard]] double most_m() const;
+
+  const CalibrationLog& log_;
+  Fitting fitting_;
+  // An arm of several metres, or one driven by cables, may be left with more than a table-top one.
+  refinement::StartLimits limits_{.rms_m = 10e-3};
+};
+
+}  // namespace armsig::tool
