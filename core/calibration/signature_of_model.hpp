@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/calibration/engine.hpp"
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::calibration {
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "core/evaluation/difference_effects.hpp"
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::evaluation {
 

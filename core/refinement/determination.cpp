@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "core/refinement/determination.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "core/refinement/row.hpp"
 
 namespace armsig::refinement {
 
@@ -9,17 +12,12 @@ namespace {
 
 // A target that a moving joint moves by less than this (as a radius) is on its axis.
 constexpr double kOnAxis_m = 0.02;
-// Residual sums above their expectation by so many of its sigma are no accident (1 in 2,000).
-constexpr double kExcessSigmas = 3.3;
-// Degrees of freedom from which on a sigma found from the residuals says what it is worth.
-constexpr double kFewestFreedom = 3;
-
-Open open_kind(const Problem& problem, const Parameter& parameter) {
+Open open_kind(const RowsAlone& alone, const Parameter& parameter) {
   // Targets and receivers are counted apart: only an axis is in the tables of the joints.
   const bool of_axis = parameter.kind == ParameterKind::kAxisDirection ||
                        parameter.kind == ParameterKind::kAxisPosition;
-  const bool at_rest = of_axis && problem.largest_motion()[parameter.index] == 0;
-  const bool on_axis = of_axis && problem.largest_radius()[parameter.index] < kOnAxis_m;
+  const bool at_rest = of_axis && alone.motion[parameter.index] == 0;
+  const bool on_axis = of_axis && alone.radius_m[parameter.index] < kOnAxis_m;
   switch (parameter.kind) {
     case ParameterKind::kAxisDirection:
       if (at_rest) return Open::kJointAtRest;
@@ -43,6 +41,24 @@ Open open_kind(const Problem& problem, const Parameter& parameter) {
 }
 
 }  // namespace
+
+double wide_sigma(ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::kAxisDirection:
+    case ParameterKind::kAxisPosition:
+      return 0.1;
+    case ParameterKind::kTarget:
+      return 1;
+    case ParameterKind::kReadingGain:
+    case ParameterKind::kReadingFirst:
+    case ParameterKind::kReadingSecond:
+      return 0.01;
+    case ParameterKind::kReceiverOffset:
+    case ParameterKind::kScale:
+      return 0.05;
+  }
+  return 1;
+}
 
 std::string_view describe(Open open) {
   switch (open) {
@@ -98,55 +114,44 @@ Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t fir
   return covariance;
 }
 
-std::array<bool, kMaxParameters> find_undetermined(const Problem& problem, const Prior& prior,
-                                                   Refined& refined) {
-  std::array<bool, kMaxParameters> open{};
-  refined.undetermined.clear();
-  for (std::size_t i = 0; i < refined.layout.size(); ++i) {
-    const Parameter& parameter = refined.layout.parameters[i];
-    if (parameter.kind == ParameterKind::kScale) continue;
-    const double sigma = parameter_sigma(refined.information, i);
-    if (sigma < kOpenShare * prior_sigma(prior, parameter.kind)) continue;
-    open[i] = true;
-    const Undetermined found{open_kind(problem, parameter), parameter.index};
-    bool listed = false;
-    for (const Undetermined& earlier : refined.undetermined) {
-      listed = listed || (earlier.open == found.open && earlier.index == found.index);
-    }
-    if (!listed) refined.undetermined.push_back(found);
+void gather_rows(std::span<const Observation> log, std::span<const RowOutcome> outcomes,
+                 const Receivers& receivers, double sigma_m, const Refined& estimate,
+                 RowsAlone& alone) {
+  ARMSIG_CHECK(outcomes.size() == log.size() && sigma_m > 0);
+  alone.motion.fill(0);
+  alone.radius_m.fill(0);
+  alone.information.reset(estimate.layout.size());
+  for (std::size_t i = 0; i < estimate.layout.size(); ++i) {
+    alone.information.set_entry(i, i, 1 / wide_sigma(estimate.layout.parameters[i].kind));
   }
-  return open;
+  const Chain chain(estimate.signature, estimate.readings);
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    const Observation& row = log[k];
+    if (row.use != RowUse::kFit || outcomes[k].rejected) continue;
+    Linearised at;
+    absorb_row(estimate, receivers, chain, row, 1 / sigma_m, alone.information, at);
+    for (std::size_t i = 0; i < estimate.signature.targets[row.target].link; ++i) {
+      const double moved = at.motion.joints[i].moved;
+      if (moved == 0) continue;
+      alone.motion[i] = std::max(alone.motion[i], std::abs(moved));
+      alone.radius_m[i] = std::max(alone.radius_m[i], at.jacobian.motion[i].norm());
+    }
+  }
 }
 
-void settle_covariance(double weighted_squares, Refined& refined) {
-  FitQuality& quality = refined.quality;
-  const auto freedom =
-      static_cast<double>(quality.scalars) - static_cast<double>(refined.layout.size());
-  if (freedom > 0) {
-    const double variance_factor = weighted_squares / freedom;
-    quality.noise_factor = std::sqrt(variance_factor);
-    const bool excess = variance_factor > 1 + kExcessSigmas * std::sqrt(2 / freedom);
-    quality.covariance_enlarged = excess && !quality.sigma_is_estimated;
-    if ((excess || quality.sigma_is_estimated) && variance_factor > 0) {
-      // The errors over a sigma found from few residuals follow Student's law, which is wider.
-      const double wider =
-          quality.sigma_is_estimated && freedom >= kFewestFreedom ? freedom / (freedom - 2) : 1;
-      refined.information.scale(1 / (quality.noise_factor * std::sqrt(wider)));
+void name_undetermined(const RowsAlone& alone, Refined& estimate) {
+  estimate.undetermined.clear();
+  for (std::size_t i = 0; i < estimate.layout.size(); ++i) {
+    const Parameter& parameter = estimate.layout.parameters[i];
+    if (parameter.kind == ParameterKind::kScale) continue;
+    const double sigma = parameter_sigma(alone.information, i);
+    if (sigma < kOpenShare * wide_sigma(parameter.kind)) continue;
+    const Undetermined found{open_kind(alone, parameter), parameter.index};
+    bool listed = false;
+    for (const Undetermined& earlier : estimate.undetermined) {
+      listed = listed || (earlier.open == found.open && earlier.index == found.index);
     }
-    if (excess || quality.sigma_is_estimated) quality.noise_freedom = freedom;
-    if (quality.covariance_enlarged) {
-      quality.unexplained_m = quality.sigma_m * std::sqrt(variance_factor - 1);
-    }
-    if (quality.sigma_is_estimated) {
-      quality.sigma_m *= quality.noise_factor;
-      quality.noise_factor = 1;
-    }
-  }
-  refined.information.clear_right_hand_side();
-  for (std::size_t t = 0; t < refined.signature.targets.size(); ++t) {
-    const std::size_t column = refined.layout.target[t];
-    if (column == kNoColumn) continue;
-    refined.signature.targets[t].covariance_m2 = covariance_of_three(refined.information, column);
+    if (!listed) estimate.undetermined.push_back(found);
   }
 }
 

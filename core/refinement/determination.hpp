@@ -1,27 +1,41 @@
 // SPDX-License-Identifier: MIT
-// What the data determined, and how well: the last step of a refinement.
+// What the rows alone determine of the unknowns, without the priors of the fit.
 #pragma once
 
-#include "core/refinement/problem.hpp"
+#include <span>
+
+#include "core/refinement/refined.hpp"
 
 namespace armsig::refinement {
+
+// 1 sigma of an unknown before any row [rad, m, 1]: far beyond what is built; of a scale, that of an
+// air temperature wrong by 30 K.
+[[nodiscard]] double wide_sigma(ParameterKind kind);
+
+// What the rows say about the unknowns of `estimate.layout`, linearised at the estimate.
+struct RowsAlone {
+  SquareRootFactor information;  // with priors so wide that they leave alone what rows determine
+  // Largest motion of each joint in the rows, and largest distance of a target from its axis then.
+  std::array<double, kMaxJoints> motion{};
+  std::array<double, kMaxJoints> radius_m{};
+};
+
+// Of the rows that are fitted and were not rejected, each measured number to `sigma_m` [m]. `alone`
+// may not be part of `estimate`. Preconditions: sigma_m > 0; targets and receivers of the log
+// exist; `outcomes` is as long as the log.
+void gather_rows(std::span<const Observation> log, std::span<const RowOutcome> outcomes,
+                 const Receivers& receivers, double sigma_m, const Refined& estimate,
+                 RowsAlone& alone);
+
+// Names in `estimate.undetermined` the unknowns that the rows leave where the wide prior has them:
+// those whose sigma has kept more than kOpenShare of it. A scale is never among them.
+inline constexpr double kOpenShare = 0.2;
+void name_undetermined(const RowsAlone& alone, Refined& estimate);
 
 // 1 sigma of unknown `index`. Precondition: the factor is regular.
 [[nodiscard]] double parameter_sigma(const SquareRootFactor& information, std::size_t index);
 
 // 3 x 3 covariance of three neighbouring unknowns, such as a target. Same precondition.
 [[nodiscard]] Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t first);
-
-// Names the unknowns that the data leave where the prior put them: those whose sigma has kept more
-// than kOpenShare of its prior.
-// Returns, per unknown, whether it is among them.
-[[nodiscard]] std::array<bool, kMaxParameters> find_undetermined(const Problem& problem,
-                                                                 const Prior& prior,
-                                                                 Refined& refined);
-inline constexpr double kOpenShare = 0.2;
-
-// Scales the covariance by what the residuals say of the noise, and hands the targets their share
-// of it. `weighted_squares`: sum of the squared residuals over their assumed variances.
-void settle_covariance(double weighted_squares, Refined& refined);
 
 }  // namespace armsig::refinement

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Huber's weight with a gate for gross outliers, and a scale from the median that gross outliers
-// cannot move (Huber, Robust Statistics, 1981; Hampel's three-part rule in the small).
+// Gates for gross outliers, and a scale from the median that they cannot move (Huber, Robust
+// Statistics, 1981).
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,8 @@
 
 namespace armsig::refinement {
 
-// Thresholds on the length of a residual in units of sigma, for one scalar and for three. The knees
-// are passed by 0.5 % of good rows, which costs well under one per cent of efficiency; the gates by
+// Thresholds on the length of a residual in units of sigma, for one scalar and for three, passed by
 // one good row in a million.
-inline constexpr double kHuberKnee1 = 2.8;
-inline constexpr double kHuberKnee3 = 3.6;
 inline constexpr double kGate1 = 4.9;
 inline constexpr double kGate3 = 5.7;
 // Medians of the chi-square law with one and three degrees of freedom.
@@ -27,24 +24,11 @@ inline constexpr double kMedianChiSquare3 = 2.3659739;
 inline constexpr double kLeastScale_m = 1e-9;
 
 struct RobustThresholds {
-  double knee = kHuberKnee3;
   double gate = kGate3;
   double median = kMedianChiSquare3;
 };
-inline constexpr RobustThresholds kThresholds1{kHuberKnee1, kGate1, kMedianChiSquare1};
-inline constexpr RobustThresholds kThresholds3{kHuberKnee3, kGate3, kMedianChiSquare3};
-
-// Weight of the square of a residual of length `length` (in sigma); 0 beyond the gate.
-[[nodiscard]] inline double robust_weight(double length, const RobustThresholds& t) {
-  if (length <= t.knee) return 1;
-  return length <= t.gate ? t.knee / length : 0;
-}
-
-// What the residual adds to the robust sum of squares: its square, then a line, then a constant.
-[[nodiscard]] inline double robust_loss(double length, const RobustThresholds& t) {
-  if (length <= t.knee) return length * length;
-  return t.knee * (2 * std::min(length, t.gate) - t.knee);
-}
+inline constexpr RobustThresholds kThresholds1{kGate1, kMedianChiSquare1};
+inline constexpr RobustThresholds kThresholds3{kGate3, kMedianChiSquare3};
 
 // The median of many positive numbers in one pass and constant memory: a histogram over their
 // binary logarithm with 8 bins an octave, interpolated; within 2 % of the true median of a smooth

@@ -2,7 +2,7 @@
 // One measured row as the filter wants it: residual and derivatives, divided by its sigma.
 #pragma once
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 #include "core/refinement/robust.hpp"
 
 namespace armsig::refinement {

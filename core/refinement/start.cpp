@@ -4,15 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/refinement/zero_offsets.hpp"
-
 namespace armsig::refinement {
 
 namespace {
-
-// Residual lengths of three coordinates are 1.7 sigma; so many sigma are more than outliers let
-// through.
-constexpr double kCoarse = 4;
 
 // The row whose readings are nearest to the mean of all, each joint measured by its own spread.
 const Observation& middle_row(std::span<const Observation> log) {
@@ -42,20 +36,6 @@ const Observation& middle_row(std::span<const Observation> log) {
     }
   }
   return *nearest;
-}
-
-// Refuses what no arm made to its drawing would give.
-std::expected<void, Refusal> believe(const Signature& start, const Refined& refined,
-                                     const StartLimits& limits) {
-  const auto refuse = [](double found, double allowed) {
-    return std::unexpected(Refusal{Error::kNotConverged, found, allowed});
-  };
-  // A sensor stated to be coarse may leave more; one whose sigma was found from the fit may not.
-  const FitQuality& quality = refined.quality;
-  const double stated = quality.sigma_is_estimated ? 0 : kCoarse * quality.sigma_m;
-  const double allowed_m = std::max(limits.rms_m, stated);
-  if (!(quality.rms_m <= allowed_m)) return refuse(quality.rms_m, allowed_m);
-  return like_its_drawing(start, refined.signature, limits);
 }
 
 }  // namespace
@@ -96,38 +76,6 @@ Signature drawn_signature(const Arm& arm, const BaseAndTool& fitted,
     signature.targets.push_back(target);
   }
   return signature;
-}
-
-std::expected<void, Refusal> refine_from_drawing(const Arm& arm, std::span<const Observation> log,
-                                                 std::span<const Target> targets,
-                                                 const RefinementConfig& config,
-                                                 std::span<RowOutcome> outcomes, Refined& refined,
-                                                 const StartLimits& limits, DrawingReport* report,
-                                                 std::span<const Observation> positions) {
-  if (positions.empty()) positions = log;
-  RefinementConfig coupled = config;
-  coupled.readings.couplings = arm.couplings;
-  const auto refine_near = [&](const Arm& near,
-                               const BaseAndTool& fitted) -> std::expected<void, Refusal> {
-    if (!(fitted.rms_m <= limits.drawn_rms_m)) {
-      return std::unexpected(Refusal{Error::kNotConverged, fitted.rms_m, limits.drawn_rms_m});
-    }
-    const Signature start = drawn_signature(near, fitted, log, targets);
-    const std::expected<void, Refusal> done = refine(start, log, coupled, outcomes, refined);
-    if (!done) return done;
-    return believe(start, refined, limits);
-  };
-  ARMSIG_TRY(fitted, fit_base_and_tool(arm, positions, targets));
-  if (report != nullptr) *report = {fitted.rms_m, {}};
-  const std::expected<void, Refusal> done = refine_near(arm, fitted);
-  if (done || (done.error().error != Error::kNotConverged &&
-               done.error().error != Error::kTooManyOutliers)) {
-    return done;
-  }
-  const auto zeroed = fit_zeros(arm, positions, targets);
-  if (!zeroed || !refine_near(zeroed->arm, zeroed->fitted)) return done;
-  if (report != nullptr) report->zero_shifts = zeroed->shifts;
-  return {};
 }
 
 }  // namespace armsig::refinement

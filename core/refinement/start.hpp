@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Refinement without sweeps: from the drawing of the arm, its base and targets unknown.
+// Starts from the drawing of an arm, its base and targets as fitted; and what is still like it.
 #pragma once
 
 #include "core/refinement/base_and_tool.hpp"
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::refinement {
-
-// What was found on the way from a drawing.
-struct DrawingReport {
-  double drawn_rms_m = 0;  // of the drawing as it is, base and targets fitted
-  JointVector
-      zero_shifts;  // of the joints' zeros, where the drawing's led nowhere; empty otherwise
-};
 
 // What a drawing can be wrong by, and a fit be left with, and still be believed.
 struct StartLimits {
@@ -33,17 +26,5 @@ struct StartLimits {
 [[nodiscard]] Signature drawn_signature(const Arm& arm, const BaseAndTool& fitted,
                                         std::span<const Observation> log,
                                         std::span<const Target> targets);
-
-// fit_base_and_tool(), then refine() from there; where that leads to no arm like its drawing,
-// fit_zeros() first. The couplings are those of `arm`. `report` may be null. `positions` are what
-// the base is found from where the log holds ranges instead (targets by the same index); none: the
-// log. A minimum that is not the true one leaves residuals far above any sensor, or needs an arm
-// unlike its drawing: either is refused as kNotConverged (found and allowed RMS [m], or deviation),
-// never returned. Errors: those of both.
-[[nodiscard]] std::expected<void, Refusal> refine_from_drawing(
-    const Arm& arm, std::span<const Observation> log, std::span<const Target> targets,
-    const RefinementConfig& config, std::span<RowOutcome> outcomes, Refined& refined,
-    const StartLimits& limits = {}, DrawingReport* report = nullptr,
-    std::span<const Observation> positions = {});
 
 }  // namespace armsig::refinement

@@ -2,7 +2,7 @@
 // What is known of an arm one of whose links may have been displaced since it was identified.
 #pragma once
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::uncertainty {
 

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::uncertainty {
 

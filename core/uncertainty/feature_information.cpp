@@ -131,11 +131,10 @@ Result<void> from_features(const Signature& signature, Refined& estimate) {
   if (!layout) return std::unexpected(layout.error().error);
   estimate.layout = *layout;
   estimate.information.reset(layout->size());
-  const refinement::Prior prior;
   for (std::size_t i = 0; i < layout->size(); ++i) {
     RowBlock<1> rows;
     rows.clear(layout->size());
-    rows.rows[0][i] = 1 / refinement::prior_sigma(prior, layout->parameters[i].kind);
+    rows.rows[0][i] = 1 / refinement::wide_sigma(layout->parameters[i].kind);
     estimate.information.absorb(rows);
   }
   std::array<bool, kMaxTargets> joined{};

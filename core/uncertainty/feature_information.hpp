@@ -2,7 +2,7 @@
 // The uncertainty of a signature that came from its sweeps' features, without a refinement.
 #pragma once
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::uncertainty {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <span>
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::uncertainty {
 

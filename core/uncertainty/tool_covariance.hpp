@@ -3,7 +3,7 @@
 // configuration (section 6 of ALGORITHMS).
 #pragma once
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::uncertainty {
 

@@ -9,7 +9,7 @@
 #include "core/uncertainty/drift.hpp"
 #include "core/uncertainty/suggestion.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
-#include "host_tests/support/simulated_arm.hpp"
+#include "host_tests/support/calibration_case.hpp"
 
 namespace armsig {
 namespace {
@@ -123,10 +123,7 @@ Trials run(int trials, bool same_arm, double arc_deg, int mixed, double outliers
       if (random.uniform(0, 1) < outliers)
         log[k].p_S += random.uniform(0.01, 1) * random.direction();
     }
-    const Signature start =
-        test::disturbed(test::signature_of(cell, configuration), 2e-3, 2e-3, random);
-    std::vector<RowOutcome> outcomes(log.size());
-    EXPECT_TRUE(refinement::refine(start, log, {}, outcomes, *refined));
+    EXPECT_TRUE(test::calibrate(test::puma(), log, *refined));
     const std::vector<JointVector> poses = random_poses(cell, 40);
     const Cell drawing{test::puma(), cell.X_SB, cell.p_tool};
     for (const JointVector& q : poses) {
@@ -169,7 +166,8 @@ TEST(RefinementAccuracy, reaches_the_cramer_rao_bound_and_predicts_its_own_error
   EXPECT_NEAR(std::sqrt(trials.predicted / trials.observed), 1, 0.05);
   // 95 % bounds of the mean of 500 chi-square variables with 3 degrees of freedom.
   EXPECT_NEAR(trials.nees, 3, 1.96 * std::sqrt(6.0 / kTrials));
-  EXPECT_NEAR(trials.held_out, 1, 1.96 * std::sqrt(2.0 / 27 / kTrials));
+  // Sigma is found, not known: a twentieth beside it.
+  EXPECT_NEAR(trials.held_out, 1, 0.05);
 }
 
 TEST(RefinementAccuracy, predicts_the_bound_of_an_independent_model) {
@@ -178,16 +176,17 @@ TEST(RefinementAccuracy, predicts_the_bound_of_an_independent_model) {
   const JointVector configuration = test::puma_configuration();
   Log log;
   test::add_sweeps(cell, configuration, kPi / 2, 30, kSigma, random, log);
-  std::vector<RowOutcome> outcomes(log.size());
+  // Enough rows that the tolerances of the drawing have nothing to add.
+  test::add_poses(cell, 60, kSigma, random, log);
   const auto refined = std::make_unique<Refined>();
-  ASSERT_TRUE(
-      refinement::refine(test::signature_of(cell, configuration), log, {}, outcomes, *refined));
+  ASSERT_TRUE(test::calibrate(test::puma(), log, *refined));
   const std::vector<JointVector> poses = random_poses(cell, 40);
   double predicted = 0;
   for (const JointVector& q : poses) {
     predicted += uncertainty::tool_covariance(*refined, q, 0).trace() / 40;
   }
-  EXPECT_NEAR(std::sqrt(predicted / cramer_rao_variance(cell, log, poses)), 1, 0.02);
+  const double found = refined->quality.sigma_m / kSigma;
+  EXPECT_NEAR(std::sqrt(predicted / cramer_rao_variance(cell, log, poses)) / found, 1, 0.02);
 }
 
 // Tool error as a factor against the drawing: with mixed poses the floors of "Figures to expect".
@@ -237,13 +236,9 @@ TEST(RefinementAccuracy, suggested_poses_beat_random_ones) {
   for (std::uint64_t trial = 0; trial < 10; ++trial) {
     Random random(300 + trial);
     const Cell cell = test::puma_cell(random);
-    const Signature start =
-        test::disturbed(test::signature_of(cell, configuration), 2e-3, 2e-3, random);
     Log log;
     test::add_sweeps(cell, configuration, kPi / 2, 30, kSigma, random, log);
-    std::vector<RowOutcome> outcomes(log.size() + 10);
-    ASSERT_TRUE(
-        refinement::refine(start, log, {}, std::span(outcomes).first(log.size()), *refined));
+    ASSERT_TRUE(test::calibrate(test::puma(), log, *refined));
     uncertainty::SuggestionConfig config;
     config.limits = cell.arm.limits;
     config.candidates = 200;
@@ -251,7 +246,7 @@ TEST(RefinementAccuracy, suggested_poses_beat_random_ones) {
     std::vector<uncertainty::Suggestion> suggestions(10);
     ASSERT_TRUE(search->suggest(suggestions));
     const auto error_with = [&](const Log& whole) {
-      EXPECT_TRUE(refinement::refine(start, whole, {}, outcomes, *refined));
+      EXPECT_TRUE(test::calibrate(test::puma(), whole, *refined));
       double squares = 0;
       for (const JointVector& q : random_poses(cell, 100)) {
         squares += (uncertainty::tool_position(*refined, q, 0) - cell.point(q, 0)).squaredNorm();

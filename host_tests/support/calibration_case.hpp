@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "core/calibration/held_out.hpp"
-#include "core/refinement/base_and_tool.hpp"
+#include "core/calibration/signature_of_model.hpp"
+#include "core/refinement/start.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::test {
@@ -56,6 +57,29 @@ class Calibration {
     return done ? std::optional(*done) : std::nullopt;
   }
 
+  // After fit(): axes, target and their covariance in the frames of the drawing.
+  bool put_into(refinement::Refined& refined, const Arm& arm, const Log& log) const {
+    Target target;
+    target.link = arm.joints.size();
+    const refinement::BaseAndTool drawn{start_->X_SB, {{start_targets_[0].p_L}}, 0};
+    refined = {};
+    refined.signature = refinement::drawn_signature(arm, drawn, log, {&target, 1});
+    refined.readings.couplings = arm.couplings;
+    std::vector<double> scratch(refinement::kMaxParameters * refinement::kMaxParameters);
+    if (!calibration::geometry_to_signature(*model_, targets_, *engine_, refined, {}, scratch)) {
+      return false;
+    }
+    double squares = 0;
+    for (const calibration::FitRow& row : rows_) {
+      if (row.weight == 0) continue;
+      squares += row.residual.squaredNorm();
+      ++refined.quality.rows_used;
+    }
+    refined.quality.rms_m = std::sqrt(squares / static_cast<double>(refined.quality.rows_used));
+    refined.quality.sigma_m = std::sqrt(engine_->scales().sigma_squared);
+    return true;
+  }
+
   // After fit(); the engine then knows the last fold only.
   std::optional<calibration::HeldOutScore> held_out() {
     const auto rejected = std::make_unique<bool[]>(rows_.size());
@@ -95,6 +119,12 @@ class Calibration {
   std::unique_ptr<calibration::Workspace> work_ = std::make_unique<calibration::Workspace>();
   std::unique_ptr<calibration::Engine> engine_;
 };
+
+// The signature of an arm like `drawing`, from positions of one target on its last link.
+inline bool calibrate(const Arm& drawing, const Log& log, refinement::Refined& refined) {
+  Calibration calibration(drawing, log, {.gravity = false, .maps = false});
+  return calibration.fit() && calibration.put_into(refined, drawing, log);
+}
 
 // What an arm does beside its geometry.
 struct Misbehaviour {

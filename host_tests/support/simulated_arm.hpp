@@ -8,7 +8,7 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::test {

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
-#include <random>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -133,90 +129,6 @@ TEST(FitBaseAndTool, refuses_what_cannot_be_fitted) {
             Error::kCoincidentPoints);
   log[5].p_S.z() = std::numeric_limits<double>::infinity();
   EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), log, one_target())).found, 5);
-}
-
-TEST(RefineFromDrawing, follows_the_arms_coupled_elbow) {
-  Random random(4);
-  Cell cell = test::puma_cell(random);
-  cell.arm.couplings.push_back({2, 1, 1.0});
-  Arm drawing = test::puma();
-  drawing.couplings = cell.arm.couplings;
-  Log log;
-  test::add_poses(cell, 40, kSigma, random, log);
-  const auto refined = std::make_unique<Refined>();
-  std::vector<RowOutcome> outcomes(log.size());
-  ASSERT_TRUE(refine_from_drawing(drawing, log, one_target(), {}, outcomes, *refined));
-  EXPECT_LT(refined->quality.rms_m, 2 * kSigma);
-  // Without the coupling nothing fits, and nothing is called converged.
-  EXPECT_FALSE(refine_from_drawing(test::puma(), log, one_target(), {}, outcomes, *refined));
-}
-
-TEST(RefineFromDrawing, refuses_the_log_of_another_arm) {
-  Random random(5);
-  Cell cell = test::puma_cell(random);
-  cell.arm.joints[2].a_m = 0.3;
-  cell.arm.joints[4].alpha_rad = 0.4;
-  Log log;
-  test::add_poses(cell, 40, kSigma, random, log);
-  const auto refined = std::make_unique<Refined>();
-  std::vector<RowOutcome> outcomes(log.size());
-  const auto done = refine_from_drawing(test::puma(), log, one_target(), {}, outcomes, *refined);
-  ASSERT_FALSE(done);
-  EXPECT_EQ(test::failure_of(done).error, Error::kNotConverged);
-}
-
-Log ur5_log(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);  // comment
-  std::getline(file, line);  // header
-  Log log;
-  while (std::getline(file, line)) {
-    std::istringstream cells(line);
-    std::string cell;
-    std::vector<double> values;
-    while (std::getline(cells, cell, ',')) values.push_back(std::stod(cell));
-    Observation row;
-    for (std::size_t i = 0; i < 6; ++i) row.readings.push_back(radians(values[2 + i]));
-    row.p_S = 1e-3 * Vector3(values[8], values[9], values[10]);
-    log.push_back(row);
-  }
-  return log;
-}
-
-// Mean residual [m] of the half that was not fitted; which half is drawn from `seed`.
-double score_other_half(Log log, std::uint64_t seed, const ReadingTerms& terms) {
-  std::vector<std::size_t> order(log.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::shuffle(order.begin(), order.end(), std::mt19937_64(seed));
-  for (std::size_t k = 0; k < order.size() / 2; ++k) log[order[k]].use = RowUse::kScore;
-  RefinementConfig config;
-  config.request.readings.resize(6, terms);
-  const auto refined = std::make_unique<Refined>();
-  std::vector<RowOutcome> outcomes(log.size());
-  EXPECT_TRUE(
-      refine_from_drawing(test::shared_arm("ur5"), log, one_target(), config, outcomes, *refined));
-  double sum = 0;
-  double count = 0;
-  for (std::size_t k = 0; k < log.size(); ++k) {
-    if (log[k].use != RowUse::kScore) continue;
-    sum += outcomes[k].residual_m;
-    ++count;
-  }
-  return sum / count;
-}
-
-TEST(RefineFromDrawing, predicts_a_real_ur5_better_than_published) {
-  const std::filesystem::path path =
-      std::filesystem::path(ARMSIG_SHARED_DATA) / "ur5-laser-tracker" / "grid.csv";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no measured data at " << path;
-  const Log log = ur5_log(path);
-  ASSERT_EQ(log.size(), 1000U);
-  // Published: 0.155 mm. Base and tool fitted only: 0.49 mm.
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    EXPECT_LT(score_other_half(log, seed, {}), 0.11e-3);
-    EXPECT_LT(score_other_half(log, seed, {true, true, false}), 0.095e-3);
-  }
 }
 
 }  // namespace

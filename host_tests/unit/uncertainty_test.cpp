@@ -9,8 +9,8 @@
 #include "core/uncertainty/feature_information.hpp"
 #include "core/uncertainty/suggestion.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "host_tests/support/calibration_case.hpp"
 #include "host_tests/support/failure_of.hpp"
-#include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::uncertainty {
 namespace {
@@ -33,13 +33,10 @@ struct Identified {
 Identified identified_puma(std::uint64_t seed, int poses = 60) {
   Random random(seed);
   const Cell cell = test::puma_cell(random);
-  const Signature start =
-      test::disturbed(test::signature_of(cell, test::puma_configuration()), 2e-3, 2e-3, random);
   Log log;
   test::add_poses(cell, poses, kSigma, random, log);
   Identified identified{random, cell};
-  std::vector<RowOutcome> outcomes(log.size());
-  EXPECT_TRUE(refinement::refine(start, log, {}, outcomes, *identified.refined));
+  EXPECT_TRUE(test::calibrate(test::puma(), log, *identified.refined));
   return identified;
 }
 
@@ -61,10 +58,8 @@ TEST(ToolCovariance, grows_away_from_what_was_measured) {
   const JointVector configuration = test::puma_configuration();
   Log log;
   test::add_sweeps(cell, configuration, radians(60), 30, kSigma, random, log);
-  std::vector<RowOutcome> outcomes(log.size());
   const auto refined = std::make_unique<Refined>();
-  ASSERT_TRUE(
-      refinement::refine(test::signature_of(cell, configuration), log, {}, outcomes, *refined));
+  ASSERT_TRUE(test::calibrate(test::puma(), log, *refined));
   JointVector far = configuration;
   for (double& q : far) q += 1.5;
   EXPECT_GT(tool_covariance(*refined, far, 0).trace(),

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 
 namespace armsig::tool {
 

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 #include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {

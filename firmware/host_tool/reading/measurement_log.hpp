@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 #include "firmware/formats/measurements.hpp"
 #include "firmware/formats/sensor_file.hpp"
 

@@ -133,33 +133,22 @@ class CalibrationFit {
     if (choice.geometry.left_out) found_.geometry = choice.geometry.left_out->score;
     if (best.deflected) found_.deflections = best.model;
     found_.alone = best.alone;
-    if (const auto named = name_undetermined(); !named) return named;
+    if (const auto named = name_undetermined(best.variance); !named) return named;
     state(best.variance);
     return {};
   }
 
-  // By the rows alone, without the priors of the engine. Refuses a scale that nothing tells.
-  std::expected<void, Refusal> name_undetermined() {
+  // Refuses a scale that the rows alone do not tell.
+  std::expected<void, Refusal> name_undetermined(double variance) {
     refinement::Refined& refined = *found_.refined;
-    const refinement::SquareRootFactor information = refined.information;
-    refinement::RefinementConfig config;
-    config.readings = refined.readings;
-    config.receivers = log_.receivers;
-    config.compress_sweeps = false;
-    std::vector<refinement::RowOutcome> outcomes(verdicts_.begin(), verdicts_.end());
-    const Signature start = refined.signature;
-    refinement::Problem problem(start, log_.rows, config, outcomes, refined);
-    problem.evaluate();
-    problem.linearise(problem.noise());
-    static_cast<void>(refinement::find_undetermined(problem, config.prior, refined));
-    if (found_.request.scale) {
-      const double sigma = refinement::parameter_sigma(refined.information, refined.layout.scale);
-      if (sigma > kLeastScaleSigma) {
-        return std::unexpected(Refusal{Error::kScaleUndetermined, sigma, kLeastScaleSigma});
-      }
-    }
-    refined.information = information;
-    return {};
+    const auto alone = std::make_unique<refinement::RowsAlone>();
+    refinement::gather_rows(log_.rows, verdicts_, log_.receivers, std::sqrt(variance), refined,
+                            *alone);
+    refinement::name_undetermined(*alone, refined);
+    if (!found_.request.scale) return {};
+    const double sigma = refinement::parameter_sigma(alone->information, refined.layout.scale);
+    if (sigma <= kLeastScaleSigma) return {};
+    return std::unexpected(Refusal{Error::kScaleUndetermined, sigma, kLeastScaleSigma});
   }
 
   void state(double variance) {

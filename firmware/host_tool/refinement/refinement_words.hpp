@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/refinement/reading_suspicion.hpp"
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 #include "firmware/formats/problem.hpp"
 
 namespace armsig::tool {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "core/refinement/refinement.hpp"
+#include "core/refinement/refined.hpp"
 #include "firmware/formats/problem.hpp"
 #include "firmware/formats/signature_record.hpp"
 

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Maximum-likelihood refinement of a signature over everything measured (section 5 of ALGORITHMS).
-//
-// Gauss-Newton on the axis lines, target points and, where asked for, corrections of the readings,
-// range offsets and scale, over a log of any length: every iteration feeds the rows to a
-// square-root information filter of fixed size, sweeps of one joint reduced to three rows
-// beforehand. Huber weights and a gate keep gross outliers out. Weak priors about the start hold
-// what the data do not determine.
+// A refined signature with its uncertainty: axis lines, targets and, where they were asked for,
+// corrections of the readings, range offsets and scale (section 5 of ALGORITHMS).
 #pragma once
 
 #include <span>
@@ -16,30 +11,6 @@
 #include "core/refinement/square_root_factor.hpp"
 
 namespace armsig::refinement {
-
-// 1 sigma about the start. Wide enough to leave alone whatever the data determine.
-struct Prior {
-  double direction_rad = 0.1;
-  double position_m = 0.1;
-  double target_m = 1.0;
-  double gain = 0.01;
-  double periodic_rad = 0.01;
-  double receiver_offset_m = 0.05;
-  // Relative. 0: nothing is known about the scale, and asking for it is refused unless the log
-  // itself determines it (a prismatic joint, receivers at known distances).
-  double scale = 0;
-};
-
-// The prior's 1 sigma of one unknown of a kind.
-[[nodiscard]] double prior_sigma(const Prior& prior, ParameterKind kind);
-
-struct RefinementConfig {
-  ReadingModel readings;  // couplings of the arm; corrections to start from, or none
-  ParameterRequest request;
-  Receivers receivers;
-  Prior prior;
-  bool compress_sweeps = true;
-};
 
 // What the data leave open.
 enum class Open : std::uint8_t {
@@ -92,18 +63,5 @@ struct Refined {
   FixedVector<Undetermined, kMaxParameters> undetermined;
   FitQuality quality;
 };
-
-// Refines `start` over `log`; `outcomes` (as long as the log) receives the verdict on every row.
-// Preconditions: X_SL, configuration and targets of `start` are set; targets, receivers and joint
-// numbers of the log exist; `start` is not `refined.signature`.
-// Errors: kNotFinite (found: index of the row); kCapacityExceeded (unknowns, capacity);
-// kTooFewPoints (measured scalars, unknowns, and 3 more to find a sigma that was not stated);
-// kJointDidNotMove (no joint moved in any row);
-// kTooManyOutliers (rows rejected, rows allowed); kScaleUndetermined; kSingular; kNotConverged
-// (last step in sigma, bound).
-[[nodiscard]] std::expected<void, Refusal> refine(const Signature& start,
-                                                  std::span<const Observation> log,
-                                                  const RefinementConfig& config,
-                                                  std::span<RowOutcome> outcomes, Refined& refined);
 
 }  // namespace armsig::refinement

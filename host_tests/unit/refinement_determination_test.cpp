@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// What the rows alone tell, and what is named because they do not.
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/refinement/determination.hpp"
+#include "host_tests/support/calibration_case.hpp"
+
+namespace armsig::refinement {
+namespace {
+
+using test::Cell;
+using test::Log;
+using test::Random;
+
+constexpr double kSigma = 0.2e-3;
+
+// The arm of `cell` from its log, with the corrections of `request` among the unknowns.
+std::unique_ptr<Refined> named(const Cell& cell, const Log& log,
+                               const ParameterRequest& request = {}) {
+  auto refined = std::make_unique<Refined>();
+  refined->signature = test::signature_of(cell, test::puma_configuration());
+  if (!request.readings.empty()) refined->readings.corrections.resize(6);
+  const auto layout = make_layout(refined->signature, {true}, request, 0);
+  EXPECT_TRUE(layout);
+  if (!layout) return refined;
+  refined->layout = *layout;
+  const std::vector<RowOutcome> outcomes(log.size());
+  const auto alone = std::make_unique<RowsAlone>();
+  gather_rows(log, outcomes, {}, kSigma, *refined, *alone);
+  name_undetermined(*alone, *refined);
+  return refined;
+}
+
+TEST(Determination, of_poses_anywhere_leaves_nothing_open) {
+  Random random(12);
+  const Cell cell = test::puma_cell(random);
+  Log log;
+  test::add_poses(cell, 60, kSigma, random, log);
+  EXPECT_TRUE(named(cell, log)->undetermined.empty());
+}
+
+TEST(Determination, names_the_joint_whose_axis_carries_the_target) {
+  Random random(13);
+  Cell cell = test::puma_cell(random);
+  cell.p_tool[0] = Vector3(0, 0, 0.1);
+  Log log;
+  test::add_poses(cell, 60, kSigma, random, log);
+  const auto refined = named(cell, log);
+  ASSERT_EQ(refined->undetermined.size(), 1U);
+  EXPECT_EQ(refined->undetermined[0].open, Open::kTargetOnAxis);
+  EXPECT_EQ(refined->undetermined[0].index, 5U);
+}
+
+TEST(Determination, names_a_joint_that_rested) {
+  Random random(14);
+  const Cell cell = test::puma_cell(random);
+  Log log;
+  for (int k = 0; k < 60; ++k) {
+    JointVector q = random.configuration(cell.arm);
+    q[3] = test::puma_configuration()[3];
+    log.push_back(test::observe(cell, q, 0, kSigma, random));
+  }
+  const auto refined = named(cell, log);
+  ASSERT_EQ(refined->undetermined.size(), 1U);
+  EXPECT_EQ(refined->undetermined[0].open, Open::kJointAtRest);
+  EXPECT_EQ(refined->undetermined[0].index, 3U);
+}
+
+TEST(Determination, names_the_gain_of_a_joint_that_hardly_moved) {
+  Random random(15);
+  const Cell cell = test::puma_cell(random);
+  Log log;
+  for (int k = 0; k < 60; ++k) {
+    JointVector q = random.configuration(cell.arm);
+    q[5] = test::puma_configuration()[5] + random.uniform(-0.1, 0.1);
+    log.push_back(test::observe(cell, q, 0, kSigma, random));
+  }
+  ParameterRequest request;
+  request.readings.resize(6, ReadingTerms{.gain = true});
+  const auto refined = named(cell, log, request);
+  std::size_t gains = 0;
+  for (const Undetermined& open : refined->undetermined) {
+    if (open.open != Open::kReadingGain) continue;
+    ++gains;
+    EXPECT_EQ(open.index, 5U);
+  }
+  EXPECT_EQ(gains, 1U);
+}
+
+TEST(Determination, asks_only_rows_that_are_fitted_and_not_rejected) {
+  Random random(16);
+  const Cell cell = test::puma_cell(random);
+  Log log;
+  test::add_poses(cell, 60, kSigma, random, log);
+  std::vector<RowOutcome> outcomes(log.size());
+  const auto refined = named(cell, log);
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    if (k % 2 == 0) {
+      outcomes[k].rejected = true;
+    } else {
+      log[k].use = RowUse::kIgnore;
+    }
+  }
+  const auto alone = std::make_unique<RowsAlone>();
+  gather_rows(log, outcomes, {}, kSigma, *refined, *alone);
+  for (std::size_t j = 0; j < 6; ++j) EXPECT_EQ(alone->motion[j], 0);
+}
+
+}  // namespace
+}  // namespace armsig::refinement
