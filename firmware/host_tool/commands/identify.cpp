@@ -134,7 +134,7 @@ Vector3 moved_by_offsets(const Vector3& p_S, const SensorDescription& sensor,
 
 std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
                               const SignatureRecord& record,
-                              const std::optional<SensorDescription>& sensor) {
+                              const std::optional<SensorDescription>& sensor, double enlarged) {
   if (evidence.rows.size() < kFewestToDoubt) return std::nullopt;
   // Offsets and a scale that were asked for are undone, and the rest judged.
   Evidence unscaled = evidence;
@@ -153,7 +153,7 @@ std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
   };
   return doubt(unscaled, limits,
                FoundArm{.predicted_S = predicted_S,
-                        .predicted_error_m = record.predicted_tool_error_m.value_or(0)});
+                        .predicted_error_m = record.predicted_tool_error_m.value_or(0) / enlarged});
 }
 
 // A refusal, with the mistake that explains it where one is found.
@@ -218,12 +218,13 @@ int run(IdentifyOptions options) {
 
   SignatureRecord record = record_of(found->identified, *arm, options.method, options.serial);
   const std::size_t receivers = sensor ? sensor->receivers_S.size() : 0;
+  double enlarged = 1;  // what is stated, over what the method itself predicts
   if (refine) {
     add_refinement(record, *found->refinement, receivers);
   } else {
-    add_features(record, found->validation);
+    enlarged = add_features(record, found->validation, collector.evidence());
   }
-  if (const auto doubt = doubt_of(collector.evidence(), arm->limits, record, sensor)) {
+  if (const auto doubt = doubt_of(collector.evidence(), arm->limits, record, sensor, enlarged)) {
     const Problem problem = problem_of(*doubt, options.measurements);
     if (doubt->refuses && !options.accept_different_arm) return fail(problem, kNoAnswer, options);
     record.warnings.push_back(doubt->refuses

@@ -11,6 +11,7 @@
 #include "core/measurement/receivers.hpp"
 #include "core/uncertainty/feature_information.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/host_tool/identification/unused_poses.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
@@ -21,6 +22,9 @@ namespace {
 std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
+
+// Errors larger by this than what is predicted are worth a word.
+constexpr double kNotable = 1.5;
 
 double square(double x) { return x * x; }
 
@@ -35,6 +39,20 @@ void add_covariance(SignatureRecord& record, const refinement::Refined& refined)
 std::optional<FitRecord::LeftOut> left_out(const std::optional<CrossValidation>& validation) {
   if (!validation || validation->rows == 0) return std::nullopt;
   return FitRecord::LeftOut{validation->rows, validation->mean_m, validation->rms_m};
+}
+
+// The errors of the parameters are the same in all poses: those measured say what they come to.
+double enlarge(SignatureRecord& record, const UnusedPoses& unused, refinement::Refined& estimate) {
+  const double factor = unused.missed_m / unused.predicted_m;
+  if (!(factor > 1)) return 1;
+  estimate.information.scale(1 / factor);
+  for (Target& target : record.signature.targets) target.covariance_m2 *= square(factor);
+  if (factor < kNotable) return factor;
+  record.warnings.push_back(fmt::format(
+      "{} poses that this method does not use are missed by {:.3f} mm, {:.1f} times what the "
+      "features predict, and so much more is stated; --method refined uses them",
+      unused.count, 1e3 * unused.missed_m, factor));
+  return factor;
 }
 
 }  // namespace
@@ -73,7 +91,8 @@ void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
                          refined.quality.rms_m, left_out(outcome.cross_validation)};
 }
 
-void add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation) {
+double add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation,
+                    const Evidence& evidence) {
   const Signature& signature = record.signature;
   FitRecord fit;
   double variance = 0;
@@ -92,13 +111,18 @@ void add_features(SignatureRecord& record, const std::optional<CrossValidation>&
   record.fit = fit;
   record.sigma_m = std::sqrt(variance);
   const auto estimate = std::make_unique<refinement::Refined>();
-  if (!uncertainty::from_features(signature, *estimate)) return;
+  if (!uncertainty::from_features(signature, *estimate)) return 1;
   estimate->readings = record.readings();
+  double enlarged = 1;
+  if (const auto unused = judge_unused_poses(evidence, *estimate)) {
+    enlarged = enlarge(record, *unused, *estimate);
+  }
   add_covariance(record, *estimate);
   if (const auto tool = tool_target(signature)) {
     record.predicted_tool_error_m =
         uncertainty::predicted_rms(*estimate, record.nominal.limits, *tool);
   }
+  return enlarged;
 }
 
 SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm) {

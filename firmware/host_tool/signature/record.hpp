@@ -7,6 +7,7 @@
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/sensor_file.hpp"
 #include "firmware/formats/signature_record.hpp"
+#include "firmware/host_tool/diagnosis/evidence.hpp"
 #include "firmware/host_tool/identification/identification_run.hpp"
 
 namespace armsig::tool {
@@ -19,8 +20,11 @@ namespace armsig::tool {
 void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
                     std::size_t receivers);
 
-// What the features say of their own accuracy; nothing where their covariances do not tell.
-void add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation);
+// What the features say of their own accuracy; nothing where their covariances do not tell. Where
+// poses of `evidence` that they do not use are missed by more, that much more is stated; returns
+// how many times what the features say.
+double add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation,
+                    const Evidence& evidence);
 
 // A signature computed rather than measured (method "exact").
 [[nodiscard]] SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm);

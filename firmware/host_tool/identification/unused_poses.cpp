@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/identification/unused_poses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/uncertainty/tool_covariance.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr std::size_t kFewest = 12;
+constexpr double kAxes = 3;
+
+}  // namespace
+
+std::optional<UnusedPoses> judge_unused_poses(const Evidence& evidence,
+                                              const refinement::Refined& estimate) {
+  const double noise_m = noise_of_sweeps_m(evidence);
+  const auto& targets = estimate.signature.targets;
+  std::vector<double> lengths_m;
+  double predicted = 0;
+  for (const EvidenceRow& row : evidence.rows) {
+    const auto* target = std::ranges::find(targets, row.target, &Target::number);
+    if (row.sweep != 0 || target == targets.end()) continue;
+    const auto t = static_cast<std::size_t>(target - targets.begin());
+    lengths_m.push_back((row.p_S - uncertainty::tool_position(estimate, row.q, t)).norm());
+    predicted += uncertainty::tool_covariance(estimate, row.q, t).trace();
+  }
+  if (lengths_m.size() < kFewest) return std::nullopt;
+  UnusedPoses found{.count = lengths_m.size()};
+  predicted /= static_cast<double>(found.count);
+  found.predicted_m = std::sqrt(predicted);
+  const double axis_m = median_of(std::move(lengths_m)) / kMedianLengthOf3;
+  found.missed_m = std::sqrt(kAxes * std::max(0.0, axis_m * axis_m - noise_m * noise_m));
+  return found;
+}
+
+}  // namespace armsig::tool
