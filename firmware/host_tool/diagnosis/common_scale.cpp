@@ -14,7 +14,7 @@ constexpr double kUsualShift_m = 0.5e-3;
 constexpr double kUsualShare = 0.5e-3;  // of the reach, where that is more
 // Residuals hang together, as model errors do: so many numbers' worth of them, halved.
 constexpr double kIndependent = 15;
-constexpr double kWorthAsking = 6;   // of evidence
+constexpr double kWorthAsking = 4;   // of evidence
 constexpr double kNothing_m = 1e-6;  // rows that were computed, not measured
 constexpr int kMostSteps = 6;
 constexpr double kSettled = 2e-4;  // of the factor, in a step
