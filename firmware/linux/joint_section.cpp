@@ -90,7 +90,7 @@ Read<void> refuse_other_units(const YamlMap& map, JointType type) {
 
 Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
   canopen::AxisConfiguration axis;
-  canopen::ScalingConfiguration& scaling = axis.scaling;
+  cia402::ScalingConfiguration& scaling = axis.scaling;
   scaling.type = type;
   ARMSIG_TRY(node, map.integer("node", 1, kLargestNode));
   axis.node = static_cast<canopen::NodeId>(node);
