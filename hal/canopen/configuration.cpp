@@ -92,6 +92,7 @@ Checked check_patience(const Configuration& c) {
     hal::Duration longest;
     std::string_view reason;
   };
+  const cia402::StatusLimits& status = c.status_limits;
   const hal::Duration unheard = c.period * static_cast<int>(c.missed_feedback_limit);
   for (const Wait& wait : {
            Wait{c.heartbeat, c.period, seconds(10), "a tick sends one heartbeat at most"},
@@ -101,6 +102,13 @@ Checked check_patience(const Configuration& c) {
            Wait{c.sdo_timeout, c.period, seconds(10), "no drive takes longer to answer"},
            Wait{c.transition_timeout, c.period, seconds(60), "no brake takes longer to open"},
            Wait{unheard, c.period, seconds(15), "a joint moves unseen for as many ticks"},
+           Wait{c.stop_timeout, c.period, seconds(60),
+                "a joint that can't be stopped keeps its torque for as long"},
+           Wait{status.ignores, c.period, seconds(30), "a drive ignores its targets for as long"},
+           Wait{status.limits, c.period, seconds(60), "a drive limits the motion for as long"},
+           Wait{status.lags, c.period, seconds(30), "a drive lags behind for as long"},
+           Wait{status.warns, c.period, seconds(600), "a warning is passed over for as long"},
+           Wait{status.no_voltage, c.period, seconds(30), "a drive has no voltage for as long"},
        }) {
     if (wait.time >= wait.shortest && wait.time <= wait.longest) continue;
     const hal::Duration bound = wait.time < wait.shortest ? wait.shortest : wait.longest;
@@ -126,15 +134,6 @@ Checked check_times(const Configuration& configuration) {
                   hal::seconds(configuration.heartbeat));
   }
   if (auto ok = check_patience(configuration); !ok) return ok;
-  const cia402::StatusLimits& status = configuration.status_limits;
-  for (const hal::Duration time :
-       {configuration.boot_timeout, configuration.sdo_timeout, configuration.transition_timeout,
-        configuration.stop_timeout, status.ignores, status.limits, status.lags, status.warns,
-        status.no_voltage}) {
-    if (time < configuration.period) {
-      return refuse(hal::seconds(time), hal::seconds(configuration.period));
-    }
-  }
   for (const unsigned count : {configuration.sdo_attempts, configuration.missed_feedback_limit}) {
     if (count == 0) return refuse(0, 1);
   }
