@@ -9,7 +9,7 @@
 #include "firmware/arm_r5f/world.hpp"
 #include "firmware/cabinet_r5f/emulated_world.hpp"
 #include "firmware/controller/text.hpp"
-#include "hal/canopen/scaling.hpp"
+#include "hal/cia402/scaling.hpp"
 #include "hal/r5f/can_controller.hpp"
 #include "hal/r5f/cycle_clock.hpp"
 #include "hal/r5f/registers.hpp"

@@ -57,10 +57,10 @@ canopen::Configuration drive_configuration() {
   const Arm drawing = tool::puma560();
   for (std::size_t i = 0; i < kJoints; ++i) {
     c.axes.push_back(
-        {.node = static_cast<canopen::NodeId>(i + 1),
-         .scaling = {.counts_per_revolution = kCountsPerRevolution, .gear_ratio = kGearRatio},
-         .limits = drawing.limits[i],
-         .largest_speed = 2.0});
+        {{.scaling = {.counts_per_revolution = kCountsPerRevolution, .gear_ratio = kGearRatio},
+          .limits = drawing.limits[i],
+          .largest_speed = 2.0},
+         static_cast<canopen::NodeId>(i + 1)});
   }
   c.period = kPeriod;
   c.bits_per_second = kBitsPerSecond;

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "core/base/error_name.hpp"
-
 namespace armsig::controller {
 
 Background::Background(const Configuration& configuration, hal::RangeSensor& sensor,
@@ -19,11 +17,18 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
       identification_(configuration, mover_, measurement_, announcer_),
       grid_(configuration, mover_, link, announcer_),
       custody_(configuration.drawing, memory),
-      positions_(memory, custody_.sectors()) {
-  custody_.load();
-  link.models[0] = active() ? model_of(active()->signature, configuration.drawing)
-                            : model_of(configuration.drawing);
-}
+      commit_(configuration, custody_, identification_, mover_, link),
+      resting_place_(configuration.drawing, memory, custody_.sectors()),
+      desk_(announcer_, {.configuration = configuration,
+                         .clock = clock,
+                         .link = link,
+                         .mover = mover_,
+                         .measurement = measurement_,
+                         .identification = identification_,
+                         .grid = grid_,
+                         .custody = custody_,
+                         .commit = commit_,
+                         .longest_step = longest_step_}) {}
 
 bool Background::step() {
   const hal::Instant began = clock_.now();
@@ -32,12 +37,11 @@ bool Background::step() {
   identification_.measure_step(measurement_.step(clock_.now()));
   identification_.step();
   grid_.step();
-  step_store();
-  step_planning();
-  keep_positions();
-  step_consoles();
+  if (const auto committed = commit_.step()) desk_.stored(*committed);
+  resting_place_.step(mover_.now());
+  desk_.step();
   longest_step_ = std::max(longest_step_, clock_.now() - began);
-  return measurement_.is_computing() || identification_.is_computing() || planning_;
+  return measurement_.is_computing() || identification_.is_computing() || desk_.is_computing();
 }
 
 void Background::tell_changes() {
@@ -54,65 +58,15 @@ void Background::tell_changes() {
     line.device_says(snapshot.fault->code, snapshot.fault->words);
   }
   announcer_.say(line);
-  if (snapshot.mode == Mode::kIdle) {
-    look_at_machine();
-    look_at_positions();
-  }
+  if (snapshot.mode == Mode::kIdle) look_at_machine();
 }
 
-void Background::step_consoles() {
-  if (waiting_) {
-    if (!mover_.is_handled(waiting_ticket_)) return;
-    client_ = *waiting_;
-    waiting_.reset();
-    out_.clear();
-    const auto refusal = mover_.refusal(waiting_ticket_);
-    reply(refusal ? Verdict(std::unexpected(*refusal)) : Verdict());
-  }
-  for (std::size_t i = 0; i < announcer_.count() && !waiting_; ++i) {
-    client_.console = (turn_ + i) % announcer_.count();
-    if (const auto line = announcer_.console(client_.console).read_line()) {
-      client_.id = line->client;
-      turn_ = client_.console + 1;
-      answer(*line);
-      return;
-    }
-  }
-}
-
-void Background::answer(const hal::ConsoleLine& line) {
-  out_.clear();
-  waits_ = stores_ = plans_ = false;
-  if (line.error) {
-    reply(std::unexpected(*line.error));
-    return;
-  }
-  const auto request = parse_request(line.text());
-  const Verdict verdict = request ? serve(*request) : std::unexpected(request.error());
-  if (verdict && stores_) {
-    storing_for_ = client_;
-  } else if (verdict && plans_) {
-    planning_for_ = client_;
-  } else if (verdict && waits_) {
-    waiting_ = client_;
-  } else {
-    reply(verdict);
-  }
-}
-
-// A function of its own: its line would stand on the stack below all that a request calls.
-[[gnu::noinline]] void Background::reply(const Verdict& verdict) {
-  Line line;
-  if (verdict) {
-    line.text("ok").text(out_.view());
-  } else {
-    line.text("error ")
-        .text(name(verdict.error()))
-        .text(" ")
-        .text(describe(verdict.error()))
-        .text(out_.view());
-  }
-  (void)announcer_.console(client_.console).write_line(client_.id, line.view());
+// The drives have told who they are, and where.
+void Background::look_at_machine() {
+  const Machine& machine = link_.machine.read();
+  if (machine.drives.size() == configuration_.drawing.joints.size()) custody_.compare(machine);
+  custody_.tell_trouble(announcer_);
+  resting_place_.compare(mover_.now().positions, announcer_);
 }
 
 }  // namespace armsig::controller

@@ -6,13 +6,14 @@
 #include <span>
 
 #include "firmware/controller/announcer.hpp"
+#include "firmware/controller/commit.hpp"
 #include "firmware/controller/custody.hpp"
+#include "firmware/controller/desk.hpp"
 #include "firmware/controller/grid_sequence.hpp"
 #include "firmware/controller/identification_sequence.hpp"
-#include "firmware/controller/motion.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
-#include "firmware/controller/position_keeper.hpp"
+#include "firmware/controller/resting_place.hpp"
 #include "hal/clock.hpp"
 
 namespace armsig::controller {
@@ -34,45 +35,8 @@ class Background {
   [[nodiscard]] const std::optional<SignatureRecord>& active() const { return custody_.active(); }
 
  private:
-  struct Client {
-    std::size_t console = 0;
-    hal::ConsoleClient id = 0;
-  };
-  // What of the store's work is under way.
-  enum class Storing : std::uint8_t { kNothing, kWriting, kAdopting };
-  using Verdict = Result<void>;
-
   void tell_changes();
-  void step_store();
-  void step_writing();
-  void step_adopting();
-  void adopt();
-  void step_planning();
   void look_at_machine();
-  void look_at_positions();
-  void keep_positions();
-  void step_consoles();
-  void answer(const hal::ConsoleLine& line);
-  [[nodiscard]] Verdict serve(const Request& request);
-  [[nodiscard]] Verdict command(CommandKind kind);
-  [[nodiscard]] Verdict wait_for(std::optional<Ticket> ticket);
-  [[nodiscard]] Verdict move(const Request& request);
-  [[nodiscard]] Verdict move_joints(const Request& request, double pace);
-  [[nodiscard]] Verdict move_tool(const Request& request, double pace);
-  [[nodiscard]] Verdict identify();
-  [[nodiscard]] Verdict touch_grid();
-  [[nodiscard]] Verdict accept();
-  [[nodiscard]] Verdict rollback();
-  [[nodiscard]] Verdict acknowledge();
-  [[nodiscard]] Verdict log(const Request& request);
-  void tell_status();
-  void tell_signature();
-  [[nodiscard]] Verdict tell_candidate();
-  void reply(const Verdict& verdict);
-  [[nodiscard]] bool is_busy() const {
-    return identification_.is_running() || grid_.is_running() || planning_ ||
-           storing_ != Storing::kNothing;
-  }
 
   const Configuration& configuration_;
   hal::Clock& clock_;
@@ -83,28 +47,12 @@ class Background {
   IdentificationSequence identification_;
   GridSequence grid_;
   Custody custody_;
-  PositionKeeper positions_;
-  std::size_t model_ = 0;  // to be adopted
-  Ticket adopt_ticket_ = 0;
+  Commit commit_;
+  RestingPlace resting_place_;
   hal::Duration longest_step_{};
-  std::size_t turn_ = 0;  // the console to be read first
-  Client client_;
-  std::optional<Client> storing_for_;  // who waits for accept or rollback
-  std::optional<Client> waiting_;      // who waits for the tick to take the command ...
-  Ticket waiting_ticket_ = 0;          // ... with this ticket
-  std::optional<LinePlanning> planning_;
-  Client planning_for_;
-  Line out_;
-  Storing storing_ = Storing::kNothing;
-  Result<void> stored_;  // what becomes of the change under way
+  Desk desk_;
   Mode told_mode_ = Mode::kStarting;
-  std::uint32_t told_code_ = 0;      // of the fault told
-  bool waits_ = false;               // of the request being served: for the tick
-  bool stores_ = false;              // of the request being served: for the store
-  bool plans_ = false;               // of the request being served: for the plan of a line
-  bool had_torque_ = false;          // and where the arm came to rest is still to be kept
-  bool positions_compared_ = false;  // with those at the last power-down
-  bool accepting_ = false;           // a candidate is being stored
+  std::uint32_t told_code_ = 0;  // of the fault told
 };
 
 }  // namespace armsig::controller

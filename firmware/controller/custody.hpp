@@ -14,7 +14,9 @@ namespace armsig::controller {
 
 class Custody {
  public:
-  Custody(const Arm& drawing, hal::NonvolatileMemory& memory) : drawing_(drawing), store_(memory) {}
+  Custody(const Arm& drawing, hal::NonvolatileMemory& memory) : drawing_(drawing), store_(memory) {
+    load();
+  }
 
   // What the store has now. It is not believed to be of another machine before that is known.
   void load();

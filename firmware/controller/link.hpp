@@ -19,16 +19,37 @@
 namespace armsig::controller {
 
 enum class CommandKind : std::uint8_t {
-  kEnable,         // Idle, every drive without torque
-  kDisable,        // any mode but Starting and Faulted
-  kReset,          // Faulted
-  kStop,           // any mode: quick stop, Faulted with kQuickStop
-  kHalt,           // Holding, Servoing, Sweeping: the move and the sequence end in a ramp
-  kMove,           // Holding, or Sweeping at rest
-  kBeginSequence,  // Holding
-  kEndSequence,    // any mode; a move under way is finished
-  kAdoptModel,     // no move under way
+  kEnable,  // also needs every drive without torque
+  kDisable,
+  kReset,
+  kStop,  // quick stop, Faulted with kQuickStop
+  kHalt,  // the move and the sequence end in a ramp
+  kMove,  // from where the arm is commanded to be, while none is under way
+  kBeginSequence,
+  kEndSequence,  // a move under way is finished
+  kAdoptModel,   // no move under way
 };
+
+[[nodiscard]] constexpr Modes modes_of(CommandKind kind) {
+  switch (kind) {
+    case CommandKind::kEnable:
+      return Modes(Mode::kIdle);
+    case CommandKind::kDisable:
+      return Modes(Mode::kIdle, Mode::kHolding, Mode::kServoing, Mode::kSweeping);
+    case CommandKind::kReset:
+      return Modes(Mode::kFaulted);
+    case CommandKind::kHalt:
+    case CommandKind::kMove:
+      return kWithTorque;
+    case CommandKind::kBeginSequence:
+      return Modes(Mode::kHolding);
+    case CommandKind::kStop:
+    case CommandKind::kEndSequence:
+    case CommandKind::kAdoptModel:
+      break;
+  }
+  return kInAnyMode;
+}
 
 // A command that its mode does not allow is refused with kWrongMode.
 struct Command {

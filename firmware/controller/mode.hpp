@@ -3,6 +3,8 @@
 // Faulted from anywhere, left only by an explicit reset.
 #pragma once
 
+#include <array>
+#include <concepts>
 #include <cstdint>
 #include <string_view>
 
@@ -34,5 +36,24 @@ enum class Mode : std::uint8_t {
   }
   return "unknown";
 }
+
+// Some of the modes.
+class Modes {
+ public:
+  constexpr explicit Modes(std::same_as<Mode> auto... modes) : bits_((0U | ... | bit(modes))) {}
+
+  [[nodiscard]] constexpr bool contains(Mode mode) const { return (bits_ & bit(mode)) != 0; }
+
+ private:
+  static constexpr unsigned bit(Mode mode) { return 1U << static_cast<unsigned>(mode); }
+
+  unsigned bits_;
+};
+
+inline constexpr std::array kAllModes{Mode::kStarting, Mode::kIdle,     Mode::kHolding,
+                                      Mode::kServoing, Mode::kSweeping, Mode::kFaulted};
+inline constexpr Modes kInAnyMode{Mode::kStarting, Mode::kIdle,     Mode::kHolding,
+                                  Mode::kServoing, Mode::kSweeping, Mode::kFaulted};
+inline constexpr Modes kWithTorque{Mode::kHolding, Mode::kServoing, Mode::kSweeping};
 
 }  // namespace armsig::controller

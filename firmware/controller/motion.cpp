@@ -28,9 +28,9 @@ double duration_for(double slope, double curvature, double speed, double acceler
   return std::max(by_speed, by_acceleration);
 }
 
-Result<JointVector> solve(const Configuration& configuration, const Model& model, const Pose& X_RT,
-                          const JointVector& seed, const kinematics::InverseOptions& options) {
-  ARMSIG_TRY(solution, kinematics::inverse(model.chain, flange_pose(model, X_RT), seed, options));
+// The readings that `solution` found. Errors: as LinePlanning::result().
+Result<JointVector> readings_of(const Configuration& configuration,
+                                const kinematics::InverseSolution& solution) {
   switch (solution.verdict) {
     case Verdict::kConverged:
     case Verdict::kDegraded:
@@ -49,6 +49,17 @@ Result<JointVector> solve(const Configuration& configuration, const Model& model
   }
   const bool singular = solution.regularity < configuration.limits.least_regularity;
   return std::unexpected(singular ? Error::kSingularPath : Error::kNotConverged);
+}
+
+// The inverse stands still where `chain` has no solution: at the end of its reach, or against the
+// limit of a joint.
+Error obstacle_at(const kinematics::Chain& chain, const JointVector& q) {
+  constexpr double kAtLimit = 1e-9;
+  for (std::size_t i = 0; i < chain.limits.size(); ++i) {
+    const JointLimits& limits = chain.limits[i];
+    if (q[i] < limits.lower + kAtLimit || q[i] > limits.upper - kAtLimit) return Error::kJointLimit;
+  }
+  return Error::kOutOfReach;
 }
 
 // Whether the flange can be at both tool poses, as far as twice the length of the stretched arm
@@ -125,7 +136,7 @@ LinePlanning::LinePlanning(const Configuration& configuration, const Model& mode
                            const JointVector& from, const Pose& X_RT_to, double pace)
     : configuration_(configuration), model_(model), pace_(pace) {
   planned_->kind = MoveKind::kLine;
-  planned_->from = planned_->to = from;
+  planned_->from = planned_->to = search_ = from;
   slope_before_.resize(from.size());
   begin(X_RT_to);
 }
@@ -159,7 +170,13 @@ void LinePlanning::begin(const Pose& X_RT_to) {
 
 bool LinePlanning::step() {
   constexpr int kSamplesAStep = 5;
-  for (int i = 0; i < kSamplesAStep && planned_ && done_ <= kLineSamples; ++i) sample();
+  constexpr int kPassesOfASample = 10;  // more than the rule is
+  const int passes_before = passes_;
+  for (int i = 0; i < kSamplesAStep && planned_ && done_ <= kLineSamples; ++i) {
+    const int left = kPassesAStep - (passes_ - passes_before);
+    if (left < kPassesOfASample) break;
+    sample(left);
+  }
   if (!planned_) return false;
   if (done_ <= kLineSamples) return true;
   // The samples see a joint's speed between two of them only on average.
@@ -168,28 +185,59 @@ bool LinePlanning::step() {
   return false;
 }
 
-// One pose of the line through the inverse, which leaves in the move's end how far it came. Where
-// the line begins counts as well.
-void LinePlanning::sample() {
-  const MotionLimits& limits = configuration_.limits;
-  Move& move = *planned_;
-  const int k = done_++;
-  const auto q =
-      solve(configuration_, model_, line_pose(move, static_cast<double>(k) / kLineSamples), move.to,
-            kinematics::InverseOptions());
+// One pose of the line through the inverse, in `passes` of it at most; where they do not suffice,
+// the next step goes on from where they led.
+void LinePlanning::sample(int passes) {
+  const double course = static_cast<double>(done_) / kLineSamples;
+  kinematics::InverseOptions options;
+  const int most = options.max_iterations;
+  options.max_iterations = passes;
+  const auto solution = kinematics::inverse(
+      model_.chain, flange_pose(model_, line_pose(*planned_, course)), search_, options);
+  if (!solution) {
+    planned_ = refused(solution.error());
+    return;
+  }
+  passes_ += solution->iterations;
+  passes_of_sample_ += solution->iterations;
+  if (solution->verdict == Verdict::kNotConverged) {
+    constexpr double kHeadway = 1e-9;  // m and rad
+    const double missed = solution->position_error_m + solution->rotation_error_rad;
+    const bool stands = std::abs(missed - missed_m_) <= kHeadway;
+    search_ = solution->q;
+    missed_m_ = missed;
+    if (passes_of_sample_ < most) return;
+    if (stands) {
+      planned_ = refused(obstacle_at(model_.chain, search_));
+      return;
+    }
+  }
+  const auto q = readings_of(configuration_, *solution);
   if (!q) {
     planned_ = refused(q.error());
     return;
   }
+  passes_of_sample_ = 0;
+  missed_m_ = 0;
+  search_ = *q;
+  take(*q);
+}
+
+// The readings at the next sample; the move's end keeps how far the line came. Where the line
+// begins counts as well.
+void LinePlanning::take(const JointVector& q) {
+  const MotionLimits& limits = configuration_.limits;
+  Move& move = *planned_;
+  const int k = done_++;
   if (k == 0) return;
-  const JointVector motors = motor_readings(configuration_, *q);
+  const JointVector motors = motor_readings(configuration_, q);
   const JointVector motors_before = motor_readings(configuration_, move.to);
   if (const auto beyond = motor_beyond(configuration_, motors)) {
     planned_ = refused(Error::kJointLimit, beyond);
     return;
   }
-  for (std::size_t i = 0; i < q->size(); ++i) {
-    const double slope = ((*q)[i] - move.to[i]) * kLineSamples;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const double slope = (q[i] - move.to[i]) * kLineSamples;
     const double of_motor = std::abs(motors[i] - motors_before[i]) * kLineSamples;
     const double curvature = k == 1 ? 0 : (slope - slope_before_[i]) * kLineSamples;
     move.duration_s =
@@ -199,7 +247,7 @@ void LinePlanning::sample() {
                                duration_for(of_motor, 0, limits.speed[i], limits.acceleration[i]));
     slope_before_[i] = slope;
   }
-  move.to = *q;
+  move.to = q;
 }
 
 Planned plan_line(const Configuration& configuration, const Model& model, const JointVector& from,
@@ -223,7 +271,9 @@ Result<JointVector> readings_at(const Move& move, const Configuration& configura
   for (const double speed : configuration.limits.speed) {
     options.max_step.push_back(speed * hal::seconds(configuration.period));
   }
-  return solve(configuration, model, line_pose(move, s), former, options);
+  ARMSIG_TRY(solution, kinematics::inverse(model.chain, flange_pose(model, line_pose(move, s)),
+                                           former, options));
+  return readings_of(configuration, solution);
 }
 
 }  // namespace armsig::controller

@@ -51,27 +51,37 @@ using Planned = std::expected<Move, MoveRefusal>;
 // samples through the inverse of the model before anything moves. `configuration` and `model` must
 // stay as they are meanwhile.
 inline constexpr int kLineSamples = 100;
+// Passes of the inverse in one step; some 8,000 instructions each where it does not converge.
+inline constexpr int kPassesAStep = 22;
 class LinePlanning {
  public:
   LinePlanning(const Configuration& configuration, const Model& model, const JointVector& from,
                const Pose& X_RT_to, double pace);
 
-  // A few samples of the line; false if nothing is left to do.
+  // A few samples of the line, or a part of one that is hard to reach; false if nothing is left to
+  // do.
   bool step();
+  // Of the inverse, up to now.
+  [[nodiscard]] int passes() const { return passes_; }
   // Precondition: step() has returned false.
   // Errors: kNotFinite, kOutOfRange, kOutOfReach, kJointLimit, kSingularPath, kNotConverged.
   [[nodiscard]] const Planned& result() const { return planned_; }
 
  private:
   void begin(const Pose& X_RT_to);
-  void sample();
+  void sample(int passes);
+  void take(const JointVector& q);
 
   const Configuration& configuration_;
   const Model& model_;
   double pace_;
   Planned planned_;
   JointVector slope_before_;
-  int done_ = 0;  // samples
+  JointVector search_;   // where the inverse of the sample under way has come to
+  double missed_m_ = 0;  // and how far it is from there, position and orientation together
+  int done_ = 0;         // samples
+  int passes_ = 0;
+  int passes_of_sample_ = 0;
 };
 
 // The whole of it at once.

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "firmware/controller/background.hpp"
+#include "firmware/controller/verbs.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -90,10 +90,55 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
   return goal;
 }
 
+// The readings that `request` asks for, the others as in `from`. Errors: kUnknownRequest,
+// kContradiction, kOutOfRange.
+Result<JointVector> readings_of(const Request& request, const Arm& drawing,
+                                const JointVector& from) {
+  JointVector to = from;
+  std::array<bool, kMaxJoints> told{};
+  for (const auto& [key, value] : request.arguments) {
+    if (key == "pace") continue;
+    const auto [name, unit] = split(key);
+    const auto joint = joint_of(name);
+    const auto factor = unit_factor(unit);
+    const auto number = parse_number(value);
+    if (!joint || *joint >= to.size() || !factor) return std::unexpected(Error::kUnknownRequest);
+    const bool angle = unit == "deg" || unit == "rad";
+    const bool turns = drawing.joints[*joint].type == JointType::kRevolute;
+    if (angle != turns) return std::unexpected(Error::kUnknownRequest);
+    if (!number) return std::unexpected(Error::kOutOfRange);
+    if (told[*joint]) return std::unexpected(Error::kContradiction);
+    told[*joint] = true;
+    to[*joint] = *factor * *number;
+  }
+  return to;
+}
+
+Result<Answer> move_joints(Controls& controls, const Request& request, double pace, Line& out) {
+  const JointVector& from = controls.mover.now().commanded;
+  ARMSIG_TRY(to, readings_of(request, controls.configuration.drawing, from));
+  const auto planned = plan_joint_move(controls.configuration, from, to, pace);
+  if (!planned) {
+    if (planned.error().joint) out.text(" joint=").integer(*planned.error().joint + 1);
+    return std::unexpected(planned.error().error);
+  }
+  return when_taken(controls.mover.send(*planned));
+}
+
+Result<Answer> move_tool(Controls& controls, const Request& request, double pace) {
+  if (controls.custody.needs_acknowledgement()) {
+    return std::unexpected(Error::kDrawingUnacknowledged);
+  }
+  const Snapshot& now = controls.mover.now();
+  const Model& model = controls.link.models[now.model];
+  ARMSIG_TRY(goal, goal_of(request, model, now.commanded));
+  controls.planning.emplace(controls.configuration, model, now.commanded, goal, pace);
+  return Answer{Answer::When::kPlanned};
+}
+
 }  // namespace
 
-Background::Verdict Background::move(const Request& request) {
-  if (mover_.now().mode != Mode::kHolding || is_busy()) return std::unexpected(Error::kWrongMode);
+Result<Answer> move(Controls& controls, const Request& request, Line& out) {
   double pace = 1;
   bool joints = false;
   for (const auto& [key, value] : request.arguments) {
@@ -105,60 +150,7 @@ Background::Verdict Background::move(const Request& request) {
       joints = true;
     }
   }
-  return joints ? move_joints(request, pace) : move_tool(request, pace);
-}
-
-Background::Verdict Background::move_joints(const Request& request, double pace) {
-  JointVector to = mover_.now().commanded;
-  std::array<bool, kMaxJoints> told{};
-  for (const auto& [key, value] : request.arguments) {
-    if (key == "pace") continue;
-    const auto [name, unit] = split(key);
-    const auto joint = joint_of(name);
-    const auto factor = unit_factor(unit);
-    const auto number = parse_number(value);
-    if (!joint || *joint >= to.size() || !factor) return std::unexpected(Error::kUnknownRequest);
-    const bool angle = unit == "deg" || unit == "rad";
-    const bool turns = configuration_.drawing.joints[*joint].type == JointType::kRevolute;
-    if (angle != turns) return std::unexpected(Error::kUnknownRequest);
-    if (!number) return std::unexpected(Error::kOutOfRange);
-    if (told[*joint]) return std::unexpected(Error::kContradiction);
-    told[*joint] = true;
-    to[*joint] = *factor * *number;
-  }
-  const auto planned = plan_joint_move(configuration_, mover_.now().commanded, to, pace);
-  if (!planned) {
-    if (planned.error().joint) out_.text(" joint=").integer(*planned.error().joint + 1);
-    return std::unexpected(planned.error().error);
-  }
-  return wait_for(mover_.send(*planned));
-}
-
-Background::Verdict Background::move_tool(const Request& request, double pace) {
-  if (custody_.needs_acknowledgement()) return std::unexpected(Error::kDrawingUnacknowledged);
-  const Model& model = link_.models[mover_.now().model];
-  ARMSIG_TRY(goal, goal_of(request, model, mover_.now().commanded));
-  planning_.emplace(configuration_, model, mover_.now().commanded, goal, pace);
-  plans_ = true;
-  return {};
-}
-
-// The client waits until its line is planned, then until the tick has taken it. Whether the arm is
-// still where the plan begins is for the tick to judge.
-[[gnu::noinline]] void Background::step_planning() {
-  if (!planning_ || waiting_ || planning_->step()) return;
-  client_ = planning_for_;
-  out_.clear();
-  waits_ = false;
-  const Planned& planned = planning_->result();
-  const Verdict verdict =
-      planned ? wait_for(mover_.send(*planned)) : Verdict(std::unexpected(planned.error().error));
-  planning_.reset();
-  if (verdict) {
-    waiting_ = client_;
-  } else {
-    reply(verdict);
-  }
+  return joints ? move_joints(controls, request, pace, out) : move_tool(controls, request, pace);
 }
 
 }  // namespace armsig::controller

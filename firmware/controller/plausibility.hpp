@@ -42,6 +42,10 @@ inline constexpr JointBounds kAcceleration{
 inline constexpr JointBounds kFollowingError{
     {1e-5, kPi, "a joint half a turn from where it is commanded follows nothing"},
     {1e-6, 0.5, "a slide half a metre from where it is commanded follows nothing"}};
+inline constexpr JointBounds kMotorSpeed{
+    {1e-4, 100, "no motor is as fast, and no position would be disbelieved: degrees as radians?"},
+    {1e-6, 50,
+     "no motor is as fast, and no position would be disbelieved: millimetres as metres?"}};
 inline constexpr Bounds kLatestTick{
     50e-6, 5, "a moving arm is not supervised for as long as a tick may be late"};
 inline constexpr Bounds kToolSpeed{1e-5, 20,
@@ -55,6 +59,12 @@ inline constexpr Bounds kAir{-40, 85, "degrees Celsius that a sensor works at: k
 inline constexpr Bounds kAirStep{0.01, 20, "a thermometer's noise, or a fire"};
 inline constexpr Bounds kRangeSigma{1e-7, 0.1, "of one range, in metres: millimetres as metres?"};
 inline constexpr Bounds kReceiver{-100, 100, "a receiver a hundred metres away hears nothing"};
+inline constexpr Bounds kEmitter{-10, 10,
+                                 "no target is as far from its hand: millimetres as metres?"};
+inline constexpr Bounds kPollPeriod{1e-3, 10, "no sensor measures as often or as seldom"};
+inline constexpr Bounds kAnswerTimeout{1e-3, 10, "no sensor answers as soon or as late"};
+inline constexpr Bounds kSecondsAStep{1e-12, 1e-4, "of a flight time, in seconds"};
+inline constexpr Bounds kCelsiusAStep{1e-4, 10, "of a temperature, in kelvins"};
 inline constexpr Bounds kReadingTimeout{
     1e-3, 60, "a sequence would stand still for as long with a sensor that is gone"};
 inline constexpr Bounds kDwellTolerance{1e-7, 0.02,
@@ -70,6 +80,8 @@ inline constexpr Bounds kHeldOutReach{1e-3, 1, "a part of the joint limits"};
 inline constexpr Bounds kGridSize{1e-3, 20,
                                   "an edge of the grid, in metres: millimetres as metres?"};
 inline constexpr Bounds kGridDwell{0, 3600, "the tool would stay at each vertex for as long"};
+// A joint that can't be stopped keeps its torque for as long.
+inline constexpr double kLongestStop_s = 60;
 // Between two corners of the grid, which are taught at different places.
 inline constexpr double kLeastTaughtDistance_m = 1e-3;
 

@@ -96,54 +96,49 @@ void Servo::take_commands() {
 }
 
 std::optional<Error> Servo::take(const Command& command) {
+  if (!modes_of(command.kind).contains(mode_)) return Error::kWrongMode;
   switch (command.kind) {
     case CommandKind::kEnable:
-      if (mode_ != Mode::kIdle || enabling_ || !drives_.all(hal::DriveCondition::kDisabled)) {
-        return Error::kWrongMode;
-      }
+      if (enabling_ || !drives_.all(hal::DriveCondition::kDisabled)) return Error::kWrongMode;
       if (const auto enabled = drives_.enable(); !enabled) return enabled.error();
       enabling_ = true;
-      return std::nullopt;
+      break;
     case CommandKind::kDisable:
-      if (mode_ == Mode::kStarting || mode_ == Mode::kFaulted) return Error::kWrongMode;
       drives_.disable();
       enabling_ = in_sequence_ = false;
       move_.reset();
       mode_ = Mode::kIdle;
-      return std::nullopt;
+      break;
     case CommandKind::kReset:
-      if (mode_ != Mode::kFaulted) return Error::kWrongMode;
       drives_.reset_faults();
       fault_.reset();
       mode_ = Mode::kStarting;
-      return std::nullopt;
+      break;
     case CommandKind::kStop:
       fail(Error::kQuickStop);
-      return std::nullopt;
+      break;
     case CommandKind::kHalt:
-      if (!has_torque()) return Error::kWrongMode;
       in_sequence_ = false;
       brake();
-      return std::nullopt;
+      break;
     case CommandKind::kMove:
       return begin(command.move);
     case CommandKind::kBeginSequence:
-      if (mode_ != Mode::kHolding) return Error::kWrongMode;
       in_sequence_ = true;
-      return std::nullopt;
+      break;
     case CommandKind::kEndSequence:
       in_sequence_ = false;
-      return std::nullopt;
+      break;
     case CommandKind::kAdoptModel:
       if (move_) return Error::kWrongMode;
       model_ = command.model;  // commanded_ stays: the joints do not notice
-      return std::nullopt;
+      break;
   }
-  return Error::kWrongMode;
+  return std::nullopt;
 }
 
 std::optional<Error> Servo::begin(const Move& move) {
-  if (!has_torque() || move_) return Error::kWrongMode;
+  if (move_) return Error::kWrongMode;
   for (std::size_t joint = 0; joint < commanded_.size(); ++joint) {
     if (std::abs(move.from[joint] - commanded_[joint]) > kSameReading) return Error::kWrongMode;
   }

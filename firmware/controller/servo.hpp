@@ -17,9 +17,7 @@ class Servo {
   void tick(hal::Duration lateness);
 
  private:
-  [[nodiscard]] bool has_torque() const {
-    return mode_ == Mode::kHolding || mode_ == Mode::kServoing || mode_ == Mode::kSweeping;
-  }
+  [[nodiscard]] bool has_torque() const { return kWithTorque.contains(mode_); }
   void supervise(const Result<void>& read, hal::Duration lateness);
   void supervise_drives();
   void supervise_following();

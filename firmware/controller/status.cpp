@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// `status` and `signature`: what the controller says about itself.
+// `status`, `signature`, `candidate`, `log`: what the controller says about itself.
 #include "core/base/error_name.hpp"
-#include "firmware/controller/background.hpp"
+#include "firmware/controller/verbs.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -26,70 +26,127 @@ void tell_limits(Line& line, const Snapshot& snapshot) {
   }
 }
 
-}  // namespace
-
-void Background::tell_status() {
-  const Snapshot& s = mover_.now();
-  out_.text(" mode=").text(name(s.mode));
-  if (s.fault) {
-    out_.text(" fault=").text(name(s.fault->error));
-    if (s.fault->joint) out_.text(" fault_joint=").integer(*s.fault->joint + 1);
-    out_.device_says(s.fault->code, s.fault->words, "fault_");
+// Readings of all joints, with `decimals`: ` q1_deg=10.0000 q2_mm=...`.
+void tell_readings(Line& line, const Arm& drawing, const JointVector& q, unsigned decimals) {
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const bool turns = drawing.joints[i].type == JointType::kRevolute;
+    line.text(" q").integer(i + 1).text(turns ? "_deg=" : "_mm=");
+    line.number(turns ? degrees(q[i]) : 1e3 * q[i], decimals);
   }
-  out_.text(" moving=").text(s.moving ? "yes" : "no");
-  if (s.limits_active != 0) tell_limits(out_, s);
-  for (std::size_t i = 0; i < s.positions.size(); ++i) {
-    const bool turns = configuration_.drawing.joints[i].type == JointType::kRevolute;
-    out_.text(" q").integer(i + 1).text(turns ? "_deg=" : "_mm=");
-    out_.number(turns ? degrees(s.positions[i]) : 1e3 * s.positions[i], 4);
-  }
-  out_.text(" x_mm=").number(1e3 * s.X_RT.p.x(), 3);
-  out_.text(" y_mm=").number(1e3 * s.X_RT.p.y(), 3);
-  out_.text(" z_mm=").number(1e3 * s.X_RT.p.z(), 3);
-  out_.text(" model=").text(link_.models[s.model].identified ? "signature" : "drawing");
-  out_.text(" sensor=");
-  out_.text(measurement_.trouble() ? name(*measurement_.trouble()) : "well");
-  if (const std::string_view words = measurement_.trouble_words(); !words.empty()) {
-    out_.text(" sensor_says=\"").text(words).text("\"");
-  }
-  if (custody_.trouble()) out_.text(" store=").text(name(*custody_.trouble()));
-  if (custody_.needs_acknowledgement()) out_.text(" acknowledge=needed");
-  if (identification_.is_running()) {
-    out_.text(" sequence=").text(identification_.is_paused() ? "paused" : "identifying");
-    out_.text(" points=").integer(identification_.points_done());
-    out_.text(" planned=").integer(identification_.points_planned());
-    out_.text(" left_s=").number(identification_.left_s(), 0);
-  } else if (grid_.is_running()) {
-    out_.text(" sequence=touching touched=").integer(grid_.touched());
-  } else {
-    out_.text(" sequence=none");
-  }
-  out_.text(" ticks=").integer(s.execution.total);
-  tell(out_, "late", s.lateness);
-  tell(out_, "exec", s.execution);
-  out_.text(" step_max_us=").number(1e6 * hal::seconds(longest_step_), 1);
 }
 
-void Background::tell_signature() {
-  const auto& record = active();
-  if (!record) {
-    out_.text(" model=drawing");
-    return;
+void tell_point(Line& line, const Vector3& p, unsigned decimals) {
+  line.text(" x_mm=").number(1e3 * p.x(), decimals);
+  line.text(" y_mm=").number(1e3 * p.y(), decimals);
+  line.text(" z_mm=").number(1e3 * p.z(), decimals);
+}
+
+void tell_arm(Line& line, const Controls& controls) {
+  const Snapshot& s = controls.mover.now();
+  line.text(" mode=").text(name(s.mode));
+  if (s.fault) {
+    line.text(" fault=").text(name(s.fault->error));
+    if (s.fault->joint) line.text(" fault_joint=").integer(*s.fault->joint + 1);
+    line.device_says(s.fault->code, s.fault->words, "fault_");
   }
-  out_.text(" model=signature sequence=").integer(record->sequence);
-  out_.text(" air_c=").number(record->air_celsius, 1);
-  out_.text(" held_out_rms_mm=").number(1e3 * record->held_out_rms_m, 4);
-  out_.text(" predicted_sigma_mm=").number(1e3 * record->predicted_sigma_m, 4);
+  line.text(" moving=").text(s.moving ? "yes" : "no");
+  if (s.limits_active != 0) tell_limits(line, s);
+  tell_readings(line, controls.configuration.drawing, s.positions, 4);
+  tell_point(line, s.X_RT.p, 3);
+  line.text(" model=").text(controls.link.models[s.model].identified ? "signature" : "drawing");
+}
+
+void tell_sensor(Line& line, const PointMeasurement& measurement) {
+  line.text(" sensor=");
+  line.text(measurement.trouble() ? name(*measurement.trouble()) : "well");
+  if (const std::string_view words = measurement.trouble_words(); !words.empty()) {
+    line.text(" sensor_says=\"").text(words).text("\"");
+  }
+}
+
+void tell_sequence(Line& line, const Controls& controls) {
+  const IdentificationSequence& identification = controls.identification;
+  if (identification.is_running()) {
+    line.text(" sequence=").text(identification.is_paused() ? "paused" : "identifying");
+    line.text(" points=").integer(identification.points_done());
+    line.text(" planned=").integer(identification.points_planned());
+    line.text(" left_s=").number(identification.left_s(), 0);
+  } else if (controls.grid.is_running()) {
+    line.text(" sequence=touching touched=").integer(controls.grid.touched());
+  } else {
+    line.text(" sequence=none");
+  }
+}
+
+}  // namespace
+
+Result<Answer> tell_status(Controls& controls, const Request& /*request*/, Line& out) {
+  tell_arm(out, controls);
+  tell_sensor(out, controls.measurement);
+  if (controls.custody.trouble()) out.text(" store=").text(name(*controls.custody.trouble()));
+  if (controls.custody.needs_acknowledgement()) out.text(" acknowledge=needed");
+  tell_sequence(out, controls);
+  const Snapshot& s = controls.mover.now();
+  out.text(" ticks=").integer(s.execution.total);
+  tell(out, "late", s.lateness);
+  tell(out, "exec", s.execution);
+  out.text(" step_max_us=").number(1e6 * hal::seconds(controls.longest_step), 1);
+  return Answer();
+}
+
+Result<Answer> tell_signature(Controls& controls, const Request& /*request*/, Line& out) {
+  const auto& record = controls.custody.active();
+  if (!record) {
+    out.text(" model=drawing");
+    return Answer();
+  }
+  out.text(" model=signature sequence=").integer(record->sequence);
+  out.text(" air_c=").number(record->air_celsius, 1);
+  out.text(" held_out_rms_mm=").number(1e3 * record->held_out_rms_m, 4);
+  out.text(" predicted_sigma_mm=").number(1e3 * record->predicted_sigma_m, 4);
   if (record->identified_at_s > 0) {
-    out_.text(" identified_unix_s=").integer(static_cast<std::uint64_t>(record->identified_at_s));
+    out.text(" identified_unix_s=").integer(static_cast<std::uint64_t>(record->identified_at_s));
   }
   for (std::size_t i = 0; i < record->signature.pseudo_dh.size(); ++i) {
     const DhJoint& row = record->signature.pseudo_dh[i];
-    out_.text(" theta").integer(i + 1).text("_deg=").number(degrees(row.theta_rad), 6);
-    out_.text(" d").integer(i + 1).text("_mm=").number(1e3 * row.d_m, 4);
-    out_.text(" a").integer(i + 1).text("_mm=").number(1e3 * row.a_m, 4);
-    out_.text(" alpha").integer(i + 1).text("_deg=").number(degrees(row.alpha_rad), 6);
+    out.text(" theta").integer(i + 1).text("_deg=").number(degrees(row.theta_rad), 6);
+    out.text(" d").integer(i + 1).text("_mm=").number(1e3 * row.d_m, 4);
+    out.text(" a").integer(i + 1).text("_mm=").number(1e3 * row.a_m, 4);
+    out.text(" alpha").integer(i + 1).text("_deg=").number(degrees(row.alpha_rad), 6);
   }
+  return Answer();
+}
+
+Result<Answer> tell_candidate(Controls& controls, const Request& /*request*/, Line& out) {
+  const IdentificationSequence& identification = controls.identification;
+  if (!identification.has_verdict()) return std::unexpected(Error::kNoCandidate);
+  const HeldOutReport& report = identification.report();
+  out.text(" held_out=").integer(report.poses);
+  out.text(" candidate_rms_mm=").number(1e3 * report.candidate_rms_m, 4);
+  out.text(" active_rms_mm=").number(1e3 * report.active_rms_m, 4);
+  out.text(" better=").text(report.is_better() ? "yes" : "no");
+  return Answer();
+}
+
+Result<Answer> tell_log(Controls& controls, const Request& request, Line& out) {
+  const MeasurementLog& log = controls.identification.log();
+  if (request.arguments.empty()) {
+    out.text(" rows=").integer(log.size()).text(" capacity=").integer(MeasurementLog::capacity());
+    return Answer();
+  }
+  const auto index = parse_number(request.arguments[0].second);
+  if (request.arguments.size() != 1 || request.arguments[0].first != "row") {
+    return std::unexpected(Error::kUnknownRequest);
+  }
+  if (!index || !(*index >= 1 && *index <= static_cast<double>(log.size()))) {
+    return std::unexpected(Error::kOutOfRange);
+  }
+  const LogEntry& row = log[static_cast<std::size_t>(*index) - 1];
+  out.text(" sweep=").integer(row.sweep).text(" pings=").integer(row.pings);
+  tell_readings(out, controls.configuration.drawing, row.readings, 5);
+  tell_point(out, row.p_S, 4);
+  out.text(" sigma_mm=").number(1e3 * row.sigma_m, 4);
+  return Answer();
 }
 
 }  // namespace armsig::controller

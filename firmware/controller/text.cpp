@@ -129,6 +129,10 @@ Result<Request> parse_request(std::string_view line) {
   if (request.verb.empty()) return std::unexpected(Error::kUnknownRequest);
   for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) {
     const std::size_t equals = word.find('=');
+    if (equals == std::string_view::npos && request.subject.empty() && request.arguments.empty()) {
+      request.subject = word;
+      continue;
+    }
     if (equals == std::string_view::npos || equals == 0) {
       return std::unexpected(Error::kUnknownRequest);
     }

@@ -50,10 +50,12 @@ class Line {
 
 struct Request {
   std::string_view verb;
+  std::string_view subject;  // a word that follows the verb, without "="
   FixedVector<std::pair<std::string_view, std::string_view>, 16> arguments;
 };
 
-// "verb key=value ...". Errors: kUnknownRequest (no verb, a word without "=", a key twice),
+// "verb [subject] key=value ...". Errors: kUnknownRequest (no verb, another word without "=", a key
+// twice),
 // kCapacityExceeded.
 [[nodiscard]] Result<Request> parse_request(std::string_view line);
 

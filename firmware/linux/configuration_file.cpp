@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <vector>
@@ -38,7 +39,16 @@ Read<void> in_section(const YamlMap& root, std::string_view name,
   return settings.done();
 }
 
-Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
+// No ramp is known to be steeper than the joint's acceleration: the torque would go in its middle.
+double longest_stop_s(const controller::MotionLimits& limits) {
+  double longest_s = 0;
+  for (std::size_t joint = 0; joint < limits.speed.size(); ++joint) {
+    longest_s = std::max(longest_s, limits.speed[joint] / limits.acceleration[joint]);
+  }
+  return longest_s;
+}
+
+Read<YamlMap> open_can(const YamlMap& root) {
   std::vector<std::string> known{"interface", "bits_per_second", "master_node", "sdo_attempts",
                                  "missed_feedback_limit"};
   for (const char* time :
@@ -47,7 +57,11 @@ Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
     add_names(known, time, Dimension::kTime);
   }
   ARMSIG_TRY(node, root.require("can"));
-  ARMSIG_TRY(map, YamlMap::open(*node, "can", known));
+  return YamlMap::open(*node, "can", known);
+}
+
+Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
+  ARMSIG_TRY(map, open_can(root));
   ARMSIG_TRY(interface, map.text("interface"));
   constexpr std::size_t kLongestName = 15;
   if (interface.size() > kLongestName) {
@@ -72,6 +86,16 @@ Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
       .time("voltage_lost", c.drives.status_limits.no_voltage)
       .integer("missed_feedback_limit", 1, kMost, c.drives.missed_feedback_limit);
   return settings.done();
+}
+
+// Once speeds and accelerations are known to be plausible.
+Read<void> check_stop(const YamlMap& root, const DaemonConfiguration& c) {
+  ARMSIG_TRY(map, open_can(root));
+  return Settings(map)
+      .bound("stop_timeout", Dimension::kTime, hal::seconds(c.drives.stop_timeout),
+             {longest_stop_s(c.controller.limits), controller::plausible::kLongestStop_s,
+              "a joint stops from its speed at its acceleration, and keeps its torque until then"})
+      .done();
 }
 
 Read<void> read_motion(const YamlMap& root, DaemonConfiguration& c) {
@@ -178,7 +202,7 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
     }
     const auto checked = controller::check(c.controller);
     if (!checked) return std::unexpected(problem_of(checked.error(), node));
-    return {};
+    return check_stop(root, c);
   };
   if (auto read = read_all(); !read) return std::unexpected(std::move(read).error());
   return c;

@@ -16,6 +16,8 @@
 namespace armsig::daemon {
 namespace {
 
+using controller::plausible::kFollowingError;
+using controller::plausible::kMotorSpeed;
 using tool::add_names;
 using tool::Dimension;
 using tool::Read;
@@ -90,7 +92,7 @@ Read<void> refuse_other_units(const YamlMap& map, JointType type) {
 
 Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
   canopen::AxisConfiguration axis;
-  canopen::ScalingConfiguration& scaling = axis.scaling;
+  cia402::ScalingConfiguration& scaling = axis.scaling;
   scaling.type = type;
   ARMSIG_TRY(node, map.integer("node", 1, kLargestNode));
   axis.node = static_cast<canopen::NodeId>(node);
@@ -114,6 +116,8 @@ Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
       .integer("zero_counts", std::numeric_limits<std::int32_t>::min() + 1,
                std::numeric_limits<std::int32_t>::max(), scaling.zero_counts)
       .quantity("following_window", tool::dimension_of(type), axis.following_window)
+      .bound("following_window", tool::dimension_of(type), axis.following_window,
+             {0, kFollowingError.of(type).highest, kFollowingError.of(type).reason})
       .quantity("stop_deceleration", acceleration_of(type), axis.stop_deceleration);
   if (auto done = settings.done(); !done) return std::unexpected(done.error());
   return axis;
@@ -124,7 +128,8 @@ Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
 Read<double> read_motor_speed(const YamlMap& map, JointType type, double speed) {
   double motor_speed = speed;
   Settings settings(map);
-  settings.quantity("motor_speed", speed_of(type), motor_speed);
+  settings.quantity("motor_speed", speed_of(type), motor_speed)
+      .bound("motor_speed", speed_of(type), motor_speed, kMotorSpeed.of(type));
   if (auto done = settings.done(); !done) return std::unexpected(std::move(done).error());
   if (motor_speed < speed) {
     const auto told = *map.require_quantity("motor_speed", speed_of(type));

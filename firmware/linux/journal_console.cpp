@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/linux/journal_console.hpp"
 
-#include <algorithm>
+#include "firmware/controller/verbs.hpp"
 
 namespace armsig::daemon {
 namespace {
 
 // Requests that change nothing, which screens ask for many times a second.
 bool only_asks(std::string_view request) {
-  constexpr std::array<std::string_view, 6> kQuestions{"status",    "signature", "log",
-                                                       "candidate", "help",      "system"};
-  const std::string_view verb = request.substr(0, request.find_first_of(" \t"));
-  return std::ranges::find(kQuestions, verb) != kQuestions.end();
+  const std::string_view name = request.substr(0, request.find_first_of(" \t"));
+  const controller::Verb* verb = controller::find_verb(name);
+  return verb != nullptr ? verb->only_asks : name == "system";
 }
 
 Priority priority_of(std::string_view told) {

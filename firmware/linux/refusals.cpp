@@ -133,7 +133,8 @@ Problem problem_of(const canopen::ConfigurationRefusal& refusal, const YamlNode&
                                  refusal.needed, because(refusal.reason)));
     default:
       return problem(place, fmt::format("{}, found {:.6g}", what, refusal.found),
-                     fmt::format("the bound {:.6g} kept (radians, metres)", refusal.needed));
+                     fmt::format("the bound {:.6g} kept (radians, metres, seconds){}",
+                                 refusal.needed, because(refusal.reason)));
   }
 }
 

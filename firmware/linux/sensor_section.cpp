@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "core/base/pose.hpp"
+#include "firmware/controller/plausibility.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/yaml_map.hpp"
 #include "firmware/linux/sections.hpp"
@@ -15,6 +19,11 @@
 namespace armsig::daemon {
 namespace {
 
+using controller::plausible::kAnswerTimeout;
+using controller::plausible::kCelsiusAStep;
+using controller::plausible::kEmitter;
+using controller::plausible::kPollPeriod;
+using controller::plausible::kSecondsAStep;
 using tool::add_names;
 using tool::Dimension;
 using tool::problem_at;
@@ -44,8 +53,19 @@ Read<void> read_path(const YamlMap& map, bool& echo) {
   return {};
 }
 
-void read_freshness(Settings& settings, hal::FreshnessLimits& freshness) {
-  settings.time("silent_after", freshness.silent_after).time("stale_after", freshness.stale_after);
+// `period_name`: of the setting that says how often there is a reading, and `period` is.
+void read_freshness(Settings& settings, std::string_view period_name, hal::Duration period,
+                    hal::FreshnessLimits& freshness) {
+  constexpr std::string_view kReason =
+      "a sensor that is given less time than two readings take is never heard";
+  constexpr double kDay_s = 86'400;
+  const controller::Bounds patience{2 * hal::seconds(period), kDay_s, kReason};
+  settings.time("silent_after", freshness.silent_after)
+      .time("stale_after", freshness.stale_after)
+      .bound("silent_after", Dimension::kTime, hal::seconds(freshness.silent_after), patience)
+      .bound("stale_after", Dimension::kTime, hal::seconds(freshness.stale_after), patience);
+  const double least_s = hal::seconds(std::min(freshness.silent_after, freshness.stale_after));
+  settings.bound(period_name, Dimension::kTime, hal::seconds(period), {0, least_s / 2, kReason});
 }
 
 Read<char> read_parity(const YamlMap& map) {
@@ -89,7 +109,12 @@ Read<void> read_modbus(const YamlNode& node, DaemonConfiguration& c) {
       .integer("first_flight", 0, kLargestRegister, profile.first_flight)
       .integer("flight_stride", 2, kLargestRegister, profile.flight_stride)
       .share("seconds_a_step", profile.seconds_a_step);
-  read_freshness(settings, sensor.freshness);
+  settings.bound("poll_period", Dimension::kTime, hal::seconds(sensor.poll_period), kPollPeriod)
+      .bound("answer_timeout", Dimension::kTime, hal::seconds(sensor.answer_timeout),
+             kAnswerTimeout)
+      .bound("celsius_a_step", std::nullopt, profile.celsius_a_step, kCelsiusAStep)
+      .bound("seconds_a_step", std::nullopt, profile.seconds_a_step, kSecondsAStep);
+  read_freshness(settings, "poll_period", sensor.poll_period, sensor.freshness);
   if (auto done = settings.done(); !done) return done;
   if (const YamlNode* words = map.find("words")) {
     if (words->text != "high-first" && words->text != "low-first") {
@@ -122,7 +147,7 @@ Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
   hal::Duration period = std::chrono::milliseconds(20);
   Settings settings(map);
   settings.time("reading_period", period);
-  read_freshness(settings, sensor.freshness);
+  read_freshness(settings, "reading_period", period, sensor.freshness);
   if (auto done = settings.done(); !done) return done;
   if (auto path = read_path(map, sensor.echo); !path) return path;
   if (!canopen::check(sensor)) {
@@ -183,6 +208,10 @@ Read<void> read_sensor(const YamlNode& node, DaemonConfiguration& c) {
   if (auto array = read_array(map, c); !array) return array;
   ARMSIG_TRY(emitter, map.require("emitter"));
   ARMSIG_TRY(p_nT, read_point(*emitter, "the emitter"));
+  if (!(p_nT.cwiseAbs().maxCoeff() <= kEmitter.highest)) {
+    return problem_at(*emitter, fmt::format("the emitter at {:.6g} m", p_nT.cwiseAbs().maxCoeff()),
+                      fmt::format("within {} m: {}", kEmitter.highest, kEmitter.reason));
+  }
   c.p_nT = p_nT;
   const YamlNode* serial = map.find("modbus");
   const YamlNode* can = map.find("can");

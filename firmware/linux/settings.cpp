@@ -63,6 +63,22 @@ Settings& Settings::share(std::string_view key, double& value) {
   return *this;
 }
 
+Settings& Settings::bound(std::string_view name, std::optional<Dimension> dimension, double value,
+                          const controller::Bounds& bounds) {
+  if (problem_ || (value >= bounds.lowest && value <= bounds.highest)) return *this;
+  const YamlNode* node = map_.find(name);
+  if (dimension) {
+    const auto found = map_.find_quantity(name, *dimension);
+    node = found && *found ? (*found)->value : nullptr;
+  }
+  if (node == nullptr) return *this;
+  problem_ = tool::problem_at(*node, fmt::format("{}: {:.6g}", name, value),
+                              fmt::format("from {:.6g} to {:.6g} (radians, metres, seconds): {}",
+                                          bounds.lowest, bounds.highest, bounds.reason))
+                 .error();
+  return *this;
+}
+
 Settings& Settings::flag(std::string_view key, bool& value) {
   const YamlNode* node = problem_ ? nullptr : map_.find(key);
   if (node == nullptr) return *this;

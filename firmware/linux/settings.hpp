@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "firmware/controller/plausibility.hpp"
 #include "firmware/formats/yaml_map.hpp"
 #include "hal/clock.hpp"
 
@@ -26,6 +27,10 @@ class Settings {
   Settings& time(std::string_view name, hal::Duration& value);
   // A number without a unit, above zero.
   Settings& share(std::string_view key, double& value);
+  // Refuses what the file tells under `name` (with a unit of `dimension`, where it has one) if it,
+  // now `value` in SI units, is out of `bounds`.
+  Settings& bound(std::string_view name, std::optional<tool::Dimension> dimension, double value,
+                  const controller::Bounds& bounds);
   // "yes" or "no", "true" or "false".
   Settings& flag(std::string_view key, bool& value);
   Settings& text(std::string_view key, std::string& value);

@@ -23,7 +23,7 @@ JointVector VirtualSensor::true_readings() const {
   JointVector q;
   for (std::size_t i = 0; i < drives_->axes.size(); ++i) {
     // Scaling is linear: whole counts, and the part of one that the encoder does not see.
-    const canopen::Scaling& scaling = drives_.scaling(i);
+    const cia402::Scaling& scaling = drives_.scaling(i);
     const double counts = motors_[i]->joint_position();
     const auto whole = static_cast<std::int32_t>(counts);
     const double one = scaling.reading(whole + 1) - scaling.reading(whole);
@@ -64,7 +64,7 @@ void VirtualGravity::do_advance(hal::Instant until) {
   const JointVector pull =
       simulated::gravity_pull(world_.arm, sensor_.true_readings(), world_.limbs);
   for (std::size_t i = 0; i < pull.size(); ++i) {
-    const canopen::Scaling& scaling = drives_.scaling(i);
+    const cia402::Scaling& scaling = drives_.scaling(i);
     motors_[i]->set_gravity(pull[i] / (scaling.reading(1) - scaling.reading(0)));
   }
 }
@@ -73,7 +73,7 @@ namespace {
 
 simulated::DriveConfiguration drive_of(const World& world, const canopen::AxisConfiguration& axis) {
   if (world.drive) return *world.drive;
-  const double counts_per_unit = 1 / canopen::Scaling::make(axis.scaling)->resolution();
+  const double counts_per_unit = 1 / cia402::Scaling::make(axis.scaling)->resolution();
   return axis.scaling.type == JointType::kRevolute
              ? simulated::honest_drive(axis.node, counts_per_unit)
              : simulated::honest_slide_drive(axis.node, counts_per_unit);

@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "core/base/pose.hpp"
+#include "hal/cia402/setup.hpp"
 
 namespace armsig::canopen {
 namespace {
 
-using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
@@ -47,7 +47,8 @@ Checked check_nodes(const Configuration& configuration) {
   return {};
 }
 
-Checked check_axis(const AxisConfiguration& axis, std::size_t number, const Scaling& scaling) {
+Checked check_axis(const AxisConfiguration& axis, std::size_t number,
+                   const cia402::Scaling& scaling) {
   const auto refuse = [&](Error error, double found, double needed) -> Checked {
     return std::unexpected(ConfigurationRefusal{error, number, found, needed});
   };
@@ -91,6 +92,7 @@ Checked check_patience(const Configuration& c) {
     hal::Duration longest;
     std::string_view reason;
   };
+  const cia402::StatusLimits& status = c.status_limits;
   const hal::Duration unheard = c.period * static_cast<int>(c.missed_feedback_limit);
   for (const Wait& wait : {
            Wait{c.heartbeat, c.period, seconds(10), "a tick sends one heartbeat at most"},
@@ -100,6 +102,13 @@ Checked check_patience(const Configuration& c) {
            Wait{c.sdo_timeout, c.period, seconds(10), "no drive takes longer to answer"},
            Wait{c.transition_timeout, c.period, seconds(60), "no brake takes longer to open"},
            Wait{unheard, c.period, seconds(15), "a joint moves unseen for as many ticks"},
+           Wait{c.stop_timeout, c.period, seconds(60),
+                "a joint that can't be stopped keeps its torque for as long"},
+           Wait{status.ignores, c.period, seconds(30), "a drive ignores its targets for as long"},
+           Wait{status.limits, c.period, seconds(60), "a drive limits the motion for as long"},
+           Wait{status.lags, c.period, seconds(30), "a drive lags behind for as long"},
+           Wait{status.warns, c.period, seconds(600), "a warning is passed over for as long"},
+           Wait{status.no_voltage, c.period, seconds(30), "a drive has no voltage for as long"},
        }) {
     if (wait.time >= wait.shortest && wait.time <= wait.longest) continue;
     const hal::Duration bound = wait.time < wait.shortest ? wait.shortest : wait.longest;
@@ -115,7 +124,7 @@ Checked check_times(const Configuration& configuration) {
     return std::unexpected(
         ConfigurationRefusal{Error::kPeriodInvalid, std::nullopt, found, needed});
   };
-  if (!interpolation_period(configuration.period))
+  if (!cia402::interpolation_period(configuration.period))
     return refuse(hal::seconds(configuration.period), 0);
   for (const hal::Duration time : {configuration.heartbeat, configuration.heartbeat_timeout}) {
     if (!is_heartbeat_time(time)) return refuse(hal::seconds(time), 1e-3);
@@ -125,15 +134,6 @@ Checked check_times(const Configuration& configuration) {
                   hal::seconds(configuration.heartbeat));
   }
   if (auto ok = check_patience(configuration); !ok) return ok;
-  const StatusLimits& status = configuration.status_limits;
-  for (const hal::Duration time :
-       {configuration.boot_timeout, configuration.sdo_timeout, configuration.transition_timeout,
-        configuration.stop_timeout, status.ignores, status.limits, status.lags, status.warns,
-        status.no_voltage}) {
-    if (time < configuration.period) {
-      return refuse(hal::seconds(time), hal::seconds(configuration.period));
-    }
-  }
   for (const unsigned count : {configuration.sdo_attempts, configuration.missed_feedback_limit}) {
     if (count == 0) return refuse(0, 1);
   }
@@ -174,8 +174,8 @@ std::expected<CheckedConfiguration, ConfigurationRefusal> check(
   }
   if (auto ok = check_nodes(configuration); !ok) return std::unexpected(ok.error());
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
-    const ScalingConfiguration& scale = configuration.axes[axis].scaling;
-    const auto scaling = Scaling::make(scale);
+    const cia402::ScalingConfiguration& scale = configuration.axes[axis].scaling;
+    const auto scaling = cia402::Scaling::make(scale);
     if (!scaling) {
       return std::unexpected(ConfigurationRefusal{
           scaling.error(), axis, scale.counts_per_revolution * scale.gear_ratio, 0});
@@ -209,22 +209,6 @@ double periodic_load(const Configuration& configuration) {
   }
   for (const PeriodicFrame& frame : configuration.other_traffic) frames.push_back(frame);
   return bus_load({frames.data(), frames.size()}, configuration.bits_per_second);
-}
-
-std::optional<InterpolationPeriod> interpolation_period(hal::Duration period) {
-  struct Unit {
-    hal::Duration length;
-    std::int8_t exponent;
-  };
-  for (const Unit& unit :
-       {Unit{milliseconds(1), -3}, Unit{microseconds(100), -4}, Unit{microseconds(10), -5}}) {
-    const auto value = period / unit.length;
-    if (period % unit.length == hal::Duration::zero() && value >= 1 && value <= 255 &&
-        period >= microseconds(100)) {
-      return InterpolationPeriod{static_cast<std::uint8_t>(value), unit.exponent};
-    }
-  }
-  return std::nullopt;
 }
 
 }  // namespace armsig::canopen

@@ -14,33 +14,18 @@
 #include "core/base/fixed_vector.hpp"
 #include "hal/canopen/bus_load.hpp"
 #include "hal/canopen/protocol.hpp"
-#include "hal/canopen/scaling.hpp"
+#include "hal/cia402/settings.hpp"
 
 namespace armsig::canopen {
 
 inline constexpr std::size_t kMaxOtherNodes = 4;
 inline constexpr std::size_t kMaxOtherTraffic = 16;
 
-struct AxisConfiguration {
+struct AxisConfiguration : cia402::DriveSettings {
   NodeId node = 0;
-  ScalingConfiguration scaling;
-  JointLimits limits;           // of the targets, radians or metres
-  double largest_speed = 0;     // of the targets, rad/s or m/s
-  double following_window = 0;  // object 6065h, radians or metres; 0 keeps the drive's own
-  // Object 6085h, rad/s^2 or m/s^2, taken as counts/s^2 by the drive; 0 keeps its own.
-  double stop_deceleration = 0;
 };
 
-// How long an enabled drive may say these of itself before it counts as faulted.
-struct StatusLimits {
-  hal::Duration ignores = std::chrono::milliseconds(300);     // bit 12 clear; longer than a brake
-  hal::Duration limits = std::chrono::milliseconds(500);      // bit 11 set
-  hal::Duration lags = std::chrono::milliseconds(100);        // bit 13 set
-  hal::Duration warns = std::chrono::milliseconds(2000);      // bit 7 set
-  hal::Duration no_voltage = std::chrono::milliseconds(100);  // bit 4 clear
-};
-
-struct Configuration {
+struct Configuration : cia402::GroupSettings {
   FixedVector<AxisConfiguration, kMaxJoints> axes;  // base to tip
   // Devices that the master starts but does not drive, such as the range sensor.
   FixedVector<NodeId, kMaxOtherNodes> other_nodes;
@@ -48,16 +33,11 @@ struct Configuration {
   FixedVector<PeriodicFrame, kMaxOtherTraffic> other_traffic;
   NodeId master_node = kLargestNode;
   std::uint32_t bits_per_second = 1'000'000;
-  hal::Duration period = std::chrono::milliseconds(2);  // of SYNC and of the tick
   hal::Duration heartbeat = std::chrono::milliseconds(50);
   hal::Duration heartbeat_timeout = std::chrono::milliseconds(150);
   hal::Duration boot_timeout = std::chrono::seconds(2);
   hal::Duration sdo_timeout = std::chrono::milliseconds(100);
   unsigned sdo_attempts = 3;
-  hal::Duration transition_timeout = std::chrono::seconds(1);
-  // From a stop until the positions stand; then the torque may go whether they do or not.
-  hal::Duration stop_timeout = std::chrono::milliseconds(1500);
-  StatusLimits status_limits;
   unsigned missed_feedback_limit = 2;  // SYNCs in a row that a drive may leave unanswered, less one
 };
 
@@ -85,7 +65,7 @@ class CheckedConfiguration {
  public:
   [[nodiscard]] const Configuration& operator*() const { return configuration_; }
   [[nodiscard]] const Configuration* operator->() const { return &configuration_; }
-  [[nodiscard]] const Scaling& scaling(std::size_t axis) const { return *scalings_[axis]; }
+  [[nodiscard]] const cia402::Scaling& scaling(std::size_t axis) const { return *scalings_[axis]; }
   [[nodiscard]] double bus_load() const { return bus_load_; }
 
  private:
@@ -94,7 +74,7 @@ class CheckedConfiguration {
   CheckedConfiguration() = default;
 
   Configuration configuration_;
-  FixedVector<std::optional<Scaling>, kMaxJoints> scalings_;
+  FixedVector<std::optional<cia402::Scaling>, kMaxJoints> scalings_;
   double bus_load_ = 0;
 };
 
@@ -102,13 +82,5 @@ class CheckedConfiguration {
 // axis, heartbeats of all, other traffic. Expedited SDOs are not in it: they are few, come one at a
 // time, and any PDO wins over them.
 [[nodiscard]] double periodic_load(const Configuration& configuration);
-
-// The interpolation period as object 60C2h wants it: value times 10^exponent seconds.
-struct InterpolationPeriod {
-  std::uint8_t value = 0;
-  std::int8_t exponent = 0;
-};
-// Empty if `period` is no such number between 0.1 ms and 255 ms.
-[[nodiscard]] std::optional<InterpolationPeriod> interpolation_period(hal::Duration period);
 
 }  // namespace armsig::canopen

@@ -8,10 +8,10 @@ constexpr std::uint16_t kIdentityObject = 0x1018;
 
 }  // namespace
 
-void append_identity_requests(DriveSetup& setup) {
+void append_identity_requests(cia402::Setup& setup) {
   for (std::uint8_t number = 0; number < hal::kDeviceNumbers; ++number) {
     const auto subindex = static_cast<std::uint8_t>(number + 1);
-    setup.push_back({{kIdentityObject, subindex, 0, 0}, SetupRule::kIfPresent, 0, 0});
+    setup.push_back({{kIdentityObject, subindex, 0, 0}, cia402::SetupRule::kIfPresent, 0, 0});
   }
 }
 
@@ -24,7 +24,7 @@ hal::DriveIdentity identity_of(const AxisConfiguration& axis) {
           .reversed = axis.scaling.reversed};
 }
 
-void take_identity(const SdoRequest& request, const SdoOutcome& outcome,
+void take_identity(const cia402::ObjectRequest& request, const cia402::ObjectOutcome& outcome,
                    hal::DriveIdentity& identity) {
   if (request.index != kIdentityObject || request.subindex == 0) return;
   if (request.subindex > hal::kDeviceNumbers) return;

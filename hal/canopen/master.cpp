@@ -10,9 +10,13 @@ namespace armsig::canopen {
 using cia402::Goal;
 
 Master::Master(const CheckedConfiguration& configuration, hal::CanBus& bus, FrameSink* other_frames)
-    : configuration_(configuration), bus_(&bus), other_frames_(other_frames) {
+    : configuration_(configuration),
+      bus_(&bus),
+      other_frames_(other_frames),
+      group_(*configuration_) {
   for (std::size_t axis = 0; axis < configuration_->axes.size(); ++axis) {
     nodes_.push_back(DriveNode(configuration_->axes[axis], configuration_.scaling(axis)));
+    group_.add(nodes_.back()->drive());
     inquiries_.push_back(std::nullopt);
     inquiries_.back().emplace(configuration_->axes[axis], configuration_.scaling(axis),
                               configuration_->sdo_timeout);
@@ -37,46 +41,22 @@ Result<void> Master::do_read(hal::Instant now) {
   if (!usable) {
     const Error error = bus_state == hal::CanState::kDown ? Error::kBusDown : Error::kBusOff;
     for (auto& node : nodes_) {
-      if (node->is_started()) node->latch(error);
+      if (node->is_started()) node->drive().latch(error);
     }
   }
   for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
     nodes_[joint]->supervise(*configuration_, sync_sent, now);
-    positions_[joint] = nodes_[joint]->state().position;
+    positions_[joint] = nodes_[joint]->drive().state().position;
   }
-  react();
-  update_release();
+  group_.supervise(now);
+  release_drives();
   if (bus_state == hal::CanState::kDown) return std::unexpected(Error::kBusDown);
   if (bus_state == hal::CanState::kBusOff) return std::unexpected(Error::kBusOff);
   return {};
 }
 
-// One fault stops the whole arm.
-void Master::react() {
-  if (goal_ != Goal::kEnabled) return;
-  for (const auto& node : nodes_) {
-    if (node->state().fault) {
-      set_goals(Goal::kStopped);
-      return;
-    }
-  }
-}
-
-void Master::update_release() {
-  if (stopping_since_) {
-    bool stand = true;
-    for (const auto& node : nodes_) stand = stand && node->state().stands;
-    if (stand) stopping_since_.reset();
-  }
-  const bool over = stopping_since_ && now_ - *stopping_since_ > configuration_->stop_timeout;
-  if (over) {
-    for (auto& node : nodes_) {
-      if (!node->state().stands) node->latch(Error::kStopTimeout);
-    }
-    stopping_since_.reset();
-  }
-  may_release_ = !stopping_since_;
-  if (!may_release_) return;
+void Master::release_drives() {
+  if (!group_.may_release()) return;
   for (auto& node : nodes_) node->release(now_);
 }
 
@@ -100,7 +80,7 @@ void Master::take(const hal::ReceivedCanFrame& received) {
                           (function == kHeartbeatId && node == configuration_->master_node);
   if (is_masters) {
     ++counters_.foreign;
-    latch_all(Error::kSecondMaster);
+    group_.latch_all(Error::kSecondMaster);
     return;
   }
   for (auto& drive : nodes_) {
@@ -128,7 +108,7 @@ void Master::take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& receiv
       break;
     case kReceivePdo1Id:
       ++counters_.foreign;
-      latch_all(Error::kSecondMaster);
+      group_.latch_all(Error::kSecondMaster);
       break;
     default:
       ++counters_.unknown;
@@ -156,14 +136,7 @@ void Master::take_of_other(const hal::ReceivedCanFrame& received) {
 Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
   now_ = now;
   busy_now_ = false;
-  Result<void> result;
-  bool enabled = true;
-  for (const auto& node : nodes_) enabled = enabled && node->is_enabled() && node->state().arrived;
-  for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
-    const auto set =
-        nodes_[joint]->set_target(targets[joint], enabled, configuration_->period, now);
-    if (!set && result) result = set;
-  }
+  Result<void> result = group_.set_targets(targets, now);
   if (!own_heartbeat_at_ || now - *own_heartbeat_at_ >= configuration_->heartbeat) {
     if (send(heartbeat_frame(configuration_->master_node, NmtState::kOperational))) {
       own_heartbeat_at_ = now;
@@ -173,11 +146,11 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
   step_setup();
   for (auto& node : nodes_) {
     if (node->state().phase != Phase::kRunning) continue;  // no position to hold is known yet
-    const auto sent = send(node->command(may_release_));
+    const auto sent = send(node->command(group_.may_release()));
     if (!sent && result) result = sent;
   }
   busy_ticks_ = busy_now_ ? busy_ticks_ + 1 : 0;
-  if (busy_ticks_ >= kBusBusyLimit) latch_all(Error::kBusBusy);
+  if (busy_ticks_ >= kBusBusyLimit) group_.latch_all(Error::kBusBusy);
   return result;
 }
 
@@ -190,36 +163,31 @@ Result<void> Master::send(const hal::CanFrame& frame) {
   return sent;
 }
 
-void Master::latch_all(Error error) {
-  for (auto& node : nodes_) node->latch(error);
-}
-
-void Master::set_goals(Goal goal) {
-  const bool stops = goal_ == Goal::kEnabled && goal != Goal::kEnabled;
-  goal_ = goal;
-  for (auto& node : nodes_) node->set_goal(goal, now_);
-  if (stops) stopping_since_ = now_;
-  update_release();
-}
-
 Result<void> Master::do_enable() {
   for (const auto& node : nodes_) {
-    if (node->state().fault || node->state().phase != Phase::kRunning) {
+    if (node->drive().state().fault || node->state().phase != Phase::kRunning) {
       return std::unexpected(Error::kDrivesNotReady);
     }
   }
-  set_goals(Goal::kEnabled);
+  group_.set_goal(Goal::kEnabled, now_);
+  release_drives();
   return {};
 }
 
-void Master::do_disable() { set_goals(Goal::kDisabled); }
+void Master::do_disable() {
+  group_.set_goal(Goal::kDisabled, now_);
+  release_drives();
+}
 
-void Master::do_quick_stop() { set_goals(Goal::kStopped); }
+void Master::do_quick_stop() {
+  group_.set_goal(Goal::kStopped, now_);
+  release_drives();
+}
 
 void Master::do_reset_faults() {
-  set_goals(Goal::kDisabled);
+  do_disable();
   for (auto& node : nodes_) node->reset(now_);
-  update_release();
+  release_drives();
 }
 
 }  // namespace armsig::canopen

@@ -24,9 +24,10 @@
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/drive_node.hpp"
 #include "hal/canopen/drive_setup.hpp"
-#include "hal/canopen/factors.hpp"
 #include "hal/canopen/rest_inquiry.hpp"
 #include "hal/canopen/sdo_client.hpp"
+#include "hal/cia402/factors.hpp"
+#include "hal/cia402/group.hpp"
 #include "hal/joint_drives.hpp"
 
 namespace armsig::canopen {
@@ -68,6 +69,9 @@ class Master final : public hal::JointDrives {
   [[nodiscard]] const DriveNodeState& node_state(std::size_t joint) const {
     return nodes_[joint]->state();
   }
+  [[nodiscard]] const cia402::DriveState& drive_state(std::size_t joint) const {
+    return nodes_[joint]->drive().state();
+  }
 
  private:
   [[nodiscard]] std::size_t do_count() const override { return nodes_.size(); }
@@ -91,10 +95,7 @@ class Master final : public hal::JointDrives {
   void take(const hal::ReceivedCanFrame& received);
   void take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received);
   void take_of_other(const hal::ReceivedCanFrame& received);
-  void react();
-  void update_release();
-  void latch_all(Error error);
-  void set_goals(cia402::Goal goal);
+  void release_drives();
   void step_others();
   // True while a drive may still be moving by its former master.
   bool step_inquiries();
@@ -112,10 +113,8 @@ class Master final : public hal::JointDrives {
   std::array<hal::DriveIdentity, kMaxJoints> identities_{};  // of those that were set up
   std::array<bool, kMaxOtherNodes> other_needs_start_{};
   JointVector positions_;
-  cia402::Goal goal_ = cia402::Goal::kDisabled;
+  cia402::Group group_;
   hal::Instant now_;
-  std::optional<hal::Instant> stopping_since_;  // until every position stands
-  bool may_release_ = true;                     // torque may be taken off
   std::optional<hal::Instant> own_heartbeat_at_;
   unsigned busy_ticks_ = 0;
   bool busy_now_ = false;
@@ -124,9 +123,9 @@ class Master final : public hal::JointDrives {
   std::optional<hal::Instant> inquiring_since_;
   // Set-up of one drive at a time.
   std::optional<std::size_t> setup_joint_;
-  DriveSetup setup_;
+  cia402::Setup setup_;
   std::size_t setup_step_ = 0;
-  DriveFactors factors_;
+  cia402::DriveFactors factors_;
   std::optional<SdoTransfer> transfer_;
   MasterCounters counters_;
 };

@@ -79,14 +79,14 @@ void Master::step_setup() {
 }
 
 void Master::step_requests(DriveNode& drive) {
-  if (drive.state().fault) {  // does not stay up
-    fail_setup(drive, *drive.state().fault, 0);
+  if (drive.drive().state().fault) {  // does not stay up
+    fail_setup(drive, *drive.drive().state().fault, 0);
     return;
   }
   if (transfer_ && transfer_->outcome()) {
-    const SetupStep& step = setup_[setup_step_];
-    const auto error = judge(step, *transfer_->outcome());
-    const bool may_wait = step.rule == SetupRule::kWaitsEqual &&
+    const cia402::SetupStep& step = setup_[setup_step_];
+    const auto error = cia402::judge(step, *transfer_->outcome());
+    const bool may_wait = step.rule == cia402::SetupRule::kWaitsEqual &&
                           error == Error::kSdoUnexpectedValue &&
                           now_ - drive.state().phase_since <= configuration_->boot_timeout;
     if (error && !may_wait) {
@@ -96,7 +96,7 @@ void Master::step_requests(DriveNode& drive) {
     }
     if (!error) {
       take_identity(step.request, *transfer_->outcome(), identities_[*setup_joint_]);
-      take_factor(step.request, *transfer_->outcome(), factors_);
+      cia402::take_factor(step.request, *transfer_->outcome(), factors_);
       ++setup_step_;
     }
     transfer_.reset();
@@ -114,7 +114,8 @@ void Master::step_requests(DriveNode& drive) {
 }
 
 void Master::finish_setup(DriveNode& drive) {
-  const auto object = contradicting_object(factors_, configuration_->axes[*setup_joint_].scaling);
+  const auto object =
+      cia402::contradicting_object(factors_, configuration_->axes[*setup_joint_].scaling);
   if (object) {
     fail_setup(drive, Error::kScaleInvalid, *object);
   } else if (send(nmt_frame(NmtCommand::kStart, drive.node()))) {
@@ -124,7 +125,7 @@ void Master::finish_setup(DriveNode& drive) {
 }
 
 void Master::fail_setup(DriveNode& drive, Error error, std::uint32_t code) {
-  drive.latch(error, code);
+  drive.drive().latch(error, code);
   drive.enter(Phase::kFailed, now_);
   if (setup_joint_ && &*nodes_[*setup_joint_] == &drive) {
     setup_joint_.reset();

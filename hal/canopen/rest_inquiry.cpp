@@ -3,27 +3,28 @@
 
 #include <cmath>
 
-#include "hal/canopen/cia402.hpp"
-#include "hal/canopen/standstill.hpp"
+#include "hal/cia402/standstill.hpp"
+#include "hal/cia402/state_machine.hpp"
 
 namespace armsig::canopen {
 namespace {
 
 using cia402::State;
 
-constexpr SdoRequest kStatusWord{.index = 0x6041};
-constexpr SdoRequest kQuickStop{
-    .index = 0x6040, .bytes = 2, .value = cia402::control_word(cia402::Command::kQuickStop)};
-constexpr SdoRequest kActualPosition{.index = 0x6064};
+constexpr SdoRequest kStatusWord{.index = cia402::kStatusWord};
+constexpr SdoRequest kQuickStop{.index = cia402::kControlWord,
+                                .bytes = 2,
+                                .value = cia402::control_word(cia402::Command::kQuickStop)};
+constexpr SdoRequest kActualPosition{.index = cia402::kActualPosition};
 
 }  // namespace
 
-RestInquiry::RestInquiry(const AxisConfiguration& axis, const Scaling& scaling,
+RestInquiry::RestInquiry(const AxisConfiguration& axis, const cia402::Scaling& scaling,
                          hal::Duration timeout)
     : node_(axis.node),
       scaling_(scaling),
       timeout_(timeout),
-      tolerance_(rest_tolerance(axis.scaling.type, scaling)) {
+      tolerance_(cia402::rest_tolerance(axis.scaling.type, scaling)) {
   begin();
 }
 
@@ -80,7 +81,7 @@ void RestInquiry::hear_position(std::int32_t counts, hal::Instant now) {
     rest_position_ = position;
     moved_at_ = now;
   }
-  ask(now - moved_at_ >= kRestTime ? Question::kNone : Question::kPosition);
+  ask(now - moved_at_ >= cia402::kRestTime ? Question::kNone : Question::kPosition);
 }
 
 }  // namespace armsig::canopen

@@ -15,7 +15,7 @@ namespace armsig::canopen {
 class RestInquiry {
  public:
   // An answer is waited for once, for `timeout`: who does not answer is not there, or is booting.
-  RestInquiry(const AxisConfiguration& axis, const Scaling& scaling, hal::Duration timeout);
+  RestInquiry(const AxisConfiguration& axis, const cia402::Scaling& scaling, hal::Duration timeout);
 
   // From the first question on, as if nothing had been sent yet.
   void begin() { ask(Question::kStatus); }
@@ -34,7 +34,7 @@ class RestInquiry {
   void hear_position(std::int32_t counts, hal::Instant now);
 
   NodeId node_;
-  Scaling scaling_;
+  cia402::Scaling scaling_;
   hal::Duration timeout_;
   double tolerance_;
   Question question_ = Question::kStatus;

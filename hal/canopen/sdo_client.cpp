@@ -89,7 +89,7 @@ std::string_view describe_sdo_abort(std::uint32_t code) {
       return "attempt to read a write-only object";
     case 0x06010002:
       return "attempt to write a read-only object";
-    case kAbortNoObject:
+    case cia402::kAbortNoObject:
       return "object does not exist";
     case 0x06040041:
       return "object cannot be mapped to the PDO";
@@ -107,7 +107,7 @@ std::string_view describe_sdo_abort(std::uint32_t code) {
       return "data type does not match, length too high";
     case 0x06070013:
       return "data type does not match, length too low";
-    case kAbortNoSubindex:
+    case cia402::kAbortNoSubindex:
       return "sub-index does not exist";
     case 0x06090030:
       return "invalid value for the parameter";

@@ -3,36 +3,19 @@
 #pragma once
 
 #include <cstdint>
-#include <expected>
 #include <optional>
 #include <string_view>
 
 #include "core/base/error.hpp"
 #include "hal/can_bus.hpp"
 #include "hal/canopen/protocol.hpp"
+#include "hal/cia402/object.hpp"
 
 namespace armsig::canopen {
 
-struct SdoRequest {
-  std::uint16_t index = 0;
-  std::uint8_t subindex = 0;
-  std::uint8_t bytes = 0;  // written: 1, 2 or 4; 0 reads the object
-  std::uint32_t value = 0;
-};
-
-struct SdoFailure {
-  Error error = Error::kSdoTimeout;  // or kSdoAborted
-  std::uint32_t abort_code = 0;      // as the device sent it
-
-  friend bool operator==(const SdoFailure&, const SdoFailure&) = default;
-};
-
-// The value read (little-endian, zero-extended), or the value written.
-using SdoOutcome = std::expected<std::uint32_t, SdoFailure>;
-
-// Abort codes of CiA 301, 7.2.4.3.17, that callers tell apart.
-inline constexpr std::uint32_t kAbortNoObject = 0x06020000;
-inline constexpr std::uint32_t kAbortNoSubindex = 0x06090011;
+using SdoRequest = cia402::ObjectRequest;
+using SdoFailure = cia402::ObjectFailure;
+using SdoOutcome = cia402::ObjectOutcome;
 
 // A short English phrase for an SDO abort code.
 [[nodiscard]] std::string_view describe_sdo_abort(std::uint32_t code);

@@ -15,7 +15,8 @@
 namespace armsig::linux_hal {
 namespace {
 
-constexpr int kBacklog = 4;
+// Of those who come between two looks; beyond it a client that does not block is refused.
+constexpr int kBacklog = 64;
 constexpr mode_t kMaskFor0660 = 0117;
 
 bool is_text(char c) { return c == '\t' || (c >= 0x20 && c < 0x7F); }

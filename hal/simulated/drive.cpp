@@ -9,7 +9,7 @@ namespace {
 using canopen::kPdoOff;
 using canopen::NmtCommand;
 using canopen::NmtState;
-using canopen::cia402::State;
+using cia402::State;
 
 constexpr std::uint16_t kEmergencyHeartbeat = 0x8130;
 constexpr std::uint16_t kEmergencyPdoLength = 0x8210;
@@ -177,9 +177,9 @@ void Drive::publish() {
 
 std::uint16_t Drive::status_word() const {
   std::uint16_t word = power_.status_word(operational(), motion_);
-  if (error_since_) word |= canopen::cia402::kStatusFollowingError;
+  if (error_since_) word |= cia402::kStatusFollowingError;
   if (configuration_.tells_rest && power_.state() == State::kQuickStopActive && motion_.at_rest()) {
-    word |= canopen::cia402::kStatusTargetReached;
+    word |= cia402::kStatusTargetReached;
   }
   if (fault_ == DriveFault::kBitsSet) word |= bits_;
   if (fault_ == DriveFault::kBitsClear) word = static_cast<std::uint16_t>(word & ~bits_);

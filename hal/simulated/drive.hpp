@@ -70,7 +70,7 @@ class Drive final : public CanDevice {
   // Where the joint is beyond the play, in counts of the motor.
   [[nodiscard]] double joint_position() const { return motion_.state().joint; }
   [[nodiscard]] bool has_torque() const { return motion_.state().mode != Drivetrain::kBraked; }
-  [[nodiscard]] canopen::cia402::State state() const { return power_.state(); }
+  [[nodiscard]] cia402::State state() const { return power_.state(); }
   [[nodiscard]] canopen::NmtState nmt_state() const { return nmt_; }
   [[nodiscard]] const DriveDictionary& dictionary() const { return dictionary_; }
 

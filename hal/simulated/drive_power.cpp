@@ -4,7 +4,7 @@
 namespace armsig::simulated {
 namespace {
 
-using canopen::cia402::State;
+using cia402::State;
 
 // Options 5 to 8 of object 605Ah stay in Quick stop active, 0 to 4 leave it when at rest.
 constexpr std::uint16_t kFirstStayingOption = 5;
@@ -45,7 +45,7 @@ std::uint16_t DrivePower::status_word(bool remote, const DriveMotion& motion) co
   if (remote) word |= 1U << 9;
   if (state_ == State::kOperationEnabled && after_ramp_ == State::kNotReadyToSwitchOn &&
       motion.follows()) {
-    word |= canopen::cia402::kStatusFollowsTarget;
+    word |= cia402::kStatusFollowsTarget;
   }
   return word;
 }

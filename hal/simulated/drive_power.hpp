@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "hal/canopen/cia402.hpp"
+#include "hal/cia402/state_machine.hpp"
 #include "hal/simulated/drive_motion.hpp"
 
 namespace armsig::simulated {
@@ -21,7 +21,7 @@ struct StopObjects {
 
 class DrivePower {
  public:
-  [[nodiscard]] canopen::cia402::State state() const { return state_; }
+  [[nodiscard]] cia402::State state() const { return state_; }
   // Statusword 6041h: the state's own bits, remote (the network is in command), bit 12.
   [[nodiscard]] std::uint16_t status_word(bool remote, const DriveMotion& motion) const;
 
@@ -40,7 +40,7 @@ class DrivePower {
   void advance(DriveMotion& motion);
 
  private:
-  using State = canopen::cia402::State;
+  using State = cia402::State;
 
   void enter(State state, DriveMotion& motion, bool orderly = true);
   void take_enabled(std::uint16_t word, const StopObjects& objects, DriveMotion& motion);

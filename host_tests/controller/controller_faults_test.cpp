@@ -11,7 +11,7 @@
 namespace armsig::controller {
 namespace {
 
-using canopen::cia402::State;
+using cia402::State;
 using test::LineConsole;
 using test::PumaCabinet;
 

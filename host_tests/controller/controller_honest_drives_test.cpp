@@ -13,7 +13,7 @@
 namespace armsig::controller {
 namespace {
 
-using canopen::cia402::State;
+using cia402::State;
 using simulated::DriveFault;
 using test::PumaCabinet;
 

@@ -9,7 +9,7 @@
 namespace armsig::controller {
 namespace {
 
-using canopen::cia402::State;
+using cia402::State;
 using test::PumaCabinet;
 
 bool is_error(const std::string& reply) { return reply.starts_with("error "); }

@@ -40,10 +40,10 @@ inline canopen::Configuration puma_bus() {
   canopen::Configuration c;
   const Arm drawing = tool::puma560();
   for (std::uint8_t i = 0; i < 6; ++i) {
-    c.axes.push_back({.node = static_cast<std::uint8_t>(i + 1),
-                      .scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
-                      .limits = drawing.limits[i],
-                      .largest_speed = 2.0});
+    c.axes.push_back({{.scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
+                       .limits = drawing.limits[i],
+                       .largest_speed = 2.0},
+                      static_cast<std::uint8_t>(i + 1)});
   }
   return c;
 }

@@ -10,10 +10,10 @@
 namespace armsig::test {
 
 inline canopen::AxisConfiguration puma_axis(std::uint8_t node) {
-  return {.node = node,
-          .scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
-          .limits = {radians(-170), radians(170)},
-          .largest_speed = 2.0};
+  return {{.scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
+           .limits = {radians(-170), radians(170)},
+           .largest_speed = 2.0},
+          node};
 }
 
 inline canopen::Configuration puma_drives(std::uint8_t axes = 6) {

@@ -14,7 +14,7 @@
 namespace armsig::canopen {
 namespace {
 
-using canopen::cia402::State;
+using cia402::State;
 using hal::DriveCondition;
 using simulated::DriveFault;
 using std::chrono::milliseconds;

@@ -81,7 +81,7 @@ TEST(Standstill, is_waited_for_by_a_reset) {
     for (int i = 0; with_fault && i < 100 && !arm.master->status(1).fault; ++i) {
       arm.tick([&] {
         for (std::size_t j = 0; j < 3; ++j)
-          arm.targets[j] = arm.master->node_state(j).target + kSpeed * 0.002;
+          arm.targets[j] = arm.master->drive_state(j).target + kSpeed * 0.002;
       });
     }
     arm.master->quick_stop();

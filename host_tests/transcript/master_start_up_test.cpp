@@ -35,7 +35,7 @@ TEST(MasterStartUp, is_ready_and_disabled_at_the_first_position) {
   MasterScript script;
   script.start();
   EXPECT_EQ(script.master->status(0).condition, DriveCondition::kDisabled);
-  EXPECT_EQ(script.master->node_state(0).actual_counts, 1000);
+  EXPECT_EQ(script.master->drive_state(0).actual_counts, 1000);
   EXPECT_NEAR(script.master->positions()[0], 1000.0 / 400000 * 2 * kPi, 1e-12);
   script.bus.expect_all_consumed();
 }

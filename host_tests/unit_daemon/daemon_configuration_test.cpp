@@ -219,8 +219,10 @@ TEST(DaemonConfiguration, refuses_what_no_arm_is_like_and_says_why) {
                  "degrees as radians?");
   expect_refused("dwell:", "tolerance_rad_or_m: 1.0e-4", "tolerance_rad_or_m: 0.06",
                  "does not stand still");
-  for (const char* slip : {"heartbeat_ms: 1 ", "heartbeat_timeout_s: 60 ", "sdo_timeout_s: 60 ",
-                           "transition_timeout_s: 600 ", "boot_timeout_s: 600 "}) {
+  for (const char* slip :
+       {"heartbeat_ms: 1 ", "heartbeat_timeout_s: 60 ", "sdo_timeout_s: 60 ",
+        "transition_timeout_s: 600 ", "boot_timeout_s: 600 ", "targets_ignored_s: 600 ",
+        "limited_s: 600 ", "lagging_s: 600 ", "voltage_lost_s: 600 ", "warning_s: 6000 "}) {
     const std::string key(slip, std::string_view(slip).rfind('_'));
     std::string text = change("can:", "  " + key + "_ms: ", "  " + std::string(slip) + "#").text;
     const auto read = parse_configuration(text, "cabinet.yaml");
@@ -228,6 +230,28 @@ TEST(DaemonConfiguration, refuses_what_no_arm_is_like_and_says_why) {
     EXPECT_NE(tool::render(test::failure_of(read)).find("the bound here is"), std::string::npos)
         << slip;
   }
+}
+
+// What the drives are disbelieved by: a wrong unit here would switch those checks off.
+TEST(DaemonConfiguration, refuses_motors_and_windows_that_would_disbelieve_nothing) {
+  expect_refused("joints:", "motor_speed_deg_per_s: 120", "motor_speed_rad_per_s: 1e5",
+                 "no position would be disbelieved");
+  expect_refused("joints:", "sweep_at_deg: 0}", "sweep_at_deg: 0, following_window_rad: 100}",
+                 "follows nothing");
+}
+
+TEST(DaemonConfiguration, refuses_a_stop_that_would_lose_its_torque_in_mid_ramp) {
+  expect_refused("can:", "stop_timeout_ms: 1500", "stop_timeout_ms: 300", "from 0.333333 to 60");
+}
+
+TEST(DaemonConfiguration, refuses_a_sensor_that_could_never_be_heard) {
+  expect_refused("sensor:", "poll_period_ms: 20", "poll_period_ms: 0.001", "from 0.001 to 10");
+  expect_refused("sensor:", "answer_timeout_ms: 100", "answer_timeout_ms: 0.1", "from 0.001 to 10");
+  expect_refused("sensor:", "silent_after_ms: 500", "silent_after_ms: 30", "two readings");
+  expect_refused("sensor:", "stale_after_ms: 500", "stale_after_ms: 30", "two readings");
+  expect_refused("sensor:", "seconds_a_step: 1.0e-9", "seconds_a_step: 1", "seconds");
+  expect_refused("sensor:", "celsius_a_step: 0.1", "celsius_a_step: 100", "kelvins");
+  expect_refused("sensor:", "emitter: {x_mm: 150", "emitter: {x_m: 150", "millimetres as metres?");
 }
 
 TEST(DaemonConfiguration, refuses_words_that_it_does_not_know) {

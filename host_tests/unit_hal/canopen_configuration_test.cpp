@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/canopen/configuration.hpp"
+#include "hal/cia402/setup.hpp"
 #include "host_tests/support/puma_drives.hpp"
 
 namespace armsig::canopen {
@@ -157,15 +158,15 @@ TEST(Configuration, refuses_a_speed_of_zero_no_attempts_and_an_odd_bit_rate) {
 }
 
 TEST(InterpolationPeriod, takes_the_coarsest_power_of_ten_that_fits) {
-  EXPECT_EQ(interpolation_period(milliseconds(2))->value, 2);
-  EXPECT_EQ(interpolation_period(milliseconds(2))->exponent, -3);
-  EXPECT_EQ(interpolation_period(microseconds(2500))->value, 25);
-  EXPECT_EQ(interpolation_period(microseconds(2500))->exponent, -4);
-  EXPECT_EQ(interpolation_period(microseconds(250))->value, 25);
-  EXPECT_EQ(interpolation_period(microseconds(250))->exponent, -5);
-  EXPECT_FALSE(interpolation_period(milliseconds(256)));
-  EXPECT_FALSE(interpolation_period(microseconds(50)));
-  EXPECT_FALSE(interpolation_period(milliseconds(0)));
+  EXPECT_EQ(cia402::interpolation_period(milliseconds(2))->value, 2);
+  EXPECT_EQ(cia402::interpolation_period(milliseconds(2))->exponent, -3);
+  EXPECT_EQ(cia402::interpolation_period(microseconds(2500))->value, 25);
+  EXPECT_EQ(cia402::interpolation_period(microseconds(2500))->exponent, -4);
+  EXPECT_EQ(cia402::interpolation_period(microseconds(250))->value, 25);
+  EXPECT_EQ(cia402::interpolation_period(microseconds(250))->exponent, -5);
+  EXPECT_FALSE(cia402::interpolation_period(milliseconds(256)));
+  EXPECT_FALSE(cia402::interpolation_period(microseconds(50)));
+  EXPECT_FALSE(cia402::interpolation_period(milliseconds(0)));
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "hal/canopen/cia402.hpp"
-
 #include <cstdint>
 
 #include <gtest/gtest.h>
 
-namespace armsig::canopen::cia402 {
+#include "hal/cia402/state_machine.hpp"
+
+namespace armsig::cia402 {
 namespace {
 
 // Statuswords of the standard's coding table, with every don't-care bit 0 and then 1.
@@ -98,4 +98,4 @@ TEST(Cia402, names_every_state) {
 }
 
 }  // namespace
-}  // namespace armsig::canopen::cia402
+}  // namespace armsig::cia402

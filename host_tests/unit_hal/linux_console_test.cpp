@@ -28,7 +28,8 @@ std::string socket_path() {
 
 class Operator {
  public:
-  explicit Operator(const std::string& path) : socket_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
+  explicit Operator(const std::string& path, int flags = 0)
+      : socket_(::socket(AF_UNIX, SOCK_STREAM | flags, 0)) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
@@ -283,6 +284,19 @@ TEST(SocketConsole, a_flood_of_connections_takes_no_place_of_one_that_has_spoken
     (void)house.console->read_line();
   }
   for (std::size_t i = 0; i + 1 < SocketConsole::kMaxClients; ++i) house.answer(*house.people[i]);
+}
+
+// A client with a time-out of its own (a socket that does not block) is refused where the queue is
+// full, instead of waiting for its turn.
+TEST(SocketConsole, a_crowd_that_comes_between_two_looks_is_let_in_without_waiting) {
+  const std::string path = socket_path();
+  const auto console = SocketConsole::open(path);
+  ASSERT_TRUE(console);
+  std::vector<std::unique_ptr<Operator>> crowd;
+  for (int i = 0; i < 60; ++i) {
+    crowd.push_back(std::make_unique<Operator>(path, SOCK_NONBLOCK));
+    ASSERT_FALSE(testing::Test::HasFailure()) << "client " << i;
+  }
 }
 
 TEST(SocketConsole, a_client_that_waits_for_its_reply_keeps_its_place) {

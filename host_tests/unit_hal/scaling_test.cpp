@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "hal/canopen/scaling.hpp"
+#include "hal/cia402/scaling.hpp"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 #include "core/base/pose.hpp"
 #include "host_tests/support/failure_of.hpp"
 
-namespace armsig::canopen {
+namespace armsig::cia402 {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -94,4 +94,4 @@ TEST(Scaling, a_distance_has_at_least_one_count) {
 }
 
 }  // namespace
-}  // namespace armsig::canopen
+}  // namespace armsig::cia402

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "hal/canopen/cia402.hpp"
+#include "hal/cia402/state_machine.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include "core/base/check.hpp"
 
-namespace armsig::canopen::cia402 {
+namespace armsig::cia402 {
 namespace {
 
 // CiA 402-2, table of statusword codings: state if (word & mask) == pattern.
@@ -111,4 +111,4 @@ Step next_step(Goal goal, State state, bool stands) {
   return {};
 }
 
-}  // namespace armsig::canopen::cia402
+}  // namespace armsig::cia402

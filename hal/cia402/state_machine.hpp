@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace armsig::canopen::cia402 {
+namespace armsig::cia402 {
 
 enum class State : std::uint8_t {
   kNotReadyToSwitchOn,
@@ -102,4 +102,4 @@ struct Step {
   return static_cast<std::uint16_t>(command);
 }
 
-}  // namespace armsig::canopen::cia402
+}  // namespace armsig::cia402

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "hal/canopen/drive_setup.hpp"
-#include "hal/canopen/scaling.hpp"
+#include "hal/cia402/scaling.hpp"
+#include "hal/cia402/setup.hpp"
 
-namespace armsig::canopen {
+namespace armsig::cia402 {
 
 // A quotient of two sub-indices.
 struct Factor {
@@ -27,9 +27,9 @@ struct DriveFactors {
   Factor feed;     // 6092h: position units a revolution of the output
 };
 
-void append_factor_requests(DriveSetup& setup);
+void append_factor_requests(Setup& setup);
 // The answer to one of those requests; any other is passed over.
-void take_factor(const SdoRequest& request, const SdoOutcome& outcome, DriveFactors& factors);
+void take_factor(const ObjectRequest& request, const ObjectOutcome& outcome, DriveFactors& factors);
 
 // The object by which positions (6064h) count otherwise than `scaling` says; empty: they agree, or
 // the drive does not tell. Positions are in units of feed / gear a motor revolution where the drive
@@ -38,4 +38,4 @@ void take_factor(const SdoRequest& request, const SdoOutcome& outcome, DriveFact
 [[nodiscard]] std::optional<std::uint16_t> contradicting_object(
     const DriveFactors& factors, const ScalingConfiguration& scaling);
 
-}  // namespace armsig::canopen
+}  // namespace armsig::cia402

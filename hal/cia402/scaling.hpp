@@ -7,7 +7,7 @@
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
 
-namespace armsig::canopen {
+namespace armsig::cia402 {
 
 // How a motor's encoder sees a joint.
 struct ScalingConfiguration {
@@ -51,4 +51,4 @@ class Scaling {
   std::int32_t zero_counts_;
 };
 
-}  // namespace armsig::canopen
+}  // namespace armsig::cia402

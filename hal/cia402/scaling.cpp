@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "hal/canopen/scaling.hpp"
+#include "hal/cia402/scaling.hpp"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,7 @@
 #include "core/base/check.hpp"
 #include "core/base/pose.hpp"
 
-namespace armsig::canopen {
+namespace armsig::cia402 {
 namespace {
 
 constexpr double kSmallestCounts = std::numeric_limits<std::int32_t>::min();
@@ -55,4 +55,4 @@ Result<std::uint32_t> Scaling::distance_counts(double distance) const {
 
 double Scaling::resolution() const { return 1 / std::fabs(counts_per_unit_); }
 
-}  // namespace armsig::canopen
+}  // namespace armsig::cia402

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "hal/canopen/factors.hpp"
+#include "hal/cia402/factors.hpp"
 
 #include <cmath>
 
-namespace armsig::canopen {
+namespace armsig::cia402 {
 namespace {
 
 constexpr std::uint16_t kEncoderResolution = 0x608F;
@@ -37,7 +37,7 @@ std::optional<double> Factor::value() const {
   return static_cast<double>(*over) / *under;
 }
 
-void append_factor_requests(DriveSetup& setup) {
+void append_factor_requests(Setup& setup) {
   for (const std::uint16_t index : {kEncoderResolution, kGearRatio, kFeedConstant}) {
     for (const std::uint8_t subindex : {std::uint8_t{1}, std::uint8_t{2}}) {
       setup.push_back({{index, subindex, 0, 0}, SetupRule::kIfPresent, 0, 0});
@@ -45,7 +45,8 @@ void append_factor_requests(DriveSetup& setup) {
   }
 }
 
-void take_factor(const SdoRequest& request, const SdoOutcome& outcome, DriveFactors& factors) {
+void take_factor(const ObjectRequest& request, const ObjectOutcome& outcome,
+                 DriveFactors& factors) {
   Factor* factor = factor_of(request.index, factors);
   if (factor == nullptr || !outcome) return;
   (request.subindex == 1 ? factor->over : factor->under) = *outcome;
@@ -64,4 +65,4 @@ std::optional<std::uint16_t> contradicting_object(const DriveFactors& factors,
   return std::nullopt;
 }
 
-}  // namespace armsig::canopen
+}  // namespace armsig::cia402

@@ -4,10 +4,10 @@
 
 #include <chrono>
 
-#include "hal/canopen/scaling.hpp"
+#include "hal/cia402/scaling.hpp"
 #include "hal/clock.hpp"
 
-namespace armsig::canopen {
+namespace armsig::cia402 {
 
 // A joint that goes less far than this speed would take it, in this time, stands.
 inline constexpr double kRestSpeed_rad = 8.7e-3;  // a second; half a degree
@@ -23,4 +23,4 @@ inline constexpr int kFreshPeriods = 5;
   return speed * hal::seconds(kRestTime) + 2 * scaling.resolution();
 }
 
-}  // namespace armsig::canopen
+}  // namespace armsig::cia402

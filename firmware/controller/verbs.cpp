@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/verbs.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace armsig::controller {
+namespace {
+
+template <CommandKind kKind>
+Result<Answer> command(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  return when_taken(controls.mover.send(kKind));
+}
+
+Result<Answer> identify(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
+  const auto& active = controls.custody.active();
+  controls.identification.begin(active ? &active->signature : nullptr, answer.ticket);
+  return answer;
+}
+
+template <bool kPauses>
+Result<Answer> pause(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  if (!controls.identification.is_running()) return std::unexpected(Error::kWrongMode);
+  kPauses ? controls.identification.pause() : controls.identification.resume();
+  return Answer();
+}
+
+Result<Answer> touch_grid(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  if (controls.custody.needs_acknowledgement()) {
+    return std::unexpected(Error::kDrawingUnacknowledged);
+  }
+  if (auto begun = controls.grid.begin(); !begun) return std::unexpected(begun.error());
+  const auto answer = when_taken(controls.mover.send(CommandKind::kBeginSequence));
+  if (answer) {
+    controls.grid.begun(answer->ticket);
+  } else {
+    controls.grid.end(answer.error());
+  }
+  return answer;
+}
+
+Result<Answer> when_stored(const Result<void>& begun) {
+  if (!begun) return std::unexpected(begun.error());
+  return Answer{Answer::When::kStored};
+}
+
+Result<Answer> accept(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  return when_stored(controls.commit.begin_accept(controls.clock.calendar_s()));
+}
+
+Result<Answer> rollback(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  return when_stored(controls.commit.begin_rollback());
+}
+
+Result<Answer> acknowledge(Controls& controls, const Request& /*request*/, Line& out) {
+  if (!controls.custody.needs_acknowledgement()) return std::unexpected(Error::kWrongMode);
+  controls.custody.acknowledge();
+  out.text(" model=drawing");
+  return Answer();
+}
+
+void tell_modes(const Modes& modes, Line& out) {
+  out.text(" modes=");
+  bool first = true;
+  for (const Mode mode : kAllModes) {
+    if (!modes.contains(mode)) continue;
+    out.text(first ? "" : ",").text(name(mode));
+    first = false;
+  }
+}
+
+Result<Answer> help(Controls& /*controls*/, const Request& request, Line& out) {
+  if (request.subject.empty()) {
+    out.text(" verbs=");
+    for (const Verb& verb : verbs()) out.text(&verb == verbs().data() ? "" : ",").text(verb.name);
+    return Answer();
+  }
+  const Verb* verb = find_verb(request.subject);
+  if (verb == nullptr) return std::unexpected(Error::kUnknownRequest);
+  out.text(" verb=").text(verb->name);
+  tell_modes(verb->modes, out);
+  out.text(" alone=").text(verb->alone ? "yes" : "no");
+  out.text(" does=\"").text(verb->help).text("\"");
+  return Answer();
+}
+
+// A verb that is a command to the tick.
+template <CommandKind kKind>
+constexpr Verb tick_verb(std::string_view name, std::string_view help) {
+  return {.name = name, .handler = command<kKind>, .help = help, .modes = modes_of(kKind)};
+}
+
+constexpr Modes kStanding{Mode::kIdle, Mode::kHolding};
+constexpr Modes kReady{Mode::kHolding};
+
+constexpr std::array kVerbs{
+    Verb{.name = "status",
+         .handler = tell_status,
+         .help = "mode, fault, readings, tool, sensor, sequence, times",
+         .only_asks = true},
+    tick_verb<CommandKind::kEnable>("enable", "torque on"),
+    tick_verb<CommandKind::kDisable>("disable", "the arm is brought to rest, then torque off"),
+    tick_verb<CommandKind::kReset>("reset", "forgets a fault; sets up again, without torque"),
+    tick_verb<CommandKind::kStop>(
+        "stop", "quick stop of every drive, faulted until reset; not an emergency stop"),
+    tick_verb<CommandKind::kHalt>("halt", "slows down on the path, ends a sequence; torque stays"),
+    Verb{.name = "move",
+         .handler = move,
+         .help = "q1_deg=10 q3_mm=5 moves joints; x_mm= y_mm= z_mm= qw= qx= qy= qz= or dx_mm= ... "
+                 "moves the tool in a straight line; pace=0.5 slows down",
+         .modes = kReady,
+         .alone = true,
+         .takes = Verb::Takes::kKeys},
+    Verb{.name = "identify",
+         .handler = identify,
+         .help = "measures all joints; ends with a candidate",
+         .modes = kReady,
+         .alone = true},
+    Verb{.name = "pause", .handler = pause<true>, .help = "of identify"},
+    Verb{.name = "resume", .handler = pause<false>, .help = "of identify; measures again"},
+    Verb{.name = "candidate",
+         .handler = tell_candidate,
+         .help = "the candidate against the active model on poses that neither was fitted to",
+         .only_asks = true},
+    Verb{.name = "accept",
+         .handler = accept,
+         .help = "stores the candidate and servoes with it",
+         .modes = kStanding,
+         .alone = true},
+    Verb{.name = "rollback",
+         .handler = rollback,
+         .help = "back to the signature before, from the first one to the drawing",
+         .modes = kStanding,
+         .alone = true},
+    Verb{.name = "acknowledge",
+         .handler = acknowledge,
+         .help = "the tool may move by the drawing although a signature is stored"},
+    Verb{.name = "signature",
+         .handler = tell_signature,
+         .help = "the parameters servoed with",
+         .only_asks = true},
+    Verb{.name = "touch-grid",
+         .handler = touch_grid,
+         .help = "sends the tool to every vertex of the grid that was taught",
+         .modes = kReady,
+         .alone = true},
+    Verb{.name = "log",
+         .handler = tell_log,
+         .help = "how much was measured; row=N tells one row",
+         .only_asks = true,
+         .takes = Verb::Takes::kKeys},
+    Verb{.name = "help",
+         .handler = help,
+         .help = "the verbs; help VERB tells one of them",
+         .only_asks = true,
+         .takes = Verb::Takes::kVerb},
+};
+
+}  // namespace
+
+std::span<const Verb> verbs() { return kVerbs; }
+
+const Verb* find_verb(std::string_view name) {
+  const auto* found = std::ranges::find(kVerbs, name, &Verb::name);
+  return found == kVerbs.end() ? nullptr : found;
+}
+
+Result<Answer> when_taken(std::optional<Ticket> ticket) {
+  if (!ticket) return std::unexpected(Error::kBusBusy);
+  return Answer{Answer::When::kTaken, *ticket};
+}
+
+}  // namespace armsig::controller

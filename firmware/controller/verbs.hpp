@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// What an operator may ask for: a table of verbs.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "firmware/controller/commit.hpp"
+#include "firmware/controller/grid_sequence.hpp"
+#include "firmware/controller/identification_sequence.hpp"
+#include "firmware/controller/mover.hpp"
+#include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/text.hpp"
+#include "hal/clock.hpp"
+
+namespace armsig::controller {
+
+// What the verbs act on and tell about.
+struct Controls {
+  const Configuration& configuration;
+  hal::Clock& clock;
+  const Link& link;
+  Mover& mover;
+  const PointMeasurement& measurement;
+  IdentificationSequence& identification;
+  GridSequence& grid;
+  Custody& custody;
+  Commit& commit;
+  const hal::Duration& longest_step;
+  std::optional<LinePlanning> planning = {};  // of the straight line that was asked for
+
+  // A sequence, a plan or a change of the store is under way.
+  [[nodiscard]] bool are_busy() const {
+    return identification.is_running() || grid.is_running() || planning || commit.is_running();
+  }
+};
+
+// When an operator is answered whose request was not refused at once.
+struct Answer {
+  enum class When : std::uint8_t {
+    kNow,
+    kTaken,    // by the tick: the command with `ticket`
+    kPlanned,  // Controls::planning, and then taken
+    kStored,   // Controls::commit
+  };
+  When when = When::kNow;
+  Ticket ticket = 0;
+};
+
+// A verb's values, or what a refusal is about, go to `out`.
+using Handler = Result<Answer> (*)(Controls& controls, const Request& request, Line& out);
+
+struct Verb {
+  enum class Takes : std::uint8_t { kNothing, kKeys, kVerb };
+  std::string_view name;
+  Handler handler = nullptr;
+  std::string_view help;
+  Modes modes = kInAnyMode;  // others refuse it with kWrongMode
+  bool alone = false;        // refused with kWrongMode while Controls::are_busy()
+  bool only_asks = false;    // changes nothing
+  Takes takes = Takes::kNothing;
+};
+
+[[nodiscard]] std::span<const Verb> verbs();
+// Null if there is none.
+[[nodiscard]] const Verb* find_verb(std::string_view name);
+
+// Handlers that stand in files of their own.
+Result<Answer> move(Controls& controls, const Request& request, Line& out);
+Result<Answer> tell_status(Controls& controls, const Request& request, Line& out);
+Result<Answer> tell_signature(Controls& controls, const Request& request, Line& out);
+Result<Answer> tell_candidate(Controls& controls, const Request& request, Line& out);
+Result<Answer> tell_log(Controls& controls, const Request& request, Line& out);
+
+// What follows from sending a command: the answer waits for the tick. Errors: kBusBusy (the tick
+// has stopped).
+[[nodiscard]] Result<Answer> when_taken(std::optional<Ticket> ticket);
+
+}  // namespace armsig::controller

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The objects of a drive by index, as every transport of CiA 402 reads and writes them one at a
+// time: SDO of CANopen, CoE of EtherCAT.
+#pragma once
+
+#include <cstdint>
+#include <expected>
+
+#include "core/base/error.hpp"
+
+namespace armsig::cia402 {
+
+struct ObjectRequest {
+  std::uint16_t index = 0;
+  std::uint8_t subindex = 0;
+  std::uint8_t bytes = 0;  // written: 1, 2 or 4; 0 reads the object
+  std::uint32_t value = 0;
+};
+
+struct ObjectFailure {
+  Error error = Error::kSdoTimeout;  // or kSdoAborted
+  std::uint32_t abort_code = 0;      // as the device sent it
+
+  friend bool operator==(const ObjectFailure&, const ObjectFailure&) = default;
+};
+
+// The value read (little-endian, zero-extended), or the value written.
+using ObjectOutcome = std::expected<std::uint32_t, ObjectFailure>;
+
+// Abort codes that callers tell apart; those of CoE are the same (CiA 301, 7.2.4.3.17).
+inline constexpr std::uint32_t kAbortNoObject = 0x06020000;
+inline constexpr std::uint32_t kAbortNoSubindex = 0x06090011;
+
+// What a cycle carries, whichever way: from the master controlword and target, from the drive
+// statusword and position.
+inline constexpr std::uint16_t kControlWord = 0x6040;
+inline constexpr std::uint16_t kStatusWord = 0x6041;
+inline constexpr std::uint16_t kActualPosition = 0x6064;
+inline constexpr std::uint16_t kTargetPosition = 0x607A;
+
+}  // namespace armsig::cia402

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+// CiA 402 without any CAN: drives at the other end of no wire at all, to which setpoints and status
+// words are handed in the same process.
+#include <array>
+#include <chrono>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/pose.hpp"
+#include "hal/cia402/factors.hpp"
+#include "hal/cia402/group.hpp"
+#include "hal/cia402/setup.hpp"
+#include "host_tests/support/failure_of.hpp"
+
+namespace armsig::cia402 {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr hal::Duration kPeriod = milliseconds(2);
+constexpr DriveSettings kSettings{.scaling = {.counts_per_revolution = 4000, .gear_ratio = 100},
+                                  .limits = {radians(-170), radians(170)},
+                                  .largest_speed = 2.0};
+
+// Obeys every controlword at once; a quick stop takes the speed off little by little.
+struct Device {
+  std::uint16_t word = 0x0250;  // Switch on disabled, with voltage
+  std::int32_t counts = 5000;
+  std::int32_t speed = 0;  // counts a cycle, of the quick stop's ramp
+  bool obeys_targets = true;
+  std::vector<std::uint16_t> commands;
+
+  void obey(const Setpoint& setpoint) {
+    if (commands.empty() || commands.back() != setpoint.control_word) {
+      commands.push_back(setpoint.control_word);
+    }
+    const bool enabled = (word & 0x6FU) == 0x27;
+    if (enabled && obeys_targets && setpoint.control_word == 0x0F) {
+      speed = setpoint.target_counts - counts;
+      counts = setpoint.target_counts;
+    }
+    if ((word & 0x6FU) == 0x07) {
+      speed -= speed > 0 ? 1 : 0;
+      counts += speed;
+    }
+    if ((word & 0x4FU) == 0x08) return;
+    switch (setpoint.control_word) {
+      case 0x00:
+        word = 0x0250;
+        break;
+      case 0x02:
+        word = has_torque() ? 0x0217 : 0x0250;
+        break;
+      case 0x06:
+        word = 0x0231;
+        break;
+      case 0x07:
+        word = 0x0233;
+        break;
+      case 0x0F:
+        word = obeys_targets ? 0x1237 : 0x0237;  // bit 12: follows its target
+        break;
+      default:
+        ADD_FAILURE() << "controlword " << setpoint.control_word;
+    }
+  }
+  [[nodiscard]] bool has_torque() const { return (word & 0x6FU) == 0x27 || (word & 0x6FU) == 0x07; }
+};
+
+struct Arm {
+  GroupSettings settings;
+  std::array<Device, 2> devices;
+  std::array<Drive, 2> drives{Drive(kSettings, *Scaling::make(kSettings.scaling)),
+                              Drive(kSettings, *Scaling::make(kSettings.scaling))};
+  Group group{settings};
+  JointVector targets;
+  hal::Instant now{};
+  Result<void> taken;  // the targets of the last tick
+
+  Arm() {
+    for (Drive& drive : drives) group.add(drive);
+    tick();
+    for (const Drive& drive : drives) targets.push_back(drive.state().position);
+  }
+  void tick() {
+    now += kPeriod;
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+      drives[i].hear(devices[i].word, devices[i].counts, now);
+      drives[i].supervise(settings, now);
+    }
+    group.supervise(now);
+    if (!targets.empty()) taken = group.set_targets(targets, now);
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+      devices[i].obey(drives[i].command(group.may_release()));
+    }
+  }
+  void run(hal::Duration time) {
+    for (const hal::Instant end = now + time; now < end;) tick();
+  }
+  void enable() {
+    run(milliseconds(100));  // is known to stand
+    group.set_goal(Goal::kEnabled, now);
+    run(milliseconds(100));
+    ASSERT_EQ(drives[0].status().condition, hal::DriveCondition::kEnabled);
+    ASSERT_EQ(drives[1].status().condition, hal::DriveCondition::kEnabled);
+  }
+  // Joint 0 turns at `speed` rad/s.
+  void turn(double speed, hal::Duration time) {
+    for (const hal::Instant end = now + time; now < end;) {
+      targets[0] += speed * hal::seconds(kPeriod);
+      tick();
+    }
+  }
+};
+
+TEST(Cia402Group, enables_by_the_transitions_of_the_standard) {
+  Arm arm;
+  arm.enable();
+  EXPECT_EQ(arm.devices[0].commands, (std::vector<std::uint16_t>{0x00, 0x06, 0x07, 0x0F}));
+}
+
+TEST(Cia402Group, sends_targets_to_enabled_drives_and_their_own_place_to_others) {
+  Arm arm;
+  arm.targets[0] += 0.5;
+  arm.run(milliseconds(50));
+  EXPECT_EQ(arm.devices[0].counts, 5000);
+  arm.targets[0] -= 0.5;
+  arm.enable();
+  arm.turn(1.0, milliseconds(100));
+  EXPECT_NEAR(arm.drives[0].state().position, arm.targets[0], 0.01);
+  EXPECT_EQ(arm.devices[1].counts, 5000);
+}
+
+TEST(Cia402Group, takes_no_torque_off_before_every_joint_stands) {
+  Arm arm;
+  arm.enable();
+  arm.turn(1.0, milliseconds(200));
+  arm.group.set_goal(Goal::kDisabled, arm.now);
+  int ticks_of_motion = 0;  // at more than the half degree a second that counts as standing
+  for (int i = 0; i < 300 && (i < 2 || arm.devices[0].speed > 2); ++i, ++ticks_of_motion) {
+    arm.tick();
+    EXPECT_TRUE(arm.devices[0].has_torque() && arm.devices[1].has_torque())
+        << "in mid-ramp, at " << arm.devices[0].speed << " counts a cycle";
+  }
+  EXPECT_GT(ticks_of_motion, 50);
+  arm.run(milliseconds(100));
+  EXPECT_FALSE(arm.devices[0].has_torque());
+  EXPECT_FALSE(arm.devices[1].has_torque());
+  EXPECT_FALSE(arm.drives[0].state().fault);
+}
+
+TEST(Cia402Group, lets_a_joint_go_that_does_not_stop_in_time_and_says_so) {
+  Arm arm;
+  arm.enable();
+  arm.turn(1.0, milliseconds(100));
+  arm.group.set_goal(Goal::kStopped, arm.now);
+  for (const hal::Instant end = arm.now + arm.settings.stop_timeout + 2 * kPeriod; arm.now < end;) {
+    arm.tick();
+    arm.devices[0].counts += 100;  // is driven on
+  }
+  EXPECT_EQ(arm.drives[0].status().fault, Error::kStopTimeout);
+  EXPECT_TRUE(arm.group.may_release());
+}
+
+TEST(Cia402Group, stops_every_drive_for_the_fault_of_one) {
+  Arm arm;
+  arm.enable();
+  arm.devices[1].word = 0x0218;  // Fault
+  arm.run(milliseconds(10));
+  EXPECT_EQ(arm.drives[1].status().fault, Error::kDriveFault);
+  EXPECT_EQ(arm.devices[0].commands[4], 0x02) << "quick stop";
+  EXPECT_EQ(arm.drives[0].state().goal, Goal::kStopped);
+}
+
+TEST(Cia402Group, does_not_believe_a_drive_that_ignores_its_targets) {
+  Arm arm;
+  arm.enable();
+  arm.devices[0].obeys_targets = false;
+  arm.devices[0].word = 0x0237;
+  arm.run(arm.settings.status_limits.ignores);
+  EXPECT_FALSE(arm.drives[0].state().fault);
+  arm.run(2 * kPeriod);
+  EXPECT_EQ(arm.drives[0].status().fault, Error::kTargetsIgnored);
+}
+
+TEST(Cia402Group, refuses_a_target_that_would_jump_or_leave_the_limits) {
+  Arm arm;
+  arm.enable();
+  const double here = arm.targets[0];
+  arm.targets[0] = here + 0.1;
+  arm.tick();
+  EXPECT_EQ(test::failure_of(arm.taken), Error::kTargetStep);
+  arm.targets[0] = radians(171);
+  arm.tick();
+  EXPECT_EQ(test::failure_of(arm.taken), Error::kJointLimit);
+  EXPECT_EQ(arm.devices[0].counts, 5000);
+}
+
+// The objects of a drive, read and written as they are asked for.
+struct Objects {
+  std::map<std::pair<std::uint16_t, std::uint8_t>, std::uint32_t> values{
+      {{0x1000, 0}, 0x00020192}, {{0x6502, 0}, 0x80}, {{0x60C2, 1}, 0}, {{0x60C2, 2}, 0},
+      {{0x605A, 0}, 2},          {{0x6085, 0}, 0},    {{0x607E, 0}, 0}, {{0x60B0, 0}, 77},
+      {{0x6060, 0}, 0},          {{0x6061, 0}, 0},    {{0x6065, 0}, 0}, {{0x608F, 1}, 4000},
+      {{0x608F, 2}, 1}};
+
+  ObjectOutcome answer(const ObjectRequest& request) {
+    const auto found = values.find({request.index, request.subindex});
+    if (found == values.end()) {
+      return std::unexpected(ObjectFailure{Error::kSdoAborted, kAbortNoObject});
+    }
+    if (request.bytes != 0) found->second = request.value;
+    if (request.index == 0x6060) values[{0x6061, 0}] = request.value;
+    return found->second;
+  }
+};
+
+struct Outcome {
+  std::optional<Error> error;
+  std::uint16_t index = 0;
+  DriveFactors factors;
+};
+
+Outcome set_up(Objects& objects, const DriveSettings& settings) {
+  Setup setup;
+  append_profile_check(setup);
+  append_factor_requests(setup);
+  append_motion_settings(setup, settings, *Scaling::make(settings.scaling), kPeriod);
+  Outcome result;
+  for (const SetupStep& step : setup) {
+    const ObjectOutcome outcome = objects.answer(step.request);
+    result.error = judge(step, outcome);
+    result.index = step.request.index;
+    if (result.error) break;
+    take_factor(step.request, outcome, result.factors);
+  }
+  return result;
+}
+
+TEST(Cia402Setup, writes_mode_ramp_and_what_a_stop_does) {
+  Objects objects;
+  DriveSettings settings = kSettings;
+  settings.stop_deceleration = 2 * kPi;
+  settings.following_window = radians(0.36);
+  const Outcome done = set_up(objects, settings);
+  EXPECT_FALSE(done.error) << "at object " << done.index;
+  EXPECT_EQ((objects.values[{0x6060, 0}]), 8U) << "cyclic synchronous position";
+  EXPECT_EQ((objects.values[{0x605A, 0}]), 6U) << "quick stop ramp, then stay";
+  EXPECT_EQ((objects.values[{0x6085, 0}]), 400000U) << "a turn a second squared, in counts";
+  EXPECT_EQ((objects.values[{0x6065, 0}]), 400U);
+  EXPECT_EQ((objects.values[{0x60B0, 0}]), 0U) << "position offset";
+  EXPECT_FALSE(contradicting_object(done.factors, settings.scaling));
+}
+
+TEST(Cia402Setup, refuses_what_is_no_drive_or_counts_otherwise) {
+  Objects objects;
+  objects.values[{0x1000, 0}] = 0x00020191;
+  EXPECT_EQ(set_up(objects, kSettings).error, Error::kDriveWrongType);
+  objects = {};
+  objects.values[{0x607E, 0}] = 0x80;
+  EXPECT_EQ(set_up(objects, kSettings).error, Error::kSdoUnexpectedValue);
+  objects = {};
+  objects.values.erase({0x6060, 0});
+  EXPECT_EQ(set_up(objects, kSettings).error, Error::kSdoAborted);
+  objects = {};
+  objects.values[{0x608F, 1}] = 2000;
+  EXPECT_EQ(contradicting_object(set_up(objects, kSettings).factors, kSettings.scaling), 0x608F);
+}
+
+}  // namespace
+}  // namespace armsig::cia402
