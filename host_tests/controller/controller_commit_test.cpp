@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// When a signature may be accepted or rolled back, what becomes of the candidate, and when
+// positions are kept.
+#include <gtest/gtest.h>
+
+#include "host_tests/support/puma_cabinet.hpp"
+
+namespace armsig::controller {
+namespace {
+
+using test::PumaCabinet;
+
+struct Quick : PumaCabinet {
+  Quick() : PumaCabinet(1, configuration()) { EXPECT_TRUE(enable()); }
+  static Configuration configuration() {
+    Configuration c = test::puma_controller();
+    c.sweeps.points = c.sweeps.most_points = 8;
+    c.sweeps.held_out_poses = 3;
+    return c;
+  }
+  bool identify() {
+    return ask("identify") == "ok" && run_until(Mode::kSweeping, 1) &&
+           run_until(Mode::kHolding, 3600);
+  }
+  void expect_error(const std::string& request, const std::string& error) {
+    EXPECT_TRUE(ask(request).starts_with("error " + error + " "))
+        << request << ": " << console.replies.back();
+  }
+};
+
+TEST(Commit, says_why_there_is_nothing_to_accept_or_to_roll_back) {
+  Quick puma;
+  puma.expect_error("accept", "NO_CANDIDATE");
+  puma.expect_error("rollback", "NO_SIGNATURE");
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  puma.run(1);
+  puma.expect_error("accept", "WRONG_MODE");
+  puma.expect_error("rollback", "WRONG_MODE");
+  ASSERT_EQ(puma.ask("stop"), "ok");
+  puma.run(0.1);
+  ASSERT_EQ(puma.mode(), Mode::kFaulted);
+  puma.expect_error("accept", "WRONG_MODE");
+  puma.expect_error("rollback", "WRONG_MODE");
+  EXPECT_EQ(puma.memory.changed, 0U);
+}
+
+TEST(Commit, forgets_the_candidate_when_it_is_stored_and_not_when_another_is_rolled_back) {
+  Quick puma;
+  ASSERT_TRUE(puma.identify());
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  puma.expect_error("candidate", "NO_CANDIDATE");
+  puma.expect_error("accept", "NO_CANDIDATE");
+  ASSERT_TRUE(puma.identify());
+  ASSERT_TRUE(puma.ask("candidate").starts_with("ok held_out=3 "));
+  ASSERT_EQ(puma.ask("rollback"), "ok");
+  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+  EXPECT_TRUE(puma.ask("candidate").starts_with("ok held_out=3 "));
+}
+
+TEST(Commit, is_possible_without_torque) {
+  Quick puma;
+  ASSERT_TRUE(puma.identify());
+  ASSERT_EQ(puma.ask("disable"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kIdle, 1));
+  EXPECT_EQ(puma.ask("accept"), "ok");
+  EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=1 "));
+  EXPECT_EQ(puma.ask("rollback"), "ok");
+  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+}
+
+TEST(Positions, are_kept_once_after_the_torque_went_and_not_while_the_arm_is_pushed_about) {
+  Quick puma;
+  ASSERT_EQ(puma.ask("disable"), "ok");
+  puma.run(2);
+  const std::size_t kept = puma.memory.changed;
+  EXPECT_GT(kept, 0U);
+  puma.cabinet->drive(0).push(0.2 * test::kPumaCountsPerRadian);
+  puma.run(2);
+  EXPECT_NEAR(puma.now().positions[0], 0.2, 1e-3) << "it was pushed";
+  EXPECT_EQ(puma.memory.changed, kept);
+}
+
+}  // namespace
+}  // namespace armsig::controller
