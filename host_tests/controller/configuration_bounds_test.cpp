@@ -151,6 +151,8 @@ TEST(ConfigurationBounds, of_the_period) {
     c.period += std::chrono::nanoseconds(us == 100 ? -1 : 1);
     EXPECT_EQ(test::failure_of(check(c)).setting, "period");
     EXPECT_EQ(test::failure_of(check(c)).error, Error::kPeriodInvalid);
+    EXPECT_EQ(test::failure_of(check(c)).found, hal::seconds(c.period));
+    EXPECT_EQ(test::failure_of(check(c)).needed, 0.05);
   }
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // When a signature may be accepted or rolled back, what becomes of the candidate, and when
 // positions are kept.
+#include <algorithm>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "host_tests/support/puma_cabinet.hpp"
@@ -66,6 +69,36 @@ TEST(Commit, is_possible_without_torque) {
   EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=1 "));
   EXPECT_EQ(puma.ask("rollback"), "ok");
   EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+}
+
+TEST(Commit, of_a_new_signature_ends_the_trouble_with_an_old_one) {
+  Quick puma;
+  std::ranges::fill(puma.memory.bytes, std::uint8_t{'A'});
+  puma.start(Quick::configuration(), 1);
+  ASSERT_TRUE(puma.enable());
+  ASSERT_NE(puma.ask("status").find(" acknowledge=needed"), std::string::npos);
+  ASSERT_TRUE(puma.identify());
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  EXPECT_EQ(puma.ask("status").find(" acknowledge="), std::string::npos);
+  EXPECT_EQ(puma.ask("status").find(" store="), std::string::npos);
+}
+
+TEST(Commit, is_of_its_drives_and_another_number_is_told_with_the_one_expected) {
+  Quick puma;
+  ASSERT_TRUE(puma.identify());
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  puma.first_serial = 2001;
+  puma.start(Quick::configuration(), 1);
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  puma.run(0.1);
+  std::string unused;
+  for (const std::string& line : puma.console.told) {
+    if (line.starts_with("# signature unused")) unused = line;
+  }
+  EXPECT_NE(unused.find(" what=drive_serial joint=1 found=2001.000 expected=1001.000 go by the "
+                        "drawing with acknowledge"),
+            std::string::npos)
+      << unused;
 }
 
 TEST(Positions, are_kept_once_after_the_torque_went_and_not_while_the_arm_is_pushed_about) {
