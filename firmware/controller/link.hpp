@@ -24,7 +24,7 @@ enum class CommandKind : std::uint8_t {
   kReset,          // Faulted
   kStop,           // any mode: quick stop, Faulted with kQuickStop
   kHalt,           // Holding, Servoing, Sweeping: the move and the sequence end in a ramp
-  kMove,           // Holding, or Sweeping at rest
+  kMove,           // Holding, or Sweeping at rest; of a sequence: Sweeping
   kBeginSequence,  // Holding
   kEndSequence,    // any mode; a move under way is finished
   kAdoptModel,     // no move under way
@@ -34,8 +34,9 @@ enum class CommandKind : std::uint8_t {
 struct Command {
   CommandKind kind = CommandKind::kStop;
   std::uint32_t serial = 0;
-  Move move;              // kMove
-  std::size_t model = 0;  // kAdoptModel: index into Link::models
+  Move move;                 // kMove
+  bool of_sequence = false;  // the move is, which is refused once the sequence has ended
+  std::size_t model = 0;     // kAdoptModel: index into Link::models
 };
 
 // Why the controller is Faulted.

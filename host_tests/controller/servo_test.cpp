@@ -351,6 +351,22 @@ TEST(ServoHalt, ends_a_move_by_the_ramp_of_the_joint_that_has_the_longest_to_bra
   EXPECT_EQ(bench.follow().mode, Mode::kHolding);
 }
 
+// The background may send the next move of a sequence before it has seen that the tick took a halt.
+TEST(ServoHalt, leaves_a_sequence_no_further_move) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  ASSERT_EQ(bench.send(CommandKind::kBeginSequence), std::nullopt);
+  Command next = bench.move_by(1, 0.4);
+  next.of_sequence = true;
+  Command halt;
+  halt.kind = CommandKind::kHalt;
+  halt.serial = ++bench.serial;
+  ASSERT_TRUE(bench.link.commands.post(halt));
+  EXPECT_EQ(bench.send(next), Error::kWrongMode);
+  EXPECT_FALSE(bench.link.snapshot.read().moving);
+  EXPECT_EQ(bench.link.snapshot.read().mode, Mode::kHolding);
+}
+
 TEST(ServoPublishes, how_long_the_arm_has_stood_within_the_tolerance) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.hold());
