@@ -45,13 +45,17 @@ Result<void> GridSequence::begin() {
 void GridSequence::step() {
   if (!is_running() || !mover_.is_handled(ticket_)) return;
   const Snapshot& snapshot = mover_.now();
+  // First, as what was sent in the tick of the fault was refused because of it.
+  if (snapshot.fault) {
+    end(snapshot.fault->error, snapshot.fault->joint);
+    return;
+  }
   if (const auto refusal = mover_.refusal(ticket_)) {
     end(*refusal);
     return;
   }
   if (snapshot.mode != Mode::kSweeping) {
-    end(snapshot.fault ? snapshot.fault->error : Error::kSequenceStopped,
-        snapshot.fault ? snapshot.fault->joint : std::nullopt);
+    end(Error::kSequenceStopped);
     return;
   }
   if (moving_) {
@@ -109,7 +113,7 @@ void GridSequence::go_on() {
     end(move.error().error, move.error().joint);
     return;
   }
-  const auto sent = mover_.send(*move);
+  const auto sent = mover_.send(*move, Mover::Of::kSequence);
   if (!sent) {
     end(Error::kLateTick);
     return;

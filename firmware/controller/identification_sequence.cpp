@@ -90,13 +90,17 @@ void IdentificationSequence::step() {
   if (!is_running()) return;
   const Snapshot& snapshot = mover_.now();
   if (!mover_.is_handled(ticket_)) return;
+  // First, as what was sent in the tick of the fault was refused because of it.
+  if (snapshot.fault) {
+    end(snapshot.fault->error, snapshot.fault->joint);
+    return;
+  }
   if (const auto refusal = mover_.refusal(ticket_)) {
     end(*refusal);
     return;
   }
   if (snapshot.mode != Mode::kSweeping) {
-    end(snapshot.fault ? snapshot.fault->error : Error::kSequenceStopped,
-        snapshot.fault ? snapshot.fault->joint : std::nullopt);
+    end(Error::kSequenceStopped);
     return;
   }
   switch (phase_) {
@@ -160,7 +164,7 @@ void IdentificationSequence::go_to(const JointVector& q) {
     end(move.error().error, move.error().joint);
     return;
   }
-  const auto sent = mover_.send(*move);
+  const auto sent = mover_.send(*move, Mover::Of::kSequence);
   if (!sent) {
     end(Error::kLateTick);
     return;

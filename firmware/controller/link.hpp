@@ -24,7 +24,8 @@ enum class CommandKind : std::uint8_t {
   kReset,
   kStop,  // quick stop, Faulted with kQuickStop
   kHalt,  // the move and the sequence end in a ramp
-  kMove,  // from where the arm is commanded to be, while none is under way
+  kMove,  // from where the arm is commanded to be, while none is under way; of a sequence: while it
+          // lasts
   kBeginSequence,
   kEndSequence,  // a move under way is finished
   kAdoptModel,   // no move under way
@@ -55,8 +56,9 @@ enum class CommandKind : std::uint8_t {
 struct Command {
   CommandKind kind = CommandKind::kStop;
   std::uint32_t serial = 0;
-  Move move;              // kMove
-  std::size_t model = 0;  // kAdoptModel: index into Link::models
+  Move move;                 // kMove
+  bool of_sequence = false;  // the move is, which is refused once the sequence has ended
+  std::size_t model = 0;     // kAdoptModel: index into Link::models
 };
 
 // Why the controller is Faulted.

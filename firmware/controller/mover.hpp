@@ -17,6 +17,9 @@ using Ticket = std::uint32_t;
 
 class Mover {
  public:
+  // Whose move it is.
+  enum class Of : std::uint8_t { kOperator, kSequence };
+
   explicit Mover(Link& link) : link_(link) {}
 
   // To be called first in every step of the background.
@@ -38,10 +41,11 @@ class Mover {
     return send(command);
   }
   // A function of its own: the command would stand on the stack below the planning of the move.
-  [[gnu::noinline]] std::optional<Ticket> send(const Move& move) {
+  [[gnu::noinline]] std::optional<Ticket> send(const Move& move, Of of = Of::kOperator) {
     Command command;
     command.kind = CommandKind::kMove;
     command.move = move;
+    command.of_sequence = of == Of::kSequence;
     return send(command);
   }
 

@@ -122,6 +122,8 @@ std::optional<Error> Servo::take(const Command& command) {
       brake();
       break;
     case CommandKind::kMove:
+      // The operator's halt may have come before the move of a sequence that does not know of it.
+      if (command.of_sequence && !in_sequence_) return Error::kWrongMode;
       return begin(command.move);
     case CommandKind::kBeginSequence:
       in_sequence_ = true;

@@ -52,7 +52,9 @@ Result<std::unique_ptr<SocketConsole>> SocketConsole::open(const std::string& pa
   const int bound =
       ::bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
   ::umask(former);
-  if (bound != 0 || ::listen(listener.get(), kBacklog) != 0) {
+  if (bound != 0) return std::unexpected(Error::kSystemRefused);
+  if (::listen(listener.get(), kBacklog) != 0) {
+    ::unlink(address.sun_path);
     return std::unexpected(Error::kSystemRefused);
   }
   return std::unique_ptr<SocketConsole>(new SocketConsole(std::move(listener), path));

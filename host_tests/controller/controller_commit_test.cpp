@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// When a signature may be accepted or rolled back, what becomes of the candidate, and when
+// positions are kept.
+#include <algorithm>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "host_tests/support/puma_cabinet.hpp"
+
+namespace armsig::controller {
+namespace {
+
+using test::PumaCabinet;
+
+struct Quick : PumaCabinet {
+  Quick() : PumaCabinet(1, configuration()) { EXPECT_TRUE(enable()); }
+  static Configuration configuration() {
+    Configuration c = test::puma_controller();
+    c.sweeps.points = c.sweeps.most_points = 8;
+    c.sweeps.held_out_poses = 3;
+    return c;
+  }
+  bool identify() {
+    return ask("identify") == "ok" && run_until(Mode::kSweeping, 1) &&
+           run_until(Mode::kHolding, 3600);
+  }
+  void expect_error(const std::string& request, const std::string& error) {
+    EXPECT_TRUE(ask(request).starts_with("error " + error + " "))
+        << request << ": " << console.replies.back();
+  }
+};
+
+TEST(Commit, says_why_there_is_nothing_to_accept_or_to_roll_back) {
+  Quick puma;
+  puma.expect_error("accept", "NO_CANDIDATE");
+  puma.expect_error("rollback", "NO_SIGNATURE");
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  puma.run(1);
+  puma.expect_error("accept", "WRONG_MODE");
+  puma.expect_error("rollback", "WRONG_MODE");
+  ASSERT_EQ(puma.ask("stop"), "ok");
+  puma.run(0.1);
+  ASSERT_EQ(puma.mode(), Mode::kFaulted);
+  puma.expect_error("accept", "WRONG_MODE");
+  puma.expect_error("rollback", "WRONG_MODE");
+  EXPECT_EQ(puma.memory.changed, 0U);
+}
+
+TEST(Commit, forgets_the_candidate_when_it_is_stored_and_not_when_another_is_rolled_back) {
+  Quick puma;
+  ASSERT_TRUE(puma.identify());
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  puma.expect_error("candidate", "NO_CANDIDATE");
+  puma.expect_error("accept", "NO_CANDIDATE");
+  ASSERT_TRUE(puma.identify());
+  ASSERT_TRUE(puma.ask("candidate").starts_with("ok held_out=3 "));
+  ASSERT_EQ(puma.ask("rollback"), "ok");
+  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+  EXPECT_TRUE(puma.ask("candidate").starts_with("ok held_out=3 "));
+}
+
+TEST(Commit, is_possible_without_torque) {
+  Quick puma;
+  ASSERT_TRUE(puma.identify());
+  ASSERT_EQ(puma.ask("disable"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kIdle, 1));
+  EXPECT_EQ(puma.ask("accept"), "ok");
+  EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=1 "));
+  EXPECT_EQ(puma.ask("rollback"), "ok");
+  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+}
+
+TEST(Commit, of_a_new_signature_ends_the_trouble_with_an_old_one) {
+  Quick puma;
+  std::ranges::fill(puma.memory.bytes, std::uint8_t{'A'});
+  puma.start(Quick::configuration(), 1);
+  ASSERT_TRUE(puma.enable());
+  ASSERT_NE(puma.ask("status").find(" acknowledge=needed"), std::string::npos);
+  ASSERT_TRUE(puma.identify());
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  EXPECT_EQ(puma.ask("status").find(" acknowledge="), std::string::npos);
+  EXPECT_EQ(puma.ask("status").find(" store="), std::string::npos);
+}
+
+TEST(Commit, is_of_its_drives_and_another_number_is_told_with_the_one_expected) {
+  Quick puma;
+  ASSERT_TRUE(puma.identify());
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  puma.first_serial = 2001;
+  puma.start(Quick::configuration(), 1);
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  puma.run(0.1);
+  std::string unused;
+  for (const std::string& line : puma.console.told) {
+    if (line.starts_with("# signature unused")) unused = line;
+  }
+  EXPECT_NE(unused.find(" what=drive_serial joint=1 found=2001.000 expected=1001.000 go by the "
+                        "drawing with acknowledge"),
+            std::string::npos)
+      << unused;
+}
+
+TEST(Positions, are_kept_once_after_the_torque_went_and_not_while_the_arm_is_pushed_about) {
+  Quick puma;
+  ASSERT_EQ(puma.ask("disable"), "ok");
+  puma.run(2);
+  const std::size_t kept = puma.memory.changed;
+  EXPECT_GT(kept, 0U);
+  puma.cabinet->drive(0).push(0.2 * test::kPumaCountsPerRadian);
+  puma.run(2);
+  EXPECT_NEAR(puma.now().positions[0], 0.2, 1e-3) << "it was pushed";
+  EXPECT_EQ(puma.memory.changed, kept);
+}
+
+}  // namespace
+}  // namespace armsig::controller

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// An identification point by point: what it visits, what is lost and skipped, what it tells of its
+// progress, and how each end of it is told.
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "host_tests/support/puma_cabinet.hpp"
+
+namespace armsig::controller {
+namespace {
+
+using test::PumaCabinet;
+
+struct Measured : PumaCabinet {
+  explicit Measured(const Configuration& c = configuration()) : PumaCabinet(1, c) {
+    EXPECT_TRUE(enable());
+    EXPECT_EQ(ask("identify"), "ok");
+    run_until(Mode::kSweeping, 1);
+  }
+  static Configuration configuration() {
+    Configuration c = test::puma_controller();
+    c.sweeps.points = c.sweeps.most_points = 8;
+    c.sweeps.held_out_poses = 3;
+    return c;
+  }
+  const IdentificationSequence& sequence() { return cabinet->state().identification(); }
+  // Until `points` are measured.
+  void measure(std::size_t points) {
+    for (int i = 0; i < 200'000 && sequence().points_done() < points; ++i) cabinet->step();
+    ASSERT_EQ(sequence().points_done(), points);
+  }
+  [[nodiscard]] std::size_t told(const std::string& beginning) const {
+    std::size_t count = 0;
+    for (const std::string& line : console.told) count += line.starts_with(beginning) ? 1 : 0;
+    return count;
+  }
+  [[nodiscard]] std::string last(const std::string& beginning) const {
+    std::string found;
+    for (const std::string& line : console.told) {
+      if (line.starts_with(beginning)) found = line;
+    }
+    return found;
+  }
+};
+
+TEST(Identify, visits_each_joints_arc_and_the_poses_held_out_and_returns) {
+  Measured puma;
+  EXPECT_EQ(puma.sequence().points_planned(), 6 * 8 + 3U);
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
+  const MeasurementLog& log = puma.sequence().log();
+  ASSERT_EQ(log.size(), puma.sequence().points_done());
+  ASSERT_GT(log.size(), 6 * 6 + 3U);
+  const JointVector centre = test::puma_configuration();
+  const Configuration c = Measured::configuration();
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    const std::size_t sweep = log[i].sweep;
+    EXPECT_EQ(sweep == 0, i + 3 >= log.size()) << i;
+    const std::size_t before = i == 0 ? 1 : log[i - 1].sweep;
+    EXPECT_TRUE(sweep == 0 || sweep == before || sweep == before + 1) << i;
+    EXPECT_EQ(log[i].pings, 5) << i;
+    for (std::size_t joint = 0; joint < 6; ++joint) {
+      const double off = std::abs(log[i].readings[joint] - centre[joint]);
+      if (sweep == 0) {
+        const auto [lower, upper] = c.drawing.limits[joint];
+        EXPECT_GE(log[i].readings[joint], centre[joint] + 0.5 * (lower - centre[joint]) - 1e-3);
+        EXPECT_LE(log[i].readings[joint], centre[joint] + 0.5 * (upper - centre[joint]) + 1e-3);
+      } else if (joint + 1 != sweep) {
+        EXPECT_LT(off, 1e-3) << i << ": only the joint of the sweep moves";
+      }
+    }
+  }
+  EXPECT_EQ(puma.told("# identify swept joint="), 6U);
+  EXPECT_EQ(puma.told("# candidate held_out=3 "), 1U);
+  EXPECT_EQ(puma.told("# identify done"), 1U);
+  puma.run(0.1);
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    EXPECT_NEAR(puma.now().positions[joint], centre[joint], 1e-3) << "back where it began";
+  }
+}
+
+TEST(Identify, tells_how_much_is_left_by_what_was_done) {
+  Measured puma;
+  EXPECT_EQ(puma.sequence().left_s(), 0) << "nothing is known before the first point";
+  const hal::Instant began = puma.now().now;
+  puma.measure(10);
+  const double a_point_s = hal::seconds(puma.now().now - began) / 10;
+  EXPECT_NEAR(puma.sequence().left_s(), 41 * a_point_s, 0.05 * 41 * a_point_s);
+  EXPECT_EQ(puma.told("# identify swept joint=1 points=8 planned=51 axis_sigma_deg=0."), 1U);
+}
+
+// Ranges that do not meet in a point are the place's fault, until they are so three times in a row.
+TEST(Identify, skips_points_without_a_position_and_pauses_at_the_third_in_a_row) {
+  Measured puma;
+  puma.measure(4);
+  puma.cabinet->sensor().field().multipath_probability = 0.9;
+  puma.cabinet->sensor().field().longest_detour_m = 3;
+  for (int i = 0; i < 100'000 && puma.told("# identify point lost") < 1; ++i) puma.cabinet->step();
+  EXPECT_NE(puma.last("# identify point lost").find(" error=RANGES_INCONSISTENT "),
+            std::string::npos)
+      << puma.last("# identify point lost");
+  EXPECT_FALSE(puma.sequence().is_paused());
+  for (int i = 0; i < 100'000 && !puma.sequence().is_paused(); ++i) puma.cabinet->step();
+  EXPECT_EQ(puma.told("# identify point lost"), 3U);
+  EXPECT_EQ(puma.sequence().pause_reason(), Error::kRangesInconsistent);
+  puma.run(5);
+  EXPECT_EQ(puma.sequence().points_done(), 4U);
+  puma.cabinet->sensor().field().multipath_probability = 0;
+  ASSERT_EQ(puma.ask("resume"), "ok");
+  EXPECT_FALSE(puma.sequence().pause_reason());
+  puma.measure(6);
+}
+
+TEST(Identify, ends_where_the_arm_is_moved_at_every_try) {
+  Measured puma;
+  puma.measure(2);
+  for (int i = 0; i < 50'000 && puma.sequence().is_running(); ++i) {
+    // Out of the tolerance and back, between the first ping of a point and its last.
+    if (puma.now().settled == std::chrono::milliseconds(250)) {
+      puma.cabinet->drive(4).push(5e-4 * test::kPumaCountsPerRadian);
+    }
+    puma.cabinet->step();
+  }
+  EXPECT_EQ(puma.told("# identify point refused error=ARM_MOVED "), 2U);
+  EXPECT_TRUE(puma.last("# identify point refused").ends_with(" joint=5"))
+      << puma.last("# identify point refused");
+  EXPECT_EQ(puma.told("# identify ended error=ARM_MOVED "), 1U);
+  EXPECT_TRUE(puma.last("# identify ended").ends_with(" joint=5"));
+}
+
+TEST(Identify, ends_by_a_halt_and_by_a_fault_with_its_joint) {
+  Measured halted;
+  halted.measure(1);
+  ASSERT_EQ(halted.ask("halt"), "ok");
+  halted.run(1);
+  EXPECT_EQ(halted.told("# identify ended error=SEQUENCE_STOPPED "), 1U);
+  EXPECT_EQ(halted.mode(), Mode::kHolding);
+  Measured faulted;
+  faulted.measure(1);
+  faulted.cabinet->drive(2).inject(simulated::DriveFault::kEmergency, 0x2310);
+  faulted.run(1);
+  EXPECT_EQ(faulted.told("# identify ended error=DRIVE_EMERGENCY "), 1U)
+      << faulted.last("# identify ended") << faulted.last("# mode");
+  EXPECT_TRUE(faulted.last("# identify ended").ends_with(" joint=3"));
+  EXPECT_EQ(faulted.told("# mode faulted error=DRIVE_EMERGENCY "), 1U);
+}
+
+TEST(Identify, pauses_on_request_and_stays_where_it_is) {
+  Measured puma;
+  puma.measure(3);
+  ASSERT_EQ(puma.ask("pause"), "ok");
+  puma.run(5);
+  const std::size_t done = puma.sequence().points_done();
+  EXPECT_LE(done, 4U);
+  puma.run(10);
+  EXPECT_EQ(puma.sequence().points_done(), done);
+  EXPECT_EQ(puma.mode(), Mode::kSweeping);
+  ASSERT_EQ(puma.ask("resume"), "ok");
+  puma.measure(done + 2);
+}
+
+}  // namespace
+}  // namespace armsig::controller

@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: MIT
+// The servo tick alone, before drives that a test sets: what it faults for and what not, how far a
+// move is at each tick, how a halt ends it, and what it publishes.
+#include "firmware/controller/servo.hpp"
+
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+#include "hal/simulated/virtual_clock.hpp"
+#include "host_tests/support/puma_cabinet.hpp"
+#include "host_tests/support/set_drives.hpp"
+
+namespace armsig::controller {
+namespace {
+
+using std::chrono::milliseconds;
+using enum hal::DriveCondition;
+
+struct Bench {
+  Bench() {
+    link.models[0] = model_of(configuration.drawing);
+    link.models[1] = link.models[0];
+    drives.actual = test::puma_configuration();
+  }
+  const Snapshot& tick(hal::Duration lateness = {}) {
+    servo.tick(lateness);
+    clock.wait_until(next += configuration.period);
+    return link.snapshot.read();
+  }
+  // What the tick said to a command.
+  std::optional<Error> send(Command command) {
+    command.serial = ++serial;
+    EXPECT_TRUE(link.commands.post(command));
+    const Snapshot& out = tick();
+    EXPECT_EQ(out.handled, serial);
+    EXPECT_EQ(out.results[serial % out.results.size()].serial, serial);
+    return out.results[serial % out.results.size()].refused;
+  }
+  std::optional<Error> send(CommandKind kind) {
+    Command command;
+    command.kind = kind;
+    return send(command);
+  }
+  // Every drive has torque and holds where it is.
+  void hold() {
+    tick();
+    ASSERT_EQ(send(CommandKind::kEnable), std::nullopt);
+    drives.set_all(kEnabled);
+    ASSERT_EQ(tick().mode, Mode::kHolding);
+  }
+  Command move_by(std::size_t joint, double way) {
+    JointVector to = link.snapshot.read().commanded;
+    to[joint] += way;
+    Command command;
+    command.kind = CommandKind::kMove;
+    command.move = *plan_joint_move(configuration, link.snapshot.read().commanded, to);
+    return command;
+  }
+  // A tick of drives that are where they were told to be.
+  const Snapshot& follow() {
+    drives.actual = drives.targets;
+    return tick();
+  }
+  void expect_fault(Error error, std::optional<std::size_t> joint) {
+    const Snapshot& now = link.snapshot.read();
+    ASSERT_EQ(now.mode, Mode::kFaulted);
+    ASSERT_TRUE(now.fault);
+    EXPECT_EQ(now.fault->error, error);
+    EXPECT_EQ(now.fault->joint, joint);
+    EXPECT_EQ(drives.quick_stops, 1);
+  }
+
+  Configuration configuration = test::puma_controller();
+  test::SetDrives drives{configuration.drawing.joints.size()};
+  simulated::VirtualClock clock;
+  Link link;
+  Servo servo{configuration, drives, clock, link};
+  hal::Instant next;
+  std::uint32_t serial = 0;
+};
+
+TEST(ServoFaults, following_error_is_judged_at_each_joint_by_its_own_bound_either_way) {
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    for (const double way : {-1.0, 1.0}) {
+      Bench bench;
+      bench.configuration.supervision.following_error[joint] = 0.02;
+      ASSERT_NO_FATAL_FAILURE(bench.hold());
+      bench.drives.actual[joint] += way * 0.0199;
+      EXPECT_EQ(bench.tick().mode, Mode::kHolding);
+      bench.drives.actual[joint] += way * 0.0002;
+      bench.tick();
+      bench.expect_fault(Error::kFollowingError, joint);
+    }
+  }
+}
+
+TEST(ServoFaults, a_position_that_is_no_number_is_a_following_error) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  bench.drives.actual[4] = std::numeric_limits<double>::quiet_NaN();
+  bench.tick();
+  bench.expect_fault(Error::kFollowingError, 4);
+}
+
+TEST(ServoFaults, following_counts_only_with_torque) {
+  Bench bench;
+  bench.tick();
+  bench.drives.actual[2] += 1;
+  EXPECT_EQ(bench.tick().mode, Mode::kIdle);
+  EXPECT_EQ(bench.tick().commanded[2], bench.drives.actual[2]) << "a shaft that is turned by hand";
+}
+
+TEST(ServoFaults, of_a_drive_are_told_with_its_code_and_words_in_every_mode) {
+  Bench bench;
+  bench.tick();
+  bench.drives.statuses[3].fault = Error::kDriveFault;
+  bench.drives.statuses[3].fault_code = 0x4210;
+  bench.drives.statuses[3].words = "too warm";
+  bench.tick();
+  bench.expect_fault(Error::kDriveFault, 3);
+  EXPECT_EQ(bench.link.snapshot.read().fault->code, 0x4210U);
+  EXPECT_EQ(bench.link.snapshot.read().fault->words, "too warm");
+}
+
+TEST(ServoFaults, a_drive_that_says_why_later_is_listened_to_and_another_cause_is_not) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  bench.drives.statuses[1].condition = kFaulted;
+  bench.tick();
+  bench.expect_fault(Error::kDriveFault, 1);
+  EXPECT_EQ(bench.link.snapshot.read().fault->code, 0U);
+  bench.drives.statuses[1].fault = Error::kHeartbeatLost;
+  bench.drives.statuses[1].fault_code = 7;
+  EXPECT_EQ(bench.tick().fault->code, 0U) << "of another cause";
+  bench.drives.statuses[1].fault = Error::kDriveFault;
+  bench.drives.statuses[1].fault_code = 0x2310;
+  bench.drives.statuses[1].words = "current";
+  EXPECT_EQ(bench.tick().fault->code, 0x2310U);
+  EXPECT_EQ(bench.link.snapshot.read().fault->words, "current");
+  bench.drives.statuses[1].fault_code = 0x9999;
+  EXPECT_EQ(bench.tick().fault->code, 0x2310U) << "the first is kept";
+}
+
+TEST(ServoFaults, the_first_cause_is_kept) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  bench.drives.statuses[2].fault = Error::kDriveFault;
+  bench.drives.statuses[5].fault = Error::kHeartbeatLost;
+  bench.drives.on_read = Error::kBusOff;
+  bench.tick();
+  bench.expect_fault(Error::kDriveFault, 2);
+  bench.tick();
+  EXPECT_EQ(bench.drives.quick_stops, 1);
+}
+
+TEST(ServoFaults, a_drive_that_leaves_its_state_by_itself_is_one_only_while_the_arm_has_torque) {
+  Bench bench;
+  bench.drives.statuses[4].status_word = 0x1234;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  bench.drives.statuses[4].condition = kSwitching;
+  bench.tick();
+  bench.expect_fault(Error::kDriveDroppedOut, 4);
+  EXPECT_EQ(bench.link.snapshot.read().fault->code, 0x1234U);
+}
+
+TEST(ServoFaults, a_bus_that_cant_be_read_is_one) {
+  Bench bench;
+  bench.tick();
+  bench.drives.on_read = Error::kBusOff;
+  bench.tick();
+  bench.expect_fault(Error::kBusOff, std::nullopt);
+}
+
+TEST(ServoFaults, a_target_that_the_drives_refuse_is_one_with_torque_and_a_full_queue_is_none) {
+  Bench bench;
+  bench.drives.on_write = Error::kTargetStep;
+  bench.tick();
+  EXPECT_EQ(bench.tick().mode, Mode::kIdle);
+  bench.drives.on_write.reset();
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  bench.drives.on_write = Error::kBusBusy;
+  EXPECT_EQ(bench.tick().mode, Mode::kHolding);
+  bench.drives.on_write = Error::kTargetStep;
+  bench.tick();
+  bench.expect_fault(Error::kTargetStep, std::nullopt);
+}
+
+TEST(ServoFaults, are_left_by_reset_alone) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  EXPECT_EQ(bench.send(CommandKind::kReset), Error::kWrongMode);
+  EXPECT_EQ(bench.send(CommandKind::kStop), std::nullopt);
+  bench.expect_fault(Error::kQuickStop, std::nullopt);
+  for (const CommandKind kind : {CommandKind::kEnable, CommandKind::kDisable, CommandKind::kHalt,
+                                 CommandKind::kMove, CommandKind::kBeginSequence}) {
+    EXPECT_EQ(bench.send(kind), Error::kWrongMode) << static_cast<int>(kind);
+  }
+  EXPECT_EQ(bench.drives.disabled, 0);
+  bench.drives.set_all(kStopped);
+  EXPECT_EQ(bench.send(CommandKind::kReset), std::nullopt);
+  EXPECT_EQ(bench.drives.resets, 1);
+  EXPECT_EQ(bench.tick().mode, Mode::kStarting);
+  EXPECT_FALSE(bench.link.snapshot.read().fault);
+  bench.drives.set_all(kDisabled);
+  EXPECT_EQ(bench.tick().mode, Mode::kIdle);
+}
+
+TEST(ServoEnabling, is_refused_until_every_drive_is_without_torque_and_twice) {
+  Bench bench;
+  bench.tick();
+  bench.drives.statuses[5].condition = kStopping;
+  EXPECT_EQ(bench.send(CommandKind::kEnable), Error::kWrongMode);
+  EXPECT_EQ(bench.drives.enabled, 0);
+  bench.drives.set_all(kDisabled);
+  bench.drives.on_enable = Error::kDrivesNotReady;
+  EXPECT_EQ(bench.send(CommandKind::kEnable), Error::kDrivesNotReady);
+  bench.drives.on_enable.reset();
+  EXPECT_EQ(bench.send(CommandKind::kEnable), std::nullopt);
+  EXPECT_EQ(bench.send(CommandKind::kEnable), Error::kWrongMode) << "under way already";
+  EXPECT_EQ(bench.drives.enabled, 2);
+  for (std::size_t joint = 0; joint < 5; ++joint) bench.drives.statuses[joint].condition = kEnabled;
+  EXPECT_EQ(bench.tick().mode, Mode::kIdle) << "the last one has no torque";
+  bench.drives.statuses[5].condition = kEnabled;
+  EXPECT_EQ(bench.tick().mode, Mode::kHolding);
+}
+
+TEST(ServoEnabling, holds_the_joints_that_have_torque_and_follows_the_others) {
+  Bench bench;
+  bench.tick();
+  const double held = bench.drives.actual[0];
+  ASSERT_EQ(bench.send(CommandKind::kEnable), std::nullopt);
+  bench.drives.statuses[0].has_torque = true;
+  bench.drives.actual[0] += 1e-3;
+  bench.drives.actual[1] += 1e-3;
+  bench.tick();
+  EXPECT_EQ(bench.drives.targets[0], held);
+  EXPECT_EQ(bench.drives.targets[1], bench.drives.actual[1]);
+  bench.drives.actual[0] += 0.06;
+  bench.tick();
+  bench.expect_fault(Error::kFollowingError, 0);
+}
+
+TEST(ServoDisabling, takes_the_torque_off_and_ends_move_and_sequence) {
+  Bench bench;
+  EXPECT_EQ(bench.send(CommandKind::kDisable), Error::kWrongMode) << "before the drives are found";
+  bench.drives.set_all(kStarting);
+  EXPECT_EQ(bench.drives.disabled, 0);
+  bench.drives.set_all(kDisabled);
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  ASSERT_EQ(bench.send(CommandKind::kBeginSequence), std::nullopt);
+  ASSERT_EQ(bench.send(bench.move_by(0, 0.5)), std::nullopt);
+  bench.follow();
+  EXPECT_EQ(bench.send(CommandKind::kDisable), std::nullopt);
+  EXPECT_EQ(bench.drives.disabled, 1);
+  EXPECT_EQ(bench.link.snapshot.read().mode, Mode::kIdle);
+  EXPECT_FALSE(bench.link.snapshot.read().moving);
+  bench.drives.set_all(kDisabled);
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  EXPECT_EQ(bench.link.snapshot.read().mode, Mode::kHolding) << "no sequence is left over";
+}
+
+// Half of a minimum-jerk move is reached after half of its time, to the tick.
+TEST(ServoMoves, are_where_their_course_is_at_each_tick) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  const Command command = bench.move_by(1, 1.0);
+  const double duration_s = command.move.duration_s;
+  EXPECT_NEAR(duration_s, 1.875 * 1.0 / 1.0, 1e-12) << "the speed limit is what counts";
+  ASSERT_EQ(bench.send(command), std::nullopt);
+  for (int k = 2; k < 900; ++k) {
+    const Snapshot& now = bench.follow();
+    const double part = k * 0.002 / duration_s;
+    ASSERT_NEAR(now.commanded[1] - command.move.from[1], minimum_jerk(part), 1e-12) << k;
+    ASSERT_NEAR(now.left_s, duration_s - k * 0.002, 1e-12);
+    ASSERT_TRUE(now.moving);
+    ASSERT_EQ(now.mode, Mode::kServoing);
+  }
+  for (int k = 900; k <= 938; ++k) bench.follow();
+  EXPECT_FALSE(bench.link.snapshot.read().moving);
+  EXPECT_EQ(bench.link.snapshot.read().mode, Mode::kHolding);
+  EXPECT_EQ(bench.link.snapshot.read().left_s, 0);
+  EXPECT_NEAR(bench.drives.targets[1], command.move.to[1], 1e-15);
+}
+
+TEST(ServoMoves, begin_where_the_arm_is_commanded_to_be_and_one_at_a_time) {
+  Bench bench;
+  bench.tick();
+  EXPECT_EQ(bench.send(bench.move_by(0, 0.1)), Error::kWrongMode) << "without torque";
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    Command elsewhere = bench.move_by(0, 0.1);
+    elsewhere.move.from[joint] += 2e-9;
+    EXPECT_EQ(bench.send(elsewhere), Error::kWrongMode) << joint;
+    elsewhere.move.from[joint] -= 4e-9;
+    EXPECT_EQ(bench.send(elsewhere), Error::kWrongMode) << joint;
+  }
+  EXPECT_EQ(bench.send(bench.move_by(0, 0.1)), std::nullopt);
+  EXPECT_EQ(bench.send(bench.move_by(0, 0.1)), Error::kWrongMode) << "one is under way";
+  Command adopt;
+  adopt.kind = CommandKind::kAdoptModel;
+  adopt.model = 1;
+  EXPECT_EQ(bench.send(adopt), Error::kWrongMode);
+  EXPECT_EQ(bench.link.snapshot.read().model, 0U);
+}
+
+TEST(ServoMoves, of_a_sequence_leave_its_mode_and_end_with_it) {
+  Bench bench;
+  bench.tick();
+  EXPECT_EQ(bench.send(CommandKind::kBeginSequence), Error::kWrongMode);
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  ASSERT_EQ(bench.send(CommandKind::kBeginSequence), std::nullopt);
+  EXPECT_EQ(bench.link.snapshot.read().mode, Mode::kSweeping);
+  EXPECT_EQ(bench.send(CommandKind::kBeginSequence), Error::kWrongMode);
+  ASSERT_EQ(bench.send(bench.move_by(0, 0.1)), std::nullopt);
+  EXPECT_EQ(bench.follow().mode, Mode::kSweeping);
+  EXPECT_EQ(bench.send(CommandKind::kEndSequence), std::nullopt);
+  EXPECT_EQ(bench.link.snapshot.read().mode, Mode::kServoing) << "the move is finished";
+}
+
+// From 0.5 rad/s at 3 rad/s2: braked in 0.5 / 3 s, in which the joint still turns half of 0.5 * 0.5
+// / 3 rad.
+TEST(ServoHalt, ends_a_move_by_the_ramp_of_the_joint_that_has_the_longest_to_brake) {
+  Bench bench;
+  EXPECT_EQ(bench.send(CommandKind::kHalt), Error::kWrongMode);
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  EXPECT_EQ(bench.send(CommandKind::kHalt), std::nullopt) << "at rest there is nothing to do";
+  ASSERT_EQ(bench.send(bench.move_by(2, -1.0)), std::nullopt);
+  double speed = 0;
+  double before = bench.drives.targets[2];
+  while (speed < 0.5) {
+    bench.follow();
+    speed = (before - bench.drives.targets[2]) / 0.002;
+    before = bench.drives.targets[2];
+  }
+  const double from = before;
+  EXPECT_EQ(bench.send(CommandKind::kHalt), std::nullopt);
+  int ticks = 1;
+  double worst = 0;
+  while (bench.link.snapshot.read().moving && ticks < 1000) {
+    const double last = speed;
+    before = bench.drives.targets[2];
+    bench.follow();
+    ++ticks;
+    speed = (before - bench.drives.targets[2]) / 0.002;
+    if (ticks > 2) worst = std::max(worst, std::abs(speed - last) / 0.002);
+  }
+  EXPECT_NEAR(ticks * 0.002, 0.5 / 3, 0.01);
+  EXPECT_NEAR(from - bench.drives.targets[2], 0.5 * 0.5 / 3 / 2, 0.02);
+  EXPECT_LT(worst, 3.0 * 1.4) << "the course itself speeds up as well";
+  EXPECT_EQ(bench.follow().mode, Mode::kHolding);
+}
+
+// The background may send the next move of a sequence before it has seen that the tick took a halt.
+TEST(ServoHalt, leaves_a_sequence_no_further_move) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  ASSERT_EQ(bench.send(CommandKind::kBeginSequence), std::nullopt);
+  Command next = bench.move_by(1, 0.4);
+  next.of_sequence = true;
+  Command halt;
+  halt.kind = CommandKind::kHalt;
+  halt.serial = ++bench.serial;
+  ASSERT_TRUE(bench.link.commands.post(halt));
+  EXPECT_EQ(bench.send(next), Error::kWrongMode);
+  EXPECT_FALSE(bench.link.snapshot.read().moving);
+  EXPECT_EQ(bench.link.snapshot.read().mode, Mode::kHolding);
+}
+
+TEST(ServoPublishes, how_long_the_arm_has_stood_within_the_tolerance) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  EXPECT_EQ(bench.link.snapshot.read().settled, hal::Duration::zero());
+  for (int i = 0; i < 10; ++i) bench.tick();
+  EXPECT_EQ(bench.link.snapshot.read().settled, milliseconds(20));
+  bench.drives.actual[5] -= 0.99e-4;
+  EXPECT_EQ(bench.tick().settled, milliseconds(22)) << "within 1e-4";
+  bench.drives.actual[5] -= 0.02e-4;
+  EXPECT_EQ(bench.tick().settled, hal::Duration::zero());
+  bench.drives.actual[5] += 0.1e-4;
+  EXPECT_EQ(bench.tick().settled, milliseconds(2));
+  ASSERT_EQ(bench.send(bench.move_by(0, 1e-7)), std::nullopt);
+  EXPECT_EQ(bench.tick().settled, hal::Duration::zero()) << "while it moves";
+  EXPECT_EQ(bench.send(CommandKind::kDisable), std::nullopt);
+  bench.tick();
+  EXPECT_EQ(bench.tick().settled, hal::Duration::zero()) << "without torque";
+}
+
+TEST(ServoPublishes, what_the_drives_say_joint_by_joint) {
+  Bench bench;
+  bench.drives.statuses[0].status_word = 0x0001;
+  bench.drives.statuses[5].status_word = 0x0F50;
+  bench.drives.statuses[2].limit_active = true;
+  bench.drives.statuses[5].limit_active = true;
+  const Snapshot& now = bench.tick();
+  EXPECT_EQ(now.status_words.size(), 6U);
+  EXPECT_EQ(now.status_words[0], 0x0001);
+  EXPECT_EQ(now.status_words[5], 0x0F50);
+  EXPECT_EQ(now.limits_active, 0b100100);
+  EXPECT_TRUE(now.all_disabled);
+  bench.drives.statuses[3].condition = kSwitching;
+  EXPECT_FALSE(bench.tick().all_disabled);
+  EXPECT_LT(
+      (bench.link.snapshot.read().X_RT.p - tool_pose(bench.link.models[0], bench.drives.actual)->p)
+          .norm(),
+      1e-15);
+}
+
+TEST(ServoPublishes, lateness_of_every_tick) {
+  Bench bench;
+  bench.tick(std::chrono::microseconds(3));
+  bench.tick(std::chrono::microseconds(100));
+  const Histogram lateness = bench.tick(std::chrono::microseconds(2)).lateness;
+  EXPECT_EQ(lateness.total, 3U);
+  EXPECT_EQ(lateness.largest, std::chrono::microseconds(100));
+  EXPECT_NEAR(lateness.mean_us(), 35, 1e-9);
+  EXPECT_EQ(lateness.counts[2], 2U) << "2 and 3 us";
+  EXPECT_EQ(lateness.counts[7], 1U) << "64 to 127 us";
+}
+
+}  // namespace
+}  // namespace armsig::controller
