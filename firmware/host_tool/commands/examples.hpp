@@ -13,7 +13,7 @@ struct Example {
   std::string_view line;
 };
 
-inline constexpr std::array<Example, 19> kExamples{{
+inline constexpr std::array<Example, 20> kExamples{{
     {"demo", "armsig demo --out demo"},
     {"arms", "armsig arms --show ur10e"},
     {"simulate",
@@ -41,6 +41,9 @@ inline constexpr std::array<Example, 19> kExamples{{
      "demo/robot1-truth.yaml"},
     {"export", "armsig export --signature signature.yaml --format urdf --out arm.urdf"},
     {"export", "armsig export --signature signature.yaml --format linuxcnc --out arm.hal"},
+    {"export",
+     "armsig export --signature signature.yaml --into robot.urdf --base base_link --tip tool0 "
+     "--out corrected.urdf"},
     {"import",
      "armsig import --urdf arm.urdf --base base_link --tip last_link --name \"my arm\" --out "
      "arm-again.yaml"},
