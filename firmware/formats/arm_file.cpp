@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/formats/arm_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace armsig::tool {
 namespace {
 
 std::vector<std::string> joint_keys() {
-  std::vector<std::string> known{"type"};
+  std::vector<std::string> known{"name", "type"};
   add_names(known, "theta", Dimension::kAngle);
   add_names(known, "d", Dimension::kLength);
   add_names(known, "a", Dimension::kLength);
@@ -117,10 +118,18 @@ Read<ArmDescription> arm_from(const YamlNode& root) {
     Arm& arm = description.arm;
     ARMSIG_TRY(joint_map,
                YamlMap::open(node, fmt::format("joint {}", arm.joints.size() + 1), joint_keys()));
+    if (auto named = read_joint_name(joint_map, description.joint_names); !named) {
+      return std::unexpected(std::move(named).error());
+    }
     ARMSIG_TRY(joint, read_dh(joint_map));
     ARMSIG_TRY(limits, read_limits(joint_map, joint.type));
     arm.joints.push_back(joint);
     arm.limits.push_back(limits);
+  }
+  if (auto named =
+          check_joint_names(*list_node, description.arm.joints.size(), description.joint_names);
+      !named) {
+    return std::unexpected(std::move(named).error());
   }
   if (const YamlNode* coupling = map.find("coupling")) {
     ARMSIG_TRY(couplings, read_couplings(*coupling, description.arm.joints));
@@ -133,7 +142,30 @@ Read<ArmDescription> arm_from(const YamlNode& root) {
   return description;
 }
 
+// The key `name` and its value, with what stands before the next key.
+std::string name_entry(const std::vector<std::string>& names, std::size_t joint) {
+  return names.empty() ? "" : fmt::format("name: {}, ", yaml_quoted(names[joint]));
+}
+
 }  // namespace
+
+Read<void> read_joint_name(const YamlMap& map, std::vector<std::string>& names) {
+  if (map.find("name") == nullptr) return {};
+  ARMSIG_TRY(name, map.name_under("name"));
+  if (std::ranges::find(names, name) != names.end()) {
+    return problem_at(*map.find("name"), "two joints are called " + in_quotes(name),
+                      "a name of its own for each");
+  }
+  names.push_back(name);
+  return {};
+}
+
+Read<void> check_joint_names(const YamlNode& list, std::size_t joints,
+                             const std::vector<std::string>& names) {
+  if (names.empty() || names.size() == joints) return {};
+  return problem_at(list, fmt::format("{} of {} joints have a name", names.size(), joints),
+                    "a name for every joint, or for none");
+}
 
 Read<JointType> read_joint_type(const YamlMap& map) {
   ARMSIG_TRY(node, map.require("type"));
@@ -223,10 +255,10 @@ std::string arm_text(const ArmDescription& description) {
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {
     const DhJoint& joint = arm.joints[i];
     text += fmt::format(
-        "  - {{type: {}, theta_rad: {}, d_m: {}, a_m: {}, alpha_rad: {}, limits_{}: [{}, {}]}}\n",
-        word_of(joint.type), number_text(joint.theta_rad), number_text(joint.d_m),
-        number_text(joint.a_m), number_text(joint.alpha_rad), si_suffix(joint.type),
-        number_text(arm.limits[i].lower), number_text(arm.limits[i].upper));
+        "  - {{{}type: {}, theta_rad: {}, d_m: {}, a_m: {}, alpha_rad: {}, limits_{}: [{}, {}]}}\n",
+        name_entry(description.joint_names, i), word_of(joint.type), number_text(joint.theta_rad),
+        number_text(joint.d_m), number_text(joint.a_m), number_text(joint.alpha_rad),
+        si_suffix(joint.type), number_text(arm.limits[i].lower), number_text(arm.limits[i].upper));
   }
   return text + couplings_text(arm.couplings);
 }

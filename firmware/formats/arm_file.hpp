@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/arm.hpp"
 #include "firmware/formats/arm_limits.hpp"
@@ -19,6 +20,8 @@ struct ArmDescription {
   Arm arm;
   // The key `deviations`, or the defaults. (Without {}, g++ calls it missing where it is left out.)
   ArmLimits limits = {};  // NOLINT(readability-redundant-member-init)
+  // What other software calls the joints (the key `name`): one each, no two alike, or none.
+  std::vector<std::string> joint_names = {};  // NOLINT(readability-redundant-member-init)
 };
 
 // A revolute joint without limits gets -180 to 180 degrees; a prismatic one must state them.
@@ -45,6 +48,12 @@ struct ArmDescription {
 // them +-180 degrees for a revolute joint. `map` must know all four keys.
 class YamlMap;
 [[nodiscard]] Read<JointLimits> read_limits(const YamlMap& map, JointType type);
+
+// The key `name` of one more joint, added to `names`; one that it already holds is refused.
+[[nodiscard]] Read<void> read_joint_name(const YamlMap& map, std::vector<std::string>& names);
+// Refuses a `list` of joints of which some have a name and others have none.
+[[nodiscard]] Read<void> check_joint_names(const YamlNode& list, std::size_t joints,
+                                           const std::vector<std::string>& names);
 
 // "revolute" or "prismatic" under the key `type`.
 [[nodiscard]] Read<JointType> read_joint_type(const YamlMap& map);

@@ -150,9 +150,10 @@ Read<void> read_signature_joint(const YamlNode& node, SignatureRecord& record) {
   const std::string offset_key = fmt::format("reading_offset_{}", unit);
   const std::string limits_key = fmt::format("limits_{}", unit);
   ARMSIG_TRY(map, YamlMap::open(node, name,
-                                {"type", reading_key, offset_key, "pseudo_dh", "s_model",
+                                {"name", "type", reading_key, offset_key, "pseudo_dh", "s_model",
                                  "axis_direction", "axis_point_m", "x_direction", "y_direction",
                                  "nominal", limits_key, "reading_correction", "sweep"}));
+  if (auto named = read_joint_name(map, record.joint_names); !named) return named;
   ARMSIG_TRY(type, read_joint_type(map));
   ARMSIG_TRY(reading, map.number(reading_key));
   ARMSIG_TRY(offset, map.number(offset_key));

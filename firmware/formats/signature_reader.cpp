@@ -31,6 +31,10 @@ Read<void> read_joints(const YamlMap& root, SignatureRecord& record) {
   for (const YamlNode& node : *list) {
     if (auto joint = read_signature_joint(node, record); !joint) return joint;
   }
+  if (auto named = check_joint_names(*list_node, signature.joint_count(), record.joint_names);
+      !named) {
+    return named;
+  }
   const auto fitted = [](const refinement::ReadingTerms& terms) {
     return terms.gain || terms.first || terms.second;
   };

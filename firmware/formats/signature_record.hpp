@@ -34,7 +34,8 @@ struct FitRecord {
 struct SignatureRecord {
   Signature signature;
   std::string arm_name;
-  std::string serial;  // may be empty
+  std::vector<std::string> joint_names;  // one each as other software calls them, or none
+  std::string serial;                    // may be empty
   std::string method;  // "paper", "encoder", "refined", or "exact": computed, not measured
   Arm nominal;         // the drawing: rows, limits, couplings; as many joints as the signature
   // What was fitted beside axes and targets (its unknowns are part of the covariance), and found.

@@ -118,6 +118,7 @@ std::string joint_text(const SignatureRecord& record, std::size_t i) {
   const auto add = [&](std::string_view key, const std::string& value) {
     text += fmt::format("    {}: {}\n", key, value);
   };
+  if (!record.joint_names.empty()) add("name", yaml_quoted(record.joint_names[i]));
   add(fmt::format("reading_{}", unit), number_text(signature.configuration[i]));
   add(fmt::format("reading_offset_{}", unit),
       number_text(type == JointType::kRevolute ? dh.theta_rad : dh.d_m));
@@ -230,6 +231,7 @@ bool counts_agree(const SignatureRecord& record) {
          record.fitted.readings.size() == record.corrections.size() &&
          (record.corrections.empty() || record.corrections.size() == n) &&
          (!record.deflections || record.deflections->joint_count() == n) &&
+         (record.joint_names.empty() || record.joint_names.size() == n) &&
          record.nominal.joints.size() == n && record.nominal.limits.size() == n;
 }
 

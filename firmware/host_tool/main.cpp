@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   int status = kDone;
   add_demo(app, status);
   add_simulate(app, status);
+  add_plan(app, status);
   add_identify(app, status);
   add_predict(app, status);
   add_solve(app, status);

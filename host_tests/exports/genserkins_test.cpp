@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // LinuxCNC settings evaluated by LinuxCNC: its own genserkins module, with the pins that the export
 // sets.
+#include <sstream>
+
 #include "core/base/pose.hpp"
 #include "host_tests/exports/exported_arm.hpp"
 #include "host_tests/exports/linuxcnc_hal.hpp"
@@ -36,7 +38,7 @@ Settings load(const std::string& text) {
   }
   Settings settings{{}, stated_pose(text, "base"), stated_pose(text, "tool")};
   for (const std::string& line : split(text, '\n')) {
-    if (!line.starts_with("setp ")) continue;
+    if (!line.starts_with("setp ")) continue;  // what is not of genserkins: run_hal.py
     const Fields words = split(line, ' ');
     if (words[1].starts_with("joint-offset.")) {
       settings.offset_deg.at(static_cast<std::size_t>(words[1][13] - '0')) = std::stod(words[2]);
@@ -99,6 +101,39 @@ TEST(Genserkins, evaluates_real_arms_with_d_of_hundreds_of_metres) {
     make_individual(folder, arm, "");
     expect_agreement(folder);
   }
+}
+
+// The settings do not only state the offsets: joints that LinuxCNC moves reach the drives by them.
+TEST(LinuxCncSettings, pass_commands_to_the_drives_and_readings_back) {
+  const Folder folder;
+  make_individual(folder, kPuma560);
+  ASSERT_EQ(export_as(folder, "linuxcnc").status, 0);
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && /usr/bin/python3 '" ARMSIG_RUN_HAL "' export.out >.ran 2>&1";
+  const int status = std::system(command.c_str());  // NOLINT(cert-env33-c): our own command line
+  const std::string said = read_file(folder / ".ran");
+  ASSERT_EQ(status, 0) << said;
+  std::istringstream lines(said);
+  for (int i = 0; i < 6; ++i) {
+    double commanded = 1e9;
+    double came_back = 1e9;
+    double offset = 0;
+    lines >> commanded >> came_back >> offset;
+    EXPECT_NEAR(commanded, 10.0 * i + offset, 1e-9);
+    EXPECT_NEAR(came_back, 10.0 * i, 1e-9);
+    EXPECT_NE(offset, 0) << "an individual has offsets";
+  }
+}
+
+TEST(LinuxCncSettings, say_the_units_and_limits_that_the_ini_file_needs) {
+  const Folder folder;
+  make_individual(folder, kPuma560, "");
+  ASSERT_EQ(export_as(folder, "linuxcnc").status, 0);
+  const std::string text = read_file(folder / "export.out");
+  EXPECT_NE(text.find("LINEAR_UNITS = mm, ANGULAR_UNITS = degree"), std::string::npos);
+  EXPECT_NE(text.find("[JOINT_0] TYPE = ANGULAR, MIN_LIMIT = -160.0000, MAX_LIMIT = 160.0000"),
+            std::string::npos)
+      << text;
 }
 
 TEST(Genserkins, takes_off_what_unrotate_stands_for) {

@@ -157,9 +157,52 @@ TEST_F(Joining, times_are_seconds_of_a_day_or_of_a_date) {
   EXPECT_EQ(seconds_of("12.5"), 12.5);
   EXPECT_EQ(seconds_of("01:02:03.25"), 3723.25);
   EXPECT_EQ(*seconds_of("2026-03-01T00:00:01Z") - *seconds_of("2026-02-28 23:59:59"), 2);
-  for (const char* wrong : {"", "25:00:00", "10:61:00", "2026-02-30 10:00:00", "noon", "10:00"}) {
+  EXPECT_EQ(*seconds_of("01.03.2026 00:00:01") - *seconds_of("2026-02-28 23:59:59"), 2);
+  for (const char* wrong : {"31.02.2026 10:00:00", "4/12/2026 10:00:00", "", "25:00:00", "10:61:00",
+                            "2026-02-30 10:00:00", "noon", "10:00"}) {
     EXPECT_FALSE(seconds_of(wrong)) << wrong;
   }
+}
+
+TEST_F(Joining, finds_the_header_below_the_titles_of_a_report) {
+  joints("Robot cell 7;;\nRun;12;\n\nName;A1 [deg];A2 [deg]\nP1;10;20\n");
+  points(
+      "CAM2 Report\r\nCreated:\t2026-04-12\r\n\r\nName\tX (mm)\tY (mm)\tZ (mm)\tRMS\t\t\r\n"
+      "P1\t1000\t2000\t3000\t0.01\t\t\r\n");
+  const auto result = joined(JoinBy::kName);
+  ASSERT_TRUE(result) << render(result.error());
+  ASSERT_EQ(result->rows.size(), 1U);
+  EXPECT_DOUBLE_EQ(result->rows[0].q[1], radians(20));
+  EXPECT_EQ(*result->rows[0].p_S, Vector3(1, 2, 3));
+  std::string titles;
+  for (std::size_t k = 0; k < kMostTitleRows; ++k) titles += "a title\n";
+  points(titles + "Name X Y Z\nP1 1 2 3\n");
+  EXPECT_NE(refusal(JoinBy::kName, "mm").find("no header with x, y, z"), std::string::npos);
+}
+
+TEST_F(Joining, a_time_that_is_not_asked_for_may_be_anything) {
+  joints("Name;Time;A1 [deg];A2 [deg]\nP1;yesterday;10;20\n");
+  points("Name,Time,X [m],Y [m],Z [m]\nP1,4/12/2026 9:00 AM,1,2,3\n");
+  EXPECT_TRUE(joined(JoinBy::kName));
+  EXPECT_NE(refusal(JoinBy::kTime).find(":2: \"yesterday\"; expected seconds, HH:MM:SS"),
+            std::string::npos);
+}
+
+TEST_F(Joining, says_what_both_files_call_their_points) {
+  joints(kLog);
+  points("p1 1 2 3\n");
+  const std::string said = refusal(JoinBy::kName, "mm");
+  EXPECT_NE(said.find("the first is \"p1\", the first pose \"P1\"; expected one name"),
+            std::string::npos)
+      << said;
+}
+
+TEST_F(Joining, names_the_cure_for_a_file_of_an_old_code_page) {
+  joints(kLog);
+  points(
+      "Name;X [mm];Y [mm];Z [mm];Temp [\xB0"
+      "C]\nP1;1;2;3;20\n");
+  EXPECT_NE(refusal(JoinBy::kName).find("iconv -f WINDOWS-1252 -t UTF-8"), std::string::npos);
 }
 
 TEST_F(Joining, refuses_what_leaves_a_choice_and_names_the_cure) {

@@ -38,9 +38,21 @@ TEST(KnownArms, at_zero_they_stand_as_the_makers_draw_them) {
     double beside_m, height_m;  // from the axis of joint 1, and above the base
   };
   const Drawn drawn[] = {
+      {"ur3", std::hypot(0.24365 + 0.21325, 0.11235 + 0.0819), 0.1519 - 0.08535},
+      {"ur3e", std::hypot(0.24355 + 0.2132, 0.13105 + 0.0921), 0.15185 - 0.08535},
+      {"ur5e", std::hypot(0.425 + 0.3922, 0.1333 + 0.0996), 0.1625 - 0.0997},
+      {"ur10", std::hypot(0.612 + 0.5723, 0.163941 + 0.0922), 0.1273 - 0.1157},
+      {"ur10e", std::hypot(0.6127 + 0.57155, 0.17415 + 0.11655), 0.1807 - 0.11985},
+      {"ur16e", std::hypot(0.4784 + 0.36, 0.17415 + 0.11655), 0.1807 - 0.11985},
+      {"ur30", std::hypot(0.637 + 0.5037, 0.201 + 0.1543), 0.2363 - 0.1593},
       {"ur5", std::hypot(0.425 + 0.39225, 0.10915 + 0.0823), 0.089159 - 0.09465},
       {"ur20", std::hypot(0.862 + 0.7287, 0.201 + 0.1543), 0.2363 - 0.1593},
       {"panda", 0.088, 0.333 + 0.316 + 0.384 - 0.107},
+      {"fr3", 0.088, 0.333 + 0.316 + 0.384 - 0.107},
+      {"iiwa7", 0, 0.34 + 0.4 + 0.4 + 0.126},
+      {"puma560", std::hypot(0.4318 - 0.02032, 0.14909), 0.4307},
+      {"stanford", 0.154 - 0.0203, 0.412},
+      {"cobra600", 0.325 + 0.275, 0.387},
       {"iiwa14", 0, 0.36 + 0.42 + 0.4 + 0.126},
       {"irb120", 0.302 + 0.072, 0.29 + 0.27 + 0.07},
       {"lrmate200id", 0.05 + 0.335 + 0.08, 0.33 + 0.33 + 0.035},
@@ -54,11 +66,15 @@ TEST(KnownArms, at_zero_they_stand_as_the_makers_draw_them) {
     EXPECT_NEAR(std::hypot(tip.x(), tip.y()), expected.beside_m, 5e-6) << expected.name;
     EXPECT_NEAR(tip.z(), expected.height_m, 5e-6) << expected.name;
   }
-  // Its base frame stands upside down.
-  const auto kuka = read_arm("kr6-r900");
-  ASSERT_TRUE(kuka);
-  EXPECT_NEAR(tip_at_zero(kuka->arm).x(), 0.025 + 0.455 + 0.42 + 0.08, 1e-9);
-  EXPECT_NEAR(tip_at_zero(kuka->arm).z(), -(0.4 + 0.035), 1e-9);
+  // Their base frames stand upside down.
+  for (const auto& [name, reach_m] : {std::pair{"kr6-r700", 0.025 + 0.315 + 0.365 + 0.08},
+                                      std::pair{"kr6-r900", 0.025 + 0.455 + 0.42 + 0.08}}) {
+    const auto kuka = read_arm(name);
+    ASSERT_TRUE(kuka);
+    EXPECT_NEAR(tip_at_zero(kuka->arm).x(), reach_m, 1e-9) << name;
+    EXPECT_NEAR(tip_at_zero(kuka->arm).z(), -(0.4 + 0.035), 1e-9) << name;
+  }
+  EXPECT_EQ(std::size(drawn) + 2, known_arms().size()) << "an arm that is held against nothing";
 }
 
 }  // namespace

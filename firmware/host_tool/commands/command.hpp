@@ -34,6 +34,7 @@ void add_demo(CLI::App& app, int& status);
 void add_simulate(CLI::App& app, int& status);
 void add_identify(CLI::App& app, int& status);
 void add_join(CLI::App& app, int& status);
+void add_plan(CLI::App& app, int& status);
 void add_predict(CLI::App& app, int& status);
 void add_solve(CLI::App& app, int& status);
 void add_arms(CLI::App& app, int& status);

@@ -13,12 +13,16 @@ struct Example {
   std::string_view line;
 };
 
-inline constexpr std::array<Example, 19> kExamples{{
+inline constexpr std::array<Example, 22> kExamples{{
     {"demo", "armsig demo --out demo"},
     {"arms", "armsig arms --show ur10e"},
     {"simulate",
      "armsig simulate --arm ur10e --tolerances 1 --sigma-mm 0.1 --out practice.csv --truth-out "
      "truth.yaml"},
+    {"plan", "armsig plan --arm arm.yaml --points 12 --format krl --out sweeps.src"},
+    {"plan",
+     "armsig plan --arm arm.yaml --configuration 0,-60,60,0,30,0 --box-mm -900,-900,0,900,900,1200 "
+     "--out to-measure.csv"},
     {"identify", "armsig identify --arm arm.yaml --measurements sweeps.csv --out signature.yaml"},
     {"identify",
      "armsig identify --arm ur10e --measurements practice.csv --method refined --out "
@@ -41,6 +45,9 @@ inline constexpr std::array<Example, 19> kExamples{{
      "demo/robot1-truth.yaml"},
     {"export", "armsig export --signature signature.yaml --format urdf --out arm.urdf"},
     {"export", "armsig export --signature signature.yaml --format linuxcnc --out arm.hal"},
+    {"export",
+     "armsig export --signature signature.yaml --into robot.urdf --base base_link --tip tool0 "
+     "--out corrected.urdf"},
     {"import",
      "armsig import --urdf arm.urdf --base base_link --tip last_link --name \"my arm\" --out "
      "arm-again.yaml"},

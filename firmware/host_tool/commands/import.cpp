@@ -31,14 +31,14 @@ int run(const ImportOptions& options) {
     print_json({{"status", 0},
                 {"arm", imported->description.name},
                 {"joints", imported->description.arm.joints.size()},
-                {"joint_names", imported->joint_names},
+                {"joint_names", imported->description.joint_names},
                 {"notes", imported->notes},
                 {"out", options.out}});
     return kDone;
   }
   say("{}\n\n{}", imported->description.name, dh_table(imported->description.arm.joints));
-  for (std::size_t i = 0; i < imported->joint_names.size(); ++i) {
-    say("{}{} is {}", i == 0 ? "\n  " : ", ", i + 1, imported->joint_names[i]);
+  for (std::size_t i = 0; i < imported->description.joint_names.size(); ++i) {
+    say("{}{} is {}", i == 0 ? "\n  " : ", ", i + 1, imported->description.joint_names[i]);
   }
   say("\n");
   for (const std::string& note : imported->notes) say("  Note: {}.\n", note);

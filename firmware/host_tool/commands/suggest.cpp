@@ -4,13 +4,14 @@
 
 #include "core/uncertainty/suggestion.hpp"
 #include "firmware/formats/file_roles.hpp"
-#include "firmware/formats/poses.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/exports/robot_program.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/host_tool/simulation/margin.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -20,6 +21,10 @@ struct SuggestOptions : CommonOptions {
   std::size_t count = 30;
   std::optional<double> sigma_mm;
   std::vector<double> box_mm;
+  std::string format = "csv";
+  double margin_deg = 2;
+  double margin_mm = 5;
+  double wait_s = 2;
 };
 
 // A further pose that lowers the predicted error by less than this share is not worth the robot's
@@ -40,7 +45,11 @@ int run(const SuggestOptions& options) {
                 kNoAnswer, options);
   }
   uncertainty::SuggestionConfig config;
-  config.limits = record->nominal.limits;
+  const auto limits = limits_with_margin(
+      record->nominal.limits, record->signature.types,
+      {.angle_rad = radians(options.margin_deg), .length_m = 1e-3 * options.margin_mm});
+  if (!limits) return fail(limits.error(), kBadInput, options);
+  config.limits = *limits;
   config.target = *target;
   config.sigma_m = options.sigma_mm ? 1e-3 * *options.sigma_mm : 0;
   if (!(config.sigma_m > 0) && !((*estimate)->quality.sigma_m > 0)) {
@@ -67,9 +76,12 @@ int run(const SuggestOptions& options) {
   std::vector<JointVector> poses;
   poses.reserve(suggestions.size());
   for (const auto& suggestion : suggestions) poses.push_back(suggestion.readings);
-  const auto written = write_joint_poses(
-      options.out, record->signature.types, poses,
-      fmt::format("{}: poses to measure next, the most useful first", record->arm_name));
+  const auto written = write_poses(
+      options.out,
+      {.format = options.format,
+       .comment = fmt::format("{}: poses to measure next, the most useful first", record->arm_name),
+       .wait_s = options.wait_s},
+      record->signature.types, poses);
   if (!written) return fail(written.error(), kBadInput, options);
 
   const double after_m = suggestions.back().predicted_rms_m;
@@ -84,7 +96,7 @@ int run(const SuggestOptions& options) {
                 {"out", options.out}});
     return kDone;
   }
-  Table table({"Pose", "Joint readings", "Expected tool error after it, mm"});
+  Table table({"Pose", "Joint readings", "Error after it, mm"});
   table.add_row({"now", "", fmt::format("{:.3f}", 1e3 * before_m)});
   for (std::size_t k = 0; k < suggestions.size(); ++k) {
     std::string readings;
@@ -96,13 +108,16 @@ int run(const SuggestOptions& options) {
     table.add_row({fmt::format("{}", k + 1), readings,
                    fmt::format("{:.3f}", 1e3 * suggestions[k].predicted_rms_m)});
   }
-  say("{}: poses worth measuring next (tool error 1 sigma, RMS over the joint limits)\n\n{}\n",
-      record->arm_name, table.render());
+  say("{}: poses worth measuring next\n\n{}\n  The error is that expected of the tool, 1 sigma, "
+      "RMS "
+      "over the joint limits less\n  the margin of {} deg and {} mm that every pose keeps.\n\n",
+      record->arm_name, table.render(), options.margin_deg, options.margin_mm);
   if (!worthwhile) {
     say("They would lower the error by less than {:.0f} %: what was measured already will do.\n",
         100 * kWorthwhile);
   }
-  say("Written: {}\n", options.out);
+  say("Written: {}\nNext: measure there, then armsig identify --method refined with all rows\n",
+      options.out);
   return kDone;
 }
 
@@ -125,7 +140,22 @@ void add_suggest(CLI::App& app, int& status) {
                    "where the sensor sees the target: x,y,z lowest, then x,y,z highest")
       ->delimiter(',')
       ->expected(6);
-  command->add_option("--out", options->out, "joint poses to write (CSV)")->required();
+  command
+      ->add_option("--margin-deg", options->margin_deg, "kept from the limits of revolute joints")
+      ->check(CLI::Range(0.0, 90.0))
+      ->capture_default_str();
+  command->add_option("--margin-mm", options->margin_mm, "kept from those of prismatic ones")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command
+      ->add_option("--format", options->format,
+                   "of the poses: a table, or a program that goes to each and waits there")
+      ->check(CLI::IsMember(program_formats()))
+      ->capture_default_str();
+  command->add_option("--wait-s", options->wait_s, "at each pose, in a program")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "joint poses to write")->required();
   add_common(*command, *options);
   command->callback([options, &status] { status = run(*options); });
 }

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "core/base/check.hpp"
-#include "firmware/host_tool/exports/carried.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
 
 namespace armsig::tool {
@@ -37,18 +36,20 @@ std::vector<std::string> export_formats() {
   return names;
 }
 
+Read<Carried> exportable(std::string_view format, Carries carries, const SignatureRecord& record) {
+  if (record.corrections.empty()) return carried_by(format, carries, record);
+  return cannot_hold(format, "its joint readings are corrected, and not by an offset alone",
+                     "a signature identified without --correct");
+}
+
 Read<Exported> export_text(const std::string& format, const SignatureRecord& record) {
-  if (!record.corrections.empty()) {
-    return cannot_hold(format, "its joint readings are corrected, and not by an offset alone",
-                       "a signature identified without --correct");
-  }
   const auto* known = std::ranges::find(kFormats, format, &Format::name);
   ARMSIG_CHECK(known != kFormats.end());
   // LinuxCNC couples joints as its tables have corrected them, not as the encoders read.
   const bool maps_apart = known->carries == Carries::kMaps && record.nominal.couplings.empty();
   const Carries carries =
       known->carries == Carries::kMaps && !maps_apart ? Carries::kGeometry : known->carries;
-  ARMSIG_TRY(carried, carried_by(format, carries, record));
+  ARMSIG_TRY(carried, exportable(format, carries, record));
   ARMSIG_TRY(text, known->text(carried.record));
   Exported exported{std::move(text), {}, carried.lost_rms_m, carried.lost_largest_m};
   if (maps_apart) exported.companions = linuxcnc_tables(carried.record);

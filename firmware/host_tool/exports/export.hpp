@@ -4,10 +4,12 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/formats/problem.hpp"
 #include "firmware/formats/signature_record.hpp"
+#include "firmware/host_tool/exports/carried.hpp"
 
 namespace armsig::tool {
 
@@ -63,8 +65,13 @@ struct Exported {
   double lost_largest_m = 0;
 };
 
+// What an export to `format` starts from: the record with its geometry fitted anew where the format
+// carries no more. Refuses corrections of the readings, which no format holds.
+[[nodiscard]] Read<Carried> exportable(std::string_view format, Carries carries,
+                                       const SignatureRecord& record);
+
 // The signature in the format of that name, its geometry fitted anew where the format cannot carry
-// gravity and maps; none of them holds corrections of the readings.
+// gravity and maps. Refuses what exportable() refuses.
 // Precondition: one of export_formats().
 [[nodiscard]] Read<Exported> export_text(const std::string& format, const SignatureRecord& record);
 

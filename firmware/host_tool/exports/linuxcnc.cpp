@@ -50,6 +50,34 @@ JointVector offsets_rad(const Arm& arm, const ModifiedRows& modified) {
   return offsets;
 }
 
+// What the INI file says of the same arm: units, and the limits as joints of genserkins.
+std::string ini_lines(const SignatureRecord& record, const JointVector& offsets) {
+  std::string text =
+      "The INI file must say:\n"
+      "  [KINS] KINEMATICS = genserkins, JOINTS = 6\n"
+      "  [TRAJ] COORDINATES = XYZABC, LINEAR_UNITS = mm, ANGULAR_UNITS = degree\n";
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    const JointLimits& limits = record.nominal.limits[i];
+    text += fmt::format("  [JOINT_{}] TYPE = ANGULAR, MIN_LIMIT = {:.4f}, MAX_LIMIT = {:.4f}\n", i,
+                        degrees(limits.lower + offsets[i]), degrees(limits.upper + offsets[i]));
+  }
+  return text;
+}
+
+// The functions of the offsets, without which they pass nothing on, and their ends at the joints.
+std::string thread_lines() {
+  std::string text;
+  for (int i = 0; i < 6; ++i) {
+    text += fmt::format(
+        "addf joint-offset.{0}.update-feedback servo-thread\n"
+        "addf joint-offset.{0}.update-output servo-thread\n"
+        "net joint-{0}-cmd joint.{0}.motor-pos-cmd => joint-offset.{0}.in\n"
+        "net joint-{0}-fb joint-offset.{0}.fb-out => joint.{0}.motor-pos-fb\n",
+        i);
+  }
+  return text;
+}
+
 // What a compensation table may hold at most, in LinuxCNC.
 constexpr int kMostTriplets = 256;
 
@@ -116,13 +144,18 @@ Read<std::string> linuxcnc_text(const SignatureRecord& record) {
       "HAL settings for genserkins of LinuxCNC: modified (Craig) Denavit-Hartenberg rows, A and D "
       "in\n"
       "millimetres, ALPHA in radians, joints counted from 0:\n"
-      "Rot(x, ALPHA) Trans(A, 0, 0) Rot(z, joint) Trans(0, 0, D).\n"
-      "genserkins has no joint offset. The offsets, in degrees, are in components called offset:\n"
-      "joint of genserkins = reading + theta offset. Connect each joint through its component:\n"
-      "  net j0-cmd joint.0.motor-pos-cmd => joint-offset.0.in\n"
+      "Rot(x, ALPHA) Trans(A, 0, 0) Rot(z, joint) Trans(0, 0, D).\n" +
+      ini_lines(record, offsets) +
+      "HALFILE: this file after the one that loads genserkins and motion and adds their functions "
+      "and the\n"
+      "drives' reads to servo-thread, and before the one that adds the drives' writes.\n"
+      "genserkins has no joint offset: a component called offset for each joint carries it, in "
+      "degrees,\n"
+      "joint of genserkins = reading + theta offset. What is left to connect, in degrees, is the "
+      "drive:\n"
       "  net j0-out joint-offset.0.out    => (the drive's position command)\n"
       "  net j0-fb  (the drive's reading) => joint-offset.0.fb-in\n"
-      "  net j0-kin joint-offset.0.fb-out => joint.0.motor-pos-fb\n"
+      "Connect joint.N.motor-pos-cmd and joint.N.motor-pos-fb to nothing else.\n"
       "What genserkins leaves out stands before and after its product:\n"
       "base: " +
       pose_words(modified.X_S0) + "\ntool: " + pose_words(modified.X_FL) + "\n" +
@@ -139,7 +172,7 @@ Read<std::string> linuxcnc_text(const SignatureRecord& record) {
         i, number_text(1e3 * row.a_prev_m), number_text(row.alpha_prev_rad),
         number_text(1e3 * row.d_m), number_text(-degrees(offsets[i])));
   }
-  return text + unrotate;
+  return text + unrotate + thread_lines();
 }
 
 }  // namespace armsig::tool

@@ -27,6 +27,12 @@ std::string pose_words(const Pose& X) {
                      number_text(q.x()), number_text(q.y()), number_text(q.z()));
 }
 
+std::string xml_comment(std::string text) {
+  for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;)
+    text[at] = '-', text[at + 1] = ' ';
+  return "<!--\n" + text + "-->";
+}
+
 std::string coupling_lines(const Arm& arm) {
   std::string text;
   for (const JointCoupling& coupling : arm.couplings) {

@@ -15,6 +15,9 @@ namespace armsig::tool {
 // "x_m=...,y_m=...,z_m=...,qw=...,qx=...,qy=...,qz=..."
 [[nodiscard]] std::string pose_words(const Pose& X);
 
+// A comment of XML, <!-- ... -->: two hyphens in a row, which it may not hold, become one.
+[[nodiscard]] std::string xml_comment(std::string text);
+
 // One line a coupling: "effective reading of joint 3 = reading 3 + 1 * reading 2".
 [[nodiscard]] std::string coupling_lines(const Arm& arm);
 

@@ -9,6 +9,7 @@
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/joint_frames.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
+#include "firmware/host_tool/exports/urdf_places.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -37,21 +38,7 @@ std::string escaped(std::string_view text) {
   return xml;
 }
 
-// A comment of XML may not hold two hyphens in a row.
-std::string comment(std::string text) {
-  for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;)
-    text[at] = '-', text[at + 1] = ' ';
-  return fmt::format("<!--\n{}-->\n", text);
-}
-
-std::string origin(const Pose& X) {
-  const RollPitchYaw angles = roll_pitch_yaw(X.R);
-  return fmt::format(R"(    <origin xyz="{} {} {}" rpy="{} {} {}"/>)"
-                     "\n",
-                     number_text(X.p.x()), number_text(X.p.y()), number_text(X.p.z()),
-                     number_text(angles.roll_rad), number_text(angles.pitch_rad),
-                     number_text(angles.yaw_rad));
-}
+std::string origin(const Pose& X) { return "    " + origin_element(X) + "\n"; }
 
 std::string link(const std::string& name) { return fmt::format("  <link name=\"{}\"/>\n", name); }
 
@@ -83,19 +70,38 @@ std::string moving(const MovingJoint& joint) {
          joint.mimic + "  </joint>\n" + link(joint.child);
 }
 
+// What the joints are called: as in the file that the arm was imported from, unless a name there is
+// one that this file needs for itself.
+std::vector<std::string> joint_names(const SignatureRecord& record) {
+  const auto is_ours = [](const std::string& name) {
+    return name == "sensor_to_base" || name.starts_with("to_last_link") ||
+           name.starts_with("to_target_") || name.contains("_from_");
+  };
+  if (!record.joint_names.empty() && std::ranges::none_of(record.joint_names, is_ours)) {
+    return record.joint_names;
+  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < record.signature.joint_count(); ++i) {
+    names.push_back(fmt::format("joint_{}", i + 1));
+  }
+  return names;
+}
+
 }  // namespace
 
 Read<std::string> urdf_text(const SignatureRecord& record) {
   const Signature& signature = record.signature;
   const JointFrames frames = joint_frames(record);
-  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" +
-                     comment(provenance(record) +
-                             "last_link is the frame that `armsig predict` answers for, sensor its "
-                             "frame of reference.\n"
-                             "The signature knows no efforts and speeds: effort and velocity are 0 "
-                             "until you set them.\n") +
-                     fmt::format("<robot name=\"{}\">\n", escaped(record.arm_name)) +
-                     link("sensor") + fixed("sensor_to_base", "sensor", "base_link", frames.X_SB);
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" +
+      xml_comment(provenance(record) +
+                  "last_link is the frame that `armsig predict` answers for, sensor its "
+                  "frame of reference.\n"
+                  "The signature knows no efforts and speeds: effort and velocity are 0 "
+                  "until you set them.\n") +
+      "\n" + fmt::format("<robot name=\"{}\">\n", escaped(record.arm_name)) + link("sensor") +
+      fixed("sensor_to_base", "sensor", "base_link", frames.X_SB);
+  const std::vector<std::string> names = joint_names(record);
   std::string parent = "base_link";
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
     Pose X_PJ = frames.X_PJ[i];
@@ -105,21 +111,20 @@ Read<std::string> urdf_text(const SignatureRecord& record) {
       const auto [lower, upper] =
           std::minmax({coupling.ratio * from.lower, coupling.ratio * from.upper});
       const std::string suffix = fmt::format("{}_from_{}", i + 1, coupling.from + 1);
-      text +=
-          moving({"joint_" + suffix,
-                  parent,
-                  "link_" + suffix,
-                  signature.types[i],
-                  X_PJ,
-                  {lower, upper},
-                  fmt::format("    <mimic joint=\"joint_{}\" multiplier=\"{}\" offset=\"0\"/>\n",
-                              coupling.from + 1, number_text(coupling.ratio))});
+      text += moving({"joint_" + suffix,
+                      parent,
+                      "link_" + suffix,
+                      signature.types[i],
+                      X_PJ,
+                      {lower, upper},
+                      fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"0\"/>\n",
+                                  escaped(names[coupling.from]), number_text(coupling.ratio))});
       parent = "link_" + suffix;
       X_PJ = Pose{};
     }
     const std::string child = fmt::format("link_{}", i + 1);
-    text += moving({fmt::format("joint_{}", i + 1), parent, child, signature.types[i], X_PJ,
-                    record.nominal.limits[i], ""});
+    text += moving(
+        {escaped(names[i]), parent, child, signature.types[i], X_PJ, record.nominal.limits[i], ""});
     parent = child;
   }
   text += fixed("to_last_link", parent, "last_link", frames.X_KL);

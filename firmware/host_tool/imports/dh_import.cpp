@@ -68,7 +68,7 @@ class DhReader {
       if (auto row = read_row(); !row) return std::unexpected(std::move(row).error());
     }
     if (arm_.joints.empty()) return bad("the file ends after its header", "a row a joint");
-    ImportedArm imported{{"imported arm", arm_}, {}, {}};
+    ImportedArm imported{{"imported arm", arm_}, {}};
     if (modified_) move_to_standard(imported);
     if (!has_limits_) {
       imported.notes.emplace_back("the file has no limits: -180 to 180 degrees for every joint");

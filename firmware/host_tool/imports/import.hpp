@@ -8,8 +8,7 @@ namespace armsig::tool {
 
 struct ImportedArm {
   ArmDescription description;
-  std::vector<std::string> joint_names;  // in the file
-  std::vector<std::string> notes;        // what a person should know
+  std::vector<std::string> notes;  // what a person should know
 };
 
 // The chain from link `base` to link `tip` of a URDF file (xacro must be expanded before).

@@ -56,13 +56,12 @@ NumberColumn number_column(std::size_t index, std::string_view ours, Dimension d
   return {index, *unit_called(suffix, dimension)};
 }
 
-Read<Columns> from_header(const ForeignTable& table, const JointTypes& types,
-                          const StatedUnits& units) {
+Columns from_header(const std::vector<std::string>& header, std::size_t first_row,
+                    const JointTypes& types, const StatedUnits& units) {
   Columns columns{
-      .has_header = true, .name = {}, .time = {}, .target = {}, .joints = {}, .position = {}};
+      .first_row = first_row, .name = {}, .time = {}, .target = {}, .joints = {}, .position = {}};
   std::array<std::optional<NumberColumn>, kMaxJoints> joints;
   std::array<std::optional<NumberColumn>, 3> position;
-  const std::vector<std::string>& header = table.rows.front().fields;
   for (std::size_t k = 0; k < header.size(); ++k) {
     const std::string letters = letters_of(header[k]);
     if (is_one_of(letters, kTimeWords)) columns.time = k;
@@ -148,10 +147,16 @@ Read<StatedUnits> stated_units(std::string_view words) {
 
 Read<Columns> columns_of(const ForeignTable& table, const JointTypes& types,
                          const StatedUnits& units) {
+  const std::size_t last = std::min(table.rows.size(), kMostTitleRows);
+  for (std::size_t row = 0; row < last; ++row) {
+    const Columns columns = from_header(table.rows[row].fields, row + 1, types, units);
+    if (!columns.joints.empty() || columns.position) return columns;
+  }
   const bool has_number = std::ranges::any_of(
       table.rows.front().fields,
       [&](const std::string& field) { return number_in(table, field).has_value(); });
-  return has_number ? without_header(table, units) : from_header(table, types, units);
+  return has_number ? without_header(table, units)
+                    : from_header(table.rows.front().fields, 1, types, units);
 }
 
 Read<double> number_of(const ForeignTable& table, const ForeignRow& row,

@@ -22,13 +22,16 @@ struct StatedUnits {
 // "deg,mm" or "mm". Refuses any other word, and two of one kind.
 [[nodiscard]] Read<StatedUnits> stated_units(std::string_view words);
 
+// Rows that a measuring program may put above its header.
+inline constexpr std::size_t kMostTitleRows = 60;
+
 struct NumberColumn {
   std::size_t index = 0;
   Unit unit;
 };
 
 struct Columns {
-  bool has_header = false;
+  std::size_t first_row = 0;  // of the data, among the table's; above it titles and the header
   std::optional<std::size_t> name;  // of the point
   std::optional<std::size_t> time;
   std::optional<std::size_t> target;                    // its number
@@ -36,7 +39,8 @@ struct Columns {
   std::optional<std::array<NumberColumn, 3>> position;  // x, y, z
 };
 
-// By the header, its units or those stated. A table whose first row has a number has no header: its
+// By the header, its units or those stated: the first of the first kMostTitleRows rows that names
+// the readings or a position. A table without one whose first row has a number has no header: its
 // position is the last three columns that are numbers in every row, where these are three and no
 // more after the first column with a word in it; the column before is the name. Refuses what
 // leaves a choice, naming the cure.

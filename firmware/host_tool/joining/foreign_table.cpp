@@ -69,7 +69,8 @@ Read<ForeignTable> read_foreign_table(const std::string& path) {
   if (const auto bad = first_bad_byte(*text)) {
     const auto line = 1 + std::count(text->begin(), text->begin() + static_cast<long>(*bad), '\n');
     return std::unexpected(Problem{path, static_cast<int>(line), 0,
-                                   "a byte that is no text of UTF-8 or UTF-16", "a text file"});
+                                   "a byte that is no text of UTF-8 or UTF-16",
+                                   "UTF-8: save it so, or iconv -f WINDOWS-1252 -t UTF-8"});
   }
   const auto lines = lines_of(*text);
   if (lines.empty()) return std::unexpected(Problem{path, 0, 0, "no rows", "a row a line"});

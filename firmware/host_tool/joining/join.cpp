@@ -38,6 +38,13 @@ std::unexpected<Problem> at_line(const std::string& file, std::size_t line, std:
       Problem{file, static_cast<int>(line), 0, std::move(what), std::move(expected)});
 }
 
+std::unexpected<Problem> no_time(const std::string& file, std::size_t line,
+                                 const LoggedTime& time) {
+  if (time.text.empty()) return at_line(file, line, "no time", "a column Time in every row");
+  return at_line(file, line, in_quotes(time.text),
+                 "seconds, HH:MM:SS, YYYY-MM-DD HH:MM:SS, or DD.MM.YYYY HH:MM:SS");
+}
+
 // The pose of each point; null: none.
 using Partners = std::vector<const LoggedPose*>;
 
@@ -83,20 +90,19 @@ Read<Partners> by_time(const std::vector<LoggedPose>& poses,
                        const JoinFiles& files, const JointTypes& types) {
   std::vector<const LoggedPose*> sorted;
   for (const LoggedPose& pose : poses) {
-    if (!pose.time_s)
-      return at_line(files.joints, pose.line, "no time", "a column Time in every row");
+    if (!pose.time.seconds) return no_time(files.joints, pose.line, pose.time);
     sorted.push_back(&pose);
   }
-  std::ranges::stable_sort(sorted, {}, [](const LoggedPose* pose) { return *pose->time_s; });
+  std::ranges::stable_sort(sorted, {}, [](const LoggedPose* pose) { return *pose->time.seconds; });
   Partners partners;
   for (const TrackedPoint& point : points) {
-    if (!point.time_s)
-      return at_line(files.points, point.line, "no time", "a column Time in every row");
-    const auto time = [](const LoggedPose* pose) { return *pose->time_s; };
-    const auto first = std::ranges::lower_bound(sorted, *point.time_s - within_s, {}, time);
-    const auto last = std::ranges::upper_bound(sorted, *point.time_s + within_s, {}, time);
+    if (!point.time.seconds) return no_time(files.points, point.line, point.time);
+    const auto time = [](const LoggedPose* pose) { return *pose->time.seconds; };
+    const auto first = std::ranges::lower_bound(sorted, *point.time.seconds - within_s, {}, time);
+    const auto last = std::ranges::upper_bound(sorted, *point.time.seconds + within_s, {}, time);
     const auto nearest = std::min_element(first, last, [&](const auto* a, const auto* b) {
-      return std::abs(*a->time_s - *point.time_s) < std::abs(*b->time_s - *point.time_s);
+      return std::abs(*a->time.seconds - *point.time.seconds) <
+             std::abs(*b->time.seconds - *point.time.seconds);
     });
     const bool stands = nearest != last && std::all_of(first, last, [&](const LoggedPose* pose) {
                           return same_readings(pose->q, (*nearest)->q, types);
@@ -125,9 +131,14 @@ Read<Joined> join(const std::vector<LoggedPose>& poses, const std::vector<Tracke
     joined.rows.push_back(row_of(*partners[k], points[k], target));
   }
   if (joined.rows.empty()) {
-    return at_line(files.points, 0, "no point goes with any pose",
-                   by == JoinBy::kName ? "the names of the joint log, or --by order or time"
-                                       : "times of one clock, while the arm stood still");
+    if (by != JoinBy::kName) {
+      return at_line(files.points, 0, "no point goes with any pose",
+                     "times of one clock, while the arm stood still");
+    }
+    return at_line(files.points, 0,
+                   fmt::format("no point goes with any pose by name: the first is {}, the first pose {}",
+                               in_quotes(points.front().name), in_quotes(poses.front().name)),
+                   "one name in both files, or --by order or time");
   }
   std::ranges::sort(used);
   const auto repeated = std::ranges::unique(used);

@@ -11,11 +11,17 @@
 
 namespace armsig::tool {
 
+// As a log has it, and what it stands for: nothing where that is not understood.
+struct LoggedTime {
+  std::string text;
+  std::optional<double> seconds;
+};
+
 // One row of the joint log.
 struct LoggedPose {
   std::size_t line = 0;
   std::string name;  // empty: none
-  std::optional<double> time_s;
+  LoggedTime time;
   std::optional<int> target;
   JointVector q;
 };
@@ -23,7 +29,7 @@ struct LoggedPose {
 struct TrackedPoint {
   std::size_t line = 0;
   std::string name;
-  std::optional<double> time_s;
+  LoggedTime time;
   Vector3 p_S = Vector3::Zero();
 };
 

@@ -13,26 +13,22 @@ std::string field_of(const ForeignRow& row, const std::optional<std::size_t>& co
   return column && *column < row.fields.size() ? row.fields[*column] : std::string{};
 }
 
-Read<std::optional<double>> time_of(const ForeignTable& table, const ForeignRow& row,
-                                    const std::optional<std::size_t>& column) {
+LoggedTime time_of(const ForeignRow& row, const std::optional<std::size_t>& column) {
   const std::string field = field_of(row, column);
-  if (field.empty()) return std::optional<double>{};
-  const auto seconds = seconds_of(field);
-  if (seconds) return seconds;
-  return std::unexpected(Problem{table.file, static_cast<int>(row.line), 0, in_quotes(field),
-                                 "seconds, HH:MM:SS, or YYYY-MM-DD HH:MM:SS"});
+  return {field, field.empty() ? std::nullopt : seconds_of(field)};
 }
 
 std::span<const ForeignRow> data_of(const ForeignTable& table, const Columns& columns) {
-  return std::span(table.rows).subspan(columns.has_header ? 1 : 0);
+  return std::span(table.rows).subspan(columns.first_row);
 }
 
 Read<LoggedPose> logged_pose(const ForeignTable& table, const ForeignRow& row,
                              const Columns& columns) {
-  LoggedPose pose{
-      .line = row.line, .name = field_of(row, columns.name), .time_s = {}, .target = {}, .q = {}};
-  ARMSIG_TRY(time_s, time_of(table, row, columns.time));
-  pose.time_s = time_s;
+  LoggedPose pose{.line = row.line,
+                  .name = field_of(row, columns.name),
+                  .time = time_of(row, columns.time),
+                  .target = {},
+                  .q = {}};
   if (const std::string number = field_of(row, columns.target); !number.empty()) {
     pose.target = parse_integer(number);
     // A target that is no number is the name of the point.
@@ -47,10 +43,9 @@ Read<LoggedPose> logged_pose(const ForeignTable& table, const ForeignRow& row,
 
 Read<TrackedPoint> tracked_point(const ForeignTable& table, const ForeignRow& row,
                                  const Columns& columns) {
-  TrackedPoint point{.line = row.line, .name = field_of(row, columns.name), .time_s = {}};
+  TrackedPoint point{
+      .line = row.line, .name = field_of(row, columns.name), .time = time_of(row, columns.time)};
   if (point.name.empty()) point.name = field_of(row, columns.target);
-  ARMSIG_TRY(time_s, time_of(table, row, columns.time));
-  point.time_s = time_s;
   for (int i = 0; i < 3; ++i) {
     ARMSIG_TRY(coordinate, number_of(table, row, (*columns.position)[static_cast<std::size_t>(i)]));
     point.p_S[i] = coordinate;

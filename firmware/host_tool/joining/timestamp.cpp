@@ -31,10 +31,12 @@ std::optional<double> seconds_of(std::string_view text) {
   text = trimmed(text);
   if (const auto number = parse_number(text)) return number;
   constexpr std::size_t kDate = 10;
-  if (text.size() <= kDate || text[4] != '-' || text[7] != '-') return seconds_of_day(text);
-  const auto year = integer_at(text, 0, 4);
-  const auto month = integer_at(text, 5, 2);
-  const auto day = integer_at(text, 8, 2);
+  const bool by_year = text.size() > kDate && text[4] == '-' && text[7] == '-';
+  const bool by_day = text.size() > kDate && text[2] == '.' && text[5] == '.';
+  if (!by_year && !by_day) return seconds_of_day(text);
+  const auto year = integer_at(text, by_year ? 0 : 6, 4);
+  const auto month = integer_at(text, by_year ? 5 : 3, 2);
+  const auto day = integer_at(text, by_year ? 8 : 0, 2);
   const auto of_day = seconds_of_day(text.substr(kDate + 1));
   if (!year || !month || !day || !of_day) return std::nullopt;
   const std::chrono::year_month_day date{std::chrono::year{*year},

@@ -62,6 +62,7 @@ SignatureRecord record_of(const Identified& identified, const ArmDescription& ar
   SignatureRecord record;
   record.signature = identified.signature;
   record.arm_name = arm.name;
+  record.joint_names = arm.joint_names;
   record.serial = serial;
   record.method = method;
   record.nominal = arm.arm;
@@ -129,6 +130,7 @@ SignatureRecord exact_record(const Signature& signature, const ArmDescription& a
   SignatureRecord record;
   record.signature = signature;
   record.arm_name = arm.name;
+  record.joint_names = arm.joint_names;
   record.method = "exact";
   record.nominal = arm.arm;
   record.time = now_utc();

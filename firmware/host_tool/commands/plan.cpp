@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// armsig plan: where to send the arm for its sweeps, before there is a signature.
+#include <fmt/core.h>
+
+#include "core/base/error.hpp"
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/exports/robot_program.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
+#include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/table.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
+#include "firmware/host_tool/simulation/boxed_sweeps.hpp"
+#include "firmware/host_tool/simulation/margin.hpp"
+
+namespace armsig::tool {
+namespace {
+
+struct PlanOptions : CommonOptions {
+  std::string arm, out;
+  std::string format = "csv";
+  std::vector<double> configuration, box_mm, target_mm{0, 0, 0};
+  double arc_deg = 180;
+  std::size_t points = 24;
+  double margin_deg = 2;
+  double margin_mm = 5;
+  double wait_s = 2;
+};
+
+Read<JointVector> configuration_of(const PlanOptions& options, const Arm& arm) {
+  if (options.configuration.empty()) return middle_of_limits(arm);
+  if (options.configuration.size() != arm.joints.size()) {
+    return std::unexpected(Problem{"--configuration", 0, 0,
+                                   fmt::format("{} readings", options.configuration.size()),
+                                   fmt::format("{}, one a joint", arm.joints.size())});
+  }
+  JointVector configuration;
+  for (std::size_t j = 0; j < arm.joints.size(); ++j) {
+    const double value = options.configuration[j];
+    const double reading =
+        arm.joints[j].type == JointType::kRevolute ? radians(value) : 1e-3 * value;
+    if (!(reading >= arm.limits[j].lower && reading <= arm.limits[j].upper)) {
+      return std::unexpected(Problem{
+          "--configuration", 0, 0,
+          fmt::format("joint {} at {}", j + 1, reading_in_words(arm.joints[j].type, reading)),
+          fmt::format("{} to {}, its limits less the margin",
+                      reading_in_words(arm.joints[j].type, arm.limits[j].lower),
+                      reading_in_words(arm.joints[j].type, arm.limits[j].upper))});
+    }
+    configuration.push_back(reading);
+  }
+  return configuration;
+}
+
+ReachBox box_of(const PlanOptions& options) {
+  ReachBox box;
+  box.p_FT = 1e-3 * Vector3(options.target_mm[0], options.target_mm[1], options.target_mm[2]);
+  if (options.box_mm.empty()) return box;
+  box.lower_B = 1e-3 * Vector3(options.box_mm[0], options.box_mm[1], options.box_mm[2]);
+  box.upper_B = 1e-3 * Vector3(options.box_mm[3], options.box_mm[4], options.box_mm[5]);
+  return box;
+}
+
+// The poses in the order in which the arm goes through them, each sweep from the configuration.
+std::vector<JointVector> poses_of(const SweepPlan& plan) {
+  std::vector<JointVector> poses;
+  for (std::size_t j = 0; j < plan.sweeps.size(); ++j) {
+    for (std::size_t k = 0; k < plan.sweeps[j].points; ++k) {
+      JointVector q = plan.configuration;
+      q[j] = plan.sweeps[j].reading(k);
+      poses.push_back(q);
+    }
+  }
+  return poses;
+}
+
+nlohmann::ordered_json json_of(const SweepPlan& plan) {
+  auto sweeps = nlohmann::ordered_json::array();
+  for (const SweepOfJoint& sweep : plan.sweeps) {
+    sweeps.push_back({{"first", sweep.first}, {"last", sweep.last()}, {"points", sweep.points}});
+  }
+  return sweeps;
+}
+
+int run(const PlanOptions& options) {
+  const auto apart = check_roles({{"--arm", options.arm}}, {{"--out", options.out}});
+  if (!apart) return fail(apart.error(), kBadInput, options);
+  const auto read = read_arm(options.arm);
+  if (!read) return fail(read.error(), kBadInput, options);
+  Arm arm = read->arm;
+  const JointTypes types = types_of(arm);
+  const auto limits = limits_with_margin(
+      arm.limits, types,
+      {.angle_rad = radians(options.margin_deg), .length_m = 1e-3 * options.margin_mm});
+  if (!limits) return fail(limits.error(), kBadInput, options);
+  arm.limits = *limits;
+  const auto configuration = configuration_of(options, arm);
+  if (!configuration) return fail(configuration.error(), kBadInput, options);
+  const auto plan =
+      sweeps_inside(arm, *configuration, radians(options.arc_deg), options.points, box_of(options));
+  if (!plan) return fail(plan.error(), kNoAnswer, options);
+  const std::vector<JointVector> poses = poses_of(*plan);
+  const auto written = write_poses(options.out,
+                                   {.format = options.format,
+                                    .comment = fmt::format("{}: sweeps to measure, a joint after "
+                                                           "the other",
+                                                           read->name),
+                                    .wait_s = options.wait_s},
+                                   types, poses);
+  if (!written) return fail(written.error(), kBadInput, options);
+  if (options.json) {
+    print_json({{"status", 0},
+                {"arm", read->name},
+                {"poses", poses.size()},
+                {"sweeps", json_of(*plan)},
+                {"out", options.out}});
+    return kDone;
+  }
+  Table table({"Joint", "held at", "swept from", "to", "Points"});
+  for (std::size_t j = 0; j < types.size(); ++j) {
+    const SweepOfJoint& sweep = plan->sweeps[j];
+    table.add_row({fmt::format("{}", j + 1), reading_in_words(types[j], plan->configuration[j]),
+                   reading_in_words(types[j], sweep.first),
+                   reading_in_words(types[j], sweep.last()), fmt::format("{}", sweep.points)});
+  }
+  say("{}: sweeps to measure\n\n{}\n{}\n", read->name, table.render(),
+      paragraph(fmt::format("{} poses; the arm needs about {} and the sensor its own time. Look "
+                            "where they go first: the plan knows limits and box, not what stands "
+                            "around.",
+                            poses.size(), duration_in_words(duration_s(arm, *plan, {})))));
+  say("Written: {}\nNext: measure at each, then armsig join, or armsig identify --arm {}\n",
+      options.out, options.arm);
+  return kDone;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, int& status) {
+  auto options = std::make_shared<PlanOptions>();
+  CLI::App* command =
+      app.add_subcommand("plan", "poses for the sweeps, before there is a signature");
+  command
+      ->add_option("--arm", options->arm,
+                   "arm description (YAML), or a name that `armsig arms` lists")
+      ->required();
+  command
+      ->add_option("--configuration", options->configuration,
+                   "where the other joints are held, degrees or mm a joint, separated by commas "
+                   "(default: the middle of the limits)")
+      ->delimiter(',');
+  command->add_option("--arc", options->arc_deg, "of revolute joints, degrees")
+      ->check(CLI::Range(30.0, 360.0))
+      ->capture_default_str();
+  command->add_option("--points", options->points, "a sweep")
+      ->check(CLI::Range(6, 1000))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--box-mm", options->box_mm,
+          "where the target may be, in the base of the drawing: x,y,z lowest, then highest")
+      ->delimiter(',')
+      ->expected(6);
+  command
+      ->add_option("--target-mm", options->target_mm,
+                   "the target in the last frame of the drawing: x,y,z")
+      ->delimiter(',')
+      ->expected(3);
+  command
+      ->add_option("--margin-deg", options->margin_deg, "kept from the limits of revolute joints")
+      ->check(CLI::Range(0.0, 90.0))
+      ->capture_default_str();
+  command->add_option("--margin-mm", options->margin_mm, "kept from those of prismatic ones")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command
+      ->add_option("--format", options->format,
+                   "of the poses: a table, or a program that goes to each and waits there")
+      ->check(CLI::IsMember(program_formats()))
+      ->capture_default_str();
+  command->add_option("--wait-s", options->wait_s, "at each pose, in a program")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "joint poses to write")->required();
+  add_common(*command, *options);
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace armsig::tool
