@@ -188,6 +188,22 @@ TEST(FleetRowText, ReadingsAreJson) {
   EXPECT_EQ(json_of(readings), R"({"mode":"a\"b\\c?","air_c":-0.5,"fault":null})");
 }
 
+TEST(FleetHostConfiguration, ExampleTellsTheDefaults) {
+  const auto read = read_host_configuration(ARMSIG_EXAMPLE);
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const DriftPlan plain;
+  EXPECT_EQ(read->drift.pose_sigma_mm, plain.pose_sigma_mm);
+  EXPECT_EQ(read->drift.poses, plain.poses);
+  EXPECT_EQ(read->drift.shift_mm, plain.shift_mm);
+  EXPECT_EQ(read->drift.baseline, plain.baseline);
+  EXPECT_EQ(read->drift.correlation, plain.correlation);
+  EXPECT_EQ(read->drift.sigma_ratio, plain.sigma_ratio);
+  EXPECT_EQ(read->drift.checks_per_month, plain.checks_per_month);
+  EXPECT_EQ(read->drift.false_alarms_per_1000_arm_months, plain.false_alarms_per_1000_arm_months);
+  EXPECT_EQ(read->page_port, HostConfiguration{}.page_port);
+  EXPECT_EQ(read->broker.port, 8883);
+}
+
 TEST(FleetHostConfiguration, IsCheckedAsAWhole) {
   const std::string good =
       "armsig: fleet/1\ngroup: plant\nhost: fleet\ndatabase: dbname=armsig\n"

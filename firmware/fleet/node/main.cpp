@@ -47,6 +47,7 @@ class Reporter {
  public:
   Reporter(const NodeConfiguration& configuration, Journal& journal)
       : configuration_(configuration),
+        journal_(journal),
         transport_(configuration.broker, configuration.edge.node),
         node_(configuration.edge, journal, transport_, random_bits()),
         console_(configuration.console) {}
@@ -60,7 +61,9 @@ class Reporter {
  private:
   void step() {
     MqttConnection& connection = transport_.connection();
-    const bool idle = connection.descriptor() < 0 || node_.state() == EdgeNode::State::kWaiting;
+    // A line of the controller or of the broker ends the wait anyway; rows under way are timed.
+    const bool idle =
+        node_.state() != EdgeNode::State::kBorn || journal_.acknowledged() == journal_.last();
     std::array<pollfd, 2> ready{
         pollfd{.fd = connection.descriptor(), .events = POLLIN, .revents = 0},
         pollfd{.fd = console_.descriptor(), .events = POLLIN, .revents = 0}};
@@ -135,6 +138,7 @@ class Reporter {
   }
 
   const NodeConfiguration& configuration_;
+  Journal& journal_;
   MqttTransport transport_;
   EdgeNode node_;
   ConsoleLink console_;
