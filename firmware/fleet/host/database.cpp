@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/fleet/host/database.hpp"
+
+#include <libpq-fe.h>
+
+#include <array>
+#include <bit>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "firmware/fleet/host/migrations.hpp"
+#include "firmware/fleet/host/row_text.hpp"
+
+namespace armsig::fleet {
+namespace {
+
+// Two hosts that start at once take turns.
+constexpr const char* kLock = "SELECT pg_advisory_lock(7263541)";
+constexpr const char* kUnlock = "SELECT pg_advisory_unlock(7263541)";
+
+std::string bits(std::uint64_t journal) {
+  return std::to_string(std::bit_cast<std::int64_t>(journal));
+}
+
+}  // namespace
+
+void Database::Close::operator()(pg_conn* connection) const { PQfinish(connection); }
+void Database::Clear::operator()(pg_result* result) const { PQclear(result); }
+
+std::optional<Database> Database::open(const std::string& connection, const DriftSettings& drift,
+                                       std::string& problem) {
+  const std::array<const char*, 5> keys{"connect_timeout", "application_name", "dbname", nullptr};
+  const std::array<const char*, 5> values{"5", "armsig-fleet", connection.c_str(), nullptr};
+  Database database(PQconnectdbParams(keys.data(), values.data(), 1));
+  const bool good = PQstatus(database.connection_.get()) == CONNECTION_OK &&
+                    database.run("SET client_min_messages = warning") && database.migrate() &&
+                    database.keep(drift);
+  if (good) return database;
+  problem = database.problem();
+  return std::nullopt;
+}
+
+std::string Database::problem() const {
+  std::string text = PQerrorMessage(connection_.get());
+  while (text.ends_with('\n')) text.pop_back();
+  for (char& c : text) {
+    if (c == '\n') c = ' ';
+  }
+  return text;
+}
+
+bool Database::run(const char* command) {
+  const Result result(PQexec(connection_.get(), command));
+  const ExecStatusType status = PQresultStatus(result.get());
+  return status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK;
+}
+
+bool Database::run(const char* command, const std::vector<std::string>& arguments) {
+  return ask(command, arguments).has_value();
+}
+
+std::optional<Database::Table> Database::ask(const char* question,
+                                             const std::vector<std::string>& arguments) {
+  std::vector<const char*> values;
+  for (const std::string& argument : arguments) values.push_back(argument.c_str());
+  const Result result(PQexecParams(connection_.get(), question, static_cast<int>(values.size()),
+                                   nullptr, values.data(), nullptr, nullptr, 0));
+  const ExecStatusType status = PQresultStatus(result.get());
+  if (status == PGRES_COMMAND_OK) return Table{};
+  if (status != PGRES_TUPLES_OK) return std::nullopt;
+  Table table(static_cast<std::size_t>(PQntuples(result.get())));
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    for (int column = 0; column < PQnfields(result.get()); ++column) {
+      const int r = static_cast<int>(row);
+      table[row].push_back(PQgetisnull(result.get(), r, column) != 0
+                               ? std::nullopt
+                               : std::optional<std::string>(PQgetvalue(result.get(), r, column)));
+    }
+  }
+  return table;
+}
+
+// Each migration in a transaction of its own, once and in order.
+bool Database::migrate() {
+  if (!run(kLock) || !run("CREATE TABLE IF NOT EXISTS migration (number integer PRIMARY KEY, "
+                          "done_at timestamptz NOT NULL DEFAULT now())")) {
+    return false;
+  }
+  const auto done = ask("SELECT coalesce(max(number), 0) FROM migration");
+  if (!done || done->empty()) return false;
+  const int last = std::stoi((*done)[0][0].value_or("0"));
+  int number = 0;
+  for (const char* migration : kMigrations) {
+    if (++number <= last) continue;
+    if (!run("BEGIN") || !run(migration) ||
+        !run("INSERT INTO migration (number) VALUES ($1::integer)", {std::to_string(number)}) ||
+        !run("COMMIT")) {
+      return false;
+    }
+  }
+  return run(kUnlock);
+}
+
+bool Database::keep(const DriftSettings& drift) {
+  return run(
+      "INSERT INTO drift_setting (sigma_mm, k, h, baseline) VALUES ($1::double precision, "
+      "$2::double precision, $3::double precision, $4::integer) ON CONFLICT (one) DO UPDATE SET "
+      "sigma_mm = excluded.sigma_mm, k = excluded.k, h = excluded.h, baseline = excluded.baseline",
+      {fmt::format("{}", drift.sigma_mm), fmt::format("{}", drift.reference),
+       fmt::format("{}", drift.threshold), std::to_string(drift.baseline)});
+}
+
+std::optional<std::vector<Intake::Journal>> Database::journals() {
+  // Nobody is known to be there until it has told.
+  if (!run("UPDATE arm SET online = false, changed_at = now() WHERE online")) return std::nullopt;
+  const auto table = ask("SELECT node, journal, contiguous FROM journal");
+  if (!table) return std::nullopt;
+  std::vector<Intake::Journal> journals;
+  for (const auto& row : *table) {
+    journals.push_back(
+        {.node = row[0].value_or(""),
+         .journal = std::bit_cast<std::uint64_t>(std::int64_t{std::stoll(row[1].value_or("0"))}),
+         .contiguous = std::stoull(row[2].value_or("0"))});
+  }
+  return journals;
+}
+
+bool Database::store(const Batch& batch) {
+  if (run("BEGIN") && store_states(batch) && store_rows(batch) && run("COMMIT")) return true;
+  (void)run("ROLLBACK");
+  return false;
+}
+
+// The last state of each arm counts.
+bool Database::store_states(const Batch& batch) {
+  std::map<std::string_view, const StoredState*> last;
+  for (const StoredState& state : batch.states) last[state.node] = &state;
+  if (last.empty()) return true;
+  ArrayText nodes;
+  ArrayText online;
+  ArrayText current;
+  for (const auto& [node, state] : last) {
+    nodes.add(node);
+    online.add(state->online ? "t" : "f");
+    current.add(json_of(state->current));
+  }
+  return run(
+      "INSERT INTO arm (node, online, current) SELECT * FROM unnest($1::text[], $2::boolean[], "
+      "$3::jsonb[]) ON CONFLICT (node) DO UPDATE SET online = excluded.online, changed_at = now(), "
+      "current = arm.current || jsonb_strip_nulls(excluded.current)",
+      {nodes.text(), online.text(), current.text()});
+}
+
+// The key refuses what would be there twice, and with it the whole transaction.
+bool Database::store_rows(const Batch& batch) {
+  if (batch.rows.empty()) return true;
+  ArrayText nodes;
+  ArrayText journals;
+  ArrayText numbers;
+  ArrayText times;
+  ArrayText historical;
+  ArrayText dropped;
+  ArrayText readings;
+  for (const StoredRow& row : batch.rows) {
+    nodes.add(row.node);
+    journals.add(bits(row.journal));
+    numbers.add(std::to_string(row.number));
+    times.add(std::to_string(row.time_ms));
+    historical.add(row.historical ? "t" : "f");
+    dropped.add(std::to_string(row.dropped));
+    readings.add(json_of(row.readings));
+  }
+  const std::vector<std::string> arguments{nodes.text(),   journals.text(), numbers.text(),
+                                           times.text(),   dropped.text(),  historical.text(),
+                                           readings.text()};
+  return run("WITH come AS (SELECT * FROM unnest($1::text[], $2::bigint[], $3::bigint[], "
+             "$4::double precision[], $5::bigint[], $6::boolean[], $7::jsonb[]) "
+             "WITH ORDINALITY AS r(node, journal, number, ms, dropped, historical, reading, "
+             "place)), "
+             "furthest AS (INSERT INTO journal (node, journal, contiguous, dropped) "
+             "SELECT node, journal, max(number), max(dropped) FROM come GROUP BY node, journal "
+             "ON CONFLICT (node, journal) DO UPDATE SET contiguous = excluded.contiguous, "
+             "dropped = greatest(journal.dropped, excluded.dropped)), "
+             "newest AS (SELECT node, jsonb_object_agg(key, value ORDER BY place) AS current FROM "
+             "come, "
+             "jsonb_each(reading) GROUP BY node), "
+             "arms AS (UPDATE arm SET current = arm.current || newest.current FROM newest "
+             "WHERE arm.node = newest.node) "
+             "INSERT INTO row (node, journal, number, at, historical, reading) "
+             "SELECT node, journal, number, to_timestamp(ms / 1000), historical, reading FROM come",
+             arguments) &&
+         run("SELECT drift_take(node, to_timestamp(ms / 1000), reading ->> 'verdict', "
+             "(reading ->> 'dx_mm')::double precision, (reading ->> 'dy_mm')::double precision, "
+             "(reading ->> 'dz_mm')::double precision) FROM (SELECT * FROM unnest($1::text[], "
+             "$2::double precision[], $3::jsonb[]) WITH ORDINALITY AS r(node, ms, reading, place) "
+             "ORDER BY place) AS come WHERE abs((reading ->> 'dx_mm')::double precision) < 1e6 "
+             "AND abs((reading ->> 'dy_mm')::double precision) < 1e6 "
+             "AND abs((reading ->> 'dz_mm')::double precision) < 1e6",
+             {nodes.text(), times.text(), readings.text()});
+}
+
+}  // namespace armsig::fleet

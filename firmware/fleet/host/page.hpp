@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// What the host shows: figures for Prometheus, the table of arms, one arm. Read-only.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "firmware/fleet/host/database.hpp"
+#include "firmware/fleet/host/intake.hpp"
+
+namespace armsig::fleet {
+
+struct Answer {
+  int status = 200;
+  std::string_view type = "text/html; charset=utf-8";
+  std::string body;
+};
+
+// Of the request line's path; `database` is null where the record is not there.
+[[nodiscard]] Answer answer(std::string_view path, const Intake& intake, Database* database);
+
+// `text` in HTML, nothing of it markup.
+[[nodiscard]] std::string escaped(std::string_view text);
+
+}  // namespace armsig::fleet

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT
+// armsig-light-nodes: many cabinets in one process, each with the journal, state machine, TLS
+// connection and certificate of a real one, and rows that are made up. For toolchain/fleet.
+//   armsig-light-nodes run FOLDER PORT FIRST COUNT ROWS_PER_SECOND UNTIL_UNIX_S
+//     FOLDER has authority.crt, nodes/arm-N.crt and .key; journals are nodes/arm-N.journal.
+//     Ends when every row is acknowledged after that time; status 1 where that takes 120 s.
+//   armsig-light-nodes list FOLDER FIRST COUNT
+//     "node,journal,number" of every row that the journals hold; status 1 where one lost any.
+#include <sys/epoll.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "firmware/fleet/journal/file_storage.hpp"
+#include "firmware/fleet/node/mqtt_transport.hpp"
+#include "hal/linux/file_descriptor.hpp"
+
+namespace armsig::fleet {
+namespace {
+
+constexpr std::uint64_t kSlots = 2048;
+constexpr std::uint64_t kTick_ms = 20;
+constexpr std::uint64_t kMisc_ms = 1'000;
+constexpr std::uint64_t kDrain_ms = 120'000;
+
+volatile std::sig_atomic_t stop_asked = 0;
+
+Now now() {
+  const auto ms = [](auto since) {
+    return static_cast<std::uint64_t>(
+        std::chrono::duration_cast<std::chrono::milliseconds>(since).count());
+  };
+  return {.steady_ms = ms(std::chrono::steady_clock::now().time_since_epoch()),
+          .utc_ms = ms(std::chrono::system_clock::now().time_since_epoch())};
+}
+
+std::string name_of(int number) { return "arm-" + std::to_string(number); }
+
+BrokerSettings broker_of(const std::string& folder, int port, const std::string& name) {
+  const std::string own = folder + "/nodes/" + name;
+  return {.address = "127.0.0.1",
+          .port = port,
+          .authority = folder + "/authority.crt",
+          .certificate = own + ".crt",
+          .key = own + ".key"};
+}
+
+FileStorage storage_of(const std::string& folder, const std::string& name) {
+  auto storage = FileStorage::open(folder + "/nodes/" + name + ".journal",
+                                   Journal::kFirstSlotAt + kSlots * Journal::kSlotSize);
+  if (!storage) throw std::runtime_error(name + ": no journal");
+  return *std::move(storage);
+}
+
+Journal journal_of(Storage& storage, std::uint64_t random) {
+  auto journal = Journal::open(storage, kSlots, random);
+  if (!journal) throw std::runtime_error("a journal can't be read");
+  return *std::move(journal);
+}
+
+struct Cabinet {
+  Cabinet(const std::string& folder, int port, const std::string& name, std::mt19937_64& random)
+      : storage(storage_of(folder, name)),
+        journal(journal_of(storage, random())),
+        transport(broker_of(folder, port, name), name),
+        node({.group = "plant",
+              .node = name,
+              .host = "fleet",
+              .rows_per_second = 200,
+              .answer_timeout_ms = 3'000,
+              .longest_timeout_ms = 10'000,
+              .longest_reconnect_ms = 5'000},
+             journal, transport, random()) {}
+
+  FileStorage storage;
+  Journal journal;
+  MqttTransport transport;
+  EdgeNode node;
+  int watched = -1;  // descriptor in epoll
+  bool watched_write = false;
+  std::uint64_t misc_ms = 0;
+  double owed = 0;  // rows
+};
+
+class Fleet {
+ public:
+  Fleet(const std::string& folder, int port, int first, int count, double rate)
+      : rate_(rate), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
+    std::mt19937_64 random(std::random_device{}());
+    for (int i = 0; i < count; ++i) {
+      cabinets_.push_back(std::make_unique<Cabinet>(folder, port, name_of(first + i), random));
+      cabinets_.back()->owed = -std::uniform_real_distribution<>(0, 1)(random);
+    }
+  }
+
+  // True: all rows were acknowledged in time.
+  bool run(std::uint64_t until_ms) {
+    std::uint64_t before = now().steady_ms;
+    for (;;) {
+      const Now time = now();
+      const bool making = time.utc_ms < until_ms && stop_asked == 0;
+      wait();
+      for (auto& cabinet : cabinets_) {
+        if (making) make_rows(*cabinet, time, static_cast<double>(time.steady_ms - before) * 1e-3);
+        attend(*cabinet, time);
+      }
+      before = time.steady_ms;
+      if (making) continue;
+      if (all_acknowledged()) return true;
+      if (time.utc_ms > until_ms + kDrain_ms || stop_asked != 0) return false;
+    }
+  }
+
+  void leave() {
+    for (auto& cabinet : cabinets_) cabinet->node.leave(now());
+  }
+
+ private:
+  void make_rows(Cabinet& cabinet, const Now& time, double seconds) {
+    for (cabinet.owed += rate_ * seconds; cabinet.owed >= 1; cabinet.owed -= 1) {
+      const auto noise = [&] { return std::normal_distribution<>(0, 0.02)(noise_); };
+      // One in ten is a check, as a cabinet also tells temperatures and modes.
+      if (++made_ % 10 == 0) {
+        const std::array<Reading, 6> check{Reading{Item::kVerdict, Text("consistent")},
+                                           Reading{Item::kResidualX, noise()},
+                                           Reading{Item::kResidualY, noise()},
+                                           Reading{Item::kResidualZ, noise()},
+                                           Reading{Item::kCheckSigma, 0.02},
+                                           Reading{Item::kCheckPoses, 20UL}};
+        if (!cabinet.node.record(time, check)) throw std::runtime_error("a row was not kept");
+      } else {
+        const std::array<Reading, 2> told{Reading{Item::kAir, 20 + noise()},
+                                          Reading{Item::kMode, Text("servoing")}};
+        if (!cabinet.node.record(time, told)) throw std::runtime_error("a row was not kept");
+      }
+    }
+  }
+
+  void wait() {
+    std::array<epoll_event, 256> events{};
+    const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()),
+                                   static_cast<int>(kTick_ms));
+    for (int i = 0; i < count; ++i) {
+      const epoll_event& event = events[static_cast<std::size_t>(i)];
+      auto* cabinet = static_cast<Cabinet*>(event.data.ptr);
+      cabinet->transport.connection().service((event.events & ~EPOLLOUT) != 0,
+                                              (event.events & EPOLLOUT) != 0);
+    }
+  }
+
+  void attend(Cabinet& cabinet, const Now& time) {
+    MqttConnection& connection = cabinet.transport.connection();
+    if (time.steady_ms - cabinet.misc_ms >= kMisc_ms) {
+      cabinet.misc_ms = time.steady_ms;
+      connection.service(false, false);
+    }
+    cabinet.transport.deliver(cabinet.node, time);
+    cabinet.node.tick(time);
+    watch(cabinet);
+  }
+
+  void watch(Cabinet& cabinet) {
+    const int descriptor = cabinet.transport.connection().descriptor();
+    const bool write = cabinet.transport.connection().wants_write();
+    epoll_event event{};
+    event.events = write ? EPOLLIN | EPOLLOUT : EPOLLIN;
+    event.data.ptr = &cabinet;
+    // A descriptor that was closed is no longer watched, and its number may be another's by now.
+    if (descriptor >= 0 && (descriptor != cabinet.watched || write != cabinet.watched_write)) {
+      if (::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, descriptor, &event) != 0) {
+        (void)::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, descriptor, &event);
+      }
+    }
+    cabinet.watched = descriptor;
+    cabinet.watched_write = write;
+  }
+
+  bool all_acknowledged() const {
+    for (const auto& cabinet : cabinets_) {
+      if (cabinet->journal.acknowledged() != cabinet->journal.last()) return false;
+    }
+    return true;
+  }
+
+  double rate_;
+  linux_hal::FileDescriptor epoll_;
+  std::vector<std::unique_ptr<Cabinet>> cabinets_;
+  std::mt19937_64 noise_{1};
+  std::uint64_t made_ = 0;
+};
+
+int list(const std::string& folder, int first, int count) {
+  int status = 0;
+  for (int i = first; i < first + count; ++i) {
+    FileStorage storage = storage_of(folder, name_of(i));
+    Journal journal = journal_of(storage, 1);
+    if (journal.dropped() != 0) status = 1;
+    std::uint64_t number = 0;
+    for (std::uint64_t n = 0; n <= kSlots; ++n) {
+      const auto row = journal.after(number);
+      if (!row || !*row) break;
+      number = (*row)->number;
+      std::printf("%s,%lld,%llu\n", name_of(i).c_str(), static_cast<long long>(journal.name()),
+                  static_cast<unsigned long long>(number));
+    }
+  }
+  return status;
+}
+
+int run(const std::vector<std::string>& words) {
+  if (words.size() == 4 && words[0] == "list") {
+    return list(words[1], std::stoi(words[2]), std::stoi(words[3]));
+  }
+  if (words.size() != 7 || words[0] != "run") {
+    std::fputs("see the head of firmware/fleet/light_nodes/main.cpp\n", stderr);
+    return 2;
+  }
+  Fleet fleet(words[1], std::stoi(words[2]), std::stoi(words[3]), std::stoi(words[4]),
+              std::stod(words[5]));
+  const bool all = fleet.run(1'000 * std::stoull(words[6]));
+  fleet.leave();
+  return all ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace armsig::fleet
+
+int main(int argc, char** argv) {
+  const auto ask = [](int) { armsig::fleet::stop_asked = 1; };
+  std::signal(SIGTERM, ask);
+  std::signal(SIGINT, ask);
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return armsig::fleet::run({argv + 1, argv + argc});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "armsig-light-nodes: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/fleet/node/controller_lines.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "firmware/fleet/node/sha256.hpp"
+
+namespace armsig::fleet {
+namespace {
+
+// The value under ` key=`, without its quotes; empty: none.
+std::string_view value_of(std::string_view line, std::string_view key) {
+  for (std::size_t at = line.find(key); at != std::string_view::npos; at = line.find(key, at + 1)) {
+    const std::size_t after = at + key.size();
+    if (at == 0 || line[at - 1] != ' ' || after >= line.size() || line[after] != '=') continue;
+    std::string_view value = line.substr(after + 1);
+    if (value.starts_with('"')) {
+      value.remove_prefix(1);
+      return value.substr(0, value.find('"'));
+    }
+    return value.substr(0, value.find(' '));
+  }
+  return {};
+}
+
+double number_in(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  return value;
+}
+
+void add_number(Readings& readings, Item item, double value) {
+  if (std::isfinite(value)) readings.push_back({item, value});
+}
+
+void add_whole(Readings& readings, Item item, double value) {
+  if (value >= 0 && value < 1e15) readings.push_back({item, static_cast<std::uint64_t>(value)});
+}
+
+Value text_or_nothing(std::string_view text) { return text.empty() ? Value() : Value(Text(text)); }
+
+// The first bin's upper end in which `share` of all counts is reached: bins end at 1, 2, 4, ... us.
+void add_quantile(Readings& readings, Item item, std::string_view bins, double share) {
+  std::array<double, 32> counts{};
+  std::size_t size = 0;
+  double all = 0;
+  while (!bins.empty() && size < counts.size()) {
+    const std::size_t comma = bins.find(',');
+    counts[size] = number_in(bins.substr(0, comma));
+    if (!(counts[size] >= 0)) return;
+    all += counts[size++];
+    bins = comma == std::string_view::npos ? std::string_view{} : bins.substr(comma + 1);
+  }
+  double below = 0;
+  for (std::size_t i = 0; i < size && all > 0; ++i) {
+    below += counts[i];
+    if (below < share * all) continue;
+    readings.push_back({item, std::ldexp(1.0, static_cast<int>(i))});
+    return;
+  }
+}
+
+}  // namespace
+
+Readings readings_of_status(std::string_view line) {
+  Readings readings;
+  if (!line.starts_with("ok mode=")) return readings;
+  readings.push_back({Item::kMode, Text(value_of(line, "mode"))});
+  std::string fault(value_of(line, "fault"));
+  const std::string_view joint = value_of(line, "fault_joint");
+  const std::string_view says = value_of(line, "fault_says");
+  if (!joint.empty()) fault.append(" joint ").append(joint);
+  if (!says.empty()) fault.append(": ").append(says);
+  readings.push_back({Item::kFault, text_or_nothing(fault)});
+  readings.push_back({Item::kModel, text_or_nothing(value_of(line, "model"))});
+  readings.push_back({Item::kSensor, text_or_nothing(value_of(line, "sensor"))});
+  const std::string_view bins = value_of(line, "late_bins");
+  add_quantile(readings, Item::kLateness50, bins, 0.5);
+  add_quantile(readings, Item::kLateness99, bins, 0.99);
+  add_number(readings, Item::kLatenessMax, number_in(value_of(line, "late_max_us")));
+  return readings;
+}
+
+Readings readings_of_signature(std::string_view line) {
+  Readings readings;
+  if (!line.starts_with("ok model=")) return readings;
+  readings.push_back({Item::kModel, text_or_nothing(value_of(line, "model"))});
+  const std::size_t parameters = line.find(" theta1_deg=");
+  if (parameters == std::string_view::npos) {
+    for (const Item item :
+         {Item::kSignatureHash, Item::kSignatureDate, Item::kSignatureSigma, Item::kHeldOut}) {
+      readings.push_back({item, {}});
+    }
+    return readings;
+  }
+  readings.push_back({Item::kSignatureHash, Text(sha256(line.substr(parameters + 1)))});
+  add_whole(readings, Item::kSignatureDate, 1e3 * number_in(value_of(line, "identified_unix_s")));
+  add_number(readings, Item::kSignatureSigma, number_in(value_of(line, "predicted_sigma_mm")));
+  add_number(readings, Item::kHeldOut, number_in(value_of(line, "held_out_rms_mm")));
+  add_number(readings, Item::kAir, number_in(value_of(line, "air_c")));
+  return readings;
+}
+
+Readings readings_of_check(std::string_view line) {
+  Readings readings;
+  if (!line.starts_with("# check verdict=")) return readings;
+  readings.push_back({Item::kVerdict, text_or_nothing(value_of(line, "verdict"))});
+  add_number(readings, Item::kResidualX, number_in(value_of(line, "dx_mm")));
+  add_number(readings, Item::kResidualY, number_in(value_of(line, "dy_mm")));
+  add_number(readings, Item::kResidualZ, number_in(value_of(line, "dz_mm")));
+  add_number(readings, Item::kCheckSigma, number_in(value_of(line, "sigma_mm")));
+  add_whole(readings, Item::kCheckPoses, number_in(value_of(line, "poses")));
+  return readings;
+}
+
+}  // namespace armsig::fleet

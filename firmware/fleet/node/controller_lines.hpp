@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// What the controller's console says, as readings. Keys that are not known are passed over, values
+// that are no numbers are left out: a newer controller is no reason to stop.
+#pragma once
+
+#include <string_view>
+
+#include "firmware/fleet/wire/items.hpp"
+
+namespace armsig::fleet {
+
+// Of the reply to `status`: mode, fault in words, model, sensor, quantiles of the tick's lateness.
+// Empty: it is no such reply.
+[[nodiscard]] Readings readings_of_status(std::string_view line);
+
+// Of the reply to `signature`: model, hash (SHA-256 of the parameters as they stand in the reply),
+// date, uncertainty, air temperature. Empty: it is no such reply.
+[[nodiscard]] Readings readings_of_signature(std::string_view line);
+
+// `# check verdict=... dx_mm= dy_mm= dz_mm= sigma_mm= poses=`: the verdict of a check with the mean
+// residual. Empty: it is no such line.
+[[nodiscard]] Readings readings_of_check(std::string_view line);
+
+}  // namespace armsig::fleet

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// The record on a real PostgreSQL; host_tests/fleet/with_record starts it.
+#include <cstdlib>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/drift/cusum.hpp"
+#include "firmware/fleet/host/database.hpp"
+#include "hal/simulated/random.hpp"
+
+namespace armsig::fleet {
+namespace {
+
+constexpr DriftSettings kDrift{
+    .sigma_mm = 0.02, .reference = 2.5, .threshold = 5.6, .baseline = 20};
+
+class FleetRecord : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* where = std::getenv("ARMSIG_RECORD");
+    ASSERT_NE(where, nullptr) << "run by host_tests/fleet/with_record";
+    database = Database::open(where, kDrift, problem);
+    ASSERT_TRUE(database) << problem;
+    ASSERT_TRUE(database->ask("TRUNCATE arm CASCADE"));
+  }
+  std::string one(const char* question) {
+    const auto table = database->ask(question);
+    EXPECT_TRUE(table) << database->problem();
+    if (!table || table->empty()) return "nothing";
+    return (*table)[0][0].value_or("null");
+  }
+  void store(const Batch& batch) { ASSERT_TRUE(database->store(batch)) << database->problem(); }
+
+  std::string problem;
+  std::optional<Database> database;
+};
+
+StoredRow row(std::uint64_t number, const Reading& reading, std::uint64_t journal = 1) {
+  StoredRow stored{.node = "arm-1",
+                   .journal = journal,
+                   .number = number,
+                   .dropped = 0,
+                   .time_ms = 1'700'000'000'000 + number,
+                   .historical = false,
+                   .readings = {}};
+  stored.readings.push_back(reading);
+  return stored;
+}
+
+StoredRow check(std::uint64_t number, const Vector3& e_mm) {
+  StoredRow stored = row(number, {Item::kVerdict, Text("consistent")});
+  stored.readings.push_back({Item::kResidualX, e_mm.x()});
+  stored.readings.push_back({Item::kResidualY, e_mm.y()});
+  stored.readings.push_back({Item::kResidualZ, e_mm.z()});
+  return stored;
+}
+
+Batch born() {
+  Batch batch;
+  batch.states.push_back({"arm-1", true, {}});
+  return batch;
+}
+
+TEST_F(FleetRecord, RowsAndHowFarTheyGoAreStoredTogether) {
+  Batch batch = born();
+  constexpr std::uint64_t kName = 0xFEDCBA9876543210;
+  batch.rows.push_back(row(5, {Item::kMode, Text("idle \"quoted\" \\ {,}")}, kName));
+  batch.rows.push_back(row(9, {Item::kAir, 20.5}, kName));
+  store(batch);
+  EXPECT_EQ(one("SELECT count(*) FROM row"), "2");
+  EXPECT_EQ(one("SELECT current ->> 'mode' FROM arm"), "idle \"quoted\" \\ {,}");
+  EXPECT_EQ(one("SELECT current ->> 'air_c' FROM arm"), "20.5");
+  const auto journals = database->journals();
+  ASSERT_TRUE(journals);
+  ASSERT_EQ(journals->size(), 1U);
+  EXPECT_EQ((*journals)[0].journal, kName);
+  EXPECT_EQ((*journals)[0].contiguous, 9U);
+}
+
+TEST_F(FleetRecord, BatchWithARowThatIsThereIsRefusedWhole) {
+  Batch first = born();
+  first.rows.push_back(row(1, {Item::kAir, 1.0}));
+  store(first);
+  Batch second;
+  second.rows.push_back(row(2, {Item::kAir, 2.0}));
+  second.rows.push_back(row(1, {Item::kAir, 1.0}));
+  EXPECT_FALSE(database->store(second));
+  EXPECT_EQ(one("SELECT count(*) FROM row"), "1");
+  EXPECT_EQ(one("SELECT contiguous FROM journal"), "1");
+}
+
+TEST_F(FleetRecord, NoValueThatACabinetCanSendStopsIt) {
+  Batch batch = born();
+  const double infinite = std::numeric_limits<double>::infinity();
+  const double largest = std::numeric_limits<double>::max();
+  std::uint64_t number = 0;
+  for (const std::string& text :
+       {std::string("\xff\xfe"), std::string("\xed\xa0\x80"), std::string("a\x01\n\"\\'"),
+        std::string("\xc3"), std::string("\xf4\x90\x80\x80")}) {
+    batch.rows.push_back(row(++number, {Item::kFault, Text(text)}));
+  }
+  batch.rows.push_back(row(++number, {Item::kAir, infinite}));
+  batch.rows.push_back(check(++number, {largest, -largest, 1e-320}));
+  batch.rows.push_back(check(++number, {infinite, std::nan(""), 0}));
+  batch.rows.push_back(row(++number, {Item::kSignatureDate, ~std::uint64_t{0}}));
+  batch.rows.back().time_ms = 253'402'300'799'000;
+  batch.rows.back().dropped = ~std::uint64_t{0} >> 1U;
+  store(batch);
+  EXPECT_EQ(one("SELECT count(*) FROM row"), std::to_string(number));
+}
+
+TEST_F(FleetRecord, SqlAggregateIsCoresSum) {
+  simulated::Random random(11);
+  ASSERT_TRUE(database->ask("CREATE TEMP TABLE z (n serial, x float8, y float8, z float8)"));
+  Vector3 sum = Vector3::Zero();
+  for (int i = 0; i < 500; ++i) {
+    const Vector3 z = random.normal_vector() + (i > 400 ? 2.0 : 0.0) * Vector3::UnitY();
+    sum = drift::crosier(sum, z, 1.4);
+    char numbers[3][32];
+    for (int axis = 0; axis < 3; ++axis) std::snprintf(numbers[axis], 32, "%.17g", z[axis]);
+    ASSERT_TRUE(database->ask("INSERT INTO z (x, y, z) VALUES ($1::float8, $2::float8, $3::float8)",
+                              {numbers[0], numbers[1], numbers[2]}));
+    if (i % 50 != 49) continue;
+    const auto table = database->ask(
+        "WITH s AS (SELECT crosier(x, y, z, 1.4 ORDER BY n) AS s FROM z) SELECT s[1], s[2], s[3] "
+        "FROM s");
+    ASSERT_TRUE(table) << database->problem();
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(std::stod(*(*table)[0][static_cast<std::size_t>(axis)]), sum[axis], 1e-12);
+    }
+  }
+  EXPECT_GT(sum.norm(), 10);
+}
+
+TEST_F(FleetRecord, DriftIsNamedWithinTenChecksByTheHostAlike) {
+  simulated::Random random(12);
+  Batch batch = born();
+  drift::State state;
+  Vector3 baseline = Vector3::Zero();
+  const drift::Settings settings{kDrift.sigma_mm, kDrift.reference, kDrift.threshold};
+  for (std::uint64_t n = 1; n <= 60; ++n) {
+    const Vector3 e =
+        kDrift.sigma_mm * random.normal_vector() + (n > 50 ? 0.1 : 0.0) * Vector3(0.6, 0, 0.8);
+    batch.rows.push_back(check(n, e));
+    if (n <= 20) {
+      baseline += e / 20;
+    } else {
+      state = drift::after_check(state, e - baseline, settings).value_or(state);
+    }
+    if (n == 50) {
+      EXPECT_FALSE(state.named);
+    }
+  }
+  store(batch);
+  EXPECT_TRUE(state.named);
+  EXPECT_EQ(one("SELECT checks FROM drift"), "60");
+  EXPECT_EQ(one("SELECT named_at IS NOT NULL FROM drift"), "t");
+  EXPECT_EQ(one("SELECT named_at > to_timestamp(1700000000.050) FROM drift"), "t");
+  EXPECT_NEAR(std::stod(one("SELECT sqrt(sum[1]^2 + sum[2]^2 + sum[3]^2) FROM drift")),
+              state.sum.norm(), 1e-9);
+}
+
+TEST_F(FleetRecord, NewSignatureBeginsANewBaseline) {
+  Batch batch = born();
+  for (std::uint64_t n = 1; n <= 30; ++n) batch.rows.push_back(check(n, {1, 1, 1}));
+  store(batch);
+  Batch next;
+  next.rows.push_back(row(31, {Item::kSignatureHash, Text("abc")}));
+  next.rows.push_back(check(32, {0, 0, 0}));
+  store(next);
+  EXPECT_EQ(one("SELECT checks FROM drift"), "1");
+  EXPECT_EQ(one("SELECT signature FROM drift"), "abc");
+}
+
+TEST_F(FleetRecord, SchemaIsBroughtUpToDateOnce) {
+  std::string why;
+  ASSERT_TRUE(Database::open(std::getenv("ARMSIG_RECORD"), kDrift, why)) << why;
+  EXPECT_EQ(one("SELECT count(*) FROM migration"), "2");
+  EXPECT_EQ(one("SELECT h FROM drift_setting"), "5.6");
+}
+
+TEST_F(FleetRecord, SignatureIsKeptUnderItsOwnHashOnly) {
+  EXPECT_FALSE(database->ask("INSERT INTO signature VALUES ('00', 'theta1_deg=1')"));
+  EXPECT_TRUE(
+      database->ask("INSERT INTO signature VALUES (encode(sha256('theta1_deg=1'::bytea), 'hex'), "
+                    "'theta1_deg=1')"));
+}
+
+TEST_F(FleetRecord, RecordThatIsNotThereIsSaid) {
+  std::string why;
+  EXPECT_FALSE(Database::open("host=/nowhere dbname=none", kDrift, why));
+  EXPECT_FALSE(why.empty());
+}
+
+}  // namespace
+}  // namespace armsig::fleet
