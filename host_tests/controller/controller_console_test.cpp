@@ -12,7 +12,7 @@
 namespace armsig::controller {
 namespace {
 
-using canopen::cia402::State;
+using cia402::State;
 using test::PumaCabinet;
 
 // The word behind ` key=` of a line; empty if there is none.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What a drive says of its counts against what is configured.
-#include "hal/canopen/factors.hpp"
+#include "hal/cia402/factors.hpp"
 
 #include <gtest/gtest.h>
 
-namespace armsig::canopen {
+namespace armsig::cia402 {
 namespace {
 
 constexpr ScalingConfiguration kJoint{.counts_per_revolution = 4000, .gear_ratio = 100};
@@ -20,13 +20,13 @@ TEST(Factor, is_the_quotient_of_two_numbers_above_zero) {
 }
 
 TEST(Factors, are_asked_for_in_both_parts_each_and_may_be_absent) {
-  DriveSetup setup;
+  Setup setup;
   append_factor_requests(setup);
   ASSERT_EQ(setup.size(), 6U);
   DriveFactors factors;
   for (std::size_t i = 0; i < setup.size(); ++i) {
     EXPECT_EQ(setup[i].rule, SetupRule::kIfPresent);
-    take_factor(setup[i].request, SdoOutcome(static_cast<std::uint32_t>(10 + i)), factors);
+    take_factor(setup[i].request, ObjectOutcome(static_cast<std::uint32_t>(10 + i)), factors);
   }
   EXPECT_EQ(factors.encoder.over, 10U);
   EXPECT_EQ(factors.encoder.under, 11U);
@@ -77,4 +77,4 @@ TEST(Factors, of_a_feed_count_before_the_encoder) {
 }
 
 }  // namespace
-}  // namespace armsig::canopen
+}  // namespace armsig::cia402
