@@ -20,7 +20,7 @@ TEST(Factor, is_the_quotient_of_two_numbers_above_zero) {
 }
 
 TEST(Factors, are_asked_for_in_both_parts_each_and_may_be_absent) {
-  Setup setup;
+  cia402::Setup setup;
   append_factor_requests(setup);
   ASSERT_EQ(setup.size(), 6U);
   DriveFactors factors;
