@@ -18,16 +18,16 @@ void count() {
 
 }  // namespace
 
-// GCC and clang say in different ways that the sanitizer is there.
-#if defined(__SANITIZE_ADDRESS__)
-#define ARMSIG_ADDRESS_SANITIZER
+// GCC and clang say in different ways that a sanitizer is there.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define ARMSIG_SANITIZED_HEAP
 #elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define ARMSIG_ADDRESS_SANITIZER
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define ARMSIG_SANITIZED_HEAP
 #endif
 #endif
 
-#ifdef ARMSIG_ADDRESS_SANITIZER
+#ifdef ARMSIG_SANITIZED_HEAP
 
 // Of sanitizer/allocator_interface.h, which Debian does not install with g++.
 // NOLINTNEXTLINE(bugprone-reserved-identifier): the sanitizer's name

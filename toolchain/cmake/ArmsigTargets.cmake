@@ -11,6 +11,10 @@ if(ARMSIG_SANITIZE)
     -D_GLIBCXX_ASSERTIONS)
   target_link_options(armsig_warnings INTERFACE -fsanitize=address,undefined)
 endif()
+if(ARMSIG_SANITIZE_THREADS)
+  target_compile_options(armsig_warnings INTERFACE -fsanitize=thread -fno-omit-frame-pointer)
+  target_link_options(armsig_warnings INTERFACE -fsanitize=thread)
+endif()
 if(ARMSIG_FUZZ)
   # Everything that a fuzzer drives counts its branches, and is checked as above; but for what AddressSanitizer sees as well
   # (a null pointer is an address) and what takes half of the compiler's time. Warnings are the other builds' business.
@@ -36,7 +40,7 @@ endif()
 # default. Held by host_tests/toolchain/hardened. core does without: it takes values that hal and firmware have checked,
 # reads nothing from outside, and is what every tick waits for.
 set(ARMSIG_HARDENED OFF)
-if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT ARMSIG_SANITIZE AND NOT ARMSIG_FUZZ)
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT ARMSIG_SANITIZE AND NOT ARMSIG_SANITIZE_THREADS AND NOT ARMSIG_FUZZ)
   set(ARMSIG_HARDENED ON)
 endif()
 macro(armsig_harden)
