@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// What a stored signature is told to be of: it must stay the same from one version to the next, or
+// no stored signature would be used again.
+#include "firmware/controller/machine.hpp"
+
+#include <gtest/gtest.h>
+
+namespace armsig::controller {
+namespace {
+
+Arm two_joints() {
+  Arm arm;
+  arm.joints.push_back(
+      {.type = JointType::kPrismatic, .theta_rad = 0.5, .d_m = 1, .a_m = 2, .alpha_rad = 0.25});
+  arm.joints.push_back(
+      {.type = JointType::kRevolute, .theta_rad = -0.5, .d_m = 0.125, .a_m = 3, .alpha_rad = -1});
+  arm.couplings.push_back({.joint = 1, .from = 0, .ratio = 2});
+  return arm;
+}
+
+// By Python's zlib.crc32 over the little-endian doubles 1, theta, d, a, alpha; 0, ...; joint, from,
+// ratio.
+TEST(DrawingCrc, is_that_of_its_numbers_in_their_order) {
+  EXPECT_EQ(drawing_crc(two_joints()), 0x82E7A642U);
+}
+
+TEST(DrawingCrc, differs_in_every_part_of_a_coupling) {
+  const std::uint32_t as_drawn = drawing_crc(two_joints());
+  Arm other = two_joints();
+  other.couplings[0].joint = 0;
+  EXPECT_NE(drawing_crc(other), as_drawn);
+  other = two_joints();
+  other.couplings[0].from = 1;
+  EXPECT_NE(drawing_crc(other), as_drawn);
+  other = two_joints();
+  other.couplings[0].ratio = -2;
+  EXPECT_NE(drawing_crc(other), as_drawn);
+}
+
+}  // namespace
+}  // namespace armsig::controller
