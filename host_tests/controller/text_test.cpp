@@ -118,8 +118,8 @@ TEST(ParseRequest, keeps_what_stands_behind_the_first_equals_sign) {
 }
 
 TEST(ParseRequest, refuses_what_has_no_verb_no_key_a_key_twice_or_too_many) {
-  for (const char* line :
-       {"", "   ", "\t", "move q1_deg", "move =1", "move a=1 a=2", "move a=1 b=1 a=1"}) {
+  for (const char* line : {"", "   ", "\t", "move q1_deg q2_deg", "move q1_deg=1 q2_deg", "move =1",
+                           "move a=1 a=2", "move a=1 b=1 a=1"}) {
     EXPECT_EQ(test::failure_of(parse_request(line)), Error::kUnknownRequest) << line;
   }
   std::string many = "move";

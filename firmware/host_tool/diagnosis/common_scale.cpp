@@ -33,7 +33,8 @@ std::optional<CommonScale> common_scale(const Evidence& evidence, const NearFit&
                                         const ArmLimits& limits, double start) {
   if (fit.joints.size() < 2) return std::nullopt;
   const double axes = static_cast<double>(fit.joints.size() - 1);
-  const double usual_m = std::max(kUsualShift_m, kUsualShare * fit.reach_m);
+  const double wider = limits.least_shift_m / ArmLimits{}.least_shift_m;  // as the file allows
+  const double usual_m = wider * std::max(kUsualShift_m, kUsualShare * fit.reach_m);
   const double usual = kUsual * usual_m * usual_m;
   const double before = shift_squares(fit);
   const double numbers = (kShiftsOfAxis * axes + kUsual) / 2;

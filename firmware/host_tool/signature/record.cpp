@@ -24,7 +24,7 @@ std::string now_utc() {
 }
 
 // Errors larger by this than what is predicted are worth a word.
-constexpr double kNotable = 1.5;
+constexpr double kNotable = 2;
 
 double square(double x) { return x * x; }
 
