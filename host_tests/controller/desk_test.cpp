@@ -78,6 +78,22 @@ TEST(Desk, begins_nothing_beside_a_sequence) {
   EXPECT_TRUE(puma.cabinet->state().identification().is_running());
 }
 
+TEST(Desk, begins_nothing_while_a_line_is_planned) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("move q3_deg=10 q5_deg=40"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
+  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  puma.console.requests.emplace_back("move dz_mm=-100 dx_mm=50");
+  puma.run(0.002);
+  for (const char* request : {"identify", "move q1_deg=1", "touch-grid", "accept", "rollback"}) {
+    puma.other.requests.emplace_back(request);
+  }
+  puma.run(0.02);
+  ASSERT_EQ(puma.other.replies.size(), 5U);
+  for (const std::string& reply : puma.other.replies) EXPECT_TRUE(is_wrong_mode(reply)) << reply;
+}
+
 TEST(Desk, tells_every_verb_and_what_each_is_for) {
   PumaCabinet puma;
   const std::string all = puma.ask("help");
@@ -91,6 +107,7 @@ TEST(Desk, tells_every_verb_and_what_each_is_for) {
   }
   EXPECT_NE(puma.ask("help enable").find(" modes=idle alone=no "), std::string::npos);
   EXPECT_NE(puma.ask("help accept").find(" modes=idle,holding alone=yes "), std::string::npos);
+  EXPECT_NE(puma.ask("help stop").find("not an emergency stop"), std::string::npos);
 }
 
 TEST(Desk, refuses_words_that_a_verb_does_not_take) {

@@ -31,8 +31,10 @@ TEST(LinePlanning, takes_at_most_five_samples_a_step) {
   EXPECT_EQ(planning.result()->duration_s, whole->duration_s);
 }
 
-// Also of lines that end where the arm does not: the inverse takes its time before it gives up.
+// Also of lines that end where the arm does not: the inverse takes its time before it gives up. A
+// pass that leads nowhere takes some 8,000 instructions, a step may take 180,000.
 TEST(LinePlanning, takes_a_bounded_number_of_passes_a_step_wherever_the_line_leads) {
+  constexpr int kMost = 22;
   for (const Vector3& way : {Vector3(0.05, 0, -0.1), Vector3(0.4, 0, 0), Vector3(1.0, 0, 0),
                              Vector3(0, 0, 0.9), Vector3(0, -0.8, 0), Vector3(-0.6, 0.2, 0)}) {
     Straight line;
@@ -41,10 +43,10 @@ TEST(LinePlanning, takes_a_bounded_number_of_passes_a_step_wherever_the_line_lea
     LinePlanning planning(line.configuration, line.model, line.from, line.to, 1);
     int before = 0;
     do {
-      ASSERT_LE(planning.passes() - before, kPassesAStep) << way.transpose();
+      ASSERT_LE(planning.passes() - before, kMost) << way.transpose();
       before = planning.passes();
     } while (planning.step());
-    ASSERT_LE(planning.passes() - before, kPassesAStep) << way.transpose();
+    ASSERT_LE(planning.passes() - before, kMost) << way.transpose();
   }
 }
 
