@@ -244,6 +244,8 @@ TEST(ConfigurationArm, is_refused_by_what_is_wrong_with_it) {
   Configuration none = good();
   none.drawing.joints.clear();
   EXPECT_EQ(test::failure_of(check(none)).error, Error::kTooFewAxes);
+  EXPECT_EQ(test::failure_of(check(none)).found, 0);
+  EXPECT_EQ(test::failure_of(check(none)).needed, 1);
   Configuration few = good();
   few.drawing.limits.resize(5);
   EXPECT_EQ(test::failure_of(check(few)).setting, "arm.limits");
@@ -360,6 +362,8 @@ TEST(ConfigurationDwell, is_finer_than_following_and_no_finer_than_a_count) {
   refusal = test::failure_of(check(c));
   EXPECT_EQ(refusal.error, Error::kToleranceTooFine);
   EXPECT_EQ(refusal.joint, 5U);
+  EXPECT_EQ(refusal.found, c.dwell.tolerance);
+  EXPECT_EQ(refusal.needed, c.resolution[5]);
 }
 
 TEST(ConfigurationGrid, is_taught_at_three_places_that_are_not_in_a_line) {
@@ -378,6 +382,17 @@ TEST(ConfigurationGrid, is_taught_at_three_places_that_are_not_in_a_line) {
   Configuration same = good();
   same.grid.taught[2] = same.grid.taught[1];
   EXPECT_EQ(test::failure_of(check(same)).error, Error::kCoincidentPoints);
+  // Three places of one short arc are a line, but for a fiftieth of a millimetre.
+  Configuration line = good();
+  line.grid.taught[1] = line.grid.taught[2] = line.grid.taught[0];
+  line.grid.taught[1][0] += 0.02;
+  line.grid.taught[2][0] += 0.01;
+  const ConfigurationRefusal in_a_line = test::failure_of(check(line));
+  EXPECT_EQ(in_a_line.error, Error::kCoincidentPoints);
+  EXPECT_LT(in_a_line.found, 1e-3);
+  Configuration part = good();
+  part.grid.taught[1].clear();
+  EXPECT_EQ(test::failure_of(check(part)).setting, "grid.taught");
   Configuration none = good();
   none.grid.taught = {};
   none.grid.grid.size_m[0] = -1;
@@ -385,6 +400,8 @@ TEST(ConfigurationGrid, is_taught_at_three_places_that_are_not_in_a_line) {
   Configuration many = good();
   many.grid.grid.count = {8, 8, 9};
   EXPECT_EQ(test::failure_of(check(many)).setting, "grid.count");
+  many.grid.grid.count = {3, 9, 19};
+  EXPECT_EQ(test::failure_of(check(many)).found, 513);
   many.grid.grid.count = {8, 8, 8};
   EXPECT_TRUE(check(many));
 }

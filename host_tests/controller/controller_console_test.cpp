@@ -225,6 +225,7 @@ TEST(GridEnds, well_at_its_last_vertex) {
   EXPECT_EQ(word(puma.ask("status"), "sequence"), "touching");
   EXPECT_TRUE(puma.ask("touch-grid").starts_with("error WRONG_MODE "));
   for (int i = 0; i < 600 && puma.cabinet->state().grid().is_running(); ++i) puma.run(0.1);
+  ASSERT_FALSE(puma.cabinet->state().grid().is_running());
   EXPECT_TRUE(puma.told("# touched vertex=1 of=8"));
   EXPECT_TRUE(puma.told("# touched vertex=8 of=8"));
   EXPECT_FALSE(puma.told("# touched vertex=9"));

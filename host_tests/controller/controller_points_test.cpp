@@ -74,6 +74,15 @@ TEST(Identify, visits_each_joints_arc_and_the_poses_held_out_and_returns) {
   }
   EXPECT_EQ(puma.told("# identify swept joint="), 6U);
   EXPECT_EQ(puma.told("# candidate held_out=3 "), 1U);
+  const std::string held_out = puma.last("# candidate held_out=3 ");
+  const std::size_t active = held_out.find(" active_rms_mm=");
+  const std::size_t candidate = held_out.find(" candidate_rms_mm=");
+  ASSERT_NE(active, std::string::npos) << held_out;
+  EXPECT_NEAR(std::stod(held_out.substr(candidate + 18)),
+              1e3 * puma.sequence().report().candidate_rms_m, 0.51e-4);
+  EXPECT_NEAR(std::stod(held_out.substr(active + 15)), 1e3 * puma.sequence().report().active_rms_m,
+              0.51e-4);
+  EXPECT_EQ(held_out.size() - held_out.rfind('.'), 5U) << "four decimals: " << held_out;
   EXPECT_EQ(puma.told("# identify done"), 1U);
   puma.run(0.1);
   for (std::size_t joint = 0; joint < 6; ++joint) {
@@ -113,6 +122,17 @@ TEST(Identify, skips_points_without_a_position_and_pauses_at_the_third_in_a_row)
   puma.measure(6);
 }
 
+// A sensor that is gone is not the place's fault: nothing is skipped.
+TEST(Identify, pauses_at_once_for_the_sensor) {
+  Measured puma;
+  puma.measure(2);
+  puma.cabinet->sensor().set_error(Error::kSensorPortGone);
+  for (int i = 0; i < 10'000 && !puma.sequence().is_paused(); ++i) puma.cabinet->step();
+  EXPECT_EQ(puma.sequence().pause_reason(), Error::kSensorPortGone);
+  EXPECT_EQ(puma.told("# identify point lost"), 0U);
+  EXPECT_EQ(puma.told("# identify paused error=SENSOR_PORT_GONE "), 1U);
+}
+
 TEST(Identify, ends_where_the_arm_is_moved_at_every_try) {
   Measured puma;
   puma.measure(2);
@@ -137,6 +157,9 @@ TEST(Identify, ends_by_a_halt_and_by_a_fault_with_its_joint) {
   halted.run(1);
   EXPECT_EQ(halted.told("# identify ended error=SEQUENCE_STOPPED "), 1U);
   EXPECT_EQ(halted.mode(), Mode::kHolding);
+  EXPECT_GT(halted.sequence().log().size(), 0U);
+  ASSERT_EQ(halted.ask("identify"), "ok");
+  EXPECT_EQ(halted.sequence().log().size(), 0U) << "the next one has a log of its own";
   Measured faulted;
   faulted.measure(1);
   faulted.cabinet->drive(2).inject(simulated::DriveFault::kEmergency, 0x2310);
@@ -157,6 +180,7 @@ TEST(Identify, pauses_on_request_and_stays_where_it_is) {
   puma.run(10);
   EXPECT_EQ(puma.sequence().points_done(), done);
   EXPECT_EQ(puma.mode(), Mode::kSweeping);
+  EXPECT_FALSE(puma.sequence().is_computing());
   ASSERT_EQ(puma.ask("resume"), "ok");
   puma.measure(done + 2);
 }

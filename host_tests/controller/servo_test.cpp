@@ -418,5 +418,16 @@ TEST(ServoPublishes, lateness_of_every_tick) {
   EXPECT_EQ(lateness.counts[7], 1U) << "64 to 127 us";
 }
 
+TEST(Histogram, counts_nothing_long_and_negative_in_its_first_and_last_bin) {
+  Histogram histogram;
+  EXPECT_EQ(histogram.mean_us(), 0);
+  histogram.add(std::chrono::nanoseconds(999));
+  histogram.add(std::chrono::nanoseconds(-5000));
+  histogram.add(std::chrono::hours(1));
+  EXPECT_EQ(histogram.counts.front(), 2U);
+  EXPECT_EQ(histogram.counts.back(), 1U);
+  EXPECT_EQ(histogram.total, 3U);
+}
+
 }  // namespace
 }  // namespace armsig::controller
