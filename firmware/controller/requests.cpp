@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The requests of the console: what each verb does.
 #include "firmware/controller/background.hpp"
+#include "firmware/controller/fetching.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 constexpr std::string_view kVerbs =
     " verbs=status,enable,disable,reset,stop,halt,move,identify,pause,resume,candidate,accept,"
     "rollback,"
-    "acknowledge,signature,touch-grid,log,help";
+    "acknowledge,signature,touch-grid,log,fetch,help";
 
 }  // namespace
 
@@ -16,6 +17,14 @@ Background::Verdict Background::serve(const Request& request) {
   const std::string_view verb = request.verb;
   if (verb == "move") return move(request);
   if (verb == "log") return log(request);
+  if (verb == "fetch") {
+    return tell_part(
+        request,
+        {.signature = active() ? &*active() : nullptr,
+         .candidate = identification_.has_verdict() ? &*identification_.candidate() : nullptr,
+         .drawing = &configuration_.drawing},
+        out_);
+  }
   if (!request.arguments.empty()) return std::unexpected(Error::kUnknownRequest);
   if (verb == "stop") return command(CommandKind::kStop);
   if (verb == "halt") return command(CommandKind::kHalt);

@@ -8,7 +8,7 @@ namespace {
 
 // Requests that change nothing, which screens ask for many times a second.
 bool only_asks(std::string_view request) {
-  constexpr std::array<std::string_view, 6> kQuestions{"status",    "signature", "log",
+  constexpr std::array<std::string_view, 7> kQuestions{"status",    "signature", "log",   "fetch",
                                                        "candidate", "help",      "system"};
   const std::string_view verb = request.substr(0, request.find_first_of(" \t"));
   return std::ranges::find(kQuestions, verb) != kQuestions.end();
