@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "firmware/controller/fetching.hpp"
+
 namespace armsig::controller {
 namespace {
 
@@ -57,6 +59,19 @@ Result<Answer> acknowledge(Controls& controls, const Request& /*request*/, Line&
   if (!controls.custody.needs_acknowledgement()) return std::unexpected(Error::kWrongMode);
   controls.custody.acknowledge();
   out.text(" model=drawing");
+  return Answer();
+}
+
+Result<Answer> fetch(Controls& controls, const Request& request, Line& out) {
+  const auto& active = controls.custody.active();
+  const auto& identification = controls.identification;
+  const auto told =
+      tell_part(request,
+                {.signature = active ? &*active : nullptr,
+                 .candidate = identification.has_verdict() ? &*identification.candidate() : nullptr,
+                 .drawing = &controls.configuration.drawing},
+                out);
+  if (!told) return std::unexpected(told.error());
   return Answer();
 }
 
@@ -148,6 +163,11 @@ constexpr std::array kVerbs{
     Verb{.name = "log",
          .handler = tell_log,
          .help = "how much was measured; row=N tells one row",
+         .only_asks = true,
+         .takes = Verb::Takes::kKeys},
+    Verb{.name = "fetch",
+         .handler = fetch,
+         .help = "what=signature, candidate or drawing, part=N: a record in parts",
          .only_asks = true,
          .takes = Verb::Takes::kKeys},
     Verb{.name = "help",

@@ -16,6 +16,8 @@
 #include <climits>
 #include <fmt/format.h>
 
+#include "firmware/formats/standard_output.hpp"
+
 namespace armsig::tool {
 namespace {
 
@@ -129,9 +131,11 @@ Read<AtomicFile> AtomicFile::create(const std::string& path) {
   file.path_ = path;
   file.real_path_ = path;
   struct stat status{};
-  const bool exists = ::stat(path.c_str(), &status) == 0;
+  const bool exists = path != kStandardOutput && ::stat(path.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return system_problem(path, "can't be written", EISDIR);
-  if (exists && !S_ISREG(status.st_mode)) {
+  if (path == kStandardOutput) {
+    file.descriptor_ = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
+  } else if (exists && !S_ISREG(status.st_mode)) {
     file.descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
     constexpr mode_t kNewFile = 0666;  // less the umask

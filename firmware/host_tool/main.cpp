@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 // armsig: the operator's command.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/commands/examples.hpp"
+#include "firmware/host_tool/commands/usage.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 
 namespace {
 
@@ -55,15 +59,19 @@ int run(int argc, char** argv) {
   add_join(app, status);
   add_connect(app, status);
   add_examples(app);
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (asks_for_standard_output(words)) leave_standard_output_to_the_file();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     std::ostringstream out;
     std::ostringstream err;
-    const int code = app.exit(error, out, err);
-    put(stdout, out.str());
-    put(stderr, err.str());
-    return code == 0 ? kDone : kBadInput;
+    if (app.exit(error, out, err) == 0) {  // --help, --version
+      put(stdout, out.str());
+      return kDone;
+    }
+    const bool json = std::ranges::find(words, "--json") != words.end();
+    return fail(usage_problem(app, error, words), kBadInput, {.json = json});
   }
   return status;
 }

@@ -58,7 +58,7 @@ def csv(data):
 def hal(data):
     for line in data.decode().splitlines():
         assert line.startswith(("# ", "loadrt offset names=", "setp genserkins.",
-                                "setp joint-offset.")), line
+                                "setp joint-offset.", "addf joint-offset.", "net joint-")), line
         assert len(line.encode()) < 1000, "halcmd reads 1024 bytes a line"
         assert not line.endswith("\\"), "halcmd goes on in the next line"
 

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "host_tests/cli/run_tool.hpp"
-#include "host_tests/support/console_process.hpp"
+#include "host_tests/unit_daemon/virtual_daemon.hpp"
 
 namespace armsig::cli {
 namespace {
@@ -25,16 +25,6 @@ Outcome run_daemon(const Folder& folder, const std::string& arguments) {
   return {WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, read_file(folder / ".out"),
           read_file(folder / ".err")};
 }
-
-// armsigd --virtual, as fast as it goes, with console and store in the folder.
-class VirtualDaemon : public test::ConsoleProcess {
- public:
-  explicit VirtualDaemon(const Folder& folder, const std::string& speed = "0")
-      : ConsoleProcess({ARMSIG_DAEMON, ARMSIG_REFERENCE, "--virtual", "--console",
-                        (folder / "console").string(), "--store", (folder / "store").string(),
-                        "--speed", speed},
-                       (folder / "console").string()) {}
-};
 
 TEST(Daemon, checks_a_configuration_without_opening_anything) {
   const Folder folder;

@@ -2,6 +2,7 @@
 // armsig arms: the arms whose drawing comes with the command.
 #include <fmt/core.h>
 
+#include "firmware/formats/text.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
@@ -19,8 +20,13 @@ int show(const ArmsOptions& options) {
     say("{}", arm.text);
     return kDone;
   }
-  return fail({options.show, 0, 0, "no known arm", "a name that `armsig arms` lists"}, kBadInput,
-              options);
+  std::vector<std::string> names;
+  for (const KnownArm& arm : known_arms()) names.emplace_back(arm.name);
+  const std::string meant = nearest(options.show, names);
+  return fail({options.show, 0, 0, "no known arm",
+               meant.empty() ? "a name that `armsig arms` lists"
+                             : meant + ", or another that `armsig arms` lists"},
+              kBadInput, options);
 }
 
 int list(const ArmsOptions& options) {

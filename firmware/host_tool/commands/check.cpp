@@ -55,8 +55,20 @@ struct Checked {
 };
 
 void print_residuals(const char* of, double rms_m, double mean_m, double largest_m) {
-  say("  {:<38}{:8.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n", of, 1e3 * rms_m, 1e3 * mean_m,
+  say("  {:<37}{:7.3f} mm RMS, {:.3f} mean, {:.3f} at most\n", of, 1e3 * rms_m, 1e3 * mean_m,
       1e3 * largest_m);
+}
+
+std::string_view next_step(const Checked& checked) {
+  if (checked.place) return "identify from there, or put the sensor back";
+  switch (checked.report.verdict) {
+    case uncertainty::Verdict::kConsistent:
+      return "nothing; check again after a collision, a repair, or a season";
+    case uncertainty::Verdict::kSensorWorse:
+      return "look after the sensor: targets, air, its own check; then check again";
+    default:
+      return "sweep the joints again and armsig identify";
+  }
 }
 
 void print_for_a_person(const Checked& checked, std::size_t joints,
@@ -91,6 +103,7 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
       report.rms_m, report.mean_m, report.largest_m);
   say("  chi-square {:.1f} with {} degrees of freedom; healthy arms stay below {:.1f}\n",
       report.chi_square, report.freedom, report.allowed);
+  say("\nNext: {}\n", next_step(checked));
 }
 
 nlohmann::ordered_json json_of(const Checked& checked, int status) {

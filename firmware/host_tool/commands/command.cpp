@@ -4,6 +4,13 @@
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
+namespace {
+
+// What --json prints is of this form: keys are added under the same number, and none changes its
+// meaning or goes without another.
+constexpr const char* kJsonSchema = "armsig-result/1";
+
+}  // namespace
 
 int fail(const Problem& problem, ExitStatus status, const CommonOptions& options) {
   say(stderr, "armsig: {}\n", render(problem));
@@ -17,7 +24,11 @@ int fail(const Problem& problem, ExitStatus status, const CommonOptions& options
   return status;
 }
 
-void print_json(const nlohmann::ordered_json& result) { say("{}\n", json_text(result, 2)); }
+void print_json(const nlohmann::ordered_json& result) {
+  nlohmann::ordered_json stated{{"schema", kJsonSchema}};
+  stated.update(result);
+  say("{}\n", json_text(stated, 2));
+}
 
 void add_common(CLI::App& command, CommonOptions& options) {
   command.add_flag("--json", options.json, "print the result for programs on standard output");

@@ -16,6 +16,7 @@
 
 #include "firmware/formats/characters.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/fetch.hpp"
 #include "firmware/host_tool/console/console_client.hpp"
 #include "firmware/host_tool/console/line_editor.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
@@ -28,13 +29,19 @@ using std::chrono::milliseconds;
 struct ConnectOptions {
   std::string path;
   double timeout_s = 60;
+  std::string action;
+  FetchOptions fetch;
+
+  [[nodiscard]] milliseconds longest() const {
+    return milliseconds(static_cast<milliseconds::rep>(1e3 * timeout_s));
+  }
 };
 
 // --- For a script: a request a line, its reply, the next ---------------------------------------
 
 // Replies go to standard output, what the controller says unasked to standard error.
 int talk_for_a_script(ConsoleClient& console, const ConnectOptions& options) {
-  const milliseconds longest(static_cast<milliseconds::rep>(1e3 * options.timeout_s));
+  const milliseconds longest = options.longest();
   bool good = true;
   for (std::string request; std::getline(std::cin, request);) {
     if (request.find_first_not_of(" \t\r") == std::string::npos) continue;
@@ -133,7 +140,13 @@ int talk_to_a_person(ConsoleClient& console) {
 
 int run(const ConnectOptions& options) {
   auto console = ConsoleClient::open(options.path);
-  if (!console) return fail(console.error(), kBadInput, {});
+  if (!console) return fail(console.error(), kBadInput, options.fetch);
+  if (!options.action.empty()) {
+    FetchOptions what = options.fetch;
+    what.console = options.path;
+    what.longest = options.longest();
+    return fetch(*console, what);
+  }
   return ::isatty(STDIN_FILENO) == 1 ? talk_to_a_person(*console)
                                      : talk_for_a_script(*console, options);
 }
@@ -149,6 +162,24 @@ void add_connect(CLI::App& app, int& status) {
   command->add_option("--timeout-s", options->timeout_s, "longest wait for a reply, for scripts")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  CLI::Option* action =
+      command->add_option("action", options->action, "fetch: what the controller has, as a file")
+          ->check(CLI::IsMember({"fetch"}));
+  FetchOptions& fetch = options->fetch;
+  CLI::Option* file = command->add_option("file", fetch.file,
+                                          "the file to write: FILE.yaml, or FILE.csv for the log");
+  action->needs(file);
+  command
+      ->add_option("--what", fetch.what,
+                   "to fetch (default: the log of the last identification for FILE.csv, else the "
+                   "signature in use)")
+      ->check(CLI::IsMember({"signature", "candidate", "drawing", "log"}))
+      ->needs(action);
+  command->add_option("--name", fetch.name, "name of the arm, for the file fetched")
+      ->capture_default_str()
+      ->needs(action);
+  command->add_option("--serial", fetch.serial, "its serial number")->needs(action);
+  add_common(*command, fetch);
   command->callback([options, &status] { status = run(*options); });
 }
 

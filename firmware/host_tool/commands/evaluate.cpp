@@ -72,6 +72,7 @@ int run(const EvaluateOptions& options) {
   say("{}: touching a grid of {:.0f} x {:.0f} x {:.0f} cm, {} vertices\n\n{}", arm->name,
       100 * size_m[0], 100 * size_m[1], 100 * size_m[2], comparison->grid.vertex_count(),
       comparison_table(*comparison));
+  say("\nNext: armsig report --signature {} --out report.html\n", options.signature);
   return kDone;
 }
 

@@ -10,6 +10,7 @@
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/signature_file.hpp"
+#include "firmware/formats/standard_output.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/exports/urdf_correction.hpp"
@@ -18,6 +19,10 @@
 
 namespace armsig::tool {
 namespace {
+
+Problem several_files() {
+  return {"--out", 0, 0, "several files can't go to standard output", "the name of a file"};
+}
 
 struct ExportOptions : CommonOptions {
   std::string signature, format, into, base, tip, out;
@@ -34,6 +39,9 @@ void tell_loss(std::string_view format, bool tables, double rms_m, double larges
 int run_format(const ExportOptions& options, const SignatureRecord& record) {
   const auto exported = in_file(options.signature, export_text(options.format, record));
   if (!exported) return fail(exported.error(), kNoAnswer, options);
+  if (options.out == kStandardOutput && !exported->companions.empty()) {
+    return fail(several_files(), kBadInput, options);
+  }
   std::vector<std::string> files{options.out};
   std::vector<const std::string*> texts{&exported->text};
   for (const Companion& companion : exported->companions) {
@@ -59,6 +67,8 @@ int run_format(const ExportOptions& options, const SignatureRecord& record) {
   } else {
     say("{}: {} joints as {}\n", record.arm_name, record.signature.joint_count(), options.format);
     for (const std::string& file : files) say("Written: {}\n", file);
+    say("Next: {}\n", options.format == "urdf" ? "check_urdf " + options.out
+                                               : "read its head, then load it where it belongs");
   }
   return kDone;
 }
@@ -120,6 +130,9 @@ int run_into(const ExportOptions& options, const SignatureRecord& record) {
   const auto corrected =
       in_file(options.into, corrected_urdf(*text, {options.base, options.tip}, carried->record));
   if (!corrected) return fail(corrected.error(), kBadInput, options);
+  if (options.out == kStandardOutput && !corrected->made_by_xacro_from.empty()) {
+    return fail(several_files(), kBadInput, options);
+  }
   std::vector<std::string> files{options.out};
   auto written = write_text_file(options.out, corrected->text);
   if (written && !corrected->made_by_xacro_from.empty()) {

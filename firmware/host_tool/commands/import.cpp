@@ -42,7 +42,8 @@ int run(const ImportOptions& options) {
   }
   say("\n");
   for (const std::string& note : imported->notes) say("  Note: {}.\n", note);
-  say("\nWritten: {}\n", options.out);
+  say("\nWritten: {}\nNext: armsig plan --arm {} --out sweeps-to-measure.csv\n", options.out,
+      options.out);
   return kDone;
 }
 

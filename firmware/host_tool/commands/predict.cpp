@@ -115,6 +115,8 @@ int run(const PredictOptions& options) {
     if (options.sigma) {
       say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(sigmas_m));
     }
+    say("Next: armsig solve --signature {} --poses {}{} --out readings.csv\n", options.signature,
+        options.out, *target ? fmt::format(" --target {}", (*target)->number) : "");
   }
   return kDone;
 }

@@ -44,7 +44,7 @@ int run(const ReportOptions& options) {
   for (const auto& sentence : report["verdict"]["sentences"]) {
     say("{}", paragraph(sentence.get<std::string>()));
   }
-  say("\nWritten: {}; open it in a browser\n", options.out);
+  say("\nWritten: {}\nNext: open it in a browser\n", options.out);
   return kDone;
 }
 

@@ -190,6 +190,8 @@ int run(const SimulateOptions& options) {
   say("{}: {} rows in {}; the sweeps would take {} on the arm\n", arm->name, total, options.out,
       duration_in_words(seconds));
   if (!options.truth_out.empty()) say("The truth is in {}\n", options.truth_out);
+  say("Next: armsig identify --arm {} --measurements {} --out signature.yaml\n", options.arm,
+      options.out);
   return kDone;
 }
 

@@ -172,6 +172,7 @@ int run(const SolveOptions& options) {
           "joints can't choose all of an orientation\n",
           degrees(rotation_error_rad));
     }
+    say("Next: send the arm to them\n");
   }
   return kDone;
 }

@@ -10,6 +10,7 @@
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 #include "firmware/host_tool/simulation/margin.hpp"
 
@@ -96,7 +97,7 @@ int run(const SuggestOptions& options) {
                 {"out", options.out}});
     return kDone;
   }
-  Table table({"Pose", "Joint readings", "Error after it, mm"});
+  Table table({"Pose", "Joint readings", "Expected error, mm"});
   table.add_row({"now", "", fmt::format("{:.3f}", 1e3 * before_m)});
   for (std::size_t k = 0; k < suggestions.size(); ++k) {
     std::string readings;
@@ -108,10 +109,11 @@ int run(const SuggestOptions& options) {
     table.add_row({fmt::format("{}", k + 1), readings,
                    fmt::format("{:.3f}", 1e3 * suggestions[k].predicted_rms_m)});
   }
-  say("{}: poses worth measuring next\n\n{}\n  The error is that expected of the tool, 1 sigma, "
-      "RMS "
-      "over the joint limits less\n  the margin of {} deg and {} mm that every pose keeps.\n\n",
-      record->arm_name, table.render(), options.margin_deg, options.margin_mm);
+  say("{}: poses worth measuring next\n\n{}\n{}\n", record->arm_name, table.render(),
+      paragraph(fmt::format("The error is that of the tool after the pose, 1 sigma, RMS over the "
+                            "joint limits less the margin of {} deg and {} mm that every pose "
+                            "keeps.",
+                            options.margin_deg, options.margin_mm)));
   if (!worthwhile) {
     say("They would lower the error by less than {:.0f} %: what was measured already will do.\n",
         100 * kWorthwhile);

@@ -187,7 +187,8 @@ void print_identified(const Found& found, const SignatureRecord& record, const R
     say("\n{}", in_words(*differences, record.signature.joint_count()));
   }
   print_accuracy(found, record);
-  say("\nWritten: {}\n", files.out);
+  say("\nWritten: {}\nNext: armsig report --signature {} --measurements {} --out report.html\n",
+      files.out, files.out, files.measurements);
 }
 
 nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record,

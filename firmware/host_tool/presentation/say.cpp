@@ -7,9 +7,13 @@
 #include <system_error>
 
 #include "firmware/formats/characters.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 
 namespace armsig::tool {
 namespace {
+
+// Set once, before a command runs.
+bool output_is_the_file = false;
 
 // \uNNNN, or two of them for what is above U+FFFF.
 std::string json_escape(std::uint32_t code) {
@@ -20,7 +24,18 @@ std::string json_escape(std::uint32_t code) {
 
 }  // namespace
 
+bool asks_for_standard_output(std::span<const std::string> words) {
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    if (words[k] == "--out=-") return true;
+    if (words[k] == "--out" && k + 1 < words.size() && words[k + 1] == "-") return true;
+  }
+  return false;
+}
+
+void leave_standard_output_to_the_file() { output_is_the_file = true; }
+
 void put(std::FILE* stream, std::string_view text) {
+  if (output_is_the_file && stream == stdout) stream = stderr;
   const std::string safe = shown_lines(text);
   if (std::fwrite(safe.data(), 1, safe.size(), stream) < safe.size()) {
     throw std::system_error(errno, std::generic_category(), "the output can't be written");

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/fetching.hpp"
+
+#include <algorithm>
+
+#include "core/base/crc32.hpp"
+#include "firmware/controller/little_endian.hpp"
+
+namespace armsig::controller {
+namespace {
+
+constexpr std::size_t kDrawingCrc = kDrawingBytes - 4;
+
+std::uint32_t content_crc_of(const DrawingImage& image) {
+  return crc32(std::as_bytes(std::span(image).first(kDrawingCrc)));
+}
+
+struct Asked {
+  std::string_view what;
+  double part = 1;
+};
+
+Result<Asked> asked_for(const Request& request) {
+  Asked asked;
+  for (const auto& [key, value] : request.arguments) {
+    const auto number = parse_number(value);
+    if (key == "what") {
+      asked.what = value;
+    } else if (key == "part" && number) {
+      asked.part = *number;
+    } else {
+      return std::unexpected(Error::kUnknownRequest);
+    }
+  }
+  return asked;
+}
+
+Result<void> tell(std::span<const std::uint8_t> image, double asked_part, Line& out) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  const std::size_t parts = (image.size() + kPartBytes - 1) / kPartBytes;
+  if (!(asked_part >= 1 && asked_part <= static_cast<double>(parts))) {
+    return std::unexpected(Error::kOutOfRange);
+  }
+  const std::size_t begin = (static_cast<std::size_t>(asked_part) - 1) * kPartBytes;
+  const std::size_t end = std::min(begin + kPartBytes, image.size());
+  out.text(" bytes=").integer(image.size()).text(" parts=").integer(parts).text(" hex=");
+  for (const std::uint8_t byte : image.subspan(begin, end - begin)) {
+    const std::array<char, 2> digits{kDigits[byte >> 4U], kDigits[byte & 0xFU]};
+    out.text({digits.data(), digits.size()});
+  }
+  return {};
+}
+
+}  // namespace
+
+DrawingImage encode_drawing(const Arm& drawing) {
+  DrawingImage image{};
+  LittleEndianWriter out(image);
+  const std::size_t n = drawing.joints.size();
+  out.integer(n, 8);
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    const DhJoint joint = i < n ? drawing.joints[i] : DhJoint{};
+    const JointLimits limits = i < n ? drawing.limits[i] : JointLimits{};
+    const double type = joint.type == JointType::kPrismatic ? 1 : 0;
+    for (const double value : {type, joint.theta_rad, joint.d_m, joint.a_m, joint.alpha_rad,
+                               limits.lower, limits.upper}) {
+      out.real(value);
+    }
+  }
+  out.integer(content_crc_of(image), 4);
+  return image;
+}
+
+Result<Arm> decode_drawing(const DrawingImage& image) {
+  LittleEndianReader in(image);
+  const auto n = in.integer(8);
+  Arm drawing;
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    DhJoint joint;
+    JointLimits limits;
+    joint.type = in.real() == 0 ? JointType::kRevolute : JointType::kPrismatic;
+    for (double* value : {&joint.theta_rad, &joint.d_m, &joint.a_m, &joint.alpha_rad, &limits.lower,
+                          &limits.upper}) {
+      *value = in.real();
+    }
+    if (i >= n) continue;
+    drawing.joints.push_back(joint);
+    drawing.limits.push_back(limits);
+  }
+  const bool whole = in.integer(4) == content_crc_of(image);
+  if (!whole || n == 0 || n > kMaxJoints || !in.all_finite()) {
+    return std::unexpected(Error::kRecordCorrupt);
+  }
+  return drawing;
+}
+
+Result<void> tell_part(const Request& request, const Fetchable& fetchable, Line& out) {
+  const auto asked = asked_for(request);
+  if (!asked) return std::unexpected(asked.error());
+  if (asked->what == "drawing") return tell(encode_drawing(*fetchable.drawing), asked->part, out);
+  const bool signature = asked->what == "signature";
+  if (!signature && asked->what != "candidate") return std::unexpected(Error::kUnknownRequest);
+  const SignatureRecord* record = signature ? fetchable.signature : fetchable.candidate;
+  if (record == nullptr) {
+    return std::unexpected(signature ? Error::kNoSignature : Error::kNoCandidate);
+  }
+  return tell(encode(*record), asked->part, out);
+}
+
+}  // namespace armsig::controller

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// What a person gets who mistypes, and what a program gets.
+#include <nlohmann/json.hpp>
+
+#include "host_tests/cli/files.hpp"
+
+namespace armsig::cli {
+namespace {
+
+using nlohmann::json;
+
+void expect_words(const std::string& arguments, const std::string& words) {
+  const Folder folder;
+  const Outcome outcome = run_tool(folder, arguments);
+  EXPECT_EQ(outcome.status, 2) << arguments;
+  EXPECT_EQ(outcome.err, "armsig: " + words + "\n");
+  EXPECT_EQ(outcome.out, "");
+}
+
+TEST(Usage, names_the_command_that_was_meant) {
+  expect_words("idenfity --arm a.yaml", "\"idenfity\" is no command; expected identify");
+  expect_words("xyz", "\"xyz\" is no command; expected one that armsig --help lists");
+  expect_words("", "no command; expected armsig --help lists them");
+}
+
+TEST(Usage, names_the_option_that_was_meant) {
+  expect_words("identify --measurments m.csv",
+               "armsig identify has no option \"--measurments\"; expected --measurements");
+  expect_words("report --signature=s.yaml --ouy=r.html",
+               "armsig report has no option \"--ouy\"; expected --out");
+  expect_words("report --frobnicate",
+               "armsig report has no option \"--frobnicate\"; expected one that armsig report "
+               "--help lists");
+}
+
+TEST(Usage, names_the_word_that_was_meant) {
+  expect_words("export --signature s.yaml --format urd --out x",
+               "--format: \"urd\" is none of its words; expected urdf");
+}
+
+TEST(Usage, says_what_is_missing) {
+  expect_words("report --signature s.yaml",
+               "--out is required; expected what armsig report --help says");
+}
+
+TEST(Usage, names_the_arm_that_was_meant) {
+  const Folder folder;
+  const Outcome outcome = run_tool(folder, "arms --show ur10f");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("expected ur10"), std::string::npos) << outcome.err;
+}
+
+TEST(Usage, tells_programs_of_mistakes_as_of_results) {
+  const Folder folder;
+  for (const char* arguments : {"idenfity --json", "report --json", "arms --show nobody --json"}) {
+    const Outcome outcome = run_tool(folder, arguments);
+    EXPECT_EQ(outcome.status, 2);
+    const json result = json::parse(outcome.out);
+    EXPECT_EQ(result["schema"], "armsig-result/1");
+    EXPECT_EQ(result["status"], 2);
+    EXPECT_FALSE(result["error"]["what"].get<std::string>().empty());
+    EXPECT_FALSE(result["error"]["expected"].get<std::string>().empty());
+  }
+  const Outcome listed = run_tool(folder, "arms --json");
+  EXPECT_EQ(listed.status, 0);
+  const json result = json::parse(listed.out);
+  EXPECT_EQ(result["schema"], "armsig-result/1");
+  EXPECT_EQ(result["status"], 0);
+}
+
+TEST(Usage, writes_the_file_to_standard_output_and_its_words_elsewhere) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  ASSERT_EQ(run_tool(folder, "plan --arm arm.yaml --points 6 --out plan.csv").status, 0);
+  for (const char* out : {"--out -", "--out=-"}) {
+    const Outcome outcome = run_tool(folder, std::string("plan --arm arm.yaml --points 6 ") + out);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, read_file(folder / "plan.csv"));
+    EXPECT_NE(outcome.err.find("Next: "), std::string::npos);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "-"));
+}
+
+// The last line that a command says is what to do next.
+TEST(Usage, says_what_to_do_next_at_the_end_of_every_command) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  for (const char* arguments :
+       {"simulate --arm arm.yaml --hand-target-mm 80,30,120 --points 12 --mixed-poses 30 "
+        "--sigma-mm 0.05 --out m.csv "
+        "--truth-out t.yaml",
+        "plan --arm arm.yaml --out plan.csv",
+        "identify --arm arm.yaml --measurements m.csv --method refined --out s.yaml",
+        "check --signature s.yaml --measurements m.csv", "report --signature s.yaml --out r.html",
+        "suggest --signature s.yaml --count 2 --out n.csv",
+        "predict --signature s.yaml --joints n.csv --target 1 --out p.csv",
+        "solve --signature s.yaml --poses p.csv --target 1 --seed n.csv --out q.csv",
+        "export --signature s.yaml --format urdf --out a.urdf",
+        "import --urdf a.urdf --base base_link --tip last_link --out b.yaml", "arms"}) {
+    const Outcome outcome = run_tool(folder, arguments);
+    ASSERT_EQ(outcome.status, 0) << arguments << ": " << outcome.err;
+    const Fields lines = split(outcome.out, '\n');
+    EXPECT_TRUE(lines.back().starts_with("Next: ")) << arguments << ": " << lines.back();
+  }
+}
+
+}  // namespace
+}  // namespace armsig::cli
