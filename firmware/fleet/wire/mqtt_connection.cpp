@@ -34,23 +34,24 @@ MqttConnection::~MqttConnection() = default;
 
 void MqttConnection::fail(Event::Kind kind) {
   client_.reset();
-  events_.push_back({.kind = kind, .topic = {}, .payload = {}});
+  events_.emplace_back().kind = kind;
 }
 
 // The callbacks only note what happened: they may be called from within any call of the library.
 void MqttConnection::add_callbacks() {
   mosquitto_connect_callback_set(client_.get(), [](mosquitto*, void* self, int code) {
-    static_cast<MqttConnection*>(self)->events_.push_back(
-        {.kind = code == 0 ? Event::Kind::kConnected : Event::Kind::kRefused,
-         .topic = {},
-         .payload = {}});
+    static_cast<MqttConnection*>(self)->events_.emplace_back().kind =
+        code == 0 ? Event::Kind::kConnected : Event::Kind::kRefused;
   });
   mosquitto_message_callback_set(
       client_.get(), [](mosquitto*, void* self, const mosquitto_message* message) {
         const auto* bytes = static_cast<const std::byte*>(message->payload);
-        Event event{.kind = Event::Kind::kMessage, .topic = message->topic, .payload = {}};
+        Event& event = static_cast<MqttConnection*>(self)->events_.emplace_back();
+        event.kind = Event::Kind::kMessage;
+        event.topic = message->topic;
+        event.qos = message->qos;
+        event.retained = message->retain;
         if (message->payloadlen > 0) event.payload.assign(bytes, bytes + message->payloadlen);
-        static_cast<MqttConnection*>(self)->events_.push_back(std::move(event));
       });
 }
 

@@ -36,6 +36,8 @@ class MqttConnection {
     Kind kind = Kind::kLost;
     std::string topic;
     std::vector<std::byte> payload;
+    int qos = 0;
+    bool retained = false;  // it was there before the subscription
   };
 
   // `client` is the name that the broker replaces by the certificate's where there is one.
