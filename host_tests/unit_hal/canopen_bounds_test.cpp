@@ -65,9 +65,9 @@ TEST(CanopenBounds, of_heartbeats_are_whole_milliseconds_of_16_bits_one_shorter_
 }
 
 TEST(CanopenBounds, of_what_a_drive_may_say_are_a_tick_at_least) {
-  for (hal::Duration StatusLimits::* limit :
-       {&StatusLimits::ignores, &StatusLimits::limits, &StatusLimits::lags, &StatusLimits::warns,
-        &StatusLimits::no_voltage}) {
+  for (hal::Duration cia402::StatusLimits::* limit :
+       {&cia402::StatusLimits::ignores, &cia402::StatusLimits::limits, &cia402::StatusLimits::lags,
+        &cia402::StatusLimits::warns, &cia402::StatusLimits::no_voltage}) {
     Configuration c = puma_drives();
     c.status_limits.*limit = c.period;
     EXPECT_TRUE(check(c));

@@ -130,11 +130,12 @@ Read<UrdfEnds> ends_of(const XMLElement& robot, const UrdfEnds& given,
 }
 
 std::string comment_of(const CorrectedUrdf& corrected, const SignatureRecord& record) {
-  return "\n" + xml_comment(fmt::format(
-                    "Joint origins corrected by armsig.\n{}"
-                    "{} in the sensor frame: {}\nlast link of armsig predict in {}: {}\n",
-                    provenance(record), shown(corrected.base), pose_words(corrected.X_SB),
-                    shown(corrected.tip), pose_words(corrected.X_TL)));
+  const std::string words = fmt::format(
+      "Joint origins corrected by armsig.\n{}"
+      "{} in the sensor frame: {}\nlast link of armsig predict in {}: {}\n",
+      provenance(record), shown(corrected.base), pose_words(corrected.X_SB), shown(corrected.tip),
+      pose_words(corrected.X_TL));
+  return fmt::format("\n{}", xml_comment(words));
 }
 
 // The text with the origins of the stages replaced, or put behind the start of their joints.
