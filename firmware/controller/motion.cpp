@@ -170,7 +170,7 @@ void LinePlanning::begin(const Pose& X_RT_to) {
 
 bool LinePlanning::step() {
   constexpr int kSamplesAStep = 5;
-  constexpr int kPassesOfASample = 10;  // more than the rule is
+  constexpr int kPassesOfASample = 5;  // more than the rule is
   const int passes_before = passes_;
   for (int i = 0; i < kSamplesAStep && planned_ && done_ <= kLineSamples; ++i) {
     const int left = kPassesAStep - (passes_ - passes_before);
