@@ -400,6 +400,8 @@ TEST(ConfigurationGrid, is_taught_at_three_places_that_are_not_in_a_line) {
   Configuration many = good();
   many.grid.grid.count = {8, 8, 9};
   EXPECT_EQ(test::failure_of(check(many)).setting, "grid.count");
+  many.grid.grid.count = {2, 2, 513};
+  EXPECT_EQ(test::failure_of(check(many)).found, 513) << "along one edge";
   many.grid.grid.count = {3, 9, 19};
   EXPECT_EQ(test::failure_of(check(many)).found, 513);
   many.grid.grid.count = {8, 8, 8};

@@ -230,6 +230,7 @@ TEST(GridEnds, well_at_its_last_vertex) {
   EXPECT_TRUE(puma.told("# touched vertex=8 of=8"));
   EXPECT_FALSE(puma.told("# touched vertex=9"));
   EXPECT_TRUE(puma.told("# touch-grid done touched=8"));
+  EXPECT_FALSE(puma.told("# touch-grid ended"));
   puma.run(0.1);
   EXPECT_EQ(puma.mode(), Mode::kHolding);
 }

@@ -98,6 +98,8 @@ TEST(Identify, tells_how_much_is_left_by_what_was_done) {
   const double a_point_s = hal::seconds(puma.now().now - began) / 10;
   EXPECT_NEAR(puma.sequence().left_s(), 41 * a_point_s, 0.05 * 41 * a_point_s);
   EXPECT_EQ(puma.told("# identify swept joint=1 points=8 planned=51 axis_sigma_deg=0."), 1U);
+  const std::string swept = puma.last("# identify swept joint=1 ");
+  EXPECT_LT(swept.rfind('.'), swept.find(" left_s=")) << "whole seconds: " << swept;
 }
 
 // Ranges that do not meet in a point are the place's fault, until they are so three times in a row.

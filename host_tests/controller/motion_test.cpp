@@ -150,6 +150,13 @@ TEST(Line, keeps_the_limits_of_every_joint_and_wastes_little) {
   EXPECT_TRUE(fastest > 0.8 || sharpest > 1.5) << fastest << " " << sharpest;
 }
 
+TEST(Line, to_where_the_tool_is_lasts_as_long_as_the_shortest_move) {
+  const Arm6 arm;
+  const Pose here = *tool_pose(arm.model, arm.from);
+  EXPECT_NEAR(plan_line(arm.configuration, arm.model, arm.from, here)->duration_s, 1.05 * 0.02,
+              1e-12);
+}
+
 TEST(Line, is_straight_and_turns_about_one_axis) {
   const Arm6 arm;
   Move line;
