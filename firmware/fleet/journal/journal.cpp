@@ -59,6 +59,7 @@ Result<Journal> Journal::open(Storage& storage, std::uint64_t slots, std::uint64
 
 Result<std::optional<Journal::Head>> Journal::newest_head(std::uint64_t slots) {
   std::optional<Head> newest;
+  int good = 0;
   for (const std::uint64_t at : kHeadsAt) {
     std::array<std::byte, kHeadSize> bytes{};
     if (auto read = storage_->read(at, bytes); !read) return std::unexpected(read.error());
@@ -69,8 +70,11 @@ Result<std::optional<Journal::Head>> Journal::newest_head(std::uint64_t slots) {
                     .reserved = get(bytes, 32),
                     .acknowledged = get(bytes, 40)};
     if (head.slots != slots) continue;
+    ++good;
     if (!newest || head.sequence > newest->sequence) newest = head;
   }
+  // The other head may have been the newer one: it reserved one block more.
+  if (newest && good < 2) newest->reserved += kBlock;
   return newest;
 }
 
