@@ -8,8 +8,8 @@
 
 namespace armsig::refinement {
 
-// 1 sigma of an unknown before any row [rad, m, 1]: far beyond what is built; of a scale, that of an
-// air temperature wrong by 30 K.
+// 1 sigma of an unknown before any row [rad, m, 1]: far beyond what is built; of a scale, that of
+// an air temperature wrong by 30 K.
 [[nodiscard]] double wide_sigma(ParameterKind kind);
 
 // What the rows say about the unknowns of `estimate.layout`, linearised at the estimate.

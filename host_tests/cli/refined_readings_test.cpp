@@ -149,9 +149,7 @@ TEST(Refined, finds_a_gear_that_is_off_unasked_and_names_it) {
   shrink_reading(rows);
   const Outcome outcome = refine(folder, rows, "--json");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("joint 2: its reading is 0.997"),
-            std::string::npos)
-      << outcome.err;
+  EXPECT_NE(outcome.err.find("joint 2: its reading is 0.997"), std::string::npos) << outcome.err;
   const json result = json::parse(outcome.out);
   EXPECT_EQ(result["refinement"]["rows_rejected"], 0);
   write_joint_poses(rows, folder / "q.csv");

@@ -135,10 +135,11 @@ Read<Joined> join(const std::vector<LoggedPose>& poses, const std::vector<Tracke
       return at_line(files.points, 0, "no point goes with any pose",
                      "times of one clock, while the arm stood still");
     }
-    return at_line(files.points, 0,
-                   fmt::format("no point goes with any pose by name: the first is {}, the first pose {}",
-                               in_quotes(points.front().name), in_quotes(poses.front().name)),
-                   "one name in both files, or --by order or time");
+    return at_line(
+        files.points, 0,
+        fmt::format("no point goes with any pose by name: the first is {}, the first pose {}",
+                    in_quotes(points.front().name), in_quotes(poses.front().name)),
+        "one name in both files, or --by order or time");
   }
   std::ranges::sort(used);
   const auto repeated = std::ranges::unique(used);
