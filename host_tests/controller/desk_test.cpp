@@ -98,7 +98,7 @@ TEST(Desk, tells_every_verb_and_what_each_is_for) {
   PumaCabinet puma;
   const std::string all = puma.ask("help");
   EXPECT_TRUE(all.starts_with("ok verbs=status,enable,")) << all;
-  EXPECT_TRUE(all.ends_with(",log,help")) << all;
+  EXPECT_TRUE(all.ends_with(",log,fetch,help")) << all;
   for (const Verb& verb : verbs()) {
     EXPECT_NE(all.find(verb.name), std::string::npos) << verb.name;
     const std::string one = puma.ask("help " + std::string(verb.name));

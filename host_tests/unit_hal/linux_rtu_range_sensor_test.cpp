@@ -174,7 +174,10 @@ TEST(RtuRangeSensor, a_line_that_echoes_requests_is_told_and_what_to_look_for) {
     echoed.insert(echoed.end(), real.begin(), real.end());
     return echoed;
   });
-  const auto sensor = RtuRangeSensor::start(configuration_for(line));
+  RtuRangeSensorConfiguration patient = configuration_for(line);
+  patient.answer_timeout = milliseconds(1000);  // a busy machine is no silent sensor
+  patient.freshness = {.silent_after = milliseconds(5000), .stale_after = milliseconds(5000)};
+  const auto sensor = RtuRangeSensor::start(patient);
   ASSERT_TRUE(sensor);
   for (int i = 0; i < 3; ++i) {
     const auto polled = next(**sensor);
