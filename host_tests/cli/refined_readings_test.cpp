@@ -158,6 +158,24 @@ TEST(Refined, finds_a_gear_that_is_off_unasked_and_names_it) {
   EXPECT_LT(observed, 1e-4);
 }
 
+TEST(Refined, finds_no_gear_where_none_is_wanted) {
+  const Folder folder;
+  Csv rows = simulated(folder, "--sigma-mm 0.05");
+  shrink_reading(rows);
+  refine(folder, rows);
+  const std::string exporting = "export --signature s.yaml --format rtb --out arm.py";
+  const Outcome refused = run_tool(folder, exporting);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_NE(refused.err.find("--correct none"), std::string::npos) << refused.err;
+  keep_mixed(rows);
+  const Outcome outcome = refine(folder, rows, "--correct none --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_FALSE(json::parse(outcome.out)["refinement"].contains("reading_corrections"));
+  EXPECT_EQ(run_tool(folder, exporting).status, 0);
+  std::filesystem::remove(folder / "s.yaml");
+  expect_refused(folder, refine(folder, rows, "--correct none,gain"), 2, "either of them");
+}
+
 // An encoder disc that is a little off its centre: it helps, but nothing is wrong without it.
 TEST(Refined, offers_corrections_that_would_help_a_little) {
   const Folder folder;

@@ -47,6 +47,11 @@ Read<FurtherUnknowns> further_unknowns(const IdentifyOptions& options) {
     further.choose_readings |= word == "readings-that-help";
     further.receiver_offsets |= word == "range-offsets";
     further.scale |= word == "scale";
+    further.as_read |= word == "none";
+  }
+  if (further.as_read && options.correct.size() > 1) {
+    return std::unexpected(
+        Problem{"--correct", 0, 0, "none, and corrections beside it", "either of them"});
   }
   if (further.receiver_offsets && options.sensor.empty()) {
     return std::unexpected(Problem{"--correct", 0, 0, "range-offsets without receivers",
@@ -263,14 +268,16 @@ void add_identify(CLI::App& app, int& status) {
       ->check(CLI::IsMember({"encoder", "paper", "refined"}))
       ->capture_default_str();
   command
-      ->add_option("--correct", options->correct,
-                   "find as well, with --method refined: gain, first-order, second-order (errors "
-                   "of every joint reading: proportional, once a turn, twice a turn), "
-                   "readings-that-help (those of the three by which rows left out are predicted "
-                   "better), range-offsets (of each receiver), scale (of all lengths)")
+      ->add_option(
+          "--correct", options->correct,
+          "find as well, with --method refined: gain, first-order, second-order (errors "
+          "of every joint reading: proportional, once a turn, twice a turn), "
+          "readings-that-help (those of the three by which rows left out are predicted "
+          "better), range-offsets (of each receiver), scale (of all lengths); none: no errors of "
+          "readings even where the rows need them, as for exports that cannot hold them")
       ->delimiter(',')
-      ->check(CLI::IsMember(
-          {"gain", "first-order", "second-order", "readings-that-help", "range-offsets", "scale"}));
+      ->check(CLI::IsMember({"gain", "first-order", "second-order", "readings-that-help",
+                             "range-offsets", "scale", "none"}));
   command->add_option("--sensor", options->sensor,
                       "sensor description (YAML), where the rows are ranges to receivers");
   command->add_option("--columns", options->columns,

@@ -39,7 +39,7 @@ std::vector<std::string> export_formats() {
 Read<Carried> exportable(std::string_view format, Carries carries, const SignatureRecord& record) {
   if (record.corrections.empty()) return carried_by(format, carries, record);
   return cannot_hold(format, "its joint readings are corrected, and not by an offset alone",
-                     "a signature identified without --correct");
+                     "a signature identified with --correct none");
 }
 
 Read<Exported> export_text(const std::string& format, const SignatureRecord& record) {

@@ -113,7 +113,7 @@ class CalibrationFit {
 
   // Of long logs, only where rows are rejected that they may explain.
   [[nodiscard]] bool may_correct(const Candidate& geometry) {
-    if (!log_.request.readings.empty() || !geometry.left_out) return false;
+    if (log_.as_read || !log_.request.readings.empty() || !geometry.left_out) return false;
     return log_.rows.size() <= kMostRowsToOffer || candidates_.corrections_take_back(geometry);
   }
 

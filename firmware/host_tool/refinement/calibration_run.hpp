@@ -53,6 +53,7 @@ struct CalibrationLog {
   const refinement::Receivers& receivers;
   const refinement::ParameterRequest& request;  // corrections to be found
   bool choose_readings = false;                 // those of the readings that help
+  bool as_read = false;                         // none, even where they are needed
 };
 
 // Fits the geometry, and gravity and maps of the readings where they help, and scores the model on

@@ -180,7 +180,8 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
                                .targets = targets(),
                                .receivers = receivers_,
                                .request = request,
-                               .choose_readings = further.choose_readings},
+                               .choose_readings = further.choose_readings,
+                               .as_read = further.as_read},
                               verdicts_);
   if (!done) return start ? refuse(done.error()) : refuse_start(done.error());
   calibrated_ = std::move(*done);

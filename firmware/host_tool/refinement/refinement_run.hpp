@@ -19,6 +19,7 @@ namespace armsig::tool {
 struct FurtherUnknowns {
   refinement::ReadingTerms readings;  // of every joint
   bool choose_readings = false;       // those terms that predict rows left out better
+  bool as_read = false;               // no terms, even where they are needed
   bool receiver_offsets = false;
   bool scale = false;
 };
