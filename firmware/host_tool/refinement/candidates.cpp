@@ -17,6 +17,10 @@ constexpr double kCoarse = 4;
 // A richer model must earn its keep by this much on poses that it has not seen.
 constexpr double kWorthDeflections = 0.98;
 
+// No arm gives way by more than this for its own weight [rad or m per m of lever]; a signature file
+// holds no more either.
+constexpr double kMostSag = 0.01;
+
 constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
 constexpr std::array<refinement::ReadingTerms, 4> kCorrections{
     {{false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
@@ -153,6 +157,9 @@ std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
   if (!fits_the_engine(bent)) return std::nullopt;
   auto whole = fitted(bent, {}, geometry.request);
   if (!whole || !believable(*whole)) return std::nullopt;
+  for (const calibration::GravityTerm& term : whole->model->gravity) {
+    if (!(std::abs(term.coefficient) <= kMostSag)) return std::nullopt;
+  }
   fitting_.note_covered(*whole->model);
   whole->left_out = fitting_.score(bent, {});
   if (!predicts_better(*whole, geometry, kWorthDeflections)) return std::nullopt;
