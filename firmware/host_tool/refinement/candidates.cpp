@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/calibration/packed_deflections.hpp"
 #include "core/calibration/signature_of_model.hpp"
 
 namespace armsig::tool {
