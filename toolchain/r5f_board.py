@@ -11,7 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "cortex-r5f" / "firmware"
 CONTROLLER = BUILD / "cabinet_r5f" / "cabinet_r5f_emulated.elf"
 ARM = BUILD / "arm_r5f" / "arm_r5f.elf"
-BANK_AT, BANK_BYTES = 0xFFFFD000, 10752  # toolchain/boards/r5f/r5f.ld
+BANK_AT, BANK_BYTES = 0xFFFFC000, 14336  # toolchain/boards/r5f/r5f.ld
 
 
 class Failure(Exception):

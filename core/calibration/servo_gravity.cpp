@@ -16,10 +16,10 @@ using kinematics::Chain;
 using kinematics::JointTerms;
 
 // make_chain() lets frames slide along their axes, which the levers would notice.
-Chain drawn_chain(const Arm& drawing, const std::array<double, kMaxJoints>& zero,
-                  std::size_t joint_count) {
-  Chain chain;
+void draw(const Arm& drawing, const std::array<double, kMaxJoints>& zero, std::size_t joint_count,
+          Chain& chain) {
   chain.joint_count = joint_count;
+  chain.has_prismatic = false;
   for (std::size_t i = 0; i < joint_count; ++i) {
     const DhJoint& row = drawing.joints[i];
     const bool revolute = row.type == JointType::kRevolute;
@@ -33,7 +33,6 @@ Chain drawn_chain(const Arm& drawing, const std::array<double, kMaxJoints>& zero
     chain.revolute_bits[i] = revolute ? -1 : 0;
     chain.has_prismatic = chain.has_prismatic || !revolute;
   }
-  return chain;
 }
 
 // No more than the arm's links laid end to end, its slides as long as their limits let them.
@@ -99,8 +98,11 @@ template <typename V>
 
 }  // namespace
 
-ServoGravity::ServoGravity(const PackedDeflections& deflections, const Arm& drawing)
-    : lever_m_(longest_lever_m(drawing)) {
+void ServoGravity::set(const PackedDeflections& deflections, const Arm& drawing) {
+  lever_m_ = longest_lever_m(drawing);
+  terms_.clear();
+  runs_.clear();
+  slides_ = false;
   std::size_t frames = 1;
   for (std::size_t joint = 0; joint < drawing.joints.size(); ++joint) {
     const bool turns = drawing.joints[joint].type == JointType::kRevolute;
@@ -117,11 +119,12 @@ ServoGravity::ServoGravity(const PackedDeflections& deflections, const Arm& draw
     runs_.push_back(run);
     slides_ = slides_ || !turns;
   }
-  drawing_ = drawn_chain(drawing, deflections.drawn_zero, frames);
+  draw(drawing, deflections.drawn_zero, frames, drawing_);
   find_bounds();
 }
 
 void ServoGravity::find_bounds() {
+  largest_ = steepest_ = 0;
   std::size_t begin = 0;
   for (const Run& run : runs_) {
     double sum = 0;

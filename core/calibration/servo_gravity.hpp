@@ -17,8 +17,9 @@ class ServoGravity {
   using Values = std::array<double, kMaxJoints>;
 
   ServoGravity() = default;
-  // Preconditions: check() accepts `deflections`, of as many joints as the drawing.
-  ServoGravity(const PackedDeflections& deflections, const Arm& drawing);
+  // In place, as all of it is large for a small stack. Preconditions: check() accepts
+  // `deflections`, of as many joints as the drawing.
+  void set(const PackedDeflections& deflections, const Arm& drawing);
 
   [[nodiscard]] bool empty() const { return terms_.empty(); }
 

@@ -63,7 +63,12 @@ struct Splines {
 
 }  // namespace
 
-ServoMaps::ServoMaps(const PackedDeflections& deflections) : joint_count_(deflections.maps.size()) {
+void ServoMaps::set(const PackedDeflections& deflections) {
+  joint_count_ = deflections.maps.size();
+  origin_.fill(0);
+  knots_per_length_.fill(0);
+  sixth_.fill(0);
+  for (Table& table : tables_) table.fill(0);
   for (std::size_t i = 0; i < deflections.maps.size(); ++i) {
     const PackedMap& map = deflections.maps[i];
     origin_[i] = map.domain.origin;

@@ -12,8 +12,8 @@ class ServoMaps {
   using Values = std::array<double, kMaxJoints>;
 
   ServoMaps() = default;
-  // Precondition: check() accepts `deflections`.
-  explicit ServoMaps(const PackedDeflections& deflections);
+  // In place, as all of it is large for a small stack. Precondition: check() accepts `deflections`.
+  void set(const PackedDeflections& deflections);
 
   // What each reading [rad or m] is wrong by; and by how much more, where it changes by one. False
   // if one is not finite, or a thousand periods from its map.

@@ -20,15 +20,17 @@ constexpr std::size_t kLanes = Lanes<double>::kCount;
 
 }  // namespace
 
-ServoReadings::ServoReadings(const PackedDeflections& deflections, const Arm& drawing,
-                             const JointVector& configuration)
-    : joint_count_(deflections.maps.size()),
-      couplings_(drawing.couplings),
-      limits_(drawing.limits) {
+void ServoReadings::set(const PackedDeflections& deflections, const Arm& drawing,
+                        const JointVector& configuration) {
+  joint_count_ = deflections.maps.size();
+  couplings_ = drawing.couplings;
+  limits_ = drawing.limits;
   if (joint_count_ == 0) return;
   ARMSIG_CHECK(joint_count_ == drawing.joints.size() && configuration.size() == joint_count_);
-  maps_ = ServoMaps(deflections);
-  gravity_ = ServoGravity(deflections, drawing);
+  maps_.set(deflections);
+  gravity_.set(deflections, drawing);
+  map_weight_.fill(0);
+  weight_.fill(0);
   const double left = kLeft_m / std::max(gravity_.lever_m(), 1.0);
   double largest = 0;
   for (std::size_t i = 0; i < joint_count_; ++i) {

@@ -28,7 +28,13 @@ class ServoReadings {
   // the joints have turned as the readings say. Preconditions: check() accepts `deflections`, of as
   // many joints as the drawing.
   ServoReadings(const PackedDeflections& deflections, const Arm& drawing,
-                const JointVector& configuration);
+                const JointVector& configuration) {
+    set(deflections, drawing, configuration);
+  }
+  // The same in place, as all of it is large for a small stack.
+  void set_exact() { joint_count_ = 0; }
+  void set(const PackedDeflections& deflections, const Arm& drawing,
+           const JointVector& configuration);
 
   [[nodiscard]] bool exact() const { return joint_count_ == 0; }
 

@@ -2,7 +2,6 @@
 #include "core/evaluation/tool_pose.hpp"
 
 #include "core/kinematics/forward.hpp"
-#include "core/kinematics/inverse.hpp"
 
 namespace armsig::evaluation {
 
@@ -15,6 +14,10 @@ Result<JointVector> joints_for_tool_pose(const ToolModel& model, const Pose& X_0
                                          const JointVector& seed) {
   const Pose X_0n{X_0T.R, X_0T.p - X_0T.R * model.p_nT};
   ARMSIG_TRY(solution, kinematics::inverse(model.chain, X_0n, seed, {.p_nP = model.p_nT}));
+  return readings_found(solution);
+}
+
+Result<JointVector> readings_found(const kinematics::InverseSolution& solution) {
   switch (solution.verdict) {
     case kinematics::Verdict::kConverged:
     case kinematics::Verdict::kDegraded:

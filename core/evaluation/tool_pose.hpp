@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/evaluation/grid_touching.hpp"
+#include "core/kinematics/inverse.hpp"
 
 namespace armsig::evaluation {
 
@@ -15,6 +16,10 @@ namespace armsig::evaluation {
 // kNotConverged, kNotFinite.
 [[nodiscard]] Result<JointVector> joints_for_tool_pose(const ToolModel& model, const Pose& X_0T,
                                                        const JointVector& seed);
+
+// The readings of an inverse without limits of its steps. Errors: kOutOfReach, kJointLimit,
+// kNotConverged.
+[[nodiscard]] Result<JointVector> readings_found(const kinematics::InverseSolution& solution);
 
 // Visits the vertices of a grid in the order of Grid::index, each with the readings of the nearest
 // vertex already reached as its seed.

@@ -12,13 +12,16 @@ Commit::Commit(const Configuration& configuration, Custody& custody,
       identification_(identification),
       mover_(mover),
       link_(link) {
-  link_.models[0] = model_in_use();
+  make_model_in_use(link_.models[0]);
 }
 
-Model Commit::model_in_use() const {
+void Commit::make_model_in_use(Model& model) const {
   const auto& active = custody_.active();
-  return active ? model_of(active->signature, configuration_.drawing)
-                : model_of(configuration_.drawing);
+  if (active) {
+    make_model(active->signature, active->deflections, configuration_.drawing, model);
+  } else {
+    make_model(configuration_.drawing, model);
+  }
 }
 
 Result<void> Commit::begin_accept(std::int64_t now_s) {
@@ -74,7 +77,7 @@ void Commit::write() {
 // The servo takes over what is active, so that it is never other than what the status says.
 void Commit::adopt() {
   model_ = 1 - mover_.now().model;
-  link_.models[model_] = model_in_use();
+  make_model_in_use(link_.models[model_]);
   stage_ = Stage::kAdopting;
 }
 

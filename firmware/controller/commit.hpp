@@ -35,7 +35,7 @@ class Commit {
 
   void write();
   void adopt();
-  [[nodiscard]] Model model_in_use() const;
+  void make_model_in_use(Model& model) const;
 
   const Configuration& configuration_;
   Custody& custody_;

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/kinematics/forward.hpp"
 #include "core/measurement/ping_median.hpp"
 #include "firmware/controller/measurement_log.hpp"
-#include "firmware/controller/model.hpp"
 #include "firmware/controller/plausibility.hpp"
 #include "hal/range_sensor.hpp"
 
@@ -231,10 +231,10 @@ Checked check_taught(const Configuration& c) {
         .needed = plausible::kLeastTaughtDistance_m,
         .reason = "origin, x axis and xy plane are taught at three places, not in a line"});
   };
-  const Model drawing = model_of(c.drawing);
+  const kinematics::Chain chain = kinematics::make_chain(c.drawing.joints);
   std::array<Pose, 3> X_RT;
   for (std::size_t i = 0; i < X_RT.size(); ++i) {
-    const auto pose = tool_pose(drawing, c.grid.taught[i]);
+    const auto pose = kinematics::forward(chain, c.grid.taught[i]);
     if (!pose) return refused("grid.taught", pose.error());
     X_RT[i] = *pose;
   }

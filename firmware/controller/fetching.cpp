@@ -35,20 +35,40 @@ Result<Asked> asked_for(const Request& request) {
   return asked;
 }
 
-Result<void> tell(std::span<const std::uint8_t> image, double asked_part, Line& out) {
+// Of an image of `size` bytes: fill(begin, bytes) fills in a part of it, as there is no room for
+// all of it on the stack of a small controller.
+template <typename Fill>
+Result<void> tell(std::size_t size, const Fill& fill, double asked_part, Line& out) {
   constexpr std::string_view kDigits = "0123456789abcdef";
-  const std::size_t parts = (image.size() + kPartBytes - 1) / kPartBytes;
+  const std::size_t parts = (size + kPartBytes - 1) / kPartBytes;
   if (!(asked_part >= 1 && asked_part <= static_cast<double>(parts))) {
     return std::unexpected(Error::kOutOfRange);
   }
   const std::size_t begin = (static_cast<std::size_t>(asked_part) - 1) * kPartBytes;
-  const std::size_t end = std::min(begin + kPartBytes, image.size());
-  out.text(" bytes=").integer(image.size()).text(" parts=").integer(parts).text(" hex=");
-  for (const std::uint8_t byte : image.subspan(begin, end - begin)) {
+  std::array<std::uint8_t, kPartBytes> room{};
+  const auto part = std::span(room).first(std::min(kPartBytes, size - begin));
+  fill(begin, part);
+  out.text(" bytes=").integer(size).text(" parts=").integer(parts).text(" hex=");
+  for (const std::uint8_t byte : part) {
     const std::array<char, 2> digits{kDigits[byte >> 4U], kDigits[byte & 0xFU]};
     out.text({digits.data(), digits.size()});
   }
   return {};
+}
+
+Result<void> tell_drawing(const Arm& drawing, double asked_part, Line& out) {
+  const DrawingImage image = encode_drawing(drawing);
+  const auto fill = [&](std::size_t begin, std::span<std::uint8_t> part) {
+    std::ranges::copy(std::span(image).subspan(begin, part.size()), part.begin());
+  };
+  return tell(image.size(), fill, asked_part, out);
+}
+
+Result<void> tell_record(const SignatureRecord& record, double asked_part, Line& out) {
+  const auto fill = [&](std::size_t begin, std::span<std::uint8_t> part) {
+    encode_part(record, begin, part);
+  };
+  return tell(kRecordBytes, fill, asked_part, out);
 }
 
 }  // namespace
@@ -97,14 +117,18 @@ Result<Arm> decode_drawing(const DrawingImage& image) {
 Result<void> tell_part(const Request& request, const Fetchable& fetchable, Line& out) {
   const auto asked = asked_for(request);
   if (!asked) return std::unexpected(asked.error());
-  if (asked->what == "drawing") return tell(encode_drawing(*fetchable.drawing), asked->part, out);
+  if (asked->what == "drawing") return tell_drawing(*fetchable.drawing, asked->part, out);
   const bool signature = asked->what == "signature";
   if (!signature && asked->what != "candidate") return std::unexpected(Error::kUnknownRequest);
   const SignatureRecord* record = signature ? fetchable.signature : fetchable.candidate;
   if (record == nullptr) {
     return std::unexpected(signature ? Error::kNoSignature : Error::kNoCandidate);
   }
-  return tell(encode(*record), asked->part, out);
+  // Maps are of encoders' readings, and all else that is told of joints'.
+  if (!record->deflections.empty() && !fetchable.drawing->couplings.empty()) {
+    return std::unexpected(Error::kUnsupported);
+  }
+  return tell_record(*record, asked->part, out);
 }
 
 }  // namespace armsig::controller

@@ -30,7 +30,8 @@ struct Fetchable {
 };
 
 // Adds ` bytes=B parts=P hex=...` to `out`. Errors: kUnknownRequest (other keys than what and part,
-// or another thing), kOutOfRange (no such part, from 1), kNoSignature, kNoCandidate.
+// or another thing), kOutOfRange (no such part, from 1), kNoSignature, kNoCandidate, kUnsupported
+// (a signature with maps of readings, of an arm whose joints are coupled).
 [[nodiscard]] Result<void> tell_part(const Request& request, const Fetchable& fetchable, Line& out);
 
 }  // namespace armsig::controller

@@ -3,27 +3,20 @@
 
 namespace armsig::controller {
 
-using evaluation::joints_for_tool_pose;
-using evaluation::ToolModel;
-
 GridSequence::GridSequence(const Configuration& configuration, Mover& mover, const Link& link,
                            const Announcer& announcer)
     : configuration_(configuration), mover_(mover), link_(link), announcer_(announcer) {}
 
-ToolModel GridSequence::model() const {
-  const Model& model = link_.models[mover_.now().model];
-  return {.chain = model.chain, .p_nT = model.p_nT};
-}
+const Model& GridSequence::model() const { return link_.models[mover_.now().model]; }
 
 Result<void> GridSequence::begin() {
   const auto& taught = configuration_.grid.taught;
   if (taught[0].empty()) return std::unexpected(Error::kUnsupported);
-  const ToolModel tool = model();
-  ARMSIG_TRY(origin, tool_pose(tool, taught[0]));
-  ARMSIG_TRY(on_x, tool_pose(tool, taught[1]));
-  ARMSIG_TRY(on_xy, tool_pose(tool, taught[2]));
-  X_0W_ = evaluation::taught_frame(origin.p, on_x.p, on_xy.p);
-  R_0T_ = origin.R;
+  ARMSIG_TRY(origin, tool_pose(model(), taught[0]));
+  ARMSIG_TRY(on_x, tool_pose(model(), taught[1]));
+  ARMSIG_TRY(on_xy, tool_pose(model(), taught[2]));
+  X_RW_ = evaluation::taught_frame(origin.p, on_x.p, on_xy.p);
+  R_RT_ = origin.R;
   walk_.emplace(configuration_.grid.grid, taught[0]);
   checking_ = true;
   moving_ = told_ = false;
@@ -86,9 +79,11 @@ void GridSequence::step() {
   announcer_.say(Line().text("# touch-grid done touched=").integer(touched_));
 }
 
-// Likewise, because of the model.
 [[gnu::noinline]] Result<JointVector> GridSequence::joints_at_vertex() const {
-  return joints_for_tool_pose(model(), {R_0T_, X_0W_ * walk_->vertex()}, walk_->seed());
+  const Pose X_0n = flange_pose(model(), {R_RT_, X_RW_ * walk_->vertex()});
+  calibration::LatelyTurned nothing;
+  ARMSIG_TRY(solution, joints_for(model(), X_0n, walk_->seed(), {.p_nP = model().p_nT}, nothing));
+  return evaluation::readings_found(solution);
 }
 
 void GridSequence::go_on() {

@@ -28,7 +28,7 @@ class GridSequence {
   [[nodiscard]] std::size_t touched() const { return touched_; }
 
  private:
-  [[nodiscard]] evaluation::ToolModel model() const;
+  [[nodiscard]] const Model& model() const;
   [[nodiscard]] Result<JointVector> joints_at_vertex() const;
   void tell_touched();
   void finish();
@@ -45,8 +45,8 @@ class GridSequence {
   bool told_ = false;  // that the tool is at the vertex
   Ticket ticket_ = 0;  // of the last command
   hal::Instant move_ends_;
-  Pose X_0W_;
-  Matrix3 R_0T_ = Matrix3::Identity();
+  Pose X_RW_;
+  Matrix3 R_RT_ = Matrix3::Identity();
   std::size_t touched_ = 0;
 };
 

@@ -10,16 +10,12 @@ namespace {
 
 using kinematics::SModelChain;
 
-SModelChain<double> chain_of_model(const Signature* active, const Arm& drawing,
+SModelChain<double> chain_of_model(const SignatureRecord* active, const Arm& drawing,
                                    const JointVector& q) {
-  if (active != nullptr) return kinematics::chain_of<double>(*active);
+  if (active != nullptr) return kinematics::chain_of<double>(active->signature);
   FixedVector<JointType, kMaxJoints> types;
   for (const DhJoint& row : drawing.joints) types.push_back(row.type);
   return kinematics::chain_of<double>(types, q, frames::link_frames(drawing.joints, q).X_0L);
-}
-
-Pose last_frame(const SModelChain<double>& chain, const JointVector& q) {
-  return kinematics::link_pose(chain, q, chain.types.size());
 }
 
 frames::AxisLines axes_at(const SModelChain<double>& chain, const JointVector& q) {
@@ -30,27 +26,44 @@ frames::AxisLines axes_at(const SModelChain<double>& chain, const JointVector& q
   return frames::axis_lines(X_WL, chain.types);
 }
 
+calibration::ServoReadings joints_of(const SignatureRecord* record, const Arm& drawing) {
+  if (record == nullptr) return {};
+  return {record->deflections, drawing, record->signature.configuration};
+}
+
+// Readings of this machine are finite, and within its limits.
+JointVector turned(const calibration::ServoReadings& joints, const JointVector& q) {
+  return joints.turned(q).value_or(q);
+}
+
 }  // namespace
 
-HeldOutComparison::HeldOutComparison(const Signature& candidate, const Signature* active,
-                                     const Arm& drawing)
-    : candidate_{kinematics::chain_of<double>(candidate),
-                 candidate.X_SL.back().inverse() * candidate.targets[0].p_S},
-      active_{chain_of_model(active, drawing, candidate.configuration), {}},
-      aligning_(frames::axis_lines(candidate), axes_at(active_.chain, candidate.configuration)) {}
+HeldOutComparison::HeldOutComparison(const SignatureRecord& candidate,
+                                     const SignatureRecord* active, const Arm& drawing)
+    : candidate_{kinematics::chain_of<double>(candidate.signature), joints_of(&candidate, drawing),
+                 candidate.signature.X_SL.back().inverse() * candidate.signature.targets[0].p_S},
+      active_{chain_of_model(active, drawing, candidate.signature.configuration),
+              joints_of(active, drawing),
+              {}},
+      aligning_(frames::axis_lines(candidate.signature),
+                axes_at(active_.chain, turned(active_.joints, candidate.signature.configuration))) {
+}
+
+Pose HeldOutComparison::last_frame(const Predictor& model, const JointVector& q) {
+  return kinematics::link_pose(model.chain, turned(model.joints, q), model.chain.types.size());
+}
 
 bool HeldOutComparison::step() {
   if (aligning_.step()) return true;
   active_.chain.X_S0 = aligning_.result().X_AB * active_.chain.X_S0;
   const JointVector& q = candidate_.chain.configuration;
-  active_.p_L =
-      last_frame(active_.chain, q).inverse() * (last_frame(candidate_.chain, q) * candidate_.p_L);
+  active_.p_L = last_frame(active_, q).inverse() * (last_frame(candidate_, q) * candidate_.p_L);
   return false;
 }
 
 void HeldOutComparison::judge(const JointVector& readings, const Vector3& p_S) {
   const auto miss_m2 = [&](const Predictor& model) {
-    return (last_frame(model.chain, readings) * model.p_L - p_S).squaredNorm();
+    return (last_frame(model, readings) * model.p_L - p_S).squaredNorm();
   };
   candidate_m2_ += miss_m2(candidate_);
   active_m2_ += miss_m2(active_);

@@ -2,9 +2,10 @@
 // Which of two models predicts poses better that neither was fitted to.
 #pragma once
 
+#include "core/calibration/servo_readings.hpp"
 #include "core/frames/alignment.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "core/signature.hpp"
+#include "firmware/controller/signature_record.hpp"
 
 namespace armsig::controller {
 
@@ -21,9 +22,10 @@ struct HeldOutReport {
 // taught. Its own signature configuration and sensor frame may be any.
 class HeldOutComparison {
  public:
-  // `active` null: the drawing. Both signatures have one target, on the hand. Precondition: as many
+  // `active` null: the drawing. Both records have one target, on the hand. Precondition: as many
   // joints in all three.
-  HeldOutComparison(const Signature& candidate, const Signature* active, const Arm& drawing);
+  HeldOutComparison(const SignatureRecord& candidate, const SignatureRecord* active,
+                    const Arm& drawing);
 
   // A bounded step of laying one over the other; false if nothing is left to do.
   bool step();
@@ -34,8 +36,11 @@ class HeldOutComparison {
  private:
   struct Predictor {
     kinematics::SModelChain<double> chain;
-    Vector3 p_L = Vector3::Zero();  // of the target, in the last link frame
+    calibration::ServoReadings joints;  // how far the chain's have turned
+    Vector3 p_L = Vector3::Zero();      // of the target, in the last link frame
   };
+
+  [[nodiscard]] static Pose last_frame(const Predictor& model, const JointVector& q);
 
   Predictor candidate_;
   Predictor active_;

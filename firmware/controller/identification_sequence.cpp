@@ -17,7 +17,7 @@ IdentificationSequence::IdentificationSequence(const Configuration& configuratio
       measurement_(measurement),
       announcer_(announcer) {}
 
-void IdentificationSequence::begin(const Signature* active, Ticket begun) {
+void IdentificationSequence::begin(const SignatureRecord* active, Ticket begun) {
   stage_ = Stage::kSweeping;
   phase_ = Phase::kNext;
   paused_ = false;
@@ -219,7 +219,7 @@ void IdentificationSequence::step_identification() {
   }
   if (*more) return;
   add_targets();
-  work_.emplace<HeldOutComparison>(candidate_->signature, active_, configuration_.drawing);
+  work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
   stage_ = Stage::kComparing;
 }
 

@@ -38,7 +38,7 @@ class IdentificationSequence {
   // Forgets candidate and log. `active` is the signature in use, null: the drawing; it must stay
   // as it is until the sequence is over; `begun` is the kBeginSequence that it needs. Precondition:
   // not is_running().
-  void begin(const Signature* active, Ticket begun);
+  void begin(const SignatureRecord* active, Ticket begun);
   void pause() { paused_ = true; }
   void resume();
   // Ends it with `error` as the reason, wherever it is.
@@ -102,7 +102,7 @@ class IdentificationSequence {
   Phase phase_ = Phase::kNext;
   bool paused_ = false;
   std::optional<Error> pause_reason_;
-  const Signature* active_ = nullptr;
+  const SignatureRecord* active_ = nullptr;
   std::size_t joint_ = 0;
   std::size_t held_out_ = 0;
   std::size_t points_done_ = 0;

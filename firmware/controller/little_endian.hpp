@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/crc32.hpp"
+
 namespace armsig::controller {
 
 class LittleEndianWriter {
@@ -22,6 +24,30 @@ class LittleEndianWriter {
  private:
   std::span<std::uint8_t> image_;
   std::size_t at_ = 0;
+};
+
+// Writes a part of an image that is written from its beginning, and knows the CRC-32 of all that
+// was written: an image need not be in memory as a whole to be told in parts.
+class PartWriter {
+ public:
+  // `part` is from byte `begin` of the image on.
+  PartWriter(std::span<std::uint8_t> part, std::size_t begin) : part_(part), begin_(begin) {}
+  void integer(std::uint64_t value, std::size_t bytes) {
+    for (std::size_t i = 0; i < bytes; ++i) {
+      const auto byte = static_cast<std::uint8_t>(value >> (8 * i));
+      if (at_ >= begin_ && at_ - begin_ < part_.size()) part_[at_ - begin_] = byte;
+      ++at_;
+      crc_ = crc32(std::as_bytes(std::span(&byte, 1)), crc_);
+    }
+  }
+  void real(double value) { integer(std::bit_cast<std::uint64_t>(value), 8); }
+  [[nodiscard]] std::uint32_t crc() const { return crc_; }
+
+ private:
+  std::span<std::uint8_t> part_;
+  std::size_t begin_;
+  std::size_t at_ = 0;
+  std::uint32_t crc_ = 0;
 };
 
 class LittleEndianReader {

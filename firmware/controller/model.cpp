@@ -5,15 +5,26 @@
 
 namespace armsig::controller {
 
+void make_model(const Arm& drawing, Model& model) {
+  model.chain = kinematics::make_chain(drawing.joints, drawing.limits);
+  model.joints.set_exact();
+  model.X_R0 = {};
+  model.p_nT = Vector3::Zero();
+  model.identified = false;
+}
+
 Model model_of(const Arm& drawing) {
   Model model;
-  model.chain = kinematics::make_chain(drawing.joints, drawing.limits);
+  make_model(drawing, model);
   return model;
 }
 
-Model model_of(const Signature& signature, const Arm& drawing) {
-  Model model;
-  model.chain = kinematics::make_chain(signature.pseudo_dh, drawing.limits);
+void make_model(const Signature& signature, const calibration::PackedDeflections& deflections,
+                const Arm& drawing, Model& model) {
+  model.joints.set(deflections, drawing, signature.configuration);
+  model.chain = kinematics::make_chain(
+      signature.pseudo_dh, model.joints.exact() ? drawing.limits : model.joints.turned_limits());
+  model.p_nT = Vector3::Zero();
   model.X_R0 = signature.X_SL[0];
   model.identified = true;
   for (const Target& target : signature.targets) {
@@ -23,11 +34,16 @@ Model model_of(const Signature& signature, const Arm& drawing) {
     }
     break;
   }
+}
+
+Model model_of(const Signature& signature, const Arm& drawing) {
+  Model model;
+  make_model(signature, {}, drawing, model);
   return model;
 }
 
 Result<Pose> tool_pose(const Model& model, const JointVector& q) {
-  ARMSIG_TRY(X_0n, kinematics::forward(model.chain, q));
+  ARMSIG_TRY(X_0n, calibration::forward(model.chain, model.joints, q));
   const Pose X_Rn = model.X_R0 * X_0n;
   return Pose{X_Rn.R, X_Rn * model.p_nT};
 }

@@ -51,12 +51,12 @@ Result<JointVector> readings_of(const Configuration& configuration,
   return std::unexpected(singular ? Error::kSingularPath : Error::kNotConverged);
 }
 
-// The inverse stands still where `chain` has no solution: at the end of its reach, or against the
+// The inverse stands still where the arm has no solution: at the end of its reach, or against the
 // limit of a joint.
-Error obstacle_at(const kinematics::Chain& chain, const JointVector& q) {
+Error obstacle_at(const Arm& arm, const JointVector& q) {
   constexpr double kAtLimit = 1e-9;
-  for (std::size_t i = 0; i < chain.limits.size(); ++i) {
-    const JointLimits& limits = chain.limits[i];
+  for (std::size_t i = 0; i < arm.limits.size(); ++i) {
+    const JointLimits& limits = arm.limits[i];
     if (q[i] < limits.lower + kAtLimit || q[i] > limits.upper - kAtLimit) return Error::kJointLimit;
   }
   return Error::kOutOfReach;
@@ -192,8 +192,8 @@ void LinePlanning::sample(int passes) {
   kinematics::InverseOptions options;
   const int most = options.max_iterations;
   options.max_iterations = passes;
-  const auto solution = kinematics::inverse(
-      model_.chain, flange_pose(model_, line_pose(*planned_, course)), search_, options);
+  const auto solution = joints_for(model_, flange_pose(model_, line_pose(*planned_, course)),
+                                   search_, options, lately_);
   if (!solution) {
     planned_ = refused(solution.error());
     return;
@@ -208,7 +208,7 @@ void LinePlanning::sample(int passes) {
     missed_m_ = missed;
     if (passes_of_sample_ < most) return;
     if (stands) {
-      planned_ = refused(obstacle_at(model_.chain, search_));
+      planned_ = refused(obstacle_at(configuration_.drawing, search_));
       return;
     }
   }
@@ -259,7 +259,8 @@ Planned plan_line(const Configuration& configuration, const Model& model, const 
 }
 
 Result<JointVector> readings_at(const Move& move, const Configuration& configuration,
-                                const Model& model, const JointVector& former, double seconds) {
+                                const Model& model, const JointVector& former, double seconds,
+                                calibration::LatelyTurned& lately) {
   const double s = minimum_jerk(std::clamp(seconds / move.duration_s, 0.0, 1.0));
   if (move.kind == MoveKind::kJoint) {
     JointVector q = move.from;
@@ -271,8 +272,8 @@ Result<JointVector> readings_at(const Move& move, const Configuration& configura
   for (const double speed : configuration.limits.speed) {
     options.max_step.push_back(speed * hal::seconds(configuration.period));
   }
-  ARMSIG_TRY(solution, kinematics::inverse(model.chain, flange_pose(model, line_pose(move, s)),
-                                           former, options));
+  ARMSIG_TRY(solution,
+             joints_for(model, flange_pose(model, line_pose(move, s)), former, options, lately));
   return readings_of(configuration, solution);
 }
 

@@ -78,6 +78,7 @@ class LinePlanning {
   double pace_;
   Planned planned_;
   JointVector slope_before_;
+  calibration::LatelyTurned lately_;
   JointVector search_;   // where the inverse of the sample under way has come to
   double missed_m_ = 0;  // and how far it is from there, position and orientation together
   int done_ = 0;         // samples
@@ -95,8 +96,9 @@ class LinePlanning {
 // The joint readings `seconds` after the begin of the move, reached from `former` in one `period`.
 // Errors of a line: kOutOfReach, kJointLimit, kSingularPath, kSpeedLimit (a joint would have to be
 // faster than its limit), kNotConverged, kNotFinite.
+// `lately`: what the tick before has found.
 [[nodiscard]] Result<JointVector> readings_at(const Move& move, const Configuration& configuration,
                                               const Model& model, const JointVector& former,
-                                              double seconds);
+                                              double seconds, calibration::LatelyTurned& lately);
 
 }  // namespace armsig::controller

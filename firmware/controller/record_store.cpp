@@ -42,10 +42,10 @@ std::uint8_t RecordStore::free_bank() const {
 }
 
 Result<void> RecordStore::read(const StoredRecord& record) {
-  if (auto done = read_patiently(memory_, record_address(record.bank), last_read_); !done) {
+  if (auto done = read_patiently(memory_, record_address(record.bank), image_); !done) {
     return done;
   }
-  if (!is_whole(last_read_) || crc_of(last_read_) != record.crc) {
+  if (!is_whole(image_) || crc_of(image_) != record.crc) {
     return std::unexpected(Error::kRecordCorrupt);
   }
   return {};
@@ -57,9 +57,12 @@ Result<void> RecordStore::read(const StoredRecord& record) {
 bool RecordStore::was_never_used(const std::array<BankLedger, kStoreBanks>& ledgers) {
   for (std::size_t bank = 0; bank < kStoreBanks; ++bank) {
     if (ledgers[bank].strange > 1) return false;
-    const bool read = read_patiently(memory_, record_address(bank), last_read_).has_value();
+    // A record of either version begins here; what follows the former one's room need not be
+    // erased in a store that was made for it.
+    const auto begin = std::span(image_).first(kFormerRecordBytes);
+    const bool read = read_patiently(memory_, record_address(bank), begin).has_value();
     if (!read && bank > 0) return false;
-    if (read && !is_erased(last_read_)) return false;
+    if (read && !is_erased(begin)) return false;
   }
   return true;
 }
@@ -139,11 +142,12 @@ Result<void> RecordStore::enter(LedgerEntry entry, std::size_t page) {
   return write_entry(memory_, ledger_sector(at_bank_), page + 1, entry);
 }
 
-void RecordStore::begin_write(const RecordImage& image) {
+RecordImage& RecordStore::begin_write() {
   ARMSIG_CHECK(fits() && !change_);
   change_.emplace();
-  change_->image = image;
+  change_->writes = true;
   change_->stage = formatted_ ? Stage::kEraseLedger : Stage::kFormat;
+  return image_;
 }
 
 Result<void> RecordStore::begin_rollback() {
@@ -160,10 +164,10 @@ Result<void> RecordStore::begin_rollback() {
 LedgerEntry RecordStore::changed() const {
   LedgerEntry next = entry_;
   ++next.number;
-  if (change_->image) {
+  if (change_->writes) {
     ++next.newest;
     next.former = entry_.active;
-    next.active = StoredRecord{.bank = free_bank(), .crc = crc_of(*change_->image)};
+    next.active = StoredRecord{.bank = free_bank(), .crc = crc_of(image_)};
   } else {
     next.active = entry_.former;
     next.former.reset();
@@ -192,7 +196,7 @@ Result<void> RecordStore::advance(Change& change) {
       change.stage = Stage::kEraseLedger;
       return format();
     case Stage::kEraseLedger:
-      change.stage = change.image ? Stage::kEraseRecord : Stage::kEnter;
+      change.stage = change.writes ? Stage::kEraseRecord : Stage::kEnter;
       return memory_.erase_sector(ledger_sector(bank));
     case Stage::kEraseRecord:
       if (change.erased + 2 == sectors_per_bank()) change.stage = Stage::kProgram;
@@ -201,8 +205,8 @@ Result<void> RecordStore::advance(Change& change) {
       if (change.programmed + 1 == record_pages()) change.stage = Stage::kVerify;
       return program_page(bank, change.programmed++);
     case Stage::kVerify:
-      change.stage = Stage::kEnter;
-      return verify(bank);
+      if (change.verified + 1 == record_pages()) change.stage = Stage::kEnter;
+      return verify(bank, change.verified++);
     case Stage::kEnter:
       change.entry = changed();
       change.entry.kind = LedgerKind::kEntered;
@@ -218,17 +222,25 @@ Result<void> RecordStore::advance(Change& change) {
   return {};
 }
 
-Result<void> RecordStore::program_page(std::uint8_t bank, std::size_t page) {
+// What page `page` of the record holds.
+std::span<const std::uint8_t> RecordStore::page_of_image(std::size_t page) const {
   const std::size_t bytes = memory_.layout().page_bytes;
   const std::size_t first = page * bytes;
-  return program_padded(
-      memory_, record_address(bank) + first,
-      std::span(*change_->image).subspan(first, std::min(bytes, kRecordBytes - first)));
+  return std::span(image_).subspan(first, std::min(bytes, kRecordBytes - first));
 }
 
-Result<void> RecordStore::verify(std::uint8_t bank) {
-  if (auto done = read({.bank = bank, .crc = crc_of(*change_->image)}); !done) return done;
-  if (last_read_ != *change_->image) return std::unexpected(Error::kRecordCorrupt);
+Result<void> RecordStore::program_page(std::uint8_t bank, std::size_t page) {
+  return program_padded(memory_, record_address(bank) + page * memory_.layout().page_bytes,
+                        page_of_image(page));
+}
+
+Result<void> RecordStore::verify(std::uint8_t bank, std::size_t page) {
+  const auto expected = page_of_image(page);
+  std::array<std::uint8_t, kLargestPage> room;
+  const auto stored = std::span(room).first(expected.size());
+  const std::size_t address = record_address(bank) + page * memory_.layout().page_bytes;
+  if (auto done = read_patiently(memory_, address, stored); !done) return done;
+  if (!std::ranges::equal(stored, expected)) return std::unexpected(Error::kRecordCorrupt);
   return {};
 }
 

@@ -6,7 +6,7 @@
 // the one bank that holds neither the active record, nor the former, nor the ledger's last entry,
 // so that a device that spoils all of a bank at once loses nothing that counts:
 //
-//   erase the bank's ledger, erase its record, program the record, read it back;
+//   erase the bank's ledger, erase its record, program the record, read it back page by page;
 //   entry n + 1 ("entered") says what is active from now on; the same again ("settled").
 //
 // A roll back is the entries alone: the record that was rolled back stays where it is and nothing
@@ -50,20 +50,23 @@ class RecordStore {
   [[nodiscard]] std::optional<Error> trouble() const { return trouble_; }
 
   // Reads a record, for last_read() to have it. Errors: kStorageFault, kRecordCorrupt.
+  // Precondition: not is_writing().
   [[nodiscard]] Result<void> read(const StoredRecord& record);
-  // A member, as the stack of a small controller has no room for it.
-  [[nodiscard]] const RecordImage& last_read() const { return last_read_; }
+  // The one image that there is: of the record that was read, or that is being written.
+  [[nodiscard]] const RecordImage& last_read() const { return image_; }
 
-  // Begins to store `image`, whose sequence number is next_sequence(), as the active record.
-  // Precondition: open() was called, fits(), not is_writing().
-  void begin_write(const RecordImage& image);
+  // Begins to store what the caller then makes of the image that is returned, at once: a record
+  // whose sequence number is next_sequence(), which becomes the active one. Precondition: open()
+  // was called, fits(), not is_writing().
+  [[nodiscard]] RecordImage& begin_write();
   // Begins to make the former record active; none: nothing is. Errors: kNoSignature (nothing is
   // active), kStorageFault, kRecordCorrupt (the former cannot be read). Precondition: as above.
   [[nodiscard]] Result<void> begin_rollback();
   [[nodiscard]] bool is_writing() const { return change_.has_value(); }
-  // One erase or one page; true when all is stored and verified. After an error what is stored may
-  // be the old or the new: open() tells. Errors: kStorageFull, kStorageFault, kNotErased,
-  // kRecordCorrupt (what was read back differs). Precondition: is_writing().
+  // One erase or one page, written or read back; true when all is stored and verified. After an
+  // error what is stored may be the old or the new: open() tells. Errors: kStorageFull,
+  // kStorageFault, kNotErased, kRecordCorrupt (what was read back differs). Precondition:
+  // is_writing().
   [[nodiscard]] Result<bool> step();
 
  private:
@@ -80,12 +83,13 @@ class RecordStore {
   // What is being changed, and how far it is.
   struct Change {
     // Said, as clang can't know of the defaults below before the class around them ends.
-    Change() {}                        // NOLINT(modernize-use-equals-default)
-    std::optional<RecordImage> image;  // none: a roll back
-    LedgerEntry entry;                 // from kEnter on
+    Change() {}           // NOLINT(modernize-use-equals-default)
+    bool writes = false;  // else a roll back
+    LedgerEntry entry;    // from kEnter on
     Stage stage = Stage::kEraseLedger;
     std::size_t erased = 0;      // sectors of the record
     std::size_t programmed = 0;  // its pages
+    std::size_t verified = 0;
   };
 
   [[nodiscard]] std::size_t record_pages() const;
@@ -101,8 +105,9 @@ class RecordStore {
   [[nodiscard]] Result<void> enter(LedgerEntry entry, std::size_t page);
   [[nodiscard]] LedgerEntry changed() const;
   [[nodiscard]] Result<void> advance(Change& change);
+  [[nodiscard]] std::span<const std::uint8_t> page_of_image(std::size_t page) const;
   [[nodiscard]] Result<void> program_page(std::uint8_t bank, std::size_t page);
-  [[nodiscard]] Result<void> verify(std::uint8_t bank);
+  [[nodiscard]] Result<void> verify(std::uint8_t bank, std::size_t page);
 
   hal::NonvolatileMemory& memory_;
   LedgerEntry entry_;         // the last one
@@ -110,7 +115,7 @@ class RecordStore {
   bool formatted_ = false;
   std::optional<Error> trouble_;
   std::optional<Change> change_;
-  RecordImage last_read_{};
+  RecordImage image_{};
 };
 
 }  // namespace armsig::controller

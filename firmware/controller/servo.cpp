@@ -203,7 +203,8 @@ void Servo::step_move() {
   const double period_s = hal::seconds(configuration_.period);
   pace_ = std::max(0.0, pace_ - brake_);
   course_s_ += pace_ * period_s;
-  const auto q = readings_at(*move_, configuration_, link_.models[model_], commanded_, course_s_);
+  const auto q =
+      readings_at(*move_, configuration_, link_.models[model_], commanded_, course_s_, lately_);
   if (!q) {
     fail(q.error());
     return;

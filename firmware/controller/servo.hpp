@@ -54,7 +54,8 @@ class Servo {
   double brake_ = 0;  // by how much the pace falls in a tick
   hal::Instant unsettled_at_;
   JointVector commanded_;
-  JointVector speed_;  // of the commanded readings, in the last tick of a move
+  calibration::LatelyTurned lately_;  // in the tick before
+  JointVector speed_;                 // of the commanded readings, in the last tick of a move
   std::size_t model_ = 0;
   std::uint32_t handled_ = 0;
   std::array<CommandResult, 8> results_{};

@@ -11,10 +11,15 @@ namespace armsig::controller {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic{'A', 'S', 'I', 'G'};
-constexpr std::uint16_t kVersion = 2;
-constexpr std::size_t kCrcOffset = kRecordBytes - 4;
+constexpr std::uint16_t kVersion = 3;
+constexpr std::uint16_t kFormerVersion = 2;
 
-void write_vector(LittleEndianWriter& out, const Vector3& v) {
+using calibration::GravityTerm;
+using calibration::kMaxGravityTerms;
+using calibration::PackedDeflections;
+using calibration::PackedMap;
+
+void write_vector(PartWriter& out, const Vector3& v) {
   for (Eigen::Index i = 0; i < 3; ++i) out.real(v(i));
 }
 
@@ -24,7 +29,7 @@ Vector3 read_vector(LittleEndianReader& in) {
   return v;
 }
 
-void write_machine(LittleEndianWriter& out, const Machine& machine) {
+void write_machine(PartWriter& out, const Machine& machine) {
   out.integer(machine.drawing_crc, 8);
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
     const hal::DriveIdentity drive =
@@ -54,6 +59,57 @@ Machine read_machine(LittleEndianReader& in, std::size_t joints) {
   return machine;
 }
 
+void write_deflections(PartWriter& out, const PackedDeflections& deflections) {
+  out.integer(deflections.empty() ? 0 : 1, 4);
+  out.integer(deflections.gravity.size(), 4);
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    const bool used = i < deflections.maps.size();
+    const PackedMap map = used ? deflections.maps[i] : PackedMap{};
+    out.real(map.domain.origin);
+    out.real(map.domain.per_length);
+    out.real(map.step);
+    out.real(used ? deflections.drawn_zero[i] : 0);
+    for (const std::int16_t step : map.steps) out.integer(static_cast<std::uint16_t>(step), 2);
+  }
+  for (std::size_t k = 0; k < kMaxGravityTerms; ++k) {
+    const GravityTerm term =
+        k < deflections.gravity.size() ? deflections.gravity[k] : GravityTerm{};
+    out.integer(term.joint, 1);
+    out.integer(term.origin, 3);
+    out.real(term.coefficient);
+  }
+}
+
+// False where what is read is not to be servoed with.
+bool read_deflections(LittleEndianReader& in, std::size_t joints, PackedDeflections& deflections) {
+  deflections.maps.clear();
+  deflections.gravity.clear();
+  deflections.drawn_zero.fill(0);
+  const std::uint64_t there = in.integer(4);
+  const std::uint64_t terms = in.integer(4);
+  if (there > 1 || terms > (there == 1 ? kMaxGravityTerms : 0)) return false;
+  if (there == 0) return true;
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    PackedMap map;
+    map.domain.origin = in.real();
+    map.domain.per_length = in.real();
+    map.step = in.real();
+    deflections.drawn_zero[i] = in.real();
+    for (std::int16_t& step : map.steps) {
+      step = static_cast<std::int16_t>(static_cast<std::uint16_t>(in.integer(2)));
+    }
+    if (i < joints) deflections.maps.push_back(map);
+  }
+  for (std::size_t k = 0; k < kMaxGravityTerms; ++k) {
+    GravityTerm term;
+    term.joint = static_cast<std::uint8_t>(in.integer(1));
+    term.origin = static_cast<std::uint8_t>(in.integer(3));
+    term.coefficient = in.real();
+    if (k < terms) deflections.gravity.push_back(term);
+  }
+  return check(deflections, joints).has_value();
+}
+
 const Target* hand_target(const Signature& signature) {
   const auto* found = std::ranges::find_if(signature.targets, [&](const Target& target) {
     return target.link == signature.joint_count();
@@ -65,23 +121,16 @@ bool is_rotation(const Matrix3& R) {
   return (R * R.transpose() - Matrix3::Identity()).norm() < 1e-9 && R.determinant() > 0;
 }
 
-std::uint32_t content_crc(const RecordImage& image) {
-  return crc32(std::as_bytes(std::span(image).first(kCrcOffset)));
+// Without the CRC; none where the image says another length than records have.
+std::span<const std::uint8_t> content_of(const RecordImage& image) {
+  const std::uint64_t length = LittleEndianReader(image, 8).integer(4);
+  if (length != kRecordBytes && length != kFormerRecordBytes) return {};
+  return std::span(image).first(static_cast<std::size_t>(length) - 4);
 }
 
-}  // namespace
-
-std::uint32_t crc_of(const RecordImage& image) {
-  return static_cast<std::uint32_t>(LittleEndianReader(image, kCrcOffset).integer(4));
-}
-
-bool is_whole(const RecordImage& image) { return crc_of(image) == content_crc(image); }
-
-RecordImage encode(const SignatureRecord& record, std::uint32_t sequence) {
+void write(PartWriter& out, const SignatureRecord& record, std::uint32_t sequence) {
   const Signature& signature = record.signature;
   const std::size_t n = signature.joint_count();
-  RecordImage image{};
-  LittleEndianWriter out(image);
   for (const std::uint8_t byte : kMagic) out.integer(byte, 1);
   out.integer(kVersion, 2);
   out.integer(n, 2);
@@ -105,8 +154,38 @@ RecordImage encode(const SignatureRecord& record, std::uint32_t sequence) {
   out.integer(static_cast<std::uint64_t>(record.identified_at_s), 8);
   out.real(record.predicted_sigma_m);
   write_machine(out, record.machine);
-  out.integer(content_crc(image), 4);
+  write_deflections(out, record.deflections);
+  out.integer(out.crc(), 4);
+}
+
+}  // namespace
+
+std::uint32_t crc_of(const RecordImage& image) {
+  const auto content = content_of(image);
+  return content.empty()
+             ? 0
+             : static_cast<std::uint32_t>(LittleEndianReader(image, content.size()).integer(4));
+}
+
+bool is_whole(const RecordImage& image) {
+  const auto content = content_of(image);
+  return !content.empty() && crc_of(image) == crc32(std::as_bytes(content));
+}
+
+void encode(const SignatureRecord& record, std::uint32_t sequence, RecordImage& image) {
+  PartWriter out(image, 0);
+  write(out, record, sequence);
+}
+
+RecordImage encode(const SignatureRecord& record) {
+  RecordImage image{};
+  encode(record, record.sequence, image);
   return image;
+}
+
+void encode_part(const SignatureRecord& record, std::size_t begin, std::span<std::uint8_t> part) {
+  PartWriter out(part, begin);
+  write(out, record, record.sequence);
 }
 
 Result<void> decode(const RecordImage& image, const Arm& drawing, SignatureRecord& record) {
@@ -117,9 +196,9 @@ Result<void> decode(const RecordImage& image, const Arm& drawing, SignatureRecor
   const std::uint64_t version = in.integer(2);
   const auto n = static_cast<std::size_t>(in.integer(2));
   const std::uint64_t length = in.integer(4);
-  if (version != kVersion || length != kRecordBytes || n == 0 || n > kMaxJoints) {
-    return std::unexpected(Error::kRecordCorrupt);
-  }
+  const bool former = version == kFormerVersion && length == kFormerRecordBytes;
+  const bool known = former || (version == kVersion && length == kRecordBytes);
+  if (!known || n == 0 || n > kMaxJoints) return std::unexpected(Error::kRecordCorrupt);
   record.sequence = static_cast<std::uint32_t>(in.integer(4));
   Signature& signature = record.signature;
   signature.types.clear();
@@ -153,7 +232,10 @@ Result<void> decode(const RecordImage& image, const Arm& drawing, SignatureRecor
   record.identified_at_s = static_cast<std::int64_t>(in.integer(8));
   record.predicted_sigma_m = in.real();
   record.machine = read_machine(in, n);
-  if (!in.all_finite() || !rotations) return std::unexpected(Error::kRecordCorrupt);
+  record.deflections.maps.clear();
+  record.deflections.gravity.clear();
+  const bool bounded = former || read_deflections(in, n, record.deflections);
+  if (!in.all_finite() || !rotations || !bounded) return std::unexpected(Error::kRecordCorrupt);
   if (n != drawing.joints.size()) return std::unexpected(Error::kRecordUnsuitable);
   for (std::size_t i = 0; i < n; ++i) {
     if (signature.types[i] != drawing.joints[i].type) {

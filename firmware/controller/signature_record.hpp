@@ -3,7 +3,7 @@
 //
 //   offset  bytes
 //        0      4  magic "ASIG"
-//        4      2  version, 2
+//        4      2  version, 3
 //        6      1  joints, n
 //        7      1  zero
 //        8      4  length of the whole record, CRC included
@@ -22,7 +22,15 @@
 //                    vendor, product, revision and serial number of the drive, u32 each; 0: untold
 //                    encoder counts a revolution, gear ratio, lead in m; doubles
 //                    counts at the zero of the joint, i32; u32: 1 where the sense is reversed
-//     1408      4  CRC-32 of all before
+//     1408      4  1 where there are maps of the readings and gravity; 0: all from here is zero
+//     1412      4  gravity terms
+//     1416   2176  per joint, 272 bytes, those of unused joints zero:
+//                    reading of knot 0, knots per rad or m, step in rad or m, zero of the drawing;
+//                    doubles
+//                    the map at 120 knots, in steps, i16
+//     3592    336  28 gravity terms: joint from 0, origin, u8 each; zero, u16; rad or m per m,
+//     double 3928      4  CRC-32 of all before
+// Of version 2, which is still read, the first 1408 bytes are the same, and a CRC-32 follows them.
 // The S-Model and pseudo-DH parameters are derived from the link frames when it is read.
 #pragma once
 
@@ -31,6 +39,7 @@
 #include <span>
 
 #include "core/base/error.hpp"
+#include "core/calibration/packed_deflections.hpp"
 #include "core/signature.hpp"
 #include "firmware/controller/machine.hpp"
 
@@ -44,22 +53,25 @@ struct SignatureRecord {
   std::int64_t identified_at_s = 0;  // since 1970-01-01 UTC; 0: no clock knew
   double predicted_sigma_m = 0;      // of the tool at the signature configuration; 0: unknown
   Machine machine;                   // that it was identified on
+  calibration::PackedDeflections deflections;  // none: its geometry says everything
 };
 
-inline constexpr std::size_t kRecordBytes = 1412;
+inline constexpr std::size_t kRecordBytes = 3932;
+inline constexpr std::size_t kFormerRecordBytes = 1412;  // of version 2
 using RecordImage = std::array<std::uint8_t, kRecordBytes>;
 
-[[nodiscard]] RecordImage encode(const SignatureRecord& record, std::uint32_t sequence);
-[[nodiscard]] inline RecordImage encode(const SignatureRecord& record) {
-  return encode(record, record.sequence);
-}
+[[nodiscard]] RecordImage encode(const SignatureRecord& record);
+void encode(const SignatureRecord& record, std::uint32_t sequence, RecordImage& image);
+// The image from byte `begin` on, as much of it as `part` has room for.
+void encode_part(const SignatureRecord& record, std::size_t begin, std::span<std::uint8_t> part);
 
-// The image ends with the CRC-32 of what comes before it.
+// A record ends with the CRC-32 of what comes before it. Of an image that is of no record's length:
+// 0, and it is not whole.
 [[nodiscard]] std::uint32_t crc_of(const RecordImage& image);
 [[nodiscard]] bool is_whole(const RecordImage& image);
 
-// Errors: kRecordCorrupt (magic, version, length, CRC, content), kRecordUnsuitable (joints other
-// than those of the drawing).
+// Errors: kRecordCorrupt (magic, version, length, CRC, content, a map or gravity by which a reading
+// could jump: calibration::check()), kRecordUnsuitable (joints other than those of the drawing).
 [[nodiscard]] Result<void> decode(const RecordImage& image, const Arm& drawing,
                                   SignatureRecord& record);
 

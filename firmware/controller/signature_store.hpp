@@ -29,7 +29,8 @@ class SignatureStore {
   // Begins to store `record` after the active one, with the next number. Precondition: load() was
   // called, fits(), not is_writing().
   void begin_write(const SignatureRecord& record) {
-    records_.begin_write(encode(record, records_.next_sequence()));
+    const std::uint32_t sequence = records_.next_sequence();
+    encode(record, sequence, records_.begin_write());
   }
   // Begins to go back to the record before the active one, or to none. Errors: kNoSignature (none
   // is active), kStorageFault, kRecordCorrupt (the one before cannot be read). Precondition: as

@@ -17,7 +17,7 @@ Result<Answer> command(Controls& controls, const Request& /*request*/, Line& /*o
 Result<Answer> identify(Controls& controls, const Request& /*request*/, Line& /*out*/) {
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
   const auto& active = controls.custody.active();
-  controls.identification.begin(active ? &active->signature : nullptr, answer.ticket);
+  controls.identification.begin(active ? &*active : nullptr, answer.ticket);
   return answer;
 }
 

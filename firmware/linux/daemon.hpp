@@ -9,11 +9,11 @@
 
 namespace armsig::daemon {
 
-// Of the file that keeps the signatures: three banks of two sectors (record_store.hpp), and one
+// Of the file that keeps the signatures: three banks of three sectors (record_store.hpp), and one
 // sector more for the positions at power-down. Banks lie in erase blocks of their own on any card.
 inline constexpr hal::MemoryLayout kStoreLayout{
-    .page_bytes = 256, .pages_per_sector = 8, .sectors = 7};
-inline constexpr linux_hal::FileSpread kStoreSpread{.sectors = 2,
+    .page_bytes = 256, .pages_per_sector = 8, .sectors = 10};
+inline constexpr linux_hal::FileSpread kStoreSpread{.sectors = 3,
                                                     .stride_bytes = std::size_t{4} << 20U};
 
 // Runs the controller on its CAN interface until `stop` is set, then brings the drives to rest.

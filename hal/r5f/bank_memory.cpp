@@ -17,7 +17,8 @@ void erase_whole(BankMemory::Bank& bank) {
 }  // namespace
 
 BankMemory::BankMemory(Bank& bank, bool lost_power) : bank_(bank) {
-  constexpr std::uint64_t kMarker = 0x4D42'5341;
+  // Another one for every layout.
+  constexpr std::uint64_t kMarker = 0x4D42'5342;
   if (!lost_power && bank.marker == kMarker) return;
   erase_whole(bank);
   bank.marker = kMarker;

@@ -17,7 +17,7 @@ namespace armsig::r5f {
 class BankMemory final : public hal::NonvolatileMemory {
  public:
   static constexpr hal::MemoryLayout kLayout{
-      .page_bytes = 256, .pages_per_sector = 6, .sectors = 7};
+      .page_bytes = 128, .pages_per_sector = 4, .sectors = 28};
 
   struct Bank {
     alignas(8) std::array<std::uint8_t, kLayout.bytes()> bytes;

@@ -27,8 +27,8 @@ enum class Tearing : std::uint8_t {
 inline constexpr std::size_t kTearings = 8;
 
 struct FlashConfiguration {
-  hal::MemoryLayout layout{.page_bytes = 256, .pages_per_sector = 8, .sectors = 7};
-  std::size_t block_sectors = 2;      // that a card erases together, whatever it is told
+  hal::MemoryLayout layout{.page_bytes = 256, .pages_per_sector = 8, .sectors = 10};
+  std::size_t block_sectors = 3;      // that a card erases together, whatever it is told
   std::uint32_t endurance = 100'000;  // erases of a sector; the next one fails and changes nothing
   Tearing tearing = Tearing::kForward;
   std::uint64_t seed = 1;
@@ -36,7 +36,7 @@ struct FlashConfiguration {
 
 class Flash final : public hal::NonvolatileMemory {
  public:
-  static constexpr std::size_t kCapacity = std::size_t{16} * 1024;
+  static constexpr std::size_t kCapacity = std::size_t{20} * 1024;
   static constexpr std::size_t kMostPages = 128;
   static constexpr std::size_t kLargestPage = 512;
 

@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: MIT
 // The store of signatures: records of the arm, whatever is done to them. How it survives a loss of
 // power is in store_power_test.cpp.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+
 #include <gtest/gtest.h>
 
+#include "core/base/crc32.hpp"
 #include "core/identification.hpp"
 #include "firmware/controller/signature_store.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"
+#include "host_tests/support/bent_puma.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/ram_memory.hpp"
 
@@ -108,9 +115,9 @@ TEST(SignatureStore, never_takes_a_record_with_one_wrong_byte) {
 }
 
 // On a card each bank has an erase block of its own (firmware/linux/daemon.hpp).
-TEST(SignatureStore, has_banks_of_two_sectors_and_leaves_one_for_the_positions) {
+TEST(SignatureStore, has_banks_of_three_sectors_and_leaves_one_for_the_positions) {
   RamMemory memory;
-  EXPECT_EQ(RecordStore(memory).sectors(), 6U);
+  EXPECT_EQ(RecordStore(memory).sectors(), 9U);
   EXPECT_TRUE(RecordStore(memory).fits());
 }
 
@@ -141,6 +148,125 @@ TEST(SignatureStore, keeps_all_of_a_record) {
   EXPECT_EQ(found.predicted_sigma_m, 7e-5);
   EXPECT_FALSE(difference(record.machine, found.machine));
   EXPECT_EQ(found.machine.drives[5], record.machine.drives[5]);
+}
+
+// Maps of 0.02 degrees and gravity at two joints.
+SignatureRecord bent_record() {
+  SignatureRecord record = record_of(1);
+  record.deflections = test::bent_puma();
+  return record;
+}
+
+std::uint32_t crc_over(const RecordImage& image, std::size_t length) {
+  return crc32(std::as_bytes(std::span(image).first(length)));
+}
+
+void put(RecordImage& image, std::size_t at, std::uint64_t value, std::size_t bytes) {
+  for (std::size_t i = 0; i < bytes; ++i) {
+    image[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
+  }
+}
+
+// Whether a record is refused whose bytes were changed before its CRC was made.
+bool refused(RecordImage image) {
+  put(image, kRecordBytes - 4, crc_over(image, kRecordBytes - 4), 4);
+  SignatureRecord found;
+  const auto decoded = decode(image, tool::puma560(), found);
+  return !decoded && decoded.error() == Error::kRecordCorrupt;
+}
+
+TEST(SignatureStore, keeps_maps_and_gravity_to_the_last_bit) {
+  RamMemory memory;
+  SignatureStore store(memory);
+  const SignatureRecord record = bent_record();
+  SignatureRecord found;
+  (void)store.load(tool::puma560(), found);
+  ASSERT_TRUE(write(store, record));
+  ASSERT_TRUE(store.load(tool::puma560(), found));
+  const auto& expected = record.deflections;
+  ASSERT_EQ(found.deflections.maps.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(found.deflections.maps[i].steps, expected.maps[i].steps);
+    EXPECT_EQ(found.deflections.maps[i].step, expected.maps[i].step);
+    EXPECT_EQ(found.deflections.maps[i].domain.origin, expected.maps[i].domain.origin);
+    EXPECT_EQ(found.deflections.maps[i].domain.per_length, expected.maps[i].domain.per_length);
+    EXPECT_EQ(found.deflections.drawn_zero[i], expected.drawn_zero[i]);
+  }
+  ASSERT_EQ(found.deflections.gravity.size(), expected.gravity.size());
+  for (std::size_t k = 0; k < expected.gravity.size(); ++k) {
+    EXPECT_EQ(found.deflections.gravity[k].joint, expected.gravity[k].joint);
+    EXPECT_EQ(found.deflections.gravity[k].origin, expected.gravity[k].origin);
+    EXPECT_EQ(found.deflections.gravity[k].coefficient, expected.gravity[k].coefficient);
+  }
+  ASSERT_TRUE(write(store, record_of(2)));
+  ASSERT_TRUE(store.load(tool::puma560(), found));
+  EXPECT_TRUE(found.deflections.empty()) << "none are left over from the record before";
+  EXPECT_TRUE(found.deflections.gravity.empty());
+}
+
+// With a CRC that is right: what is refused is what the servo would make of it.
+TEST(SignatureStore, refuses_a_map_or_gravity_by_which_a_reading_could_jump) {
+  constexpr std::size_t kThere = 1408;
+  constexpr std::size_t kTerms = 1412;
+  constexpr std::size_t kFirstMap = 1416;
+  constexpr std::size_t kStep = kFirstMap + 16;
+  constexpr std::size_t kSteps = kFirstMap + 32;
+  constexpr std::size_t kGravity = 3592;
+  const RecordImage sound = encode(bent_record());
+  ASSERT_FALSE(refused(sound));
+  const auto changed = [&](std::size_t at, std::uint64_t value, std::size_t bytes) {
+    RecordImage image = sound;
+    put(image, at, value, bytes);
+    return refused(image);
+  };
+  EXPECT_TRUE(changed(kThere, 2, 4));
+  EXPECT_TRUE(changed(kTerms, 29, 4)) << "more terms than there is room for";
+  EXPECT_TRUE(changed(kThere, 0, 4)) << "gravity without maps";
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(changed(kFirstMap, std::bit_cast<std::uint64_t>(nan), 8));
+  EXPECT_TRUE(changed(kFirstMap + 8, std::bit_cast<std::uint64_t>(1e6), 8)) << "knots too dense";
+  EXPECT_TRUE(changed(kStep, std::bit_cast<std::uint64_t>(1e-4), 8)) << "a map of radians";
+  EXPECT_TRUE(changed(kStep, std::bit_cast<std::uint64_t>(-1e-9), 8));
+  RecordImage spike = sound;
+  put(spike, kStep, std::bit_cast<std::uint64_t>(1e-6), 8);
+  for (std::size_t k = 0; k < 120; ++k) put(spike, kSteps + 2 * k, k == 60 ? 32000 : 0, 2);
+  EXPECT_TRUE(refused(spike)) << "small, and too steep";
+  EXPECT_TRUE(changed(kGravity, 6, 1)) << "of a joint that is not there";
+  EXPECT_TRUE(changed(kGravity + 1, 0, 1)) << "a weight before its joint";
+  EXPECT_TRUE(changed(kGravity + 4, std::bit_cast<std::uint64_t>(0.011), 8)) << "too heavy";
+}
+
+TEST(SignatureStore, still_reads_a_record_of_the_version_before) {
+  RamMemory memory;
+  SignatureStore store(memory);
+  SignatureRecord found = bent_record();
+  (void)store.load(tool::puma560(), found);
+  ASSERT_TRUE(write(store, record_of(1)));
+  RecordImage former = encode(record_of(1));
+  put(former, 4, 2, 2);
+  put(former, 8, kFormerRecordBytes, 4);
+  put(former, kFormerRecordBytes - 4, crc_over(former, kFormerRecordBytes - 4), 4);
+  std::fill(former.begin() + kFormerRecordBytes, former.end(), std::uint8_t{0x5A});
+  ASSERT_TRUE(is_whole(former));
+  found = bent_record();
+  ASSERT_TRUE(decode(former, tool::puma560(), found));
+  EXPECT_TRUE(found.deflections.empty());
+  found.sequence = 0;
+  EXPECT_EQ(encode(found), encode(record_of(1)));
+  former[700] ^= 1;
+  EXPECT_FALSE(is_whole(former));
+  EXPECT_FALSE(decode(former, tool::puma560(), found));
+}
+
+TEST(SignatureStore, tells_a_record_in_parts_as_it_is_stored) {
+  const SignatureRecord record = bent_record();
+  const RecordImage whole = encode(record);
+  for (std::size_t begin = 0; begin < kRecordBytes; begin += 192) {
+    std::array<std::uint8_t, 192> room{};
+    const auto part = std::span(room).first(std::min<std::size_t>(192, kRecordBytes - begin));
+    encode_part(record, begin, part);
+    EXPECT_TRUE(std::ranges::equal(part, std::span(whole).subspan(begin, part.size()))) << begin;
+  }
 }
 
 }  // namespace

@@ -132,10 +132,11 @@ TEST(Line, keeps_the_limits_of_every_joint_and_wastes_little) {
   JointVector before = arm.from;
   JointVector speed_before;
   speed_before.resize(6);
+  calibration::LatelyTurned lately;
   double fastest = 0;
   double sharpest = 0;
   for (int k = 1; k <= steps; ++k) {
-    const auto q = readings_at(*line, arm.configuration, arm.model, before, k * 0.002);
+    const auto q = readings_at(*line, arm.configuration, arm.model, before, k * 0.002, lately);
     ASSERT_TRUE(q) << k;
     for (std::size_t i = 0; i < 6; ++i) {
       const double speed = ((*q)[i] - before[i]) / 0.002;
@@ -220,8 +221,9 @@ TEST(ReadingsAt, stay_at_the_end_when_the_time_is_over_and_at_the_start_before_i
   const Arm6 arm;
   const Planned move = plan_joint_move(arm.configuration, arm.from, arm.moved(3, 1.0));
   ASSERT_TRUE(move);
+  calibration::LatelyTurned lately;
   const auto at = [&](double seconds) {
-    return *readings_at(*move, arm.configuration, arm.model, arm.from, seconds);
+    return *readings_at(*move, arm.configuration, arm.model, arm.from, seconds, lately);
   };
   EXPECT_EQ(at(-1)[3], arm.from[3]);
   EXPECT_NEAR(at(move->duration_s / 2)[3], arm.from[3] + 0.5, 1e-12);

@@ -22,7 +22,7 @@
 namespace armsig::controller {
 namespace {
 
-constexpr hal::MemoryLayout kLayout{.page_bytes = 256, .pages_per_sector = 8, .sectors = 7};
+constexpr hal::MemoryLayout kLayout{.page_bytes = 256, .pages_per_sector = 8, .sectors = 10};
 constexpr int kKills = 250;
 
 SignatureRecord record_of(int robot) {

@@ -115,7 +115,7 @@ class Given final : public hal::NonvolatileMemory {
 
  private:
   static constexpr hal::MemoryLayout kLayout{
-      .page_bytes = 256, .pages_per_sector = 8, .sectors = 7};
+      .page_bytes = 256, .pages_per_sector = 8, .sectors = 10};
 
   [[nodiscard]] hal::MemoryLayout do_layout() const override { return kLayout; }
   Result<void> do_read(std::size_t address, std::span<std::uint8_t> into) override {

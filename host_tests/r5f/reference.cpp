@@ -71,14 +71,15 @@ double compare(const Arm& drawing, const Signature& a, const Signature& b) {
 int run(const char* path) {
   std::ifstream file(path, std::ios::binary);
   // As the bank of the board is laid out (hal/r5f/bank_memory.hpp).
-  simulated::Flash stored({.layout = {.page_bytes = 256, .pages_per_sector = 6, .sectors = 7}});
+  simulated::Flash stored({.layout = {.page_bytes = 128, .pages_per_sector = 4, .sectors = 28}});
   const std::vector<std::uint8_t> image(std::istreambuf_iterator<char>(file), {});
   if (image.size() != stored.layout().bytes()) {
     std::fprintf(stderr, "%s: not %zu bytes\n", path, stored.layout().bytes());
     return 2;
   }
-  for (std::size_t at = 0; at < image.size(); at += 256) {
-    (void)stored.program_page(at, std::span(image).subspan(at, 256));
+  const std::size_t page_bytes = stored.layout().page_bytes;
+  for (std::size_t at = 0; at < image.size(); at += page_bytes) {
+    (void)stored.program_page(at, std::span(image).subspan(at, page_bytes));
   }
   Run reference;
   if (!reference.identify()) {

@@ -13,9 +13,9 @@ namespace armsig::test {
 class RamMemory final : public hal::NonvolatileMemory {
  public:
   static constexpr hal::MemoryLayout kLayout{
-      .page_bytes = 256, .pages_per_sector = 8, .sectors = 7};
+      .page_bytes = 256, .pages_per_sector = 8, .sectors = 10};
   // Where the store puts its first record, and its second one.
-  static constexpr std::size_t kFirstRecord = 3 * kLayout.sector_bytes();
+  static constexpr std::size_t kFirstRecord = 4 * kLayout.sector_bytes();
   static constexpr std::size_t kSecondRecord = kLayout.sector_bytes();
 
   std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(kLayout.bytes(), hal::kErasedByte);
