@@ -35,6 +35,21 @@ PackedDeflections packed(const ArmModel& model) {
   return deflections;
 }
 
+ArmModel unpacked(const PackedDeflections& deflections, const Arm& drawing) {
+  ArmModel model = model_of(drawing, {});
+  for (std::size_t i = 0; i < deflections.maps.size(); ++i) {
+    const PackedMap& map = deflections.maps[i];
+    JointModel& joint = model.joints[i];
+    joint.offset = deflections.drawn_zero[i];
+    joint.domain = map.domain;
+    for (std::size_t k = 0; k < kKnots; ++k) {
+      joint.map[k] = map.step * map.steps[k] / map_unit(joint.type);
+    }
+  }
+  model.gravity = deflections.gravity;
+  return model;
+}
+
 bool is_bounded(const PackedMap& map) {
   // Written so that a NaN is not bounded.
   if (!(std::abs(map.domain.origin) <= 1e6 && map.domain.per_length >= 0 &&

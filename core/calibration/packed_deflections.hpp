@@ -28,6 +28,10 @@ struct PackedDeflections {
 // Every map to half a step.
 [[nodiscard]] PackedDeflections packed(const ArmModel& model);
 
+// The model of `drawing` with them; variances and covered readings are not known. packed() of it is
+// `deflections` again. Precondition: check() accepts `deflections`, of as many joints.
+[[nodiscard]] ArmModel unpacked(const PackedDeflections& deflections, const Arm& drawing);
+
 // No map and no lever of those taken turns or shifts a joint by more than this, or moves it by
 // more than this for a reading that moves by one: a reading of the servo cannot jump, and its
 // inverse converges.

@@ -249,6 +249,22 @@ TEST(ServoReadings, say_everything_where_there_are_no_deflections) {
   }
 }
 
+TEST(PackedDeflections, are_the_same_again_when_they_were_unpacked) {
+  Random random(21);
+  const Arm arm = test::stanford();
+  const PackedDeflections deflections = packed(bent(arm, random));
+  const PackedDeflections again = packed(unpacked(deflections, arm));
+  ASSERT_EQ(again.maps.size(), deflections.maps.size());
+  for (std::size_t i = 0; i < again.maps.size(); ++i) {
+    EXPECT_EQ(again.maps[i].steps, deflections.maps[i].steps);
+    EXPECT_NEAR(again.maps[i].step, deflections.maps[i].step, 1e-14 * deflections.maps[i].step);
+    EXPECT_EQ(again.maps[i].domain.per_length, deflections.maps[i].domain.per_length);
+    EXPECT_EQ(again.drawn_zero[i], deflections.drawn_zero[i]);
+  }
+  ASSERT_EQ(again.gravity.size(), deflections.gravity.size());
+  EXPECT_EQ(again.gravity[0].coefficient, deflections.gravity[0].coefficient);
+}
+
 TEST(PackedDeflections, are_refused_where_a_reading_could_jump) {
   Random random(13);
   const Arm arm = test::ur5();

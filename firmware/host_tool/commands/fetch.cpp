@@ -2,6 +2,7 @@
 #include "firmware/host_tool/commands/fetch.hpp"
 
 #include <ctime>
+#include <memory>
 
 #include <fmt/chrono.h>
 #include <fmt/core.h>
@@ -38,6 +39,10 @@ SignatureRecord file_record(const controller::SignatureRecord& fetched, const Ar
   record.air_c = fetched.air_celsius;
   record.time = utc(fetched.identified_at_s);
   record.version = ARMSIG_VERSION;
+  if (!fetched.deflections.empty()) {
+    record.deflections = std::make_shared<calibration::ArmModel>(
+        calibration::unpacked(fetched.deflections, drawing));
+  }
   return record;
 }
 
