@@ -9,7 +9,6 @@
 
 #include "core/refinement/base_and_tool.hpp"
 #include "firmware/host_tool/diagnosis/base_search.hpp"
-#include "firmware/host_tool/diagnosis/deviating_chain.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -66,6 +65,8 @@ class Fit {
       if (!better || settled) return;
     }
   }
+
+  [[nodiscard]] const DeviatingChain& chain() const { return chain_; }
 
   [[nodiscard]] NearFit result() const {
     NearFit fit;
@@ -168,9 +169,10 @@ double drawn_misfit(const Evidence& evidence) {
   return least;
 }
 
-std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limits, int steps) {
+std::optional<NearestArm> nearest_arm(const Evidence& evidence, const ArmLimits& limits,
+                                      int steps) {
   if (evidence.rows.empty()) return std::nullopt;
-  std::optional<NearFit> best;
+  std::optional<NearestArm> best;
   double least = std::numeric_limits<double>::infinity();
   for (const BasePlace& place : places_of(evidence)) {
     Fit fit(evidence, limits);
@@ -180,9 +182,15 @@ std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limit
     const double score = found.best_rms_m * (1 + found.farthest(limits, evidence.arm));
     if (!(score < least)) continue;
     least = score;
-    best = std::move(found);
+    best.emplace(std::move(found), fit.chain());
   }
   return best;
+}
+
+std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limits, int steps) {
+  auto nearest = nearest_arm(evidence, limits, steps);
+  if (!nearest) return std::nullopt;
+  return std::move(nearest->fit);
 }
 
 }  // namespace armsig::tool
