@@ -7,10 +7,18 @@
 // effective readings; the encoders' are taken from them where joints are coupled.
 #pragma once
 
-#include "core/calibration/packed_deflections.hpp"
-#include "core/kinematics/inverse.hpp"
+#include "core/calibration/servo_gravity.hpp"
+#include "core/calibration/servo_maps.hpp"
 
 namespace armsig::calibration {
+
+// What the last inverse found, for the next one near it to begin with: one pass over the arm's
+// gravity is then enough. At first, and after any jump, it costs a few more.
+struct LatelyTurned {
+  std::array<double, kMaxJoints> by{};              // turned less reading
+  std::array<double, kMaxJoints> gravity{};         // gravity's part of it
+  std::array<double, kMaxJoints> gravity_before{};  // in the inverse before
+};
 
 class ServoReadings {
  public:
@@ -28,55 +36,38 @@ class ServoReadings {
   [[nodiscard]] Result<JointVector> turned(const JointVector& q) const;
 
   // The readings at which they have: Newton's method with the slopes of the maps, gravity by
-  // substitution. turned() of what it returns is `turned` within 1e-9 rad or m.
+  // substitution. turned() of what it returns is `turned` within 1e-10 m at the longest lever.
   // Errors: kNotFinite; kNotConverged (not seen of deflections that check() accepts).
   [[nodiscard]] Result<JointVector> readings(const JointVector& turned) const;
+  [[nodiscard]] Result<JointVector> readings(const JointVector& turned, LatelyTurned& lately) const;
 
   // Largest number [rad or m] that turned() may differ from its argument by.
   [[nodiscard]] double largest() const { return largest_; }
 
   // The joint limits of the drawing, which are those of the readings, and what the joints may turn
-  // for readings inside of them: the limits of a chain for inverse(), below.
+  // for readings inside of them: the limits of a chain for inverse() of servo_inverse.hpp.
   [[nodiscard]] const FixedVector<JointLimits, kMaxJoints>& limits() const { return limits_; }
   [[nodiscard]] FixedVector<JointLimits, kMaxJoints> turned_limits() const;
 
  private:
-  struct Map {
-    double origin = 0;
-    double turns_per_length = 0;  // whole periods
-    double knots_per_length = 0;
-    double sixth = 0;  // of a step, rad or m
-    double sixth_by_length = 0;
-    std::array<std::int16_t, kKnots + kSplines> steps{};  // the first ones once more at the end
-  };
   using Values = std::array<double, kMaxJoints>;
-  struct Work;  // what deflections are made of
 
-  [[nodiscard]] bool has_gravity() const { return !gravity_.empty() || !slide_gravity_.empty(); }
-  void find_cubics(const JointVector& q, Work& work) const;
-  [[nodiscard]] bool begin(const JointVector& q, Work& work) const;
-  [[nodiscard]] bool move(const JointVector& q, const Values& moved, Work& work) const;
-  void deflections(const Work& work, Values& by) const;
-  void add_gravity(const Work& work, Values& by) const;
-  void add_slides(const Work& work, Values& by) const;
+  // What the encoders read: q itself, or `coupled`.
+  [[nodiscard]] const Values& encoders(const Values& q, Values& coupled) const;
+  [[nodiscard]] Values filled(const JointVector& q) const;
+  Result<void> undo_maps(const Values& wanted, Values& q, Values& gain) const;
 
   std::size_t joint_count_ = 0;
-  std::array<Map, kMaxJoints> maps_{};
+  ServoMaps maps_;
+  // The inverse has ended where the squares of these times the joints' last steps have no larger
+  // sum than one: for the maps alone, and for gravity.
+  alignas(32) Values map_weight_{};
+  alignas(32) Values weight_{};
+  ServoGravity gravity_;
   JointCouplings couplings_;
-  kinematics::Chain drawing_;  // its frames where Denavit and Hartenberg put them
-  FixedVector<GravityTerm, kMaxGravityTerms> gravity_;  // of joints that turn
-  FixedVector<GravityTerm, kMaxGravityTerms> slide_gravity_;
   FixedVector<JointLimits, kMaxJoints> limits_;
-  Values at_rest_{};
+  alignas(32) Values at_rest_{};
   double largest_ = 0;
-  double left_ = 0;  // by readings(): rad or m
 };
-
-// kinematics::inverse() of an arm whose joints turn as `joints` says: readings, near the readings
-// `seed`, at which frame n of `chain` is at X_0n. `chain` has joints.turned_limits(), or none.
-// Errors: those of kinematics::inverse() and ServoReadings::readings().
-[[nodiscard]] Result<kinematics::InverseSolution> inverse(
-    const kinematics::Chain& chain, const ServoReadings& joints, const Pose& X_0n,
-    const JointVector& seed, const kinematics::InverseOptions& options = {});
 
 }  // namespace armsig::calibration

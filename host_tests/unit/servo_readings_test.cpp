@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Gravity and maps of the readings in the servo tick: against the estimator's own evaluation, and
 // the inverse against the forward.
-#include "core/calibration/servo_readings.hpp"
-
 #include <limits>
 
 #include <gtest/gtest.h>
 
+#include "core/calibration/servo_inverse.hpp"
 #include "core/identification.hpp"
 #include "core/kinematics/forward.hpp"
 #include "core/refinement/readings.hpp"
@@ -128,6 +127,71 @@ TEST(ServoReadings, brings_the_last_frame_to_its_pose_within_a_nanometre) {
   }
   EXPECT_GT(met, 1900);
   EXPECT_LT(worst_m, 1e-9);
+}
+
+// One to six joints, revolute or prismatic, links of any length and twist.
+Arm any_arm(Random& random) {
+  Arm arm;
+  const auto joints = static_cast<std::size_t>(random.uniform(1, 7));
+  for (std::size_t i = 0; i < joints; ++i) {
+    DhJoint row;
+    row.type = random.uniform(0, 1) < 0.25 ? JointType::kPrismatic : JointType::kRevolute;
+    row.theta_rad = random.uniform(-3, 3);
+    row.d_m = random.uniform(-0.5, 0.5);
+    row.a_m = random.uniform(0.1, 0.6);
+    row.alpha_rad = random.uniform(-1.6, 1.6);
+    arm.joints.push_back(row);
+    const double most = row.type == JointType::kRevolute ? 3 : 0.6;
+    arm.limits.push_back({-most, random.uniform(0.5, 1) * most});
+  }
+  return arm;
+}
+
+// Of poses that the arm can be at, as it has been there.
+TEST(ServoReadings, agree_forward_and_back_within_a_nanometre_on_any_arm) {
+  Random random(17);
+  double worst_m = 0;
+  int met = 0;
+  for (int one = 0; one < 150; ++one) {
+    const Arm arm = any_arm(random);
+    const Bent bent = bent_arm(arm, random);
+    const kinematics::Chain chain = kinematics::make_chain(arm.joints, bent.joints.turned_limits());
+    for (int k = 0; k < 20; ++k) {
+      const JointVector q = random.configuration(arm);
+      const Pose X_0n = *forward(chain, bent.joints, q);
+      JointVector seed = q;
+      for (double& reading : seed) reading += random.uniform(-1, 1) * 2e-3;
+      const auto found = inverse(chain, bent.joints, X_0n, seed);
+      ASSERT_TRUE(found);
+      if (found->verdict != kinematics::Verdict::kConverged) continue;
+      ++met;
+      const auto X = forward(chain, bent.joints, found->q);
+      ASSERT_TRUE(X);
+      worst_m = std::max(worst_m, (X->p - X_0n.p).norm());
+    }
+  }
+  EXPECT_GT(met, 2400);
+  EXPECT_LT(worst_m, 1e-9);
+}
+
+// A servo's own: each tick begins with what the one before has found. Steps of every size, and a
+// jump, which a guess from before it must not survive.
+TEST(ServoReadings, follow_a_path_with_what_the_tick_before_has_found) {
+  Random random(19);
+  for (const Arm& arm : arms()) {
+    const Bent bent = bent_arm(arm, random);
+    JointVector wanted = effective_readings(arm, random.configuration(arm));
+    LatelyTurned lately;
+    for (int tick = 0; tick < 400; ++tick) {
+      const double step = tick % 100 == 99 ? 0.5 : 1e-4 * (tick % 100);
+      for (double& joint : wanted) joint += step * random.uniform(-1, 1);
+      const auto q = bent.joints.readings(wanted, lately);
+      ASSERT_TRUE(q);
+      const auto turned = bent.joints.turned(*q);
+      ASSERT_TRUE(turned);
+      for (std::size_t i = 0; i < q->size(); ++i) EXPECT_NEAR((*turned)[i], wanted[i], 1.5e-10);
+    }
+  }
 }
 
 TEST(ServoReadings, keeps_the_limits_of_the_readings_and_the_step_asked_for) {
