@@ -5,8 +5,6 @@
 
 #include <Eigen/Dense>
 
-#include "core/base/low_discrepancy.hpp"
-
 namespace armsig::controller {
 
 IdentificationSequence::IdentificationSequence(const Configuration& configuration, Mover& mover,
@@ -15,17 +13,17 @@ IdentificationSequence::IdentificationSequence(const Configuration& configuratio
     : configuration_(configuration),
       mover_(mover),
       measurement_(measurement),
-      announcer_(announcer) {}
+      announcer_(announcer),
+      visit_(configuration, mover, measurement, announcer, "identify") {}
 
 void IdentificationSequence::begin(const Signature* active, Ticket begun) {
   stage_ = Stage::kSweeping;
-  phase_ = Phase::kNext;
   paused_ = false;
   pause_reason_.reset();
   active_ = active;
   joint_ = held_out_ = points_done_ = 0;
-  lost_in_a_row_ = moved_in_a_row_ = 0;
-  ticket_ = begun;
+  lost_in_a_row_ = 0;
+  visit_.begin(begun);
   began_ = mover_.now().now;
   log_.clear();
   forget_candidate();
@@ -88,45 +86,19 @@ void IdentificationSequence::tell_progress(std::string_view what) const {
 
 void IdentificationSequence::step() {
   if (!is_running()) return;
-  const Snapshot& snapshot = mover_.now();
-  if (!mover_.is_handled(ticket_)) return;
-  // First, as what was sent in the tick of the fault was refused because of it.
-  if (snapshot.fault) {
-    end(snapshot.fault->error, snapshot.fault->joint);
-    return;
-  }
-  if (const auto refusal = mover_.refusal(ticket_)) {
-    end(*refusal);
-    return;
-  }
-  if (snapshot.mode != Mode::kSweeping) {
-    end(Error::kSequenceStopped);
-    return;
-  }
-  switch (phase_) {
-    case Phase::kNext:
+  const VisitOutcome outcome = visit_.step();
+  switch (outcome.what) {
+    case VisitOutcome::What::kReady:
       if (!paused_) go_on();
       return;
-    case Phase::kMoving:
-      step_move();
+    case VisitOutcome::What::kArrived:
+      stage_ == Stage::kReturning ? finish() : visit_.measure();
       return;
-    case Phase::kMeasuring:  // measure_step() goes on
-      if (has_moved()) {
-        refuse_point();
-      } else if (snapshot.now > phase_ends_) {
-        measurement_.end();
-        take_error(Error::kPointTimeout);
-      }
+    case VisitOutcome::What::kEnds:
+      end(outcome.why.error, outcome.why.joint);
       return;
-  }
-}
-
-void IdentificationSequence::step_move() {
-  const hal::Instant now = mover_.now().now;
-  if (mover_.has_arrived(ticket_, configuration_.dwell.settle)) {
-    stage_ == Stage::kReturning ? finish() : measure();
-  } else if (now > phase_ends_) {
-    end(Error::kNotSettled, mover_.furthest_joint());
+    default:
+      return;
   }
 }
 
@@ -153,41 +125,9 @@ void IdentificationSequence::go_on() {
       finish_held_out();
       return;
     }
-    q = held_out_pose(held_out_);
+    q = spread_pose(configuration_, held_out_);
   }
-  go_to(q);
-}
-
-void IdentificationSequence::go_to(const JointVector& q) {
-  const auto move = plan_joint_move(configuration_, mover_.now().commanded, q);
-  if (!move) {
-    end(move.error().error, move.error().joint);
-    return;
-  }
-  const auto sent = mover_.send(*move, Mover::Of::kSequence);
-  if (!sent) {
-    end(Error::kLateTick);
-    return;
-  }
-  ticket_ = *sent;
-  phase_ = Phase::kMoving;
-  phase_ends_ = mover_.now().now + configuration_.dwell.settle +
-                configuration_.dwell.settle_timeout + lasting(*move);
-}
-
-// Spread about the signature configuration over the configured part of each joint's limits.
-JointVector IdentificationSequence::held_out_pose(std::size_t index) const {
-  const Arm& arm = configuration_.drawing;
-  FixedVector<JointType, kMaxJoints> types;
-  FixedVector<JointLimits, kMaxJoints> limits;
-  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
-    types.push_back(arm.joints[i].type);
-    const auto [lower, upper] = arm.limits[i];
-    const double centre = configuration_.sweeps.configuration[i];
-    const double reach = configuration_.sweeps.held_out_reach;
-    limits.push_back({centre + reach * (lower - centre), centre + reach * (upper - centre)});
-  }
-  return evenly_spread_configuration(types, limits, static_cast<int>(index) + 1);
+  if (const auto gone = visit_.go_to(q); !gone) end(gone.error().error, gone.error().joint);
 }
 
 void IdentificationSequence::finish_sweep() {

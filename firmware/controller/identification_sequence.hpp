@@ -16,6 +16,7 @@
 #include "firmware/controller/measurement_log.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/pose_visit.hpp"
 #include "firmware/controller/signature_record.hpp"
 #include "firmware/controller/sweep.hpp"
 
@@ -51,7 +52,7 @@ class IdentificationSequence {
   [[nodiscard]] bool is_paused() const { return is_running() && paused_; }
   // Neither moving nor measuring.
   [[nodiscard]] bool is_computing() const {
-    return is_running() && !paused_ && phase_ == Phase::kNext;
+    return is_running() && !paused_ && !visit_.is_under_way();
   }
   [[nodiscard]] Stage stage() const { return stage_; }
   [[nodiscard]] std::optional<Error> pause_reason() const { return pause_reason_; }
@@ -69,8 +70,6 @@ class IdentificationSequence {
   void stamp(std::int64_t identified_at_s, const Machine& machine);
 
  private:
-  enum class Phase : std::uint8_t { kNext, kMoving, kMeasuring };
-
   void go_on();
   void begin_sweep();
   // Of the stage.
@@ -82,24 +81,18 @@ class IdentificationSequence {
   void finish_held_out();
   void finish();
   void add_targets();
-  void go_to(const JointVector& q);
   void take(const MeasuredPoint& point);
   void take_error(Error error);
-  void step_move();
-  void measure();
-  void refuse_point();
-  [[nodiscard]] bool has_moved() const;
   void pause_for(Error error);
-  [[nodiscard]] JointVector held_out_pose(std::size_t index) const;
   void tell_progress(std::string_view what) const;
 
   const Configuration& configuration_;
   Mover& mover_;
   PointMeasurement& measurement_;
   const Announcer& announcer_;
+  PoseVisit visit_;
 
   Stage stage_ = Stage::kNone;
-  Phase phase_ = Phase::kNext;
   bool paused_ = false;
   std::optional<Error> pause_reason_;
   const Signature* active_ = nullptr;
@@ -107,10 +100,6 @@ class IdentificationSequence {
   std::size_t held_out_ = 0;
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
-  unsigned moved_in_a_row_ = 0;
-  Ticket ticket_ = 0;        // of the last command
-  hal::Instant phase_ends_;  // the bound of the phase under way
-  hal::Instant measured_since_;
   hal::Instant began_;
   std::variant<std::monostate, Sweep, Identification, HeldOutComparison> work_;
   std::optional<SignatureRecord> candidate_;  // being made until there is a verdict

@@ -73,8 +73,14 @@ void tell_sequence(Line& line, const Controls& controls) {
     line.text(" left_s=").number(identification.left_s(), 0);
   } else if (controls.grid.is_running()) {
     line.text(" sequence=touching touched=").integer(controls.grid.touched());
+  } else if (controls.check.is_running()) {
+    line.text(" sequence=checking points=").integer(controls.check.poses_done());
+    line.text(" planned=").integer(controls.configuration.check.poses);
   } else {
     line.text(" sequence=none");
+  }
+  if (const auto& last = controls.check.last()) {
+    line.text(" check=\"").text(describe(last->verdict)).text("\"");
   }
 }
 

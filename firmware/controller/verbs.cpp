@@ -42,6 +42,16 @@ Result<Answer> touch_grid(Controls& controls, const Request& /*request*/, Line& 
   return answer;
 }
 
+Result<Answer> check_arm(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  ARMSIG_TRY(ticket, controls.check.begin());
+  return when_taken(ticket);
+}
+
+Result<Answer> halt(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  controls.check.postpone();
+  return when_taken(controls.mover.send(CommandKind::kHalt));
+}
+
 Result<Answer> when_stored(const Result<void>& begun) {
   if (!begun) return std::unexpected(begun.error());
   return Answer{Answer::When::kStored};
@@ -119,7 +129,11 @@ constexpr std::array kVerbs{
     tick_verb<CommandKind::kReset>("reset", "forgets a fault; sets up again, without torque"),
     tick_verb<CommandKind::kStop>(
         "stop", "quick stop of every drive, faulted until reset; not an emergency stop"),
-    tick_verb<CommandKind::kHalt>("halt", "slows down on the path, ends a sequence; torque stays"),
+    Verb{.name = "halt",
+         .handler = halt,
+         .help = "slows down on the path, ends a sequence; torque stays; puts off a check that is "
+                 "due",
+         .modes = modes_of(CommandKind::kHalt)},
     Verb{.name = "move",
          .handler = move,
          .help = "q1_deg=10 q3_mm=5 moves joints; x_mm= y_mm= z_mm= qw= qx= qy= qz= or dx_mm= ... "
@@ -130,6 +144,11 @@ constexpr std::array kVerbs{
     Verb{.name = "identify",
          .handler = identify,
          .help = "measures all joints; ends with a candidate",
+         .modes = kReady,
+         .alone = true},
+    Verb{.name = "check",
+         .handler = check_arm,
+         .help = "measures a few poses: is the arm still as it was accepted",
          .modes = kReady,
          .alone = true},
     Verb{.name = "pause", .handler = pause<true>, .help = "of identify"},

@@ -15,6 +15,9 @@ bool only_asks(std::string_view request) {
 
 Priority priority_of(std::string_view told) {
   if (told.starts_with("# mode faulted")) return Priority::kError;
+  if (told.starts_with("# check verdict=") && !told.contains("as accepted")) {
+    return Priority::kWarning;
+  }
   for (const std::string_view trouble : {" ended ", " paused ", " lost "}) {
     if (told.find(trouble) != std::string_view::npos) return Priority::kWarning;
   }

@@ -100,6 +100,9 @@ class VirtualCabinet {
   [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return *motors_[joint]; }
   [[nodiscard]] simulated::VirtualCanPort& master_port() { return master_port_; }
   [[nodiscard]] VirtualSensor& sensor() { return *sensor_; }
+  // A link that bends, a foot or a sensor that is pushed: changed between two steps, and not while
+  // the threads of a real time run.
+  [[nodiscard]] simulated::SimulatedArm& arm() { return world_.arm; }
 
  private:
   World world_;
