@@ -68,8 +68,11 @@ void Journal::run(const std::function<void()>& chore) {
       chore();
       told = false;
     } catch (const std::exception& error) {
-      if (!told) tell(Priority::kError, error.what());
+      if (told) return;
       told = true;
+      std::array<char, kLongest> text{};
+      std::snprintf(text.data(), text.size(), "beside the controller: %s", error.what());
+      tell(Priority::kError, text.data());
     }
   };
   while (!stop_) {

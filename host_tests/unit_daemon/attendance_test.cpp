@@ -56,7 +56,7 @@ TEST(Journal, tells_a_chore_that_fails_once_and_goes_on) {
     while (chores < 4) std::this_thread::yield();
     journal.say(Priority::kNotice, "later");
   });
-  EXPECT_EQ(log, "armsigd: std::bad_alloc\narmsigd: later\n");
+  EXPECT_EQ(log, "armsigd: beside the controller: std::bad_alloc\narmsigd: later\n");
 }
 
 TEST(Journal, tells_the_journal_of_systemd_how_grave_each_line_is) {
