@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -129,6 +130,9 @@ int parse_and_run(int argc, char** argv, const volatile std::sig_atomic_t& stop)
 int main(int argc, char** argv) {
   try {
     return armsig::daemon::parse_and_run(argc, argv, armsig::daemon::catch_signals());
+  } catch (const std::bad_alloc&) {
+    std::fputs("armsigd: out of memory\n", stderr);
+    return 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "armsigd: %s\n", error.what());
     return 1;
