@@ -63,10 +63,11 @@ def main():
     judge = Judge(Signature(signature))
     if "home" not in result:
         judge.refuse("not homed")
-    elif plan["kins"] == "armsigkins":
+    else:
         world = result["home"]["world"]
+        before, after = np.array(plan["around"])
         judge.place("home, as LinuxCNC shows it", plan["home_deg"],
-                    pose(of_abc(world[3:]), 1e-3 * np.array(world[:3])))
+                    before @ pose(of_abc(world[3:]), 1e-3 * np.array(world[:3])) @ after)
     for name, line in plan["in_base"].items():
         line = [np.array(X) for X in line]
         way = result["ways"].get(name, {"begun": False})

@@ -90,17 +90,3 @@ class Signature:
             else:
                 low = middle
         return np.where(np.arange(6) == 4, low, q)
-
-    def near(self, X, q):
-        """Readings near q with the last link's frame at X in the base, by damped Gauss-Newton steps."""
-        q = np.array(q, dtype=float)
-        for _ in range(200):
-            Y = self.in_base(q)
-            spin = X[:3, :3] @ Y[:3, :3].T
-            missing = np.append(X[:3, 3] - Y[:3, 3], np.array([spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0],
-                                                               spin[1, 0] - spin[0, 1]]) / 2)
-            J = self.jacobian(q)
-            damping = 1e-2 * missing @ missing + 1e-14
-            q = q + J.T @ np.linalg.solve(J @ J.T + damping * np.eye(6), missing)
-        assert np.linalg.norm(missing) < 1e-9
-        return q
