@@ -33,6 +33,10 @@ inline constexpr double kExportTolerance_m = 1e-9;
 // numbers from the joint before.
 [[nodiscard]] Read<std::string> linuxcnc_text(const SignatureRecord& record);
 
+// The model that armsigkins, the kinematics module for LinuxCNC (firmware/linuxcnc), reads: any arm,
+// with gravity and maps.
+[[nodiscard]] Read<std::string> linuxcnc_kins_text(const SignatureRecord& record);
+
 // A further file of an export, beside the one that was asked for.
 struct Companion {
   std::string suffix;  // of its name, after that of the file asked for
