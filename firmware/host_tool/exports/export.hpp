@@ -21,7 +21,8 @@ inline constexpr double kExportTolerance_m = 1e-9;
 // mimic joint about the same axis before it.
 [[nodiscard]] Read<std::string> urdf_text(const SignatureRecord& record);
 
-// Calibrated kinematics of the Universal Robots drivers, from the axes. Six revolute joints.
+// Calibrated kinematics of the Universal Robots drivers, from the axes. Refuses an arm whose axes are
+// not those of a known arm of theirs, within 30 mm and 0.05 rad.
 [[nodiscard]] Read<std::string> ur_yaml_text(const SignatureRecord& record);
 
 // Pseudo Denavit-Hartenberg rows, standard (distal) or modified (Craig).
