@@ -78,8 +78,8 @@ void IdentificationSequence::tell_progress(std::string_view what) const {
   Line line;
   line.text("# identify ").text(what).text(" joint=").integer(joint_ + 1);
   line.text(" points=").integer(points_done_).text(" planned=").integer(points_planned());
-  if (const Sweep* sweep = std::get_if<Sweep>(&work_); sweep && sweep->axis_sigma_rad()) {
-    line.text(" axis_sigma_deg=").number(degrees(*sweep->axis_sigma_rad()), 5);
+  if (const auto sigma_rad = axis_sigma_rad()) {
+    line.text(" axis_sigma_deg=").number(degrees(*sigma_rad), 5);
   }
   announcer_.say(line.text(" left_s=").number(left_s(), 0));
 }

@@ -59,6 +59,15 @@ class IdentificationSequence {
   [[nodiscard]] std::size_t points_done() const { return points_done_; }
   [[nodiscard]] std::size_t points_planned() const;
   [[nodiscard]] double left_s() const;
+  // Index of the joint that is being swept; nothing in another stage.
+  [[nodiscard]] std::optional<std::size_t> swept_joint() const {
+    return stage_ == Stage::kSweeping ? std::optional(joint_) : std::nullopt;
+  }
+  // How well its axis is known so far; nothing before there are points enough.
+  [[nodiscard]] std::optional<double> axis_sigma_rad() const {
+    const Sweep* const sweep = std::get_if<Sweep>(&work_);
+    return sweep != nullptr ? sweep->axis_sigma_rad() : std::nullopt;
+  }
 
   // With the air and the error that it was identified with; its number is for the store to give.
   [[nodiscard]] const std::optional<SignatureRecord>& candidate() const { return candidate_; }

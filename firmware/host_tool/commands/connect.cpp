@@ -19,6 +19,7 @@
 #include "firmware/host_tool/commands/fetch.hpp"
 #include "firmware/host_tool/console/console_client.hpp"
 #include "firmware/host_tool/console/line_editor.hpp"
+#include "firmware/host_tool/console/web_page.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
@@ -31,6 +32,9 @@ struct ConnectOptions {
   double timeout_s = 60;
   std::string action;
   FetchOptions fetch;
+  bool web = false;
+  int port = 0;
+  std::string token_file;
 
   [[nodiscard]] milliseconds longest() const {
     return milliseconds(static_cast<milliseconds::rep>(1e3 * timeout_s));
@@ -138,7 +142,18 @@ int talk_to_a_person(ConsoleClient& console) {
   }
 }
 
+// A console that cannot be opened now is a mistake in the command; later ones are the page's.
+int serve(const ConnectOptions& options) {
+  if (const auto tried = ConsoleClient::open(options.path); !tried) {
+    return fail(tried.error(), kBadInput, options.fetch);
+  }
+  const Problem problem = serve_web_page(
+      {.console = options.path, .port = options.port, .token_file = options.token_file});
+  return fail(problem, kBadInput, options.fetch);
+}
+
 int run(const ConnectOptions& options) {
+  if (options.web) return serve(options);
   auto console = ConsoleClient::open(options.path);
   if (!console) return fail(console.error(), kBadInput, options.fetch);
   if (!options.action.empty()) {
@@ -179,8 +194,24 @@ void add_connect(CLI::App& app, int& status) {
       ->capture_default_str()
       ->needs(action);
   command->add_option("--serial", fetch.serial, "its serial number")->needs(action);
+  CLI::Option* web =
+      command
+          ->add_option("--web", options->port,
+                       "a live page on this computer's loopback; PORT, or a free one")
+          ->expected(0, 1)
+          ->default_str("0")
+          ->type_name("PORT")
+          ->check(CLI::Range(0, 65535))
+          ->excludes(action);
+  command
+      ->add_option("--token-file", options->token_file,
+                   "keeps the key in the page's address from one start to the next")
+      ->needs(web);
   add_common(*command, fetch);
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, web, &status] {
+    options->web = web->count() > 0;
+    status = run(*options);
+  });
 }
 
 }  // namespace armsig::tool
