@@ -19,7 +19,7 @@ constexpr double kRejected = 10.0;  // of these, nothing is believed any more
 constexpr int kGentleSteps = 3;     // in which no row is given up yet
 constexpr double kLeastDamping = 1e-9;
 constexpr double kClip = 0.1;
-constexpr double kSettled = 5e-3;  // share of cost and scale that a step must save
+constexpr double kWorthAStep = 5e-3;  // share of cost and scale that a step must save
 
 class Fit {
  public:
@@ -53,7 +53,8 @@ class Fit {
         const double reached = cost_of(there, next);
         better = reached <= cost * (1 + 1e-12);
         settled = step > kGentleSteps && better && damping <= settled_below &&
-                  reached > cost * (1 - kSettled) && sigma_m_ > (1 - kSettled) * sigma_before_m;
+                  reached > cost * (1 - kWorthAStep) &&
+                  sigma_m_ > (1 - kWorthAStep) * sigma_before_m;
         if (better) {
           chain_ = std::move(next);
           residuals_ = std::move(there);
