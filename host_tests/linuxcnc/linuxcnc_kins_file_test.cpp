@@ -5,6 +5,7 @@
 #include "core/base/crc32.hpp"
 #include "firmware/linuxcnc/kins_file.hpp"
 #include "host_tests/exports/exported_arm.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::cli {
 namespace {
@@ -77,8 +78,8 @@ TEST(LinuxCncKinsFile, is_refused_by_the_line_that_is_wrong) {
     const std::string text = sealed(with(kSmall, wrong.from, wrong.to));
     const auto model = linuxcnc::parse_kins(text);
     ASSERT_FALSE(model) << wrong.to;
-    EXPECT_EQ(model.error().what, wrong.what) << wrong.to;
-    EXPECT_EQ(model.error().line, wrong.line) << wrong.to;
+    EXPECT_EQ(test::failure_of(model).what, wrong.what) << wrong.to;
+    EXPECT_EQ(test::failure_of(model).line, wrong.line) << wrong.to;
   }
 }
 
@@ -100,7 +101,7 @@ TEST(LinuxCncKinsFile, is_refused_where_maps_and_gravity_are_not_whole_or_too_st
     const std::string text = without(key);
     const auto model = linuxcnc::parse_kins(text);
     ASSERT_FALSE(model) << key;
-    EXPECT_EQ(model.error().what, what) << key;
+    EXPECT_EQ(test::failure_of(model).what, what) << key;
   }
   const std::string heavy = sealed(body + "gravity 1 2 5\n");
   ASSERT_FALSE(linuxcnc::parse_kins(heavy));
@@ -122,12 +123,12 @@ TEST(LinuxCncKinsFile, is_refused_where_it_is_not_there_or_too_large) {
   const Folder folder;
   const auto absent = linuxcnc::read_kins((folder / "absent").c_str());
   ASSERT_FALSE(absent);
-  EXPECT_EQ(absent.error().what, "it can't be opened");
+  EXPECT_EQ(test::failure_of(absent).what, "it can't be opened");
   write_file(folder / "large",
              sealed(kSmall + "#" + std::string(linuxcnc::kLargestKinsFile, 'x') + "\n"));
   const auto large = linuxcnc::read_kins((folder / "large").c_str());
   ASSERT_FALSE(large);
-  EXPECT_EQ(large.error().what, "larger than 64 kB");
+  EXPECT_EQ(test::failure_of(large).what, "larger than 64 kB");
 }
 
 }  // namespace
