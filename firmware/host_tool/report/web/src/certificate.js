@@ -23,7 +23,7 @@ export function certificate({ about, certificate: told }) {
     : `One standard deviation, all three directions together, root mean square over ${told.over}, in the frame of the instrument (GUM, JCGM 100).`;
   const line = (source, basis, sigma, kind = 'first') => element('tr', { class: kind },
     element('td', { class: 'text' }, source), element('td', {}, basis), element('td', {}, sigma));
-  const body = element('tbody', {}, ...told.sources.map(({ source, basis, sigma_m: sigma }) => line(source, basis, sigma === null ? 'not in this' : millimetres(sigma))));
+  const body = element('tbody', {}, ...told.sources.map(({ source, basis, sigma_m: sigma }) => line(source, basis, sigma === null ? 'not in this' : sigma === 0 ? 'none seen' : millimetres(sigma))));
   if (told.combined_m !== null) {
     body.append(line('Combined standard uncertainty', 'root of the sum of squares of what is known', millimetres(told.combined_m), 'first sum'),
       line('Expanded uncertainty', 'coverage factor k = 2', millimetres(2 * told.combined_m), 'first sum'));
