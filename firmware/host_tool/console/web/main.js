@@ -71,7 +71,7 @@ function listen() {
 
 // Why what is shown is not the present; empty: it is.
 function stale() {
-  if (state === null) return 'Connecting to the controller …';
+  if (state === null || (state.linked && !state.status.mode)) return 'Connecting to the controller …';
   const silent = performance.now() - heard;
   if (silent > kOld_ms) return `The page’s server has gone: nothing heard for ${duration(silent / 1e3)}. What is shown is old.`;
   if (!state.linked) return `No connection to the controller: ${state.why}. What is shown is old.`;
