@@ -56,7 +56,7 @@ void IdentificationSequence::take(const MeasuredPoint& point) {
   ++points_done_;
   const JointVector& readings = mover_.now().positions;
   const bool sweeping = stage_ == Stage::kSweeping;
-  if (!log_.full()) {
+  if (!received_ && !log_.full()) {
     log_.push_back({.sweep = static_cast<std::uint8_t>(sweeping ? joint_ + 1 : 0),
                     .pings = static_cast<std::uint8_t>(point.pings),
                     .readings = readings,

@@ -17,7 +17,36 @@ IdentificationSequence::IdentificationSequence(const Configuration& configuratio
       visit_(configuration, mover, measurement, announcer, "identify") {}
 
 void IdentificationSequence::begin(const Signature* active, Ticket begun) {
+  start(active, begun);
   stage_ = Stage::kSweeping;
+  log_.clear();
+  forget_candidate();
+  candidate_.emplace().signature.configuration = configuration_.sweeps.configuration;
+  begin_sweep();
+}
+
+void IdentificationSequence::begin_comparison(const Signature* active, Ticket begun) {
+  start(active, begun);
+  stage_ = Stage::kComparing;
+  work_.emplace<HeldOutComparison>(candidate_->signature, active_, configuration_.drawing);
+}
+
+Result<bool> IdentificationSequence::receive(const Request& request) {
+  if (!std::holds_alternative<Receiving>(work_)) work_.emplace<Receiving>();
+  auto& receiving = *std::get_if<Receiving>(&work_);
+  ARMSIG_TRY(whole, receiving.take(request));
+  if (!whole) return false;
+  forget_candidate();
+  const auto opened = receiving.open(configuration_.drawing, candidate_.emplace());
+  work_.emplace<std::monostate>();
+  if (!opened) {
+    candidate_.reset();
+    return std::unexpected(opened.error());
+  }
+  return received_ = true;
+}
+
+void IdentificationSequence::start(const Signature* active, Ticket begun) {
   paused_ = false;
   pause_reason_.reset();
   active_ = active;
@@ -25,14 +54,11 @@ void IdentificationSequence::begin(const Signature* active, Ticket begun) {
   lost_in_a_row_ = 0;
   visit_.begin(begun);
   began_ = mover_.now().now;
-  log_.clear();
-  forget_candidate();
-  candidate_.emplace().signature.configuration = configuration_.sweeps.configuration;
-  begin_sweep();
 }
 
 void IdentificationSequence::forget_candidate() {
   candidate_.reset();
+  received_ = false;
   report_ = {};
 }
 
@@ -54,7 +80,7 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
   pause_reason_.reset();
   work_.emplace<std::monostate>();
   measurement_.end();
-  if (!has_verdict()) forget_candidate();
+  if (!has_verdict() && !received_) forget_candidate();
   mover_.send(CommandKind::kEndSequence);
   Line line;
   line.text("# identify ended").reason(error);
@@ -63,8 +89,9 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
 }
 
 std::size_t IdentificationSequence::points_planned() const {
-  return configuration_.drawing.joints.size() * configuration_.sweeps.points +
-         configuration_.sweeps.held_out_poses;
+  const std::size_t swept =
+      received_ ? 0 : configuration_.drawing.joints.size() * configuration_.sweeps.points;
+  return swept + configuration_.sweeps.held_out_poses;
 }
 
 double IdentificationSequence::left_s() const {

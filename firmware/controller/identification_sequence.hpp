@@ -4,7 +4,8 @@
 // identify, then measure held-out poses and compare candidate and active model on them.
 //
 // Trouble of the sensor pauses it; resume() measures the same point again. Trouble of the arm ends
-// it. Nothing is stored by it.
+// it. Nothing is stored by it. A candidate may come from outside as well, and is then compared
+// alone.
 #pragma once
 
 #include <optional>
@@ -17,6 +18,7 @@
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
 #include "firmware/controller/pose_visit.hpp"
+#include "firmware/controller/receiving.hpp"
 #include "firmware/controller/signature_record.hpp"
 #include "firmware/controller/sweep.hpp"
 
@@ -40,6 +42,14 @@ class IdentificationSequence {
   // as it is until the sequence is over; `begun` is the kBeginSequence that it needs. Precondition:
   // not is_running().
   void begin(const Signature* active, Ticket begun);
+  // The next part of a candidate from outside (receiving.hpp); true if it is whole then, and is the
+  // candidate in place of any other. Errors: those of Receiving. Precondition: not is_running().
+  [[nodiscard]] Result<bool> receive(const Request& request);
+  // Whether there is a candidate from outside that has not been compared.
+  [[nodiscard]] bool has_received() const { return received_ && !has_verdict(); }
+  // Compares it with `active` as begin() does in the end; what was measured before stays in the
+  // log. Preconditions: has_received(), not is_running().
+  void begin_comparison(const Signature* active, Ticket begun);
   void pause() { paused_ = true; }
   void resume();
   // Ends it with `error` as the reason, wherever it is.
@@ -79,6 +89,7 @@ class IdentificationSequence {
   void stamp(std::int64_t identified_at_s, const Machine& machine);
 
  private:
+  void start(const Signature* active, Ticket begun);
   void go_on();
   void begin_sweep();
   // Of the stage.
@@ -110,7 +121,9 @@ class IdentificationSequence {
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
   hal::Instant began_;
-  std::variant<std::monostate, Sweep, Identification, HeldOutComparison> work_;
+  // In it a candidate from outside comes in, too, part after part.
+  std::variant<std::monostate, Sweep, Identification, HeldOutComparison, Receiving> work_;
+  bool received_ = false;                     // the candidate came from outside
   std::optional<SignatureRecord> candidate_;  // being made until there is a verdict
   HeldOutReport report_;
   MeasurementLog log_;

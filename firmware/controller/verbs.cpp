@@ -85,6 +85,20 @@ Result<Answer> fetch(Controls& controls, const Request& request, Line& out) {
   return Answer();
 }
 
+Result<Answer> send(Controls& controls, const Request& request, Line& out) {
+  ARMSIG_TRY(whole, controls.identification.receive(request));
+  if (whole) out.text(" received=candidate");
+  return Answer();
+}
+
+Result<Answer> compare(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  if (!controls.identification.has_received()) return std::unexpected(Error::kNoCandidate);
+  ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
+  const auto& active = controls.custody.active();
+  controls.identification.begin_comparison(active ? &active->signature : nullptr, answer.ticket);
+  return answer;
+}
+
 void tell_modes(const Modes& modes, Line& out) {
   out.text(" modes=");
   bool first = true;
@@ -118,6 +132,8 @@ constexpr Verb tick_verb(std::string_view name, std::string_view help) {
 
 constexpr Modes kStanding{Mode::kIdle, Mode::kHolding};
 constexpr Modes kReady{Mode::kHolding};
+constexpr Modes kBetweenSequences{Mode::kStarting, Mode::kIdle, Mode::kHolding, Mode::kServoing,
+                                  Mode::kFaulted};
 
 constexpr std::array kVerbs{
     Verb{.name = "status",
@@ -153,6 +169,17 @@ constexpr std::array kVerbs{
          .alone = true},
     Verb{.name = "pause", .handler = pause<true>, .help = "of identify"},
     Verb{.name = "resume", .handler = pause<false>, .help = "of identify; measures again"},
+    Verb{.name = "send",
+         .handler = send,
+         .help = "part=N bytes=B hex=...: a signature from outside, for compare",
+         .modes = kBetweenSequences,
+         .alone = true,
+         .takes = Verb::Takes::kKeys},
+    Verb{.name = "compare",
+         .handler = compare,
+         .help = "measures the held-out poses for a candidate that was sent",
+         .modes = kReady,
+         .alone = true},
     Verb{.name = "candidate",
          .handler = tell_candidate,
          .help = "the candidate against the active model on poses that neither was fitted to",

@@ -17,6 +17,7 @@
 #include "firmware/formats/characters.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/commands/fetch.hpp"
+#include "firmware/host_tool/commands/send.hpp"
 #include "firmware/host_tool/console/console_client.hpp"
 #include "firmware/host_tool/console/line_editor.hpp"
 #include "firmware/host_tool/console/web_page.hpp"
@@ -160,7 +161,7 @@ int run(const ConnectOptions& options) {
     FetchOptions what = options.fetch;
     what.console = options.path;
     what.longest = options.longest();
-    return fetch(*console, what);
+    return options.action == "send" ? send(*console, what) : fetch(*console, what);
   }
   return ::isatty(STDIN_FILENO) == 1 ? talk_to_a_person(*console)
                                      : talk_for_a_script(*console, options);
@@ -178,11 +179,16 @@ void add_connect(CLI::App& app, int& status) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   CLI::Option* action =
-      command->add_option("action", options->action, "fetch: what the controller has, as a file")
-          ->check(CLI::IsMember({"fetch"}));
+      command
+          ->add_option("action", options->action,
+                       "fetch: what the controller has, as a file; send: a signature file as a "
+                       "candidate, for `compare`")
+          ->check(CLI::IsMember({"fetch", "send"}));
   FetchOptions& fetch = options->fetch;
-  CLI::Option* file = command->add_option("file", fetch.file,
-                                          "the file to write: FILE.yaml, or FILE.csv for the log");
+  CLI::Option* file =
+      command->add_option("file", fetch.file,
+                          "fetch: the file to write, FILE.yaml, or FILE.csv for the log; send: "
+                          "the signature to read");
   action->needs(file);
   command
       ->add_option("--what", fetch.what,

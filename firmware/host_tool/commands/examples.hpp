@@ -56,6 +56,7 @@ inline constexpr std::array<Example, 24> kExamples{{
     {"connect", "echo status | armsig connect console"},
     {"connect", "armsig connect console --web"},
     {"connect", "armsig connect console fetch arm.yaml --what drawing"},
+    {"connect", "armsig connect console send demo/robot1-encoder.yaml"},
     {"connect", "echo stop | armsig connect console"},
 }};
 
