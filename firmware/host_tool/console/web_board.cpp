@@ -63,7 +63,12 @@ void WebBoard::axis_sigma(const std::string& joint, const std::string& points,
                           const std::string& sigma_deg) {
   const std::lock_guard lock(mutex_);
   Json& history = sigmas_[joint];
-  if (history.is_null() || history.back()[0] != points) history.push_back({points, sigma_deg});
+  const Json entry{points, sigma_deg};
+  if (history.is_null() || history.back()[0] != points) {
+    history.push_back(entry);
+  } else {
+    history.back() = entry;  // the same points, and a later fit to them
+  }
   changed();
 }
 

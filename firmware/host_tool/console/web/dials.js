@@ -77,7 +77,7 @@ export class Dials {
 
   #draw(joint, i, rows, history, isUnderWay) {
     const { figure, picture, words } = this.figures[i];
-    const key = `${rows.length} ${history.length} ${isUnderWay}`;
+    const key = `${rows.length} ${history.length} ${history.at(-1)?.[1]} ${isUnderWay}`;
     if (figure.dataset.key === key) return;
     figure.dataset.key = key;
     figure.classList.toggle('under-way', isUnderWay);
@@ -101,7 +101,7 @@ export class Dials {
       parts.push(shape('circle', { class: newest ? 'point newest' : 'point', cx: x.toFixed(1), cy: y.toFixed(1), r: newest ? 5 : 3 }));
     });
     parts.push(shape('text', { y: rows.length > 0 ? -2 : 6 }, `Joint ${i + 1}`));
-    if (rows.length > 0) parts.push(shape('text', { class: 'small', y: 15 }, `${rows.length} points`));
+    if (rows.length > 0) parts.push(shape('text', { class: 'small', y: 15 }, `${rows.length} point${rows.length === 1 ? '' : 's'}`));
     if (circle) parts.push(shape('text', { class: 'small', y: 31 }, `off \u00d7 ${rough((kLargest / kRadius) * circle.radius / largest)}`));
     parts.push(...this.#spark(history));
     picture.replaceChildren(...parts);
