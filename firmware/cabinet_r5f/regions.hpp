@@ -19,6 +19,7 @@ inline constexpr std::array kRegions{
     board::Region{0x0002'C000, 14, board::kCodeUncached, 0},        // BTCM: code that is rarely run
     board::Region{0xFFFC'0000, 18, board::kCode, kUpperHalf},       // OCM: code
     board::Region{0xFFFC'0000, 18, board::kData, kLowerHalf},       // OCM: data
+    board::Region{0xFFFE'0000, 14, board::kCode, kUpperHalf},       // OCM: 8 KiB more of code
     board::Region{0xFFFF'C000, 14, board::kShared, kFirstQuarter},  // OCM: the bank, 12 KiB
     board::Region{0xFF00'0000, 21, board::kDevice, 0},  // peripherals of the low-power domain
 };

@@ -66,9 +66,13 @@ std::string_view describe(CheckVerdict verdict) {
 
 void CheckHistory::begin(std::uint32_t sequence, std::int64_t identified_at_s) {
   if (sequence == sequence_ && identified_at_s == identified_at_s_) return;
-  *this = {};
   sequence_ = sequence;
   identified_at_s_ = identified_at_s;
+  learnt_ = 0;
+  state_ = {};
+  reference_.fill({});
+  since_.fill({});
+  means_.clear();
 }
 
 // Leaves the residuals less their references, of the poses that have one.
@@ -122,7 +126,7 @@ Result<CheckVerdict> CheckHistory::by_the_sum(MeasuredCheck& less, double check_
   } else {
     means_.push_back(mean_m.cast<float>());
   }
-  if (state_.since == 0) since_ = {};
+  if (state_.since == 0) since_.fill({});
   std::size_t fewest = kCheckBaseline;
   for (std::size_t i = 0; i < less.poses.size(); ++i) {
     Mean& since = since_[less.places[i]];

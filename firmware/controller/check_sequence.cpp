@@ -31,7 +31,8 @@ Result<Ticket> CheckSequence::begin() {
   stage_ = Stage::kApproaching;
   pose_ = 0;
   home_ = mover_.now().commanded;
-  checked_ = {};
+  checked_.poses.clear();
+  checked_.places.clear();
   variance_m2_ = 0;
   trouble_.reset();
   due_ = mover_.now().now + configuration_.check.every;
@@ -163,10 +164,7 @@ void CheckSequence::look_at_schedule(bool others) {
     notice_.reset();
   } else if (!notice_) {
     notice_ = snapshot.now;
-    announcer_.say(Line()
-                       .text("# check due begins_in_s=")
-                       .number(hal::seconds(kNotice), 0)
-                       .text(" the arm is going to move; halt puts it off by an hour"));
+    tell_notice();
   } else if (snapshot.now - *notice_ >= kNotice) {
     notice_.reset();
     if (const auto begun = begin(); !begun) {
@@ -179,6 +177,14 @@ void CheckSequence::look_at_schedule(bool others) {
 void CheckSequence::postpone() {
   notice_.reset();
   due_ = std::max(due_, mover_.now().now + std::min(kPostponed, configuration_.check.every));
+}
+
+// Functions of their own, here and below: a line would stand on the stack below what a step calls.
+[[gnu::noinline]] void CheckSequence::tell_notice() const {
+  announcer_.say(Line()
+                     .text("# check due begins_in_s=")
+                     .number(hal::seconds(kNotice), 0)
+                     .text(" the arm is going to move; halt puts it off by an hour"));
 }
 
 [[gnu::noinline]] void CheckSequence::tell_failure(Error error,

@@ -60,6 +60,7 @@ class CheckSequence {
   void lose(Error error);
   void finish();
   [[nodiscard]] Result<Vector3> predicted() const;
+  void tell_notice() const;
   void tell_failure(Error error, std::optional<std::size_t> joint) const;
   void tell_residuals() const;
   void tell(const CheckReport& report, std::size_t poses) const;

@@ -57,11 +57,8 @@ void IdentificationSequence::take(const MeasuredPoint& point) {
   const JointVector& readings = mover_.now().positions;
   const bool sweeping = stage_ == Stage::kSweeping;
   if (!received_ && !log_.full()) {
-    log_.push_back({.sweep = static_cast<std::uint8_t>(sweeping ? joint_ + 1 : 0),
-                    .pings = static_cast<std::uint8_t>(point.pings),
-                    .readings = readings,
-                    .p_S = point.p_S,
-                    .sigma_m = std::sqrt(point.covariance_m2.trace() / 3)});
+    log_.push_back({sweeping ? joint_ + 1 : 0, point.pings, readings, point.p_S,
+                    std::sqrt(point.covariance_m2.trace() / 3)});
   }
   if (!sweeping) {
     comparison().judge(readings, point.p_S);

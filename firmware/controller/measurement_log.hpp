@@ -2,6 +2,9 @@
 // Everything that a sequence has measured, of fixed capacity.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "core/base/arm.hpp"
@@ -12,12 +15,53 @@ namespace armsig::controller {
 inline constexpr std::size_t kMostSweepPoints = 60;  // of one joint
 inline constexpr std::size_t kMostHeldOut = 16;
 
-struct LogEntry {
-  std::uint8_t sweep = 0;  // joint from 1, 0: a held-out pose
-  std::uint8_t pings = 0;
-  JointVector readings;  // actual, at standstill
-  Vector3 p_S = Vector3::Zero();
-  double sigma_m = 0;  // RMS over the axes
+// Numbers as 32 bits, so that a small controller has room for all of them: readings to 3e-8 rad or
+// m up to 64, places to 6e-8 m up to 128 m, both finer than what is told of them and than any
+// sensor.
+class LogEntry {
+ public:
+  LogEntry() = default;
+  // `sweep`: joint from 1, 0: a held-out pose. `readings`: actual, at standstill. `sigma_m`: RMS
+  // over the axes.
+  LogEntry(std::size_t sweep, std::size_t pings, const JointVector& readings, const Vector3& p_S,
+           double sigma_m)
+      : sweep_(static_cast<std::uint8_t>(sweep)),
+        pings_(static_cast<std::uint8_t>(pings)),
+        joints_(static_cast<std::uint8_t>(readings.size())),
+        sigma_m_(static_cast<float>(sigma_m)) {
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      readings_[i] = whole(readings[i], kReadingStep);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      p_S_[i] = whole(p_S(static_cast<Eigen::Index>(i)), kPlaceStep_m);
+    }
+  }
+
+  [[nodiscard]] std::size_t sweep() const { return sweep_; }
+  [[nodiscard]] std::size_t pings() const { return pings_; }
+  [[nodiscard]] double sigma_m() const { return static_cast<double>(sigma_m_); }
+  [[nodiscard]] JointVector readings() const {
+    JointVector readings;
+    for (std::size_t i = 0; i < joints_; ++i) readings.push_back(readings_[i] * kReadingStep);
+    return readings;
+  }
+  [[nodiscard]] Vector3 p_S() const { return kPlaceStep_m * Vector3(p_S_[0], p_S_[1], p_S_[2]); }
+
+  static constexpr double kReadingStep = 0x1p-25;
+  static constexpr double kPlaceStep_m = 0x1p-24;
+
+ private:
+  static std::int32_t whole(double value, double step) {
+    constexpr double kMost = 0x7FFFFFFF;
+    return static_cast<std::int32_t>(std::lround(std::clamp(value / step, -kMost, kMost)));
+  }
+
+  std::array<std::int32_t, kMaxJoints> readings_{};
+  std::array<std::int32_t, 3> p_S_{};
+  std::uint8_t sweep_ = 0;
+  std::uint8_t pings_ = 0;
+  std::uint8_t joints_ = 0;
+  float sigma_m_ = 0;
 };
 
 using MeasurementLog = FixedVector<LogEntry, kMaxJoints * kMostSweepPoints + kMostHeldOut>;

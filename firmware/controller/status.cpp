@@ -153,10 +153,10 @@ Result<Answer> tell_log(Controls& controls, const Request& request, Line& out) {
     return std::unexpected(Error::kOutOfRange);
   }
   const LogEntry& row = log[static_cast<std::size_t>(*index) - 1];
-  out.text(" sweep=").integer(row.sweep).text(" pings=").integer(row.pings);
-  tell_readings(out, controls.configuration.drawing, row.readings, 5);
-  tell_point(out, row.p_S, 4);
-  out.text(" sigma_mm=").number(1e3 * row.sigma_m, 4);
+  out.text(" sweep=").integer(row.sweep()).text(" pings=").integer(row.pings());
+  tell_readings(out, controls.configuration.drawing, row.readings(), 5);
+  tell_point(out, row.p_S(), 4);
+  out.text(" sigma_mm=").number(1e3 * row.sigma_m(), 4);
   return Answer();
 }
 

@@ -111,18 +111,18 @@ TEST(ShownFigures, are_those_of_the_log_the_report_and_the_record) {
   const IdentificationSequence& sequence = puma.cabinet->state().identification();
   const LogEntry& row = sequence.log()[41];
   const std::string logged = puma.ask("log row=42");
-  EXPECT_EQ(word(logged, "sweep"), std::to_string(row.sweep));
-  EXPECT_EQ(word(logged, "pings"), std::to_string(row.pings));
+  EXPECT_EQ(word(logged, "sweep"), std::to_string(row.sweep()));
+  EXPECT_EQ(word(logged, "pings"), std::to_string(row.pings()));
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_NEAR(std::stod(word(logged, "q" + std::to_string(i + 1) + "_deg")),
-                degrees(row.readings[i]), 1e-5);
+                degrees(row.readings()[i]), 1e-5);
   }
   const char* axes[] = {"x_mm", "y_mm", "z_mm"};
   for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_NEAR(std::stod(word(logged, axes[axis])), 1e3 * row.p_S(axis), 1e-4);
+    EXPECT_NEAR(std::stod(word(logged, axes[axis])), 1e3 * row.p_S()(axis), 1e-4);
   }
-  EXPECT_NEAR(std::stod(word(logged, "sigma_mm")), 1e3 * row.sigma_m, 1e-4);
-  EXPECT_GT(row.sigma_m, 1e-6);
+  EXPECT_NEAR(std::stod(word(logged, "sigma_mm")), 1e3 * row.sigma_m(), 1e-4);
+  EXPECT_GT(row.sigma_m(), 1e-6);
   const HeldOutReport report = sequence.report();
   const std::string candidate = puma.ask("candidate");
   EXPECT_EQ(word(candidate, "held_out"), std::to_string(report.poses));

@@ -56,17 +56,17 @@ TEST(Identify, visits_each_joints_arc_and_the_poses_held_out_and_returns) {
   const JointVector centre = test::puma_configuration();
   const Configuration c = Measured::configuration();
   for (std::size_t i = 0; i < log.size(); ++i) {
-    const std::size_t sweep = log[i].sweep;
+    const std::size_t sweep = log[i].sweep();
     EXPECT_EQ(sweep == 0, i + 3 >= log.size()) << i;
-    const std::size_t before = i == 0 ? 1 : log[i - 1].sweep;
+    const std::size_t before = i == 0 ? 1 : log[i - 1].sweep();
     EXPECT_TRUE(sweep == 0 || sweep == before || sweep == before + 1) << i;
-    EXPECT_EQ(log[i].pings, 5) << i;
+    EXPECT_EQ(log[i].pings(), 5U) << i;
     for (std::size_t joint = 0; joint < 6; ++joint) {
-      const double off = std::abs(log[i].readings[joint] - centre[joint]);
+      const double off = std::abs(log[i].readings()[joint] - centre[joint]);
       if (sweep == 0) {
         const auto [lower, upper] = c.drawing.limits[joint];
-        EXPECT_GE(log[i].readings[joint], centre[joint] + 0.5 * (lower - centre[joint]) - 1e-3);
-        EXPECT_LE(log[i].readings[joint], centre[joint] + 0.5 * (upper - centre[joint]) + 1e-3);
+        EXPECT_GE(log[i].readings()[joint], centre[joint] + 0.5 * (lower - centre[joint]) - 1e-3);
+        EXPECT_LE(log[i].readings()[joint], centre[joint] + 0.5 * (upper - centre[joint]) + 1e-3);
       } else if (joint + 1 != sweep) {
         EXPECT_LT(off, 1e-3) << i << ": only the joint of the sweep moves";
       }
