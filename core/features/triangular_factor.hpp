@@ -78,7 +78,8 @@ template <typename Scalar>
 }
 
 template <typename Scalar>
-[[nodiscard]] inline Scalar product(const BlockPacks<Scalar>& a, const BlockPacks<Scalar>& b) {
+[[nodiscard]] inline Scalar product_of_packs(const BlockPacks<Scalar>& a,
+                                             const BlockPacks<Scalar>& b) {
   Pack<Scalar> sum = a[0] * b[0];
 #pragma GCC unroll 16
   for (std::size_t k = 1; k < a.size(); ++k) sum += a[k] * b[k];
@@ -87,7 +88,7 @@ template <typename Scalar>
 
 template <typename Scalar>
 [[nodiscard]] inline Scalar product(const BlockColumn<Scalar>& a, const BlockColumn<Scalar>& b) {
-  return product<Scalar>(packs_of(a), packs_of(b));
+  return product_of_packs<Scalar>(packs_of(a), packs_of(b));
 }
 
 // One column of the block into row `pivot` of the factor: what rotating each of its rows in would
@@ -99,7 +100,7 @@ template <typename Scalar, std::size_t kColumns>
 inline void reflect_column(std::array<Scalar, kColumns>& kept, std::size_t pivot,
                            RowBlock<Scalar, kColumns>& block) {
   const BlockPacks<Scalar> x = packs_of(block.columns[pivot]);
-  const Scalar squares = product<Scalar>(x, x);
+  const Scalar squares = product_of_packs<Scalar>(x, x);
   if (!(squares > 0)) return;
   const Scalar before = kept[pivot];
   kept[pivot] += squares;
