@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/drift/course.hpp"
+#include "core/numerics/quantiles.hpp"
 #include "core/uncertainty/drift.hpp"
 
 namespace armsig::controller {
@@ -103,7 +104,7 @@ Result<CheckVerdict> CheckHistory::against_reference(MeasuredCheck& less) {
   const auto n = static_cast<double>(less.poses.size());
   const bool learning = learnt_ < kCheckBaseline;
   const double told_m = learning ? sigma_m * std::sqrt(1 + 1.0 / learnt_) : sigma_m;
-  const double limit = uncertainty::chi_square_quantile(3 * n, kSigmas);
+  const double limit = numerics::chi_square_quantile(3 * n, kSigmas);
   const bool beyond = squares_of(less) / (told_m * told_m) > limit;
   if (beyond && learning) return what_changed(less, told_m, CheckVerdict::kStepped);
   if (learning) return CheckVerdict::kAsAccepted;

@@ -17,6 +17,7 @@ constexpr std::size_t kFewestRows = 24;
 constexpr std::size_t kFewestOfPart = 4;  // rows before and after
 constexpr double kHuber = 2.5;            // in sigmas per axis
 constexpr double kLeastSigma_m = 2e-6;
+constexpr double kFarthest = 30;
 constexpr double kUsualSize = 0.03;  // of a change, 1 sigma: metres, radians, a share
 
 struct Candidate {
@@ -99,16 +100,20 @@ class ScoreTest {
                               0.5 * static_cast<double>(count) * std::log(freedom) -
                               std::log(tried);
       if (best_ && evidence <= best_->evidence) continue;
+      const double before_m = std::sqrt(squares_ / weight_);
+      const double shift_m = moved_by(candidate, size, from);
+      // What moves the rows by far more than they miss is hardly told from the arm itself.
+      if (shift_m > kFarthest * before_m) continue;
       best_ = Change{.of = candidate.of,
                      .index = candidate.index,
                      .slow = slow,
                      .first_line = evidence_.rows[from].line,
                      .last_line = evidence_.rows.back().line,
                      .size = size,
-                     .before_m = std::sqrt(squares_ / weight_),
+                     .shift_m = shift_m,
+                     .before_m = before_m,
                      .after_m = std::sqrt((squares_ - gain) / weight_),
                      .evidence = evidence};
-      moved_by(candidate, from);
     }
   }
 
@@ -140,14 +145,15 @@ class ScoreTest {
     }
   }
 
-  void moved_by(const Candidate& candidate, std::size_t from) {
+  [[nodiscard]] double moved_by(const Candidate& candidate, const Eigen::VectorXd& size,
+                                std::size_t from) const {
     double squares = 0;
     for (std::size_t k = from; k < derivatives_.size(); ++k) {
-      squares += (derivatives_[k].middleCols(candidate.columns.first, candidate.columns.count) *
-                  best_->size)
-                     .squaredNorm();
+      squares +=
+          (derivatives_[k].middleCols(candidate.columns.first, candidate.columns.count) * size)
+              .squaredNorm();
     }
-    best_->shift_m = std::sqrt(squares / static_cast<double>(derivatives_.size() - from));
+    return std::sqrt(squares / static_cast<double>(derivatives_.size() - from));
   }
 
   const Evidence& evidence_;
