@@ -13,6 +13,8 @@ namespace {
 constexpr int kLeastRounds = 4;
 constexpr int kMostRounds = 25;
 constexpr int kSoftRounds = 2;
+// Of the residuals' own scale: the coarse one has come down to it.
+constexpr double kSettledScale = 2;
 constexpr int kPasses = 2;
 constexpr int kLastPasses = 8;
 constexpr int kMostTries = 7;
@@ -187,6 +189,7 @@ void Engine::start() {
   summary_ = {};
   trust_ = 1;
   effective_ = 0;
+  coarse_ = 0;
   base_moved_.fill(0);
   for (ModelTarget& target : targets_) {
     target.start_L = target.p_L;
@@ -214,7 +217,7 @@ Result<FitSummary> Engine::run(const ModelParts& parts) {
   bool harmless = false;
   for (int i = 0; i < kMostRounds && !harmless; ++i) {
     maps_on_ = parts_.maps && i > 0;
-    if (i < kSoftRounds) {
+    if (i < kSoftRounds || coarse_ > kSettledScale * residual_scale()) {
       weigh_softly();
     } else {
       reject();

@@ -174,6 +174,7 @@ class Engine {
   void judge_pose(std::span<FitRow> pose, double gate);
   [[nodiscard]] Vector3 common_residual(std::span<const FitRow> pose, double gate) const;
   [[nodiscard]] double residual_scale() const;
+  [[nodiscard]] double rms_scale() const;
 
   double& upper(std::size_t i, std::size_t j) { return matrix_[i * (columns_ + 1) + j + 1]; }
   double& lower(std::size_t i, std::size_t j) { return matrix_[i * (columns_ + 1) + j]; }
@@ -195,6 +196,7 @@ class Engine {
   bool uniform_ = true;  // every row has the same relative covariance, a multiple of one
   double stated_variance_ = 0;
   double trust_ = 1;      // t of the proximal term
+  double coarse_ = 0;     // scale of soft weights, from the first residuals down to their own
   double effective_ = 0;  // degrees that the unknowns take
   FitSummary summary_;
   ChainFrames scratch_;

@@ -29,7 +29,7 @@ RowScore score(const Engine& engine, const ChainFrames& frames, const FitRow& ro
           static_cast<float>(S.trace()), 3, true};
 }
 
-// The start of a fit, to come back to.
+// Where every fold's fit begins.
 struct Start {
   std::array<std::array<double, kDeviations>, kMaxJoints> deviations{};
   std::array<double, kMaxFurther> further{};
@@ -117,6 +117,7 @@ Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& pa
   const Start start(problem);
   std::fill(scores.begin(), scores.end(), RowScore{});
   for (std::uint8_t fold = 0; fold < kFolds; ++fold) {
+    start.restore(problem);
     std::size_t held = 0;
     for (FitRow& row : rows) {
       row.held_out = row.fold == fold;
@@ -135,9 +136,12 @@ Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& pa
       engine.evaluate(rows[k], frames);
       scores[k] = score(engine, frames, rows[k]);
     }
-    start.restore(problem);
-    if (!fitted) return std::unexpected(fitted.error());
+    if (!fitted) {
+      start.restore(problem);
+      return std::unexpected(fitted.error());
+    }
   }
+  start.restore(problem);
   for (FitRow& row : rows) row.held_out = false;
   return summarise(scores, rejected, order);
 }

@@ -36,7 +36,7 @@ struct HeldOutScore {
 
 // Everything that a fit needs; see Engine.
 struct Problem {
-  ArmModel& model;  // at its start
+  ArmModel& model;  // where every fold's fit begins
   std::span<ModelTarget> targets;
   std::span<FitRow> rows;
   std::span<ChainFrames> cache;
@@ -45,10 +45,10 @@ struct Problem {
   double stated_variance = 0;
 };
 
-// Fits kFolds times without one fold, each time from the start in `problem`, with the scales found
-// by the fit to everything, and scores the fold. `rejected[k]`: row k is a blunder by that fit.
-// Precondition: deal_folds(). On return the model is at its start again. `order` is for work.
-// Errors: those of Engine::run().
+// Fits kFolds times without one fold, each time from where `problem` stands (maps apart, which
+// begin at zero), with the scales found by the fit to everything, and scores the fold.
+// `rejected[k]`: row k is a blunder by that fit. Precondition: deal_folds(). On return the model is
+// there again, without maps. `order` is for work. Errors: those of Engine::run().
 [[nodiscard]] Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& parts,
                                                   const Scales& scales,
                                                   std::span<const bool> rejected,

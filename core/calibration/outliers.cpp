@@ -17,6 +17,7 @@ constexpr double kMedianLength3 = 1.538;
 constexpr double kMedianLength1 = 0.6745;
 // Of the soft weight at the start, and of rejection: in robust sigma.
 constexpr double kSoft = 4;
+constexpr double kFiner = 0.25;  // of the scale of soft weights, in a round
 constexpr double kGate = 6;
 constexpr std::size_t kMostTogether = 64;  // rows of a pose judged together
 
@@ -35,8 +36,24 @@ double Engine::residual_scale() const {
   return std::max(std::sqrt(kLeastVariance), lengths.median() * std::sqrt(count / freedom));
 }
 
+double Engine::rms_scale() const {
+  double squares = 0;
+  double scalars = 0;
+  for (const FitRow& row : rows_) {
+    if (row.held_out) continue;
+    squares += whitened_squares(row);
+    scalars += static_cast<double>(row.scalars());
+  }
+  return std::sqrt(squares / scalars);
+}
+
+// From coarse to fine: a sweep that the start misses by far must not be given up before the fit has
+// come near it (graduated non-convexity: Blake and Zisserman, Visual Reconstruction, 1987).
 void Engine::weigh_softly() {
-  const double scale = residual_scale();
+  const double own = residual_scale();
+  if (!(coarse_ > 0)) coarse_ = rms_scale();
+  const double scale = std::max(own, coarse_);
+  coarse_ *= kFiner;
   for (FitRow& row : rows_) {
     const double share = std::sqrt(whitened_squares(row)) / (kSoft * scale);
     row.weight = 1 / ((1 + share * share) * (1 + share * share));

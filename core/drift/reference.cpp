@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/numerics/quantiles.hpp"
 #include "core/uncertainty/drift.hpp"
 
 namespace armsig::drift {
@@ -74,9 +75,9 @@ Result<ReferenceReport> what_moved(std::span<const PoseResidual> poses, double s
   report.explained = (n * report.shift_m.squaredNorm() + moment.dot(report.turn_rad)) / unit;
   report.left = std::max(0.0, all / unit - report.explained);
   const double freedom = 3 * n - 6;
-  const bool rigid = report.explained > uncertainty::chi_square_quantile(6, kSigmas);
+  const bool rigid = report.explained > numerics::chi_square_quantile(6, kSigmas);
   const double hidden = report.left - freedom + kSigmas * std::sqrt(2 * freedom);
-  if (report.left > uncertainty::chi_square_quantile(freedom, kSigmas)) {
+  if (report.left > numerics::chi_square_quantile(freedom, kSigmas)) {
     report.moved = Moved::kArm;
   } else if (rigid) {
     report.moved =

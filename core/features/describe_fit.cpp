@@ -12,19 +12,13 @@
 #include "core/features/encoder_ratio.hpp"
 #include "core/features/paper_fit.hpp"
 #include "core/features/plane_of_rotation.hpp"
+#include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
 namespace {
 
 // rounding_variance() is a bound, with a factor of 16 on sigma.
 constexpr double kRoundingMargin = 256;
-
-// 99.99 % quantile of chi-square over its degrees of freedom (Wilson and Hilferty).
-double significant_misfit(double freedom) {
-  const double b = 2 / (9 * freedom);
-  const double root = 1 - b + 3.719 * std::sqrt(b);
-  return root * root * root;
-}
 
 // Mean products of the residuals about a motion; the weights of the points are those of the fit.
 Matrix3 mean_residual_products(const SweepStatistics& statistics,
@@ -113,7 +107,9 @@ NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
     noise.variance_factor = std::max(shown, rounding / kRoundingMargin);
   } else {
     noise.stated_sigma_m = std::sqrt(stated);
-    if (freedom > 0 && shown - rounding > significant_misfit(freedom)) {
+    const double significant =
+        freedom > 0 ? numerics::chi_square_quantile(freedom, numerics::kNormal9999) / freedom : 0;
+    if (freedom > 0 && shown - rounding > significant) {
       noise.is_estimated = true;
       noise.variance_factor = shown;
       noise.misfit = std::sqrt(shown);

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/LU>
+#include "core/base/lanes.hpp"
+#include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 using Coefficients = MotionRls::Coefficients;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kChiSquareMedian = 2.366;  // of 3 degrees of freedom
 constexpr std::size_t kSubsets =
     64;  // with half of the points wrong, 64 triples miss with 2 in 10,000
 constexpr int kMostRounds = 20;
@@ -22,22 +22,11 @@ constexpr double kMostPredictionVariance = 0.5;
 // Below this a point is the only one that determines some coefficient: nothing can contradict it.
 constexpr double kNoSpread = 1e-6;
 
-// 3 times the 99.99 % quantile of F(3, freedom): the limit where the variance itself is estimated
-// from so many residuals. Paulson's normal approximation of the cube root of F; infinite where
-// there is too little to judge by.
+// The limit where the variance itself is estimated from so many residuals; infinite where there is
+// too little to judge by.
 double estimated_limit(double freedom) {
   if (freedom < 1) return kInfinity;
-  constexpr double kNormal = 3.719;  // 99.99 % quantile of the normal distribution
-  const double a = 2.0 / (9.0 * 3.0);
-  const double b = 2.0 / (9.0 * freedom);
-  // Solve (1 - b) f - (1 - a) = z sqrt(b f^2 + a) for the cube root f.
-  const double z2 = kNormal * kNormal;
-  const double qa = (1 - b) * (1 - b) - z2 * b;
-  if (qa <= 0) return kInfinity;
-  const double qb = (1 - b) * (1 - a);
-  const double qc = (1 - a) * (1 - a) - z2 * a;
-  const double f = (qb + std::sqrt(qb * qb - qa * qc)) / qa;
-  return 3 * f * f * f;
+  return numerics::chi_square_quantile(3, numerics::kNormal9999, freedom);
 }
 
 // The prediction's variance at `point` over the variance of the point.
@@ -45,16 +34,44 @@ double leverage(const MotionRls& motion, const Vector3& regressors, const SweepP
   return motion.prediction_variance(regressors) / point.variance();
 }
 
-// r^T (variance_factor * covariance + rounding)^-1 r, with r the residual of the point.
-double chi_square(const MotionStatistics& about, const Coefficients& fit, double variance_factor,
+// r^T covariance^-1 r by the adjugate.
+double chi_square(const Vector3& r, const Matrix3& covariance) {
+  // Scaled, because variances of exact data are near 1e-30 and their determinant would underflow.
+  const double scale = 1 / covariance.trace();
+  const double xx = scale * covariance(0, 0);
+  const double xy = scale * covariance(0, 1);
+  const double xz = scale * covariance(0, 2);
+  const double yy = scale * covariance(1, 1);
+  const double yz = scale * covariance(1, 2);
+  const double zz = scale * covariance(2, 2);
+  const double a = yy * zz - yz * yz;
+  const double b = yz * xz - xy * zz;
+  const double c = xy * yz - yy * xz;
+  const double d = xx * zz - xz * xz;
+  const double e = xy * xz - xx * yz;
+  const double f = xx * yy - xy * xy;
+  const double determinant = xx * a + xy * b + xz * c;
+  const double squares = r[0] * r[0] * a + r[1] * r[1] * d + r[2] * r[2] * f;
+  const double mixed = r[0] * r[1] * b + r[0] * r[2] * c + r[1] * r[2] * e;
+  return (squares + 2 * mixed) * scale / determinant;
+}
+
+Vector3 residual(const MotionStatistics& about, const Coefficients& fit, const SweepPoint& point,
+                 const Vector3& regressors) {
+  return point.p_S - about.origin_S - fit.transpose() * regressors;
+}
+
+// The same with (variance_factor * covariance + rounding) of the point, r its residual.
+double chi_square(const Vector3& r, const Coefficients& fit, double variance_factor,
                   const SweepPoint& point) {
-  const Vector3 r = point.p_S - about.origin_S - fit.transpose() * about.regressors(point);
   Matrix3 covariance = variance_factor * point.covariance_m2;
   covariance.diagonal().array() += rounding_variance(point, fit.row(1).norm());
-  // Scaled, because variances of exact data are near 1e-30 and their determinant would underflow.
-  const double size = covariance.trace();
-  const Vector3 solved = (covariance / size).inverse() * r;
-  return r.dot(solved) / size;
+  return chi_square(r, covariance);
+}
+
+// A residual that was fitted is smaller than its noise, any other larger.
+double spread_of(double leverage, bool took_part) {
+  return took_part ? 1 - leverage : 1 + leverage;
 }
 
 }  // namespace
@@ -70,16 +87,41 @@ GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known) {
   return {variance, 4 * estimated_limit(freedom)};
 }
 
-bool predicts(const MotionStatistics& accepted, const SweepPoint& point) {
-  return accepted.count > 0 &&
-         leverage(accepted.motion, accepted.regressors(point), point) < kMostPredictionVariance;
+bool Trial::is_close() const { return innovation.leverage < kMostPredictionVariance; }
+
+Trial try_point(const MotionStatistics& accepted, const SweepPoint& point) {
+  Trial trial{accepted.regressors(point), accepted.motion, {}};
+  trial.innovation = accepted.add_motion(point, trial.regressors, trial.with_point);
+  return trial;
 }
 
-bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const SweepPoint& point) {
-  const Coefficients fit = accepted.motion.solve();
+bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const SweepPoint& point,
+                 const Trial& trial) {
+  const Vector3& r = trial.innovation.residual;
+  const double spread = spread_of(trial.innovation.leverage, false);
+  // The scale of a stated sigma is never below 1, and rounding only adds to it: nearly every point
+  // is seen to pass without either.
+  if (sigma_is_known && chi_square(r, point.covariance_m2) <= kGateChiSquare * spread) return true;
   const GateScale scale = gate_scale(accepted, sigma_is_known);
-  return chi_square(accepted, fit, scale.variance, point) <=
-         scale.limit * (1 + leverage(accepted.motion, accepted.regressors(point), point));
+  return chi_square(r, accepted.motion.solve(), scale.variance, point) <= scale.limit * spread;
+}
+
+bool is_consistent(const MotionStatistics& accepted) {
+  const double freedom = accepted.motion_freedom();
+  return accepted.motion.rank() == motion_unknowns(accepted.type) && freedom >= 1 &&
+         accepted.motion_chi_square() <=
+             numerics::chi_square_quantile(freedom, numerics::kNormal9999);
+}
+
+bool Review::confirms(const SweepPoint& point) const {
+  const Vector3 x = accepted_.regressors(point);
+  const double spread = spread_of(leverage(accepted_.motion, x, point), true);
+  if (spread < kNoSpread) return true;
+  const Vector3 r = residual(accepted_, fit_, point, x);
+  // As in passes_gate().
+  if (chi_square(r, point.covariance_m2) <= kGateChiSquare * spread) return true;
+  const GateScale scale = gate_scale(accepted_, true);
+  return chi_square(r, fit_, scale.variance, point) <= scale.limit * spread;
 }
 
 Judging::Judging(const MotionStatistics& accepted, bool sigma_is_known,
@@ -103,7 +145,13 @@ Judging::Judging(const MotionStatistics& accepted, bool sigma_is_known,
   next_ = base();
   for (const std::uint8_t i : order_) {
     const double weight = 1 / std::sqrt(waiting[i].variance());
-    rows_.push_back(weight * next_.regressors(waiting[i]));
+    const Vector3 x = weight * next_.regressors(waiting[i]);
+    const Vector3 p = weight * (waiting[i].p_S - next_.origin_S);
+    for (int j = 0; j < 3; ++j) {
+      rows_.columns[j][rows_.count] = x[j];
+      rows_.columns[3 + j][rows_.count] = p[j];
+    }
+    ++rows_.count;
   }
 }
 
@@ -140,30 +188,41 @@ MotionStatistics Judging::base() const {
   return {accepted_.type, origin};
 }
 
-Vector3 Judging::weighted_position(std::size_t row) const {
-  return rows_[row][0] * (waiting_[order_[row]].p_S - next_.origin_S);
-}
-
 // A fit through the points accepted before and a minimal subset of the waiting ones: one from each
 // third (half) of the range of readings, or, every second time, from anywhere, in case all those of
 // one third are wrong.
 MotionRls Judging::candidate() {
-  const std::size_t rows = rows_.size();
+  const std::size_t rows = rows_.count;
   const std::size_t size = std::min(static_cast<std::size_t>(motion_unknowns(next_.type)), rows);
   MotionRls motion = next_.motion;
   for (std::size_t i = 0; i < size; ++i) {
     const std::size_t begin = count_ % 2 == 0 ? i * rows / size : 0;
     const std::size_t end = count_ % 2 == 0 ? (i + 1) * rows / size : rows;
     const std::size_t row = begin + sequence_.below(end - begin);
-    motion.update(rows_[row], weighted_position(row));
+    const auto& c = rows_.columns;
+    motion.update({c[0][row], c[1][row], c[2][row]}, {c[3][row], c[4][row], c[5][row]});
   }
   return motion;
 }
 
-// From a fit: quick, for ranking.
-double Judging::squared_distance(std::size_t row, const Coefficients& fit) const {
-  const double d = (weighted_position(row) - fit.transpose() * rows_[row]).squaredNorm();
-  return std::isfinite(d) ? d : kInfinity;
+void Judging::squared_distances(const Coefficients& fit, Distances& distances) const {
+  using V = Pack<double>;
+  const auto& [x0, x1, x2, px, py, pz] = rows_.columns;
+  const std::array<const double*, 3> p = {px.data(), py.data(), pz.data()};
+  for (std::size_t k = 0; k < rows_.count; k += Lanes<double>::kCount) {
+    const V a = load<V>(&x0[k]);
+    const V b = load<V>(&x1[k]);
+    const V c = load<V>(&x2[k]);
+    V squares{};
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+      const V d = load<V>(p[i] + k) - a * fit(0, i) - b * fit(1, i) - c * fit(2, i);
+      squares += d * d;
+    }
+    store(&distances[k], squares);
+  }
+  for (std::size_t k = 0; k < rows_.count; ++k)
+    if (!(distances[k] < kInfinity)) distances[k] = kInfinity;
 }
 
 // Least median of squares, then, at the scale that the median shows, the candidate that explains
@@ -171,19 +230,19 @@ double Judging::squared_distance(std::size_t row, const Coefficients& fit) const
 // the points share one reading.
 void Judging::try_median() {
   const auto unknowns = static_cast<std::size_t>(motion_unknowns(next_.type));
-  const std::size_t rows = rows_.size();
+  const std::size_t rows = rows_.count;
   const std::size_t middle = std::min(rows / 2 + (unknowns + 1) / 2, rows) - 1;
   const Coefficients fit = candidate().solve();
-  FixedVector<double, kGateCapacity> distances;
-  for (std::size_t i = 0; i < rows; ++i) distances.push_back(squared_distance(i, fit));
-  std::nth_element(distances.begin(), distances.begin() + middle, distances.end());
+  Distances distances;
+  squared_distances(fit, distances);
+  std::nth_element(distances.begin(), distances.begin() + middle, distances.begin() + rows);
   least_median_ = std::min(least_median_, distances[middle]);
   if (++count_ < kSubsets) return;
 
   // Rousseeuw's correction for few points.
   const double spare = static_cast<double>(rows) - static_cast<double>(unknowns);
   const double few = 1 + 5 / std::max(spare, 1.0);
-  scale_ = {few * few * least_median_ / kChiSquareMedian, kGateChiSquare};
+  scale_ = {few * few * least_median_ / numerics::kChiSquareMedian3, kGateChiSquare};
   if (sigma_is_known_) scale_.variance = std::max(scale_.variance, 1.0);
   motion_ = next_.motion;
   stage_ = Stage::kCosts;
@@ -194,9 +253,11 @@ void Judging::try_median() {
 void Judging::try_cost() {
   const MotionRls motion = candidate();
   const Coefficients fit = motion.solve();
+  Distances distances;
+  squared_distances(fit, distances);
+  const double most = kGateChiSquare * scale_.variance;
   double cost = 0;
-  for (std::size_t i = 0; i < rows_.size(); ++i)
-    cost += std::min(squared_distance(i, fit), kGateChiSquare * scale_.variance);
+  for (std::size_t i = 0; i < rows_.count; ++i) cost += std::min(distances[i], most);
   if (cost < least_cost_) {
     least_cost_ = cost;
     motion_ = motion;
@@ -215,14 +276,12 @@ void Judging::begin_round() {
 void Judging::judge(std::size_t place) {
   const SweepPoint& point = waiting_[order_[place]];
   bool& verdict = verdicts_[order_[place]];
-  // The residual of a point that took part in the fit is smaller than its noise, that of any other
-  // is larger.
   const bool took_part = round_ > 0 && verdict;
-  const double h = leverage(motion_, next_.regressors(point), point);
-  const double spread = took_part ? 1 - h : 1 + h;
-  const bool alone = took_part && spread < kNoSpread;
-  const bool passes =
-      alone || chi_square(next_, fit_, scale_.variance, point) <= scale_.limit * spread;
+  const Vector3 x = next_.regressors(point);
+  const double spread = spread_of(leverage(motion_, x, point), took_part);
+  const Vector3 r = residual(next_, fit_, point, x);
+  const bool passes = (took_part && spread < kNoSpread) ||
+                      chi_square(r, fit_, scale_.variance, point) <= scale_.limit * spread;
   changed_ = changed_ || passes != verdict;
   verdict = passes;
 }
@@ -232,14 +291,8 @@ void Judging::end_round() {
     stage_ = Stage::kOver;
     return;
   }
-  FixedVector<SweepPoint, MotionRls::kBlockRows> passed;
-  for (const std::uint8_t i : order_) {
-    if (verdicts_[i]) passed.push_back(waiting_[i]);
-    if (!passed.full()) continue;
-    next_.add(passed);
-    passed.clear();
-  }
-  next_.add(passed);
+  for (const std::uint8_t i : order_)
+    if (verdicts_[i]) next_.add(waiting_[i]);
   motion_ = next_.motion;
   scale_ = gate_scale(next_, sigma_is_known_);
   next_ = base();

@@ -6,6 +6,11 @@
 // points do not predict it yet (the start, or after a jump of the reading), points wait and are
 // judged together: a least-median start over minimal subsets, then gating to a fixed point, so that
 // neither outliers nor the order of the rows decide. Half of the points may be wrong.
+//
+// That search costs as much as hundreds of points. Where the noise is stated and the first points
+// agree with it, those that wait are taken in as they come, each judged by those before it, and all
+// examined again, by all, when somebody asks: as long as every one passes, they are such a fixed
+// point already and nothing has to be searched.
 #pragma once
 
 #include <array>
@@ -14,6 +19,7 @@
 
 #include "core/base/fixed_vector.hpp"
 #include "core/features/sweep_statistics.hpp"
+#include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
 
@@ -23,9 +29,9 @@ inline constexpr std::size_t kGateCapacity = 128;
 using WaitingPoints = FixedVector<SweepPoint, kGateCapacity>;
 using Verdicts = std::array<bool, kGateCapacity>;  // true: accepted
 
-// 99.99 % quantile of chi-square with 3 degrees of freedom: of 10,000 good points the gate rejects
-// one, which biases the covariance by 0.1 %.
-inline constexpr double kGateChiSquare = 21.108;
+// Of 3 degrees of freedom: of 10,000 good points the gate rejects one, which biases the covariance
+// by 0.1 %.
+inline constexpr double kGateChiSquare = numerics::kChiSquare9999[2];
 
 // The scale and the limit of the gate, from the points accepted so far.
 struct GateScale {
@@ -34,12 +40,37 @@ struct GateScale {
 };
 [[nodiscard]] GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known);
 
-// Whether the accepted points predict `point` well enough to judge it alone.
-[[nodiscard]] bool predicts(const MotionStatistics& accepted, const SweepPoint& point);
+// A point beside those accepted before it, as if it were one of them.
+struct Trial {
+  Vector3 regressors;
+  MotionRls with_point;
+  MotionRls::Innovation innovation;
+  // Whether they predict it well enough to judge it alone, and for good.
+  [[nodiscard]] bool is_close() const;
+};
+// Precondition: `accepted` has an origin.
+[[nodiscard]] Trial try_point(const MotionStatistics& accepted, const SweepPoint& point);
 
-// Judges `point` alone. Precondition: predicts(accepted, point).
+// Judges `point` alone. Precondition: `trial` is of it by `accepted`, with a finite leverage.
 [[nodiscard]] bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known,
-                               const SweepPoint& point);
+                               const SweepPoint& point, const Trial& trial);
+
+// Whether as many points as these, all accepted unseen, agree with each other and with their stated
+// covariances (chi-square of all residuals, 99.99 %).
+[[nodiscard]] bool is_consistent(const MotionStatistics& accepted);
+
+// The verdict on points that are accepted, by all that are.
+class Review {
+ public:
+  // Of points whose sigma is stated. `accepted` must outlive it, unchanged.
+  explicit Review(const MotionStatistics& accepted)
+      : accepted_(accepted), fit_(accepted.motion.solve()) {}
+  [[nodiscard]] bool confirms(const SweepPoint& point) const;
+
+ private:
+  const MotionStatistics& accepted_;
+  MotionRls::Coefficients fit_;
+};
 
 // Judges the waiting points together, on top of those accepted before, of which there may be none;
 // a bounded step at a time: one subset tried, or one point judged. What it is given must outlive
@@ -57,9 +88,12 @@ class Judging {
   using Coefficients = MotionRls::Coefficients;
   // The waiting points by ascending reading, so that the order of the rows cannot matter.
   using Order = FixedVector<std::uint8_t, kGateCapacity>;
-  // Their regressors in that order, weighted to unit variance per axis; the first one is the
-  // weight.
-  using Rows = FixedVector<Vector3, kGateCapacity>;
+  // Their regressors and positions in that order, weighted to unit variance per axis, column by
+  // column; the first is the weight. Rows of zeros fill the last pack.
+  struct Rows {
+    alignas(32) std::array<std::array<double, kGateCapacity>, 6> columns{};
+    std::size_t count = 0;
+  };
   enum class Stage : std::uint8_t { kMedians, kCosts, kRounds, kOver };
 
   // Small deterministic generator (linear congruential, Knuth's MMIX constants): the same sweep
@@ -76,9 +110,10 @@ class Judging {
   };
 
   [[nodiscard]] MotionStatistics base() const;
-  [[nodiscard]] Vector3 weighted_position(std::size_t row) const;
   [[nodiscard]] MotionRls candidate();
-  [[nodiscard]] double squared_distance(std::size_t row, const Coefficients& fit) const;
+  // Of all rows from a fit: quick, for ranking. Infinite where not a number.
+  using Distances = std::array<double, kGateCapacity>;
+  void squared_distances(const Coefficients& fit, Distances& distances) const;
   void try_median();
   void try_cost();
   void begin_round();

@@ -12,7 +12,6 @@
 // double; the covariance form (core/features/rls_covariance.hpp) loses them.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -21,7 +20,6 @@
 #include <Eigen/Core>
 
 #include "core/base/error.hpp"
-#include "core/base/lanes.hpp"
 #include "core/features/triangular_factor.hpp"
 
 namespace armsig::features {
@@ -44,66 +42,43 @@ class SquareRootRls {
   // The upper triangle of E^T E, row by row.
   using KeptProducts = std::array<Scalar, kRightHandSides*(kRightHandSides + 1) / 2>;
 
+  // How a measurement stood to those before it.
+  struct Innovation {
+    RightHandSides residual;  // measured minus predicted
+    Scalar leverage;  // the prediction's variance over the measurement's own; infinite where
+                      // there was none to speak of
+  };
+
   // One measurement: right_hand_sides = coefficients^T * regressors + noise of variance 1 / weight.
-  // All numbers must be finite, the weight not negative.
-  void update(const Regressors& regressors, const RightHandSides& right_hand_sides,
-              Scalar weight = 1) {
+  // All numbers must be finite, the weight not negative. Its innovation is what the rotations
+  // leave: of the row the residual, of the weight so much over 1 + leverage.
+  Innovation update(const Regressors& regressors, const RightHandSides& right_hand_sides,
+                    Scalar weight = 1) {
     Row row;
     for (int j = 0; j < kRegressors; ++j) row[j] = regressors[j];
     for (int j = 0; j < kRightHandSides; ++j) row[kRegressors + j] = right_hand_sides[j];
-    rotate_in(row, weight);
+    Scalar left = weight;
+    rotate_into(factor_, row, left);
+    Innovation innovation;
+    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
+      const Scalar rest = row[kRegressors + i];
+      innovation.residual[i] = rest;
+      for (int j = i; j < kRightHandSides; ++j, ++k)
+        residuals_[k] += left * rest * row[kRegressors + j];
+    }
+    innovation.leverage = weight / left - 1;
+    return innovation;
   }
 
-  // Measurements taken in together, column by column: regressors, then right-hand sides, each times
-  // the root of its measurement's weight. Rows of zeros are no measurement.
-  static constexpr std::size_t kBlockRows = 16;
-  using Column = std::array<Scalar, kBlockRows>;
-  struct Block {
-    alignas(32) std::array<Column, kRegressors + kRightHandSides> columns{};
-  };
+  // The columns are those of the regressors, then those of the right-hand sides.
+  using Block = RowBlock<Scalar, kRegressors + kRightHandSides>;
 
-  // The same as an update by each measurement of `block`, which it destroys, at a fraction of the
-  // cost where the processor has lanes: one Householder reflection a regressor, written for the
-  // factor as it is kept. With D the pivot's square, u the row, x the block's column of it and y
-  // any other, D' = D + x.x and c = sqrt(D / D'):
-  //   u' = (D u + x.y) / D',   y' = y - ((1 + c) x.y / x.x - c u) x.
+  // The same as an update by each measurement of `block`, which it destroys.
   void update(Block& block) {
-    for (int i = 0; i < kRegressors; ++i) {
-      const Column& x = block.columns[i];
-      const Scalar squares = product(x, x);
-      if (!(squares > 0)) continue;
-      const Scalar before = factor_[i][i];
-      factor_[i][i] += squares;
-      const Scalar inverse = 1 / factor_[i][i];
-      const Scalar c = std::sqrt(before * inverse);
-      const Scalar along = (1 + c) / squares;
-      for (int j = i + 1; j < kColumns; ++j) {
-        const Scalar above = factor_[i][j];
-        const Scalar xy = product(x, block.columns[j]);
-        factor_[i][j] = (before * above + xy) * inverse;
-        subtract(along * xy - c * above, x, block.columns[j]);
-      }
-    }
+    for (std::size_t i = 0; i < factor_.size(); ++i) reflect_column(factor_[i], i, block);
     for (int i = 0, k = 0; i < kRightHandSides; ++i)
       for (int j = i; j < kRightHandSides; ++j, ++k)
         residuals_[k] += product(block.columns[kRegressors + i], block.columns[kRegressors + j]);
-  }
-
-  // Measurements that were compressed elsewhere, to `rows` and to the sums of products of the
-  // residuals they leave.
-  void take_in(const Kept& rows, const KeptProducts& residual_products) {
-    if (knows_nothing()) {
-      factor_ = rows;
-    } else {
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        Row row = rows[i];
-        Scalar weight = row[i];
-        std::fill_n(row.begin(), i, Scalar(0));
-        row[i] = 1;
-        rotate_in(row, weight);
-      }
-    }
-    for (std::size_t k = 0; k < residuals_.size(); ++k) residuals_[k] += residual_products[k];
   }
 
   // [R Z] as it is kept.
@@ -192,37 +167,8 @@ class SquareRootRls {
   }
 
  private:
-  static constexpr int kColumns = kRegressors + kRightHandSides;
   // A pivot this small beside its column is rounding.
   static constexpr Scalar kDependent = 1000 * std::numeric_limits<Scalar>::epsilon();
-
-  void rotate_in(Row& row, Scalar weight) {
-    rotate_into(factor_, row, weight);
-    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
-      const Scalar weighted = weight * row[kRegressors + i];
-      for (int j = i; j < kRightHandSides; ++j, ++k)
-        residuals_[k] += weighted * row[kRegressors + j];
-    }
-  }
-
-  static Scalar product(const Column& a, const Column& b) {
-    Pack<Scalar> sum{};
-#pragma GCC unroll 16
-    for (std::size_t k = 0; k < kBlockRows; k += Lanes<Scalar>::kCount)
-      sum += load<Pack<Scalar>>(&a[k]) * load<Pack<Scalar>>(&b[k]);
-    return sum_of_lanes<Scalar>(sum);
-  }
-  static void subtract(Scalar factor, const Column& x, Column& from) {
-#pragma GCC unroll 16
-    for (std::size_t k = 0; k < kBlockRows; k += Lanes<Scalar>::kCount)
-      store(&from[k], load<Pack<Scalar>>(&from[k]) - factor * load<Pack<Scalar>>(&x[k]));
-  }
-
-  [[nodiscard]] bool knows_nothing() const {
-    for (int i = 0; i < kRegressors; ++i)
-      if (factor_[i][i] != 0) return false;
-    return true;
-  }
 
   [[nodiscard]] bool is_independent(int i) const {
     Scalar column = factor_[i][i];

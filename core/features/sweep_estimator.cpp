@@ -102,12 +102,11 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
   return std::nullopt;
 }
 
-// Takes in a point that was judged together with others. The statistics begin at the first one.
-void take(const SweepPoint& point, bool passed, SweepStatistics& accepted, std::size_t& rejected) {
-  if (!passed) {
-    ++rejected;
-    return;
-  }
+// So many points, fitted unseen, are asked whether they agree; those after them are judged by them.
+constexpr std::size_t kFirstPoints = 8;
+
+// The statistics begin at the first accepted point.
+void take_in(const SweepPoint& point, SweepStatistics& accepted) {
   if (accepted.count == 0) accepted.set_origin(point);
   accepted.add(point);
 }
@@ -119,19 +118,23 @@ SweepEstimator::SweepEstimator(const SweepConfig& config) : config_(config) {
 }
 
 Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matrix3& covariance_m2) {
-  if (!std::isfinite(reading) || !p_S.allFinite() || !covariance_m2.allFinite())
-    return std::unexpected(Error::kNotFinite);
-  const bool known = !covariance_m2.isZero(0);
-  if (known && covariance_m2.llt().info() != Eigen::Success)
-    return std::unexpected(Error::kSingular);
-
   SweepState& s = state_;
+  if (!std::isfinite(reading) || !p_S.allFinite()) return std::unexpected(Error::kNotFinite);
+  // What was looked at with the point before needs no second look.
+  bool known = s.sigma_is_known && same_bits(covariance_m2, s.latest_covariance_m2);
+  if (!known) {
+    if (!covariance_m2.allFinite()) return std::unexpected(Error::kNotFinite);
+    known = !covariance_m2.isZero(0);
+    if (known && covariance_m2.llt().info() != Eigen::Success)
+      return std::unexpected(Error::kSingular);
+    if (s.count == 0) s.sigma_is_known = known;
+    if (s.sigma_is_known && known) s.latest_covariance_m2 = covariance_m2;
+  }
+
   if (s.count == 0) {
-    s.sigma_is_known = known;
     s.lowest_reading = s.highest_reading = reading;
     s.first_S = p_S;
   }
-  if (s.sigma_is_known && known) s.latest_covariance_m2 = covariance_m2;
   ++s.count;
   s.lowest_reading = std::min(s.lowest_reading, reading);
   s.highest_reading = std::max(s.highest_reading, reading);
@@ -141,27 +144,69 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
     s.distinct_readings.push_back(reading);
 
   const SweepPoint point{reading, p_S, s.latest_covariance_m2};
-  if (!predicts(s.accepted, point)) {
+  if (s.waiting_is_accepted || s.accepted.count == 0) {
+    take_while_waiting(point);
+    return {};
+  }
+  const Trial trial = try_point(s.accepted, point);
+  if (!trial.is_close()) {
     s.waiting.push_back(point);
     if (s.waiting.full()) settle();
-  } else if (passes_gate(s.accepted, s.sigma_is_known, point)) {
-    s.accepted.add(point);
+  } else if (passes_gate(s.accepted, s.sigma_is_known, point, trial)) {
+    s.accepted.add(point, trial.regressors, trial.with_point);
   } else {
     ++s.rejected;
   }
   return {};
 }
 
+// One of the first points, of which none is accepted for good.
+void SweepEstimator::take_while_waiting(const SweepPoint& point) {
+  SweepState& s = state_;
+  if (s.count == 1) s.waiting_is_accepted = s.sigma_is_known;
+  s.waiting.push_back(point);
+  if (s.waiting_is_accepted && !agrees(point)) {
+    s.waiting_is_accepted = false;
+    s.accepted = SweepStatistics(config_.type, {});
+  }
+  if (!s.waiting.full()) return;
+  if (!s.waiting_is_accepted) return settle();
+  s.waiting.clear();
+  s.waiting_is_accepted = false;
+}
+
+// With those before it, which it joins if so.
+bool SweepEstimator::agrees(const SweepPoint& point) {
+  SweepStatistics& accepted = state_.accepted;
+  const std::size_t place = state_.waiting.size();
+  if (place <= kFirstPoints) {
+    take_in(point, accepted);
+    return place < kFirstPoints || is_consistent(accepted);
+  }
+  const Trial trial = try_point(accepted, point);
+  if (!std::isfinite(trial.innovation.leverage) || !passes_gate(accepted, true, point, trial))
+    return false;
+  accepted.add(point, trial.regressors, trial.with_point);
+  return place <= kGateCapacity / 2 || two_still_agree();
+}
+
+// With each point of the second half, two are examined again: when the last one comes, all have
+// been, and none has to wait any longer.
+bool SweepEstimator::two_still_agree() const {
+  const Review review(state_.accepted);
+  const std::size_t first = 2 * (state_.waiting.size() - kGateCapacity / 2 - 1);
+  return review.confirms(state_.waiting[first]) && review.confirms(state_.waiting[first + 1]);
+}
+
 // A function of its own, as are others on the way to a feature: what it keeps on the stack would
 // stand there whenever a point is added.
 [[gnu::noinline]] void SweepEstimator::settle() {
-  SweepState& s = state_;
-  Judging judging(s.accepted, s.sigma_is_known, s.waiting);
-  while (judging.step()) {
+  Settling settling(state_);
+  while (settling.step()) {
   }
-  for (std::size_t i = 0; i < s.waiting.size(); ++i)
-    take(s.waiting[i], judging.result()[i], s.accepted, s.rejected);
-  s.waiting.clear();
+  state_.accepted = settling.accepted();
+  state_.rejected = settling.rejected();
+  state_.waiting.clear();
 }
 
 Judged<JointFeature> SweepEstimator::estimate(Method method) const {
@@ -172,20 +217,58 @@ Judged<JointFeature> SweepEstimator::estimate(Method method) const {
 }
 
 Settling::Settling(const SweepState& state)
-    : state_(state),
-      judging_(state.accepted, state.sigma_is_known, state.waiting),
-      accepted_(state.accepted),
-      rejected_(state.rejected) {}
+    : state_(state), accepted_(state.accepted), rejected_(state.rejected), stage_(Stage::kReview) {
+  if (state.waiting.empty()) {
+    stage_ = Stage::kOver;
+  } else if (state.waiting_is_accepted && is_consistent(accepted_)) {
+    review_.emplace(accepted_);
+  } else {
+    begin_judging();
+  }
+}
+
+void Settling::begin_judging() {
+  if (state_.waiting_is_accepted) accepted_ = SweepStatistics(state_.accepted.type, {});
+  judging_.emplace(accepted_, state_.sigma_is_known, state_.waiting);
+  done_ = 0;
+  stage_ = Stage::kJudge;
+}
 
 bool Settling::step() {
-  if (!judged_) {
-    judged_ = !judging_.step();
-    return true;
+  switch (stage_) {
+    case Stage::kReview:
+      review_next();
+      return true;
+    case Stage::kJudge:
+      if (!judging_->step()) stage_ = Stage::kTake;
+      return true;
+    case Stage::kTake:
+      take_next();
+      return true;
+    case Stage::kOver:
+      break;
   }
-  if (taken_ == state_.waiting.size()) return false;
-  take(state_.waiting[taken_], judging_.result()[taken_], accepted_, rejected_);
-  ++taken_;
-  return true;
+  return false;
+}
+
+void Settling::review_next() {
+  if (!review_->confirms(state_.waiting[done_])) {
+    begin_judging();
+  } else if (++done_ == state_.waiting.size()) {
+    accepted_.geometry.compress();
+    stage_ = Stage::kOver;
+  }
+}
+
+void Settling::take_next() {
+  if (judging_->result()[done_]) {
+    take_in(state_.waiting[done_], accepted_);
+  } else {
+    ++rejected_;
+  }
+  if (++done_ < state_.waiting.size()) return;
+  accepted_.geometry.compress();
+  stage_ = Stage::kOver;
 }
 
 SweepEstimation::SweepEstimation(const SweepEstimator& estimator, Method method)

@@ -58,15 +58,20 @@ struct SweepState {
   FixedVector<double, 3> distinct_readings;  // the first ones
   Vector3 first_S = Vector3::Zero();
   bool all_equal = true;
-  WaitingPoints waiting;  // not judged yet
+  WaitingPoints waiting;  // not judged for good
+  // Whether `accepted` holds them already: the first points, as long as all agree.
+  bool waiting_is_accepted = false;
   SweepStatistics accepted;
 };
 
 // Judges the waiting points and takes in the good ones, in the order of their arrival; a bounded
-// step at a time. `state` must outlive it, unchanged.
+// step at a time. Points that are accepted already are examined again, by all; if one does not
+// pass, all are judged together. `state` must outlive it, unchanged.
 class Settling {
  public:
   explicit Settling(const SweepState& state);
+  Settling(const Settling&) = delete;
+  Settling& operator=(const Settling&) = delete;
 
   // False if nothing is left to do.
   bool step();
@@ -75,14 +80,23 @@ class Settling {
   [[nodiscard]] std::size_t rejected() const { return rejected_; }
 
  private:
+  enum class Stage : std::uint8_t { kReview, kJudge, kTake, kOver };
+  void review_next();
+  void begin_judging();
+  void take_next();
+
   const SweepState& state_;
-  Judging judging_;
-  bool judged_ = false;
-  std::size_t taken_ = 0;
   SweepStatistics accepted_;
   std::size_t rejected_;
+  std::optional<Review> review_;
+  std::optional<Judging> judging_;
+  std::size_t done_ = 0;  // points reviewed, or taken in
+  Stage stage_;
 };
 
+// Where the noise is stated and the first points agree with it, each one is judged and taken in as
+// it comes, at the same cost. Where not, the first 128 wait, and the last of them costs as much as
+// hundreds: they are judged together (core/features/gate.hpp).
 class SweepEstimator {
  public:
   explicit SweepEstimator(const SweepConfig& config);
@@ -113,6 +127,9 @@ class SweepEstimator {
  private:
   friend class SweepEstimation;
 
+  void take_while_waiting(const SweepPoint& point);
+  [[nodiscard]] bool agrees(const SweepPoint& point);
+  [[nodiscard]] bool two_still_agree() const;
   void settle();
 
   SweepConfig config_;

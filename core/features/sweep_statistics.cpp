@@ -9,9 +9,7 @@
 
 #include <Eigen/LU>
 
-#include "core/base/lanes.hpp"
 #include "core/base/sine_cosine.hpp"
-#include "core/features/motion_sums.hpp"
 
 namespace armsig::features {
 namespace {
@@ -27,8 +25,7 @@ Vector6 upper_triangle(const Matrix3& a) {
   return {a(0, 0), a(0, 1), a(0, 2), a(1, 1), a(1, 2), a(2, 2)};
 }
 
-// Fewer are cheaper one by one.
-constexpr std::size_t kFewestTogether = 8;
+}  // namespace
 
 // Without a branch a number.
 bool same_bits(const Matrix3& a, const Matrix3& b) {
@@ -39,8 +36,6 @@ bool same_bits(const Matrix3& a, const Matrix3& b) {
         std::bit_cast<std::uint64_t>(a.data()[i]) ^ std::bit_cast<std::uint64_t>(b.data()[i]);
   return difference == 0;
 }
-
-}  // namespace
 
 Vector3 motion_regressors(JointType type, double moved) {
   if (type == JointType::kPrismatic) return {1, moved, 0};
@@ -63,10 +58,15 @@ double rounding_variance(const SweepPoint& point, double speed) {
   return rounding * rounding;
 }
 
-void MotionStatistics::add(const SweepPoint& point) {
+void MotionStatistics::add(const SweepPoint& point, const Vector3& x) {
+  MotionRls with_point = motion;
+  add_motion(point, x, with_point);
+  add(point, x, with_point);
+}
+
+void MotionStatistics::add(const SweepPoint& point, const Vector3& x, const MotionRls& with_point) {
   const double variance = point.variance();
   const double weight = 1 / variance;
-  const Vector3 x = regressors(point);
   if (count == 0) first_covariance_m2 = point.covariance_m2;
   if (has_one_covariance() && same_bits(point.covariance_m2, first_covariance_m2)) {
     ++same_covariance;
@@ -78,34 +78,7 @@ void MotionStatistics::add(const SweepPoint& point) {
   highest_reading = std::max(highest_reading, point.reading);
   ++count;
   variance_sum += variance;
-  motion.update(x, point.p_S - origin_S, weight);
-}
-
-void MotionStatistics::add(std::span<const SweepPoint> points) {
-  const std::size_t together = points.size() - points.size() % Lanes<double>::kCount;
-  if (together >= kFewestTogether && add_together(points.first(together)))
-    points = points.subspan(together);
-  for (const SweepPoint& point : points) add(point);
-}
-
-// False, and nothing added, where the points have to be taken one by one.
-bool MotionStatistics::add_together(std::span<const SweepPoint> points) {
-  if (type != JointType::kRevolute || !has_one_covariance()) return false;
-  const Matrix3& covariance = count == 0 ? points.front().covariance_m2 : first_covariance_m2;
-  MotionSums sums;
-  if (!motion_sums(points, origin_reading, origin_S, covariance, sums)) return false;
-  if (count == 0) {
-    first_covariance_m2 = covariance;
-    lowest_reading = sums.lowest_reading;
-    highest_reading = sums.highest_reading;
-  }
-  lowest_reading = std::min(lowest_reading, sums.lowest_reading);
-  highest_reading = std::max(highest_reading, sums.highest_reading);
-  count += points.size();
-  same_covariance = count;
-  variance_sum += points.front().variance() * static_cast<double>(points.size());
-  motion.take_in(sums.rows, sums.residual_products);
-  return true;
+  motion = with_point;
 }
 
 // From the first point on whose covariance is another one.
@@ -126,6 +99,11 @@ Matrix3 MotionStatistics::shape() const {
 
 void SweepStatistics::add(const SweepPoint& point) {
   MotionStatistics::add(point);
+  geometry.add(geometry_columns(point.p_S - origin_S), 1 / point.variance());
+}
+
+void SweepStatistics::add(const SweepPoint& point, const Vector3& x, const MotionRls& with_point) {
+  MotionStatistics::add(point, x, with_point);
   geometry.add(geometry_columns(point.p_S - origin_S), 1 / point.variance());
 }
 

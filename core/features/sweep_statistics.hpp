@@ -13,7 +13,6 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 
 #include <Eigen/Core>
 
@@ -35,6 +34,9 @@ struct SweepPoint {
 
 using MotionRls = SquareRootRls<3, 3>;
 using GeometryFactor = TriangularFactor<10>;
+
+// Whether not a bit is different.
+[[nodiscard]] bool same_bits(const Matrix3& a, const Matrix3& b);
 
 // The regressors of the motion; a prismatic joint has two, and leaves the third zero.
 [[nodiscard]] Vector3 motion_regressors(JointType type, double moved);
@@ -78,9 +80,15 @@ struct MotionStatistics {
     origin_S = origin.p_S;
   }
 
-  void add(const SweepPoint& point);
-  // The same for many points, at a fraction of the cost where their covariances are the same.
-  void add(std::span<const SweepPoint> points);
+  void add(const SweepPoint& point) { add(point, regressors(point)); }
+  // Where its regressors are known already.
+  void add(const SweepPoint& point, const Vector3& x);
+  // Where they have been added to a copy of `motion`.
+  void add(const SweepPoint& point, const Vector3& x, const MotionRls& with_point);
+  // To `to`, a copy of `motion`.
+  MotionRls::Innovation add_motion(const SweepPoint& point, const Vector3& x, MotionRls& to) const {
+    return to.update(x, point.p_S - origin_S, 1 / point.variance());
+  }
 
   [[nodiscard]] double arc() const { return highest_reading - lowest_reading; }
   [[nodiscard]] Vector3 regressors(const SweepPoint& point) const {
@@ -99,7 +107,6 @@ struct MotionStatistics {
   [[nodiscard]] double motion_chi_square() const;
 
  private:
-  [[nodiscard]] bool add_together(std::span<const SweepPoint> points);
   void add_covariance(const SweepPoint& point, const Vector3& x, double weight);
   [[nodiscard]] Eigen::Matrix<double, 6, 6> score_sums() const;
 };
@@ -111,6 +118,7 @@ struct SweepStatistics : MotionStatistics {
   using MotionStatistics::MotionStatistics;
 
   void add(const SweepPoint& point);
+  void add(const SweepPoint& point, const Vector3& x, const MotionRls& with_point);
 };
 
 }  // namespace armsig::features

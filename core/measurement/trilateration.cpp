@@ -5,16 +5,16 @@
 #include <array>
 #include <cmath>
 
+#include "core/numerics/quantiles.hpp"
+
 namespace armsig::measurement {
 
 namespace {
 
-// 99.99 % quantiles of chi-square with 1, 2, ... degrees of freedom: good ranges are called
-// contradictory once in 10,000 measurements. Three ranges leave none, but their spheres may fail to
-// meet: by as much as the first entry is put down to noise.
-constexpr std::array<double, kMaxReceivers - 3> kConsistent = {
-    15.137, 18.421, 21.108, 23.513, 25.745, 27.856, 29.878,
-    31.828, 33.720, 35.564, 37.367, 39.134, 40.871};
+// Good ranges are called contradictory once in 10,000 measurements. Three ranges leave no freedom,
+// but their spheres may fail to meet: by as much as one degree is put down to noise.
+constexpr auto& kConsistent = numerics::kChiSquare9999;
+static_assert(kConsistent.size() == kMaxReceivers - 3);
 // Difference of chi-square that decides between two hypotheses.
 constexpr double kEvidence = 9;
 constexpr std::size_t kMostBad = 3;

@@ -178,15 +178,6 @@ template void SquareRootFactor::absorb<3>(RowBlock<3>&);
 template void SquareRootFactor::absorb<4>(RowBlock<4>&);
 template void SquareRootFactor::absorb<9>(RowBlock<9>&);
 
-double SquareRootFactor::solution_squares() const {
-  double sum = 0;
-  for (std::size_t i = 0; i < unknowns_; ++i) {
-    const double z = entry(i, unknowns_);
-    sum += z * z;
-  }
-  return sum;
-}
-
 double SquareRootFactor::log_determinant() const {
   double sum = 0;
   for (std::size_t i = 0; i < unknowns_; ++i) sum += std::log(std::abs(entry(i, i)));
@@ -197,11 +188,6 @@ void SquareRootFactor::scale(double factor) {
   const std::size_t used = row(unknowns_);
   for (std::size_t i = 0; i < used; ++i) entries_[i] *= factor;
   residual_squares_ *= factor * factor;
-}
-
-void SquareRootFactor::clear_right_hand_side() {
-  for (std::size_t i = 0; i < unknowns_; ++i) set_entry(i, unknowns_, 0);
-  residual_squares_ = 0;
 }
 
 Result<StateVector> SquareRootFactor::solve() const {

@@ -55,15 +55,11 @@ class SquareRootFactor {
 
   // Sum of the squares that no choice of unknowns can remove, of all rows taken so far.
   [[nodiscard]] double residual_squares() const { return residual_squares_; }
-  // |z|^2: by how much the sum of squares falls from x = 0 to the solution.
-  [[nodiscard]] double solution_squares() const;
   // Sum of ln |R_ii|: half of the log-determinant of the information.
   [[nodiscard]] double log_determinant() const;
 
   // Divides the sigma of every row taken so far by `factor`.
   void scale(double factor);
-  // Forgets the right-hand sides (z = 0): the present solution becomes the origin of x.
-  void clear_right_hand_side();
 
   // The solution of R x = z. kSingular when a diagonal entry is zero or not finite.
   [[nodiscard]] Result<StateVector> solve() const;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/numerics/quantiles.hpp"
 #include "core/refinement/robust.hpp"
 #include "core/refinement/row.hpp"
 #include "core/uncertainty/displacement.hpp"
@@ -116,19 +117,6 @@ std::string_view describe(Verdict verdict) {
   return "unknown";
 }
 
-double chi_square_quantile(double freedom, double sigmas, double noise_freedom) {
-  const double a = 2.0 / (9.0 * freedom);
-  const double b = noise_freedom > 0 ? 2.0 / (9.0 * noise_freedom) : 0;
-  // Normal is ((1 - b) x - (1 - a)) / sqrt(b x^2 + a), x the cube root: a quadratic equation.
-  const double square = (1 - b) * (1 - b) - sigmas * sigmas * b;
-  if (square <= 0) return std::numeric_limits<double>::infinity();
-  const double half = (1 - a) * (1 - b);
-  const double constant = (1 - a) * (1 - a) - sigmas * sigmas * a;
-  const double root = std::sqrt(std::max(0.0, half * half - square * constant));
-  const double x = (half + std::copysign(root, sigmas)) / square;
-  return freedom * x * x * x;
-}
-
 Judged<DriftReport> check_drift(const Refined& refined, std::span<const Observation> log,
                                 const Receivers& receivers, std::span<RowOutcome> outcomes,
                                 SquareRootFactor& scratch) {
@@ -153,7 +141,8 @@ Judged<DriftReport> check_drift(const Refined& refined, std::span<const Observat
   const Evidence healthy = evidence(refined, log, receivers, outcomes, scratch);
   const auto freedom = static_cast<double>(report.freedom);
   report.chi_square = healthy.chi_square;
-  report.allowed = chi_square_quantile(freedom, kAllowedSigmas, refined.quality.noise_freedom);
+  report.allowed =
+      numerics::chi_square_quantile(freedom, kAllowedSigmas, refined.quality.noise_freedom);
   if (report.chi_square <= report.allowed) return report;
 
   // Minus twice the log-likelihood of either explanation, each at its best size.

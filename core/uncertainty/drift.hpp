@@ -43,10 +43,4 @@ struct DriftReport {
                                               std::span<refinement::RowOutcome> outcomes,
                                               refinement::SquareRootFactor& scratch);
 
-// The value that a chi-square variable of `freedom` degrees stays below but for `sigmas` of a
-// normal variable (Wilson and Hilferty, 1931; within 2 % from 3 degrees on). With a unit of its own
-// found with `noise_freedom` > 0 degrees, it is so many times a variable of Fisher's law (Paulson,
-// 1942); infinite where those are too few to tell.
-[[nodiscard]] double chi_square_quantile(double freedom, double sigmas, double noise_freedom = 0);
-
 }  // namespace armsig::uncertainty

@@ -9,7 +9,7 @@ namespace armsig::uncertainty {
 
 // Covariance [m^2] of the position of target `target` in the sensor frame at joint readings
 // `readings`, with what the refinement left unexplained. Precondition: the information of `refined`
-// is regular, as refine() leaves it.
+// is regular, as calibration::geometry_to_signature() leaves it.
 [[nodiscard]] Matrix3 tool_covariance(const refinement::Refined& refined,
                                       const JointVector& readings, std::size_t target);
 

@@ -17,6 +17,7 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
       identification_(configuration, mover_, measurement_, announcer_),
       grid_(configuration, mover_, link, announcer_),
       custody_(configuration.drawing, memory),
+      check_(configuration, mover_, measurement_, announcer_, link, custody_),
       commit_(configuration, custody_, identification_, mover_, link),
       resting_place_(configuration.drawing, memory, custody_.sectors()),
       desk_(announcer_, {.configuration = configuration,
@@ -26,6 +27,7 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
                          .measurement = measurement_,
                          .identification = identification_,
                          .grid = grid_,
+                         .check = check_,
                          .custody = custody_,
                          .commit = commit_,
                          .longest_step = longest_step_}) {}
@@ -34,12 +36,16 @@ bool Background::step() {
   const hal::Instant began = clock_.now();
   mover_.refresh();
   tell_changes();
-  identification_.measure_step(measurement_.step(clock_.now()));
+  const auto measured = measurement_.step(clock_.now());
+  identification_.measure_step(measured);
+  check_.measure_step(measured);
   identification_.step();
+  check_.step();
   grid_.step();
   if (const auto committed = commit_.step()) desk_.stored(*committed);
   resting_place_.step(mover_.now());
   desk_.step();
+  check_.look_at_schedule(desk_.is_busy());
   longest_step_ = std::max(longest_step_, clock_.now() - began);
   return measurement_.is_computing() || identification_.is_computing() || desk_.is_computing();
 }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "firmware/controller/announcer.hpp"
+#include "firmware/controller/check_sequence.hpp"
 #include "firmware/controller/commit.hpp"
 #include "firmware/controller/custody.hpp"
 #include "firmware/controller/desk.hpp"
@@ -31,6 +32,7 @@ class Background {
   [[nodiscard]] const Snapshot& snapshot() const { return mover_.now(); }
   [[nodiscard]] const IdentificationSequence& identification() const { return identification_; }
   [[nodiscard]] const GridSequence& grid() const { return grid_; }
+  [[nodiscard]] const CheckSequence& check() const { return check_; }
   // The signature servoed with; empty: the drawing.
   [[nodiscard]] const std::optional<SignatureRecord>& active() const { return custody_.active(); }
 
@@ -47,6 +49,7 @@ class Background {
   IdentificationSequence identification_;
   GridSequence grid_;
   Custody custody_;
+  CheckSequence check_;
   Commit commit_;
   RestingPlace resting_place_;
   hal::Duration longest_step_{};

@@ -8,6 +8,7 @@
 
 #include "core/kinematics/forward.hpp"
 #include "core/measurement/ping_median.hpp"
+#include "firmware/controller/check_history.hpp"
 #include "firmware/controller/measurement_log.hpp"
 #include "firmware/controller/plausibility.hpp"
 #include "hal/range_sensor.hpp"
@@ -216,7 +217,10 @@ Checked check_sweeps(const Configuration& c) {
        }) {
     if (!ok) return ok;
   }
-  return check_count("sweeps.held_out_poses", plan.held_out_poses, 3, kMostHeldOut);
+  if (auto ok = check_count("sweeps.held_out_poses", plan.held_out_poses, 3, kMostHeldOut); !ok) {
+    return ok;
+  }
+  return check_count("check.poses", c.check.poses, kFewestCheckPoses, kMostCheckPoses);
 }
 
 // Three corners at different places, not in a line, make a workspace. Where the tool is out of the

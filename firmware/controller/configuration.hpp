@@ -76,6 +76,12 @@ struct GridTask {
   hal::Duration dwell{};
 };
 
+// Of whether the arm still is the one that was accepted.
+struct CheckPlan {
+  std::size_t poses = 16;  // spread as the held-out ones
+  hal::Duration every{};   // by schedule, counted from the last check or from power-up; zero: never
+};
+
 struct Configuration {
   // With limits for every joint, which its motor keeps as well. Where joints are coupled, every
   // reading here and on the console is the effective one, of the joint and not of its motor.
@@ -88,6 +94,7 @@ struct Configuration {
   Dwell dwell;
   SweepPlan sweeps;
   GridTask grid;
+  CheckPlan check;
 };
 
 struct ConfigurationRefusal {

@@ -22,6 +22,8 @@ class Desk {
   // The change of the store that an operator asked for is over.
   void stored(const Result<void>& result);
   [[nodiscard]] bool is_computing() const { return controls_.planning.has_value(); }
+  // Something that was asked for is under way.
+  [[nodiscard]] bool is_busy() const { return waiting_ || controls_.are_busy(); }
 
  private:
   struct Client {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One point of an identification: from the standstill of the arm to what is done with the point, or
-// with its failure.
+// One point of an identification: what is done with it, or with its failure.
 #include <cmath>
 
 #include "firmware/controller/identification_sequence.hpp"
@@ -10,63 +9,28 @@ namespace {
 
 // Points in a row that give no position, until the sensor rather than the place is to blame.
 constexpr unsigned kLostInARow = 3;
-// Times in a row that a point may be begun anew because the arm moved.
-constexpr unsigned kMovedInARow = 3;
-
-bool is_of_the_place(Error error) {
-  return error == Error::kTooFewReceivers || error == Error::kReceiversCollinear ||
-         error == Error::kMirrorAmbiguity || error == Error::kRangesInconsistent ||
-         error == Error::kSingular;
-}
 
 }  // namespace
 
-void IdentificationSequence::measure() {
-  const hal::Instant now = mover_.now().now;
-  measurement_.begin(now);
-  phase_ = Phase::kMeasuring;
-  measured_since_ = now;
-  phase_ends_ = now + configuration_.sensor.reading_timeout *
-                          static_cast<std::int64_t>(configuration_.dwell.most_pings + 1);
-}
-
-// Whether a joint left its place, by more than the tolerance, since the first ping.
-bool IdentificationSequence::has_moved() const {
-  const Snapshot& snapshot = mover_.now();
-  return snapshot.settled < snapshot.now - measured_since_;
-}
-
-// The pings of one point are of one place, or of none.
-[[gnu::noinline]] void IdentificationSequence::refuse_point() {
-  const std::size_t joint = mover_.furthest_joint();
-  measurement_.end();
-  if (++moved_in_a_row_ >= kMovedInARow) {
-    end(Error::kArmMoved, joint);
-    return;
-  }
-  announcer_.say(Line()
-                     .text("# identify point refused")
-                     .reason(Error::kArmMoved)
-                     .text(" joint=")
-                     .integer(joint + 1));
-  phase_ = Phase::kMoving;
-  phase_ends_ =
-      mover_.now().now + configuration_.dwell.settle + configuration_.dwell.settle_timeout;
-}
-
 void IdentificationSequence::measure_step(const Result<std::optional<MeasuredPoint>>& measured) {
-  if (!is_running() || phase_ != Phase::kMeasuring) return;
-  if (has_moved()) {
-    refuse_point();
-  } else if (!measured) {
-    take_error(measured.error());
-  } else if (*measured) {
-    take(**measured);
+  if (!is_running()) return;
+  const VisitOutcome outcome = visit_.take(measured);
+  switch (outcome.what) {
+    case VisitOutcome::What::kPoint:
+      take(**measured);
+      return;
+    case VisitOutcome::What::kLost:
+      take_error(outcome.why.error);
+      return;
+    case VisitOutcome::What::kEnds:
+      end(outcome.why.error, outcome.why.joint);
+      return;
+    default:
+      return;
   }
 }
 
 void IdentificationSequence::take_error(Error error) {
-  phase_ = Phase::kNext;
   if (!is_of_the_place(error)) {
     pause_for(error);
     return;
@@ -88,12 +52,11 @@ void IdentificationSequence::pause_for(Error error) {
 }
 
 void IdentificationSequence::take(const MeasuredPoint& point) {
-  phase_ = Phase::kNext;
-  lost_in_a_row_ = moved_in_a_row_ = 0;
+  lost_in_a_row_ = 0;
   ++points_done_;
   const JointVector& readings = mover_.now().positions;
   const bool sweeping = stage_ == Stage::kSweeping;
-  if (!log_.full()) {
+  if (!received_ && !log_.full()) {
     log_.push_back({sweeping ? joint_ + 1 : 0, point.pings, readings, point.p_S,
                     std::sqrt(point.covariance_m2.trace() / 3)});
   }

@@ -5,8 +5,6 @@
 
 #include <Eigen/Dense>
 
-#include "core/base/low_discrepancy.hpp"
-
 namespace armsig::controller {
 
 IdentificationSequence::IdentificationSequence(const Configuration& configuration, Mover& mover,
@@ -15,26 +13,52 @@ IdentificationSequence::IdentificationSequence(const Configuration& configuratio
     : configuration_(configuration),
       mover_(mover),
       measurement_(measurement),
-      announcer_(announcer) {}
+      announcer_(announcer),
+      visit_(configuration, mover, measurement, announcer, "identify") {}
 
 void IdentificationSequence::begin(const SignatureRecord* active, Ticket begun) {
+  start(active, begun);
   stage_ = Stage::kSweeping;
-  phase_ = Phase::kNext;
-  paused_ = false;
-  pause_reason_.reset();
-  active_ = active;
-  joint_ = held_out_ = points_done_ = 0;
-  lost_in_a_row_ = moved_in_a_row_ = 0;
-  ticket_ = begun;
-  began_ = mover_.now().now;
   log_.clear();
   forget_candidate();
   candidate_.emplace().signature.configuration = configuration_.sweeps.configuration;
   begin_sweep();
 }
 
+void IdentificationSequence::begin_comparison(const SignatureRecord* active, Ticket begun) {
+  start(active, begun);
+  stage_ = Stage::kComparing;
+  work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
+}
+
+Result<bool> IdentificationSequence::receive(const Request& request) {
+  if (!std::holds_alternative<Receiving>(work_)) work_.emplace<Receiving>();
+  auto& receiving = *std::get_if<Receiving>(&work_);
+  ARMSIG_TRY(whole, receiving.take(request));
+  if (!whole) return false;
+  forget_candidate();
+  const auto opened = receiving.open(configuration_.drawing, candidate_.emplace());
+  work_.emplace<std::monostate>();
+  if (!opened) {
+    candidate_.reset();
+    return std::unexpected(opened.error());
+  }
+  return received_ = true;
+}
+
+void IdentificationSequence::start(const SignatureRecord* active, Ticket begun) {
+  paused_ = false;
+  pause_reason_.reset();
+  active_ = active;
+  joint_ = held_out_ = points_done_ = 0;
+  lost_in_a_row_ = 0;
+  visit_.begin(begun);
+  began_ = mover_.now().now;
+}
+
 void IdentificationSequence::forget_candidate() {
   candidate_.reset();
+  received_ = false;
   report_ = {};
 }
 
@@ -56,7 +80,7 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
   pause_reason_.reset();
   work_.emplace<std::monostate>();
   measurement_.end();
-  if (!has_verdict()) forget_candidate();
+  if (!has_verdict() && !received_) forget_candidate();
   mover_.send(CommandKind::kEndSequence);
   Line line;
   line.text("# identify ended").reason(error);
@@ -65,8 +89,9 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
 }
 
 std::size_t IdentificationSequence::points_planned() const {
-  return configuration_.drawing.joints.size() * configuration_.sweeps.points +
-         configuration_.sweeps.held_out_poses;
+  const std::size_t swept =
+      received_ ? 0 : configuration_.drawing.joints.size() * configuration_.sweeps.points;
+  return swept + configuration_.sweeps.held_out_poses;
 }
 
 double IdentificationSequence::left_s() const {
@@ -80,53 +105,27 @@ void IdentificationSequence::tell_progress(std::string_view what) const {
   Line line;
   line.text("# identify ").text(what).text(" joint=").integer(joint_ + 1);
   line.text(" points=").integer(points_done_).text(" planned=").integer(points_planned());
-  if (const Sweep* sweep = std::get_if<Sweep>(&work_); sweep && sweep->axis_sigma_rad()) {
-    line.text(" axis_sigma_deg=").number(degrees(*sweep->axis_sigma_rad()), 5);
+  if (const auto sigma_rad = axis_sigma_rad()) {
+    line.text(" axis_sigma_deg=").number(degrees(*sigma_rad), 5);
   }
   announcer_.say(line.text(" left_s=").number(left_s(), 0));
 }
 
 void IdentificationSequence::step() {
   if (!is_running()) return;
-  const Snapshot& snapshot = mover_.now();
-  if (!mover_.is_handled(ticket_)) return;
-  // First, as what was sent in the tick of the fault was refused because of it.
-  if (snapshot.fault) {
-    end(snapshot.fault->error, snapshot.fault->joint);
-    return;
-  }
-  if (const auto refusal = mover_.refusal(ticket_)) {
-    end(*refusal);
-    return;
-  }
-  if (snapshot.mode != Mode::kSweeping) {
-    end(Error::kSequenceStopped);
-    return;
-  }
-  switch (phase_) {
-    case Phase::kNext:
+  const VisitOutcome outcome = visit_.step();
+  switch (outcome.what) {
+    case VisitOutcome::What::kReady:
       if (!paused_) go_on();
       return;
-    case Phase::kMoving:
-      step_move();
+    case VisitOutcome::What::kArrived:
+      stage_ == Stage::kReturning ? finish() : visit_.measure();
       return;
-    case Phase::kMeasuring:  // measure_step() goes on
-      if (has_moved()) {
-        refuse_point();
-      } else if (snapshot.now > phase_ends_) {
-        measurement_.end();
-        take_error(Error::kPointTimeout);
-      }
+    case VisitOutcome::What::kEnds:
+      end(outcome.why.error, outcome.why.joint);
       return;
-  }
-}
-
-void IdentificationSequence::step_move() {
-  const hal::Instant now = mover_.now().now;
-  if (mover_.has_arrived(ticket_, configuration_.dwell.settle)) {
-    stage_ == Stage::kReturning ? finish() : measure();
-  } else if (now > phase_ends_) {
-    end(Error::kNotSettled, mover_.furthest_joint());
+    default:
+      return;
   }
 }
 
@@ -153,41 +152,9 @@ void IdentificationSequence::go_on() {
       finish_held_out();
       return;
     }
-    q = held_out_pose(held_out_);
+    q = spread_pose(configuration_, held_out_);
   }
-  go_to(q);
-}
-
-void IdentificationSequence::go_to(const JointVector& q) {
-  const auto move = plan_joint_move(configuration_, mover_.now().commanded, q);
-  if (!move) {
-    end(move.error().error, move.error().joint);
-    return;
-  }
-  const auto sent = mover_.send(*move, Mover::Of::kSequence);
-  if (!sent) {
-    end(Error::kLateTick);
-    return;
-  }
-  ticket_ = *sent;
-  phase_ = Phase::kMoving;
-  phase_ends_ = mover_.now().now + configuration_.dwell.settle +
-                configuration_.dwell.settle_timeout + lasting(*move);
-}
-
-// Spread about the signature configuration over the configured part of each joint's limits.
-JointVector IdentificationSequence::held_out_pose(std::size_t index) const {
-  const Arm& arm = configuration_.drawing;
-  FixedVector<JointType, kMaxJoints> types;
-  FixedVector<JointLimits, kMaxJoints> limits;
-  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
-    types.push_back(arm.joints[i].type);
-    const auto [lower, upper] = arm.limits[i];
-    const double centre = configuration_.sweeps.configuration[i];
-    const double reach = configuration_.sweeps.held_out_reach;
-    limits.push_back({centre + reach * (lower - centre), centre + reach * (upper - centre)});
-  }
-  return evenly_spread_configuration(types, limits, static_cast<int>(index) + 1);
+  if (const auto gone = visit_.go_to(q); !gone) end(gone.error().error, gone.error().joint);
 }
 
 void IdentificationSequence::finish_sweep() {

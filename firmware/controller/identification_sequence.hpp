@@ -4,7 +4,8 @@
 // identify, then measure held-out poses and compare candidate and active model on them.
 //
 // Trouble of the sensor pauses it; resume() measures the same point again. Trouble of the arm ends
-// it. Nothing is stored by it.
+// it. Nothing is stored by it. A candidate may come from outside as well, and is then compared
+// alone.
 #pragma once
 
 #include <optional>
@@ -16,6 +17,8 @@
 #include "firmware/controller/measurement_log.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/pose_visit.hpp"
+#include "firmware/controller/receiving.hpp"
 #include "firmware/controller/signature_record.hpp"
 #include "firmware/controller/sweep.hpp"
 
@@ -39,6 +42,14 @@ class IdentificationSequence {
   // as it is until the sequence is over; `begun` is the kBeginSequence that it needs. Precondition:
   // not is_running().
   void begin(const SignatureRecord* active, Ticket begun);
+  // The next part of a candidate from outside (receiving.hpp); true if it is whole then, and is the
+  // candidate in place of any other. Errors: those of Receiving. Precondition: not is_running().
+  [[nodiscard]] Result<bool> receive(const Request& request);
+  // Whether there is a candidate from outside that has not been compared.
+  [[nodiscard]] bool has_received() const { return received_ && !has_verdict(); }
+  // Compares it with `active` as begin() does in the end; what was measured before stays in the
+  // log. Preconditions: has_received(), not is_running().
+  void begin_comparison(const SignatureRecord* active, Ticket begun);
   void pause() { paused_ = true; }
   void resume();
   // Ends it with `error` as the reason, wherever it is.
@@ -51,13 +62,22 @@ class IdentificationSequence {
   [[nodiscard]] bool is_paused() const { return is_running() && paused_; }
   // Neither moving nor measuring.
   [[nodiscard]] bool is_computing() const {
-    return is_running() && !paused_ && phase_ == Phase::kNext;
+    return is_running() && !paused_ && !visit_.is_under_way();
   }
   [[nodiscard]] Stage stage() const { return stage_; }
   [[nodiscard]] std::optional<Error> pause_reason() const { return pause_reason_; }
   [[nodiscard]] std::size_t points_done() const { return points_done_; }
   [[nodiscard]] std::size_t points_planned() const;
   [[nodiscard]] double left_s() const;
+  // Index of the joint that is being swept; nothing in another stage.
+  [[nodiscard]] std::optional<std::size_t> swept_joint() const {
+    return stage_ == Stage::kSweeping ? std::optional(joint_) : std::nullopt;
+  }
+  // How well its axis is known so far; nothing before there are points enough.
+  [[nodiscard]] std::optional<double> axis_sigma_rad() const {
+    const Sweep* const sweep = std::get_if<Sweep>(&work_);
+    return sweep != nullptr ? sweep->axis_sigma_rad() : std::nullopt;
+  }
 
   // With the air and the error that it was identified with; its number is for the store to give.
   [[nodiscard]] const std::optional<SignatureRecord>& candidate() const { return candidate_; }
@@ -69,8 +89,7 @@ class IdentificationSequence {
   void stamp(std::int64_t identified_at_s, const Machine& machine);
 
  private:
-  enum class Phase : std::uint8_t { kNext, kMoving, kMeasuring };
-
+  void start(const SignatureRecord* active, Ticket begun);
   void go_on();
   void begin_sweep();
   // Of the stage.
@@ -82,24 +101,18 @@ class IdentificationSequence {
   void finish_held_out();
   void finish();
   void add_targets();
-  void go_to(const JointVector& q);
   void take(const MeasuredPoint& point);
   void take_error(Error error);
-  void step_move();
-  void measure();
-  void refuse_point();
-  [[nodiscard]] bool has_moved() const;
   void pause_for(Error error);
-  [[nodiscard]] JointVector held_out_pose(std::size_t index) const;
   void tell_progress(std::string_view what) const;
 
   const Configuration& configuration_;
   Mover& mover_;
   PointMeasurement& measurement_;
   const Announcer& announcer_;
+  PoseVisit visit_;
 
   Stage stage_ = Stage::kNone;
-  Phase phase_ = Phase::kNext;
   bool paused_ = false;
   std::optional<Error> pause_reason_;
   const SignatureRecord* active_ = nullptr;
@@ -107,12 +120,10 @@ class IdentificationSequence {
   std::size_t held_out_ = 0;
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
-  unsigned moved_in_a_row_ = 0;
-  Ticket ticket_ = 0;        // of the last command
-  hal::Instant phase_ends_;  // the bound of the phase under way
-  hal::Instant measured_since_;
   hal::Instant began_;
-  std::variant<std::monostate, Sweep, Identification, HeldOutComparison> work_;
+  // In it a candidate from outside comes in, too, part after part.
+  std::variant<std::monostate, Sweep, Identification, HeldOutComparison, Receiving> work_;
+  bool received_ = false;                     // the candidate came from outside
   std::optional<SignatureRecord> candidate_;  // being made until there is a verdict
   HeldOutReport report_;
   MeasurementLog log_;

@@ -35,7 +35,11 @@ void PointMeasurement::begin(hal::Instant now) {
 
 Result<std::optional<MeasuredPoint>> PointMeasurement::step(hal::Instant now) {
   if (trilateration_) return locate(now);
-  const auto polled = sensor_.poll(now);
+  auto polled = sensor_.poll(now);
+  if (polled && *polled &&
+      (*polled)->receivers.size() != configuration_.sensor.receivers.p_S.size()) {
+    polled = std::unexpected(Error::kSensorMalformed);
+  }
   if (!polled) {
     if (auto taken = take_error(polled.error()); !taken) return std::unexpected(taken.error());
   } else if (*polled) {
@@ -82,13 +86,6 @@ Result<std::optional<MeasuredPoint>> PointMeasurement::take(const hal::RangeRead
     return std::optional<MeasuredPoint>();
   }
   if (!median_ || reading.at < began_) return std::optional<MeasuredPoint>();
-  const measurement::ReceiverArray& receivers = configuration_.sensor.receivers;
-  if (reading.receivers.size() != receivers.p_S.size()) {
-    if (auto taken = take_error(Error::kSensorMalformed); !taken) {
-      return std::unexpected(taken.error());
-    }
-    return std::optional<MeasuredPoint>();
-  }
   FlightTimes flights;
   for (const hal::ReceiverReading& receiver : reading.receivers) {
     flights.push_back({.seconds = receiver.flight_s, .valid = receiver.valid});
@@ -100,7 +97,7 @@ Result<std::optional<MeasuredPoint>> PointMeasurement::take(const hal::RangeRead
     return std::unexpected(added.error());
   }
   if (median_->pings() < configuration_.dwell.pings) return std::optional<MeasuredPoint>();
-  trilateration_.emplace(receivers, median_->median());
+  trilateration_.emplace(configuration_.sensor.receivers, median_->median());
   return std::optional<MeasuredPoint>();
 }
 

@@ -71,10 +71,21 @@ void tell_sequence(Line& line, const Controls& controls) {
     line.text(" points=").integer(identification.points_done());
     line.text(" planned=").integer(identification.points_planned());
     line.text(" left_s=").number(identification.left_s(), 0);
+    if (const auto joint = identification.swept_joint()) {
+      line.text(" sweep=").integer(*joint + 1);
+      const auto sigma_rad = identification.axis_sigma_rad();
+      if (sigma_rad) line.text(" axis_sigma_deg=").number(degrees(*sigma_rad), 5);
+    }
   } else if (controls.grid.is_running()) {
     line.text(" sequence=touching touched=").integer(controls.grid.touched());
+  } else if (controls.check.is_running()) {
+    line.text(" sequence=checking points=").integer(controls.check.poses_done());
+    line.text(" planned=").integer(controls.configuration.check.poses);
   } else {
     line.text(" sequence=none");
+  }
+  if (const auto& last = controls.check.last()) {
+    line.text(" check=\"").text(describe(last->verdict)).text("\"");
   }
 }
 

@@ -42,6 +42,16 @@ Result<Answer> touch_grid(Controls& controls, const Request& /*request*/, Line& 
   return answer;
 }
 
+Result<Answer> check_arm(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  ARMSIG_TRY(ticket, controls.check.begin());
+  return when_taken(ticket);
+}
+
+Result<Answer> halt(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  controls.check.postpone();
+  return when_taken(controls.mover.send(CommandKind::kHalt));
+}
+
 Result<Answer> when_stored(const Result<void>& begun) {
   if (!begun) return std::unexpected(begun.error());
   return Answer{Answer::When::kStored};
@@ -73,6 +83,20 @@ Result<Answer> fetch(Controls& controls, const Request& request, Line& out) {
                 out);
   if (!told) return std::unexpected(told.error());
   return Answer();
+}
+
+Result<Answer> send(Controls& controls, const Request& request, Line& out) {
+  ARMSIG_TRY(whole, controls.identification.receive(request));
+  if (whole) out.text(" received=candidate");
+  return Answer();
+}
+
+Result<Answer> compare(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  if (!controls.identification.has_received()) return std::unexpected(Error::kNoCandidate);
+  ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
+  const auto& active = controls.custody.active();
+  controls.identification.begin_comparison(active ? &active->signature : nullptr, answer.ticket);
+  return answer;
 }
 
 void tell_modes(const Modes& modes, Line& out) {
@@ -108,6 +132,8 @@ constexpr Verb tick_verb(std::string_view name, std::string_view help) {
 
 constexpr Modes kStanding{Mode::kIdle, Mode::kHolding};
 constexpr Modes kReady{Mode::kHolding};
+constexpr Modes kBetweenSequences{Mode::kStarting, Mode::kIdle, Mode::kHolding, Mode::kServoing,
+                                  Mode::kFaulted};
 
 constexpr std::array kVerbs{
     Verb{.name = "status",
@@ -119,7 +145,11 @@ constexpr std::array kVerbs{
     tick_verb<CommandKind::kReset>("reset", "forgets a fault; sets up again, without torque"),
     tick_verb<CommandKind::kStop>(
         "stop", "quick stop of every drive, faulted until reset; not an emergency stop"),
-    tick_verb<CommandKind::kHalt>("halt", "slows down on the path, ends a sequence; torque stays"),
+    Verb{.name = "halt",
+         .handler = halt,
+         .help = "slows down on the path, ends a sequence; torque stays; puts off a check that is "
+                 "due",
+         .modes = modes_of(CommandKind::kHalt)},
     Verb{.name = "move",
          .handler = move,
          .help = "q1_deg=10 q3_mm=5 moves joints; x_mm= y_mm= z_mm= qw= qx= qy= qz= or dx_mm= ... "
@@ -132,8 +162,24 @@ constexpr std::array kVerbs{
          .help = "measures all joints; ends with a candidate",
          .modes = kReady,
          .alone = true},
+    Verb{.name = "check",
+         .handler = check_arm,
+         .help = "measures a few poses: is the arm still as it was accepted",
+         .modes = kReady,
+         .alone = true},
     Verb{.name = "pause", .handler = pause<true>, .help = "of identify"},
     Verb{.name = "resume", .handler = pause<false>, .help = "of identify; measures again"},
+    Verb{.name = "send",
+         .handler = send,
+         .help = "part=N bytes=B hex=...: a signature from outside, for compare",
+         .modes = kBetweenSequences,
+         .alone = true,
+         .takes = Verb::Takes::kKeys},
+    Verb{.name = "compare",
+         .handler = compare,
+         .help = "measures the held-out poses for a candidate that was sent",
+         .modes = kReady,
+         .alone = true},
     Verb{.name = "candidate",
          .handler = tell_candidate,
          .help = "the candidate against the active model on poses that neither was fitted to",

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "firmware/controller/check_sequence.hpp"
 #include "firmware/controller/commit.hpp"
 #include "firmware/controller/grid_sequence.hpp"
 #include "firmware/controller/identification_sequence.hpp"
@@ -24,6 +25,7 @@ struct Controls {
   const PointMeasurement& measurement;
   IdentificationSequence& identification;
   GridSequence& grid;
+  CheckSequence& check;
   Custody& custody;
   Commit& commit;
   const hal::Duration& longest_step;
@@ -31,7 +33,8 @@ struct Controls {
 
   // A sequence, a plan or a change of the store is under way.
   [[nodiscard]] bool are_busy() const {
-    return identification.is_running() || grid.is_running() || planning || commit.is_running();
+    return identification.is_running() || grid.is_running() || check.is_running() || planning ||
+           commit.is_running();
   }
 };
 

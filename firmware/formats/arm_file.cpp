@@ -2,11 +2,11 @@
 #include "firmware/formats/arm_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "core/base/couplings.hpp"
 #include "core/base/error.hpp"
 #include "core/base/pose.hpp"
 #include "firmware/formats/text.hpp"
@@ -34,17 +34,6 @@ Read<DhJoint> read_dh(const YamlMap& map) {
   ARMSIG_TRY(a_m, map.quantity("a", Dimension::kLength));
   ARMSIG_TRY(alpha_rad, map.quantity("alpha", Dimension::kAngle));
   return DhJoint{type, theta_rad, d_m, a_m, alpha_rad};
-}
-
-// Whether the couplings that move `joint` lead back to it.
-bool leads_back(const JointCouplings& couplings, std::size_t joint) {
-  std::array<bool, kMaxJoints> moves{};  // joints that move it
-  for (std::size_t pass = 0; pass < couplings.size(); ++pass) {
-    for (const JointCoupling& coupling : couplings) {
-      if (coupling.joint == joint || moves[coupling.joint]) moves[coupling.from] = true;
-    }
-  }
-  return moves[joint];
 }
 
 Read<JointCoupling> read_coupling(const YamlNode& node,

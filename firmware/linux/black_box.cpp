@@ -11,6 +11,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <new>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -132,12 +134,32 @@ void BlackBox::write_if_due() {
   remove_old_files();
 }
 
-// Columns as FORMATS names quantities: SI inside, the unit in the name.
 int BlackBox::write(const Recording& recording, const std::string& path) const {
   const int descriptor =
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
   if (descriptor < 0) return errno;
   std::FILE* const file = ::fdopen(descriptor, "w");
+  if (file == nullptr) {
+    const int reason = errno;
+    ::close(descriptor);
+    ::unlink(path.c_str());
+    return reason;
+  }
+  int reason = 0;
+  try {
+    print(recording, file);
+  } catch (const std::system_error& error) {  // fmt's, where the file takes no more
+    reason = error.code().value();
+  } catch (const std::bad_alloc&) {
+    reason = ENOMEM;
+  }
+  if (std::fclose(file) != 0 && reason == 0) reason = errno;
+  if (reason != 0) ::unlink(path.c_str());
+  return reason;
+}
+
+// Columns as FORMATS names quantities: SI inside, the unit in the name.
+void BlackBox::print(const Recording& recording, std::FILE* file) const {
   fmt::print(file, "# armsigd black box of {}, written {}\n# fault: {}\n",
              on_one_line(configuration_.name), stamp(), words_of(recording.fault));
   fmt::print(file, "# t_s is of the tick in which it was seen; statuswords are CiA 402's\n");
@@ -161,14 +183,6 @@ int BlackBox::write(const Recording& recording, const std::string& path) const {
     }
     fmt::print(file, "\n");
   }
-  const bool failed = std::ferror(file) != 0;
-  const int number = errno;
-  if (std::fclose(file) != 0 || failed) {
-    const int reason = failed ? number : errno;
-    ::unlink(path.c_str());
-    return reason;
-  }
-  return 0;
 }
 
 void BlackBox::remove_old_files() const {

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,7 +69,10 @@ class BlackBox final : public controller::TickObserver {
   void do_take(const controller::Snapshot& snapshot, hal::Duration lateness) override;
   void add(Recording& recording, const controller::Snapshot& snapshot,
            hal::Duration lateness) const;
+  // Zero, or errno where there is no such file then.
   [[nodiscard]] int write(const Recording& recording, const std::string& path) const;
+  // Throws what fmt throws.
+  void print(const Recording& recording, std::FILE* file) const;
   void remove_old_files() const;
 
   BlackBoxConfiguration configuration_;

@@ -143,6 +143,17 @@ Read<void> read_sweeps(const YamlMap& root, DaemonConfiguration& c) {
   });
 }
 
+Read<void> read_check(const YamlMap& root, DaemonConfiguration& c) {
+  constexpr int kMostHours = 720;
+  int every_hours = 0;
+  auto read = in_section(root, "check", {"poses", "every_hours"}, [&](Settings& settings) {
+    settings.integer("poses", 1, kMost, c.controller.check.poses)
+        .integer("every_hours", 0, kMostHours, every_hours);
+  });
+  c.controller.check.every = std::chrono::hours(every_hours);
+  return read;
+}
+
 Read<void> read_supervision(const YamlMap& root, DaemonConfiguration& c) {
   std::vector<std::string> known;
   add_names(known, "latest_tick", Dimension::kTime);
@@ -171,9 +182,9 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
   }
-  std::vector<std::string> known{"armsig",      "name",   "console", "store",  "priority",
-                                 "black_box",   "joints", "can",     "sensor", "motion",
-                                 "supervision", "dwell",  "sweeps",  "grid",   "coupling"};
+  std::vector<std::string> known{
+      "armsig", "name",   "console",     "store", "priority", "black_box", "joints", "can",
+      "sensor", "motion", "supervision", "dwell", "sweeps",   "check",     "grid",   "coupling"};
   add_names(known, "period", Dimension::kTime);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));
   DaemonConfiguration c;
@@ -188,7 +199,7 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
     }
     if (auto ok = read_can(root, c); !ok) return ok;
     if (auto ok = read_sensor(*sensor, c); !ok) return ok;
-    for (const auto read : {read_motion, read_supervision, read_dwell, read_sweeps}) {
+    for (const auto read : {read_motion, read_supervision, read_dwell, read_sweeps, read_check}) {
       if (auto ok = read(root, c); !ok) return ok;
     }
     const auto drives = canopen::check(c.drives);

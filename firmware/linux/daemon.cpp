@@ -112,8 +112,8 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
                                        configuration.can_interface, configuration.console));
       },
       [&] { at_rest = shut_down(master, clock, configuration.controller.period); }, stop);
-  attendance.end(stop, at_rest);
   if (served) controller::keep_positions(*memory, master);
+  attendance.end(stop, at_rest);
   return served ? 0 : 1;
 }
 

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string>
 
 #include "hal/linux/steady_clock.hpp"
@@ -60,12 +61,26 @@ void Journal::begin(std::function<void()> chore) {
 
 void Journal::run(const std::function<void()>& chore) {
   linux_hal::SteadyClock clock;
+  bool told = false;
+  // Nothing that this thread does for others is worth the end of the process that moves the arm.
+  const auto attempt = [&] {
+    try {
+      chore();
+      told = false;
+    } catch (const std::exception& error) {
+      if (told) return;
+      told = true;
+      std::array<char, kLongest> text{};
+      std::snprintf(text.data(), text.size(), "beside the controller: %s", error.what());
+      tell(Priority::kError, text.data());
+    }
+  };
   while (!stop_) {
     write_all();
-    chore();
+    attempt();
     clock.wait_until(clock.now() + kRest);
   }
-  chore();
+  attempt();
   write_all();
 }
 

@@ -29,7 +29,8 @@ class Journal {
   void tell(Priority priority, std::string_view text);
 
   // Starts the thread, which also calls `chore` several times a second, and then ends every
-  // thread's need to wait. Throws std::system_error.
+  // thread's need to wait. A chore that throws is told, once until it goes well, and tried again.
+  // Throws std::system_error.
   void begin(std::function<void()> chore);
   // By one thread besides: kept for the writing thread, and cut at kLongest. Never waits; what
   // there is no room for is lost and counted, which the log then tells.

@@ -13,8 +13,16 @@ bool only_asks(std::string_view request) {
   return verb != nullptr ? verb->only_asks : name == "system";
 }
 
+// A request as it is logged: what is sent in hexadecimal digits is no reading for people.
+std::string_view without_bytes(std::string_view request) {
+  return request.substr(0, request.find(" hex="));
+}
+
 Priority priority_of(std::string_view told) {
   if (told.starts_with("# mode faulted")) return Priority::kError;
+  if (told.starts_with("# check verdict=") && !told.contains("as accepted")) {
+    return Priority::kWarning;
+  }
   for (const std::string_view trouble : {" ended ", " paused ", " lost "}) {
     if (told.find(trouble) != std::string_view::npos) return Priority::kWarning;
   }
@@ -30,7 +38,7 @@ std::optional<hal::ConsoleLine> JournalConsole::do_read_line() {
                                       .text("console ")
                                       .integer(line->client)
                                       .text(": ")
-                                      .text(line->text())
+                                      .text(without_bytes(line->text()))
                                       .view());
   return line;
 }

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -25,6 +26,9 @@ struct Options {
   std::string truth;
   std::string console;
   std::string store;
+  double maps_deg = 0;
+  double sag_mm = 0;
+  double play_deg = 0;
   VirtualOptions emulated;
 };
 
@@ -52,6 +56,20 @@ void add_options(CLI::App& app, Options& options) {
                            ->needs(is_virtual)
                            ->check(CLI::NonNegativeNumber)
                            ->capture_default_str();
+  const auto add_bend = [&](const char* name, double& value, const char* help) {
+    app.add_option_function<double>(
+           name, [&value](double told) { value = told; }, help)
+        ->needs(is_virtual)
+        ->check(CLI::NonNegativeNumber);
+  };
+  add_bend("--maps-deg", options.maps_deg,
+           "--virtual: largest error of a joint's reading, by waves that repeat with the turn");
+  add_bend("--sag-mm", options.sag_mm,
+           "--virtual: how far gravity bends the arm, stretched out level");
+  add_bend("--play-deg", options.play_deg,
+           "--virtual: between each motor and its joint, beside what the drives have");
+  add_bend("--warm-kelvin", options.emulated.warm_kelvin,
+           "--virtual: by which the arm warms up after power-up and grows, as steel does");
   app.add_flag("--ideal", options.emulated.ideal,
                "--virtual: exact drives, without gravity, coasting, slow brakes, play and delays")
       ->needs(is_virtual);
@@ -107,6 +125,9 @@ int run(Options& options, const volatile std::sig_atomic_t& stop) {
     }
     options.emulated.truth = truth->arm;
   }
+  options.emulated.bends = {.map_rad = radians(options.maps_deg),
+                            .sag_m = 1e-3 * options.sag_mm,
+                            .play_rad = radians(options.play_deg)};
   return run_virtual(*configuration, options.emulated, stop);
 }
 
@@ -129,6 +150,9 @@ int parse_and_run(int argc, char** argv, const volatile std::sig_atomic_t& stop)
 int main(int argc, char** argv) {
   try {
     return armsig::daemon::parse_and_run(argc, argv, armsig::daemon::catch_signals());
+  } catch (const std::bad_alloc&) {
+    std::fputs("armsigd: out of memory\n", stderr);
+    return 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "armsigd: %s\n", error.what());
     return 1;

@@ -21,6 +21,9 @@
 namespace armsig::daemon {
 namespace {
 
+constexpr std::uint64_t kBendStream = 2;  // of the seed; 0: tolerances
+constexpr double kSteelGrowth_per_kelvin = 12e-6;
+
 cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualOptions& options) {
   const controller::Configuration& c = configuration.controller;
   simulated::Random random(options.seed);
@@ -30,6 +33,12 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
   world.arm.targets.push_back(
       {.number = c.sweeps.target, .link = c.drawing.joints.size(), .p_L = configuration.p_nT});
   if (options.ideal) world.drive.emplace();
+  if (options.bends.map_rad > 0 || options.bends.sag_m > 0) {
+    simulated::Random bends(options.seed, kBendStream);
+    world.bent = cabinet::bent_model(c.drawing, options.bends, bends);
+  }
+  world.play_rad = options.bends.play_rad;
+  world.growth = kSteelGrowth_per_kelvin * options.warm_kelvin;
   world.start = c.sweeps.configuration;
   // Real ticks may be late: that is to be counted, and not to end by a fault of an emulated drive.
   if (options.real_time) world.sync_loss_periods = 0;

@@ -8,6 +8,7 @@
 
 #include "core/base/arm.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
+#include "firmware/virtual_cabinet/bent_arm.hpp"
 
 namespace armsig::daemon {
 
@@ -15,6 +16,8 @@ struct VirtualOptions {
   std::optional<Arm> truth;  // the arm as it was built; none: drawn from the usual tolerances
   std::uint64_t seed = 1;    // of those, and of the sensor's noise
   double speed = 1;          // times real time; 0: as fast as it goes
+  cabinet::Bends bends;      // what the arm has beside its geometry, drawn by the seed
+  double warm_kelvin = 0;    // by which it warms up after power-up, as steel
   bool ideal = false;        // drives without gravity, coasting, play and delays
   // By the threads of a real cabinet, whose ticks come as late as this computer lets them;
   // otherwise in virtual time, the same on every run.

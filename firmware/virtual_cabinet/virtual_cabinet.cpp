@@ -32,12 +32,21 @@ JointVector VirtualSensor::true_readings() const {
   return q;
 }
 
+Vector3 VirtualSensor::target(hal::Instant now) {
+  if (!powered_at_) powered_at_ = now;
+  const JointVector& readings = readings_.read();
+  const JointVector q = world_.bent ? turned(*world_.bent, readings) : readings;
+  const double part =
+      1 - std::exp(-hal::seconds(now - *powered_at_) / hal::seconds(world_.warming));
+  const simulated::SimulatedArm arm = simulated::grown(world_.arm, world_.growth * part);
+  return simulated::target_position(arm, q, arm.targets[arm.targets.size() - 1]);
+}
+
 Result<std::optional<hal::RangeReading>> VirtualSensor::do_poll(hal::Instant now) {
   if (pinged_at_ && now - *pinged_at_ < world_.ping_period) return std::nullopt;
   pinged_at_ = now;
   if (error_) return std::unexpected(*error_);
-  const simulated::Sounding sounding = field_.measure(simulated::target_position(
-      world_.arm, readings_.read(), world_.arm.targets[world_.arm.targets.size() - 1]));
+  const simulated::Sounding sounding = field_.measure(target(now));
   hal::RangeReading reading;
   for (std::size_t j = 0; j < sounding.time_ns.size(); ++j) {
     reading.receivers.push_back(
@@ -72,11 +81,18 @@ void VirtualGravity::do_advance(hal::Instant until) {
 namespace {
 
 simulated::DriveConfiguration drive_of(const World& world, const canopen::AxisConfiguration& axis) {
-  if (world.drive) return *world.drive;
   const double counts_per_unit = 1 / cia402::Scaling::make(axis.scaling)->resolution();
-  return axis.scaling.type == JointType::kRevolute
-             ? simulated::honest_drive(axis.node, counts_per_unit)
-             : simulated::honest_slide_drive(axis.node, counts_per_unit);
+  const JointType type = axis.scaling.type;
+  simulated::DriveConfiguration drive;
+  if (world.drive) {
+    drive = *world.drive;
+  } else {
+    drive = type == JointType::kRevolute
+                ? simulated::honest_drive(axis.node, counts_per_unit)
+                : simulated::honest_slide_drive(axis.node, counts_per_unit);
+  }
+  drive.motion.play += bend_amount(type, world.play_rad) * counts_per_unit;
+  return drive;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "firmware/controller/controller.hpp"
 #include "firmware/controller/latest_value.hpp"
+#include "firmware/virtual_cabinet/bent_arm.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/master.hpp"
 #include "hal/simulated/arm.hpp"
@@ -27,6 +28,14 @@ struct World {
   // Of every joint, but for its node and where it starts; none: drives as they are, of each joint's
   // own counts (simulated::honest_drive(), honest_slide_drive()).
   std::optional<simulated::DriveConfiguration> drive;
+  // Maps of the readings and sag, of the arm as drawn; none: its joints turn as the encoders read.
+  std::optional<calibration::ArmModel> bent;
+  double play_rad =
+      0;  // between each motor and its joint, beside what the drives have of their own
+  // All lengths of the arm grow by this share of themselves while it warms up, from power-up on: by
+  // 63 % of it in each time constant. Steel that warms by 10 K: 1.2e-4.
+  double growth = 0;
+  hal::Duration warming = std::chrono::minutes(20);
   simulated::Limbs limbs;  // what gravity pulls at
   unsigned sync_loss_periods = simulated::DriveConfiguration{}.sync_loss_periods;
   simulated::UltrasonicConfig sensor;
@@ -49,6 +58,8 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   [[nodiscard]] simulated::UltrasonicConfig& field() { return field_.config(); }
   // Exact readings of the joints, which the drives only round.
   [[nodiscard]] JointVector true_readings() const;
+  // Where the target truly is, `now`: with the arm's bends, and as warm as it is.
+  [[nodiscard]] Vector3 target(hal::Instant now);
 
  private:
   Result<std::optional<hal::RangeReading>> do_poll(hal::Instant now) override;
@@ -59,6 +70,7 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   std::span<const std::optional<simulated::Drive>> motors_;
   controller::LatestValue<JointVector> readings_;
   simulated::UltrasonicField field_;
+  std::optional<hal::Instant> powered_at_;
   std::optional<hal::Instant> pinged_at_;
   std::optional<Error> error_;
   hal::Duration stamp_error_{};
@@ -100,6 +112,9 @@ class VirtualCabinet {
   [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return *motors_[joint]; }
   [[nodiscard]] simulated::VirtualCanPort& master_port() { return master_port_; }
   [[nodiscard]] VirtualSensor& sensor() { return *sensor_; }
+  // A link that bends, a foot or a sensor that is pushed: changed between two steps, and not while
+  // the threads of a real time run.
+  [[nodiscard]] simulated::SimulatedArm& arm() { return world_.arm; }
 
  private:
   World world_;

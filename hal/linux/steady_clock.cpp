@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hal/linux/steady_clock.hpp"
 
+#include <sched.h>
 #include <time.h>
 
 #include <algorithm>
@@ -25,6 +26,8 @@ hal::Duration SteadyClock::do_wait_until(hal::Instant tick) {
   const timespec time{.tv_sec = whole.count(), .tv_nsec = (since - whole).count()};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) == EINTR) {
   }
+  // Where the kernel refuses, a busy processor is better than ticks that come before their time.
+  while (monotonic_now() < tick) sched_yield();
   return std::max(hal::Duration::zero(), monotonic_now() - tick);
 }
 

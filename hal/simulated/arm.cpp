@@ -22,6 +22,16 @@ Pose joint_transform(const DhJoint& joint, double reading) {
 
 }  // namespace
 
+SimulatedArm grown(const SimulatedArm& arm, double share) {
+  SimulatedArm grown = arm;
+  for (DhJoint& joint : grown.arm.joints) {
+    joint.a_m *= 1 + share;
+    joint.d_m *= 1 + share;
+  }
+  for (Target& target : grown.targets) target.p_L *= 1 + share;
+  return grown;
+}
+
 Pose link_pose(const SimulatedArm& arm, const JointVector& readings, std::size_t link) {
   ARMSIG_CHECK(link <= arm.arm.joints.size());
   const JointVector effective = effective_readings(arm.arm, readings);

@@ -25,6 +25,10 @@ struct SimulatedArm {
   FixedVector<Target, kMaxTargets> targets;
 };
 
+// The same arm with all its lengths, those of its links and offsets, longer by `share` of
+// themselves: as it is when it has warmed up.
+[[nodiscard]] SimulatedArm grown(const SimulatedArm& arm, double share);
+
 // X_SL of link `link` (0 ... n) at the joint readings: X_S0 times the product of (2) of the paper
 // over the joints up to `link`.
 [[nodiscard]] Pose link_pose(const SimulatedArm& arm, const JointVector& readings,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Recursive least squares and the encoder-referenced circle of armsig.
+// Recursive least squares and sweeps of armsig.
 #include <cmath>
 #include <cstdlib>
 
@@ -25,56 +25,84 @@ const RlsWork& rls_work() {
   return kWork;
 }
 
-CircleWork circle_work(std::size_t points) {
+std::vector<features::SweepPoint> sweep_of(std::size_t points) {
   test::Random random(12);
   const Matrix3 R = random.rotation();
-  CircleWork work;
+  std::vector<features::SweepPoint> sweep;
   for (std::size_t k = 0; k < points; ++k) {
     const double t = kPi / 2 * static_cast<double>(k) / static_cast<double>(points - 1);
     const Vector3 p_C(0.5 * std::cos(t), 0.5 * std::sin(t), 0);
-    features::SweepPoint point;
-    point.reading = t;
-    point.p_S = Vector3(0.2, -0.4, 2) + R * p_C + random.normal_vector(1e-4);
-    work.points.push_back(point);
+    const Vector3 p_S = Vector3(0.2, -0.4, 2) + R * p_C + random.normal_vector(kSweepSigma_m);
+    sweep.push_back({t, p_S, kSweepSigma_m * kSweepSigma_m * Matrix3::Identity()});
   }
-  return work;
-}
-
-features::CircleFit circle_of(const CircleWork& work) {
-  features::MotionStatistics statistics(JointType::kRevolute, work.points[0]);
-  statistics.add(work.points);
-  return *features::encoder_circle(statistics);
+  return sweep;
 }
 
 namespace {
 
-const Matrix3 kCircleCovariance_m2 = 1e-8 * Matrix3::Identity();
+void take(const features::SweepPoint& point, features::SweepEstimator& estimator) {
+  if (!estimator.add(point.reading, point.p_S, point.covariance_m2)) std::abort();
+}
+
+}  // namespace
+
+features::JointFeature feature_of(const std::vector<features::SweepPoint>& sweep) {
+  features::SweepEstimator estimator({});
+  for (const features::SweepPoint& point : sweep) take(point, estimator);
+  const auto feature = estimator.estimate(features::Method::kEncoder);
+  if (!feature || feature->quality.rejected != 0) std::abort();
+  return *feature;
+}
+
+namespace {
 
 const Row kRls(kRlsPath, "armsig", [] {
   return [&w = rls_work(), rls = features::SquareRootRls<3, 1>()](std::size_t calls) mutable {
     for (std::size_t k = 0; k < calls; ++k) {
       const std::size_t i = k % kRlsRows;
       rls.update(w.regressors[i], Eigen::Matrix<double, 1, 1>(w.measured[i]));
-      keep(rls);
+      keep(rls.solve());
     }
   };
 });
 
-struct CircleRows {
-  CircleRows() {
-    for (const std::size_t points : kCirclePoints) {
+struct SweepRows {
+  SweepRows() {
+    for (const std::size_t points : kSweepPoints) {
       const Row row(
-          circle_path(points), "armsig",
+          sweep_path(points), "armsig",
           [points] {
-            return [work = circle_work(points)](std::size_t calls) {
-              for (std::size_t k = 0; k < calls; ++k) keep(circle_of(work));
+            return [sweep = sweep_of(points)](std::size_t calls) {
+              for (std::size_t k = 0; k < calls; ++k) keep(feature_of(sweep));
             };
           },
           1);
     }
   }
 };
-const CircleRows kCircleRows;
+const SweepRows kSweepRows;
+
+// The points alone, without an estimate: that the last one of 128 costs no more than the others is
+// the difference of two rows.
+struct TakenRows {
+  TakenRows() {
+    for (const std::size_t points : {8, 64, 127, 128, 129}) {
+      const Row row(
+          "points of a sweep taken: " + std::to_string(points), "armsig",
+          [points] {
+            return [sweep = sweep_of(points)](std::size_t calls) {
+              for (std::size_t k = 0; k < calls; ++k) {
+                features::SweepEstimator estimator({});
+                for (const features::SweepPoint& point : sweep) take(point, estimator);
+                keep(estimator);
+              }
+            };
+          },
+          1);
+    }
+  }
+};
+const TakenRows kTakenRows;
 
 // Cost against the points already taken, gate included.
 struct FurtherPointRows {
@@ -82,19 +110,14 @@ struct FurtherPointRows {
     for (const std::size_t taken : {std::size_t{360}, std::size_t{36000}, std::size_t{360000}}) {
       const Row row("a further point of a sweep, after " + std::to_string(taken), "armsig",
                     [taken] {
-                      const CircleWork work = circle_work(256);
+                      const auto sweep = sweep_of(256);
                       features::SweepEstimator estimator({});
-                      const auto take = [&](std::size_t k) {
-                        const features::SweepPoint& point = work.points[k % work.points.size()];
-                        if (!estimator.add(point.reading, point.p_S, kCircleCovariance_m2)) {
-                          std::abort();
-                        }
-                      };
-                      for (std::size_t k = 0; k < taken; ++k) take(k * 37);
-                      return [work, estimator](std::size_t calls) mutable {
+                      for (std::size_t k = 0; k < taken; ++k)
+                        take(sweep[k * 37 % sweep.size()], estimator);
+                      return [sweep, estimator](std::size_t calls) mutable {
                         for (std::size_t k = 0; k < calls; ++k) {
-                          const features::SweepPoint& point = work.points[k % work.points.size()];
-                          keep(estimator.add(point.reading, point.p_S, kCircleCovariance_m2));
+                          take(sweep[k % sweep.size()], estimator);
+                          keep(estimator);
                         }
                       };
                     });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The same recursive least squares by dlib.
+// The same recursive least squares by dlib: an update leaves the coefficients, as ours does with
+// solve().
 #include <dlib/svm/rls.h>
 
 #include <vector>

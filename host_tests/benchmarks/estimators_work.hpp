@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The work of the estimators' rows: one function of the angle sampled with noise; points on a
-// circle of half a metre seen over 90 degrees with 0.1 mm of noise.
+// The work of the estimators' rows: one function of the angle sampled with noise; a sweep of a
+// joint whose target is half a metre off its axis, over 90 degrees, with the 0.1 mm of noise that
+// it states.
 #pragma once
 
 #include <array>
@@ -8,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/features/encoder_circle.hpp"
+#include "core/features/sweep_estimator.hpp"
 
 namespace armsig::benchmarks {
 
@@ -21,17 +22,17 @@ struct RlsWork {
 };
 const RlsWork& rls_work();
 
-inline constexpr std::array<std::size_t, 2> kCirclePoints = {36, 360};
-inline std::string circle_path(std::size_t points) {
-  return "encoder-referenced circle, " + std::to_string(points) + " points";
+// As long as the controller makes them, and ten times that.
+inline constexpr std::array<std::size_t, 2> kSweepPoints = {36, 360};
+inline std::string sweep_path(std::size_t points) {
+  return "sweep of " + std::to_string(points) + " points to its feature";
 }
 
-struct CircleWork {
-  std::vector<features::SweepPoint> points;
-};
-CircleWork circle_work(std::size_t points);
+inline constexpr double kSweepSigma_m = 1e-4;
 
-// From the points on, so that the cost of taking them is in it.
-features::CircleFit circle_of(const CircleWork& work);
+std::vector<features::SweepPoint> sweep_of(std::size_t points);
+
+// Each point gated as it comes, then the fit and its covariance: what a sweep of the controller is.
+features::JointFeature feature_of(const std::vector<features::SweepPoint>& sweep);
 
 }  // namespace armsig::benchmarks

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Exports evaluated in Python by the conventions of the software that reads them.
+#include <algorithm>
 #include <sstream>
 
+#include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "host_tests/exports/exported_arm.hpp"
 
 namespace armsig::cli {
@@ -35,13 +37,12 @@ void expect_same_poses(const Folder& folder, const std::vector<std::string>& for
   }
 }
 
-const std::vector<std::string> kAllButUrdf{"ur-yaml", "linuxcnc", "dh-csv",
-                                           "mdh-csv", "rtb",      "json"};
+const std::vector<std::string> kOfAnySix{"linuxcnc", "dh-csv", "mdh-csv", "rtb", "json"};
 
 TEST(Export, gives_the_poses_of_an_individual_puma_in_every_format) {
   const Folder folder;
   make_individual(folder, kPuma560);
-  expect_same_poses(folder, kAllButUrdf);
+  expect_same_poses(folder, kOfAnySix);
 }
 
 TEST(Export, holds_real_arms_whose_nearly_parallel_axes_put_d_hundreds_of_metres_away) {
@@ -49,7 +50,40 @@ TEST(Export, holds_real_arms_whose_nearly_parallel_axes_put_d_hundreds_of_metres
   if (arm.empty()) GTEST_SKIP() << "no arm descriptions in " << ARMSIG_SHARED_DATA;
   const Folder folder;
   make_individual(folder, arm, "");
-  expect_same_poses(folder, kAllButUrdf);
+  expect_same_poses(folder, kOfAnySix);
+  expect_same_poses(folder, {"ur-yaml"});
+}
+
+TEST(Export, gives_the_drivers_of_universal_robots_each_of_their_arms) {
+  for (const tool::KnownArm& known : tool::known_arms()) {
+    if (!known.name.starts_with("ur")) continue;
+    SCOPED_TRACE(known.name);
+    const Folder folder;
+    make_individual(folder, std::string(known.text), "--tolerances 3");
+    expect_same_poses(folder, {"ur-yaml"});
+  }
+}
+
+TEST(Export, refuses_to_tell_those_drivers_of_any_other_arm) {
+  const std::string longer = [] {
+    const auto ur5e = std::ranges::find(tool::known_arms(), "ur5e", &tool::KnownArm::name);
+    std::string text(ur5e->text);
+    const std::size_t at = text.find("a_mm: -425");
+    EXPECT_NE(at, std::string::npos) << text;
+    return text.replace(at, 10, "a_mm: -525");
+  }();
+  for (const auto& [arm, nearest] :
+       {std::pair{std::string(kPuma560), "ur"}, std::pair{longer, "ur16e, 92 mm off"}}) {
+    const Folder folder;
+    make_individual(folder, arm);
+    const Outcome outcome = export_as(folder, "ur-yaml");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.err.find("its axes are those of no arm of Universal Robots; nearest is the " +
+                               std::string(nearest)),
+              std::string::npos)
+        << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "export.out"));
+  }
 }
 
 TEST(Export, holds_prismatic_joints_where_the_format_can) {
@@ -97,7 +131,7 @@ TEST(Export, carries_maps_as_compensation_tables_of_linuxcnc) {
 TEST(Export, fits_the_geometry_anew_where_gravity_and_maps_are_lost_and_says_what_that_costs) {
   const Folder folder;
   make_individual(folder, kPuma560, kBent);
-  for (const std::string format : {"dh-csv", "mdh-csv", "rtb", "ur-yaml", "linuxcnc"}) {
+  for (const std::string format : {"dh-csv", "mdh-csv", "rtb", "linuxcnc"}) {
     SCOPED_TRACE(format);
     const Outcome exported = run_tool(
         folder, "export --signature truth.yaml --json --format " + format + " --out export.out");
@@ -186,7 +220,7 @@ TEST(Export, refuses_readings_that_are_corrected_by_more_than_an_offset) {
                "identify --arm arm.yaml --measurements m.csv --method refined --correct gain --out "
                "truth.yaml");
   ASSERT_EQ(identified.status, 0) << identified.err;
-  for (const std::string& format : kAllButUrdf) {
+  for (const std::string& format : kOfAnySix) {
     const Outcome outcome = export_as(folder, format);
     EXPECT_EQ(outcome.status, 1) << format;
     EXPECT_NE(outcome.err.find("its joint readings are corrected"), std::string::npos)

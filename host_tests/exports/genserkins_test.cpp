@@ -61,7 +61,7 @@ Pose pose_of(const linuxcnc::EmcPose& pose) {
 }
 
 void expect_agreement(const Folder& folder) {
-  const linuxcnc::Forward forward = linuxcnc::genserkins_forward();
+  const linuxcnc::Forward forward = linuxcnc::genserkins().forward;
   if (forward == nullptr) GTEST_SKIP() << "no genserkins module; toolchain/setup gets it";
   const Outcome exported = export_as(folder, "linuxcnc");
   ASSERT_EQ(exported.status, 0) << exported.err;

@@ -8,6 +8,7 @@
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/characters.hpp"
 #include "firmware/host_tool/exports/export.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/signature/record.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"
 #include "host_tests/cli/run_tool.hpp"
@@ -66,7 +67,9 @@ const std::vector<std::string> kIllegalNames{
 };
 
 SignatureRecord named(const std::string& name) {
-  const ArmDescription arm{.name = name, .arm = puma560()};
+  const auto ur5e = read_arm("ur5e");  // which every format holds
+  EXPECT_TRUE(ur5e);
+  const ArmDescription arm{.name = name, .arm = ur5e->arm};
   const JointVector q{0.1, -0.6, 0.7, 0.2, 0.5, 0.3};
   SignatureRecord record = exact_record(signature_of(arm.arm, q, Pose{}, {}), arm);
   record.serial = name;

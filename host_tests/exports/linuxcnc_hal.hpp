@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Just enough of LinuxCNC's hardware abstraction layer to load its genserkins module into a test
-// and call its forward function. Include once in an executable that exports its symbols: the module
+// Just enough of LinuxCNC's hardware abstraction layer to load a kinematics module into a test and
+// call its functions. Include once in an executable that exports its symbols: the module
 // resolves the functions below against it.
 #pragma once
 
@@ -24,6 +24,7 @@ union Pin {
 struct Hal {
   std::map<std::string, Pin*> pins;
   std::deque<Pin> memory;  // the module keeps addresses into it
+  std::string printed;     // by rtapi_print_msg
 
   int add(const std::string& name, void** data) {
     memory.emplace_back();
@@ -47,26 +48,43 @@ struct EmcPose {
   double x, y, z, a, b, c, u, v, w;
 };
 using Forward = int (*)(const double*, EmcPose*, const void*, void*);
+using Inverse = int (*)(const EmcPose*, double*, const void*, void*);
 
-// The forward function of the module that Debian's package linuxcnc-uspace installs, or that
-// toolchain/setup takes out of it; null where neither is present.
-inline Forward genserkins_forward() {
-  static const Forward forward = [] {
+struct Module {
+  int started = -1;  // what its rtapi_app_main said
+  Forward forward = nullptr;
+  Inverse inverse = nullptr;
+};
+
+// Sets parameters as `loadrt MODULE NAME=TEXT` does, and starts it. Null functions where there is
+// no such file.
+inline Module load_module(const std::string& path,
+                          const std::map<std::string, const char*>& parameters = {}) {
+  Module module;
+  void* file =
+      std::filesystem::exists(path) ? dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL) : nullptr;
+  if (file == nullptr) return module;
+  for (const auto& [name, text] : parameters) {
+    void* address = dlsym(file, ("rtapi_info_address_" + name).c_str());
+    *static_cast<const char**>(*static_cast<void**>(address)) = text;
+  }
+  module.started = reinterpret_cast<int (*)()>(dlsym(file, "rtapi_app_main"))();
+  module.forward = reinterpret_cast<Forward>(dlsym(file, "kinematicsForward"));
+  module.inverse = reinterpret_cast<Inverse>(dlsym(file, "kinematicsInverse"));
+  return module;
+}
+
+// The module that Debian's package linuxcnc-uspace installs, or that toolchain/setup unpacks; null
+// functions where neither is present.
+inline const Module& genserkins() {
+  static const Module module = [] {
+    const std::string file = "/usr/lib/linuxcnc/modules/genserkins.so";
     const char* home = std::getenv("HOME");
-    const std::array<std::string, 2> places{
-        "/usr/lib/linuxcnc/modules/genserkins.so",
-        std::string(home != nullptr ? home : "") + "/.cache/armsig/genserkins.so"};
-    for (const std::string& place : places) {
-      if (!std::filesystem::exists(place)) continue;
-      void* module = dlopen(place.c_str(), RTLD_NOW);
-      if (module == nullptr) continue;
-      const auto start = reinterpret_cast<int (*)()>(dlsym(module, "rtapi_app_main"));
-      if (start == nullptr || start() != 0) continue;
-      return reinterpret_cast<Forward>(dlsym(module, "kinematicsForward"));
-    }
-    return Forward{};
+    const std::string unpacked =
+        std::string(home != nullptr ? home : "") + "/.cache/armsig/linuxcnc";
+    return load_module(std::filesystem::exists(file) ? file : unpacked + file);
   }();
-  return forward;
+  return module;
 }
 
 }  // namespace armsig::linuxcnc
@@ -112,7 +130,22 @@ inline constexpr int kArmsigComponent = 1;
                                          int /*component*/) {
   return armsig::linuxcnc::hal().add(name, data);
 }
+[[gnu::used]] inline int hal_pin_bit_newf(int /*direction*/, void** data, int /*component*/,
+                                          const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  const int status = armsig::linuxcnc::hal().add(format, arguments, data);
+  va_end(arguments);
+  return status;
+}
 [[gnu::used]] inline void rtapi_print(const char* /*format*/, ...) {}
-[[gnu::used]] inline void rtapi_print_msg(int /*level*/, const char* /*format*/, ...) {}
+[[gnu::used]] inline void rtapi_print_msg(int /*level*/, const char* format, ...) {
+  std::array<char, 256> text{};
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text.data(), text.size(), format, arguments);
+  va_end(arguments);
+  armsig::linuxcnc::hal().printed += text.data();
+}
 // NOLINTEND(cert-dcl50-cpp)
 }

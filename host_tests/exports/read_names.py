@@ -63,6 +63,13 @@ def hal(data):
         assert not line.endswith("\\"), "halcmd goes on in the next line"
 
 
+def kins(data):
+    lines = data.decode().splitlines()
+    assert lines[0] == "armsig linuxcnc-kins/1" and lines[-1].startswith("crc32 0x"), lines
+    for line in lines[1:-1]:
+        assert line.startswith(("# ", "joint revolute ", "tip ")), line
+
+
 def json_name(data):
     document = json.loads(data)
     assert document["serial"] == document["name"], (document["serial"], document["name"])
@@ -77,7 +84,7 @@ def check_characters(data):
 
 def main(legal):
     readers = {"rtb": python_name, "urdf": urdf_name, "json": json_name, "ur-yaml": ur_yaml,
-               "linuxcnc": hal, "dh-csv": csv, "mdh-csv": csv}
+               "linuxcnc": hal, "linuxcnc-kins": kins, "dh-csv": csv, "mdh-csv": csv}
     names = sorted(glob.glob("*.name"))
     assert names
     for path in names:

@@ -16,16 +16,19 @@
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/exports/export.hpp"
-#include "firmware/paper_arms/paper_arms.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
 
 namespace armsig::fuzz {
 namespace {
 
-const tool::SignatureRecord& puma_record() {
+// Of an arm that every format holds.
+const tool::SignatureRecord& ur_record() {
   static const tool::SignatureRecord record = [] {
     tool::SignatureRecord made;
-    made.nominal = tool::puma560();
+    const auto ur5e = tool::read_arm("ur5e");
+    FUZZ_CHECK(ur5e);
+    made.nominal = ur5e->arm;
     made.signature =
         signature_of(made.nominal, JointVector{0.1, -0.6, 0.7, 0.2, 0.5, 0.3}, Pose{}, {});
     made.method = "exact";
@@ -37,7 +40,7 @@ const tool::SignatureRecord& puma_record() {
 }
 
 tool::SignatureRecord named(const std::string& name) {
-  tool::SignatureRecord record = puma_record();
+  tool::SignatureRecord record = ur_record();
   record.arm_name = record.serial = name;
   return record;
 }
@@ -127,8 +130,7 @@ void fuzz_names(Bytes bytes) {
     if (format == "ur-yaml") check_ur_yaml(text);
   }
   if (!legal) return;
-  const auto arm =
-      tool::parse_arm(tool::arm_text({.name = name, .arm = puma_record().nominal}), "F");
+  const auto arm = tool::parse_arm(tool::arm_text({.name = name, .arm = ur_record().nominal}), "F");
   FUZZ_CHECK(arm && arm->name == name);
   const auto written = tool::signature_text(named(name));
   FUZZ_CHECK(written);

@@ -54,6 +54,24 @@ inline std::function<void(Set&)> rows_from(double share, Edit edit) {
   };
 }
 
+// Grows from the first row to the last.
+inline std::function<void(Set&)> creeping(std::function<void(Row&, double share)> edit) {
+  return [=](Set& set) {
+    const auto last = static_cast<double>(set.rows.size() - 1);
+    for (std::size_t k = 0; k < set.rows.size(); ++k) {
+      edit(set.rows[k], static_cast<double>(k) / last);
+    }
+  };
+}
+
+// From the middle on, and ever after: poses that were held out come later.
+inline std::function<void(Set&)> slipping(Edit edit) {
+  return [=](Set& set) {
+    const bool held_out = set.rows.front().sweep == 0;
+    (held_out ? every(edit) : rows_from(0.5, edit))(set);
+  };
+}
+
 inline void turn(Row& row, double degrees) {
   const double c = std::cos(radians(degrees));
   const double s = std::sin(radians(degrees));
@@ -163,6 +181,9 @@ inline std::vector<Mistake> mistakes_of_order() {
          }
        },
        false, "measured from another place"},
+      {"the tracker creeps", creeping([](Row& row, double share) { row.p[0] += 3 * share; })},
+      {"the tracker turns slowly",
+       creeping([](Row& row, double share) { turn(row, 0.15 * share); })},
       {"one row of another sweep",
        [](Set& set) {
          const std::size_t k = set.start_of(2) + 3;
@@ -307,6 +328,8 @@ inline std::vector<Mistake> mistakes_of_readings() {
          std::ranges::sort(q);
          for (std::size_t k = 0; k < q.size(); ++k) set.rows[k].q[1] = q[k];
        }},
+      {"an encoder slips", slipping([](Row& row) { row.q[2] += 0.3; }), true},
+      {"an encoder creeps", creeping([](Row& row, double share) { row.q[1] += 0.3 * share; })},
       {"an encoder loses counts", rows_from(0.6, [](Row& row) { row.q[0] += 6; })},
       {"zero off by 90 degrees", every([](Row& row) { row.q[1] -= 90; }), true},
       {"zero off by 180 degrees", every([](Row& row) { row.q[0] += 180; }), true},

@@ -29,6 +29,7 @@ struct Run {
   cabinet::World world{.arm = arm_r5f::arm(),
                        .start = arm_r5f::start(),
                        .drive = simulated::DriveConfiguration{},
+                       .bent = {},
                        .limbs = {},
                        .sensor = arm_r5f::field(kSeed),
                        .ping_period = std::chrono::milliseconds(20),

@@ -171,6 +171,44 @@ class ReportPage(unittest.TestCase):
         for improvement in evaluated["improvement"]:
             self.assertIn(f"{improvement:.1f} ×", self.page.ids["grid"])
 
+    def test_has_a_page_to_sign(self):
+        told = self.data["certificate"]
+        known = [source["sigma_m"] for source in told["sources"] if source["sigma_m"] is not None]
+        self.assertAlmostEqual(math.hypot(*known), told["combined_m"], delta=1e-12)
+        self.assertAlmostEqual(told["combined_m"], self.data["map"]["predicted_rms_m"], delta=1e-12)
+        self.assertIn(f"{2e3 * told['combined_m']:.3f} mm", self.page.ids["budget"])
+        for source in ("Repeatability of the arm", "Temperature", "Scale of the instrument"):
+            self.assertIn(source, self.page.ids["budget"])
+        self.assertIn("RP): not measured", self.page.ids["accuracy"])
+        self.assertIn("Readings beyond the sweeps", self.page.ids["not-measured"])
+        self.assertEqual(told["operator"], "")
+
+    def test_tells_sensor_and_model_apart_where_the_sensor_is_stated(self):
+        run("simulate", "--arm", "ur10e", "--tolerances", "1", "--sigma-mm", "0.1", "--out", "practice.csv")
+        run("identify", "--arm", "ur10e", "--measurements", "practice.csv", "--method", "refined", "--out", "practice.yaml")
+        words = ["report", "--signature", "practice.yaml", "--operator", "A. Smith & Sons", "--instrument", "AT960 <tracker>",
+                 "--instrument-serial", "4711", "--serial", "20195", "--out", "signed.html"]
+        run(*words)
+        page, console = opened(os.path.abspath("signed.html"), NO_WEBGL)
+        self.assertEqual(console, [])
+        for name in ("A. Smith & Sons", "AT960 <tracker>", "4711", "20195"):
+            self.assertIn(name, page.ids["certificate-about"])
+        with open("signed.html") as file:
+            told = json.loads(re.search(r'id="report">(.*?)</script>', file.read(), re.S)[1])["certificate"]
+        by_source = {source["source"]: source["sigma_m"] for source in told["sources"]}
+        self.assertAlmostEqual(math.hypot(by_source["Sensor"], by_source["Model"]), told["combined_m"], delta=1e-12)
+        self.assertGreater(by_source["Sensor"], by_source["Model"])  # the arm is as the model says
+        self.assertIn("left out of the fit in turn", page.ids["accuracy"])
+
+    def test_takes_no_serial_number_but_the_signatures(self):
+        run("identify", "--arm", "demo/puma560.yaml", "--measurements", "demo/robot1-measurements.csv", "--sensor",
+            "demo/sensor.yaml", "--serial", "0042", "--out", "numbered.yaml")
+        words = [armsig, "report", "--signature", "numbered.yaml", "--out", "numbered.html", "--serial"]
+        self.assertEqual(subprocess.run([*words, "0042"], capture_output=True).returncode, 0)
+        other = subprocess.run([*words, "0043"], capture_output=True, text=True)
+        self.assertEqual(other.returncode, 2)
+        self.assertIn("0042", other.stderr)
+
     def test_says_in_words_what_a_sinusoid_means(self):
         with open("demo/robot1-measurements.csv", newline="") as file:
             lines = [line for line in file if not line.startswith("#")]

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is kept of a sweep: the same however its points come in.
+// What is kept of a sweep.
 #include <cmath>
-#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -31,83 +30,6 @@ MotionStatistics one_by_one(JointType type, const std::vector<SweepPoint>& point
   MotionStatistics statistics(type, points[0]);
   for (const SweepPoint& point : points) statistics.add(point);
   return statistics;
-}
-
-void expect_same(const MotionStatistics& a, const MotionStatistics& b) {
-  EXPECT_EQ(a.count, b.count);
-  EXPECT_EQ(a.lowest_reading, b.lowest_reading);
-  EXPECT_EQ(a.highest_reading, b.highest_reading);
-  EXPECT_EQ(a.has_one_covariance(), b.has_one_covariance());
-  EXPECT_TRUE(a.motion.factor().isApprox(b.motion.factor(), 1e-12));
-  EXPECT_TRUE(
-      a.motion.rotated_right_hand_sides().isApprox(b.motion.rotated_right_hand_sides(), 1e-12));
-  EXPECT_TRUE(a.motion.residual_products().isApprox(b.motion.residual_products(), 1e-12));
-  EXPECT_NEAR(a.mean_variance() / b.mean_variance(), 1, 1e-12);
-  EXPECT_TRUE(a.shape().isApprox(b.shape(), 1e-12));
-  EXPECT_TRUE(a.score_covariance().isApprox(b.score_covariance(), 1e-12));
-}
-
-TEST(MotionStatistics, of_many_points_at_once_are_those_of_each) {
-  for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
-    for (const std::size_t count : {1U, 15U, 16U, 17U, 40U, 64U, 67U, 200U}) {
-      const std::vector<SweepPoint> points = points_of(count, count, 0.7);
-      MotionStatistics together(type, points[0]);
-      together.add(points);
-      expect_same(together, one_by_one(type, points));
-    }
-  }
-}
-
-TEST(MotionStatistics, of_many_points_at_once_may_change_their_covariance) {
-  for (const std::size_t differs_from : {21U, 39U, 100U}) {
-    const std::vector<SweepPoint> points = points_of(differs_from + 30, differs_from, 0.7);
-    MotionStatistics together(JointType::kRevolute, points[0]);
-    together.add(points);
-    EXPECT_FALSE(together.has_one_covariance());
-    expect_same(together, one_by_one(JointType::kRevolute, points));
-  }
-}
-
-TEST(MotionStatistics, of_many_points_at_once_take_a_million_turns) {
-  std::vector<SweepPoint> points = points_of(20, 20, 0.7);
-  points[5].reading += 7e6;
-  MotionStatistics together(JointType::kRevolute, points[0]);
-  together.add(points);
-  expect_same(together, one_by_one(JointType::kRevolute, points));
-}
-
-TEST(MotionStatistics, of_many_points_at_once_come_on_top_of_earlier_ones) {
-  const std::vector<SweepPoint> points = points_of(43, 43, 0.7);
-  MotionStatistics together(JointType::kRevolute, points[0]);
-  const std::span<const SweepPoint> all(points);
-  together.add(all.first(20));
-  together.add(all.subspan(20));
-  expect_same(together, one_by_one(JointType::kRevolute, points));
-}
-
-// First, middle and last at one reading, as after a sweep there and back and there again.
-TEST(MotionStatistics, of_many_points_at_once_may_show_three_at_one_reading) {
-  std::vector<SweepPoint> points = points_of(40, 40, 0.7);
-  points[20].reading = points[39].reading = points[0].reading;
-  MotionStatistics together(JointType::kRevolute, points[0]);
-  together.add(points);
-  expect_same(together, one_by_one(JointType::kRevolute, points));
-}
-
-// A sensor 4 m away, points exact to rounding: nothing but that is left over.
-TEST(MotionStatistics, of_many_points_at_once_leave_nothing_of_an_exact_circle) {
-  for (const double arc : {0.1, 1.5, 6.0}) {
-    std::vector<SweepPoint> points;
-    for (int k = 0; k < 360; ++k) {
-      const double t = arc * std::fmod(0.618 * k, 1.0);  // in no order
-      points.push_back(
-          {0.3 + t, Vector3(4 + 0.5 * std::cos(t), 0.5 * std::sin(t), 1), Matrix3::Identity()});
-    }
-    MotionStatistics together(JointType::kRevolute, points[0]);
-    together.add(points);
-    EXPECT_LT(std::sqrt(together.motion.residual_products().trace() / 360), 2e-15) << arc;
-    EXPECT_EQ(together.motion.rank(), 3);
-  }
 }
 
 // The sum that the comment of score_covariance() states, term by term.

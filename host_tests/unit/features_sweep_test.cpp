@@ -151,6 +151,56 @@ TEST(SweepEstimator, an_outlier_first_is_neither_reference_nor_used) {
   EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-12);
 }
 
+// Points that agree are taken in as they come; one outlier among them, and all are searched: to the
+// same feature, whether they are still held or not.
+TEST(SweepEstimator, points_taken_in_as_they_come_are_those_of_the_search) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  for (const std::size_t points : {36U, 100U, 200U}) {
+    testing::Random random(7);
+    SweepEstimator as_they_come(kRevolute);
+    SweepEstimator searched(kRevolute);
+    for (std::size_t i = 0; i < points; ++i) {
+      const double reading = testing::even_reading(motion, 1.5, i, points);
+      const Vector3 p_S = motion.at(reading) + 0.8 * kSigma * random.normal_vector();
+      ASSERT_TRUE(as_they_come.add(reading, p_S, testing::isotropic(kSigma)));
+      ASSERT_TRUE(searched.add(reading, p_S, testing::isotropic(kSigma)));
+      if (i != 20) continue;
+      ASSERT_TRUE(searched.add(reading, p_S + Vector3(0.1, 0, 0), testing::isotropic(kSigma)));
+    }
+    EXPECT_EQ(as_they_come.state().waiting_is_accepted, points < kGateCapacity) << points;
+    EXPECT_FALSE(searched.state().waiting_is_accepted);
+    const auto one = as_they_come.estimate(Method::kEncoder);
+    const auto other = searched.estimate(Method::kEncoder);
+    ASSERT_TRUE(one && other);
+    EXPECT_EQ(one->quality.rejected, 0U);
+    EXPECT_EQ(other->quality.rejected, 1U);
+    EXPECT_EQ(one->quality.used, points);
+    EXPECT_LT((one->point_S - other->point_S).norm(), 1e-12);
+    EXPECT_LT((one->axis_S - other->axis_S).norm(), 1e-12);
+    EXPECT_NEAR(one->quality.rms_normal_m, other->quality.rms_normal_m, 1e-12);
+    EXPECT_NEAR(one->quality.rms_radial_m, other->quality.rms_radial_m, 1e-12);
+    EXPECT_TRUE(one->covariance.isApprox(other->covariance, 1e-9));
+  }
+}
+
+// An outlier among the first eight hides from those that are fitted with it.
+TEST(SweepEstimator, an_outlier_among_the_first_is_found) {
+  const TrueMotion motion = some_motion(JointType::kRevolute);
+  for (const std::size_t place : {0U, 3U, 7U}) {
+    testing::Random random(8);
+    SweepEstimator estimator(kRevolute);
+    for (std::size_t i = 0; i < 36; ++i) {
+      const double reading = testing::even_reading(motion, 1.5, i, 36);
+      Vector3 p_S = motion.at(reading) + kSigma * random.normal_vector();
+      if (i == place) p_S += 9 * kSigma * random.direction();
+      ASSERT_TRUE(estimator.add(reading, p_S, testing::isotropic(kSigma)));
+    }
+    const auto feature = estimator.estimate(Method::kEncoder);
+    ASSERT_TRUE(feature);
+    EXPECT_EQ(feature->quality.rejected, 1U) << place;
+  }
+}
+
 TEST(SweepEstimator, may_be_asked_again_and_again) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   SweepEstimator estimator = measured(kRevolute, {motion, 1.5, 20, kSigma, kSigma});

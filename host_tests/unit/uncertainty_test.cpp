@@ -84,17 +84,6 @@ TEST(WorkConfiguration, stays_inside_the_limits_and_covers_them_evenly) {
   EXPECT_NEAR(mean[2], 3.5, 0.01);
 }
 
-TEST(ChiSquareQuantile, agrees_with_the_tables) {
-  // 99.9 % points of the chi-square law: 16.266 (3), 29.588 (10), 149.449 (100).
-  EXPECT_NEAR(chi_square_quantile(3, 3.0902), 16.266, 0.3);
-  EXPECT_NEAR(chi_square_quantile(10, 3.0902), 29.588, 0.2);
-  EXPECT_NEAR(chi_square_quantile(100, 3.0902), 149.449, 0.1);
-  // Tables of the F distribution at 0.999.
-  EXPECT_NEAR(chi_square_quantile(30, 3.0902, 30), 30 * 3.217, 1);
-  EXPECT_NEAR(chi_square_quantile(10, 3.0902, 30), 10 * 4.239, 1);
-  EXPECT_GT(chi_square_quantile(10, 3.0902, 1), 1e6);
-}
-
 TEST(CheckDrift, finds_a_healthy_arm_consistent) {
   Identified identified = identified_puma(2);
   Log held_out;

@@ -10,7 +10,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +45,18 @@ TEST(Journal, writes_lines_in_order_and_all_of_them_at_its_end) {
               journal.say(Priority::kError, "two");
             }),
             "armsigd: one\narmsigd: two\n");
+}
+
+TEST(Journal, tells_a_chore_that_fails_once_and_goes_on) {
+  std::atomic<int> chores = 0;
+  const std::string log = log_of([&chores](Journal& journal) {
+    journal.begin([&chores] {
+      if (++chores < 3) throw std::bad_alloc();
+    });
+    while (chores < 4) std::this_thread::yield();
+    journal.say(Priority::kNotice, "later");
+  });
+  EXPECT_EQ(log, "armsigd: beside the controller: std::bad_alloc\narmsigd: later\n");
 }
 
 TEST(Journal, tells_the_journal_of_systemd_how_grave_each_line_is) {

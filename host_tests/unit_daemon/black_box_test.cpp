@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/linux/black_box.hpp"
 
+#include <sys/resource.h>
+
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -128,6 +131,43 @@ TEST(BlackBox, survives_a_folder_that_cannot_be) {
   r.fault();
   r.box.write_if_due();
   EXPECT_EQ(r.box.last_file(), "");
+}
+
+// No file of this process becomes longer within its scope: as a disk that is full.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit now{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &now), 0);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+TEST(BlackBox, tells_a_disk_that_is_full_leaves_no_part_of_a_file_and_writes_the_next) {
+  Recorded r;
+  r.fault();
+  testing::internal::CaptureStderr();
+  {
+    const FullDisk disk(4096);
+    r.box.write_if_due();
+  }
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_NE(told.find("-01.csv: File too large\n"), std::string::npos) << told;
+  EXPECT_EQ(r.files(), 0U);
+  EXPECT_EQ(r.box.last_file(), "");
+  r.fault();
+  r.box.write_if_due();
+  EXPECT_EQ(r.files(), 1U);
 }
 
 }  // namespace

@@ -199,6 +199,10 @@ TEST(DaemonConfiguration, refuses_counts_of_points_and_pings_that_cannot_be) {
   expect_refused("sweeps:", "most_points: 48", "most_points: 500", "sweeps.most_points");
   expect_refused("dwell:", "pings: 5", "pings: 0", "pings");
   expect_refused("sweeps:", "held_out_poses: 8", "held_out_poses: 1", "held_out_poses");
+  expect_refused("check:", "poses: 16", "poses: 5", "check.poses");
+  expect_refused("check:", "poses: 16", "poses: 17", "check.poses");
+  expect_refused("check:", "every_hours: 0", "every_hours: -1", "every_hours");
+  expect_refused("check:", "every_hours: 0", "every_hours: 721", "every_hours");
 }
 
 TEST(DaemonConfiguration, refuses_what_is_not_positive_or_no_number) {

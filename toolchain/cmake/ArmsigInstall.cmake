@@ -5,11 +5,12 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS armsig RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/docs/man/armsig.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-install(FILES ${PROJECT_SOURCE_DIR}/toolchain/completion/armsig
+install(FILES ${PROJECT_SOURCE_DIR}/toolchain/completion/armsig ${PROJECT_SOURCE_DIR}/toolchain/completion/armsigd
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN man EXCLUDE)
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN man EXCLUDE PATTERN examples EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # Headers are included from the root of the project: "core/base/pose.hpp".
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/core DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/armsig
@@ -27,7 +28,7 @@ install(FILES ${PROJECT_BINARY_DIR}/armsigConfig.cmake ${PROJECT_BINARY_DIR}/arm
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME armsig)
-set(CPACK_PACKAGE_CONTACT "armsig <armsig@localhost>")
+set(CPACK_PACKAGE_CONTACT "armsig maintainers <maintainers@armsig.example>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "finds the arm signature of a robot arm")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -35,5 +36,9 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev (>= 3.4)")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Finds the actual kinematic parameters of one robot arm from sweeps of one joint at a time.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+"Finds the actual kinematic parameters of one individual robot arm, from
+measurements of points on it while its joints move, and exports them. With
+armsigd, a controller that finds them by itself and servos with them.")
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/ArmsigPackage.cmake)
 include(CPack)

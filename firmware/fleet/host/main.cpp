@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 // armsig-fleet: keeps what the cabinets of one plant report, and shows it. One thread.
 #include <chrono>
-#include <csignal>
 #include <cstdio>
-#include <exception>
 
 #include "core/base/error_name.hpp"
 #include "core/drift/cusum.hpp"
@@ -12,17 +10,15 @@
 #include "firmware/fleet/host/database.hpp"
 #include "firmware/fleet/host/http_server.hpp"
 #include "firmware/fleet/host/session.hpp"
+#include "firmware/fleet/program.hpp"
 
 namespace armsig::fleet {
 namespace {
 
-constexpr int kWrongUsage = 2;
 constexpr std::uint64_t kRetry_ms = 1'000;
 constexpr std::uint64_t kCommitEvery_ms = 50;
 constexpr std::size_t kRowsAtOnce = 1'000;
 constexpr int kWait_ms = 20;
-
-volatile std::sig_atomic_t stop_asked = 0;
 
 template <typename Clock>
 std::uint64_t ms_of() {
@@ -161,24 +157,5 @@ int run(const char* path, bool check_only) {
 }  // namespace armsig::fleet
 
 int main(int argc, char** argv) {
-  const std::string_view first = argc > 1 ? argv[1] : "";
-  if (first == "--version") {
-    std::puts("armsig-fleet " ARMSIG_VERSION);
-    return 0;
-  }
-  const bool check = first == "--check";
-  if (argc != (check ? 3 : 2) || (!check && first.starts_with('-'))) {
-    std::fputs("armsig-fleet [--check] CONFIGURATION\n", stderr);
-    return first == "--help" ? 0 : armsig::fleet::kWrongUsage;
-  }
-  const auto ask = [](int) { armsig::fleet::stop_asked = 1; };
-  std::signal(SIGTERM, ask);
-  std::signal(SIGINT, ask);
-  std::signal(SIGPIPE, SIG_IGN);
-  try {
-    return armsig::fleet::run(argv[argc - 1], check);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "armsig-fleet: %s\n", error.what());
-    return 1;
-  }
+  return armsig::fleet::run_program("armsig-fleet", ARMSIG_VERSION, argc, argv, armsig::fleet::run);
 }

@@ -111,7 +111,10 @@ Readings readings_of_signature(std::string_view line) {
 Readings readings_of_check(std::string_view line) {
   Readings readings;
   if (!line.starts_with("# check verdict=")) return readings;
-  readings.push_back({Item::kVerdict, text_or_nothing(value_of(line, "verdict"))});
+  std::string verdict(value_of(line, "verdict"));
+  const std::string_view reason = value_of(line, "reason");
+  if (!reason.empty()) verdict.append(": ").append(reason);
+  readings.push_back({Item::kVerdict, text_or_nothing(verdict)});
   add_number(readings, Item::kResidualX, number_in(value_of(line, "dx_mm")));
   add_number(readings, Item::kResidualY, number_in(value_of(line, "dy_mm")));
   add_number(readings, Item::kResidualZ, number_in(value_of(line, "dz_mm")));

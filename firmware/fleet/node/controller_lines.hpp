@@ -17,8 +17,9 @@ namespace armsig::fleet {
 // date, uncertainty, air temperature. Empty: it is no such reply.
 [[nodiscard]] Readings readings_of_signature(std::string_view line);
 
-// `# check verdict=... dx_mm= dy_mm= dz_mm= sigma_mm= poses=`: the verdict of a check with the mean
-// residual. Empty: it is no such line.
+// `# check verdict="..." dx_mm= dy_mm= dz_mm= sigma_mm= poses=`: the verdict of a check with the
+// mean residual; of one that could not measure, with its reason and without a residual. Empty: it
+// is no such line.
 [[nodiscard]] Readings readings_of_check(std::string_view line);
 
 }  // namespace armsig::fleet

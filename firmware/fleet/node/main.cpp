@@ -5,9 +5,7 @@
 
 #include <array>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
-#include <exception>
 #include <random>
 #include <string_view>
 
@@ -17,17 +15,15 @@
 #include "firmware/fleet/node/console_link.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
 #include "firmware/fleet/node/mqtt_transport.hpp"
+#include "firmware/fleet/program.hpp"
 
 namespace armsig::fleet {
 namespace {
 
-constexpr int kWrongUsage = 2;
 constexpr std::uint64_t kSignatureEvery = 60;  // looks at the controller
 constexpr std::uint64_t kAnswer_ms = 5'000;    // within which it answers, or is told to be silent
 constexpr int kBusy_ms = 50;
 constexpr int kQuiet_ms = 250;
-
-volatile std::sig_atomic_t stop_asked = 0;
 
 Now now() {
   const auto ms = [](auto since) {
@@ -182,24 +178,5 @@ int run(const char* path, bool check_only) {
 }  // namespace armsig::fleet
 
 int main(int argc, char** argv) {
-  const std::string_view first = argc > 1 ? argv[1] : "";
-  if (first == "--version") {
-    std::puts("armsig-node " ARMSIG_VERSION);
-    return 0;
-  }
-  const bool check = first == "--check";
-  if (argc != (check ? 3 : 2) || (!check && first.starts_with('-'))) {
-    std::fputs("armsig-node [--check] CONFIGURATION\n", stderr);
-    return first == "--help" ? 0 : armsig::fleet::kWrongUsage;
-  }
-  const auto ask = [](int) { armsig::fleet::stop_asked = 1; };
-  std::signal(SIGTERM, ask);
-  std::signal(SIGINT, ask);
-  std::signal(SIGPIPE, SIG_IGN);
-  try {
-    return armsig::fleet::run(argv[argc - 1], check);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "armsig-node: %s\n", error.what());
-    return 1;
-  }
+  return armsig::fleet::run_program("armsig-node", ARMSIG_VERSION, argc, argv, armsig::fleet::run);
 }

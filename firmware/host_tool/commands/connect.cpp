@@ -17,8 +17,10 @@
 #include "firmware/formats/characters.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/commands/fetch.hpp"
+#include "firmware/host_tool/commands/send.hpp"
 #include "firmware/host_tool/console/console_client.hpp"
 #include "firmware/host_tool/console/line_editor.hpp"
+#include "firmware/host_tool/console/web_page.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
@@ -31,6 +33,9 @@ struct ConnectOptions {
   double timeout_s = 60;
   std::string action;
   FetchOptions fetch;
+  bool web = false;
+  int port = 0;
+  std::string token_file;
 
   [[nodiscard]] milliseconds longest() const {
     return milliseconds(static_cast<milliseconds::rep>(1e3 * timeout_s));
@@ -138,14 +143,25 @@ int talk_to_a_person(ConsoleClient& console) {
   }
 }
 
+// A console that cannot be opened now is a mistake in the command; later ones are the page's.
+int serve(const ConnectOptions& options) {
+  if (const auto tried = ConsoleClient::open(options.path); !tried) {
+    return fail(tried.error(), kBadInput, options.fetch);
+  }
+  const Problem problem = serve_web_page(
+      {.console = options.path, .port = options.port, .token_file = options.token_file});
+  return fail(problem, kBadInput, options.fetch);
+}
+
 int run(const ConnectOptions& options) {
+  if (options.web) return serve(options);
   auto console = ConsoleClient::open(options.path);
   if (!console) return fail(console.error(), kBadInput, options.fetch);
   if (!options.action.empty()) {
     FetchOptions what = options.fetch;
     what.console = options.path;
     what.longest = options.longest();
-    return fetch(*console, what);
+    return options.action == "send" ? send(*console, what) : fetch(*console, what);
   }
   return ::isatty(STDIN_FILENO) == 1 ? talk_to_a_person(*console)
                                      : talk_for_a_script(*console, options);
@@ -163,11 +179,16 @@ void add_connect(CLI::App& app, int& status) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   CLI::Option* action =
-      command->add_option("action", options->action, "fetch: what the controller has, as a file")
-          ->check(CLI::IsMember({"fetch"}));
+      command
+          ->add_option("action", options->action,
+                       "fetch: what the controller has, as a file; send: a signature file as a "
+                       "candidate, for `compare`")
+          ->check(CLI::IsMember({"fetch", "send"}));
   FetchOptions& fetch = options->fetch;
-  CLI::Option* file = command->add_option("file", fetch.file,
-                                          "the file to write: FILE.yaml, or FILE.csv for the log");
+  CLI::Option* file =
+      command->add_option("file", fetch.file,
+                          "fetch: the file to write, FILE.yaml, or FILE.csv for the log; send: "
+                          "the signature to read");
   action->needs(file);
   command
       ->add_option("--what", fetch.what,
@@ -179,8 +200,24 @@ void add_connect(CLI::App& app, int& status) {
       ->capture_default_str()
       ->needs(action);
   command->add_option("--serial", fetch.serial, "its serial number")->needs(action);
+  CLI::Option* web =
+      command
+          ->add_option("--web", options->port,
+                       "a live page on this computer's loopback; PORT, or a free one")
+          ->expected(0, 1)
+          ->default_str("0")
+          ->type_name("PORT")
+          ->check(CLI::Range(0, 65535))
+          ->excludes(action);
+  command
+      ->add_option("--token-file", options->token_file,
+                   "keeps the key in the page's address from one start to the next")
+      ->needs(web);
   add_common(*command, fetch);
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, web, &status] {
+    options->web = web->count() > 0;
+    status = run(*options);
+  });
 }
 
 }  // namespace armsig::tool

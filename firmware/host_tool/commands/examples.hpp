@@ -13,7 +13,7 @@ struct Example {
   std::string_view line;
 };
 
-inline constexpr std::array<Example, 23> kExamples{{
+inline constexpr std::array<Example, 24> kExamples{{
     {"demo", "armsig demo --out demo"},
     {"arms", "armsig arms --show ur10e"},
     {"simulate",
@@ -54,7 +54,9 @@ inline constexpr std::array<Example, 23> kExamples{{
     {"connect", "armsigd --virtual --console console --store store cabinet.yaml &"},
     {"connect", "armsig connect console"},
     {"connect", "echo status | armsig connect console"},
+    {"connect", "armsig connect console --web"},
     {"connect", "armsig connect console fetch arm.yaml --what drawing"},
+    {"connect", "armsig connect console send demo/robot1-encoder.yaml"},
     {"connect", "echo stop | armsig connect console"},
 }};
 

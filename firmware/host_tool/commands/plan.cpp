@@ -4,28 +4,22 @@
 
 #include "core/base/error.hpp"
 #include "firmware/formats/file_roles.hpp"
-#include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/exports/robot_program.hpp"
+#include "firmware/host_tool/commands/pose_options.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/simulation/boxed_sweeps.hpp"
-#include "firmware/host_tool/simulation/margin.hpp"
 
 namespace armsig::tool {
 namespace {
 
-struct PlanOptions : CommonOptions {
-  std::string arm, out;
-  std::string format = "csv";
-  std::vector<double> configuration, box_mm, target_mm{0, 0, 0};
+struct PlanOptions : PoseOptions {
+  std::string arm;
+  std::vector<double> configuration, target_mm{0, 0, 0};
   double arc_deg = 180;
   std::size_t points = 24;
-  double margin_deg = 2;
-  double margin_mm = 5;
-  double wait_s = 2;
 };
 
 Read<JointVector> configuration_of(const PlanOptions& options, const Arm& arm) {
@@ -56,9 +50,10 @@ Read<JointVector> configuration_of(const PlanOptions& options, const Arm& arm) {
 ReachBox box_of(const PlanOptions& options) {
   ReachBox box;
   box.p_FT = 1e-3 * Vector3(options.target_mm[0], options.target_mm[1], options.target_mm[2]);
-  if (options.box_mm.empty()) return box;
-  box.lower_B = 1e-3 * Vector3(options.box_mm[0], options.box_mm[1], options.box_mm[2]);
-  box.upper_B = 1e-3 * Vector3(options.box_mm[3], options.box_mm[4], options.box_mm[5]);
+  if (const auto asked = options.box()) {
+    box.lower_B = asked->lower;
+    box.upper_B = asked->upper;
+  }
   return box;
 }
 
@@ -90,9 +85,7 @@ int run(const PlanOptions& options) {
   if (!read) return fail(read.error(), kBadInput, options);
   Arm arm = read->arm;
   const JointTypes types = types_of(arm);
-  const auto limits = limits_with_margin(
-      arm.limits, types,
-      {.angle_rad = radians(options.margin_deg), .length_m = 1e-3 * options.margin_mm});
+  const auto limits = limits_with_margin(arm.limits, types, options.margin());
   if (!limits) return fail(limits.error(), kBadInput, options);
   arm.limits = *limits;
   const auto configuration = configuration_of(options, arm);
@@ -101,13 +94,10 @@ int run(const PlanOptions& options) {
       sweeps_inside(arm, *configuration, radians(options.arc_deg), options.points, box_of(options));
   if (!plan) return fail(plan.error(), kNoAnswer, options);
   const std::vector<JointVector> poses = poses_of(*plan);
-  const auto written = write_poses(options.out,
-                                   {.format = options.format,
-                                    .comment = fmt::format("{}: sweeps to measure, a joint after "
-                                                           "the other",
-                                                           read->name),
-                                    .wait_s = options.wait_s},
-                                   types, poses);
+  const auto written = write_poses(
+      options.out,
+      options.program(fmt::format("{}: sweeps to measure, a joint after the other", read->name)),
+      types, poses);
   if (!written) return fail(written.error(), kBadInput, options);
   if (options.json) {
     print_json({{"status", 0},
@@ -156,33 +146,13 @@ void add_plan(CLI::App& app, int& status) {
       ->check(CLI::Range(6, 1000))
       ->capture_default_str();
   command
-      ->add_option(
-          "--box-mm", options->box_mm,
-          "where the target may be, in the base of the drawing: x,y,z lowest, then highest")
-      ->delimiter(',')
-      ->expected(6);
-  command
       ->add_option("--target-mm", options->target_mm,
                    "the target in the last frame of the drawing: x,y,z")
       ->delimiter(',')
       ->expected(3);
-  command
-      ->add_option("--margin-deg", options->margin_deg, "kept from the limits of revolute joints")
-      ->check(CLI::Range(0.0, 90.0))
-      ->capture_default_str();
-  command->add_option("--margin-mm", options->margin_mm, "kept from those of prismatic ones")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
-  command
-      ->add_option("--format", options->format,
-                   "of the poses: a table, or a program that goes to each and waits there")
-      ->check(CLI::IsMember(program_formats()))
-      ->capture_default_str();
-  command->add_option("--wait-s", options->wait_s, "at each pose, in a program")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  command->add_option("--out", options->out, "joint poses to write")->required();
-  add_common(*command, *options);
+  add_pose_options(
+      *command, *options,
+      "where the target may be, in the base of the drawing: x,y,z lowest, then highest");
   command->callback([options, &status] { status = run(*options); });
 }
 

@@ -2,6 +2,7 @@
 // armsig report: a signature for the eye.
 #include "firmware/host_tool/report/report.hpp"
 
+#include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
@@ -14,8 +15,24 @@ namespace {
 
 struct ReportOptions : CommonOptions {
   ReportFiles files;
+  CertificateNames names;
   std::string out;
 };
+
+Read<void> check_names(const CertificateNames& names, const SignatureRecord& record) {
+  for (const auto& [option, text] :
+       {std::pair{"--serial", &names.serial}, std::pair{"--operator", &names.operator_name},
+        std::pair{"--instrument", &names.instrument},
+        std::pair{"--instrument-serial", &names.instrument_serial}}) {
+    if (auto good = check_option_text(option, *text); !good) return good;
+  }
+  if (!names.serial.empty() && !record.serial.empty() && names.serial != record.serial) {
+    return std::unexpected(Problem{"--serial", 0, 0,
+                                   "the signature is of serial number " + shown(record.serial),
+                                   "that number, or none"});
+  }
+  return {};
+}
 
 int run(const ReportOptions& options) {
   const auto apart = check_roles({{"--signature", options.files.signature},
@@ -24,8 +41,11 @@ int run(const ReportOptions& options) {
                                   {"--truth", options.files.truth}},
                                  {{"--out", options.out}});
   if (!apart) return fail(apart.error(), kBadInput, options);
-  const auto input = read_report_input(options.files);
+  auto input = read_report_input(options.files);
   if (!input) return fail(input.error(), kBadInput, options);
+  const auto good = check_names(options.names, input->record);
+  if (!good) return fail(good.error(), kBadInput, options);
+  input->names = options.names;
   const auto report = report_json(*input);
   const auto page = report_page(report);
   if (!page) return fail(page.error(), kNoAnswer, options);
@@ -64,6 +84,12 @@ void add_report(CLI::App& app, int& status) {
       ->needs(measurements);
   command->add_option("--truth", options->files.truth,
                       "exact signature of the arm (YAML), where it is simulated");
+  CertificateNames& names = options->names;
+  command->add_option("--operator", names.operator_name, "who measured, for the page to sign");
+  command->add_option("--instrument", names.instrument, "what it was measured with");
+  command->add_option("--instrument-serial", names.instrument_serial, "its serial number");
+  command->add_option("--serial", names.serial,
+                      "serial number of the arm, where the signature has none");
   command->add_option("--out", options->out, "page to write (HTML)")->required();
   add_common(*command, *options);
   command->callback([options, &status] { status = run(*options); });

@@ -145,11 +145,13 @@ int run(const SimulateOptions& options) {
     const std::vector<double>& p_mm = options.hand_target_mm;
     mount_hand_target(*built, 1e-3 * Vector3(p_mm[0], p_mm[1], p_mm[2]));
   }
-  const Bends bends{.map_rad = radians(options.maps_deg),
-                    .sag_m = 1e-3 * options.sag_mm,
-                    .play_rad = radians(options.play_deg)};
+  const cabinet::Bends bends{.map_rad = radians(options.maps_deg),
+                             .sag_m = 1e-3 * options.sag_mm,
+                             .play_rad = radians(options.play_deg)};
   simulated::Random bend_random(options.seed, kBendStream);
-  const auto bent = bends.any() ? bent_model(arm->arm, bends, bend_random) : nullptr;
+  const auto bent = bends.any() ? std::make_shared<const calibration::ArmModel>(
+                                      cabinet::bent_model(arm->arm, bends, bend_random))
+                                : nullptr;
   const BentJoints joints(bent, bends.play_rad);
   const Simulation simulation{
       .arm = *built,

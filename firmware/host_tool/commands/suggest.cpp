@@ -5,27 +5,20 @@
 #include "core/uncertainty/suggestion.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/signature_file.hpp"
-#include "firmware/host_tool/commands/command.hpp"
-#include "firmware/host_tool/exports/robot_program.hpp"
+#include "firmware/host_tool/commands/pose_options.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
-#include "firmware/host_tool/simulation/margin.hpp"
 
 namespace armsig::tool {
 namespace {
 
-struct SuggestOptions : CommonOptions {
-  std::string signature, out;
+struct SuggestOptions : PoseOptions {
+  std::string signature;
   std::size_t count = 30;
   std::optional<double> sigma_mm;
-  std::vector<double> box_mm;
-  std::string format = "csv";
-  double margin_deg = 2;
-  double margin_mm = 5;
-  double wait_s = 2;
 };
 
 // A further pose that lowers the predicted error by less than this share is not worth the robot's
@@ -46,9 +39,8 @@ int run(const SuggestOptions& options) {
                 kNoAnswer, options);
   }
   uncertainty::SuggestionConfig config;
-  const auto limits = limits_with_margin(
-      record->nominal.limits, record->signature.types,
-      {.angle_rad = radians(options.margin_deg), .length_m = 1e-3 * options.margin_mm});
+  const auto limits =
+      limits_with_margin(record->nominal.limits, record->signature.types, options.margin());
   if (!limits) return fail(limits.error(), kBadInput, options);
   config.limits = *limits;
   config.target = *target;
@@ -58,9 +50,9 @@ int run(const SuggestOptions& options) {
                  "--sigma-mm"},
                 kBadInput, options);
   }
-  if (!options.box_mm.empty()) {
-    config.box.lower_S = 1e-3 * Vector3(options.box_mm[0], options.box_mm[1], options.box_mm[2]);
-    config.box.upper_S = 1e-3 * Vector3(options.box_mm[3], options.box_mm[4], options.box_mm[5]);
+  if (const auto box = options.box()) {
+    config.box.lower_S = box->lower;
+    config.box.upper_S = box->upper;
   }
 
   const auto search = std::make_unique<uncertainty::SuggestionSearch>();
@@ -77,12 +69,11 @@ int run(const SuggestOptions& options) {
   std::vector<JointVector> poses;
   poses.reserve(suggestions.size());
   for (const auto& suggestion : suggestions) poses.push_back(suggestion.readings);
-  const auto written = write_poses(
-      options.out,
-      {.format = options.format,
-       .comment = fmt::format("{}: poses to measure next, the most useful first", record->arm_name),
-       .wait_s = options.wait_s},
-      record->signature.types, poses);
+  const auto written =
+      write_poses(options.out,
+                  options.program(fmt::format("{}: poses to measure next, the most useful first",
+                                              record->arm_name)),
+                  record->signature.types, poses);
   if (!written) return fail(written.error(), kBadInput, options);
 
   const double after_m = suggestions.back().predicted_rms_m;
@@ -137,28 +128,8 @@ void add_suggest(CLI::App& app, int& status) {
       ->add_option("--sigma-mm", options->sigma_mm,
                    "noise of the sensor per axis, 1 sigma (default: as the signature says)")
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--box-mm", options->box_mm,
-                   "where the sensor sees the target: x,y,z lowest, then x,y,z highest")
-      ->delimiter(',')
-      ->expected(6);
-  command
-      ->add_option("--margin-deg", options->margin_deg, "kept from the limits of revolute joints")
-      ->check(CLI::Range(0.0, 90.0))
-      ->capture_default_str();
-  command->add_option("--margin-mm", options->margin_mm, "kept from those of prismatic ones")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
-  command
-      ->add_option("--format", options->format,
-                   "of the poses: a table, or a program that goes to each and waits there")
-      ->check(CLI::IsMember(program_formats()))
-      ->capture_default_str();
-  command->add_option("--wait-s", options->wait_s, "at each pose, in a program")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  command->add_option("--out", options->out, "joint poses to write")->required();
-  add_common(*command, *options);
+  add_pose_options(*command, *options,
+                   "where the sensor sees the target: x,y,z lowest, then x,y,z highest");
   command->callback([options, &status] { status = run(*options); });
 }
 

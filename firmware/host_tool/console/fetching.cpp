@@ -44,6 +44,14 @@ bool from_hex(std::string_view digits, std::span<std::uint8_t> bytes) {
   return true;
 }
 
+// What helps against an error of the controller.
+std::string cure_of(std::string_view error) {
+  if (error.contains("NO_CANDIDATE") || error.contains("NO_SIGNATURE")) return "identify first";
+  if (error.contains("WRONG_MODE")) return "a controller without a sequence or a commit under way";
+  if (error.contains("RECORD_CORRUPT")) return "a line that loses nothing: try again";
+  return kExpected;
+}
+
 }  // namespace
 
 std::unexpected<Problem> Fetcher::refused(std::string what, std::string expected) const {
@@ -66,9 +74,7 @@ Read<std::vector<std::string>> Fetcher::ask(const std::string& request,
     if (!line) return silent();
     if (!is_reply(*line)) continue;  // what it says unasked
     if (is_error(*line)) {
-      return refused(shown(*line), line->contains("NO_CANDIDATE") || line->contains("NO_SIGNATURE")
-                                       ? "identify first"
-                                       : kExpected);
+      return refused(shown(*line), cure_of(*line));
     }
     std::vector<std::string> values;
     for (const std::string& key : keys) {
@@ -116,6 +122,21 @@ Read<controller::SignatureRecord> Fetcher::record(std::string_view what, const A
   if (decoded) return record;
   return refused(std::string(describe(decoded.error())),
                  "a record that does not change while it is fetched: try again");
+}
+
+Read<void> Fetcher::deliver(const controller::RecordImage& record) {
+  const std::size_t parts = (record.size() + controller::kPartBytes - 1) / controller::kPartBytes;
+  for (std::size_t part = 0; part < parts; ++part) {
+    std::string request = fmt::format("send part={} bytes={} hex=", part + 1, record.size());
+    const std::size_t begin = part * controller::kPartBytes;
+    const std::size_t end = std::min(begin + controller::kPartBytes, record.size());
+    for (std::size_t i = begin; i < end; ++i) request += fmt::format("{:02x}", record[i]);
+    const bool last = part + 1 == parts;
+    const auto reply =
+        ask(request, last ? std::vector<std::string>{"received"} : std::vector<std::string>{});
+    if (!reply) return std::unexpected(reply.error());
+  }
+  return {};
 }
 
 Read<std::vector<MeasurementRow>> Fetcher::log(const JointTypes& types) {

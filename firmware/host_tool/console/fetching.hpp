@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a controller has, fetched over its console: the signature in use or the candidate, the
-// drawing, and what its last identification measured.
+// drawing, and what its last identification measured. And a candidate the other way.
 #pragma once
 
 #include <chrono>
@@ -27,6 +27,8 @@ class Fetcher {
   [[nodiscard]] Read<controller::SignatureRecord> record(std::string_view what, const Arm& drawing);
   // The rows of the last identification; refuses where nothing was measured since the start.
   [[nodiscard]] Read<std::vector<MeasurementRow>> log(const JointTypes& types);
+  // Sends a record; the controller has it as its candidate then. Refuses by the controller's words.
+  [[nodiscard]] Read<void> deliver(const controller::RecordImage& record);
 
  private:
   // The words behind the "ok" that answers `request`; refuses an error, silence, and a reply that

@@ -168,7 +168,7 @@ void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
   };
   shift_and_turn(0, Matrix3::Identity(), Vector3::Zero());
   J.middleCols<3>(3) = R_seen;
-  if (free_scale_) J.col(kScale) = R * p_B;
+  J.col(kScale) = R * p_B;
   if (row.moved) {
     const Vector3 p_S = X_SB_ * (scale() * p_B);
     for (int i = 0; i < 3; ++i) {
@@ -178,7 +178,7 @@ void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
   }
   for (std::size_t k = 1; k < last; ++k) {
     const Link& link = links_[k - 1];
-    const Eigen::Index column = kFixed + kOfLink * static_cast<Eigen::Index>(k - 1);
+    const Eigen::Index column = link_column(k - 1);
     const Pose& before = at.drawn[k];
     shift_and_turn(column, before.R,
                    before * (link.centre_L + Vector3(link.deviation.segment<3>(3))));
@@ -208,14 +208,15 @@ DeviatingChain::Normal DeviatingChain::normal(const Evidence& evidence,
   Eigen::Matrix3Xd J(3, size);
   for (std::size_t k = 0; k < evidence.rows.size(); ++k) {
     if (weights[k] <= 0) continue;
-    derivatives(evidence.rows[k], target_of(evidence.rows[k].target), J);
+    derivatives(evidence.rows[k], J);
+    if (!free_scale_) J.col(kScale).setZero();
     normal.H.selfadjointView<Eigen::Lower>().rankUpdate(J.transpose(), weights[k]);
     normal.g.noalias() += weights[k] * (J.transpose() * residuals[k]);
   }
   normal.H.triangularView<Eigen::StrictlyUpper>() = normal.H.transpose();
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const Link& link = links_[k];
-    const Eigen::Index column = kFixed + kOfLink * static_cast<Eigen::Index>(k);
+    const Eigen::Index column = link_column(k);
     for (Eigen::Index i = 0; i < kOfLink; ++i) {
       const double weight = link.inverse_sigma[i] * link.inverse_sigma[i];
       normal.H(column + i, column + i) += weight;
@@ -253,7 +254,7 @@ void DeviatingChain::move(const Eigen::VectorXd& x) {
   log_scale_ += x[kScale];
   log_turn_ += x[kTurn];
   for (std::size_t k = 0; k < links_.size(); ++k) {
-    links_[k].deviation += x.segment<kOfLink>(kFixed + kOfLink * static_cast<Eigen::Index>(k));
+    links_[k].deviation += x.segment<kOfLink>(link_column(k));
   }
   for (std::size_t t = 0; t < targets_.size(); ++t) p_LT_[t] += x.segment<3>(target_column(t));
 }

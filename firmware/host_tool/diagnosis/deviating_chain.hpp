@@ -9,9 +9,17 @@
 
 #include <Eigen/Core>
 
-#include "firmware/host_tool/diagnosis/near_fit.hpp"
+#include "firmware/formats/arm_limits.hpp"
+#include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {
+
+// How the axis beyond a joint lies against the drawing, in the link of that joint.
+struct Deviation {
+  double tilt_rad = 0;
+  double shift_m = 0;
+  double zero = 0;  // of the joint's reading: radians or metres
+};
 
 // Unknowns: base (6), the sensor's second place (6), the factors of lengths and of readings (2),
 // per joint but the last rotation, shift and zero (7) and, where the drawing's frame is metres
@@ -33,6 +41,22 @@ class DeviatingChain {
   [[nodiscard]] Normal normal(const Evidence& evidence, const std::vector<Vector3>& residuals,
                               const std::vector<double>& weights) const;
   [[nodiscard]] double prior_squares() const;
+
+  // The unknowns by their places in a row's derivatives: of the point seen, in the sensor frame.
+  struct Columns {
+    Eigen::Index first = 0;
+    Eigen::Index count = 0;
+  };
+  [[nodiscard]] Columns all() const { return {0, target_column(targets_.size())}; }
+  [[nodiscard]] Columns of_base() const { return {0, kPlace}; }
+  [[nodiscard]] Columns of_lengths() const { return {kScale, 1}; }
+  [[nodiscard]] Columns of_link(std::size_t joint) const { return {link_column(joint), 6}; }
+  [[nodiscard]] Columns of_zero(std::size_t joint) const { return {link_column(joint) + 6, 1}; }
+  [[nodiscard]] Columns of_target(std::size_t target) const { return {target_column(target), 3}; }
+  [[nodiscard]] const std::vector<SeenTarget>& targets() const { return targets_; }
+  void derivatives(const EvidenceRow& row, Eigen::Matrix3Xd& J) const {
+    derivatives(row, target_of(row.target), J);
+  }
 
   [[nodiscard]] std::vector<Deviation> deviations() const;
   [[nodiscard]] double reach_m() const { return reach_m_; }
@@ -66,9 +90,11 @@ class DeviatingChain {
     std::array<Pose, kMaxFrames> full;   // after it
   };
 
+  [[nodiscard]] static Eigen::Index link_column(std::size_t joint) {
+    return kFixed + kOfLink * static_cast<Eigen::Index>(joint);
+  }
   [[nodiscard]] Eigen::Index target_column(std::size_t target) const {
-    return kFixed + kOfLink * static_cast<Eigen::Index>(links_.size()) +
-           3 * static_cast<Eigen::Index>(target);
+    return link_column(links_.size()) + 3 * static_cast<Eigen::Index>(target);
   }
   [[nodiscard]] std::size_t target_of(int number) const;
   [[nodiscard]] Placed placed(const JointVector& effective, std::size_t last) const;

@@ -220,13 +220,14 @@ double Reference::noise_length_m() const {
 }
 
 std::optional<Reference> reference_of(const Evidence& evidence, const ArmLimits& limits) {
-  auto fit = fit_near(evidence, limits);
-  if (!fit) return std::nullopt;
+  auto nearest = nearest_arm(evidence, limits);
+  if (!nearest) return std::nullopt;
   const double numbers = 3.0 * static_cast<double>(evidence.rows.size());
   const double unknowns = 3.0 * static_cast<double>(seen_targets(evidence).size()) +
                           5.0 * static_cast<double>(evidence.arm.joints.size());
   const double freedom = std::max(0.1, 1 - unknowns / numbers);
-  Reference reference{.fit = std::move(*fit),
+  Reference reference{.fit = std::move(nearest->fit),
+                      .chain = std::move(nearest->chain),
                       .stated_m = stated_sigma_m(evidence),
                       .sweeps_m = noise_of_sweeps_m(evidence)};
   reference.shown_m = reference.fit.sigma_m / std::sqrt(freedom);

@@ -12,9 +12,10 @@ namespace armsig::tool {
 // The nearest arm to what was given as it is, and the noise to compare with: per axis, 1 sigma.
 struct Reference {
   NearFit fit;
-  double stated_m = 0;  // 0 where nothing is stated
-  double sweeps_m = 0;  // 0 without sweeps
-  double shown_m = 0;   // by the residuals of the nearest arm, its freedom counted
+  DeviatingChain chain;  // of it
+  double stated_m = 0;   // 0 where nothing is stated
+  double sweeps_m = 0;   // 0 without sweeps
+  double shown_m = 0;    // by the residuals of the nearest arm, its freedom counted
 
   // The length that noise alone leaves, or 0 where nothing tells the noise.
   [[nodiscard]] double noise_length_m() const;

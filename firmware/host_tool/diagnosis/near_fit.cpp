@@ -9,7 +9,6 @@
 
 #include "core/refinement/base_and_tool.hpp"
 #include "firmware/host_tool/diagnosis/base_search.hpp"
-#include "firmware/host_tool/diagnosis/deviating_chain.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -20,7 +19,7 @@ constexpr double kRejected = 10.0;  // of these, nothing is believed any more
 constexpr int kGentleSteps = 3;     // in which no row is given up yet
 constexpr double kLeastDamping = 1e-9;
 constexpr double kClip = 0.1;
-constexpr double kSettled = 5e-3;  // share of cost and scale that a step must save
+constexpr double kWorthAStep = 5e-3;  // share of cost and scale that a step must save
 
 class Fit {
  public:
@@ -54,7 +53,8 @@ class Fit {
         const double reached = cost_of(there, next);
         better = reached <= cost * (1 + 1e-12);
         settled = step > kGentleSteps && better && damping <= settled_below &&
-                  reached > cost * (1 - kSettled) && sigma_m_ > (1 - kSettled) * sigma_before_m;
+                  reached > cost * (1 - kWorthAStep) &&
+                  sigma_m_ > (1 - kWorthAStep) * sigma_before_m;
         if (better) {
           chain_ = std::move(next);
           residuals_ = std::move(there);
@@ -66,6 +66,8 @@ class Fit {
       if (!better || settled) return;
     }
   }
+
+  [[nodiscard]] const DeviatingChain& chain() const { return chain_; }
 
   [[nodiscard]] NearFit result() const {
     NearFit fit;
@@ -168,9 +170,10 @@ double drawn_misfit(const Evidence& evidence) {
   return least;
 }
 
-std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limits, int steps) {
+std::optional<NearestArm> nearest_arm(const Evidence& evidence, const ArmLimits& limits,
+                                      int steps) {
   if (evidence.rows.empty()) return std::nullopt;
-  std::optional<NearFit> best;
+  std::optional<NearestArm> best;
   double least = std::numeric_limits<double>::infinity();
   for (const BasePlace& place : places_of(evidence)) {
     Fit fit(evidence, limits);
@@ -180,9 +183,15 @@ std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limit
     const double score = found.best_rms_m * (1 + found.farthest(limits, evidence.arm));
     if (!(score < least)) continue;
     least = score;
-    best = std::move(found);
+    best.emplace(std::move(found), fit.chain());
   }
   return best;
+}
+
+std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limits, int steps) {
+  auto nearest = nearest_arm(evidence, limits, steps);
+  if (!nearest) return std::nullopt;
+  return std::move(nearest->fit);
 }
 
 }  // namespace armsig::tool

@@ -12,16 +12,10 @@
 #include <vector>
 
 #include "firmware/formats/arm_limits.hpp"
+#include "firmware/host_tool/diagnosis/deviating_chain.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {
-
-// How the axis beyond a joint lies against the drawing, in the link of that joint.
-struct Deviation {
-  double tilt_rad = 0;
-  double shift_m = 0;
-  double zero = 0;  // of the joint's reading: radians or metres
-};
 
 struct NearFit {
   std::vector<Deviation> joints;     // one a joint
@@ -45,7 +39,14 @@ struct NearFit {
 // fitted, as a share of the drawing's reach: quick, to choose by. Infinite without rows.
 [[nodiscard]] double drawn_misfit(const Evidence& evidence);
 
+struct NearestArm {
+  NearFit fit;
+  DeviatingChain chain;  // as fitted, to be differentiated
+};
+
 // Nothing without rows. `limits` says how wide the priors are.
+[[nodiscard]] std::optional<NearestArm> nearest_arm(const Evidence& evidence,
+                                                    const ArmLimits& limits, int steps = 20);
 [[nodiscard]] std::optional<NearFit> fit_near(const Evidence& evidence, const ArmLimits& limits,
                                               int steps = 20);
 

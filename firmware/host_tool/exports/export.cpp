@@ -20,6 +20,7 @@ constexpr std::array kFormats{
     Format{"urdf", urdf_text},
     Format{"ur-yaml", ur_yaml_text},
     Format{"linuxcnc", linuxcnc_text, Carries::kMaps},
+    Format{"linuxcnc-kins", linuxcnc_kins_text, Carries::kEverything},
     Format{"dh-csv", dh_csv_text},
     Format{"mdh-csv", mdh_csv_text},
     Format{"rtb", rtb_text},

@@ -21,7 +21,8 @@ inline constexpr double kExportTolerance_m = 1e-9;
 // mimic joint about the same axis before it.
 [[nodiscard]] Read<std::string> urdf_text(const SignatureRecord& record);
 
-// Calibrated kinematics of the Universal Robots drivers, from the axes. Six revolute joints.
+// Calibrated kinematics of the Universal Robots drivers, from the axes. Refuses an arm whose axes
+// are not those of a known arm of theirs, within 30 mm and 0.05 rad.
 [[nodiscard]] Read<std::string> ur_yaml_text(const SignatureRecord& record);
 
 // Pseudo Denavit-Hartenberg rows, standard (distal) or modified (Craig).
@@ -32,6 +33,10 @@ inline constexpr double kExportTolerance_m = 1e-9;
 // lacks, as `offset` components. Six revolute joints; couplings by `unrotate` where they are whole
 // numbers from the joint before.
 [[nodiscard]] Read<std::string> linuxcnc_text(const SignatureRecord& record);
+
+// The model that armsigkins, the kinematics module for LinuxCNC (firmware/linuxcnc), reads: any
+// arm, with gravity and maps.
+[[nodiscard]] Read<std::string> linuxcnc_kins_text(const SignatureRecord& record);
 
 // A further file of an export, beside the one that was asked for.
 struct Companion {

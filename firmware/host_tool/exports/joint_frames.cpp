@@ -66,14 +66,4 @@ Pose last_link_pose(const JointFrames& frames, const FixedVector<JointType, kMax
   return X_SK * frames.X_KL;
 }
 
-RollPitchYaw roll_pitch_yaw(const Matrix3& R) {
-  const double across = std::hypot(R(0, 0), R(1, 0));
-  const double yaw = across > 0 ? std::atan2(R(1, 0), R(0, 0)) : 0;
-  const double c = std::cos(yaw);
-  const double s = std::sin(yaw);
-  // Roll from what is left when this very yaw is taken away: an ill-determined yaw costs nothing.
-  const double roll = std::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1));
-  return {roll, std::atan2(-R(2, 0), across), yaw};
-}
-
 }  // namespace armsig::tool

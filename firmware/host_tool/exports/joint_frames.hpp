@@ -7,6 +7,7 @@
 // shortest way: meshes and limits made for the drawing keep their meaning.
 #pragma once
 
+#include "core/base/roll_pitch_yaw.hpp"
 #include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {
@@ -27,14 +28,5 @@ struct JointFrames {
 [[nodiscard]] Pose last_link_pose(const JointFrames& frames,
                                   const FixedVector<JointType, kMaxJoints>& types,
                                   const JointVector& q);
-
-// R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), the fixed-axis angles of URDF; exact to rounding near
-// pitch = +-90 degrees too, where only roll - yaw or roll + yaw is determined.
-struct RollPitchYaw {
-  double roll_rad = 0;
-  double pitch_rad = 0;
-  double yaw_rad = 0;
-};
-[[nodiscard]] RollPitchYaw roll_pitch_yaw(const Matrix3& R);
 
 }  // namespace armsig::tool

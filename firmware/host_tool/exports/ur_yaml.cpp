@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include <array>
+#include <cmath>
+#include <limits>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
 
 #include "core/base/crc32.hpp"
+#include "core/frames/alignment.hpp"
+#include "core/frames/axis_lines.hpp"
+#include "core/identification.hpp"
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/host_tool/exports/export.hpp"
 #include "firmware/host_tool/exports/joint_frames.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
+#include "firmware/host_tool/known_arms/known_arms.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -25,6 +33,38 @@ std::string link_text(const char* name, const Pose& X) {
       number_text(angles.roll_rad), number_text(angles.pitch_rad), number_text(angles.yaw_rad));
 }
 
+// An individual is nowhere near as far from its drawing.
+constexpr double kOtherArm_m = 0.03;
+constexpr double kOtherArm_rad = 0.05;
+
+// The drivers take the file for a robot of Universal Robots, whose zeros and senses it must have:
+// the arm's axes have to be those of one that is known.
+Read<void> need_ur(const SignatureRecord& record) {
+  std::vector<std::string> names;
+  std::string nearest;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const KnownArm& known : known_arms()) {
+    if (!known.name.starts_with("ur")) continue;
+    ARMSIG_TRY(drawn, parse_arm(known.text, known.name));
+    const Signature there = signature_of(drawn.arm, record.signature.configuration, Pose{}, {});
+    const frames::Alignment laid =
+        frames::align(frames::axis_lines(record.signature), frames::axis_lines(there));
+    const double off_m = std::sqrt(laid.cost_m2);
+    if (laid.worst_distance_m() < kOtherArm_m && laid.worst_angle_rad() < kOtherArm_rad) return {};
+    names.emplace_back(known.name);
+    if (off_m >= least_m) continue;
+    least_m = off_m;
+    nearest = known.name;
+  }
+  return cannot_hold(
+      kUrFormat,
+      fmt::format("its axes are those of no arm of Universal Robots; nearest is the {}, {:.0f} mm "
+                  "off",
+                  nearest, 1e3 * least_m),
+      fmt::format("{}, with the zeros and senses that the maker has; urdf holds any",
+                  any_of(names)));
+}
+
 }  // namespace
 
 Read<std::string> ur_yaml_text(const SignatureRecord& record) {
@@ -34,6 +74,7 @@ Read<std::string> ur_yaml_text(const SignatureRecord& record) {
   if (!record.nominal.couplings.empty()) {
     return cannot_hold(kUrFormat, "its joints are coupled", "uncoupled joints; urdf holds any");
   }
+  if (auto ur = need_ur(record); !ur) return std::unexpected(std::move(ur).error());
   const JointFrames frames = joint_frames(record);
   std::string links;
   for (std::size_t i = 0; i < kLinks.size(); ++i) links += link_text(kLinks[i], frames.X_PJ[i]);

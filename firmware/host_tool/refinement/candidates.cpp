@@ -65,6 +65,7 @@ std::expected<Candidate, Refusal> Candidates::fitted(const FitStart& from,
   if (!summary) return std::unexpected(Refusal{summary.error(), 0, 0});
   Candidate found;
   found.start = from;
+  found.end = start;
   found.request = request;
   found.summary = *summary;
   found.variance = fitting_.engine().scales().sigma_squared;
@@ -115,7 +116,7 @@ std::expected<Candidate, Refusal> Candidates::geometry(const FitStart& from) {
   auto found = fitted(from, kGeometry, log_.request);
   if (!found) return found;
   if (const auto good = believable(*found); !good) return std::unexpected(good.error());
-  found->left_out = fitting_.score(from, kGeometry);
+  found->left_out = fitting_.score(found->end, kGeometry);
   return found;
 }
 
@@ -143,7 +144,7 @@ std::optional<Candidate> Candidates::corrected(const Candidate& plain) {
   for (const refinement::ReadingTerms& terms : kCorrections) {
     auto candidate = with_terms(plain, terms);
     if (!candidate) continue;
-    candidate->left_out = fitting_.score(candidate->start, kGeometry);
+    candidate->left_out = fitting_.score(candidate->end, kGeometry);
     if (predicts_better(*candidate, best ? *best : plain, kWorthCorrections)) {
       best = std::move(candidate);
     }
@@ -162,7 +163,7 @@ std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
     if (!(std::abs(term.coefficient) <= kMostSag)) return std::nullopt;
   }
   fitting_.note_covered(*whole->model);
-  whole->left_out = fitting_.score(bent, {});
+  whole->left_out = fitting_.score(whole->end, {});
   if (!predicts_better(*whole, geometry, kWorthDeflections)) return std::nullopt;
   const double k = whole->left_out->score.factor;
   for (calibration::JointModel& joint : whole->model->joints) {

@@ -16,6 +16,7 @@ inline constexpr std::size_t kFewestTakenBack = 2;
 
 struct Candidate {
   FitStart start;  // where its fit began
+  FitStart end;    // and where it ended: folds begin there, and need not find the way again
   refinement::ParameterRequest request;
   std::unique_ptr<refinement::Refined> refined = std::make_unique<refinement::Refined>();
   std::shared_ptr<calibration::ArmModel> model;

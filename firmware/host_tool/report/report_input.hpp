@@ -6,6 +6,7 @@
 #include <string>
 
 #include "firmware/formats/signature_record.hpp"
+#include "firmware/host_tool/report/certificate.hpp"
 #include "firmware/host_tool/report/measured_sweeps.hpp"
 
 namespace armsig::tool {
@@ -30,6 +31,7 @@ struct ReportInput {
   std::optional<MeasuredSweeps> measured;
   std::optional<ReportSource> measurements;
   std::optional<Signature> truth;  // where the arm is simulated
+  CertificateNames names;
 };
 
 [[nodiscard]] Read<ReportInput> read_report_input(const ReportFiles& files);

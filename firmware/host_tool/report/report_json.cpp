@@ -198,6 +198,26 @@ Json reading_maps_json(const ReadingMaps& maps) {
           {"joints", std::move(joints)}};
 }
 
+Json certificate_json(const ReportInput& input, const std::vector<SweepPicture>& sweeps,
+                      const std::optional<ToolErrorMap>& map) {
+  const UncertaintyBudget budget = uncertainty_budget(input.record, map);
+  Json sources = Json::array();
+  for (const UncertaintySource& source : budget.sources) {
+    sources.push_back(
+        {{"source", source.source}, {"basis", source.basis}, {"sigma_m", or_null(source.sigma_m)}});
+  }
+  const CertificateNames& names = input.names;
+  return {{"serial", input.record.serial.empty() ? names.serial : input.record.serial},
+          {"operator", names.operator_name},
+          {"instrument", names.instrument},
+          {"instrument_serial", names.instrument_serial},
+          {"sources", std::move(sources)},
+          {"combined_m", or_null(budget.combined_m)},
+          {"over", map ? map->over : ""},
+          {"accuracy", accuracy_in_words(input.record)},
+          {"not_measured", not_measured(input.record, sweeps)}};
+}
+
 Json verdict_json(const Verdict& verdict) {
   return {{"headline", verdict.headline},
           {"sentences", verdict.sentences},
@@ -236,6 +256,7 @@ nlohmann::ordered_json report_json(const ReportInput& input) {
   report["sweeps"] = std::move(sweep_list);
   const auto maps = reading_maps(record);
   report["reading_maps"] = maps ? reading_maps_json(*maps) : Json(nullptr);
+  report["certificate"] = certificate_json(input, sweeps, map);
   report["map"] = map ? map_json(*map) : Json(nullptr);
   report["grid"] = nullptr;
   if (task) {

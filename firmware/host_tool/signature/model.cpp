@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/signature/model.hpp"
 
-#include <algorithm>
-
 #include <fmt/core.h>
 
+#include "core/base/couplings.hpp"
 #include "core/kinematics/forward.hpp"
 
 namespace armsig::tool {
@@ -23,15 +22,7 @@ Read<std::optional<Target>> find_target(const SignatureRecord& record, const std
 }
 
 kinematics::Chain chain_of_record(const SignatureRecord& record) {
-  FixedVector<JointLimits, kMaxJoints> effective = record.nominal.limits;
-  for (const JointCoupling& coupling : record.nominal.couplings) {
-    const JointLimits& from = record.nominal.limits[coupling.from];
-    const auto [least, most] =
-        std::minmax({coupling.ratio * from.lower, coupling.ratio * from.upper});
-    effective[coupling.joint].lower += least;
-    effective[coupling.joint].upper += most;
-  }
-  return kinematics::make_chain(record.signature.pseudo_dh, effective);
+  return kinematics::make_chain(record.signature.pseudo_dh, effective_limits(record.nominal));
 }
 
 Pose point_in_last_frame(const SignatureRecord& record, const kinematics::Chain& chain,

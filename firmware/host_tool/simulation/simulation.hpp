@@ -11,7 +11,7 @@
 #include "core/measurement/receivers.hpp"
 #include "core/signature.hpp"
 #include "firmware/formats/measurements.hpp"
-#include "firmware/host_tool/simulation/bent_arm.hpp"
+#include "firmware/host_tool/simulation/bent_joints.hpp"
 #include "firmware/host_tool/simulation/sweep_plan.hpp"
 #include "hal/simulated/arm.hpp"
 #include "hal/simulated/cartesian_sensor.hpp"

@@ -3,7 +3,7 @@
 import {
   AmbientLight, BufferGeometry, Color, CylinderGeometry, DirectionalLight, Float32BufferAttribute, GridHelper, Group,
   Line, LineBasicMaterial, LineLoop, Mesh, MeshStandardMaterial, PerspectiveCamera, Points, PointsMaterial, Quaternion, Scene,
-  SphereGeometry, Vector3, WebGLRenderer,
+  SphereGeometry, Spherical, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { colour } from './text.js';
@@ -132,6 +132,7 @@ export class ArmView {
     this.controls.enablePan = false;
     this.controls.minDistance = this.size * 0.4;
     this.controls.maxDistance = this.size * 8;
+    canvas.addEventListener('keydown', (event) => this.#turnByKey(event));
     this.controls.addEventListener('change', () => this.render());
     const target = this.world.localToWorld(this.#middle());
     this.controls.target.copy(target);
@@ -142,6 +143,21 @@ export class ArmView {
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
     this.controls.update();
+  }
+
+  #turnByKey(event) {
+    const turns = { ArrowLeft: [-0.12, 0, 1], ArrowRight: [0.12, 0, 1], ArrowUp: [0, -0.1, 1], ArrowDown: [0, 0.1, 1], '+': [0, 0, 1 / 1.15], '-': [0, 0, 1.15] };
+    if (!(event.key in turns)) return;
+    event.preventDefault();
+    const [around, down, away] = turns[event.key];
+    const { target } = this.controls;
+    const from = new Spherical().setFromVector3(this.camera.position.clone().sub(target));
+    from.theta += around;
+    from.phi = Math.max(0.05, Math.min(Math.PI - 0.05, from.phi + down));
+    from.radius = Math.max(this.controls.minDistance, Math.min(this.controls.maxDistance, from.radius * away));
+    this.camera.position.copy(target).add(new Vector3().setFromSpherical(from));
+    this.controls.update();
+    this.render();
   }
 
   #places() {

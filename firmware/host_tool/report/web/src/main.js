@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Fills the page with the report that armsig put into it.
 import { ArmView, hasWebGl } from './arm_view.js';
+import { certificate } from './certificate.js';
 import { residualChart } from './charts.js';
 import { circleMagnification, drawCircle } from './circle_view.js';
 import { showErrorMap } from './error_map.js';
 import { showReadingMaps } from './reading_maps.js';
 import { aboutTable, differenceTable, gridTable, parameterTable } from './tables.js';
-import { degrees, element, fixed, length } from './text.js';
+import { bounded, degrees, element, fixed, length } from './text.js';
 import './page.css';
 
 const report = JSON.parse(document.getElementById('report').textContent);
@@ -84,7 +85,7 @@ function sweepFacts(sweep) {
 }
 
 function sweepRms(sweep) {
-  const rms = (name, metres) => `${name} ${fixed(1e3 * metres, 3)}`;
+  const rms = (name, metres) => `${name} ${bounded(1e3 * metres, 3)}`;
   return `RMS, mm: ${sweep.revolute
     ? [rms('radial', sweep.rms_radial_m), rms('normal', sweep.rms_normal_m), rms('tangential', sweep.rms_tangential_m)].join(', ')
     : [rms('across', sweep.rms_normal_m), rms('along', sweep.rms_tangential_m)].join(', ')}`;
@@ -96,7 +97,7 @@ function sweeps(webGl) {
     return;
   }
   for (const sweep of report.sweeps) {
-    const chart = element('div', { class: 'chart' });
+    const chart = element('div', { class: 'chart', role: 'img', 'aria-label': `Residuals of joint ${sweep.joint}. ${sweepRms(sweep)}` });
     const canvas = element('canvas');
     const figure = element('figure', {}, canvas, element('figcaption'));
     const block = element('div', { class: 'sweep' },
@@ -134,6 +135,7 @@ parameterTable(report);
 redraws.push(showErrorMap(report, view));
 gridTable(report);
 aboutTable(report.about);
+certificate(report);
 
 const redrawAll = () => { for (const redraw of redraws) redraw(); };
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redrawAll);

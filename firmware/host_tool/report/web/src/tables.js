@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The tables: parameters, the grid task, what was measured.
-import { decimalsFor, degrees, element, fixed, length } from './text.js';
+import { bounded, decimalsFor, degrees, element, fixed, length } from './text.js';
 
 const cell = (text, kind = '') => element('td', kind ? { class: kind } : {}, text);
 const head = (...names) => element('thead', {}, element('tr', {}, ...names.map((name, k) => element('th', k < 2 ? { class: 'text' } : {}, name))));
@@ -102,7 +102,7 @@ export function gridTable(report) {
     (grid.drawn_arms === 0
       ? 'The true arm is known, as it is simulated.'
       : `The true arm is not known: medians over ${grid.drawn_arms} arms that the measurements allow.`);
-  const angle = (radians) => `${fixed(degrees(radians), 3)}°`;
+  const angle = (radians) => `${bounded(degrees(radians), 3)}°`;
   const rows = [
     ['normal_deviation_m', 'Largest deviation from a straight line', length],
     ['perpendicular_deviation_rad', 'Largest deviation from a right angle', angle],

@@ -20,6 +20,10 @@ export const fixed = (value, decimals) => {
   return signed(/^-0\.?0*$/.test(text) ? text.slice(1) : text);
 };
 
+// A value that these decimals would show as nothing is told by what it is below.
+export const bounded = (value, decimals) =>
+  value !== 0 && Number(value.toFixed(decimals)) === 0 ? `< ${(0.5 * 10 ** -decimals).toFixed(decimals + 1)}` : fixed(value, decimals);
+
 // A length in millimetres, a tiny one in micrometres.
 export function length(metres) {
   const size = Math.abs(metres);

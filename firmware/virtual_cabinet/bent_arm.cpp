@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "firmware/host_tool/simulation/bent_arm.hpp"
+#include "firmware/virtual_cabinet/bent_arm.hpp"
 
+#include <array>
 #include <cmath>
 
-namespace armsig::tool {
+namespace armsig::cabinet {
 namespace {
 
 using calibration::ArmModel;
@@ -13,10 +14,6 @@ using calibration::kKnots;
 
 constexpr std::array<double, 4> kWaves{1, 2, 7, 17};  // a turn
 constexpr double kSlideLength_m = 0.5;
-
-double amount(JointType type, double rad) {
-  return type == JointType::kRevolute ? rad : kSlideLength_m * rad;
-}
 
 void add_waves(double largest, simulated::Random& random, JointModel& joint) {
   std::array<double, kWaves.size()> share{};
@@ -59,29 +56,27 @@ void add_sag(const Arm& drawing, double sag_m, ArmModel& model) {
 
 }  // namespace
 
-std::shared_ptr<const ArmModel> bent_model(const Arm& drawing, const Bends& bends,
-                                           simulated::Random& random) {
-  auto model = std::make_shared<ArmModel>(calibration::model_of(drawing, {}));
-  if (bends.sag_m > 0) add_sag(drawing, bends.sag_m, *model);
-  for (JointModel& joint : model->joints) {
-    if (bends.map_rad > 0) add_waves(amount(joint.type, bends.map_rad), random, joint);
+double bend_amount(JointType type, double rad) {
+  return type == JointType::kRevolute ? rad : kSlideLength_m * rad;
+}
+
+ArmModel bent_model(const Arm& drawing, const Bends& bends, simulated::Random& random) {
+  ArmModel model = calibration::model_of(drawing, {});
+  if (bends.sag_m > 0) add_sag(drawing, bends.sag_m, model);
+  for (JointModel& joint : model.joints) {
+    if (bends.map_rad > 0) add_waves(bend_amount(joint.type, bends.map_rad), random, joint);
   }
   return model;
 }
 
-JointVector BentJoints::turned(const JointVector& readings) {
-  if (model_ == nullptr) return readings;
+JointVector turned(const ArmModel& model, const JointVector& readings, const JointVector& behind) {
   std::array<double, kMaxJoints> by{};
-  calibration::deflections(*model_, readings, by);
-  JointVector turned = effective_readings(model_->couplings, readings);
+  calibration::deflections(model, readings, by);
+  JointVector turned = effective_readings(model.couplings, readings);
   for (std::size_t i = 0; i < readings.size(); ++i) {
-    if (!before_.empty() && readings[i] != before_[i]) {
-      side_[i] = readings[i] > before_[i] ? 1 : -1;
-    }
-    turned[i] += by[i] - 0.5 * side_[i] * amount(model_->joints[i].type, play_rad_);
+    turned[i] += by[i] - (behind.empty() ? 0 : behind[i]);
   }
-  before_ = readings;
-  return readings_for(model_->couplings, turned);
+  return readings_for(model.couplings, turned);
 }
 
-}  // namespace armsig::tool
+}  // namespace armsig::cabinet

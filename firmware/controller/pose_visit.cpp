@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/controller/pose_visit.hpp"
+
+#include "core/base/low_discrepancy.hpp"
+
+namespace armsig::controller {
+namespace {
+
+// Times in a row that a point may be begun anew because the arm moved.
+constexpr unsigned kMovedInARow = 3;
+
+VisitOutcome ends(Error error, std::optional<std::size_t> joint = {}) {
+  return {VisitOutcome::What::kEnds, {error, joint}};
+}
+
+}  // namespace
+
+bool is_of_the_place(Error error) {
+  return error == Error::kTooFewReceivers || error == Error::kReceiversCollinear ||
+         error == Error::kMirrorAmbiguity || error == Error::kRangesInconsistent ||
+         error == Error::kSingular;
+}
+
+JointVector spread_pose(const Configuration& configuration, std::size_t index) {
+  const Arm& arm = configuration.drawing;
+  FixedVector<JointType, kMaxJoints> types;
+  FixedVector<JointLimits, kMaxJoints> limits;
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    types.push_back(arm.joints[i].type);
+    const auto [lower, upper] = arm.limits[i];
+    const double centre = configuration.sweeps.configuration[i];
+    const double reach = configuration.sweeps.held_out_reach;
+    limits.push_back({centre + reach * (lower - centre), centre + reach * (upper - centre)});
+  }
+  return evenly_spread_configuration(types, limits, static_cast<int>(index) + 1);
+}
+
+void PoseVisit::begin(Ticket begun) {
+  phase_ = Phase::kNext;
+  measures_again_ = false;
+  moved_in_a_row_ = 0;
+  ticket_ = begun;
+}
+
+std::expected<void, MoveRefusal> PoseVisit::go_to(const JointVector& q) {
+  const auto move = plan_joint_move(configuration_, mover_.now().commanded, q);
+  if (!move) return std::unexpected(move.error());
+  const auto sent = mover_.send(*move, Mover::Of::kSequence);
+  if (!sent) return std::unexpected(MoveRefusal{Error::kLateTick, {}});
+  ticket_ = *sent;
+  phase_ = Phase::kMoving;
+  phase_ends_ = mover_.now().now + configuration_.dwell.settle +
+                configuration_.dwell.settle_timeout + lasting(*move);
+  return {};
+}
+
+void PoseVisit::measure() {
+  const hal::Instant now = mover_.now().now;
+  measurement_.begin(now);
+  phase_ = Phase::kMeasuring;
+  measures_again_ = false;
+  measured_since_ = now;
+  phase_ends_ = now + configuration_.sensor.reading_timeout *
+                          static_cast<std::int64_t>(configuration_.dwell.most_pings + 1);
+}
+
+VisitOutcome PoseVisit::step() {
+  using enum VisitOutcome::What;
+  if (!mover_.is_handled(ticket_)) return {};
+  const Snapshot& snapshot = mover_.now();
+  // First, as what was sent in the tick of the fault was refused because of it.
+  if (snapshot.fault) return ends(snapshot.fault->error, snapshot.fault->joint);
+  if (const auto refusal = mover_.refusal(ticket_)) return ends(*refusal);
+  if (snapshot.mode != Mode::kSweeping) return ends(Error::kSequenceStopped);
+  if (phase_ == Phase::kNext) return {kReady};
+  if (phase_ == Phase::kMeasuring) return {};  // take() goes on
+  if (!mover_.has_arrived(ticket_, configuration_.dwell.settle)) {
+    return snapshot.now > phase_ends_ ? ends(Error::kNotSettled, mover_.furthest_joint())
+                                      : VisitOutcome();
+  }
+  if (measures_again_) {
+    measure();
+    return {};
+  }
+  phase_ = Phase::kNext;
+  return {kArrived};
+}
+
+VisitOutcome PoseVisit::take(const Result<std::optional<MeasuredPoint>>& measured) {
+  using enum VisitOutcome::What;
+  if (phase_ != Phase::kMeasuring) return {};
+  if (has_moved()) return refuse_point();
+  if (!measured || *measured) {
+    phase_ = Phase::kNext;
+    if (!measured) return {kLost, {measured.error(), {}}};
+    moved_in_a_row_ = 0;
+    return {kPoint};
+  }
+  if (mover_.now().now <= phase_ends_) return {};
+  measurement_.end();
+  phase_ = Phase::kNext;
+  return {kLost, {Error::kPointTimeout, {}}};
+}
+
+// Whether a joint left its place, by more than the tolerance, since the first ping.
+bool PoseVisit::has_moved() const {
+  const Snapshot& snapshot = mover_.now();
+  return snapshot.settled < snapshot.now - measured_since_;
+}
+
+// The pings of one point are of one place, or of none.
+[[gnu::noinline]] VisitOutcome PoseVisit::refuse_point() {
+  const std::size_t joint = mover_.furthest_joint();
+  measurement_.end();
+  if (++moved_in_a_row_ >= kMovedInARow) return ends(Error::kArmMoved, joint);
+  announcer_.say(Line()
+                     .text("# ")
+                     .text(sequence_)
+                     .text(" point refused")
+                     .reason(Error::kArmMoved)
+                     .text(" joint=")
+                     .integer(joint + 1));
+  measures_again_ = true;
+  phase_ = Phase::kMoving;
+  phase_ends_ =
+      mover_.now().now + configuration_.dwell.settle + configuration_.dwell.settle_timeout;
+  return {};
+}
+
+}  // namespace armsig::controller

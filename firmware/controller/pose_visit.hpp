@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// One pose of a sequence: the way there, the standstill, and the point that is measured there. What
+// every sequence that measures has in common.
+#pragma once
+
+#include "firmware/controller/announcer.hpp"
+#include "firmware/controller/mover.hpp"
+#include "firmware/controller/point_measurement.hpp"
+
+namespace armsig::controller {
+
+// Whether it is the place, rather than the sensor, that a point was lost by.
+[[nodiscard]] bool is_of_the_place(Error error);
+
+// Pose `index` of those that are spread about the signature configuration over the configured part
+// of each joint's limits; the same at every call.
+[[nodiscard]] JointVector spread_pose(const Configuration& configuration, std::size_t index);
+
+// What became of a pose in a step.
+struct VisitOutcome {
+  enum class What : std::uint8_t {
+    kUnderWay,
+    kReady,    // nothing is under way
+    kArrived,  // and stands still
+    kPoint,    // the measured one is good
+    kLost,     // the pose gives no point, by `why`
+    kEnds,     // the sequence, by `why`
+  };
+  What what = What::kUnderWay;
+  MoveRefusal why = {};
+};
+
+class PoseVisit {
+ public:
+  // `sequence` is its name in what is told.
+  PoseVisit(const Configuration& configuration, Mover& mover, PointMeasurement& measurement,
+            const Announcer& announcer, std::string_view sequence)
+      : configuration_(configuration),
+        mover_(mover),
+        measurement_(measurement),
+        announcer_(announcer),
+        sequence_(sequence) {}
+
+  // The sequence begins; `begun` is the kBeginSequence that it needs.
+  void begin(Ticket begun);
+  // Errors: those of plan_joint_move(); kLateTick (the tick has stopped).
+  [[nodiscard]] std::expected<void, MoveRefusal> go_to(const JointVector& q);
+  // A point where the arm stands.
+  void measure();
+  // What the arm does. Ends by its fault, by the refusal of a command, kSequenceStopped (halt),
+  // kNotSettled.
+  [[nodiscard]] VisitOutcome step();
+  // What the sensor said in this step. Lost by an error of PointMeasurement::step() or
+  // kPointTimeout; ends by kArmMoved. Before step(), in every step of the background.
+  [[nodiscard]] VisitOutcome take(const Result<std::optional<MeasuredPoint>>& measured);
+  [[nodiscard]] bool is_under_way() const { return phase_ != Phase::kNext; }
+
+ private:
+  enum class Phase : std::uint8_t { kNext, kMoving, kMeasuring };
+
+  [[nodiscard]] bool has_moved() const;
+  [[nodiscard]] VisitOutcome refuse_point();
+
+  const Configuration& configuration_;
+  Mover& mover_;
+  PointMeasurement& measurement_;
+  const Announcer& announcer_;
+  std::string_view sequence_;
+
+  Phase phase_ = Phase::kNext;
+  bool measures_again_ = false;  // once the arm has come to rest
+  unsigned moved_in_a_row_ = 0;
+  Ticket ticket_ = 0;        // of the last command
+  hal::Instant phase_ends_;  // the bound of the phase under way
+  hal::Instant measured_since_;
+};
+
+}  // namespace armsig::controller

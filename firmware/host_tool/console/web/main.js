@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+// The controller's live page: what the server tells becomes pictures, words and the buttons that make sense.
+import { ArmView } from './arm.js';
+import { BlackBox } from './black_box.js';
+import { Dials } from './dials.js';
+import { degrees, duration, element, fixed, reading, rough, tell } from './words.js';
+
+const kOld_ms = 1500;       // news older than this is not shown as the present
+const kMostLines = 200;
+const kSure_ms = 4000;      // within which a second click confirms
+
+const viewer = Array.from(crypto.getRandomValues(new Uint8Array(12)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+const byId = (id) => document.getElementById(id);
+const arm = new ArmView(byId('arm'));
+const dials = new Dials(byId('dials'));
+const blackBox = new BlackBox(byId('black-box'), tell);
+
+let joints = [];
+let rows = [];
+let state = null;
+let heard = 0;       // when the server was heard last
+let shownAnswer = null;
+let advice = {};
+
+// --- What the server tells -------------------------------------------------------------------------
+
+function rowOf(values) {
+  return {
+    sweep: Number(values.sweep),
+    q: joints.map((joint, i) => reading(values, i + 1, joint.revolute)),
+    p: ['x_mm', 'y_mm', 'z_mm'].map((key) => values[key] / 1e3),
+  };
+}
+
+function listen() {
+  const events = new EventSource(`events?viewer=${viewer}`);
+  const on = (name, take) => events.addEventListener(name, (event) => {
+    heard = performance.now();
+    take(JSON.parse(event.data));
+  });
+  on('arm', (told) => {
+    joints = told.joints;
+    rows = [];
+    arm.setArm(joints);
+    dials.setArm(joints);
+  });
+  on('points', ({ from, points }) => {
+    rows = rows.slice(0, from).concat(points.map(rowOf));
+    arm.setRows(rows);
+    if (state) dials.show(rows, state.sigmas, Number(state.status.sweep ?? 0));
+  });
+  on('said', (lines) => {
+    const bad = (line) => / error=|faulted|refused|ended|lost/.test(line);
+    const items = lines.map((line) => element('li', bad(line) ? { class: 'bad' } : {}, line.replace(/^# /, '')));
+    byId('said').prepend(...items.reverse());
+    while (byId('said').childElementCount > kMostLines) byId('said').lastChild.remove();
+  });
+  on('state', (told) => {
+    state = told;
+    show();
+  });
+  // The browser tries again by itself unless it was refused; then we do.
+  events.addEventListener('error', () => {
+    if (events.readyState !== EventSource.CLOSED) return;
+    events.close();
+    setTimeout(listen, 1000);
+  });
+}
+
+// --- What it means ---------------------------------------------------------------------------------
+
+// Why what is shown is not the present; empty: it is.
+function stale() {
+  if (state === null || (state.linked && !state.status.mode)) return 'Connecting to the controller …';
+  const silent = performance.now() - heard;
+  if (silent > kOld_ms) return `The page’s server has gone: nothing heard for ${duration(silent / 1e3)}. What is shown is old.`;
+  if (!state.linked) return `No connection to the controller: ${state.why}. What is shown is old.`;
+  if (state.age_ms === null || state.age_ms + silent > kOld_ms) {
+    return state.busy ? `The controller is busy with ${state.busy} …` : 'The controller does not answer. What is shown is old.';
+  }
+  return '';
+}
+
+const adviceFor = (name) => advice[name] ?? { happened: name ?? '', todo: '' };
+const markdown = (text) => text.replace(/\[([^\]]*)\]\([^)]*\)/g, '$1').replace(/`/g, '');
+
+// Headline, words, and the verb that is next.
+function situation({ status, candidate }) {
+  const running = status.sequence === 'identifying' || status.sequence === 'paused';
+  const model = status.model === 'signature' ? 'The arm signature is in use.' : 'The drawing is in use; the arm itself has not been measured.';
+  if (status.mode === 'faulted') {
+    const joint = status.fault_joint ? `Joint ${status.fault_joint}: ` : '';
+    const words = adviceFor(status.fault).words ?? status.fault ?? 'stopped';
+    return { headline: `${joint}${words.replace(/^./, (c) => (joint ? c : c.toUpperCase()))}`, words: 'The arm is stopped. It stays so until it is reset.', next: 'reset' };
+  }
+  if (status.mode === 'starting') return { headline: 'Starting', words: 'The drives are found and set up.', next: '' };
+  if (status.sequence === 'paused') return { headline: 'The measurement is paused', words: `Sensor: ${status.sensor === 'well' ? 'well' : markdown(adviceFor(status.sensor).happened)}. ${status.sensor === 'well' ? '' : markdown(adviceFor(status.sensor).todo)}`, next: 'resume' };
+  if (running) return { headline: status.sweep ? `Measuring joint ${status.sweep} of ${joints.length}` : 'Comparing on poses held out', words: 'The arm moves by itself. Keep clear of it.', next: 'pause' };
+  if (status.sequence === 'touching') return { headline: 'Touching the grid', words: 'The arm moves by itself. Keep clear of it.', next: 'halt' };
+  if (candidate) {
+    const better = candidate.better === 'yes';
+    return { headline: better ? 'The candidate is better' : 'The candidate is not better', words: `On ${candidate.held_out} poses that neither was fitted to, the tool was off by (RMS):`, next: better ? 'accept' : 'identify' };
+  }
+  if (status.mode === 'idle') return { headline: 'Without torque', words: `${model} Enable gives the drives torque; the arm holds where it is.`, next: 'enable' };
+  if (status.mode === 'servoing') return { headline: 'Moving', words: model, next: 'halt' };
+  return { headline: 'Ready', words: `${model} Identify sweeps each joint in turn.`, next: status.model === 'signature' ? '' : 'identify' };
+}
+
+// Whether the controller would take the verb now.
+function possible(verb, { status, candidate, signature }) {
+  const { mode, sequence } = status;
+  const free = sequence === 'none' && mode !== 'servoing';
+  const standing = (mode === 'idle' || mode === 'holding') && free;
+  return {
+    enable: mode === 'idle', disable: ['holding', 'servoing', 'sweeping'].includes(mode), reset: mode === 'faulted',
+    identify: mode === 'holding' && free, pause: sequence === 'identifying', resume: sequence === 'paused',
+    halt: mode === 'servoing' || mode === 'sweeping', accept: standing && candidate?.better === 'yes',
+    rollback: standing && signature.model === 'signature', acknowledge: status.acknowledge === 'needed',
+  }[verb];
+}
+
+// --- How it looks ----------------------------------------------------------------------------------
+
+function showProgress({ status }) {
+  const running = status.sequence === 'identifying' || status.sequence === 'paused';
+  byId('progress').hidden = !running;
+  if (!running) return;
+  const [points, planned] = [Number(status.points), Number(status.planned)];
+  byId('progress-fill').style.width = `${(100 * points) / Math.max(1, planned)}%`;
+  byId('progress-track').setAttribute('aria-valuemax', planned);
+  byId('progress-track').setAttribute('aria-valuenow', points);
+  const beyond = points >= planned;
+  tell('progress-points', beyond ? `${points} points: more than the ${planned} planned, until each axis is known` : `${points} of ${planned} points`);
+  tell('progress-left', points > 0 && !beyond ? `${duration(Number(status.left_s))} left` : '');
+}
+
+function showVerdict({ candidate, status }) {
+  const shown = candidate !== null && status.sequence === 'none' && status.mode !== 'faulted';
+  byId('verdict').hidden = !shown;
+  if (!shown) return;
+  const [ours, theirs] = [Number(candidate.candidate_rms_mm), Number(candidate.active_rms_mm)];
+  const largest = Math.max(ours, theirs, 1e-9);
+  byId('candidate-bar').style.width = `${(100 * ours) / largest}%`;
+  byId('active-bar').style.width = `${(100 * theirs) / largest}%`;
+  tell('candidate-rms', `${rough(ours)} mm`);
+  tell('active-rms', `${rough(theirs)} mm`);
+}
+
+function showFault({ status }) {
+  const faulted = status.mode === 'faulted';
+  byId('fault').hidden = !faulted;
+  if (faulted) {
+    const { happened, todo } = adviceFor(status.fault);
+    tell('fault-happened', markdown(happened ?? ''));
+    tell('fault-todo', markdown(todo ?? ''));
+    tell('fault-device', status.fault_says ? `The drive says: ${status.fault_says} (${status.fault_code})` : '');
+  }
+  blackBox.show(status.black_box ?? '', status.fault_joint);
+}
+
+function showFacts({ status, signature, sigmas }) {
+  const facts = [['model', status.model], ['sensor', status.sensor === 'well' ? 'well' : markdown(adviceFor(status.sensor).words ?? status.sensor)]];
+  if (status.sensor_says) facts.push(['sensor says', status.sensor_says]);
+  if (status.store) facts.push(['store', markdown(adviceFor(status.store).words ?? status.store)]);
+  if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);
+  if (signature.held_out_rms_mm) facts.push(['signature', `number ${signature.sequence}, ${rough(Number(signature.held_out_rms_mm))} mm RMS on poses held out, ${signature.air_c} \u00b0C`]);
+  const shares = dials.shares(sigmas).filter(Number.isFinite);
+  if (shares.length > 0) facts.push(['tool', `\u00b1 ${rough(Math.hypot(...shares))} mm by the ${shares.length === joints.length ? 'axes' : `${shares.length} of ${joints.length} axes`} known so far`]);
+  facts.push(['tick late', `${rough(Number(status.late_max_us ?? 0))} \u00b5s at most`]);
+  const key = JSON.stringify(facts);
+  if (byId('facts').dataset.key === key) return;
+  byId('facts').dataset.key = key;
+  byId('facts').replaceChildren(...facts.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]));
+}
+
+function showReadings({ status }) {
+  const parts = joints.map((joint, i) => {
+    const q = reading(status, i + 1, joint.revolute);
+    return element('span', {}, `${i + 1} `, element('b', {}, joint.revolute ? `${fixed(degrees(q), 2)}\u00b0` : `${fixed(1e3 * q, 2)} mm`));
+  });
+  byId('readings').replaceChildren(...parts);
+}
+
+function showAnswer({ answer }) {
+  if (answer === null || answer.number === shownAnswer) return;
+  shownAnswer = answer.number;
+  const [, name, rest] = /^error (\S+) (.*)$/.exec(answer.words) ?? [];
+  const why = name ? `${rest}. ${markdown(adviceFor(name).todo ?? '')}` : answer.words;
+  byId('answer').classList.toggle('bad', !answer.ok);
+  tell('answer', answer.ok ? `The controller took ${answer.verb}.` : `${answer.verb}: ${why}`);
+}
+
+function showButtons(next) {
+  const old = stale() !== '';
+  for (const button of document.querySelectorAll('#buttons [data-verb]')) {
+    const can = state !== null && !old && state.holds && state.busy === '' && possible(button.dataset.verb, state);
+    button.disabled = !can;
+    button.hidden = !can && ['pause', 'resume', 'acknowledge', 'reset'].includes(button.dataset.verb);
+    button.classList.toggle('next', button.dataset.verb === next && can);
+  }
+  const away = state !== null && !state.holds;
+  byId('read-only').hidden = !away;
+  if (away) tell('read-only-words', state.free ? 'Nobody holds the controls.' : 'You are looking on: another viewer holds the controls. Quick stop is yours all the same.');
+}
+
+function showStale() {
+  const why = stale();
+  document.body.classList.toggle('stale', why !== '');
+  byId('lost').hidden = why === '';
+  tell('lost', why);
+  tell('mode', why === '' ? state.status.mode : 'not known');
+  document.body.dataset.mode = why === '' ? state.status.mode : 'unknown';
+  document.title = why === '' ? `${state.status.mode} – armsig` : 'armsig: no news';
+  tell('link', why === '' ? (state.viewers > 1 ? `${state.viewers} viewers` : 'live') : '');
+}
+
+function show() {
+  showStale();
+  if (Object.keys(state.status).length === 0) return;
+  const { headline, words, next } = situation(state);
+  tell('headline', headline);
+  tell('advice', words);
+  showProgress(state);
+  showVerdict(state);
+  showFault(state);
+  showFacts(state);
+  showReadings(state);
+  showAnswer(state);
+  showButtons(next);
+  arm.setStatus(state.status);
+  dials.show(rows, state.sigmas, Number(state.status.sweep ?? 0));
+}
+
+// --- What the viewer wants -------------------------------------------------------------------------
+
+async function request(verb) {
+  const answer = await fetch('request', {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json' },
+    body: JSON.stringify({ viewer, verb }),
+    signal: AbortSignal.timeout(3000),
+  }).catch(() => null);
+  if (answer?.ok) return;
+  byId('answer').classList.add('bad');
+  tell('answer', answer ? `${verb}: ${await answer.text()}` : `${verb} did not reach the page’s server${verb === 'stop' ? ': use the emergency stop' : ''}`);
+}
+
+// A button with data-sure is asked twice.
+function press(button) {
+  const { verb, sure } = button.dataset;
+  if (!sure || button.classList.contains('sure')) {
+    request(verb);
+    return;
+  }
+  const words = button.textContent;
+  button.textContent = sure;
+  button.classList.add('sure');
+  setTimeout(() => {
+    button.textContent = words;
+    button.classList.remove('sure');
+  }, kSure_ms);
+}
+
+for (const button of document.querySelectorAll('[data-verb]')) button.addEventListener('click', () => press(button));
+byId('take-over').addEventListener('click', () => request('take-over'));
+setInterval(() => {
+  showStale();
+  if (state) showButtons(stale() ? '' : situation(state).next);
+}, 250);
+
+fetch('advice.json').then((answer) => answer.json()).then((told) => { advice = told; }).catch(() => {});
+listen();

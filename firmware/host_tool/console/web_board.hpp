@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// What a live page shows, as far as it is known: written by the one thread that talks to the
+// controller, read by one thread a viewer, each at its own pace.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace armsig::tool {
+
+class WebBoard {
+ public:
+  using Json = nlohmann::ordered_json;
+  using milliseconds = std::chrono::milliseconds;
+  // key=value words of a reply.
+  using Values = std::map<std::string, std::string, std::less<>>;
+
+  static constexpr std::size_t kMostLines = 200;  // kept of what the controller says unasked
+
+  // What one viewer has seen.
+  struct Seen {
+    std::uint64_t version = 0;
+    std::uint64_t arm = 0;
+    std::uint64_t run = 0;
+    std::uint64_t lines = 0;
+    std::size_t points = 0;
+  };
+
+  // --- Written ----------------------------------------------------------------------------------
+
+  // The console is open, and its drawing was told.
+  void connected(const Json& arm);
+  // The console is not there, for a reason in words.
+  void gone(std::string why);
+  void status(const Values& values);
+  void signature(const Values& values);
+  void candidate(const std::optional<Values>& values);
+  void say(std::string line);
+  // How well the axis of `joint`, from 1, is known by the run's first `points`.
+  void axis_sigma(const std::string& joint, const std::string& points,
+                  const std::string& sigma_deg);
+  // The rows of the log that follow those known; `run` begins anew.
+  void begin_run();
+  void point(const Values& row);
+  [[nodiscard]] std::size_t points() const;
+  // What became of a request: `words` of the controller.
+  void answered(std::string_view verb, bool good, std::string_view words);
+  // A request is under way; empty: none.
+  void busy(std::string_view verb);
+  // Something that viewers see has changed elsewhere.
+  void touch();
+  // Waiting viewers come back at once, now and from now on.
+  void close();
+
+  // --- Read -------------------------------------------------------------------------------------
+
+  // The file of the black box, as the controller named it; empty: none.
+  [[nodiscard]] std::string black_box() const;
+  // Waits until there is something new since `seen`, at most `longest`; false once it is closed.
+  [[nodiscard]] bool wait(const Seen& seen, milliseconds longest);
+  // What is new since `seen`, as server-sent events; the state in any case, with the members of
+  // `own`, which are this viewer's.
+  [[nodiscard]] std::string events(Seen& seen, const Json& own) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void changed();  // the mutex is held
+
+  mutable std::mutex mutex_;
+  std::condition_variable news_;
+  std::uint64_t version_ = 1;
+  bool closed_ = false;
+
+  bool linked_ = false;
+  std::string why_ = "not connected yet";
+  std::optional<Clock::time_point> heard_;
+  std::uint64_t arm_version_ = 0;
+  Json arm_;
+  Values status_;
+  Values signature_;
+  std::optional<Values> candidate_;
+  std::string busy_;
+  Json answer_;
+  std::uint64_t answers_ = 0;
+  std::uint64_t run_ = 1;
+  std::vector<Json> points_;
+  std::map<std::string, Json> sigmas_;  // by joint: [points of the run, sigma in degrees]
+  std::uint64_t lines_said_ = 0;
+  std::deque<std::string> lines_;
+};
+
+}  // namespace armsig::tool

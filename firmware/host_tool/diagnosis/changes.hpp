@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// What changed while the arm was measured: at once from one row on, or slowly from the first row to
+// the last. A score test: the residuals of an arm that stays as it is, against what each change
+// would make of them, all that an unchanging arm could do about it taken out.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/host_tool/diagnosis/near_fit.hpp"
+
+namespace armsig::tool {
+
+struct Change {
+  enum class Of { kSensor, kTarget, kZero, kLink, kLengths };
+  Of of = Of::kSensor;
+  std::size_t index = 0;       // of the joint, from 0, or the number of the target
+  bool slow = false;           // grows from the first row to the last
+  std::size_t first_line = 0;  // from which on
+  std::size_t last_line = 0;
+  Eigen::VectorXd size;  // turns and shifts of what changed, or the one number of a zero or factor
+  double shift_m = 0;    // by which the rows are moved in the end, RMS
+  double before_m = 0;   // what an unchanging arm misses the rows by, RMS
+  double after_m = 0;    // and what is left with the change
+  double evidence = 0;   // logarithm of the ratio of likelihoods, the number tried counted
+
+  [[nodiscard]] double explains() const { return before_m / after_m; }
+};
+
+// The change with the most evidence, for an arm like `chain`. `residuals_S`: of the arm that was
+// found, a row each. Nothing for fewer than 24 rows, or where no change has evidence.
+[[nodiscard]] std::optional<Change> likeliest_change(const Evidence& evidence,
+                                                     const DeviatingChain& chain,
+                                                     const std::vector<Vector3>& residuals_S);
+
+// "from line 42 on target 1 is another point, 1.02 mm away", and what to do about it.
+[[nodiscard]] std::string in_words(const Change& change, const Arm& arm);
+[[nodiscard]] std::string mend_of(const Change& change);
+
+}  // namespace armsig::tool

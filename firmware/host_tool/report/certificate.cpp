@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/report/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "firmware/formats/units.hpp"
+
+namespace armsig::tool {
+namespace {
+
+// Where a sensor's own sigma was not stated, a file holds next to nothing in its place.
+constexpr double kNoShare = 0.01;
+// A sweep that ends nearer than this to a limit reaches it.
+constexpr double kAtLimit_rad = 0.02;
+constexpr double kAtLimit_m = 0.002;
+
+double square(double value) { return value * value; }
+
+std::string millimetres(double metres) {
+  return metres < 5e-7 ? "< 0.0005 mm" : fmt::format("{:.3f} mm", 1e3 * metres);
+}
+
+std::string rows_in_words(const SignatureRecord& record) {
+  return record.fit ? fmt::format("{} rows", record.fit->rows_used) : "the rows";
+}
+
+// What was found from the scatter, apart where the sensor's own was stated.
+void add_scatter(const SignatureRecord& record, double predicted_m, UncertaintyBudget& budget) {
+  const double sensor_m = record.sigma_m.value_or(0);
+  const double model_m = record.unexplained_m;
+  const double in_each_pose = std::min(3 * square(model_m), square(predicted_m));
+  const double by_the_fit = square(predicted_m) - in_each_pose;
+  if (sensor_m <= kNoShare * model_m) {
+    const double scatter_m = std::hypot(sensor_m, model_m);
+    const std::string found =
+        scatter_m > 0 ? fmt::format(", {} per axis", millimetres(scatter_m)) : std::string();
+    budget.sources.push_back({"Sensor and model together",
+                              fmt::format("type A: scatter about the fit of {}{}; nothing was "
+                                          "stated that would tell them apart",
+                                          rows_in_words(record), found),
+                              predicted_m});
+    return;
+  }
+  const double share = square(sensor_m) / (square(sensor_m) + square(model_m));
+  budget.sources.push_back({"Sensor",
+                            fmt::format("type A: its scatter of {} per axis, through the fit of {}",
+                                        millimetres(sensor_m), rows_in_words(record)),
+                            std::sqrt(share * by_the_fit)});
+  const std::string shown = model_m > 0 ? fmt::format(
+                                              "type A: {} per axis beyond the sensor's scatter, in "
+                                              "each pose and through the fit",
+                                              millimetres(model_m))
+                                        : std::string(
+                                              "type A: the residuals show nothing beyond the "
+                                              "sensor's scatter");
+  budget.sources.push_back({"Model", shown, std::sqrt(in_each_pose + (1 - share) * by_the_fit)});
+}
+
+std::string range_in_words(JointType type, double lower, double upper) {
+  const bool turns = type == JointType::kRevolute;
+  const double unit = turns ? degrees(1) : 1e3;
+  std::string words = fmt::format("{:.0f}{} to {:.0f}{}", unit * lower, turns ? "°" : " mm",
+                                  unit * upper, turns ? "°" : " mm");
+  for (std::size_t k = 0; (k = words.find('-', k)) != std::string::npos;) words.replace(k, 1, "−");
+  return words;
+}
+
+}  // namespace
+
+UncertaintyBudget uncertainty_budget(const SignatureRecord& record,
+                                     const std::optional<ToolErrorMap>& map) {
+  UncertaintyBudget budget;
+  if (map && map->predicted_rms_m) {
+    budget.combined_m = *map->predicted_rms_m;
+    add_scatter(record, *map->predicted_rms_m, budget);
+  }
+  budget.sources.push_back(
+      {"Repeatability of the arm",
+       "not measured apart; what did not repeat while it was measured is in the scatter above",
+       {}});
+  budget.sources.push_back(
+      {"Temperature",
+       record.air_c ? fmt::format("measured at {:.1f} °C; the arm at another temperature is not in "
+                                  "this",
+                                  *record.air_c)
+                    : std::string("not stated; the arm at another temperature is not in this"),
+       {}});
+  budget.sources.push_back(
+      {"Scale of the instrument", "by its own calibration certificate; not in this", {}});
+  return budget;
+}
+
+std::vector<std::string> accuracy_in_words(const SignatureRecord& record) {
+  std::vector<std::string> words;
+  if (record.fit && record.fit->left_out) {
+    const FitRecord::LeftOut& out = *record.fit->left_out;
+    words.push_back(fmt::format(
+        "Positioning accuracy: at {} positions left out of the fit in turn, one visit each, the "
+        "signature puts the target {} off on the mean and {} root mean square, the sensor's "
+        "scatter "
+        "included. ISO 9283 has AP for the barycentre of 30 visits to each of five poses: this is "
+        "what comes nearest, and it is not AP.",
+        out.rows, millimetres(out.mean_m), millimetres(out.rms_m)));
+  } else {
+    words.emplace_back("Positioning accuracy (ISO 9283: AP): no positions were held out.");
+  }
+  words.emplace_back(
+      "Positioning repeatability (ISO 9283: RP): not measured. It is the arm's own, and no "
+      "signature changes it.");
+  return words;
+}
+
+std::vector<std::string> not_measured(const SignatureRecord& record,
+                                      const std::vector<SweepPicture>& sweeps) {
+  std::vector<std::string> words{
+      "Pose accuracy and repeatability by the cycles, cube, load and speed of ISO 9283 (AP, RP), "
+      "their variation with direction (vAP), and drift.",
+      "Path accuracy, and anything while the arm moves: each point was taken at standstill.",
+      "Other loads than that under which it was measured, and other temperatures.",
+      "The orientation of the tool: the target is a point, its orientation follows from the axes."};
+  std::string joints;
+  for (const SweepPicture& sweep : sweeps) {
+    if (sweep.joint >= record.nominal.limits.size()) continue;
+    const JointLimits& limits = record.nominal.limits[sweep.joint];
+    const features::SweepQuality& quality = sweep.feature.quality;
+    const JointType type = sweep.feature.type;
+    const double near = type == JointType::kRevolute ? kAtLimit_rad : kAtLimit_m;
+    const bool whole = quality.lowest_reading < limits.lower + near &&
+                       quality.highest_reading > limits.upper - near;
+    if (whole) continue;
+    joints += fmt::format("{}{} ({})", joints.empty() ? "" : ", ", sweep.joint + 1,
+                          range_in_words(type, quality.lowest_reading, quality.highest_reading));
+  }
+  if (!joints.empty()) {
+    words.push_back(fmt::format(
+        "Readings beyond the sweeps, as far as the limits allow them: of joint {}.", joints));
+  }
+  return words;
+}
+
+}  // namespace armsig::tool

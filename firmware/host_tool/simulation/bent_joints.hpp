@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// How far the joints of a simulated arm turn that has maps, gravity and play.
+#pragma once
+
+#include <memory>
+
+#include "firmware/virtual_cabinet/bent_arm.hpp"
+
+namespace armsig::tool {
+
+// Play leaves each joint on the side that it came from.
+class BentJoints {
+ public:
+  BentJoints() = default;  // as the readings say
+  BentJoints(std::shared_ptr<const calibration::ArmModel> model, double play_rad)
+      : model_(std::move(model)), play_rad_(play_rad) {}
+
+  // Readings that have the arm where it is when its encoders read `readings`, after where the call
+  // before had it.
+  [[nodiscard]] JointVector turned(const JointVector& readings);
+
+ private:
+  std::shared_ptr<const calibration::ArmModel> model_;
+  double play_rad_ = 0;
+  JointVector before_;
+  std::array<double, kMaxJoints> side_{};  // 1: reached upwards, -1: downwards
+};
+
+}  // namespace armsig::tool

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// What changes while an arm is measured is named, with the row from which on: of poses in the order
+// in which they were measured.
+#include <functional>
+#include <map>
+
+#include "host_tests/cli/refined_arm.hpp"
+
+namespace armsig::cli {
+namespace {
+
+constexpr std::size_t kPoses = 80;
+
+// Poses of a Puma whose target is at `target`, always the same ones with the same noise.
+Csv poses(const Folder& folder, const std::string& target = "80,30,120") {
+  write_file(folder / "arm.yaml", kPuma560);
+  const Outcome outcome = run_tool(
+      folder,
+      "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.05 --points 2 --arc 30 --seed 5 "
+      "--mixed-poses 80 --out poses.csv --hand-target-mm " +
+          target);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  Csv rows = Csv::read(folder / "poses.csv");
+  keep_mixed(rows);
+  EXPECT_EQ(rows.rows.size(), kPoses);
+  return rows;
+}
+
+// Every row's number in `column`, changed by how far along the file it is, from 0 to 1.
+void change(Csv& rows, const std::string& column,
+            const std::function<double(double value, double share)>& to) {
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    std::string& text = rows.rows[k][rows.column(column)];
+    const double share = static_cast<double>(k) / static_cast<double>(rows.rows.size() - 1);
+    char changed[40];
+    std::snprintf(changed, sizeof changed, "%.17g", to(std::stod(text), share));
+    text = changed;
+  }
+}
+
+void expect_said(const Outcome& outcome, int status, const std::string& words) {
+  EXPECT_EQ(outcome.status, status) << outcome.out;
+  EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+}
+
+TEST(Changes, are_not_seen_where_nothing_changed) {
+  const Folder folder;
+  const Outcome outcome = refine(folder, poses(folder));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err.find("changed"), std::string::npos) << outcome.err;
+}
+
+TEST(Changes, of_the_place_of_the_sensor_are_told_as_a_drift) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  change(rows, "x_mm", [](double x, double share) { return x + 0.35 * share; });
+  expect_said(refine(folder, rows), 0, "the positions drift by 0.3");
+  change(rows, "x_mm", [](double x, double share) { return x + 0.65 * share; });
+  expect_said(refine(folder, rows), 1, "the positions drift by 1");
+}
+
+TEST(Changes, of_an_encoder_are_told_by_joint_row_and_size) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  change(rows, "q2_deg", [](double q, double share) { return share < 0.5 ? q : q + 0.1; });
+  expect_said(refine(folder, rows), 1, "from line 42 on the reading of joint 2 is off by +0.1");
+}
+
+TEST(Changes, of_a_target_that_slips_are_told_by_row_and_size) {
+  const Folder folder;
+  const Csv before = poses(folder);
+  Csv after = poses(folder, "80.4,30,120");
+  std::copy_n(before.rows.begin(), kPoses / 2, after.rows.begin());
+  expect_said(refine(folder, after), 1, "from line 42 on target 1 is another point, 0.4");
+  after = poses(folder, "81,30,120");
+  std::copy_n(before.rows.begin(), kPoses / 2, after.rows.begin());
+  expect_said(refine(folder, after), 1, "line 42 on the target is another point");
+}
+
+TEST(Changes, of_all_lengths_are_told_as_growth) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  const std::map<std::string, double> base_mm{{"x_mm", 50}, {"y_mm", -30}, {"z_mm", -1200}};
+  for (const auto& [axis, at] : base_mm) {
+    change(rows, axis,
+           [&](double x, double share) { return at + (x - at) * (1 + 600e-6 * share); });
+  }
+  expect_said(refine(folder, rows), 0, "all lengths grow by 6");
+}
+
+TEST(Changes, are_passed_over_where_the_arm_is_taken_as_it_is) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  change(rows, "q2_deg", [](double q, double share) { return share < 0.5 ? q : q + 0.1; });
+  const Outcome outcome = refine(folder, rows, "--accept-different-arm");
+  expect_said(outcome, 0, "the reading of joint 2 is off by");
+}
+
+}  // namespace
+}  // namespace armsig::cli

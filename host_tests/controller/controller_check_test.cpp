@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// The check of the whole controller on an arm that stays, changes, or is looked at from elsewhere.
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host_tests/support/table_3_run.hpp"
+
+namespace armsig::controller {
+namespace {
+
+using test::PumaCabinet;
+
+constexpr double kLongest_s = 300;
+
+bool heard(const PumaCabinet& puma, std::string_view words, std::size_t from = 0) {
+  return std::ranges::any_of(puma.console.told.begin() + static_cast<std::ptrdiff_t>(from),
+                             puma.console.told.end(),
+                             [&](const std::string& line) { return line.contains(words); });
+}
+
+// Powered up with the signature that an identification has left in its store, and with torque.
+struct Accepted : PumaCabinet {
+  explicit Accepted(const Configuration& configuration = test::puma_controller())
+      : PumaCabinet(1, configuration) {
+    static const std::vector<std::uint8_t> stored = [] {
+      PumaCabinet first;
+      EXPECT_TRUE(test::identify_and_accept(first));
+      return first.memory.bytes;
+    }();
+    memory.bytes = stored;
+    start(configuration, 2);
+    EXPECT_TRUE(enable());
+  }
+};
+
+// Runs until a check has ended: its line for machines; empty if none came.
+std::string verdict_of(PumaCabinet& puma) {
+  const std::size_t before = puma.console.told.size();
+  for (double s = 0; s < kLongest_s; s += 0.1) {
+    puma.run(0.1);
+    for (std::size_t i = before; i < puma.console.told.size(); ++i) {
+      if (puma.console.told[i].starts_with("# check verdict=")) return puma.console.told[i];
+    }
+  }
+  return "";
+}
+
+std::string checked(PumaCabinet& puma) {
+  const std::string reply = puma.ask("check");
+  return reply == "ok" ? verdict_of(puma) : reply;
+}
+
+TEST(Check, sound_arm_is_as_accepted_and_stands_where_it_stood) {
+  Accepted puma;
+  ASSERT_EQ(puma.ask("move q1_deg=20"), "ok");
+  puma.run(3);
+  const JointVector before = puma.now().commanded;
+  for (int i = 1; i <= 3; ++i) {
+    const std::string line = checked(puma);
+    EXPECT_TRUE(line.starts_with("# check verdict=\"as accepted\" dx_mm=")) << line;
+    EXPECT_TRUE(line.contains(" poses=16 ")) << line;
+    EXPECT_TRUE(line.contains(" learnt=" + std::to_string(i) + " of=20")) << line;
+  }
+  EXPECT_TRUE(heard(puma, "# check residuals r1_mm="));
+  EXPECT_TRUE(heard(puma, "# the arm is as it was accepted"));
+  EXPECT_TRUE(puma.ask("status").contains(" check=\"as accepted\""));
+  puma.run(0.1);
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(puma.now().commanded[i], before[i], 1e-12);
+}
+
+TEST(Check, link_that_grew_by_two_millimetres_is_named_at_once) {
+  Accepted puma;
+  puma.cabinet->arm().arm.joints[1].a_m += 2e-3;
+  EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"stepped\""));
+  EXPECT_TRUE(heard(puma, "# the arm changed at once"));
+  puma.cabinet->arm().arm.joints[1].a_m -= 2e-3;
+  EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"as accepted\""));
+  puma.cabinet->arm().arm.joints[2].theta_rad += radians(0.15);  // a gear that slipped
+  EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"stepped\""));
+}
+
+TEST(Check, sensor_that_was_pushed_is_told_apart_from_the_arm) {
+  Accepted puma;
+  ASSERT_TRUE(checked(puma).contains("as accepted"));
+  Pose& X_S0 = puma.cabinet->arm().X_S0;
+  X_S0 = Pose{rotation_z(radians(0.1)), Vector3(2e-3, -1e-3, 1e-3)} * X_S0;
+  EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"the reference moved\""));
+  EXPECT_TRUE(heard(puma, "# the sensor moved"));
+}
+
+TEST(Check, needs_a_signature_a_sensor_and_torque) {
+  PumaCabinet drawn;
+  ASSERT_TRUE(drawn.run_until(Mode::kIdle));
+  EXPECT_TRUE(drawn.ask("check").starts_with("error WRONG_MODE"));
+  ASSERT_TRUE(drawn.enable());
+  EXPECT_TRUE(drawn.ask("check").starts_with("error NO_SIGNATURE"));
+  EXPECT_EQ(drawn.mode(), Mode::kHolding);
+  Accepted puma;
+  puma.cabinet->sensor().set_error(Error::kSensorSilent);
+  puma.run(1);
+  EXPECT_TRUE(puma.ask("check").starts_with("error SENSOR_SILENT"));
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
+TEST(Check, sensor_that_fails_on_the_way_is_named_and_the_arm_goes_back) {
+  Accepted puma;
+  const JointVector before = puma.now().commanded;
+  ASSERT_EQ(puma.ask("check"), "ok");
+  puma.run(10);
+  EXPECT_TRUE(puma.ask("status").contains(" sequence=checking "));
+  puma.cabinet->sensor().set_error(Error::kSensorStale);
+  const std::string line = verdict_of(puma);
+  EXPECT_TRUE(line.starts_with("# check verdict=\"could not measure\" error=SENSOR_STALE")) << line;
+  EXPECT_FALSE(heard(puma, "# the arm is"));
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(puma.now().commanded[i], before[i], 1e-12);
+  puma.cabinet->sensor().set_error({});
+  puma.run(1);
+  EXPECT_TRUE(checked(puma).contains("as accepted"));
+}
+
+TEST(Check, halt_and_fault_end_it_with_their_names) {
+  Accepted puma;
+  ASSERT_EQ(puma.ask("check"), "ok");
+  puma.run(5);
+  EXPECT_TRUE(puma.ask("check").starts_with("error WRONG_MODE"));
+  EXPECT_TRUE(puma.ask("identify").starts_with("error WRONG_MODE"));
+  ASSERT_EQ(puma.ask("halt"), "ok");
+  puma.run(3);
+  EXPECT_TRUE(heard(puma, "# check verdict=\"could not measure\" error=SEQUENCE_STOPPED"));
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+  ASSERT_EQ(puma.ask("check"), "ok");
+  puma.run(5);
+  ASSERT_EQ(puma.ask("stop"), "ok");
+  puma.run(1);
+  EXPECT_TRUE(heard(puma, "# check verdict=\"could not measure\" error=QUICK_STOP"));
+  EXPECT_EQ(puma.mode(), Mode::kFaulted);
+}
+
+Configuration with_schedule() {
+  Configuration c = test::puma_controller();
+  c.check.every = std::chrono::minutes(2);
+  c.check.poses = kFewestCheckPoses;
+  return c;
+}
+
+TEST(Check, schedule_moves_the_arm_only_with_torque_at_rest_and_after_notice) {
+  Accepted puma(with_schedule());
+  ASSERT_EQ(puma.ask("disable"), "ok");
+  puma.run(200);
+  EXPECT_FALSE(heard(puma, "# check"));
+  ASSERT_TRUE(puma.enable());
+  puma.run(50);
+  EXPECT_FALSE(heard(puma, "# check due"));
+  puma.run(15);
+  EXPECT_TRUE(heard(puma, "# check due begins_in_s=10"));
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+  ASSERT_EQ(puma.ask("halt"), "ok");
+  puma.run(110);
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+  EXPECT_FALSE(heard(puma, "# check verdict"));
+  puma.run(100);
+  EXPECT_TRUE(heard(puma, "# check verdict=\"as accepted\""));
+}
+
+TEST(Check, without_a_schedule_nothing_moves_by_itself) {
+  Accepted puma;
+  puma.run(200);
+  EXPECT_FALSE(heard(puma, "# check"));
+}
+
+}  // namespace
+}  // namespace armsig::controller

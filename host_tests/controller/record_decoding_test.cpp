@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// What a signature record of the store must be, once its CRC-32 is right.
+#include <functional>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/base/crc32.hpp"
+#include "core/identification.hpp"
+#include "firmware/controller/signature_record.hpp"
+#include "firmware/paper_arms/paper_arms.hpp"
+#include "host_tests/support/failure_of.hpp"
+
+namespace armsig::controller {
+namespace {
+
+SignatureRecord good() {
+  SignatureRecord record;
+  const KnownTarget known{1, 6, Vector3(0.15, 0, 0.05)};
+  record.signature = signature_of(tool::table2_robot(1), JointVector(6, 0.1), Pose{}, {&known, 1});
+  return record;
+}
+
+// The error of the record's image after `change`, with the CRC-32 of what it then holds.
+Error refusal_of(const std::function<void(RecordImage&)>& change) {
+  RecordImage image = encode(good());
+  change(image);
+  const std::size_t end = image.size() - 4;
+  const std::uint32_t crc = crc32(std::as_bytes(std::span(image).first(end)));
+  for (std::size_t i = 0; i < 4; ++i) image[end + i] = static_cast<std::uint8_t>(crc >> 8 * i);
+  EXPECT_TRUE(is_whole(image));
+  SignatureRecord record;
+  return test::failure_of(decode(image, tool::puma560(), record));
+}
+
+TEST(RecordDecoding, takes_what_was_encoded_with_its_hand_target_or_without_one) {
+  for (const bool has_target : {true, false}) {
+    SignatureRecord record = good();
+    if (!has_target) record.signature.targets.clear();
+    SignatureRecord decoded;
+    ASSERT_TRUE(decode(encode(record, 7), tool::puma560(), decoded));
+    EXPECT_EQ(decoded.sequence, 7U);
+    ASSERT_EQ(decoded.signature.targets.size(), has_target ? 1U : 0U);
+    if (!has_target) continue;
+    EXPECT_EQ(decoded.signature.targets[0].number, 1);
+    EXPECT_EQ(decoded.signature.targets[0].link, 6U);
+    EXPECT_EQ(decoded.signature.targets[0].p_S, record.signature.targets[0].p_S);
+  }
+}
+
+TEST(RecordDecoding, refuses_another_magic_version_or_length_and_no_joint_or_nine) {
+  for (const std::size_t at : {0U, 1U, 2U, 3U, 4U, 5U, 8U, 9U, 10U, 11U}) {
+    EXPECT_EQ(refusal_of([at](RecordImage& image) { image[at] ^= 1; }), Error::kRecordCorrupt)
+        << at;
+  }
+  for (const int joints : {0, 9, 255}) {
+    EXPECT_EQ(
+        refusal_of([joints](RecordImage& image) { image[6] = static_cast<std::uint8_t>(joints); }),
+        Error::kRecordCorrupt)
+        << joints;
+  }
+}
+
+TEST(RecordDecoding, refuses_what_is_no_number_and_no_rotation) {
+  const auto refusal = [](const std::function<void(SignatureRecord&)>& change) {
+    SignatureRecord record = good();
+    change(record);
+    SignatureRecord decoded;
+    return test::failure_of(decode(encode(record), tool::puma560(), decoded));
+  };
+  EXPECT_EQ(
+      refusal([](SignatureRecord& r) { r.air_celsius = std::numeric_limits<double>::quiet_NaN(); }),
+      Error::kRecordCorrupt);
+  for (const std::size_t frame : {0U, 3U, 6U}) {
+    EXPECT_EQ(refusal([frame](SignatureRecord& r) { r.signature.X_SL[frame].R(0, 0) += 1e-6; }),
+              Error::kRecordCorrupt);
+    EXPECT_EQ(refusal([frame](SignatureRecord& r) { r.signature.X_SL[frame].R.col(1) *= -1; }),
+              Error::kRecordCorrupt)
+        << "a mirror is none";
+  }
+}
+
+TEST(RecordDecoding, of_other_joints_than_the_drawings_is_unsuitable) {
+  const RecordImage image = encode(good());
+  SignatureRecord decoded;
+  Arm fewer = tool::puma560();
+  fewer.joints.resize(5);
+  fewer.limits.resize(5);
+  EXPECT_EQ(test::failure_of(decode(image, fewer, decoded)), Error::kRecordUnsuitable);
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    Arm other = tool::puma560();
+    other.joints[joint].type = JointType::kPrismatic;
+    EXPECT_EQ(test::failure_of(decode(image, other, decoded)), Error::kRecordUnsuitable) << joint;
+  }
+}
+
+}  // namespace
+}  // namespace armsig::controller

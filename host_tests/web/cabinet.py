@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: MIT
+"""A virtual controller and the server of its live page, as an operator starts them."""
+import os
+import re
+import signal
+import socket
+import subprocess
+import time
+
+
+class Cabinet:
+    """armsigd --virtual in `folder`; `speed` times real time."""
+
+    def __init__(self, armsigd, configuration, folder, speed):
+        self.folder = folder
+        self.console = os.path.join(folder, "console")
+        self.words = [armsigd, "--virtual", "--speed", str(speed), "--console", self.console, "--store",
+                      os.path.join(folder, "store"), configuration]
+        self.process = None
+
+    def start(self):
+        with open(os.path.join(self.folder, "armsigd.log"), "a") as log:
+            self.process = subprocess.Popen(self.words, stdout=log, stderr=log, cwd=self.folder)
+        wait_for(lambda: self.process.poll() is not None or os.path.exists(self.console) and self.answers())
+
+    def answers(self):
+        with socket.socket(socket.AF_UNIX) as attempt:
+            return attempt.connect_ex(self.console) == 0
+
+    def ask(self, *requests):
+        """The replies to `requests`."""
+        with socket.socket(socket.AF_UNIX) as line:
+            line.settimeout(30)
+            line.connect(self.console)
+            file, replies = line.makefile("rw"), []
+            for request in requests:
+                file.write(request + "\n")
+                file.flush()
+                replies.append(next(text.strip() for text in file if text.startswith(("ok", "error"))))
+            return replies
+
+    def stop(self):
+        if self.process:
+            self.process.send_signal(signal.SIGTERM)
+            self.process.wait(30)
+        self.process = None
+
+
+class Page:
+    """armsig connect --web."""
+
+    def __init__(self, armsig, console, *words):
+        self.words = [armsig, "connect", console, *words]
+
+    def start(self):
+        self.process = subprocess.Popen(self.words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        found = re.match(r"http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/$", line)
+        if not found:
+            raise AssertionError(f"{line}{self.process.stderr.read()}")
+        self.address, self.port, self.token = line.strip(), int(found[1]), found[2]
+        return self
+
+    def stop(self):
+        self.process.send_signal(signal.SIGTERM)
+        self.process.wait(30)
+        self.process.stdout.close()
+        self.process.stderr.close()
+
+
+def wait_for(condition, timeout=60):
+    until = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() > until:
+            raise AssertionError("it took too long")
+        time.sleep(0.02)

@@ -1,0 +1,172 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""The controller's live page in Chromium, through the whole story: live_page_test.py ARMSIG ARMSIGD CONFIGURATION
+
+enable, identify, accept, roll back; a quick stop and its black box; a second viewer; the
+controller and the server that go and come back. With ARMSIG_PICTURES=FOLDER the page is also drawn there.
+"""
+import json
+import os
+import re
+import sys
+import tempfile
+import time
+import unittest
+
+from browser import Browser, Tab, chromium
+from cabinet import Cabinet, Page
+
+armsig, armsigd, configuration = sys.argv[1:4]
+del sys.argv[1:4]
+pictures = os.environ.get("ARMSIG_PICTURES")
+kSpeed = 6   # times real time: a busy machine sees each joint being swept
+kSlow = 240  # s, on a machine with other work
+WIDTHS = ((1400, 900), (800, 1000), (390, 844))
+
+
+@unittest.skipUnless(chromium, "no chromium; toolchain/setup installs it")
+class LivePage(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.cabinet = Cabinet(armsigd, configuration, self.folder.name, kSpeed)
+        self.cabinet.start()
+        self.addCleanup(self.cabinet.stop)
+        self.page = Page(armsig, self.cabinet.console, "--web", "--token-file", os.path.join(self.folder.name, "token")).start()
+        self.addCleanup(lambda: self.page.stop())
+        self.browser = Browser()
+        self.addCleanup(self.browser.close)
+        self.tab = Tab(self.browser, self.page.address)
+
+    def mode(self, mode, tab=None):
+        (tab or self.tab).wait(f"document.body.dataset.mode === '{mode}'", kSlow)
+
+    def headline(self, words, tab=None):
+        (tab or self.tab).wait(f"document.getElementById('headline').textContent.includes({json.dumps(words)})", kSlow)
+
+    def press(self, verb, tab=None):
+        (tab or self.tab).wait(f"!document.querySelector('[data-verb={verb}]').disabled", kSlow)
+        (tab or self.tab).click(f"[data-verb={verb}]")
+
+    def stop_is_within_reach(self):
+        for width, height in WIDTHS:
+            self.tab.look(width, height)
+            for place in ("0", "document.body.scrollHeight"):
+                self.tab.ask(f"scrollTo(0, {place})")
+                reach = self.tab.ask("""(() => { const it = document.getElementById('stop'), box = it.getBoundingClientRect();
+                  return it.contains(document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2)) && box.height >= 44; })()""")
+                self.assertTrue(reach, (width, place))
+            across = self.tab.ask("document.documentElement.scrollWidth - innerWidth")
+            self.assertLessEqual(across, 0, width)
+        self.tab.look(*WIDTHS[0])
+        self.tab.ask("scrollTo(0, 0)")
+
+    def draw(self, name):
+        if not pictures:
+            return
+        os.makedirs(pictures, exist_ok=True)
+        for width, height in WIDTHS:
+            for dark in (False, True):
+                self.tab.look(width, height, dark)
+                time.sleep(0.5)  # charts and arm follow the new size
+                self.tab.picture(os.path.join(pictures, f"{name}-{width}-{'dark' if dark else 'light'}.png"), True)
+        self.tab.look(*WIDTHS[0])
+
+    def figures(self):
+        return self.tab.text("facts")
+
+    def test_the_whole_story(self):
+        self.mode("idle")
+        self.headline("Without torque")
+        self.stop_is_within_reach()
+        before = self.tab.ask("document.getElementById('arm').toDataURL()")
+        self.press("enable")
+        self.mode("holding")
+        self.press("identify")
+        self.mode("sweeping")
+        self.tab.wait("/Measuring joint [2-5]/.test(document.getElementById('headline').textContent)", kSlow)
+        self.press("pause")
+        self.headline("paused")
+        shown = "document.querySelectorAll('[data-joint=\"1\"] .point').length"
+        counted = self.tab.ask(shown)
+        self.assertGreaterEqual(counted, 8)
+        self.assertRegex(self.tab.ask("document.querySelector('[data-joint=\"1\"] figcaption').textContent"), r"axis ± 0\.0\d+°")
+        self.assertEqual(self.tab.ask("document.querySelectorAll('[data-joint=\"6\"] .point').length"), 0)
+        self.assertRegex(self.tab.text("progress-left"), r"\d+ (s|min) left")
+        self.assertTrue(self.tab.ask("document.querySelector('[data-verb=accept]').disabled"))
+        self.stop_is_within_reach()
+        self.draw("paused")
+        self.press("resume")
+        self.headline("The candidate is better")
+        self.assertNotEqual(self.tab.ask("document.getElementById('arm').toDataURL()"), before)
+        told = dict(re.findall(r"(\w+)=(\S+)", self.cabinet.ask("candidate")[0]))
+        self.assertAlmostEqual(float(self.tab.text("candidate-rms").split()[0]), float(told["candidate_rms_mm"]), delta=0.006)
+        rows = int(re.search(r"rows=(\d+)", self.cabinet.ask("log")[0])[1]) - int(told["held_out"])
+        self.tab.wait(f"document.querySelectorAll('.dial .point').length === {rows}")
+        self.draw("candidate")
+        self.press("accept")
+        self.tab.wait("document.getElementById('facts').textContent.includes('number 1')", kSlow)
+        self.assertIn("model=signature", self.cabinet.ask("signature")[0])
+        self.press("rollback")
+        self.assertIn("model=signature", self.cabinet.ask("signature")[0])  # asked twice
+        self.press("rollback")
+        self.tab.wait("document.getElementById('answer').textContent.includes('took rollback')", kSlow)
+        self.assertIn("model=drawing", self.cabinet.ask("signature")[0])
+        self.assertEqual(self.tab.complaints(), [])
+        for address in self.tab.asked():
+            self.assertTrue(address.startswith((self.page.address, "data:")), address)
+
+    def test_a_quick_stop_leaves_a_black_box_and_words(self):
+        self.press("enable")
+        self.mode("holding")
+        self.press("identify")
+        self.headline("Measuring joint 1")
+        self.tab.click("#stop")
+        self.mode("faulted")
+        self.headline("stopped by the operator")
+        self.assertIn("reset", self.tab.text("fault-todo"))
+        self.tab.wait("document.querySelectorAll('#black-box-charts canvas').length === 2", kSlow)
+        name = self.tab.ask("document.getElementById('black-box-file').download")
+        self.assertRegex(name, r"^black-box-.*\.csv$")
+        ticks = int(self.tab.text("black-box-lead").split()[0])
+        with open(os.path.join(self.folder.name, "black-box", name)) as file:
+            self.assertEqual(ticks, sum(line[0].isdigit() or line[0] == "-" for line in file))
+        self.draw("faulted")
+        self.press("reset")
+        self.mode("idle")
+
+    def test_a_second_viewer_looks_on_until_it_takes_over(self):
+        self.mode("idle")
+        second = Tab(self.browser, self.page.address)
+        self.mode("idle", second)
+        second.wait("!document.getElementById('read-only').hidden")
+        self.assertTrue(second.ask("document.querySelector('[data-verb=enable]').disabled"))
+        second.click("#take-over")
+        self.press("enable", second)
+        self.mode("holding")
+        self.tab.wait("!document.getElementById('read-only').hidden")
+        self.assertTrue(self.tab.ask("document.querySelector('[data-verb=disable]').disabled"))
+        self.tab.click("#stop")
+        self.mode("faulted", second)
+
+    def test_what_is_old_never_looks_alive(self):
+        self.mode("idle")
+        self.cabinet.process.kill()
+        self.tab.wait("document.body.classList.contains('stale')", 5)
+        self.assertIn("No connection to the controller", self.tab.text("lost"))
+        self.assertEqual(self.tab.text("mode"), "not known")
+        self.assertEqual(self.tab.ask("document.querySelectorAll('#buttons button:not(:disabled)').length"), 0)
+        self.cabinet.process.wait()
+        os.unlink(self.cabinet.console)
+        self.cabinet.start()
+        self.mode("idle")
+        port = self.page.port
+        self.page.stop()
+        self.tab.wait("document.getElementById('lost').textContent.includes('server has gone')", 10)
+        self.page = Page(armsig, self.cabinet.console, "--web", str(port), "--token-file", os.path.join(self.folder.name, "token")).start()
+        self.tab.wait("!document.body.classList.contains('stale')", kSlow)
+        self.press("enable")
+        self.mode("holding")
+
+
+unittest.main(argv=[sys.argv[0]])
