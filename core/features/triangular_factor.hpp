@@ -53,7 +53,7 @@ inline void rotate_into(std::array<std::array<Scalar, kColumns>, kRows>& factor,
 
 // Rows of measurements taken in together, column by column, each times the root of its weight. Rows
 // of zeros are no measurement.
-inline constexpr std::size_t kBlockRows = 16;
+inline constexpr std::size_t kBlockRows = 12;
 template <typename Scalar>
 using BlockColumn = std::array<Scalar, kBlockRows>;
 template <typename Scalar, std::size_t kColumns>
@@ -158,12 +158,22 @@ class TriangularFactor {
     while (reflected_ < kWidth) reflect();
   }
 
+  // At once after compress(), else of a copy.
   [[nodiscard]] Matrix matrix() const {
-    if (reflected_ < kWidth || filled_ > 0) {
-      TriangularFactor compressed = *this;
-      compressed.compress();
-      return compressed.matrix();
-    }
+    return reflected_ == kWidth && filled_ == 0 ? taken_in() : of_a_copy();
+  }
+
+ private:
+  static constexpr std::size_t kWidth = kColumns;
+  static_assert(kWidth <= kBlockRows, "a block is reflected before the next one is full");
+
+  [[gnu::noinline]] Matrix of_a_copy() const {
+    TriangularFactor copy = *this;
+    copy.compress();
+    return copy.taken_in();
+  }
+  // Of all rows but those that gather.
+  [[nodiscard]] Matrix taken_in() const {
     Matrix R = Matrix::Zero();
     for (int i = 0; i < kColumns; ++i) {
       R(i, i) = std::sqrt(rows_[i][i]);
@@ -171,10 +181,6 @@ class TriangularFactor {
     }
     return R;
   }
-
- private:
-  static constexpr std::size_t kWidth = kColumns;
-  static_assert(kWidth <= kBlockRows, "a block is reflected before the next one is full");
 
   void reflect() {
     reflect_column(rows_[reflected_], reflected_, blocks_[1 - filling_]);

@@ -207,9 +207,9 @@ Checked check_sweeps(const Configuration& c) {
   }
   if (auto ok = check_plausible("sweeps.arc", plan.arc_rad, plausible::kArc); !ok) return ok;
   if (auto ok = check_count("sweeps.points", plan.points, 6, plan.most_points); !ok) return ok;
-  if (auto ok = check_count("sweeps.most_points", plan.most_points, 6, kMostSweepPoints); !ok) {
-    return ok;
-  }
+  const std::size_t logged = (kMostLogged - kMostHeldOut) / c.drawing.joints.size();
+  const std::size_t most = std::min(kMostSweepPoints, logged);
+  if (auto ok = check_count("sweeps.most_points", plan.most_points, 6, most); !ok) return ok;
   for (auto ok : {
            check_plausible("sweeps.axis_sigma", plan.axis_sigma_rad, plausible::kAxisSigma),
            check_plausible("sweeps.point_sigma", plan.point_sigma_m, plausible::kPointSigma),

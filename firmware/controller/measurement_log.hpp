@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -14,10 +15,12 @@ namespace armsig::controller {
 
 inline constexpr std::size_t kMostSweepPoints = 60;  // of one joint
 inline constexpr std::size_t kMostHeldOut = 16;
+// Six joints of the most points each; more joints have fewer (check() of the configuration).
+inline constexpr std::size_t kMostLogged = 6 * kMostSweepPoints + kMostHeldOut;
 
 // Numbers as 32 bits, so that a small controller has room for all of them: readings to 3e-8 rad or
 // m up to 64, places to 6e-8 m up to 128 m, both finer than what is told of them and than any
-// sensor.
+// sensor. A sigma to four in a thousand.
 class LogEntry {
  public:
   LogEntry() = default;
@@ -25,10 +28,9 @@ class LogEntry {
   // over the axes.
   LogEntry(std::size_t sweep, std::size_t pings, const JointVector& readings, const Vector3& p_S,
            double sigma_m)
-      : sweep_(static_cast<std::uint8_t>(sweep)),
+      : sigma_(rounded(static_cast<float>(sigma_m))),
         pings_(static_cast<std::uint8_t>(pings)),
-        joints_(static_cast<std::uint8_t>(readings.size())),
-        sigma_m_(static_cast<float>(sigma_m)) {
+        sweep_and_joints_(static_cast<std::uint8_t>(sweep << 4U | readings.size())) {
     for (std::size_t i = 0; i < readings.size(); ++i) {
       readings_[i] = whole(readings[i], kReadingStep);
     }
@@ -37,12 +39,15 @@ class LogEntry {
     }
   }
 
-  [[nodiscard]] std::size_t sweep() const { return sweep_; }
+  [[nodiscard]] std::size_t sweep() const { return sweep_and_joints_ >> 4U; }
   [[nodiscard]] std::size_t pings() const { return pings_; }
-  [[nodiscard]] double sigma_m() const { return static_cast<double>(sigma_m_); }
+  [[nodiscard]] double sigma_m() const {
+    return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(sigma_) << 16U));
+  }
   [[nodiscard]] JointVector readings() const {
     JointVector readings;
-    for (std::size_t i = 0; i < joints_; ++i) readings.push_back(readings_[i] * kReadingStep);
+    const std::size_t joints = sweep_and_joints_ & 0xFU;
+    for (std::size_t i = 0; i < joints; ++i) readings.push_back(readings_[i] * kReadingStep);
     return readings;
   }
   [[nodiscard]] Vector3 p_S() const { return kPlaceStep_m * Vector3(p_S_[0], p_S_[1], p_S_[2]); }
@@ -56,14 +61,18 @@ class LogEntry {
     return static_cast<std::int32_t>(std::lround(std::clamp(value / step, -kMost, kMost)));
   }
 
+  // The upper half of a number in 32 bits.
+  static std::uint16_t rounded(float value) {
+    return static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(value) + 0x8000U) >> 16U);
+  }
+
   std::array<std::int32_t, kMaxJoints> readings_{};
   std::array<std::int32_t, 3> p_S_{};
-  std::uint8_t sweep_ = 0;
+  std::uint16_t sigma_ = 0;
   std::uint8_t pings_ = 0;
-  std::uint8_t joints_ = 0;
-  float sigma_m_ = 0;
+  std::uint8_t sweep_and_joints_ = 0;
 };
 
-using MeasurementLog = FixedVector<LogEntry, kMaxJoints * kMostSweepPoints + kMostHeldOut>;
+using MeasurementLog = FixedVector<LogEntry, kMostLogged>;
 
 }  // namespace armsig::controller

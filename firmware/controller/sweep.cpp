@@ -4,8 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/controller/measurement_log.hpp"
+
 namespace armsig::controller {
 namespace {
+
+// Points never wait until the gate is full: the stack of a small controller has no room for the
+// search that would follow.
+static_assert(kMostSweepPoints < features::kGateCapacity);
 
 // Before half of the plan nothing is judged: a lucky few points would end a sweep.
 std::size_t least_points(const SweepPlan& plan) { return plan.points / 2; }

@@ -95,7 +95,7 @@ Result<Answer> compare(Controls& controls, const Request& /*request*/, Line& /*o
   if (!controls.identification.has_received()) return std::unexpected(Error::kNoCandidate);
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
   const auto& active = controls.custody.active();
-  controls.identification.begin_comparison(active ? &active->signature : nullptr, answer.ticket);
+  controls.identification.begin_comparison(active ? &*active : nullptr, answer.ticket);
   return answer;
 }
 
