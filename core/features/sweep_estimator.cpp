@@ -219,6 +219,7 @@ Judged<JointFeature> SweepEstimator::estimate(Method method) const {
 Settling::Settling(const SweepState& state)
     : state_(state), accepted_(state.accepted), rejected_(state.rejected), stage_(Stage::kReview) {
   if (state.waiting.empty()) {
+    accepted_.geometry.compress();
     stage_ = Stage::kOver;
   } else if (state.waiting_is_accepted && is_consistent(accepted_)) {
     review_.emplace(accepted_);
