@@ -13,7 +13,7 @@ struct Example {
   std::string_view line;
 };
 
-inline constexpr std::array<Example, 24> kExamples{{
+inline constexpr std::array<Example, 25> kExamples{{
     {"demo", "armsig demo --out demo"},
     {"arms", "armsig arms --show ur10e"},
     {"simulate",
