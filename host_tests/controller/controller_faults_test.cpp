@@ -271,12 +271,20 @@ TEST(StoreFaults, a_full_disk_is_told_and_the_active_model_stays) {
 TEST(StoreFaults, a_record_that_cannot_be_read_again_is_told_and_the_drawing_is_servoed_with) {
   Identified puma;
   ASSERT_EQ(puma.ask("accept"), "ok");
-  ASSERT_EQ(puma.ask("identify"), "ok");
-  ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
-  ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
   const std::size_t model_before = puma.now().model;
-  puma.memory.reads_left = 3;  // which verify what was written
-  EXPECT_TRUE(puma.ask("accept").starts_with("error STORAGE_FAULT "));
+  const std::size_t page_bytes = puma.memory.layout().page_bytes;
+  std::string said;
+  // Until one beats the first, of the same arm, on held-out poses.
+  for (int attempt = 0; attempt < 6 && !said.starts_with("error STORAGE_FAULT "); ++attempt) {
+    puma.memory.reads_left.reset();
+    ASSERT_EQ(puma.ask("identify"), "ok");
+    ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
+    ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
+    // Which verify what was written.
+    puma.memory.reads_left = (kRecordBytes + page_bytes - 1) / page_bytes;
+    said = puma.ask("accept");
+  }
+  EXPECT_TRUE(said.starts_with("error STORAGE_FAULT ")) << said;
   EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
   EXPECT_NE(puma.now().model, model_before) << "the servo has taken over the drawing";
   EXPECT_NE(puma.ask("status").find(" store=STORAGE_FAULT"), std::string::npos);
