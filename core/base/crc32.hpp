@@ -23,12 +23,17 @@ inline constexpr std::array<std::uint32_t, 256> kCrc32Table = [] {
   return table;
 }();
 
+// The remainder after one more byte; the CRC-32 is its complement, and so is where it begins.
+[[nodiscard]] constexpr std::uint32_t crc32_remainder(std::uint32_t before, std::uint8_t byte) {
+  return kCrc32Table[(before ^ byte) & 0xFFU] ^ (before >> 8U);
+}
+
 // The CRC-32 of `bytes`; to continue over a further piece, pass the CRC of what went before.
 [[nodiscard]] constexpr std::uint32_t crc32(std::span<const std::byte> bytes,
                                             std::uint32_t before = 0) {
   std::uint32_t crc = ~before;
   for (const std::byte byte : bytes) {
-    crc = kCrc32Table[(crc ^ std::to_integer<std::uint32_t>(byte)) & 0xFFU] ^ (crc >> 8U);
+    crc = crc32_remainder(crc, std::to_integer<std::uint8_t>(byte));
   }
   return ~crc;
 }

@@ -21,8 +21,8 @@ Result<CentreOfRotation> centre_of_rotation(const GeometryFactor& geometry,
                                             const PlaneOfRotation& plane) {
   const Vector3 ex = any_perpendicular(plane.normal_S);
   const Vector3 ey = plane.normal_S.cross(ex);
-  const Eigen::Matrix4d R = geometry.matrix().topLeftCorner<4, 4>();
-  const GeometryFactor::Row w = geometry.matrix() * squared_distance_in_plane(plane.normal_S);
+  const GeometryFactor::Matrix R = geometry.matrix();
+  const GeometryFactor::Row w = R * squared_distance_in_plane(plane.normal_S);
   SquareRootRls<3, 1> regression;
   for (int row = 0; row < 4; ++row) {
     const Vector3 p = R.block<1, 3>(row, 1).transpose();

@@ -33,21 +33,21 @@ class PartWriter {
   // `part` is from byte `begin` of the image on.
   PartWriter(std::span<std::uint8_t> part, std::size_t begin) : part_(part), begin_(begin) {}
   void integer(std::uint64_t value, std::size_t bytes) {
-    for (std::size_t i = 0; i < bytes; ++i) {
-      const auto byte = static_cast<std::uint8_t>(value >> (8 * i));
-      if (at_ >= begin_ && at_ - begin_ < part_.size()) part_[at_ - begin_] = byte;
-      ++at_;
-      crc_ = crc32(std::as_bytes(std::span(&byte, 1)), crc_);
+    // Every byte of every record comes by here: as little as can be for each.
+    for (; bytes > 0; --bytes, value >>= 8U, ++at_) {
+      const auto byte = static_cast<std::uint8_t>(value);
+      if (at_ - begin_ < part_.size()) part_[at_ - begin_] = byte;  // wraps before the part
+      remainder_ = crc32_remainder(remainder_, byte);
     }
   }
   void real(double value) { integer(std::bit_cast<std::uint64_t>(value), 8); }
-  [[nodiscard]] std::uint32_t crc() const { return crc_; }
+  [[nodiscard]] std::uint32_t crc() const { return ~remainder_; }
 
  private:
   std::span<std::uint8_t> part_;
   std::size_t begin_;
   std::size_t at_ = 0;
-  std::uint32_t crc_ = 0;
+  std::uint32_t remainder_ = ~std::uint32_t{0};
 };
 
 class LittleEndianReader {
@@ -56,9 +56,8 @@ class LittleEndianReader {
       : image_(image), at_(at) {}
   std::uint64_t integer(std::size_t bytes) {
     std::uint64_t value = 0;
-    for (std::size_t i = 0; i < bytes; ++i) {
-      value |= static_cast<std::uint64_t>(image_[at_++]) << (8 * i);
-    }
+    for (std::size_t i = bytes; i-- > 0;) value = value << 8U | image_[at_ + i];
+    at_ += bytes;
     return value;
   }
   double real() {

@@ -59,16 +59,23 @@ Machine read_machine(LittleEndianReader& in, std::size_t joints) {
   return machine;
 }
 
+// Four doubles, and the steps of all knots.
+constexpr std::size_t kBytesOfMap = 4 * 8 + 2 * calibration::kKnots;
+
 void write_deflections(PartWriter& out, const PackedDeflections& deflections) {
   out.integer(deflections.empty() ? 0 : 1, 4);
   out.integer(deflections.gravity.size(), 4);
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
     const bool used = i < deflections.maps.size();
-    const PackedMap map = used ? deflections.maps[i] : PackedMap{};
+    if (!used) {
+      for (std::size_t k = 0; k < kBytesOfMap / 8; ++k) out.integer(0, 8);
+      continue;
+    }
+    const PackedMap& map = deflections.maps[i];
     out.real(map.domain.origin);
     out.real(map.domain.per_length);
     out.real(map.step);
-    out.real(used ? deflections.drawn_zero[i] : 0);
+    out.real(deflections.drawn_zero[i]);
     for (const std::int16_t step : map.steps) out.integer(static_cast<std::uint16_t>(step), 2);
   }
   for (std::size_t k = 0; k < kMaxGravityTerms; ++k) {
