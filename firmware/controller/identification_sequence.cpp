@@ -179,13 +179,16 @@ void IdentificationSequence::finish_sweep() {
 }
 
 void IdentificationSequence::step_identification() {
-  const auto more = identification().step();
-  if (!more) {
-    end(more.error().refusal.error, more.error().joint);
+  if (candidate_->signature.targets.empty()) {
+    const auto more = identification().step();
+    if (!more) {
+      end(more.error().refusal.error, more.error().joint);
+    } else if (!*more) {
+      add_targets();
+    }
     return;
   }
-  if (*more) return;
-  add_targets();
+  // In a step of its own: both together hold the core for too long.
   work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
   stage_ = Stage::kComparing;
 }
