@@ -158,18 +158,16 @@ void tear_again(const Flash& torn, const Claim& claim, Tearing tearing, Count& c
   }
 }
 
-// Pages torn as a whole differ only by which pages are done. Of the others every byte of all
-// histories together is torn: each history begins at another one.
+// Pages torn as a whole differ only by which pages are done.
 std::size_t step_of(Tearing tearing) {
   return tearing == Tearing::kForward || tearing == Tearing::kBackward ||
                  tearing == Tearing::kAnyOrder || tearing == Tearing::kPartialBits
-             ? 2
+             ? 1
              : 16;
 }
 
 // `operation` in `flash`, torn at every byte.
-void tear(const Flash& flash, const State& before, const Operation& operation, std::size_t first,
-          Count& count) {
+void tear(const Flash& flash, const State& before, const Operation& operation, Count& count) {
   Flash whole = flash;
   ASSERT_TRUE(RecordStore{whole}.open());
   const std::size_t began = flash.changed();
@@ -179,7 +177,7 @@ void tear(const Flash& flash, const State& before, const Operation& operation, s
   const std::size_t all = whole.changed() - began;
   for (std::size_t kind = 0; kind < simulated::kTearings; ++kind) {
     const auto tearing = static_cast<Tearing>(kind);
-    for (std::size_t cut = first % step_of(tearing); cut <= all; cut += step_of(tearing)) {
+    for (std::size_t cut = 0; cut <= all; cut += step_of(tearing)) {
       Flash torn = flash;
       torn.cut_power_after(cut, tearing);
       const bool told = perform(torn, operation);
@@ -206,7 +204,7 @@ void tear_histories(Count& count) {
         possible = operation.kind == Kind::kAccept || state.active != 0;
         if (!possible) break;
         if (i + 1 == length) {
-          tear(flash, state, operation, history, count);
+          tear(flash, state, operation, count);
         } else {
           ASSERT_TRUE(perform(flash, operation));
           state = after(state, operation);
