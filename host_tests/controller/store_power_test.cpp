@@ -64,11 +64,9 @@ const std::array<RecordImage, kIds> kRecords = [] {
   return records;
 }();
 
-int id_of(RecordStore& store, const std::optional<StoredRecord>& record) {
-  if (!record) return 0;
-  if (!store.read(*record)) return kStranger;
+int id_of(const RecordImage& image) {
   for (int id = 1; id < kIds; ++id) {
-    if (store.last_read() == kRecords[static_cast<std::size_t>(id)]) return id;
+    if (image == kRecords[static_cast<std::size_t>(id)]) return id;
   }
   return kStranger;
 }
@@ -76,7 +74,12 @@ int id_of(RecordStore& store, const std::optional<StoredRecord>& record) {
 State state_of(Flash& flash) {
   RecordStore store(flash);
   if (!store.open()) return {.active = kHidden, .former = kHidden};
-  return {.active = id_of(store, store.active()), .former = id_of(store, store.former())};
+  State state;
+  if (store.active()) state.active = id_of(store.last_read());
+  if (store.former()) {
+    state.former = store.read(*store.former()) ? id_of(store.last_read()) : kStranger;
+  }
+  return state;
 }
 
 // True if the store said that it is done.
