@@ -95,5 +95,14 @@ TEST(Connect, says_when_there_is_no_controller) {
   EXPECT_NE(outcome.err.find("No such file"), std::string::npos) << outcome.err;
 }
 
+TEST(Connect, says_where_the_program_of_the_live_page_should_be) {
+  const Folder folder;
+  std::filesystem::copy_file(ARMSIG_TOOL, folder / "alone");
+  const std::string command = "cd '" + folder.path().string() + "' && ./alone connect c --web 2>e";
+  const int raw = std::system(command.c_str());  // NOLINT(cert-env33-c): our own command line
+  EXPECT_EQ(WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, 2);
+  EXPECT_NE(read_file(folder / "e").find("armsig/armsig-web"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace armsig::cli

@@ -20,7 +20,7 @@
 #include "firmware/host_tool/commands/send.hpp"
 #include "firmware/host_tool/console/console_client.hpp"
 #include "firmware/host_tool/console/line_editor.hpp"
-#include "firmware/host_tool/console/web_page.hpp"
+#include "firmware/host_tool/console/web_start.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
@@ -143,13 +143,10 @@ int talk_to_a_person(ConsoleClient& console) {
   }
 }
 
-// A console that cannot be opened now is a mistake in the command; later ones are the page's.
 int serve(const ConnectOptions& options) {
-  if (const auto tried = ConsoleClient::open(options.path); !tried) {
-    return fail(tried.error(), kBadInput, options.fetch);
-  }
-  const Problem problem = serve_web_page(
-      {.console = options.path, .port = options.port, .token_file = options.token_file});
+  const Problem problem = become_web_server(
+      {.console = options.path, .port = options.port, .token_file = options.token_file},
+      options.fetch.json);
   return fail(problem, kBadInput, options.fetch);
 }
 
