@@ -7,7 +7,9 @@
 #include <chrono>
 #include <cstdio>
 #include <random>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/error_name.hpp"
 #include "firmware/fleet/journal/file_storage.hpp"
@@ -79,6 +81,18 @@ class Reporter {
     if (!kept) tell_once(kept.error());
   }
 
+  // Another signature is told whole, its document before it; what is as before only if it changed.
+  void keep_signature(const Readings& told, std::string_view document, const Now& time) {
+    if (document == document_) return keep(told, time);
+    std::vector<Readings> rows = readings_of_document(document);
+    rows.push_back(told);
+    for (const Readings& row : rows) {
+      const auto kept = node_.record(time, {row.data(), row.size()});
+      if (!kept) return tell_once(kept.error());
+    }
+    document_ = document;
+  }
+
   // A disk that is full is told once, not every ten seconds for a month.
   void tell_once(Error error) {
     if (told_ == error) return;
@@ -123,7 +137,7 @@ class Reporter {
       heard_ms_ = time.steady_ms;
       keep(status, time);
     } else if (const Readings signature = readings_of_signature(line); !signature.empty()) {
-      keep(signature, time);
+      keep_signature(signature, document_of_signature(line), time);
     } else if (const Readings check = readings_of_check(line); !check.empty()) {
       const auto kept = node_.record(time, {check.data(), check.size()});
       if (!kept) tell_once(kept.error());
@@ -142,6 +156,7 @@ class Reporter {
   std::uint64_t heard_ms_ = now().steady_ms;
   std::uint64_t looks_ = 0;
   bool changed_ = false;
+  std::string document_;  // of the signature that was told last
   Error told_ = Error::kNotFinite;
 };
 

@@ -11,7 +11,7 @@ namespace armsig::fleet {
 namespace {
 
 constexpr int kKeepalive_s = 30;
-constexpr int kPacketsAtOnce = 100;
+constexpr int kPacketsAtOnce = 200;
 constexpr int kVerifyPeer = 1;  // SSL_VERIFY_PEER
 constexpr int kFlushTries = 10;
 constexpr int kFlushWait_ms = 20;
@@ -104,10 +104,15 @@ int MqttConnection::descriptor() const { return client_ ? mosquitto_socket(clien
 
 bool MqttConnection::wants_write() const { return client_ && mosquitto_want_write(client_.get()); }
 
+// The library reads one packet of QoS 0 a call, whatever it is told: what has come is read here.
 void MqttConnection::service(bool readable, bool writable) {
   if (!client_) return;
   int result = MOSQ_ERR_SUCCESS;
-  if (readable) result = mosquitto_loop_read(client_.get(), kPacketsAtOnce);
+  for (int i = 0; readable && i < kPacketsAtOnce && result == MOSQ_ERR_SUCCESS; ++i) {
+    result = mosquitto_loop_read(client_.get(), 1);
+    pollfd more{.fd = descriptor(), .events = POLLIN, .revents = 0};
+    readable = ::poll(&more, 1, 0) > 0;
+  }
   if (writable && result == MOSQ_ERR_SUCCESS) {
     result = mosquitto_loop_write(client_.get(), kPacketsAtOnce);
   }
