@@ -25,7 +25,7 @@ class FleetRecord : public testing::Test {
     ASSERT_NE(where, nullptr) << "run by host_tests/fleet/with_record";
     database = Database::open(where, kDrift, problem);
     ASSERT_TRUE(database) << problem;
-    ASSERT_TRUE(database->ask("TRUNCATE arm, signature CASCADE"));
+    ASSERT_TRUE(database->ask("TRUNCATE arm, row, signature CASCADE"));
   }
   std::string one(const char* question) {
     const auto table = database->ask(question);

@@ -37,6 +37,11 @@ constexpr std::string_view kMeasured =
     "AND abs((reading ->> 'dy_mm')::double precision) < 1e6 "
     "AND abs((reading ->> 'dz_mm')::double precision) < 1e6";
 
+// Parts of documents are told in passing, and are nothing that an arm is.
+bool is_of_document(Item item) {
+  return item >= Item::kDocumentHash && item <= Item::kDocumentText;
+}
+
 std::string bits(std::uint64_t journal) {
   return std::to_string(std::bit_cast<std::int64_t>(journal));
 }
@@ -162,13 +167,16 @@ bool Database::store_states(const Batch& batch) {
   for (const auto& [node, state] : last) {
     nodes.add(node);
     online.add(state->online ? "t" : "f");
-    current.add(json_of(state->current));
+    Readings told;
+    for (const Reading& reading : state->current) {
+      if (!is_of_document(reading.item)) told.push_back(reading);
+    }
+    current.add(json_of(told));
   }
   return run(
       "INSERT INTO arm (node, online, current) SELECT * FROM unnest($1::text[], $2::boolean[], "
       "$3::jsonb[]) ON CONFLICT (node) DO UPDATE SET online = excluded.online, changed_at = now(), "
-      "current = arm.current || (jsonb_strip_nulls(excluded.current) - ARRAY['document', "
-      "'document_part', 'document_parts', 'document_text'])",
+      "current = arm.current || jsonb_strip_nulls(excluded.current)",
       {nodes.text(), online.text(), current.text()});
 }
 
@@ -193,23 +201,46 @@ bool Database::store_rows(const Batch& batch) {
   }
   return run("WITH come AS (SELECT * FROM unnest($1::text[], $2::bigint[], $3::bigint[], "
              "$4::double precision[], $5::bigint[], $6::boolean[], $7::jsonb[]) "
-             "WITH ORDINALITY AS r(node, journal, number, ms, dropped, historical, reading, "
-             "place)), "
+             "AS r(node, journal, number, ms, dropped, historical, reading)), "
              "furthest AS (INSERT INTO journal (node, journal, contiguous, dropped) "
              "SELECT node, journal, max(number), max(dropped) FROM come GROUP BY node, journal "
              "ON CONFLICT (node, journal) DO UPDATE SET contiguous = excluded.contiguous, "
-             "dropped = greatest(journal.dropped, excluded.dropped)), "
-             "newest AS (SELECT node, jsonb_object_agg(key, value ORDER BY place) AS current FROM "
-             "come, jsonb_each(reading) WHERE NOT starts_with(key, 'document') GROUP BY node), "
-             "arms AS (UPDATE arm SET current = arm.current || newest.current FROM newest "
-             "WHERE arm.node = newest.node) "
+             "dropped = greatest(journal.dropped, excluded.dropped)) "
              "INSERT INTO row (node, journal, number, at, historical, reading) "
              "SELECT node, journal, number, to_timestamp(ms / 1000), historical, reading FROM come",
              {nodes.text(), journals.text(), numbers.text(), times.text(), dropped.text(),
               historical.text(), readings.text()}) &&
-         take_each(batch, Item::kSignatureHash, kWorn) &&
+         store_newest(batch) && take_each(batch, Item::kSignatureHash, kWorn) &&
          take_each(batch, Item::kDocumentText, kDocument) &&
          take_each(batch, Item::kResidualX, kDrift, kMeasured);
+}
+
+// The last value of every quantity of each arm.
+bool Database::store_newest(const Batch& batch) {
+  std::map<std::string_view, Readings> newest;
+  for (const StoredRow& row : batch.rows) {
+    Readings& known = newest[row.node];
+    for (const Reading& reading : row.readings) {
+      if (is_of_document(reading.item)) continue;
+      auto* const before =
+          std::ranges::find(known.begin(), known.end(), reading.item, &Reading::item);
+      if (before != known.end()) {
+        *before = reading;
+      } else if (!known.full()) {
+        known.push_back(reading);
+      }
+    }
+  }
+  ArrayText nodes;
+  ArrayText current;
+  for (const auto& [node, readings] : newest) {
+    nodes.add(node);
+    current.add(json_of(readings));
+  }
+  return run(
+      "UPDATE arm SET current = arm.current || come.current FROM unnest($1::text[], $2::jsonb[]) "
+      "AS come(node, current) WHERE arm.node = come.node",
+      {nodes.text(), current.text()});
 }
 
 // Hands rows that tell `item` to a function of the record.

@@ -58,6 +58,7 @@ class Database {
   [[nodiscard]] bool keep(const DriftSettings& drift);
   [[nodiscard]] bool store_states(const Batch& batch);
   [[nodiscard]] bool store_rows(const Batch& batch);
+  [[nodiscard]] bool store_newest(const Batch& batch);
   [[nodiscard]] bool take_each(const Batch& batch, Item item, std::string_view function,
                                std::string_view where = {});
 
