@@ -17,6 +17,7 @@
 #include "firmware/fleet/node/console_link.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
 #include "firmware/fleet/node/mqtt_transport.hpp"
+#include "firmware/fleet/node/resident_memory.hpp"
 #include "firmware/fleet/program.hpp"
 
 namespace armsig::fleet {
@@ -26,6 +27,7 @@ constexpr std::uint64_t kSignatureEvery = 60;  // looks at the controller
 constexpr std::uint64_t kAnswer_ms = 5'000;    // within which it answers, or is told to be silent
 constexpr int kBusy_ms = 50;
 constexpr int kQuiet_ms = 250;
+constexpr std::uint64_t kSettled_ms = 3'000;  // after a birth; then what led to it is let go of
 
 Now now() {
   const auto ms = [](auto since) {
@@ -74,6 +76,17 @@ class Reporter {
     look(time);
     node_.tick(time);
     transport_.deliver(node_, time);
+    settle(time);
+  }
+
+  void settle(const Now& time) {
+    if (node_.state() != EdgeNode::State::kBorn) {
+      settled_ = false;
+      born_ms_ = time.steady_ms;
+    } else if (!settled_ && time.steady_ms - born_ms_ >= kSettled_ms) {
+      settled_ = true;
+      let_go_of_start();
+    }
   }
 
   void keep(const Readings& readings, const Now& time) {
@@ -156,6 +169,8 @@ class Reporter {
   std::uint64_t heard_ms_ = now().steady_ms;
   std::uint64_t looks_ = 0;
   bool changed_ = false;
+  bool settled_ = false;
+  std::uint64_t born_ms_ = 0;
   std::string document_;  // of the signature that was told last
   Error told_ = Error::kNotFinite;
 };
