@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The record's own drift sum over a fleet of simulated arms, on a real PostgreSQL: it names whom
 // core/drift names, arm by arm. host_tests/fleet/with_record starts the record.
+#include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "firmware/fleet/host/database.hpp"
 #include "firmware/fleet/host/row_text.hpp"
@@ -21,6 +21,12 @@ constexpr int kArms = 1000;
 constexpr int kMonth = 30;  // daily checks
 constexpr int kTen = 10;
 
+std::string written(double number) {
+  std::array<char, 32> text{};
+  (void)std::snprintf(text.data(), text.size(), "%.17g", number);
+  return text.data();
+}
+
 // Checks of arms, and which of these core names.
 struct Fleet {
   std::array<ArrayText, 5> columns;  // arm, check, z
@@ -34,7 +40,7 @@ struct Fleet {
       columns[0].add(std::to_string(named.size()));
       columns[1].add(std::to_string(n));
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        columns[2 + axis].add(fmt::format("{}", z[static_cast<Eigen::Index>(axis)]));
+        columns[2 + axis].add(written(z[static_cast<Eigen::Index>(axis)]));
       }
       state = drift::after_check(state, e_m, settings).value_or(state);
     }
@@ -47,8 +53,8 @@ std::vector<bool> named_by_record(Database& database, const Fleet& fleet,
                                   const drift::Settings& settings) {
   std::vector<std::string> arguments;
   for (const ArrayText& column : fleet.columns) arguments.push_back(column.text());
-  arguments.push_back(fmt::format("{}", settings.reference));
-  arguments.push_back(fmt::format("{}", settings.threshold));
+  arguments.push_back(written(settings.reference));
+  arguments.push_back(written(settings.threshold));
   const auto table = database.ask(
       "SELECT arm FROM (SELECT arm, crosier(x, y, z, $6::float8) OVER (PARTITION BY arm ORDER BY "
       "n) "
