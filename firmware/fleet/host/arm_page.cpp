@@ -40,7 +40,7 @@ constexpr const char* kChecks =
     "AND abs((reading ->> 'dz_mm')::double precision) < 1e6 "
     "ORDER BY number DESC LIMIT 200";
 
-constexpr const char* kWorn =
+constexpr const char* kWornNow =
     "SELECT to_char(since AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), hash, "
     "to_char(to_timestamp(identified_ms / 1000) AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
     "sigma_mm, held_out_mm, air_c, signature.document FROM worn LEFT JOIN signature USING (hash) "
@@ -55,7 +55,7 @@ constexpr const char* kHistory =
     "SELECT to_char(at AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI:SS'), reading::text FROM row "
     "WHERE node = $1 AND NOT reading ? 'document' ORDER BY at DESC LIMIT 200";
 
-constexpr const char* kDocument = "SELECT document FROM signature WHERE hash = $1";
+constexpr const char* kDocumentByHash = "SELECT document FROM signature WHERE hash = $1";
 
 bool is_hash(std::string_view text) {
   return text.size() == kHashSize && text.find_first_not_of("0123456789abcdef") == text.npos;
@@ -160,7 +160,7 @@ Answer one_arm(std::string_view node, Database& database) {
   const std::vector<std::string> name{std::string(node)};
   const auto there = database.ask(kNow, name);
   const auto checks = database.ask(kChecks, name);
-  const auto worn = database.ask(kWorn, name);
+  const auto worn = database.ask(kWornNow, name);
   const auto rows = database.ask(kHistory, name);
   if (!there || !checks || !worn || !rows) return kNoRecord;
   if (there->empty()) return {.status = 404, .body = "no such arm\n"};
@@ -178,7 +178,7 @@ Answer one_arm(std::string_view node, Database& database) {
 // The report of one signature: who goes by it, what it was told to be worth, and what it says.
 Answer signature(const std::string& hash, Database& database) {
   const auto wearers = database.ask(kWearers, {hash});
-  const auto document = database.ask(kDocument, {hash});
+  const auto document = database.ask(kDocumentByHash, {hash});
   if (!wearers || !document) return kNoRecord;
   if (wearers->empty() && document->empty()) return {.status = 404, .body = "no such signature\n"};
   Answer page{.body = page_head("Signature " + hash.substr(0, 12))};
@@ -218,8 +218,8 @@ Answer signature(const std::string& hash, Database& database) {
 }
 
 Answer comparison(const std::string& before, const std::string& actual, Database& database) {
-  const auto former = database.ask(kDocument, {before});
-  const auto newer = database.ask(kDocument, {actual});
+  const auto former = database.ask(kDocumentByHash, {before});
+  const auto newer = database.ask(kDocumentByHash, {actual});
   if (!former || !newer) return kNoRecord;
   if (former->empty() || newer->empty()) return {.status = 404, .body = "no such signature\n"};
   Answer page{.body = page_head("Two signatures")};
