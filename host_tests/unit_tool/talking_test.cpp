@@ -69,6 +69,29 @@ TEST(Ending, waits_for_nobody_who_has_to_resume) {
   EXPECT_EQ(ending.told(kResting), "ok identify done");
 }
 
+TEST(Ending, of_enable_is_torque_and_of_disable_that_it_has_gone) {
+  constexpr const char* kIdle = "ok mode=idle moving=no sequence=none";
+  Ending enabling;
+  enabling.begun("enable");
+  EXPECT_EQ(enabling.told(kIdle), "");
+  EXPECT_EQ(enabling.told(kResting), "ok nothing is under way");
+  enabling.hear("# mode faulted error=TARGETS_IGNORED joint=2");
+  EXPECT_EQ(enabling.told(kFaulted), "error mode faulted error=TARGETS_IGNORED joint=2");
+  Ending disabling;
+  disabling.begun("disable");
+  EXPECT_EQ(disabling.told(kResting), "");
+  EXPECT_EQ(disabling.told(kIdle), "ok nothing is under way");
+}
+
+TEST(Ending, of_reset_is_no_fault_of_before) {
+  Ending ending;
+  ending.begun("reset");
+  EXPECT_EQ(ending.told(kFaulted), "");
+  EXPECT_EQ(ending.told("ok mode=idle moving=no sequence=none"), "ok nothing is under way");
+  ending.hear("# mode faulted error=BOOT_TIMEOUT");
+  EXPECT_EQ(ending.told(kFaulted), "error mode faulted error=BOOT_TIMEOUT");
+}
+
 TEST(Ending, forgets_what_an_earlier_request_came_to) {
   Ending ending;
   ending.hear("# identify ended error=HALTED");

@@ -55,7 +55,7 @@ inline constexpr std::array<Example, 29> kExamples{{
     {"connect", "armsig connect console"},
     {"connect", "armsig connect console wait timeout_s=60"},
     {"connect", "armsig connect console status"},
-    {"connect", "armsig connect console enable"},
+    {"connect", "armsig connect console enable --wait"},
     {"connect", "armsig connect console move q1_deg=5 --wait"},
     {"connect", "echo status | armsig connect console"},
     {"connect", "armsig connect console --web"},

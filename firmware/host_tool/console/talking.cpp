@@ -20,8 +20,9 @@ constexpr double kLargestBound_s = 1e6;
 constexpr milliseconds kRound{200};  // from one status to the next
 constexpr std::string_view kBlanks = " \t\r";
 
-// The words of a line; what stands in quotes is none of them.
+// Whether `word` is one of the line's; an empty one always is.
 bool has_word(std::string_view line, std::string_view word) {
+  if (word.empty()) return true;
   const std::size_t at = line.find(std::string(" ").append(word));
   if (at == std::string_view::npos) return false;
   const std::size_t end = at + 1 + word.size();
@@ -69,11 +70,17 @@ void Ending::hear(std::string_view line) {
   is_bad_ = !ended_well;
 }
 
+void Ending::begun(std::string_view verb) {
+  resets_ = verb == "reset";
+  if (verb == "enable") awaited_ = "mode=holding";
+  if (verb == "disable" || resets_) awaited_ = "mode=idle";
+}
+
 std::string Ending::told(std::string_view status) const {
-  const bool faulted = has_word(status, "mode=faulted");
+  const bool faulted = has_word(status, "mode=faulted") && (!resets_ || is_bad_);
   const bool paused = has_word(status, "sequence=paused");
   const bool under_way = !has_word(status, "sequence=none") || has_word(status, "moving=yes") ||
-                         has_word(status, "mode=starting");
+                         has_word(status, "mode=starting") || !has_word(status, awaited_);
   if (!faulted && !paused && under_way) return {};
   if (faulted && !is_bad_) return "error the controller is faulted: status tells why";
   if (paused && !is_bad_) return "error the sequence is paused: go on with resume";
@@ -103,7 +110,9 @@ Reply Talker::ask(const std::string& line, milliseconds longest) {
 Reply Talker::request(const std::string& request, milliseconds longest) {
   if (first_word(request) == kWait) return wait(request, longest);
   ending_.forget();
-  return ask(request, longest);
+  Reply reply = ask(request, longest);
+  if (reply.how == Reply::How::kOk) ending_.begun(first_word(request));
+  return reply;
 }
 
 Reply Talker::wait(std::string_view request, milliseconds longest) {

@@ -30,6 +30,8 @@ class Ending {
   void hear(std::string_view line);
   // Forgets what was heard: something new has been asked for.
   void forget() { *this = Ending(); }
+  // The controller has taken `verb`: what enables, disables or resets has ended in its mode.
+  void begun(std::string_view verb);
 
   // With the reply to `status`: "ok ..." or "error ..." where all has ended, empty while something
   // is under way.
@@ -38,6 +40,8 @@ class Ending {
  private:
   std::string line_;  // the last one that tells an end, without its "# "
   bool is_bad_ = false;
+  std::string_view awaited_;  // the word of a status that tells the end; empty: any rest does
+  bool resets_ = false;       // a fault of before goes
 };
 
 class Talker {

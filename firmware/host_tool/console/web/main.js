@@ -87,6 +87,12 @@ const adviceFor = (name) => advice[name] ?? { happened: name ?? '', todo: '' };
 const upper = (text) => text.replace(/^./, (c) => c.toUpperCase());
 const markdown = (text) => text.replace(/\[([^\]]*)\]\([^)]*\)/g, '$1').replace(/`/g, '');
 
+// The name of what is wrong with the sensor, now or when the measurement paused; empty: nothing.
+function troubleOf(status) {
+  if (status.sensor !== 'well') return status.sensor;
+  return status.sequence === 'paused' ? pausedBy : '';
+}
+
 // Headline, words, and the verb that is next.
 function situation({ status, candidate }) {
   const running = status.sequence === 'identifying' || status.sequence === 'paused';
@@ -98,7 +104,7 @@ function situation({ status, candidate }) {
   }
   if (status.mode === 'starting') return { headline: 'Starting', words: 'The drives are found and set up.', next: '' };
   if (status.sequence === 'paused') {
-    const name = status.sensor === 'well' ? pausedBy : status.sensor;
+    const name = troubleOf(status);
     const { words, todo } = adviceFor(name);
     return { headline: 'The measurement is paused', words: name ? `${upper(words ?? name)}. ${upper(markdown(todo ?? ''))}. The arm holds where it is; Resume measures the same point again.` : 'The arm holds where it is; Resume measures the same point again.', next: 'resume' };
   }
@@ -166,7 +172,8 @@ function showFault({ status }) {
 }
 
 function showFacts({ status, signature, sigmas }) {
-  const facts = [['model', status.model], ['sensor', status.sensor === 'well' ? 'well' : markdown(adviceFor(status.sensor).words ?? status.sensor)]];
+  const trouble = troubleOf(status);
+  const facts = [['model', status.model], ['sensor', trouble ? markdown(adviceFor(trouble).words ?? trouble) : 'well']];
   if (status.sensor_says) facts.push(['sensor says', status.sensor_says]);
   if (status.store) facts.push(['store', markdown(adviceFor(status.store).words ?? status.store)]);
   if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);
