@@ -68,9 +68,9 @@ void CyclicFactor::solve(MapCoefficients& b) const {
   }
 }
 
-void CyclicFactor::inverse_band(CyclicBand& band) const {
+void CyclicFactor::inverse_rows(std::size_t first, std::size_t last, CyclicBand& band) const {
   MapCoefficients column;
-  for (std::size_t i = 0; i < kKnots; ++i) {
+  for (std::size_t i = first; i < last; ++i) {
     column.fill(0);
     column[i] = 1;
     solve(column);

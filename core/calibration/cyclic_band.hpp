@@ -19,8 +19,10 @@ class CyclicFactor {
                  const std::array<double, kSplines>& prior, double prior_variance);
   // Replaces b by the solution of L L^T x = b.
   void solve(MapCoefficients& b) const;
-  // The entries of the inverse that lie on the band.
-  void inverse_band(CyclicBand& band) const;
+  // The entries of the inverse that lie on the band, of rows `first` up to before `last`.
+  void inverse_rows(std::size_t first, std::size_t last, CyclicBand& band) const;
+  // Of all rows.
+  void inverse_band(CyclicBand& band) const { inverse_rows(0, kKnots, band); }
 
  private:
   static constexpr std::size_t kBorder = kSplines - 1;

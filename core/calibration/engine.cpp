@@ -8,25 +8,6 @@
 
 namespace armsig::calibration {
 
-namespace {
-
-constexpr int kLeastRounds = 4;
-constexpr int kMostRounds = 25;
-constexpr int kSoftRounds = 2;
-// Of the residuals' own scale: the coarse one has come down to it.
-constexpr double kSettledScale = 2;
-constexpr int kPasses = 2;
-constexpr int kLastPasses = 8;
-constexpr int kMostTries = 7;
-// Of sigma: a step below it no longer matters. Of sigma^2, as a logarithm.
-constexpr double kHarmlessStep = 0.03;
-constexpr double kHarmlessChange = 0.01;
-// Of what the linear model promised, kept.
-constexpr double kGoodGain = 0.75;
-constexpr double kPoorGain = 0.25;
-
-}  // namespace
-
 Engine::Engine(ArmModel& model, std::span<ModelTarget> targets, std::span<FitRow> rows,
                std::span<ChainFrames> cache, std::span<double> matrix, Workspace& work)
     : model_(model),
@@ -50,8 +31,10 @@ const ChainFrames& Engine::frames_of(std::size_t row) {
   return scratch_;
 }
 
-void Engine::evaluate() {
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
+void Engine::evaluate() { evaluate_rows({0, rows_.size()}); }
+
+void Engine::evaluate_rows(Units rows) {
+  for (std::size_t k = rows.first; k < rows.last; ++k) {
     FitRow& row = rows_[k];
     const ModelTarget& target = targets_[row.target];
     ChainFrames& frames = cache_.empty() ? scratch_ : cache_[k];
@@ -92,13 +75,8 @@ double Engine::whitened_squares(const FitRow& row) const {
   return row.residual.dot(precision(row) * row.residual);
 }
 
-double Engine::cost() const {
-  double squares = 0;
-  for (const FitRow& row : rows_) {
-    if (!row.held_out && row.weight > 0) squares += row.weight * whitened_squares(row);
-  }
-  return squares / scales_.sigma_squared + prior_squares();
-}
+// Of the squares that add_costs() has summed.
+double Engine::cost() const { return sums_.squares / scales_.sigma_squared + prior_squares(); }
 
 void Engine::move(double fraction) {
   const auto& step = work_.step;
@@ -128,116 +106,6 @@ void Engine::move(double fraction) {
   for (std::size_t t = 0; t < model_.gravity.size(); ++t) {
     model_.gravity[t].coefficient += fraction * step[gravity_column() + t];
   }
-}
-
-void Engine::improve(int passes) {
-  work_.step.fill(0);
-  for (MapCoefficients& step : work_.map_step) step.fill(0);
-  factorise_geometry(true);
-  const std::size_t n = model_.joint_count();
-  improve_geometry();
-  for (int pass = 0; maps_on_ && pass < passes; ++pass) {
-    for (std::size_t j = 0; j < n; ++j) improve_map(j);
-    for (std::size_t j = n - 1; j-- > 0;) improve_map(j);
-    improve_geometry();
-  }
-}
-
-// How far the steps of the blocks move the predictions, rms; before move().
-double Engine::predicted_motion() {
-  double squares = 0;
-  double weights = 0;
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    const FitRow& row = rows_[k];
-    if (row.held_out || row.weight == 0) continue;
-    FitRow before = row;
-    evaluate(before, frames_of(k));
-    const Vector3 moved = before.residual - row.residual;
-    // Per measured number, three of which are a position.
-    squares +=
-        row.weight * (row.is_range() ? 3 * std::pow(row.p_S.dot(moved), 2) : moved.squaredNorm());
-    weights += row.weight;
-  }
-  return std::sqrt(squares / std::max(weights, 1.0));
-}
-
-// One step, as long as the cost allows. Returns how far it moves the predictions, rms.
-double Engine::round(int passes) {
-  assemble();
-  const double before = cost();
-  double moved = 0;
-  for (int tries = 0; tries < kMostTries; ++tries) {
-    improve(passes);
-    moved = predicted_motion();
-    move(1);
-    const double expected = cost();  // of the linear model: residuals as improve() left them
-    evaluate();
-    const double after = cost();
-    if (after <= before) {
-      const double gain = (before - after) / std::max(before - expected, 1e-300);
-      trust_ *= gain > kGoodGain ? 3 : gain < kPoorGain ? 0.5 : 1;
-      return moved;
-    }
-    move(-1);
-    evaluate();
-    trust_ /= 5;
-  }
-  return moved;
-}
-
-void Engine::start() {
-  summary_ = {};
-  trust_ = 1;
-  effective_ = 0;
-  coarse_ = 0;
-  base_moved_.fill(0);
-  for (ModelTarget& target : targets_) {
-    target.start_L = target.p_L;
-    target.rows = 0;
-  }
-  if (!parts_.gravity) model_.gravity.clear();
-  ARMSIG_CHECK(columns_ >= gravity_column() + model_.gravity.size());
-  columns_ = gravity_column() + model_.gravity.size();
-  evaluate();
-  for (FitRow& row : rows_) {
-    row.weight = 1;
-    if (row.held_out) continue;
-    ++summary_.rows;
-    ++targets_[row.target].rows;
-  }
-  scales_.sigma_squared = 1;
-  const double scale = residual_scale();
-  scales_.sigma_squared = scale * scale;
-}
-
-Result<FitSummary> Engine::run(const ModelParts& parts) {
-  parts_ = parts;
-  start();
-  if (summary_.rows == 0) return std::unexpected(Error::kTooFewPoints);
-  bool harmless = false;
-  for (int i = 0; i < kMostRounds && !harmless; ++i) {
-    maps_on_ = parts_.maps && i > 0;
-    if (i < kSoftRounds || coarse_ > kSettledScale * residual_scale()) {
-      weigh_softly();
-    } else {
-      reject();
-    }
-    const double sigma_before = scales_.sigma_squared;
-    const double moved = round(kPasses);
-    update_scales();
-    ++summary_.rounds;
-    const double sigma = std::sqrt(scales_.sigma_squared);
-    harmless = i + 1 >= kLeastRounds && moved < kHarmlessStep * sigma &&
-               std::abs(std::log(scales_.sigma_squared / sigma_before)) < kHarmlessChange;
-  }
-  summary_.converged = harmless;
-  reject();
-  round(kLastPasses);
-  update_scales();
-  finish_covariance();
-  summary_.degrees_of_model = effective_;
-  if (!std::isfinite(scales_.sigma_squared)) return std::unexpected(Error::kSingular);
-  return summary_;
 }
 
 }  // namespace armsig::calibration

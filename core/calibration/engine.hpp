@@ -15,12 +15,15 @@
 // measured: its precision has rank one.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "core/base/error.hpp"
+#include "core/calibration/agenda.hpp"
 #include "core/calibration/cyclic_band.hpp"
 #include "core/calibration/fit_row.hpp"
 #include "core/calibration/model.hpp"
+#include "core/refinement/robust.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::calibration {
@@ -33,6 +36,7 @@ struct ModelTarget {
   Vector3 p_L = Vector3::Zero();
   Vector3 start_L = Vector3::Zero();  // what its prior is about
   std::size_t rows = 0;
+  std::size_t kept = 0;  // of the rows, not rejected
 };
 
 // What beside the geometry belongs to the model.
@@ -57,12 +61,14 @@ struct Scales {
   bool geometry_is_held = false;
 };
 
-// Memory beside the rows. 31 KiB, and a matrix of the geometry block apart.
+// Memory beside the rows. 37 KiB, and a matrix of the geometry block apart.
 struct Workspace {
   std::array<CyclicBand, kMaxJoints> band{};  // of the rows; after run(), of the covariance
   std::array<MapCoefficients, kMaxJoints> map_step{};
   MapCoefficients map_gradient{};
   CyclicFactor factor;
+  CyclicBand covariance{};           // of one map
+  refinement::LogHistogram lengths;  // of the residuals
   std::array<double, kMaxGeometry> step{};
   std::array<double, kMaxGeometry> gradient{};
 };
@@ -82,6 +88,13 @@ struct FitSummary {
 // Derivatives of a row's position by the geometry block.
 struct GeometryColumns {
   std::array<std::array<double, kMaxGeometry>, 3> d;
+};
+
+// Unknowns whose prior has one scale: x^T Q x, tr(Q C), their number.
+struct PriorGroup {
+  double squares = 0;
+  double trace = 0;
+  double unknowns = 0;
 };
 
 class Engine {
@@ -104,6 +117,15 @@ class Engine {
 
   // Fits the rows that are not held out. Errors: kTooFewPoints (no row); kSingular.
   [[nodiscard]] Result<FitSummary> run(const ModelParts& parts);
+
+  // The same a bounded step at a time, for those who have a tick to keep: begin(), then step()
+  // until it returns false, then result(). Meanwhile rows, targets and model are the engine's. A
+  // step does `work` multiplications, about, and what a row or a column takes beyond that: of six
+  // joints and one target 4,000, of 128 columns 25,000. Where poses have several targets, all rows
+  // of a pose are judged in one. What is found does not depend on the steps.
+  void begin(const ModelParts& parts);
+  bool step(std::size_t work);
+  [[nodiscard]] Result<FitSummary> result() const;
 
   [[nodiscard]] const Scales& scales() const { return scales_; }
 
@@ -145,36 +167,105 @@ class Engine {
   [[nodiscard]] double whitened_squares(const FitRow& row) const;
 
   // engine.cpp
-  void start();
-  void improve(int passes);
-  double round(int passes);
-  [[nodiscard]] double predicted_motion();
+  void evaluate_rows(Units rows);
   void move(double fraction);
   [[nodiscard]] double cost() const;
-  // engine_blocks.cpp
-  void assemble();
-  void factorise_geometry(bool proximal);
+  // engine_sequence.cpp
+  void count_rows(Units rows);
+  void note_rows();
+  void note_start();
+  void begin_round();
+  void choose_weights();
+  void end_round();
+  void begin_last();
+  void conclude();
+  void begin_descent();
+  void note_before();
+  void begin_try();
+  void take_step();
+  void note_expected();
+  void judge_try();
+  void shorten();
+  void begin_improvement();
   void improve_geometry();
-  void improve_map(std::size_t joint);
+  void improve_maps();
+  void improve_next_map();
+  void add_costs(Units rows);
+  void add_motions(Units rows);
+  // engine_blocks.cpp
+  void begin_assembly();
+  void assemble(Units rows);
+  void factorise_geometry(Units columns);
+  void begin_geometry();
+  void pull_geometry(Units rows);
+  void solve_geometry();
+  void follow_geometry(Units rows);
   [[nodiscard]] double prior_variance(std::size_t column) const;
   [[nodiscard]] double proximal_variance(std::size_t column) const;
   [[nodiscard]] double deviation(std::size_t column) const;
   [[nodiscard]] double prior_squares() const;
   void solve_lower(std::array<double, kMaxGeometry>& b, std::size_t first) const;
   void solve_upper(std::array<double, kMaxGeometry>& b) const;
+  // engine_maps.cpp
+  void begin_map();
+  void pull_map(Units rows);
+  void solve_map();
+  void follow_map(Units rows);
+  template <typename Visit>
+  void for_rows_of_map(Units rows, Visit visit);
   // engine_scales.cpp
-  void update_scales();
-  double update_geometry_scales();
-  double update_map_scales();
-  void finish_covariance();
-  void note_map_variance(std::size_t joint);
+  void begin_scales();
+  void add_variances(Units columns);
+  void conclude_geometry_scales();
+  void begin_map_scales();
+  void scale_next_map();
+  void invert_map(Units knots);
+  void conclude_map_scale();
+  void add_errors(Units rows);
+  void conclude_sigma();
+  void begin_covariance();
+  void cover_next_map();
+  void note_map_variance();
   // outliers.cpp
-  void weigh_softly();
-  void reject();
-  void judge_pose(std::span<FitRow> pose, double gate);
-  [[nodiscard]] Vector3 common_residual(std::span<const FitRow> pose, double gate) const;
-  [[nodiscard]] double residual_scale() const;
-  [[nodiscard]] double rms_scale() const;
+  void add_lengths(Units rows);
+  void conclude_lengths();
+  void add_squares(Units rows);
+  void conclude_coarse();
+  void begin_soft_weights();
+  void weigh_softly(Units rows);
+  void begin_rejection();
+  void judge_poses(Units rows);
+  void count_kept(Units rows);
+  void keep_targets(Units rows);
+  void judge_pose(std::span<FitRow> pose);
+  [[nodiscard]] Vector3 common_residual(std::span<const FitRow> pose) const;
+
+  using Tasks = Agenda<Engine, 32>;
+  using Task = Tasks::Task;
+  // Multiplications of a row, about, where it is only looked at, evaluated, differentiated by the
+  // geometry, or by its columns squared.
+  static constexpr std::size_t kLook = 60;
+  [[nodiscard]] std::size_t evaluation_work() const { return 200 * (1 + model_.joint_count()); }
+  [[nodiscard]] std::size_t frames_work() const {
+    return kLook + (cache_.empty() ? evaluation_work() : 0);
+  }
+  [[nodiscard]] std::size_t filling_work() const {
+    return frames_work() + 30 * model_.joint_count() + 12 * columns_;
+  }
+  [[nodiscard]] std::size_t squaring_work() const {
+    return filling_work() + 2 * columns_ * columns_;
+  }
+  [[nodiscard]] Task of_rows(Task::Pass pass, std::size_t work) const {
+    return {pass, rows_.size(), work};
+  }
+  [[nodiscard]] Task evaluation() const {
+    return of_rows(&Engine::evaluate_rows, evaluation_work());
+  }
+  [[nodiscard]] Task costs() const { return of_rows(&Engine::add_costs, kLook); }
+  [[nodiscard]] Task lengths() const { return of_rows(&Engine::add_lengths, kLook); }
+  [[nodiscard]] Task factorisation() const {
+    return {&Engine::factorise_geometry, columns_, columns_ * columns_ / 2};
+  }
 
   double& upper(std::size_t i, std::size_t j) { return matrix_[i * (columns_ + 1) + j + 1]; }
   double& lower(std::size_t i, std::size_t j) { return matrix_[i * (columns_ + 1) + j]; }
@@ -200,6 +291,30 @@ class Engine {
   double effective_ = 0;  // degrees that the unknowns take
   FitSummary summary_;
   ChainFrames scratch_;
+
+  // Of the computation under way.
+  Tasks agenda_;
+  std::optional<Error> failed_;
+  struct {
+    double squares = 0;
+    double weights = 0;
+  } sums_;            // of a pass over the rows
+  double scale_ = 0;  // of the residuals: robust
+  double soft_scale_ = 0;
+  double gate_ = 0;
+  double sigma_squared_before_ = 0;
+  double cost_before_ = 0;
+  double cost_expected_ = 0;  // by the linear model
+  double moved_ = 0;          // how far a step moves the predictions, rms
+  int passes_ = 0;            // over the maps, in a step
+  int passes_left_ = 0;
+  int tries_ = 0;
+  bool proximal_ = false;  // of the matrix that is factorised
+  std::size_t joint_ = 0;  // whose map it is about
+  std::size_t visit_ = 0;  // of the joints, there and back
+  enum : std::size_t { kTurns, kShifts, kZeros, kReadings, kSags, kOpen, kGroups };
+  std::array<PriorGroup, kGroups> groups_{};
+  double maps_determined_ = 0;
 };
 
 }  // namespace armsig::calibration

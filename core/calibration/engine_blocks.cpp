@@ -141,14 +141,17 @@ void Engine::fill(const FitRow& row, const ChainFrames& frames, GeometryColumns&
 }
 
 // J^T W J of the rows, for every block.
-void Engine::assemble() {
+void Engine::begin_assembly() {
   for (std::size_t i = 0; i < columns_; ++i) {
     for (std::size_t j = i; j < columns_; ++j) upper(i, j) = 0;
   }
   for (CyclicBand& band : work_.band) band = {};
+}
+
+void Engine::assemble(Units rows) {
   GeometryColumns J;
   GeometryColumns WJ;
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
+  for (std::size_t k = rows.first; k < rows.last; ++k) {
     const FitRow& row = rows_[k];
     if (row.held_out || row.weight == 0) continue;
     const ChainFrames& frames = frames_of(k);
@@ -186,13 +189,13 @@ void Engine::assemble() {
   }
 }
 
-void Engine::factorise_geometry(bool proximal) {
-  for (std::size_t i = 0; i < columns_; ++i) {
+void Engine::factorise_geometry(Units columns) {
+  for (std::size_t i = columns.first; i < columns.last; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
       double sum = upper(j, i) / scales_.sigma_squared;
       if (i == j) {
         sum += 1 / prior_variance(i);
-        if (proximal) sum += 1 / proximal_variance(i);
+        if (proximal_) sum += 1 / proximal_variance(i);
       }
       for (std::size_t k = 0; k < j; ++k) sum -= lower(i, k) * lower(j, k);
       lower(i, j) = i == j ? std::sqrt(sum) : sum / lower(j, j);
@@ -214,14 +217,17 @@ void Engine::solve_upper(std::array<double, kMaxGeometry>& b) const {
   }
 }
 
-void Engine::improve_geometry() {
-  GeometryColumns J;
-  auto& x = work_.gradient;
+void Engine::begin_geometry() {
   for (std::size_t c = 0; c < columns_; ++c) {
-    x[c] =
+    work_.gradient[c] =
         -(deviation(c) + work_.step[c]) / prior_variance(c) - work_.step[c] / proximal_variance(c);
   }
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
+}
+
+void Engine::pull_geometry(Units rows) {
+  GeometryColumns J;
+  auto& x = work_.gradient;
+  for (std::size_t k = rows.first; k < rows.last; ++k) {
     const FitRow& row = rows_[k];
     if (row.held_out || row.weight == 0) continue;
     fill(row, frames_of(k), J);
@@ -230,10 +236,19 @@ void Engine::improve_geometry() {
       x[c] += J.d[0][c] * r.x() + J.d[1][c] * r.y() + J.d[2][c] * r.z();
     }
   }
+}
+
+void Engine::solve_geometry() {
+  auto& x = work_.gradient;
   solve_lower(x, 0);
   solve_upper(x);
   for (std::size_t c = 0; c < columns_; ++c) work_.step[c] += x[c];
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
+}
+
+void Engine::follow_geometry(Units rows) {
+  GeometryColumns J;
+  const auto& x = work_.gradient;
+  for (std::size_t k = rows.first; k < rows.last; ++k) {
     FitRow& row = rows_[k];
     if (row.held_out) continue;
     fill(row, frames_of(k), J);
@@ -243,40 +258,6 @@ void Engine::improve_geometry() {
     }
     row.residual -= moved;
   }
-}
-
-void Engine::improve_map(std::size_t joint) {
-  const JointModel& own = model_.joints[joint];
-  const bool revolute = own.type == JointType::kRevolute;
-  const double unit = map_unit(own.type);
-  MapCoefficients& x = work_.map_gradient;
-  MapCoefficients& step = work_.map_step[joint];
-  for (std::size_t k = 0; k < kKnots; ++k) {
-    x[k] = -(map_prior_times(own.map, k) + map_prior_times(step, k)) / scales_.map[joint];
-  }
-  const auto for_rows = [&](auto visit) {
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
-      FitRow& row = rows_[k];
-      const ModelTarget& target = targets_[row.target];
-      if (row.held_out || joint >= target.link) continue;
-      const ChainFrames& frames = frames_of(k);
-      const Vector3 p_S = frames.X_SL * target.p_L;
-      visit(row, Vector3(unit * motion_of(revolute, frames.X_SJ[joint], p_S)),
-            frames.support[joint]);
-    }
-  };
-  for_rows([&](const FitRow& row, const Vector3& motion, const SplineSupport& support) {
-    if (row.weight == 0) return;
-    const double pull =
-        row.weight / scales_.sigma_squared * motion.dot(precision(row) * row.residual);
-    for (std::size_t k = 0; k < kSplines; ++k) x[support.knot(k)] += pull * support.weight[k];
-  });
-  work_.factor.factorise(work_.band[joint], scales_.sigma_squared, map_prior(), scales_.map[joint]);
-  work_.factor.solve(x);
-  for (std::size_t k = 0; k < kKnots; ++k) step[k] += x[k];
-  for_rows([&](FitRow& row, const Vector3& motion, const SplineSupport& support) {
-    row.residual -= map_value(x, support) * motion;
-  });
 }
 
 }  // namespace armsig::calibration

@@ -11,6 +11,10 @@ namespace armsig::calibration {
 // Sigma is at least a micrometre: below it few rows could seem exact.
 inline constexpr double kLeastVariance = 1e-12;
 
+// Multiplications, about, of factorising a map's band, and of solving with it.
+inline constexpr std::size_t kMapFactor = 5000;
+inline constexpr std::size_t kMapSolution = 1600;
+
 // The matrix of xx, xy, xz, yy, yz, zz.
 [[nodiscard]] inline Matrix3 symmetric(const std::array<float, 6>& packed) {
   const auto at = [&](std::size_t k) { return static_cast<double>(packed[k]); };

@@ -20,16 +20,9 @@ constexpr double kLeastFreedom = 0.05;
 // it is too large, but only the former makes promises.
 constexpr double kUsual = 1;
 
-// One group of unknowns with a common prior scale.
-struct Group {
-  double squares = 0;  // x^T Q x
-  double trace = 0;    // tr(Q C)
-  double unknowns = 0;
-};
-
 // Updates the scale, `usual` unknowns of unit size counted in; returns how many of the unknowns the
 // rows determine.
-double update(const Group& group, double& scale, double usual = 0) {
+double update(const PriorGroup& group, double& scale, double usual = 0) {
   if (group.unknowns == 0) return 0;
   const double determined = std::clamp(group.unknowns - group.trace / scale, 1e-3, group.unknowns);
   const double squares = group.squares + usual;
@@ -42,12 +35,20 @@ double update(const Group& group, double& scale, double usual = 0) {
 
 }  // namespace
 
-double Engine::update_geometry_scales() {
-  enum : std::size_t { kTurns, kShifts, kZeros, kReadings, kSags, kOpen };
-  std::array<Group, 6> groups;
-  factorise_geometry(false);
+void Engine::begin_scales() {
+  proximal_ = false;
+  groups_ = {};
+  agenda_.put({factorisation(),
+               {&Engine::add_variances, columns_, columns_ * columns_ / 2},
+               &Engine::conclude_geometry_scales,
+               &Engine::begin_map_scales,
+               of_rows(&Engine::add_errors, kLook),
+               &Engine::conclude_sigma});
+}
+
+void Engine::add_variances(Units columns) {
   std::array<double, kMaxGeometry> e{};
-  for (std::size_t c = 0; c < columns_; ++c) {
+  for (std::size_t c = columns.first; c < columns.last; ++c) {
     std::fill_n(e.begin(), columns_, 0.0);
     e[c] = 1;
     solve_lower(e, c);
@@ -69,81 +70,107 @@ double Engine::update_geometry_scales() {
       scale = kind < 2 ? scales_.rotation : kind < 4 ? scales_.shift : scales_.zero;
     }
     const double unit = prior_variance(c) / scale;
-    groups[group].squares += deviation(c) * deviation(c) / unit;
-    groups[group].trace += variance / unit;
-    groups[group].unknowns += 1;
+    groups_[group].squares += deviation(c) * deviation(c) / unit;
+    groups_[group].trace += variance / unit;
+    groups_[group].unknowns += 1;
   }
+}
+
+void Engine::conclude_geometry_scales() {
   Scales found = scales_;
-  const double determined =
-      update(groups[kTurns], found.rotation, kUsual) +
-      update(groups[kShifts], found.shift, kUsual) + update(groups[kZeros], found.zero, kUsual) +
-      update(groups[kReadings], scales_.reading) + update(groups[kSags], scales_.gravity) +
-      groups[kOpen].unknowns - groups[kOpen].trace;
-  if (!scales_.geometry_is_held) {
-    scales_.rotation = found.rotation;
-    scales_.shift = found.shift;
-    scales_.zero = found.zero;
-  }
-  return determined;
+  effective_ =
+      update(groups_[kTurns], found.rotation, kUsual) +
+      update(groups_[kShifts], found.shift, kUsual) + update(groups_[kZeros], found.zero, kUsual) +
+      update(groups_[kReadings], scales_.reading) + update(groups_[kSags], scales_.gravity) +
+      groups_[kOpen].unknowns - groups_[kOpen].trace;
+  if (scales_.geometry_is_held) return;
+  scales_.rotation = found.rotation;
+  scales_.shift = found.shift;
+  scales_.zero = found.zero;
 }
 
-double Engine::update_map_scales() {
-  double determined = 0;
+void Engine::begin_map_scales() {
+  if (!maps_on_) return;
+  joint_ = 0;
+  maps_determined_ = 0;
+  scale_next_map();
+}
+
+void Engine::scale_next_map() {
+  if (joint_ == model_.joint_count()) {
+    effective_ += maps_determined_;
+    return;
+  }
+  work_.factor.factorise(work_.band[joint_], scales_.sigma_squared, map_prior(),
+                         scales_.map[joint_]);
+  agenda_.put({{&Engine::invert_map, kKnots, kMapSolution},
+               &Engine::conclude_map_scale,
+               {&Engine::scale_next_map, kMapFactor}});
+}
+
+// Of the map that was factorised.
+void Engine::invert_map(Units knots) {
+  work_.factor.inverse_rows(knots.first, knots.last, work_.covariance);
+}
+
+void Engine::conclude_map_scale() {
   const std::array<double, kSplines> prior = map_prior();
-  CyclicBand covariance;
-  for (std::size_t j = 0; j < model_.joint_count(); ++j) {
-    work_.factor.factorise(work_.band[j], scales_.sigma_squared, prior, scales_.map[j]);
-    work_.factor.inverse_band(covariance);
-    Group group{.squares = map_prior_squares(model_.joints[j].map), .trace = 0, .unknowns = kKnots};
-    for (const auto& row : covariance) {
-      group.trace += prior[0] * static_cast<double>(row[0]);
-      for (std::size_t k = 1; k < kSplines; ++k) {
-        group.trace += 2 * prior[k] * static_cast<double>(row[k]);
-      }
+  PriorGroup group{
+      .squares = map_prior_squares(model_.joints[joint_].map), .trace = 0, .unknowns = kKnots};
+  for (const auto& row : work_.covariance) {
+    group.trace += prior[0] * static_cast<double>(row[0]);
+    for (std::size_t k = 1; k < kSplines; ++k) {
+      group.trace += 2 * prior[k] * static_cast<double>(row[k]);
     }
-    determined += update(group, scales_.map[j]);
   }
-  return determined;
+  maps_determined_ += update(group, scales_.map[joint_++]);
 }
 
-void Engine::update_scales() {
-  effective_ = update_geometry_scales();
-  if (maps_on_) effective_ += update_map_scales();
-  double squares = 0;
-  double weights = 0;
-  for (const FitRow& row : rows_) {
+void Engine::add_errors(Units rows) {
+  if (rows.first == 0) sums_ = {};
+  for (const FitRow& row : rows_.subspan(rows.first, rows.last - rows.first)) {
     if (row.held_out || row.weight == 0) continue;
-    squares += row.weight * whitened_squares(row);
-    weights += static_cast<double>(row.scalars()) * row.weight;
+    sums_.squares += row.weight * whitened_squares(row);
+    sums_.weights += static_cast<double>(row.scalars()) * row.weight;
   }
-  const double freedom = std::max(weights - effective_, kLeastFreedom * weights);
-  scales_.sigma_squared = std::max(kLeastVariance, squares / freedom);
+}
+
+void Engine::conclude_sigma() {
+  const double freedom = std::max(sums_.weights - effective_, kLeastFreedom * sums_.weights);
+  scales_.sigma_squared = std::max(kLeastVariance, sums_.squares / freedom);
 }
 
 // The band of the rows gives way to that of the covariance.
-void Engine::finish_covariance() {
-  factorise_geometry(false);
-  for (std::size_t j = 0; j < model_.joint_count(); ++j) {
-    if (!maps_on_) {
-      work_.band[j] = {};
-      continue;
-    }
-    work_.factor.factorise(work_.band[j], scales_.sigma_squared, map_prior(), scales_.map[j]);
-    work_.factor.inverse_band(work_.band[j]);
-    note_map_variance(j);
+void Engine::begin_covariance() {
+  proximal_ = false;
+  joint_ = 0;
+  agenda_.put({factorisation(), &Engine::cover_next_map});
+}
+
+void Engine::cover_next_map() {
+  if (!maps_on_) {
+    for (std::size_t j = 0; j < model_.joint_count(); ++j) work_.band[j] = {};
+    return;
   }
+  if (joint_ == model_.joint_count()) return;
+  work_.factor.factorise(work_.band[joint_], scales_.sigma_squared, map_prior(),
+                         scales_.map[joint_]);
+  agenda_.put({{&Engine::invert_map, kKnots, kMapSolution},
+               &Engine::note_map_variance,
+               {&Engine::cover_next_map, kMapFactor}});
 }
 
 // At the middle of every spline: b = (1, 4, 1) / 6 about its knot.
-void Engine::note_map_variance(std::size_t joint) {
-  const CyclicBand& C = work_.band[joint];
+void Engine::note_map_variance() {
+  const CyclicBand& C = work_.band[joint_] = work_.covariance;
   for (std::size_t i = 0; i < kKnots; ++i) {
     const std::size_t before = (i + kKnots - 1) % kKnots;
     const std::size_t after = (i + 1) % kKnots;
-    model_.joints[joint].map_variance[i] = (C[before][0] + 16 * C[i][0] + C[after][0] +
-                                            8 * C[before][1] + 8 * C[i][1] + 2 * C[before][2]) /
-                                           36;
+    model_.joints[joint_].map_variance[i] = (C[before][0] + 16 * C[i][0] + C[after][0] +
+                                             8 * C[before][1] + 8 * C[i][1] + 2 * C[before][2]) /
+                                            36;
   }
+  ++joint_;
 }
 
 Engine::Stated Engine::covariance_at(const ChainFrames& frames, std::size_t target,

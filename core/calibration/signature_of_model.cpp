@@ -190,16 +190,13 @@ Result<void> invert(std::span<double> P, std::size_t size, SquareRootFactor& inf
 
 }  // namespace
 
-Judged<void> geometry_to_signature(const ArmModel& model, std::span<const ModelTarget> targets,
-                                   const Engine& engine, refinement::Refined& refined,
-                                   const refinement::ParameterRequest& request,
-                                   std::span<double> scratch) {
-  Signature& signature = refined.signature;
-  const Configuration at = at_configuration(model, signature.configuration);
-  std::array<bool, kMaxTargets> observed{};
+namespace {
+
+void put_axes(const Configuration& at, const ArmModel& model, std::span<const ModelTarget> targets,
+              Signature& signature) {
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    observed[t] = targets[t].rows > 0;
-    if (observed[t]) signature.targets[t].p_S = at.X_SL[targets[t].link] * targets[t].p_L;
+    if (targets[t].rows == 0) continue;
+    signature.targets[t].p_S = at.X_SL[targets[t].link] * targets[t].p_L;
   }
   const std::size_t n = model.joint_count();
   const Pose X_last = signature.X_SL[n - 1].inverse() * signature.X_SL[n];
@@ -208,6 +205,24 @@ Judged<void> geometry_to_signature(const ArmModel& model, std::span<const ModelT
         onto_line(signature.X_SL[i], at.X_SJ[i], model.joints[i].type == JointType::kRevolute);
   }
   signature.X_SL[n] = signature.X_SL[n - 1] * X_last;
+}
+
+}  // namespace
+
+void axes_to_signature(const ArmModel& model, std::span<const ModelTarget> targets,
+                       Signature& signature) {
+  put_axes(at_configuration(model, signature.configuration), model, targets, signature);
+}
+
+Judged<void> geometry_to_signature(const ArmModel& model, std::span<const ModelTarget> targets,
+                                   const Engine& engine, refinement::Refined& refined,
+                                   const refinement::ParameterRequest& request,
+                                   std::span<double> scratch) {
+  Signature& signature = refined.signature;
+  const Configuration at = at_configuration(model, signature.configuration);
+  std::array<bool, kMaxTargets> observed{};
+  for (std::size_t t = 0; t < targets.size(); ++t) observed[t] = targets[t].rows > 0;
+  put_axes(at, model, targets, signature);
   ARMSIG_TRY(layout,
              refinement::make_layout(signature, observed, request, model.sensor.receivers.size()));
   refined.layout = layout;

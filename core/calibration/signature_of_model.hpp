@@ -8,6 +8,12 @@
 
 namespace armsig::calibration {
 
+// Moves the axis lines of `signature` and those of its targets that rows were of, whose
+// configuration and link frames say where to put them, to those of the model; its S-Model and
+// pseudo-DH parameters are then to be derived anew.
+void axes_to_signature(const ArmModel& model, std::span<const ModelTarget> targets,
+                       Signature& signature);
+
 // Moves the axis lines and targets of `refined.signature`, whose configuration and link frames say
 // where to put them, to those of the model, and sets the layout and information of `refined` to the
 // covariance of the model: that of the geometry and of the corrections in `request`, which are

@@ -57,6 +57,18 @@ class Calibration {
     return done ? std::optional(*done) : std::nullopt;
   }
 
+  void hold_out_everything() {
+    for (calibration::FitRow& row : rows_) row.held_out = true;
+  }
+
+  // The same by steps of `work` each; their number.
+  std::size_t fit_by_steps(std::size_t work) {
+    engine_->begin(parts_);
+    std::size_t steps = 1;
+    while (engine_->step(work)) ++steps;
+    return steps;
+  }
+
   // After fit(): axes, target and their covariance in the frames of the drawing.
   bool put_into(refinement::Refined& refined, const Arm& arm, const Log& log) const {
     Target target;

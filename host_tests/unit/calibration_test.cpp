@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "host_tests/support/calibration_case.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/known_arms.hpp"
 #include "host_tests/support/shared_arms.hpp"
 
@@ -233,6 +234,51 @@ TEST(Engine, does_not_depend_on_the_order_of_the_rows) {
   ASSERT_TRUE(a && b);
   EXPECT_NEAR(a->mean_m, b->mean_m, 1e-9);
   EXPECT_EQ(a->rows, 120U);
+}
+
+TEST(Engine, finds_by_steps_what_it_finds_in_one_go) {
+  Random random(18);
+  const Cell cell = test::puma_cell(random);
+  Log log = measured(cell, 60, {.wave_rad = radians(0.02), .sag_rad_m = 1e-3}, random);
+  for (std::size_t k = 0; k < log.size(); k += 7) log[k].p_S.x() += 5e-3;
+  std::vector<Matrix3> relative;
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    relative.emplace_back(Vector3(0.5, 1, 1 + 0.1 * static_cast<double>(k % 6)).asDiagonal());
+  }
+  Calibration whole(test::puma(), log, kWhole, relative, kSigma * kSigma);
+  const auto found = whole.fit();
+  ASSERT_TRUE(found);
+  std::size_t fewer = SIZE_MAX;
+  for (const std::size_t work : {std::size_t{1}, std::size_t{20'000}}) {
+    Calibration stepped(test::puma(), log, kWhole, relative, kSigma * kSigma);
+    const std::size_t steps = stepped.fit_by_steps(work);
+    EXPECT_LT(steps, fewer);
+    fewer = steps;
+    const auto summary = stepped.engine().result();
+    ASSERT_TRUE(summary);
+    EXPECT_EQ(summary->rounds, found->rounds);
+    EXPECT_EQ(summary->converged, found->converged);
+    EXPECT_EQ(summary->rejected, found->rejected);
+    EXPECT_EQ(summary->degrees_of_model, found->degrees_of_model);
+    EXPECT_EQ(stepped.engine().scales().sigma_squared, whole.engine().scales().sigma_squared);
+    Engine::Stated S;
+    Engine::Stated of_whole;
+    EXPECT_EQ(stepped.predict(log[1].readings, &S), whole.predict(log[1].readings, &of_whole));
+    EXPECT_EQ(S.model, of_whole.model);
+    EXPECT_EQ(stepped.model().joints[3].map_variance, whole.model().joints[3].map_variance);
+  }
+  // A pass over 60 rows that squares 45 columns each takes 12 steps of that work, a round some.
+  EXPECT_GT(fewer, static_cast<std::size_t>(12 * found->rounds));
+}
+
+TEST(Engine, refuses_by_steps_a_log_without_a_row_to_fit) {
+  Random random(19);
+  const Cell cell = test::puma_cell(random);
+  const Log log = measured(cell, 20, {}, random);
+  Calibration fit(test::puma(), log, kWhole);
+  fit.hold_out_everything();
+  fit.fit_by_steps(1000);
+  EXPECT_EQ(test::failure_of(fit.engine().result()), Error::kTooFewPoints);
 }
 
 TEST(Engine, finds_blunders_by_the_residuals_own_scale) {
