@@ -89,6 +89,7 @@ TEST_F(FleetRecord, BatchWithARowThatIsThereIsRefusedWhole) {
   second.rows.push_back(row(2, {Item::kAir, 2.0}));
   second.rows.push_back(row(1, {Item::kAir, 1.0}));
   EXPECT_FALSE(database->store(second));
+  EXPECT_NE(database->problem().find("row_pkey"), std::string::npos) << database->problem();
   EXPECT_EQ(one("SELECT count(*) FROM row"), "1");
   EXPECT_EQ(one("SELECT contiguous FROM journal"), "1");
 }

@@ -66,7 +66,7 @@ std::optional<Database> Database::open(const std::string& connection, const Drif
 }
 
 std::string Database::problem() const {
-  std::string text = PQerrorMessage(connection_.get());
+  std::string text = failed_.empty() ? PQerrorMessage(connection_.get()) : failed_;
   while (text.ends_with('\n')) text.pop_back();
   for (char& c : text) {
     if (c == '\n') c = ' ';
@@ -151,7 +151,9 @@ std::optional<std::vector<Intake::Journal>> Database::journals() {
 }
 
 bool Database::store(const Batch& batch) {
+  failed_.clear();
   if (run("BEGIN") && store_states(batch) && store_rows(batch) && run("COMMIT")) return true;
+  failed_ = PQerrorMessage(connection_.get());  // the end of the transaction has none
   (void)run("ROLLBACK");
   return false;
 }

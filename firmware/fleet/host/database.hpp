@@ -63,6 +63,7 @@ class Database {
                                std::string_view where = {});
 
   std::unique_ptr<pg_conn, Close> connection_;
+  std::string failed_;  // why the last batch was not stored
 };
 
 }  // namespace armsig::fleet
