@@ -9,10 +9,10 @@
 #include <span>
 #include <string_view>
 
+#include "core/arm_model/observation.hpp"
 #include "core/identification.hpp"
 #include "core/kinematics/cold_start.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "core/refinement/observation.hpp"
 
 namespace armsig {
 

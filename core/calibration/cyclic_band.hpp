@@ -2,7 +2,7 @@
 // Symmetric positive definite matrices with seven cyclic diagonals: those of a reading map.
 #pragma once
 
-#include "core/calibration/reading_map.hpp"
+#include "core/arm_model/reading_map.hpp"
 
 namespace armsig::calibration {
 

@@ -18,11 +18,11 @@
 #include <optional>
 #include <span>
 
+#include "core/arm_model/model.hpp"
 #include "core/base/error.hpp"
 #include "core/calibration/agenda.hpp"
 #include "core/calibration/cyclic_band.hpp"
 #include "core/calibration/fit_row.hpp"
-#include "core/calibration/model.hpp"
 #include "core/refinement/robust.hpp"
 #include "core/signature.hpp"
 

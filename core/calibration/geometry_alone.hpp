@@ -8,9 +8,9 @@
 
 #include <span>
 
+#include "core/arm_model/model.hpp"
+#include "core/arm_model/readings.hpp"
 #include "core/base/error.hpp"
-#include "core/calibration/model.hpp"
-#include "core/refinement/readings.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::calibration {

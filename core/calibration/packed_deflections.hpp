@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
+#include "core/arm_model/model.hpp"
 #include "core/base/error.hpp"
-#include "core/calibration/model.hpp"
 
 namespace armsig::calibration {
 

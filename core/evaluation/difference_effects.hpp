@@ -2,8 +2,8 @@
 // What every deviation of an arm from its drawing does to the tool, over the whole work volume.
 #pragma once
 
+#include "core/arm_model/readings.hpp"
 #include "core/evaluation/axis_deviations.hpp"
-#include "core/refinement/readings.hpp"
 
 namespace armsig::evaluation {
 

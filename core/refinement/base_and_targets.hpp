@@ -5,8 +5,8 @@
 
 #include <span>
 
-#include "core/refinement/observation.hpp"
-#include "core/refinement/readings.hpp"
+#include "core/arm_model/observation.hpp"
+#include "core/arm_model/readings.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::refinement {

@@ -8,9 +8,9 @@
 
 #include <span>
 
+#include "core/arm_model/observation.hpp"
+#include "core/arm_model/readings.hpp"
 #include "core/base/error.hpp"
-#include "core/refinement/observation.hpp"
-#include "core/refinement/readings.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::refinement {

@@ -11,8 +11,8 @@
 // near parallel axes.
 #pragma once
 
+#include "core/arm_model/readings.hpp"
 #include "core/refinement/parameters.hpp"
-#include "core/refinement/readings.hpp"
 #include "core/refinement/square_root_factor.hpp"
 #include "core/signature.hpp"
 

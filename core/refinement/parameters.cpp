@@ -29,28 +29,6 @@ class Appender {
 
 }  // namespace
 
-std::string_view describe(ParameterKind kind) {
-  switch (kind) {
-    case ParameterKind::kAxisDirection:
-      return "direction of its axis";
-    case ParameterKind::kAxisPosition:
-      return "position of its axis";
-    case ParameterKind::kReadingGain:
-      return "gain of its reading";
-    case ParameterKind::kReadingFirst:
-      return "error of its reading once a turn";
-    case ParameterKind::kReadingSecond:
-      return "error of its reading twice a turn";
-    case ParameterKind::kTarget:
-      return "position of the target";
-    case ParameterKind::kReceiverOffset:
-      return "range offset of the receiver";
-    case ParameterKind::kScale:
-      return "scale of the lengths";
-  }
-  return "unknown";
-}
-
 Judged<Layout> make_layout(const Signature& signature,
                            const std::array<bool, kMaxTargets>& observed,
                            const ParameterRequest& request, std::size_t receiver_count) {

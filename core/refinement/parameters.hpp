@@ -8,11 +8,11 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <string_view>
+#include <cstddef>
 
+#include "core/arm_model/observation.hpp"
+#include "core/arm_model/parameter.hpp"
 #include "core/base/error.hpp"
-#include "core/refinement/observation.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::refinement {
@@ -20,39 +20,6 @@ namespace armsig::refinement {
 // Largest number of unknowns: the packed square-root factor of that size takes 26 KiB. Enough for
 // eight joints with every correction and one target, or with a target on each link.
 inline constexpr std::size_t kMaxParameters = 80;
-
-enum class ParameterKind : std::uint8_t {
-  kAxisDirection,   // rotation of the axis about x, y of its link frame [rad]
-  kAxisPosition,    // shift of the axis along x, y of its link frame [m]; revolute only
-  kReadingGain,     // ReadingCorrection::gain
-  kReadingFirst,    // ReadingCorrection::cos_1, sin_1 [rad]
-  kReadingSecond,   // ReadingCorrection::cos_2, sin_2 [rad]
-  kTarget,          // target point along x, y, z of the sensor frame [m]
-  kReceiverOffset,  // constant added to every range of a receiver [m]
-  kScale,           // relative error of every length measured
-};
-
-// "direction of its axis", "position of its axis", ...
-[[nodiscard]] std::string_view describe(ParameterKind kind);
-
-struct Parameter {
-  ParameterKind kind = ParameterKind::kAxisDirection;
-  std::uint8_t index = 0;      // of the joint, target or receiver; 0 for kScale
-  std::uint8_t component = 0;  // x, y, z; or cosine, sine
-};
-
-// Which corrections of the readings are asked for, per joint.
-struct ReadingTerms {
-  bool gain = false;
-  bool first = false;   // revolute only; ignored otherwise
-  bool second = false;  // revolute only; ignored otherwise
-};
-
-struct ParameterRequest {
-  FixedVector<ReadingTerms, kMaxJoints> readings;  // none, or one per joint
-  bool receiver_offsets = false;
-  bool scale = false;
-};
 
 // Marks a quantity that is not among the unknowns.
 inline constexpr std::size_t kNoColumn = ~std::size_t{0};

@@ -6,8 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "core/arm_model/observation.hpp"
 #include "core/refinement/chain.hpp"
-#include "core/refinement/observation.hpp"
 #include "core/refinement/square_root_factor.hpp"
 
 namespace armsig::refinement {

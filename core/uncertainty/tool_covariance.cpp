@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "core/arm_model/model.hpp"
 #include "core/base/low_discrepancy.hpp"
-#include "core/calibration/model.hpp"
 
 namespace armsig::uncertainty {
 

@@ -9,11 +9,11 @@
 
 #include <Eigen/Core>
 
+#include "core/arm_model/model.hpp"
+#include "core/arm_model/readings.hpp"
 #include "core/base/arm.hpp"
 #include "core/base/flight_time.hpp"
-#include "core/calibration/model.hpp"
 #include "core/refinement/parameters.hpp"
-#include "core/refinement/readings.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::tool {

@@ -4,9 +4,9 @@
 // turned.
 #include <gtest/gtest.h>
 
+#include "core/arm_model/readings.hpp"
 #include "core/identification.hpp"
 #include "core/kinematics/forward.hpp"
-#include "core/refinement/readings.hpp"
 #include "firmware/controller/signature_store.hpp"
 #include "host_tests/support/bent_puma.hpp"
 #include "host_tests/support/puma_cabinet.hpp"

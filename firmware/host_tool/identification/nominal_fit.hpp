@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "core/refinement/observation.hpp"
+#include "core/arm_model/observation.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::tool {

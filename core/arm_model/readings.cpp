@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "core/refinement/readings.hpp"
+#include "core/arm_model/readings.hpp"
 
 #include <cmath>
 
-#include "core/calibration/model.hpp"
+#include "core/arm_model/model.hpp"
 
 namespace armsig::refinement {
 

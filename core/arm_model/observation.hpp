@@ -19,8 +19,7 @@ enum class ObservationKind : std::uint8_t {
 // What a row is for. Its residual is reported in any case.
 enum class RowUse : std::uint8_t {
   kFit,
-  kScore,   // held out of the fit, to judge it by
-  kIgnore,  // neither
+  kIgnore,
 };
 
 struct Observation {

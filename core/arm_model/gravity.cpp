@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
+#include "core/arm_model/model.hpp"
 #include "core/base/low_discrepancy.hpp"
-#include "core/calibration/model.hpp"
 
 namespace armsig::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/calibration/reading_map.hpp"
+#include "core/arm_model/reading_map.hpp"
 
 #include <cmath>
 #include <numbers>

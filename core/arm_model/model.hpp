@@ -8,12 +8,12 @@
 // that were asked for (refinement::ReadingCorrection).
 #pragma once
 
+#include "core/arm_model/observation.hpp"
+#include "core/arm_model/parameter.hpp"
+#include "core/arm_model/reading_map.hpp"
+#include "core/arm_model/readings.hpp"
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
-#include "core/calibration/reading_map.hpp"
-#include "core/refinement/observation.hpp"
-#include "core/refinement/parameters.hpp"
-#include "core/refinement/readings.hpp"
 
 namespace armsig::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/calibration/model.hpp"
+#include "core/arm_model/model.hpp"
 
 #include <cmath>
 
