@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/sine_cosine.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::calibration {
 
@@ -13,8 +14,7 @@ namespace {
 Pose deviation_pose(const JointModel& joint) {
   Pose E;
   E.p = Vector3(joint.deviation[2], joint.deviation[3], 0);
-  const Vector3 turn(joint.deviation[0], joint.deviation[1], 0);
-  if (const double angle = turn.norm(); angle > 0) E.R = rotation_about(turn / angle, angle);
+  E.R = numerics::rotation_by({joint.deviation[0], joint.deviation[1], 0});
   return E;
 }
 

@@ -23,7 +23,7 @@
 #include "core/calibration/agenda.hpp"
 #include "core/calibration/cyclic_band.hpp"
 #include "core/calibration/fit_row.hpp"
-#include "core/refinement/robust.hpp"
+#include "core/numerics/robust.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::calibration {
@@ -67,8 +67,8 @@ struct Workspace {
   std::array<MapCoefficients, kMaxJoints> map_step{};
   MapCoefficients map_gradient{};
   CyclicFactor factor;
-  CyclicBand covariance{};           // of one map
-  refinement::LogHistogram lengths;  // of the residuals
+  CyclicBand covariance{};         // of one map
+  numerics::LogHistogram lengths;  // of the residuals
   std::array<double, kMaxGeometry> step{};
   std::array<double, kMaxGeometry> gradient{};
 };

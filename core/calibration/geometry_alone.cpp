@@ -6,6 +6,7 @@
 
 #include "core/base/low_discrepancy.hpp"
 #include "core/kinematics/s_model_chain.hpp"
+#include "core/numerics/rotations.hpp"
 #include "core/refinement/chain.hpp"
 
 namespace armsig::calibration {
@@ -87,10 +88,7 @@ void follow_last_link(const Signature& exact, const ReadingModel& whole, const R
     shift += X.p;
   }
   const double share = 1 / static_cast<double>(poses.size());
-  turn *= share;
-  Pose X_mean;
-  X_mean.p = share * shift;
-  if (const double angle = turn.norm(); angle > 0) X_mean.R = rotation_about(turn / angle, angle);
+  const Pose X_mean{numerics::rotation_by(share * turn), share * shift};
   signature.X_SL[signature.joint_count()] = signature.X_SL[signature.joint_count()] * X_mean;
 }
 

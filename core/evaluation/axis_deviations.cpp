@@ -3,6 +3,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/numerics/rotations.hpp"
+
 namespace armsig::evaluation {
 namespace {
 
@@ -26,9 +28,7 @@ struct Freedom {
 
 Freedom moved(const Freedom& from, const FreeVector& step) {
   Freedom to = from;
-  const Vector3 turn = step.head<3>();
-  const double angle = turn.norm();
-  if (angle > 0) to.X_SD.R = rotation_about(turn / angle, angle) * from.X_SD.R;
+  to.X_SD.R = numerics::rotation_by(step.head<3>()) * from.X_SD.R;
   to.X_SD.p += step.segment<3>(3);
   for (std::size_t i = 0; i < to.zeros.size(); ++i) {
     to.zeros[i] += step[6 + static_cast<Eigen::Index>(i)];

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "core/base/low_discrepancy.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::evaluation {
 namespace {
@@ -21,11 +22,6 @@ using CauseFields = std::array<Vector3, kMaxJoints * kCauses>;
 // Nodes and weights of Gauss and Legendre on [0, 1]: exact to the sixth order of the deviations.
 constexpr std::array<double, 3> kNodes{0.5 - 0.3872983346207417, 0.5, 0.5 + 0.3872983346207417};
 constexpr std::array<double, 3> kWeights{5.0 / 18, 8.0 / 18, 5.0 / 18};
-
-Matrix3 rotation_of(const Vector3& turn) {
-  const double angle = turn.norm();
-  return angle > 0 ? rotation_about(turn / angle, angle) : Matrix3::Identity();
-}
 
 // The tool and its derivatives along the path.
 struct ToolAt {
@@ -62,7 +58,7 @@ class Path {
 
   // The base, off by `fitted`.
   [[nodiscard]] Pose base(const Fitted& fitted) const {
-    const Matrix3 R = rotation_of(fitted.head<3>());
+    const Matrix3 R = numerics::rotation_by(fitted.head<3>());
     return Pose{R, pivot_S_ - R * pivot_S_ + fitted.segment<3>(3)} * chain_.X_SD;
   }
 
@@ -76,7 +72,8 @@ class Path {
     Pose X = base((1 - s) * fitted);
     for (std::size_t i = 0; i < types_.size(); ++i) {
       before[i] = X * chain_.axes[i].X_before;
-      after[i] = before[i] * Pose{rotation_of(s * tilt_of(chain_, i)), s * shift_of(chain_, i)};
+      after[i] =
+          before[i] * Pose{numerics::rotation_by(s * tilt_of(chain_, i)), s * shift_of(chain_, i)};
       const double turned = coupled[i] + s * offset_of(chain_, i, coupled[i]);
       X = after[i] * joint_motion(types_[i], turned);
     }
@@ -211,7 +208,8 @@ Pose hand_pose(const DeviatingChain& chain, const JointVector& effective) {
   Pose X = chain.X_SD;
   for (std::size_t i = 0; i < chain.axes.size(); ++i) {
     const double turned = effective[i] + offset_of(chain, i, effective[i]);
-    X = X * chain.axes[i].X_before * Pose{rotation_of(tilt_of(chain, i)), shift_of(chain, i)} *
+    X = X * chain.axes[i].X_before *
+        Pose{numerics::rotation_by(tilt_of(chain, i)), shift_of(chain, i)} *
         joint_motion(chain.axes[i].type, turned);
   }
   return X;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/features/constrained_fit.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::features {
 namespace {
@@ -34,10 +35,7 @@ struct Circle {
   }
 
   [[nodiscard]] Circle moved(const Step& step) const {
-    const Vector3 turn = step.head<3>();
-    const double angle = turn.norm();
-    const Matrix3 turned = angle > 0 ? Matrix3(rotation_about(turn / angle, angle) * R_SC) : R_SC;
-    return {turned, radius + step[3]};
+    return {numerics::rotation_by(step.head<3>()) * R_SC, radius + step[3]};
   }
 
   [[nodiscard]] bool is_small(const Step& step) const {

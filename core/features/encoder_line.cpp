@@ -2,6 +2,7 @@
 #include "core/features/encoder_line.hpp"
 
 #include "core/features/constrained_fit.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::features {
 namespace {
@@ -34,11 +35,7 @@ struct Line {
   }
 
   [[nodiscard]] Line moved(const Step& step) const {
-    const Vector3 turn = across() * step;
-    const double angle = turn.norm();
-    const Vector3 turned =
-        angle > 0 ? Vector3(rotation_about(turn / angle, angle) * direction) : direction;
-    return {turned.normalized()};
+    return {(numerics::rotation_by(across() * step) * direction).normalized()};
   }
 
   [[nodiscard]] bool is_small(const Step& step) const {

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "core/base/check.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::features {
 namespace {
@@ -81,9 +82,7 @@ JointFeature fuse(const JointFeature& a, const JointFeature& b) {
   const State change = gain * innovation;
 
   JointFeature fused = a;
-  const Vector3 turn = change.segment<3>(3);
-  const double angle = turn.norm();
-  const Matrix3 turned = angle > 0 ? rotation_about(turn / angle, angle) : Matrix3::Identity();
+  const Matrix3 turned = numerics::rotation_by(change.segment<3>(3));
   fused.axis_S = (turned * a.axis_S).normalized();
   const Vector3 radial = turned * a.radial_S;
   fused.radial_S = (radial - fused.axis_S.dot(radial) * fused.axis_S).normalized();

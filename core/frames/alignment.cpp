@@ -7,6 +7,8 @@
 
 #include <Eigen/Jacobi>
 
+#include "core/numerics/rotations.hpp"
+
 namespace armsig::frames {
 namespace {
 
@@ -100,9 +102,7 @@ Spectrum spectrum_of(Matrix6 A) {
 // X_AB after a turn about the pivot and a translation, both in A.
 Pose moved(const Pose& X_AB, const Vector3& pivot_A, const Vector3& turn_rad,
            const Vector3& translation) {
-  const double angle_rad = turn_rad.norm();
-  const Matrix3 turn = angle_rad > 0 ? rotation_about(turn_rad / angle_rad, angle_rad)
-                                     : Matrix3(Matrix3::Identity());
+  const Matrix3 turn = numerics::rotation_by(turn_rad);
   // By way of the quaternion, which keeps the product of many turns a rotation.
   const Matrix3 R = Eigen::Quaterniond(turn * X_AB.R).normalized().toRotationMatrix();
   return {R, pivot_A + turn * (X_AB.p - pivot_A) + translation};
@@ -193,8 +193,7 @@ Alignment Aligning::result() const {
   for (std::size_t i = 0; i < lines_A_.size(); ++i) {
     const Vector3 direction_A = best_.X_AB.R * lines_B_[i].direction;
     Misalignment left;
-    left.angle_rad = std::atan2(direction_A.cross(lines_A_[i].direction).norm(),
-                                direction_A.dot(lines_A_[i].direction));
+    left.angle_rad = numerics::angle_between(direction_A, lines_A_[i].direction);
     if (is_revolute(lines_A_[i])) {
       const Vector3 apart = best_.X_AB * lines_B_[i].point - lines_A_[i].point;
       left.distance_m = lines_A_[i].direction.cross(apart).norm();

@@ -4,14 +4,14 @@
 #include <bit>
 #include <cmath>
 
+#include "core/numerics/rotations.hpp"
+
 namespace armsig::frames {
 namespace {
 
 // A refusal must be sure: reversed or mirrored axes have to match twice as well as drawn ones.
 // Wrong zeros can look like reversed joints, but seldom as closely as that.
 constexpr double kRefusalShare = 0.5;
-
-double angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 // `share` of the bounds of a match.
 bool is_match(const Alignment& alignment, const AxisLines& drawn, double share) {
@@ -24,8 +24,8 @@ bool is_match(const Alignment& alignment, const AxisLines& drawn, double share) 
 bool may_match(const AxisLines& drawn, const AxisLines& found) {
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const double drawn_rad = angle(drawn[i].direction, drawn[j].direction);
-      const double found_rad = angle(found[i].direction, found[j].direction);
+      const double drawn_rad = numerics::angle_between(drawn[i].direction, drawn[j].direction);
+      const double found_rad = numerics::angle_between(found[i].direction, found[j].direction);
       if (std::abs(drawn_rad - found_rad) > 2 * kRefusalShare * kMatchAngleRad) return false;
     }
   }

@@ -14,8 +14,9 @@ inline constexpr std::array<double, 13> kChiSquare9999 = {15.137, 18.421, 21.108
                                                           27.856, 29.878, 31.828, 33.720, 35.564,
                                                           37.367, 39.134, 40.871};
 
-// Median of chi-square with 3 degrees of freedom.
-inline constexpr double kChiSquareMedian3 = 2.366;
+// Medians of chi-square with 1 and 3 degrees of freedom.
+inline constexpr double kChiSquareMedian1 = 0.4549364;
+inline constexpr double kChiSquareMedian3 = 2.3659739;
 
 // The value that a chi-square variable of `freedom` degrees stays below but for `sigmas` of a
 // normal variable (Wilson and Hilferty, 1931; within 2 % from 3 degrees on). With a unit of its own

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "core/refinement/base_and_targets.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "core/base/check.hpp"
+#include "core/numerics/robust.hpp"
+#include "core/numerics/rotations.hpp"
 #include "core/refinement/base_and_tool.hpp"
-#include "core/refinement/robust.hpp"
 
 namespace armsig::refinement {
 
@@ -43,14 +43,12 @@ struct Fit {
   double scale_m = std::numeric_limits<double>::infinity();
 };
 
-// The robust sum of squares that huber_weight() descends.
 double cost(const Fit& fit, const BaseAndTargets& at) {
   double sum = 0;
   fit.rows.for_each(
       [&](const Observation& row, const Pose& X_BL) {
         const double residual = (row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).norm();
-        const double knee = 2 * fit.scale_m;
-        sum += residual <= knee ? residual * residual : knee * (2 * residual - knee);
+        sum += numerics::huber_loss(residual, fit.scale_m);
       },
       fit.stride);
   return sum;
@@ -65,7 +63,7 @@ NormalEquations assemble(const Fit& fit, const BaseAndTargets& at) {
       [&](const Observation& row, const Pose& X_BL) {
         const Vector3 x = at.X_SB * (X_BL * at.p_LT[row.target]);
         const Vector3 residual = row.p_S - x;
-        const double w = huber_weight(residual.norm(), fit.scale_m);
+        const double w = numerics::huber_weight(residual.norm(), fit.scale_m);
         Eigen::Matrix<double, 3, 6> J_b;
         J_b << -cross_matrix(x - normal.centre), Matrix3::Identity();
         const Matrix3 J_t = at.X_SB.R * X_BL.R;
@@ -92,10 +90,7 @@ BaseAndTargets moved(const NormalEquations& normal, double damping, const BaseAn
   }
   const Vector6 base = S.ldlt().solve(g);
   BaseAndTargets to = from;
-  const Vector3 turn = base.head<3>();
-  if (const double angle = turn.norm(); angle > 0) {
-    to.X_SB.R = rotation_about(turn / angle, angle) * from.X_SB.R;
-  }
+  to.X_SB.R = numerics::rotation_by(base.head<3>()) * from.X_SB.R;
   to.X_SB.p += base.tail<3>();
   for (std::size_t t = 0; t < from.p_LT.size(); ++t) {
     if (normal.weight[t] == 0) continue;
@@ -151,16 +146,12 @@ Pose DrawnRows::drawn_link(const Observation& row) const {
   return drawn_frames(arm_, effective_readings(arm_, row.readings))[targets_[row.target].link];
 }
 
-double huber_weight(double residual_m, double scale_m) {
-  return residual_m <= 2 * scale_m ? 1 : 2 * scale_m / residual_m;
-}
-
 double residual_scale(const DrawnRows& rows, const BaseAndTargets& at) {
-  LogHistogram squares;
+  numerics::LogHistogram squares;
   rows.for_each([&](const Observation& row, const Pose& X_BL) {
     squares.add((row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).squaredNorm());
   });
-  return std::max(kLeastScale_m, std::sqrt(squares.median() / kMedianChiSquare3));
+  return numerics::robust_scale_m(squares);
 }
 
 BaseAndTargets search_base_and_targets(const DrawnRows& rows, std::size_t targets) {

@@ -51,9 +51,6 @@ struct BaseAndTargets {
   FixedVector<Vector3, kMaxTargets> p_LT;
 };
 
-// Huber's weight of a residual length, in metres, about a robust scale per axis.
-[[nodiscard]] double huber_weight(double residual_m, double scale_m);
-
 // Robust scale of the residual lengths of all rows, per axis [m].
 [[nodiscard]] double residual_scale(const DrawnRows& rows, const BaseAndTargets& at);
 

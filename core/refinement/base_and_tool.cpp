@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "core/refinement/base_and_tool.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "core/numerics/robust.hpp"
 #include "core/refinement/base_and_targets.hpp"
-#include "core/refinement/robust.hpp"
 #include "core/refinement/rotation_search.hpp"
 #include "core/refinement/row.hpp"
 
@@ -27,11 +26,11 @@ Vector12 link_vector(const Pose& X_BL) {
 // Robust scale of the residual lengths of one target's rows, per axis.
 double residual_scale(const DrawnRows& rows, std::size_t target, const Pose& X_SB,
                       const Vector3& u) {
-  LogHistogram squares;
+  numerics::LogHistogram squares;
   rows.for_each_of(target, [&](const Observation& row, const Pose& X_BL) {
     squares.add((row.p_S - X_SB * (X_BL * u)).squaredNorm());
   });
-  return std::max(kLeastScale_m, std::sqrt(squares.median() / kMedianChiSquare3));
+  return numerics::robust_scale_m(squares);
 }
 
 // A further target, once the base is known: the mean of where its rows put it, robustly.
@@ -44,7 +43,7 @@ Vector3 place_target(const DrawnRows& rows, std::size_t target, const Pose& X_SB
     Vector3 sum = Vector3::Zero();
     rows.for_each_of(target, [&](const Observation& row, const Pose& X_BL) {
       const Vector3 seen = X_BL.inverse() * (X_BS * row.p_S);
-      const double w = pass == 0 ? 1 : huber_weight((seen - u).norm(), scale);
+      const double w = pass == 0 ? 1 : numerics::huber_weight((seen - u).norm(), scale);
       weight += w;
       sum += w * seen;
     });
@@ -120,7 +119,8 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
     Moments moments;
     rows.for_each_of(main, [&](const Observation& row, const Pose& X_BL) {
       const double residual = (row.p_S - found.X_SB * (X_BL * best.u)).norm();
-      moments.add(row.p_S, link_vector(X_BL), pass == 0 ? 1 : huber_weight(residual, scale));
+      moments.add(row.p_S, link_vector(X_BL),
+                  pass == 0 ? 1 : numerics::huber_weight(residual, scale));
     });
     if (moments.gg.trace() <= kAtRest * moments.weight)
       return std::unexpected(Refusal{Error::kJointDidNotMove, 0, 0});
@@ -150,7 +150,7 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
   double squares = 0;
   rows.for_each([&](const Observation& row, const Pose& X_BL) {
     const double residual = (row.p_S - found.X_SB * (X_BL * found.p_LT[row.target])).norm();
-    if (huber_weight(residual, scale) < 0.5) return;
+    if (numerics::huber_weight(residual, scale) < 0.5) return;
     weight += 1;
     squares += residual * residual;
   });

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/sine_cosine.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::refinement {
 
@@ -251,10 +252,7 @@ void apply_corrections(const Layout& layout, const StateVector& x, double fracti
     if (signature.types[i] == JointType::kRevolute) {
       X.p += fraction * (X.R.col(0) * x[axis + 2] + X.R.col(1) * x[axis + 3]);
     }
-    const Vector3 turn = fraction * Vector3(x[axis], x[axis + 1], 0);
-    if (const double angle = turn.norm(); angle > 0) {
-      X.R = X.R * rotation_about(turn / angle, angle);
-    }
+    X.R = X.R * numerics::rotation_by(fraction * Vector3(x[axis], x[axis + 1], 0));
     if (readings.corrections.empty()) continue;
     ReadingCorrection& correction = readings.corrections[i];
     if (layout.gain[i] != kNoColumn) correction.gain += fraction * x[layout.gain[i]];

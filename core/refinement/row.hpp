@@ -2,8 +2,8 @@
 // One measured row as the filter wants it: residual and derivatives, divided by its sigma.
 #pragma once
 
+#include "core/numerics/robust.hpp"
 #include "core/refinement/refined.hpp"
-#include "core/refinement/robust.hpp"
 
 namespace armsig::refinement {
 
@@ -23,8 +23,8 @@ struct PredictedRange {
 [[nodiscard]] bool is_finite(const Observation& row);
 
 // The robust thresholds of a row: three scalars or one.
-[[nodiscard]] inline const RobustThresholds& thresholds(const Observation& row) {
-  return row.kind == ObservationKind::kPosition ? kThresholds3 : kThresholds1;
+[[nodiscard]] inline const numerics::RobustThresholds& thresholds(const Observation& row) {
+  return row.kind == ObservationKind::kPosition ? numerics::kThresholds3 : numerics::kThresholds1;
 }
 
 // Linearises `row` at the estimate and takes it into `factor`; `weight` is the inverse of its sigma

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numerics/rotations.hpp"
+
 namespace armsig::refinement {
 
 namespace {
@@ -47,7 +49,7 @@ std::expected<void, Refusal> like_its_drawing(const Signature& drawn, const Sign
   const auto angle = [](const Signature& s, std::size_t i, std::size_t j) {
     const Vector3 a = s.X_SL[i].R.col(2);
     const Vector3 b = s.X_SL[j].R.col(2);
-    return std::atan2(a.cross(b).norm(), a.dot(b));
+    return numerics::angle_between(a, b);
   };
   for (std::size_t i = 0; i < drawn.joint_count(); ++i) {
     for (std::size_t j = i + 1; j < drawn.joint_count(); ++j) {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "core/refinement/zero_offsets.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 
-#include "core/refinement/robust.hpp"
+#include "core/numerics/robust.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::refinement {
 
@@ -75,18 +77,17 @@ class ZeroFit {
   }
 
   [[nodiscard]] double residual_scale() const {
-    LogHistogram squares;
+    numerics::LogHistogram squares;
     for_each([&](const Observation& row, const auto& X_BL) {
       squares.add((row.p_S - X_SB_ * (X_BL.back() * u_)).squaredNorm());
     });
-    return std::max(kLeastScale_m, std::sqrt(squares.median() / kMedianChiSquare3));
+    return numerics::robust_scale_m(squares);
   }
 
   [[nodiscard]] double cost(double scale) const {
     double sum = 0;
     for_each([&](const Observation& row, const auto& X_BL) {
-      const double length = (row.p_S - X_SB_ * (X_BL.back() * u_)).norm();
-      sum += length <= 2 * scale ? length * length : 4 * scale * (length - scale);
+      sum += numerics::huber_loss((row.p_S - X_SB_ * (X_BL.back() * u_)).norm(), scale);
     });
     return sum;
   }
@@ -99,7 +100,7 @@ class ZeroFit {
       const Vector3 turned = X_SB_.R * p_B;
       const Vector3 residual = row.p_S - X_SB_.p - turned;
       const double length = residual.norm();
-      const double weight = length <= 2 * scale ? 1 : 2 * scale / length;
+      const double weight = numerics::huber_weight(length, scale);
       Eigen::Matrix<double, 3, kUnknowns> J = Eigen::Matrix<double, 3, kUnknowns>::Zero();
       for (int c = 0; c < 3; ++c) {
         J.col(c) = Vector3::Unit(c).cross(turned);
@@ -124,10 +125,7 @@ class ZeroFit {
     const double ridge = 1e-12 * normal_.trace();
     for (int k = 0; k < kUnknowns; ++k) damped(k, k) += damping * normal_(k, k) + ridge;
     const Unknowns x = damped.ldlt().solve(gradient_);
-    const Vector3 turn = x.head<3>();
-    if (const double angle = turn.norm(); angle > 0) {
-      X_SB_.R = rotation_about(turn / angle, angle) * X_SB_.R;
-    }
+    X_SB_.R = numerics::rotation_by(x.head<3>()) * X_SB_.R;
     X_SB_.p += x.segment<3>(3);
     u_ += x.segment<3>(6);
     for (std::size_t i = 0; i < arm_.joints.size(); ++i) {

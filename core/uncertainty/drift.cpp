@@ -6,14 +6,14 @@
 #include <limits>
 
 #include "core/numerics/quantiles.hpp"
-#include "core/refinement/robust.hpp"
+#include "core/numerics/robust.hpp"
 #include "core/refinement/row.hpp"
 #include "core/uncertainty/displacement.hpp"
 
 namespace armsig::uncertainty {
 
+using numerics::LogHistogram;
 using refinement::Chain;
-using refinement::LogHistogram;
 using refinement::Observation;
 using refinement::Receivers;
 using refinement::Refined;

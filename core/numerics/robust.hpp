@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Gates for gross outliers, and a scale from the median that they cannot move (Huber, Robust
-// Statistics, 1981).
+// Gates for gross outliers, Huber's loss, and a scale from the median that they cannot move (Huber,
+// Robust Statistics, 1981).
 #pragma once
 
 #include <algorithm>
@@ -10,25 +10,24 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace armsig::refinement {
+#include "core/numerics/quantiles.hpp"
+
+namespace armsig::numerics {
 
 // Thresholds on the length of a residual in units of sigma, for one scalar and for three, passed by
 // one good row in a million.
 inline constexpr double kGate1 = 4.9;
 inline constexpr double kGate3 = 5.7;
-// Medians of the chi-square law with one and three degrees of freedom.
-inline constexpr double kMedianChiSquare1 = 0.4549364;
-inline constexpr double kMedianChiSquare3 = 2.3659739;
 
 // Exact data would leave a scale of zero, and no row a weight.
 inline constexpr double kLeastScale_m = 1e-9;
 
 struct RobustThresholds {
   double gate = kGate3;
-  double median = kMedianChiSquare3;
+  double median = kChiSquareMedian3;
 };
-inline constexpr RobustThresholds kThresholds1{kGate1, kMedianChiSquare1};
-inline constexpr RobustThresholds kThresholds3{kGate3, kMedianChiSquare3};
+inline constexpr RobustThresholds kThresholds1{kGate1, kChiSquareMedian1};
+inline constexpr RobustThresholds kThresholds3{kGate3, kChiSquareMedian3};
 
 // The median of many positive numbers in one pass and constant memory: a histogram over their
 // binary logarithm with 8 bins an octave, interpolated; within 2 % of the true median of a smooth
@@ -73,4 +72,19 @@ class LogHistogram {
   std::size_t lowest_ = kBins;
 };
 
-}  // namespace armsig::refinement
+// The scale per axis [m] of residuals in space, of which `squares` holds the squared lengths [m^2].
+[[nodiscard]] inline double robust_scale_m(const LogHistogram& squares) {
+  return std::max(kLeastScale_m, std::sqrt(squares.median() / kChiSquareMedian3));
+}
+
+// Huber's weight of a residual length, and the loss that it descends: squares up to twice the
+// scale, straight on from there.
+[[nodiscard]] inline double huber_weight(double residual, double scale) {
+  return residual <= 2 * scale ? 1 : 2 * scale / residual;
+}
+[[nodiscard]] inline double huber_loss(double residual, double scale) {
+  const double knee = 2 * scale;
+  return residual <= knee ? residual * residual : knee * (2 * residual - knee);
+}
+
+}  // namespace armsig::numerics
