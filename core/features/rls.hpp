@@ -9,7 +9,7 @@
 //
 // The rows left over are the residuals; only their sums of products E^T E are kept. No matrix is
 // ever squared or inverted, so a million updates cost no more digits than ten, in float as in
-// double; the covariance form (core/features/rls_covariance.hpp) loses them.
+// double; the covariance form loses them.
 #pragma once
 
 #include <array>

@@ -105,12 +105,6 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
 // So many points, fitted unseen, are asked whether they agree; those after them are judged by them.
 constexpr std::size_t kFirstPoints = 8;
 
-// The statistics begin at the first accepted point.
-void take_in(const SweepPoint& point, SweepStatistics& accepted) {
-  if (accepted.count == 0) accepted.set_origin(point);
-  accepted.add(point);
-}
-
 }  // namespace
 
 SweepEstimator::SweepEstimator(const SweepConfig& config) : config_(config) {
@@ -214,62 +208,6 @@ Judged<JointFeature> SweepEstimator::estimate(Method method) const {
   while (estimation.step()) {
   }
   return estimation.result();
-}
-
-Settling::Settling(const SweepState& state)
-    : state_(state), accepted_(state.accepted), rejected_(state.rejected), stage_(Stage::kReview) {
-  if (state.waiting.empty()) {
-    accepted_.geometry.compress();
-    stage_ = Stage::kOver;
-  } else if (state.waiting_is_accepted && is_consistent(accepted_)) {
-    review_.emplace(accepted_);
-  } else {
-    begin_judging();
-  }
-}
-
-void Settling::begin_judging() {
-  if (state_.waiting_is_accepted) accepted_ = SweepStatistics(state_.accepted.type, {});
-  judging_.emplace(accepted_, state_.sigma_is_known, state_.waiting);
-  done_ = 0;
-  stage_ = Stage::kJudge;
-}
-
-bool Settling::step() {
-  switch (stage_) {
-    case Stage::kReview:
-      review_next();
-      return true;
-    case Stage::kJudge:
-      if (!judging_->step()) stage_ = Stage::kTake;
-      return true;
-    case Stage::kTake:
-      take_next();
-      return true;
-    case Stage::kOver:
-      break;
-  }
-  return false;
-}
-
-void Settling::review_next() {
-  if (!review_->confirms(state_.waiting[done_])) {
-    begin_judging();
-  } else if (++done_ == state_.waiting.size()) {
-    accepted_.geometry.compress();
-    stage_ = Stage::kOver;
-  }
-}
-
-void Settling::take_next() {
-  if (judging_->result()[done_]) {
-    take_in(state_.waiting[done_], accepted_);
-  } else {
-    ++rejected_;
-  }
-  if (++done_ < state_.waiting.size()) return;
-  accepted_.geometry.compress();
-  stage_ = Stage::kOver;
 }
 
 SweepEstimation::SweepEstimation(const SweepEstimator& estimator, Method method)

@@ -8,10 +8,8 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
-#include "core/base/fixed_vector.hpp"
 #include "core/features/feature.hpp"
-#include "core/features/gate.hpp"
-#include "core/features/sweep_statistics.hpp"
+#include "core/features/settling.hpp"
 
 namespace armsig::features {
 
@@ -47,56 +45,9 @@ struct SweepConfig {
 // Readings nearer than this are one reading, radians or metres.
 inline constexpr double kSameReading = 1e-9;
 
-// Everything known of a sweep; plain data.
-struct SweepState {
-  std::size_t count = 0;
-  std::size_t rejected = 0;  // of those judged
-  bool sigma_is_known = false;
-  Matrix3 latest_covariance_m2 = Matrix3::Identity();
-  double lowest_reading = 0;  // of all points
-  double highest_reading = 0;
-  FixedVector<double, 3> distinct_readings;  // the first ones
-  Vector3 first_S = Vector3::Zero();
-  bool all_equal = true;
-  WaitingPoints waiting;  // not judged for good
-  // Whether `accepted` holds them already: the first points, as long as all agree.
-  bool waiting_is_accepted = false;
-  SweepStatistics accepted;
-};
-
-// Judges the waiting points and takes in the good ones, in the order of their arrival; a bounded
-// step at a time. Points that are accepted already are examined again, by all; if one does not
-// pass, all are judged together. `state` must outlive it, unchanged.
-class Settling {
- public:
-  explicit Settling(const SweepState& state);
-  Settling(const Settling&) = delete;
-  Settling& operator=(const Settling&) = delete;
-
-  // False if nothing is left to do.
-  bool step();
-  // Precondition: step() has returned false.
-  [[nodiscard]] const SweepStatistics& accepted() const { return accepted_; }
-  [[nodiscard]] std::size_t rejected() const { return rejected_; }
-
- private:
-  enum class Stage : std::uint8_t { kReview, kJudge, kTake, kOver };
-  void review_next();
-  void begin_judging();
-  void take_next();
-
-  const SweepState& state_;
-  SweepStatistics accepted_;
-  std::size_t rejected_;
-  std::optional<Review> review_;
-  std::optional<Judging> judging_;
-  std::size_t done_ = 0;  // points reviewed, or taken in
-  Stage stage_;
-};
-
 // Where the noise is stated and the first points agree with it, each one is judged and taken in as
 // it comes, at the same cost. Where not, the first 128 wait, and the last of them costs as much as
-// hundreds: they are judged together (core/features/gate.hpp).
+// hundreds: they are judged together (core/features/judging.hpp).
 class SweepEstimator {
  public:
   explicit SweepEstimator(const SweepConfig& config);

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/features/rls.hpp"
-#include "core/features/rls_covariance.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/rls_covariance.hpp"
 #include "host_tests/support/simulated_sweep.hpp"
 
 namespace armsig::features {
@@ -156,6 +156,24 @@ TEST(TriangularFactor, gives_the_sum_of_squares_of_any_combination_of_columns) {
     squares += std::pow(row.dot(combination), 2);
   }
   EXPECT_NEAR((factor.matrix() * combination).squaredNorm(), squares, 1e-12 * squares);
+}
+
+// Rows that gather stand where the block before them is still being reflected.
+TEST(TriangularFactor, loses_no_row_wherever_it_is_compressed) {
+  const GeometryFactor::Row combination = GeometryFactor::Row::LinSpaced(-1, 1);
+  for (int compressed_after = 0; compressed_after <= 40; ++compressed_after) {
+    TriangularFactor<10> factor;
+    testing::Random random(3);
+    double squares = 0;
+    for (int i = 0; i < 60; ++i) {
+      if (i == compressed_after) factor.compress();
+      const GeometryFactor::Row row = geometry_columns(random.normal_vector());
+      factor.add(row, 1 + i % 3);
+      squares += (1 + i % 3) * std::pow(row.dot(combination), 2);
+    }
+    EXPECT_NEAR((factor.matrix() * combination).squaredNorm(), squares, 1e-12 * squares)
+        << compressed_after;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "core/features/settling.hpp"
+
+namespace armsig::features {
+
+void take_in(const SweepPoint& point, SweepStatistics& accepted) {
+  if (accepted.count == 0) accepted.set_origin(point);
+  accepted.add(point);
+}
+
+Settling::Settling(const SweepState& state)
+    : state_(state), accepted_(state.accepted), rejected_(state.rejected), stage_(Stage::kReview) {
+  if (state.waiting.empty()) {
+    accepted_.geometry.compress();
+    stage_ = Stage::kOver;
+  } else if (state.waiting_is_accepted && is_consistent(accepted_)) {
+    review_.emplace(accepted_);
+  } else {
+    begin_judging();
+  }
+}
+
+void Settling::begin_judging() {
+  if (state_.waiting_is_accepted) accepted_ = SweepStatistics(state_.accepted.type, {});
+  judging_.emplace(accepted_, state_.sigma_is_known, state_.waiting);
+  done_ = 0;
+  stage_ = Stage::kJudge;
+}
+
+bool Settling::step() {
+  switch (stage_) {
+    case Stage::kReview:
+      review_next();
+      return true;
+    case Stage::kJudge:
+      if (!judging_->step()) stage_ = Stage::kTake;
+      return true;
+    case Stage::kTake:
+      take_next();
+      return true;
+    case Stage::kOver:
+      break;
+  }
+  return false;
+}
+
+void Settling::review_next() {
+  if (!review_->confirms(state_.waiting[done_])) {
+    begin_judging();
+  } else if (++done_ == state_.waiting.size()) {
+    accepted_.geometry.compress();
+    stage_ = Stage::kOver;
+  }
+}
+
+void Settling::take_next() {
+  if (judging_->result()[done_]) {
+    take_in(state_.waiting[done_], accepted_);
+  } else {
+    ++rejected_;
+  }
+  if (++done_ < state_.waiting.size()) return;
+  accepted_.geometry.compress();
+  stage_ = Stage::kOver;
+}
+
+}  // namespace armsig::features
