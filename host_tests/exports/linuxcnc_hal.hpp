@@ -98,30 +98,21 @@ inline constexpr int kArmsigComponent = 1;
 [[gnu::used]] inline void* hal_malloc(long size) {
   return std::calloc(1, static_cast<std::size_t>(size));
 }
-[[gnu::used]] inline int hal_pin_float_newf(int /*direction*/, void** data, int /*component*/,
-                                            const char* format, ...) {
-  std::va_list arguments;
-  va_start(arguments, format);
-  const int status = armsig::linuxcnc::hal().add(format, arguments, data);
-  va_end(arguments);
-  return status;
-}
-[[gnu::used]] inline int hal_pin_s32_newf(int /*direction*/, void** data, int /*component*/,
-                                          const char* format, ...) {
-  std::va_list arguments;
-  va_start(arguments, format);
-  const int status = armsig::linuxcnc::hal().add(format, arguments, data);
-  va_end(arguments);
-  return status;
-}
-[[gnu::used]] inline int hal_pin_u32_newf(int /*direction*/, void** data, int /*component*/,
-                                          const char* format, ...) {
-  std::va_list arguments;
-  va_start(arguments, format);
-  const int status = armsig::linuxcnc::hal().add(format, arguments, data);
-  va_end(arguments);
-  return status;
-}
+// Of every type the same: C gives each a name, and no way to hand on what follows the format.
+#define ARMSIG_PIN_NEWF(type)                                                                  \
+  [[gnu::used]] inline int hal_pin_##type##_newf(int /*direction*/, void** data,               \
+                                                 int /*component*/, const char* format, ...) { \
+    std::va_list arguments;                                                                    \
+    va_start(arguments, format);                                                               \
+    const int status = armsig::linuxcnc::hal().add(format, arguments, data);                   \
+    va_end(arguments);                                                                         \
+    return status;                                                                             \
+  }
+ARMSIG_PIN_NEWF(float)
+ARMSIG_PIN_NEWF(s32)
+ARMSIG_PIN_NEWF(u32)
+ARMSIG_PIN_NEWF(bit)
+#undef ARMSIG_PIN_NEWF
 [[gnu::used]] inline int hal_pin_bit_new(const char* name, int /*direction*/, void** data,
                                          int /*component*/) {
   return armsig::linuxcnc::hal().add(name, data);
@@ -129,14 +120,6 @@ inline constexpr int kArmsigComponent = 1;
 [[gnu::used]] inline int hal_pin_s32_new(const char* name, int /*direction*/, void** data,
                                          int /*component*/) {
   return armsig::linuxcnc::hal().add(name, data);
-}
-[[gnu::used]] inline int hal_pin_bit_newf(int /*direction*/, void** data, int /*component*/,
-                                          const char* format, ...) {
-  std::va_list arguments;
-  va_start(arguments, format);
-  const int status = armsig::linuxcnc::hal().add(format, arguments, data);
-  va_end(arguments);
-  return status;
 }
 [[gnu::used]] inline void rtapi_print(const char* /*format*/, ...) {}
 [[gnu::used]] inline void rtapi_print_msg(int /*level*/, const char* format, ...) {
