@@ -5,6 +5,7 @@
 #include "core/kinematics/inverse.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "firmware/selftest/checks.hpp"
+#include "firmware/selftest/scratch.hpp"
 #include "firmware/selftest/values.hpp"
 
 namespace armsig::selftest {
@@ -50,7 +51,7 @@ struct Work {
 
 // Seeds half a degree away in every joint: the step of a fast arm in some ticks.
 const Work& work() {
-  static Work result;
+  Work& result = in_scratch<Work>();
   const KnownArm& known = arm();
   result.chain = kinematics::make_chain(rows(known.rows, known.joint_count));
   for (std::size_t k = 0; k < kPoses; ++k) {

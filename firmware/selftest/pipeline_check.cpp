@@ -8,6 +8,7 @@
 #include "core/identification.hpp"
 #include "core/kinematics/forward.hpp"
 #include "firmware/selftest/checks.hpp"
+#include "firmware/selftest/scratch.hpp"
 #include "firmware/selftest/values.hpp"
 
 namespace armsig::selftest {
@@ -18,14 +19,13 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // Step by step and without copies, as a controller does: the objects are too large for a stack.
 bool measure(const std::array<SweptPoint, kPoints>& sweep, features::Method method,
              Signature& signature) {
-  static std::optional<features::SweepEstimator> estimator;
   static std::optional<features::SweepEstimation> estimation;
   const Matrix3 covariance_m2 = 1e-8 * Matrix3::Identity();  // 0.1 mm; the points are exact
-  estimator.emplace(features::SweepConfig{});
+  auto& estimator = in_scratch<features::SweepEstimator>(features::SweepConfig{});
   for (const SweptPoint& point : sweep) {
-    if (!estimator->add(point.reading, vector(point.p_S), covariance_m2)) return false;
+    if (!estimator.add(point.reading, vector(point.p_S), covariance_m2)) return false;
   }
-  estimation.emplace(*estimator, method);
+  estimation.emplace(estimator, method);
   while (estimation->step()) {
   }
   if (!estimation->result()) return false;
@@ -37,10 +37,9 @@ bool identified(Signature& signature) {
   Arm drawing;
   drawing.joints = rows(kSwept.drawing, kSweptJoints);
   drawing.limits.resize(kSweptJoints, {-2 * kPi, 2 * kPi});
-  static std::optional<Identification> identification;
-  identification.emplace(signature, drawing);
+  auto& identification = in_scratch<Identification>(signature, drawing);
   for (;;) {
-    const auto more = identification->step();
+    const auto more = identification.step();
     if (!more || !*more) return more.has_value();
   }
 }
