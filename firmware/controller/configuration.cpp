@@ -200,6 +200,23 @@ Checked check_measuring(const Configuration& c) {
   return check_count("dwell.most_pings", c.dwell.most_pings, c.dwell.pings, measurement::kMaxPings);
 }
 
+// A tick reads what the drive had reached of the command of two ticks before: at full speed a joint
+// is that far behind although it follows.
+Checked check_lag(const Configuration& c) {
+  for (std::size_t i = 0; i < c.supervision.following_error.size(); ++i) {
+    const double lag = 2 * hal::seconds(c.period) * c.limits.speed[i];
+    if (lag < c.supervision.following_error[i]) continue;
+    return std::unexpected(ConfigurationRefusal{
+        .setting = "supervision.following_error",
+        .error = Error::kOutOfRange,
+        .joint = i,
+        .found = c.supervision.following_error[i],
+        .needed = lag,
+        .reason = "two periods at its full speed take a joint farther than its following error"});
+  }
+  return {};
+}
+
 Checked check_sweeps(const Configuration& c) {
   const SweepPlan& plan = c.sweeps;
   if (auto ok = check_readings("sweeps.configuration", plan.configuration, c.drawing); !ok) {
@@ -276,7 +293,7 @@ Checked check_grid(const Configuration& c) {
 }  // namespace
 
 Checked check(const Configuration& configuration) {
-  for (const auto part : {check_motion, check_measuring, check_sweeps, check_grid}) {
+  for (const auto part : {check_motion, check_measuring, check_lag, check_sweeps, check_grid}) {
     if (auto arm = check_arm(configuration.drawing); !arm) return arm;
     if (auto checked = part(configuration); !checked) return checked;
   }

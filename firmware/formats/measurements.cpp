@@ -30,6 +30,17 @@ std::vector<Quantity> quantities_for(const JointTypes& types) {
   return quantities;
 }
 
+// Where no column is like one of ours the table is another program's, and a list of ours no help.
+Problem with_cure(Problem problem) {
+  if (!problem.what.starts_with("unknown column") || !problem.expected.contains(" out of ")) {
+    return problem;
+  }
+  problem.expected =
+      "--columns auto, which reads tables of other programs, or columns like "
+      "sweep,target,q1_deg,x_mm,y_mm,z_mm";
+  return problem;
+}
+
 std::optional<double> present(double value) {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
@@ -51,8 +62,9 @@ MeasurementReader::MeasurementReader(CsvTable table, std::size_t joints)
       r_(sigma_ + 1) {}
 
 Read<MeasurementReader> MeasurementReader::over(LineReader lines, const JointTypes& types) {
-  ARMSIG_TRY(table, CsvTable::open(std::move(lines), quantities_for(types)));
-  MeasurementReader reader(std::move(table), types.size());
+  auto table = CsvTable::open(std::move(lines), quantities_for(types));
+  if (!table) return std::unexpected(with_cure(std::move(table).error()));
+  MeasurementReader reader(*std::move(table), types.size());
   if (auto columns = reader.check_columns(); !columns) {
     return std::unexpected(std::move(columns).error());
   }

@@ -80,9 +80,8 @@ Traced trace(const Folder& folder, const std::vector<std::string>& words, long c
     if (entering) {
       const auto call = static_cast<long>(registers.orig_rax);
       if (call == SYS_openat && words[3] == path_of(child, registers)) counting = true;
-      // brk knows no errno: it tells a refusal by the break that stays. mmap stands for both. futex
-      // is refused for mistakes of the caller alone: the C library ends the process then.
-      const bool counts = call != SYS_exit_group && call != SYS_brk && call != SYS_futex;
+      // brk knows no errno: it tells a refusal by the break that stays. mmap stands for both.
+      const bool counts = call != SYS_exit_group && call != SYS_brk;
       if (counting && counts && ++traced.calls == chosen) {
         if (fate == Fate::kKilled) ::kill(child, SIGKILL);
         refuse_now = fate == Fate::kRefused;

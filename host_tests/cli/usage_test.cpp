@@ -104,5 +104,22 @@ TEST(Usage, says_what_to_do_next_at_the_end_of_every_command) {
   }
 }
 
+// What the command writes it reads again: bends that no file may hold are no simulation's either.
+TEST(Usage, refuses_to_simulate_bends_that_no_signature_could_tell) {
+  const Folder folder;
+  const auto simulate = [&](const std::string& bends) {
+    return run_tool(
+        folder, "simulate --arm cobra600 --sigma-mm 0.1 --out m.csv --truth-out t.yaml " + bends);
+  };
+  EXPECT_EQ(simulate("--maps-deg 0.05 --sag-mm 2").status, 0);
+  const Outcome steep = simulate("--maps-deg 0.5");
+  EXPECT_EQ(steep.status, 2);
+  EXPECT_NE(steep.err.find("--maps-deg: 0.5 is too steep a map of joint "), std::string::npos)
+      << steep.err;
+  const Outcome weak = run_tool(folder, "simulate --arm irb120 --sag-mm 20 --out m.csv");
+  EXPECT_EQ(weak.status, 2);
+  EXPECT_NE(weak.err.find("--sag-mm: 20 turns joint 2 by "), std::string::npos) << weak.err;
+}
+
 }  // namespace
 }  // namespace armsig::cli

@@ -30,7 +30,11 @@ struct Setting {
 const std::vector<Setting>& settings() {
   using C = Configuration;
   static const std::vector<Setting> all{
-      {"limits.speed", plausible::kSpeed.revolute, [](C& c, double v) { c.limits.speed[3] = v; }},
+      {"limits.speed", plausible::kSpeed.revolute,
+       [](C& c, double v) {
+         c.limits.speed[3] = v;
+         c.supervision.following_error[3] = 1;  // what it goes in two periods is no matter here
+       }},
       {"limits.acceleration", plausible::kAcceleration.revolute,
        [](C& c, double v) { c.limits.acceleration[3] = v; }},
       {"limits.tool_speed", plausible::kToolSpeed, [](C& c, double v) { c.limits.tool_speed = v; }},
@@ -135,6 +139,7 @@ TEST(ConfigurationBounds, hold_for_durations_to_the_nanosecond) {
 TEST(ConfigurationBounds, of_the_period) {
   for (const int us : {100, 50000}) {
     Configuration c = test::whole_configuration();
+    for (double& error : c.supervision.following_error) error = 1;
     c.period = std::chrono::microseconds(us);
     EXPECT_TRUE(check(c)) << us;
     c.period += std::chrono::nanoseconds(us == 100 ? -1 : 1);
@@ -220,6 +225,7 @@ TEST(ConfigurationBounds, of_slides_are_others_than_of_turning_joints) {
   c.drawing.joints[0].type = JointType::kPrismatic;
   c.drawing.limits[0] = {-1, 1};
   c.limits.speed[0] = 20;
+  c.supervision.following_error[0] = 0.1;
   EXPECT_TRUE(check(c));
   c.limits.speed[0] = 20.1;
   EXPECT_EQ(test::failure_of(check(c)).needed, 20);

@@ -119,8 +119,23 @@ TEST(ConfigurationSensor, hears_in_an_order_of_temperatures_and_stands_near) {
   EXPECT_EQ(test::failure_of(check(c)).error, Error::kTooFewReceivers);
 }
 
+TEST(ConfigurationSupervision, allows_what_a_joint_that_follows_is_behind_at_full_speed) {
+  Configuration c = test::whole_configuration();
+  const double lag = 2 * hal::seconds(c.period) * c.limits.speed[2];
+  c.supervision.following_error[2] = 1.01 * lag;
+  EXPECT_TRUE(check(c));
+  c.supervision.following_error[2] = 0.99 * lag;
+  const ConfigurationRefusal refusal = test::failure_of(check(c));
+  EXPECT_EQ(refusal.setting, "supervision.following_error");
+  EXPECT_EQ(refusal.joint, 2U);
+  EXPECT_EQ(refusal.found, 0.99 * lag);
+  EXPECT_EQ(refusal.needed, lag);
+  EXPECT_NE(refusal.reason, "");
+}
+
 TEST(ConfigurationDwell, is_finer_than_following_and_no_finer_than_a_count) {
   Configuration c = test::whole_configuration();
+  c.limits.speed[4] = 1e-3;
   c.supervision.following_error[4] = 2e-4;
   EXPECT_TRUE(check(c));
   c.supervision.following_error[4] = c.dwell.tolerance;

@@ -64,11 +64,9 @@ const std::array<RecordImage, kIds> kRecords = [] {
   return records;
 }();
 
-int id_of(RecordStore& store, const std::optional<StoredRecord>& record) {
-  if (!record) return 0;
-  if (!store.read(*record)) return kStranger;
+int id_of(const RecordImage& image) {
   for (int id = 1; id < kIds; ++id) {
-    if (store.last_read() == kRecords[static_cast<std::size_t>(id)]) return id;
+    if (image == kRecords[static_cast<std::size_t>(id)]) return id;
   }
   return kStranger;
 }
@@ -76,7 +74,12 @@ int id_of(RecordStore& store, const std::optional<StoredRecord>& record) {
 State state_of(Flash& flash) {
   RecordStore store(flash);
   if (!store.open()) return {.active = kHidden, .former = kHidden};
-  return {.active = id_of(store, store.active()), .former = id_of(store, store.former())};
+  State state;
+  if (store.active()) state.active = id_of(store.last_read());
+  if (store.former()) {
+    state.former = store.read(*store.former()) ? id_of(store.last_read()) : kStranger;
+  }
+  return state;
 }
 
 // True if the store said that it is done.
@@ -158,18 +161,16 @@ void tear_again(const Flash& torn, const Claim& claim, Tearing tearing, Count& c
   }
 }
 
-// Pages torn as a whole differ only by which pages are done. Of the others every byte of all
-// histories together is torn: each history begins at another one.
+// Pages torn as a whole differ only by which pages are done.
 std::size_t step_of(Tearing tearing) {
   return tearing == Tearing::kForward || tearing == Tearing::kBackward ||
                  tearing == Tearing::kAnyOrder || tearing == Tearing::kPartialBits
-             ? 2
+             ? 1
              : 16;
 }
 
 // `operation` in `flash`, torn at every byte.
-void tear(const Flash& flash, const State& before, const Operation& operation, std::size_t first,
-          Count& count) {
+void tear(const Flash& flash, const State& before, const Operation& operation, Count& count) {
   Flash whole = flash;
   ASSERT_TRUE(RecordStore{whole}.open());
   const std::size_t began = flash.changed();
@@ -179,7 +180,7 @@ void tear(const Flash& flash, const State& before, const Operation& operation, s
   const std::size_t all = whole.changed() - began;
   for (std::size_t kind = 0; kind < simulated::kTearings; ++kind) {
     const auto tearing = static_cast<Tearing>(kind);
-    for (std::size_t cut = first % step_of(tearing); cut <= all; cut += step_of(tearing)) {
+    for (std::size_t cut = 0; cut <= all; cut += step_of(tearing)) {
       Flash torn = flash;
       torn.cut_power_after(cut, tearing);
       const bool told = perform(torn, operation);
@@ -206,7 +207,7 @@ void tear_histories(Count& count) {
         possible = operation.kind == Kind::kAccept || state.active != 0;
         if (!possible) break;
         if (i + 1 == length) {
-          tear(flash, state, operation, history, count);
+          tear(flash, state, operation, count);
         } else {
           ASSERT_TRUE(perform(flash, operation));
           state = after(state, operation);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "firmware/fleet/host/signature_comparison.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
 #include "host_tests/fleet/edge_case.hpp"
 #include "host_tests/support/table_3_run.hpp"
@@ -69,6 +70,27 @@ TEST_F(FleetCheck, VerdictsOfTheRealControllerReachTheBroker) {
   report = published(failed);
   EXPECT_TRUE(text(report, Item::kVerdict).starts_with("could not measure: ")) << failed;
   EXPECT_EQ(numbers(report), 0U);
+}
+
+TEST_F(FleetCheck, SignatureOfTheRealControllerComesAsItsDocument) {
+  be_born();
+  PumaCabinet puma;
+  ASSERT_TRUE(armsig::test::identify_and_accept(puma));
+  const std::string line = puma.ask("signature");
+  const std::string_view document = document_of_signature(line);
+  for (const Readings& part : readings_of_document(document)) {
+    ASSERT_TRUE(node.record(now, {part.data(), part.size()}));
+  }
+  wait_long(2);
+  std::string together;
+  for (const Report& report : sent(kData)) together += text(report, Item::kDocumentText);
+  EXPECT_EQ(together, document);
+  const auto arm = arm_of_document(together);
+  ASSERT_TRUE(arm) << line;
+  EXPECT_EQ(arm->joints.size(), 6U);
+  const auto compared = compare_signatures(together, together);
+  ASSERT_TRUE(compared);
+  EXPECT_LT(compared->tool_rms_m, 1e-8);
 }
 
 }  // namespace

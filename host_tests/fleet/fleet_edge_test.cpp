@@ -237,6 +237,23 @@ TEST_F(FleetEdge, SendsNoFasterThanToldAndNoMoreThanMayBeUnderWay) {
   EXPECT_EQ(numbers_sent().size(), settings.unacknowledged);
 }
 
+// A host that can't keep up with a thousand cabinets would else be sent the same rows for ever.
+TEST_F(FleetEdge, SendsFewerAtOnceWhereNoAnswerComes) {
+  for (int i = 0; i < 600; ++i) row(i);
+  be_born();
+  wait_long(5);
+  const std::size_t at_first = numbers_sent().size();
+  EXPECT_GE(at_first, 4U * settings.rows_per_second);
+  wait_long(9);
+  EXPECT_NEAR(static_cast<double>(numbers_sent().size() - at_first), settings.unacknowledged / 4.0,
+              1.0);
+  const std::size_t before_answer = numbers_sent().size();
+  acknowledge(100);
+  wait_long(4);
+  EXPECT_NEAR(static_cast<double>(numbers_sent().size() - before_answer), 200, 1.0)
+      << "the hundred that arrived, and a hundred more";
+}
+
 TEST_F(FleetEdge, ConnectionThatTakesNothingLosesNothing) {
   be_born();
   row(1);

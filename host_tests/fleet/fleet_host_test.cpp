@@ -2,7 +2,9 @@
 // What the host takes, asks for and acknowledges, without broker and record.
 #include <gtest/gtest.h>
 
+#include "firmware/fleet/host/arm_page.hpp"
 #include "firmware/fleet/host/configuration.hpp"
+#include "firmware/fleet/host/html.hpp"
 #include "firmware/fleet/host/intake.hpp"
 #include "firmware/fleet/host/page.hpp"
 #include "firmware/fleet/host/row_text.hpp"
@@ -177,6 +179,16 @@ TEST_F(FleetIntake, FiguresAreToldWithoutARecord) {
 
 TEST(FleetPage, NothingThatAnArmSaysIsMarkup) {
   EXPECT_EQ(escaped("<script>&\"x\""), "&lt;script&gt;&amp;&quot;x&quot;");
+}
+
+TEST(FleetPage, OnlyWhatIsAHashIsLookedFor) {
+  const std::string hash(64, 'a');
+  EXPECT_TRUE(is_of_one_arm("/arm/x"));
+  EXPECT_TRUE(is_of_one_arm("/signature/" + hash));
+  EXPECT_TRUE(is_of_one_arm("/compare/" + hash + "/" + hash));
+  EXPECT_FALSE(is_of_one_arm("/signature/" + hash + "a"));
+  EXPECT_FALSE(is_of_one_arm("/signature/" + std::string(64, 'A')));
+  EXPECT_FALSE(is_of_one_arm("/compare/" + hash + hash + "a"));
 }
 
 TEST(FleetRowText, ReadingsAreJson) {

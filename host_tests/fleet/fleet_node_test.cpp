@@ -5,9 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/fleet/journal/journal.hpp"
 #include "firmware/fleet/node/configuration.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
 #include "firmware/fleet/node/sha256.hpp"
+#include "firmware/fleet/wire/row_codec.hpp"
 #include "host_tests/support/failure_of.hpp"
 
 namespace armsig::fleet {
@@ -66,6 +68,27 @@ TEST(FleetNode, SignatureIsNamedByItsParametersAlone) {
   EXPECT_EQ(*find(readings, Item::kHeldOut), Value(0.12));
   EXPECT_EQ(*find(readings, Item::kAir), Value(21.5));
   EXPECT_EQ(*find(readings_of_signature("ok model=drawing"), Item::kSignatureHash), Value());
+}
+
+TEST(FleetNode, DocumentOfASignatureComesInRowsOfTheJournal) {
+  std::string document = "theta1_deg=0.010000";
+  while (document.size() < 500) document += " d1_mm=" + std::to_string(document.size());
+  EXPECT_EQ(document_of_signature("ok model=signature air_c=1 " + document), document);
+  EXPECT_EQ(document_of_signature("ok model=drawing"), "");
+  const std::vector<Readings> rows = readings_of_document(document);
+  std::string together;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    RowBytes bytes;
+    for (const Reading& reading : rows[i]) EXPECT_TRUE(add_reading(bytes, reading));
+    EXPECT_LE(bytes.size(), Journal::kLongestRow);
+    EXPECT_EQ(*find(rows[i], Item::kDocumentHash), Value(Text(sha256(document))));
+    EXPECT_EQ(*find(rows[i], Item::kDocumentPart), Value(std::uint64_t{i + 1}));
+    EXPECT_EQ(*find(rows[i], Item::kDocumentParts), Value(std::uint64_t{rows.size()}));
+    together += std::get<Text>(*find(rows[i], Item::kDocumentText)).view();
+  }
+  EXPECT_EQ(together, document);
+  EXPECT_TRUE(readings_of_document("").empty());
+  EXPECT_TRUE(readings_of_document(std::string(64 * 96 + 1, 'a')).empty());
 }
 
 TEST(FleetNode, CheckIsReadWithItsResidual) {

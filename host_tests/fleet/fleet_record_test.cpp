@@ -8,6 +8,8 @@
 
 #include "core/drift/cusum.hpp"
 #include "firmware/fleet/host/database.hpp"
+#include "firmware/fleet/node/controller_lines.hpp"
+#include "firmware/fleet/node/sha256.hpp"
 #include "hal/simulated/random.hpp"
 
 namespace armsig::fleet {
@@ -23,7 +25,7 @@ class FleetRecord : public testing::Test {
     ASSERT_NE(where, nullptr) << "run by host_tests/fleet/with_record";
     database = Database::open(where, kDrift, problem);
     ASSERT_TRUE(database) << problem;
-    ASSERT_TRUE(database->ask("TRUNCATE arm CASCADE"));
+    ASSERT_TRUE(database->ask("TRUNCATE arm, row, signature CASCADE"));
   }
   std::string one(const char* question) {
     const auto table = database->ask(question);
@@ -87,6 +89,7 @@ TEST_F(FleetRecord, BatchWithARowThatIsThereIsRefusedWhole) {
   second.rows.push_back(row(2, {Item::kAir, 2.0}));
   second.rows.push_back(row(1, {Item::kAir, 1.0}));
   EXPECT_FALSE(database->store(second));
+  EXPECT_NE(database->problem().find("row_pkey"), std::string::npos) << database->problem();
   EXPECT_EQ(one("SELECT count(*) FROM row"), "1");
   EXPECT_EQ(one("SELECT contiguous FROM journal"), "1");
 }
@@ -174,10 +177,91 @@ TEST_F(FleetRecord, NewSignatureBeginsANewBaseline) {
   EXPECT_EQ(one("SELECT signature FROM drift"), "abc");
 }
 
+constexpr std::string_view kParameters =
+    "theta1_deg=-90.012345 d1_mm=0.1000 a1_mm=-0.2000 alpha1_deg=-90.001000 theta2_deg=0.020000 "
+    "d2_mm=149.0900 a2_mm=431.8000 alpha2_deg=0.010000";
+
+// The rows by which a cabinet tells a signature, from `number` on.
+std::vector<StoredRow> told(std::string_view document, std::uint64_t number) {
+  std::vector<StoredRow> rows;
+  for (const Readings& part : readings_of_document(document)) {
+    rows.push_back(row(number++, part[0]));
+    rows.back().readings = part;
+  }
+  rows.push_back(row(number, {Item::kSignatureHash, Text(sha256(document))}));
+  rows.back().readings.push_back({Item::kHeldOut, 0.12});
+  return rows;
+}
+
+TEST_F(FleetRecord, DocumentOfASignatureIsPutTogetherUnderItsHash) {
+  Batch batch = born();
+  batch.rows = told(kParameters, 1);
+  ASSERT_EQ(batch.rows.size(), 3U) << "two parts, and who goes by it";
+  const StoredRow second = batch.rows[1];
+  batch.rows.erase(batch.rows.begin() + 1);
+  store(batch);
+  EXPECT_EQ(one("SELECT count(*) FROM signature"), "0") << "a part is missing";
+  EXPECT_EQ(one("SELECT hash FROM worn"), sha256(kParameters));
+  EXPECT_EQ(one("SELECT held_out_mm FROM worn"), "0.12");
+  Batch rest;
+  rest.rows.push_back(second);
+  rest.rows[0].number = 9;
+  store(rest);
+  EXPECT_EQ(one("SELECT document FROM signature"), kParameters);
+  EXPECT_EQ(one("SELECT hash FROM signature"), sha256(kParameters));
+  EXPECT_EQ(one("SELECT count(*) FROM signature_part"), "0");
+  EXPECT_EQ(one("SELECT current ? 'document_text' FROM arm"), "f") << "of rows, not of the arm";
+}
+
+TEST_F(FleetRecord, DocumentThatIsNotWhatItsHashSaysIsRefusedAndCounted) {
+  Batch batch = born();
+  batch.rows = told(kParameters, 1);
+  batch.rows[1].readings[3].value = Text("d2_mm=1");
+  store(batch);
+  EXPECT_EQ(one("SELECT count(*) FROM signature"), "0");
+  EXPECT_EQ(one("SELECT documents FROM signature_refused"), "1");
+  Batch again;
+  again.rows = told(kParameters, 10);
+  store(again);
+  EXPECT_EQ(one("SELECT count(*) FROM signature"), "1") << "and may be told rightly afterwards";
+}
+
+TEST_F(FleetRecord, PartsThatAreNoneStopNothing) {
+  Batch batch = born();
+  const std::uint64_t huge = ~std::uint64_t{0};
+  std::uint64_t number = 0;
+  for (const auto& [part, parts] : {std::pair{huge, huge}, {0UL, 1UL}, {2UL, 1UL}, {1UL, 65UL}}) {
+    batch.rows.push_back(row(++number, {Item::kDocumentHash, Text(sha256("x"))}));
+    batch.rows.back().readings.push_back({Item::kDocumentPart, part});
+    batch.rows.back().readings.push_back({Item::kDocumentParts, parts});
+    batch.rows.back().readings.push_back({Item::kDocumentText, Text("x")});
+  }
+  batch.rows.push_back(row(++number, {Item::kDocumentText, Text("alone")}));
+  batch.rows.push_back(row(++number, {Item::kDocumentText, {}}));
+  store(batch);
+  EXPECT_EQ(one("SELECT count(*) FROM row"), std::to_string(number));
+  EXPECT_EQ(one("SELECT count(*) FROM signature_part"), "0");
+}
+
+TEST_F(FleetRecord, EachChangeOfSignatureIsKeptOnce) {
+  Batch batch = born();
+  batch.rows = told(kParameters, 1);
+  const auto tell = [&](std::uint64_t number, const Value& hash) {
+    batch.rows.push_back(row(number, {Item::kSignatureHash, hash}));
+  };
+  tell(10, Text(sha256(kParameters)));  // the cabinet was restarted
+  tell(11, Text("other"));
+  tell(12, {});  // the drawing
+  tell(13, Text(sha256(kParameters)));
+  store(batch);
+  EXPECT_EQ(one("SELECT string_agg(coalesce(left(hash, 5), 'none'), ' ' ORDER BY id) FROM worn"),
+            sha256(kParameters).substr(0, 5) + " other none " + sha256(kParameters).substr(0, 5));
+}
+
 TEST_F(FleetRecord, SchemaIsBroughtUpToDateOnce) {
   std::string why;
   ASSERT_TRUE(Database::open(std::getenv("ARMSIG_RECORD"), kDrift, why)) << why;
-  EXPECT_EQ(one("SELECT count(*) FROM migration"), "2");
+  EXPECT_EQ(one("SELECT count(*) FROM migration"), "3");
   EXPECT_EQ(one("SELECT h FROM drift_setting"), "5.6");
 }
 

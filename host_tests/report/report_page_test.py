@@ -78,6 +78,7 @@ def opened(path, flags, size="1280,900"):
             [chromium, "--headless=new", "--no-sandbox", f"--user-data-dir={profile}", "--enable-logging=stderr",
              f"--window-size={size}", "--virtual-time-budget=3000", *flags, "--dump-dom", f"file://{path}"],
             capture_output=True, text=True, timeout=240)
+    opened.dom = done.stdout
     return Page(done.stdout), [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
 
 
@@ -96,6 +97,7 @@ class ReportPage(unittest.TestCase):
         with open(cls.path) as file:
             cls.text = file.read()
         cls.page, cls.console = opened(cls.path, WEBGL)
+        cls.dom = opened.dom
         with open("demo/robot1-encoder.yaml") as file:
             cls.signature = yaml.load(file, yaml.CSafeLoader)
         cls.data = json.loads(re.search(r'id="report">(.*?)</script>', cls.text, re.S)[1])
@@ -158,6 +160,27 @@ class ReportPage(unittest.TestCase):
         total = 1e3 * differences["total_rms_m"]
         self.assertAlmostEqual(sum(number(cells[5]) for cells in lines), total, delta=0.002 * total + 0.0005 * len(lines))
         self.assertAlmostEqual(total, 1e3 * self.data["map"]["drawing_rms_m"], delta=0.001 * total)
+
+    def test_draws_what_is_different_joint_by_joint(self):
+        lines = self.data["differences"]["joints"]
+        drawn = re.findall(r"<title>Joint (\d), ([^:<]*): ([^<]*)</title>", self.dom)
+        self.assertEqual(len(drawn), len(lines))
+        for kind, word in (("tilt", "Tilt"), ("shift", "Shift"), ("zero", "Zero of the reading")):
+            self.assertIn(f"<figcaption>{word}</figcaption>", self.dom, kind)
+        for line in lines:
+            scale = 180 / math.pi if "value_rad" in line else 1e3
+            value, sigma = (line.get(f"{name}_rad", line.get(f"{name}_m")) for name in ("value", "sigma"))
+            told = [words for joint, what, words in drawn if (int(joint), what) == (line["joint"], line["what"])]
+            self.assertEqual(len(told), 1)
+            shown, _, off = told[0].partition(" ± ")
+            self.assertAlmostEqual(number(shown.replace(" mm", "")), scale * value, delta=0.0006)
+            self.assertAlmostEqual(number(off), scale * sigma, delta=0.0006)
+
+    def test_tells_in_words_what_its_charts_show(self):
+        self.assertEqual(self.dom.count('class="values"'), 6)
+        self.assertRegex(self.dom, r'id="map"[^>]*aria-label="[^"]*From [0-9.]+ (mm|µm) to [0-9.]+ (mm|µm)\.')
+        self.assertRegex(self.dom, r'id="download"[^>]*href="blob:')
+        self.assertIn('touch-action: pan-y', re.search(r'<canvas id="arm"[^>]*>', self.dom)[0])
 
     def test_predicts_what_is_true(self):
         ratio = self.data["map"]["true_rms_m"] / self.data["map"]["predicted_rms_m"]

@@ -17,7 +17,7 @@ inline constexpr double kLongestIdentification_s = 3600;
 
 // With the grid of the paper where the drawing has room for it. The forearm lies level in the
 // signature configuration, so that the target is far from axis 1 (docs/bench.md), and each sweep
-// goes on until its axis is known to 8e-5 rad.
+// goes on until its axis is known to 6e-5 rad.
 inline controller::Configuration puma_with_grid() {
   controller::Configuration configuration = puma_controller();
   const evaluation::ToolModel drawing{
@@ -30,7 +30,7 @@ inline controller::Configuration puma_with_grid() {
   configuration.dwell.pings = 8;
   configuration.sweeps.configuration[2] = 0;
   configuration.sweeps.arc_rad = radians(320);
-  configuration.sweeps.axis_sigma_rad = 8e-5;
+  configuration.sweeps.axis_sigma_rad = 6e-5;
   return configuration;
 }
 

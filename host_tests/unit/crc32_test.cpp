@@ -20,8 +20,12 @@ TEST(Crc32, of_nothing_is_zero) { EXPECT_EQ(crc_of(""), 0U); }
 // zlib.crc32(b"armsig"), by Python.
 TEST(Crc32, agrees_with_zlib) { EXPECT_EQ(crc_of("armsig"), 0x096A1331U); }
 
+// zlib's again; pieces of every length before and after it.
 TEST(Crc32, continues_over_pieces) {
-  EXPECT_EQ(crc_of("56789", crc_of("1234")), crc_of("123456789"));
+  constexpr std::string_view kText = "The quick brown fox jumps over the lazy dog, at 0.05 mm.";
+  for (std::size_t i = 0; i <= kText.size(); ++i) {
+    EXPECT_EQ(crc_of(kText.substr(i), crc_of(kText.substr(0, i))), 0xF2884FDAU) << i;
+  }
 }
 
 TEST(Crc32, is_known_at_compile_time) {

@@ -46,6 +46,20 @@ class Cabinet:
         self.process = None
 
 
+def changed(configuration, folder, changes):
+    """A copy of `configuration` in `folder` with each key of `changes` replaced, once, by its value."""
+    with open(configuration) as file:
+        text = file.read()
+    for old, new in changes.items():
+        if text.count(old) < 1:
+            raise AssertionError(f"{configuration} has no {old}")
+        text = text.replace(old, new, 1)
+    path = os.path.join(folder, "cabinet.yaml")
+    with open(path, "w") as file:
+        file.write(text)
+    return path
+
+
 class Page:
     """armsig connect --web."""
 

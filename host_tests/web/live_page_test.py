@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 """The controller's live page in Chromium, through the whole story: live_page_test.py ARMSIG ARMSIGD CONFIGURATION
 
-enable, identify, accept, roll back; a quick stop and its black box; a second viewer; the
-controller and the server that go and come back. With ARMSIG_PICTURES=FOLDER the page is also drawn there.
+enable, identify, accept, roll back; a quick stop, a drive that lags, a brake that stays shut, a sensor that falls
+silent, with their words and black boxes; a second viewer; the controller and the server that go and come back. With ARMSIG_PICTURES=FOLDER the page is also drawn there.
 """
 import json
 import os
@@ -14,7 +14,7 @@ import time
 import unittest
 
 from browser import Browser, Tab, chromium
-from cabinet import Cabinet, Page
+from cabinet import Cabinet, Page, changed
 
 armsig, armsigd, configuration = sys.argv[1:4]
 del sys.argv[1:4]
@@ -24,12 +24,21 @@ kSlow = 240  # s, on a machine with other work
 WIDTHS = ((1400, 900), (800, 1000), (390, 844))
 
 
+def with_cabinet(changes):
+    """Of a test: what its cabinet's configuration says instead."""
+    def mark(test):
+        test.changes = changes
+        return test
+    return mark
+
+
 @unittest.skipUnless(chromium, "no chromium; toolchain/setup installs it")
 class LivePage(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        self.cabinet = Cabinet(armsigd, configuration, self.folder.name, kSpeed)
+        changes = getattr(getattr(self, self._testMethodName), "changes", {})
+        self.cabinet = Cabinet(armsigd, changed(configuration, self.folder.name, changes), self.folder.name, kSpeed)
         self.cabinet.start()
         self.addCleanup(self.cabinet.stop)
         self.page = Page(armsig, self.cabinet.console, "--web", "--token-file", os.path.join(self.folder.name, "token")).start()
@@ -115,6 +124,54 @@ class LivePage(unittest.TestCase):
         self.assertEqual(self.tab.complaints(), [])
         for address in self.tab.asked():
             self.assertTrue(address.startswith((self.page.address, "data:")), address)
+
+    def black_box_of(self, joint):
+        """The black box is shown, with the joint of the fault in front."""
+        self.tab.wait("document.querySelectorAll('#black-box-charts canvas').length === 2", kSlow)
+        self.assertEqual(self.tab.ask("document.getElementById('black-box-joint').value"), str(joint))
+        self.assertRegex(self.tab.ask("document.getElementById('black-box-file').download"), r"^black-box-.*\.csv$")
+
+    @with_cabinet({"following_error_deg: 3, sweep_at_deg: 0": "following_error_deg: 3, following_window_deg: 0.02, sweep_at_deg: 0"})
+    def test_a_drive_that_lags_is_named_with_its_own_words(self):
+        self.press("enable")
+        self.mode("holding")
+        self.press("identify")
+        self.mode("faulted")
+        self.headline("Joint 1: the drive sent an emergency message")
+        self.assertEqual(self.tab.text("fault-device"), "The drive says: following error (0x8611)")
+        self.assertIn("manual", self.tab.text("fault-todo"))
+        self.black_box_of(1)
+        self.assertEqual(self.tab.ask("document.querySelectorAll('#buttons .next').length"), 1)
+        self.draw("drive-fault")
+        self.press("reset")
+        self.mode("idle")
+        self.assertEqual(self.tab.complaints(), [])
+
+    @with_cabinet({"targets_ignored_ms: 300": "targets_ignored_ms: 10"})
+    def test_a_brake_that_stays_shut_is_named(self):
+        self.press("enable")
+        self.mode("faulted")
+        self.headline("the drive does not follow its targets")
+        self.assertIn("mode and its inputs", self.tab.text("fault-todo"))
+        joint = int(re.search(r"fault_joint=(\d+)", self.cabinet.ask("status")[0])[1])
+        self.black_box_of(joint)
+
+    @with_cabinet({"reading_timeout_ms: 1000": "reading_timeout_ms: 12"})
+    def test_a_silent_sensor_pauses_and_says_what_to_look_at(self):
+        self.press("enable")
+        self.mode("holding")
+        self.press("identify")
+        self.headline("The measurement is paused")
+        self.tab.wait("document.getElementById('advice').textContent.startsWith('The range sensor is silent')", kSlow)
+        self.assertIn("baud rate", self.tab.text("advice"))
+        self.assertTrue(self.tab.ask("document.getElementById('black-box').hidden"))  # no fault: the arm has torque
+        late = Tab(self.browser, self.page.address)  # who comes later is told the same
+        late.wait("document.getElementById('advice').textContent.startsWith('The range sensor is silent')", kSlow)
+        self.draw("silent")
+        self.press("resume")
+        self.headline("The measurement is paused")
+        self.press("halt")
+        self.mode("holding")
 
     def test_a_quick_stop_leaves_a_black_box_and_words(self):
         self.press("enable")

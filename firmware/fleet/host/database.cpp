@@ -3,6 +3,7 @@
 
 #include <libpq-fe.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <map>
@@ -19,6 +20,28 @@ namespace {
 constexpr const char* kLock = "SELECT pg_advisory_lock(7263541)";
 constexpr const char* kUnlock = "SELECT pg_advisory_unlock(7263541)";
 
+// Of rows that tell something which the record keeps apart: what is done with each, in their order.
+constexpr std::string_view kWorn = "SELECT worn_take(node, at, reading)";
+constexpr std::string_view kDocument =
+    "SELECT document_take(node, reading ->> 'document', number_of(reading, 'document_part'), "
+    "number_of(reading, 'document_parts'), reading ->> 'document_text')";
+constexpr std::string_view kDrift =
+    "SELECT drift_take(node, at, reading ->> 'verdict', (reading ->> 'dx_mm')::double precision, "
+    "(reading ->> 'dy_mm')::double precision, (reading ->> 'dz_mm')::double precision)";
+constexpr std::string_view kEach =
+    " FROM (SELECT *, to_timestamp(ms / 1000) AS at FROM unnest($1::text[], "
+    "$2::double precision[], $3::jsonb[]) WITH ORDINALITY AS r(node, ms, reading, place) "
+    "ORDER BY place) AS come ";
+constexpr std::string_view kMeasured =
+    "WHERE abs((reading ->> 'dx_mm')::double precision) < 1e6 "
+    "AND abs((reading ->> 'dy_mm')::double precision) < 1e6 "
+    "AND abs((reading ->> 'dz_mm')::double precision) < 1e6";
+
+// Parts of documents are told in passing, and are nothing that an arm is.
+bool is_of_document(Item item) {
+  return item >= Item::kDocumentHash && item <= Item::kDocumentText;
+}
+
 std::string bits(std::uint64_t journal) {
   return std::to_string(std::bit_cast<std::int64_t>(journal));
 }
@@ -33,16 +56,17 @@ std::optional<Database> Database::open(const std::string& connection, const Drif
   const std::array<const char*, 5> keys{"connect_timeout", "application_name", "dbname", nullptr};
   const std::array<const char*, 5> values{"5", "armsig-fleet", connection.c_str(), nullptr};
   Database database(PQconnectdbParams(keys.data(), values.data(), 1));
+  // Compiling a question takes longer than any of ours.
   const bool good = PQstatus(database.connection_.get()) == CONNECTION_OK &&
-                    database.run("SET client_min_messages = warning") && database.migrate() &&
-                    database.keep(drift);
+                    database.run("SET client_min_messages = warning") &&
+                    database.run("SET jit = off") && database.migrate() && database.keep(drift);
   if (good) return database;
   problem = database.problem();
   return std::nullopt;
 }
 
 std::string Database::problem() const {
-  std::string text = PQerrorMessage(connection_.get());
+  std::string text = failed_.empty() ? PQerrorMessage(connection_.get()) : failed_;
   while (text.ends_with('\n')) text.pop_back();
   for (char& c : text) {
     if (c == '\n') c = ' ';
@@ -127,7 +151,9 @@ std::optional<std::vector<Intake::Journal>> Database::journals() {
 }
 
 bool Database::store(const Batch& batch) {
+  failed_.clear();
   if (run("BEGIN") && store_states(batch) && store_rows(batch) && run("COMMIT")) return true;
+  failed_ = PQerrorMessage(connection_.get());  // the end of the transaction has none
   (void)run("ROLLBACK");
   return false;
 }
@@ -143,7 +169,11 @@ bool Database::store_states(const Batch& batch) {
   for (const auto& [node, state] : last) {
     nodes.add(node);
     online.add(state->online ? "t" : "f");
-    current.add(json_of(state->current));
+    Readings told;
+    for (const Reading& reading : state->current) {
+      if (!is_of_document(reading.item)) told.push_back(reading);
+    }
+    current.add(json_of(told));
   }
   return run(
       "INSERT INTO arm (node, online, current) SELECT * FROM unnest($1::text[], $2::boolean[], "
@@ -171,33 +201,66 @@ bool Database::store_rows(const Batch& batch) {
     dropped.add(std::to_string(row.dropped));
     readings.add(json_of(row.readings));
   }
-  const std::vector<std::string> arguments{nodes.text(),   journals.text(), numbers.text(),
-                                           times.text(),   dropped.text(),  historical.text(),
-                                           readings.text()};
   return run("WITH come AS (SELECT * FROM unnest($1::text[], $2::bigint[], $3::bigint[], "
              "$4::double precision[], $5::bigint[], $6::boolean[], $7::jsonb[]) "
-             "WITH ORDINALITY AS r(node, journal, number, ms, dropped, historical, reading, "
-             "place)), "
+             "AS r(node, journal, number, ms, dropped, historical, reading)), "
              "furthest AS (INSERT INTO journal (node, journal, contiguous, dropped) "
              "SELECT node, journal, max(number), max(dropped) FROM come GROUP BY node, journal "
              "ON CONFLICT (node, journal) DO UPDATE SET contiguous = excluded.contiguous, "
-             "dropped = greatest(journal.dropped, excluded.dropped)), "
-             "newest AS (SELECT node, jsonb_object_agg(key, value ORDER BY place) AS current FROM "
-             "come, "
-             "jsonb_each(reading) GROUP BY node), "
-             "arms AS (UPDATE arm SET current = arm.current || newest.current FROM newest "
-             "WHERE arm.node = newest.node) "
+             "dropped = greatest(journal.dropped, excluded.dropped)) "
              "INSERT INTO row (node, journal, number, at, historical, reading) "
              "SELECT node, journal, number, to_timestamp(ms / 1000), historical, reading FROM come",
-             arguments) &&
-         run("SELECT drift_take(node, to_timestamp(ms / 1000), reading ->> 'verdict', "
-             "(reading ->> 'dx_mm')::double precision, (reading ->> 'dy_mm')::double precision, "
-             "(reading ->> 'dz_mm')::double precision) FROM (SELECT * FROM unnest($1::text[], "
-             "$2::double precision[], $3::jsonb[]) WITH ORDINALITY AS r(node, ms, reading, place) "
-             "ORDER BY place) AS come WHERE abs((reading ->> 'dx_mm')::double precision) < 1e6 "
-             "AND abs((reading ->> 'dy_mm')::double precision) < 1e6 "
-             "AND abs((reading ->> 'dz_mm')::double precision) < 1e6",
-             {nodes.text(), times.text(), readings.text()});
+             {nodes.text(), journals.text(), numbers.text(), times.text(), dropped.text(),
+              historical.text(), readings.text()}) &&
+         store_newest(batch) && take_each(batch, Item::kSignatureHash, kWorn) &&
+         take_each(batch, Item::kDocumentText, kDocument) &&
+         take_each(batch, Item::kResidualX, kDrift, kMeasured);
+}
+
+// The last value of every quantity of each arm.
+bool Database::store_newest(const Batch& batch) {
+  std::map<std::string_view, Readings> newest;
+  for (const StoredRow& row : batch.rows) {
+    Readings& known = newest[row.node];
+    for (const Reading& reading : row.readings) {
+      if (is_of_document(reading.item)) continue;
+      auto* const before =
+          std::ranges::find(known.begin(), known.end(), reading.item, &Reading::item);
+      if (before != known.end()) {
+        *before = reading;
+      } else if (!known.full()) {
+        known.push_back(reading);
+      }
+    }
+  }
+  ArrayText nodes;
+  ArrayText current;
+  for (const auto& [node, readings] : newest) {
+    nodes.add(node);
+    current.add(json_of(readings));
+  }
+  return run(
+      "UPDATE arm SET current = arm.current || come.current FROM unnest($1::text[], $2::jsonb[]) "
+      "AS come(node, current) WHERE arm.node = come.node",
+      {nodes.text(), current.text()});
+}
+
+// Hands rows that tell `item` to a function of the record.
+bool Database::take_each(const Batch& batch, Item item, std::string_view function,
+                         std::string_view where) {
+  ArrayText nodes;
+  ArrayText times;
+  ArrayText readings;
+  bool any = false;
+  for (const StoredRow& row : batch.rows) {
+    if (std::ranges::find(row.readings, item, &Reading::item) == row.readings.end()) continue;
+    any = true;
+    nodes.add(row.node);
+    times.add(std::to_string(row.time_ms));
+    readings.add(json_of(row.readings));
+  }
+  const std::string question = std::string(function).append(kEach).append(where);
+  return !any || run(question.c_str(), {nodes.text(), times.text(), readings.text()});
 }
 
 }  // namespace armsig::fleet

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/fleet/host/intake.hpp"
@@ -57,8 +58,12 @@ class Database {
   [[nodiscard]] bool keep(const DriftSettings& drift);
   [[nodiscard]] bool store_states(const Batch& batch);
   [[nodiscard]] bool store_rows(const Batch& batch);
+  [[nodiscard]] bool store_newest(const Batch& batch);
+  [[nodiscard]] bool take_each(const Batch& batch, Item item, std::string_view function,
+                               std::string_view where = {});
 
   std::unique_ptr<pg_conn, Close> connection_;
+  std::string failed_;  // why the last batch was not stored
 };
 
 }  // namespace armsig::fleet

@@ -9,9 +9,9 @@ namespace {
 
 constexpr std::uint64_t kAcknowledgeEvery_ms = 1'000;
 constexpr std::uint64_t kRebirthEvery_ms = 5'000;
-constexpr std::size_t kMostArms = 20'000;      // names that are believed
-constexpr std::size_t kMostJournals = 64;      // of one arm
-constexpr std::size_t kMostWaiting = 100'000;  // rows; what comes then is sent again
+constexpr std::size_t kMostArms = 20'000;     // names that are believed
+constexpr std::size_t kMostJournals = 64;     // of one arm
+constexpr std::size_t kMostWaiting = 20'000;  // rows; what comes then is sent again
 // What the record can hold: a clock may be wrong, and its row is stored all the same.
 constexpr std::uint64_t kLatest_ms = 253'402'300'799'000;  // the end of the year 9999
 constexpr std::uint64_t kLargest = ~std::uint64_t{0} >> 1U;

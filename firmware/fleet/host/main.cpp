@@ -19,6 +19,7 @@ constexpr std::uint64_t kRetry_ms = 1'000;
 constexpr std::uint64_t kCommitEvery_ms = 50;
 constexpr std::size_t kRowsAtOnce = 1'000;
 constexpr int kWait_ms = 20;
+constexpr const char* kThere = "the record is there";
 
 template <typename Clock>
 std::uint64_t ms_of() {
@@ -85,7 +86,7 @@ class Host {
     const auto journals = database_ ? database_->journals() : std::nullopt;
     if (journals) {
       intake_.begin(*journals);
-      tell("the record is there");
+      if (!in_doubt_) tell(kThere);
     } else {
       if (database_) problem = database_->problem();
       database_.reset();
@@ -101,8 +102,11 @@ class Host {
     if (batch.empty()) return;
     if (database_->store(batch)) {
       intake_.stored(batch);
+      in_doubt_ = false;
+      tell(kThere);
       return;
     }
+    in_doubt_ = true;
     tell("the record took nothing: " + database_->problem());
     database_.reset();
     intake_.end();
@@ -124,6 +128,7 @@ class Host {
   std::optional<Database> database_;
   std::uint64_t database_due_ms_ = 0;
   std::uint64_t committed_ms_ = 0;
+  bool in_doubt_ = false;  // it answers, and has not taken what it refused: its disk may be full
   std::string told_;
 };
 

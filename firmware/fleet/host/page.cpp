@@ -5,50 +5,31 @@
 
 #include <fmt/format.h>
 
+#include "firmware/fleet/host/arm_page.hpp"
+#include "firmware/fleet/host/html.hpp"
+
 namespace armsig::fleet {
 namespace {
-
-constexpr std::string_view kHead =
-    "<!doctype html><html lang=en><meta charset=utf-8>"
-    "<meta name=viewport content=\"width=device-width\"><title>Arms</title><style>"
-    "body{font:15px/1.4 system-ui,sans-serif;margin:1rem;color:#1b1f24;background:#fff}"
-    "div{overflow-x:auto}table{border-collapse:collapse;white-space:nowrap}"
-    "th,td{text-align:left;padding:.3rem .8rem .3rem 0;border-bottom:1px solid #d0d7de}"
-    "td.n{text-align:right;font-variant-numeric:tabular-nums}"
-    ".bad{color:#b3261e;font-weight:600}a{color:#0b57d0}</style>";
 
 constexpr const char* kArms =
     "SELECT arm.node, arm.online, arm.current ->> 'mode', arm.current ->> 'fault', "
     "arm.current ->> 'held_out_mm', "
     "round((sqrt(d.sum[1]^2 + d.sum[2]^2 + d.sum[3]^2) / s.h)::numeric, 2), "
     "d.named_at IS NOT NULL, to_char(d.last_at AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
-    "d.verdict, left(arm.current ->> 'signature', 12), arm.current ->> 'firmware' "
+    "d.verdict, arm.current ->> 'signature', arm.current ->> 'firmware' "
     "FROM arm LEFT JOIN drift d USING (node) LEFT JOIN drift_setting s ON true "
     "ORDER BY d.named_at IS NULL, arm.current ->> 'fault' IS NULL, arm.node LIMIT 5000";
-
-constexpr const char* kHistory =
-    "SELECT to_char(at AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI:SS'), reading::text FROM row "
-    "WHERE node = $1 ORDER BY at DESC LIMIT 200";
 
 constexpr const char* kNamed =
     "SELECT count(*) FILTER (WHERE named_at IS NOT NULL), coalesce((SELECT sum(dropped) FROM "
     "journal), 0), (SELECT count(*) FROM arm), (SELECT count(*) FROM arm WHERE "
-    "current ->> 'mode' = 'faulted') FROM drift";
-
-using Cell = std::optional<std::string>;
-
-std::string cell(const Cell& text, std::string_view kind = "") {
-  return fmt::format("<td{}>{}</td>", kind, escaped(text.value_or("")));
-}
-
-std::string three_digits(const Cell& number) {
-  return number ? fmt::format("{:.3f}", std::stod(*number)) : "";
-}
+    "current ->> 'mode' = 'faulted'), coalesce((SELECT sum(documents) FROM signature_refused), 0) "
+    "FROM drift";
 
 Answer arms(Database& database) {
   const auto table = database.ask(kArms);
   if (!table) return {.status = 503, .body = "the record does not answer\n"};
-  Answer page{.body = std::string(kHead)};
+  Answer page{.body = page_head("Arms")};
   const auto drifting =
       std::ranges::count_if(*table, [](const auto& row) { return row[6] == "t"; });
   const auto there = std::ranges::count_if(*table, [](const auto& row) { return row[1] == "t"; });
@@ -61,27 +42,17 @@ Answer arms(Database& database) {
     const std::string name = escaped(row[0].value_or(""));
     page.body += fmt::format("<tr><td><a href=\"/arm/{0}\">{0}</a></td>", name);
     page.body += row[1] == "t" ? cell(row[2]) : cell("away", " class=bad");
-    page.body += cell(row[3], " class=bad") + cell(three_digits(row[4]), " class=n");
-    page.body += cell(row[5], row[6] == "t" ? " class=\"n bad\"" : " class=n");
-    page.body += cell(row[7]) + cell(row[8]) + cell(row[9]) + cell(row[10]) + "</tr>";
+    page.body += cell(row[3], " class=bad") + cell(decimals(row[4], 3), kNumber);
+    page.body += cell(row[5], row[6] == "t" ? " class=\"n bad\"" : kNumber);
+    page.body += cell(row[7]) + cell(row[8]);
+    page.body += row[9] ? fmt::format("<td><a href=\"/signature/{0}\">{1}</a></td>",
+                                      escaped(*row[9]), escaped(row[9]->substr(0, 12)))
+                        : "<td>the drawing</td>";
+    page.body += cell(row[10]) + "</tr>";
   }
   page.body +=
       "</table></div><p>Drift: the sum of all checks over its threshold; from 1 on the arm "
       "is named.";
-  return page;
-}
-
-Answer one_arm(std::string_view node, Database& database) {
-  const auto rows = database.ask(kHistory, {std::string(node)});
-  if (!rows) return {.status = 503, .body = "the record does not answer\n"};
-  if (rows->empty()) return {.status = 404, .body = "no such arm\n"};
-  Answer page{.body = std::string(kHead)};
-  page.body += fmt::format(
-      "<p><a href=\"/\">all arms</a><h1>{}</h1><div><table>"
-      "<tr><th>time, UTC<th>what it told</tr>",
-      escaped(node));
-  for (const auto& row : *rows) page.body += "<tr>" + cell(row[0]) + cell(row[1]) + "</tr>";
-  page.body += "</table></div>";
   return page;
 }
 
@@ -113,40 +84,18 @@ Answer metrics(const Intake& intake, Database* database) {
          row[1].value_or("0"));
   metric(text, "arms", "gauge", "Arms known", row[2].value_or("0"));
   metric(text, "arms_faulted", "gauge", "Arms whose controller is faulted", row[3].value_or("0"));
+  metric(text, "signatures_refused", "gauge", "Documents that were not what their hash says",
+         row[4].value_or("0"));
   return answer;
 }
 
 }  // namespace
 
-std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
-}
-
 Answer answer(std::string_view path, const Intake& intake, Database* database) {
-  constexpr std::string_view kArm = "/arm/";
   if (path == "/metrics") return metrics(intake, database);
-  if (path != "/" && !path.starts_with(kArm)) return {.status = 404, .body = "nothing here\n"};
+  if (path != "/" && !is_of_one_arm(path)) return {.status = 404, .body = "nothing here\n"};
   if (database == nullptr) return {.status = 503, .body = "the record is not there\n"};
-  return path == "/" ? arms(*database) : one_arm(path.substr(kArm.size()), *database);
+  return path == "/" ? arms(*database) : answer_of_one_arm(path, *database);
 }
 
 }  // namespace armsig::fleet

@@ -19,7 +19,4 @@ struct Answer {
 // Of the request line's path; `database` is null where the record is not there.
 [[nodiscard]] Answer answer(std::string_view path, const Intake& intake, Database* database);
 
-// `text` in HTML, nothing of it markup.
-[[nodiscard]] std::string escaped(std::string_view text);
-
 }  // namespace armsig::fleet

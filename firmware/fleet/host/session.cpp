@@ -8,6 +8,7 @@ namespace armsig::fleet {
 namespace {
 
 constexpr std::uint64_t kRetry_ms = 1'000;
+constexpr std::uint64_t kSendEvery_ms = 50;
 
 std::string state_text(bool online, std::uint64_t time_ms) {
   return std::string(R"({"online":)") + (online ? "true" : "false") + R"(,"timestamp":)" +
@@ -56,7 +57,11 @@ void HostSession::step(std::uint64_t steady_ms, std::uint64_t utc_ms, Intake& in
   for (const MqttConnection::Event& event : connection_.take_events()) {
     take(event, steady_ms, intake);
   }
-  if (connected_) send(steady_ms, utc_ms, intake);
+  // Looks at every arm: not once a message.
+  if (connected_ && steady_ms - sent_ms_ >= kSendEvery_ms) {
+    sent_ms_ = steady_ms;
+    send(steady_ms, utc_ms, intake);
+  }
 }
 
 void HostSession::take(const MqttConnection::Event& event, std::uint64_t steady_ms,

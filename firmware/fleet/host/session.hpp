@@ -32,6 +32,7 @@ class HostSession {
   std::string state_topic_;
   bool connected_ = false;
   std::uint64_t due_ms_ = 0;
+  std::uint64_t sent_ms_ = 0;  // when commands were last looked for
   // Of the session; above that of every state that was ever there, whatever the clock says.
   std::uint64_t time_ms_ = 0;
 };

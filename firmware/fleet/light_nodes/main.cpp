@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // armsig-light-nodes: many cabinets in one process, each with the journal, state machine, TLS
 // connection and certificate of a real one, and rows that are made up. For toolchain/fleet.
-//   armsig-light-nodes run FOLDER PORT FIRST COUNT ROWS_PER_SECOND UNTIL_UNIX_S
+//   armsig-light-nodes run FOLDER PORT FIRST COUNT ROWS_PER_SECOND UNTIL_UNIX_S DAY_ROWS
 //     FOLDER has authority.crt, nodes/arm-N.crt and .key; journals are nodes/arm-N.journal.
-//     Ends when every row is acknowledged after that time; status 1 where that takes 120 s.
+//     A new journal begins with two signatures and DAY_ROWS rows of the last day, as if nobody had
+//     listened. Ends when every row is acknowledged after that time; status 1 where that takes 120
+//     s.
 //   armsig-light-nodes list FOLDER FIRST COUNT
 //     "node,journal,number" of every row that the journals hold; status 1 where one lost any.
 #include <sys/epoll.h>
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -21,7 +24,9 @@
 #include <vector>
 
 #include "firmware/fleet/journal/file_storage.hpp"
+#include "firmware/fleet/node/controller_lines.hpp"
 #include "firmware/fleet/node/mqtt_transport.hpp"
+#include "firmware/fleet/node/sha256.hpp"
 #include "hal/linux/file_descriptor.hpp"
 
 namespace armsig::fleet {
@@ -31,6 +36,7 @@ constexpr std::uint64_t kSlots = 2048;
 constexpr std::uint64_t kTick_ms = 20;
 constexpr std::uint64_t kMisc_ms = 1'000;
 constexpr std::uint64_t kDrain_ms = 120'000;
+constexpr std::uint64_t kDay_ms = 86'400'000;
 
 volatile std::sig_atomic_t stop_asked = 0;
 
@@ -93,12 +99,14 @@ struct Cabinet {
 
 class Fleet {
  public:
-  Fleet(const std::string& folder, int port, int first, int count, double rate)
+  Fleet(const std::string& folder, int port, int first, int count, double rate,
+        std::uint64_t day_rows)
       : rate_(rate), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
     std::mt19937_64 random(std::random_device{}());
     for (int i = 0; i < count; ++i) {
       cabinets_.push_back(std::make_unique<Cabinet>(folder, port, name_of(first + i), random));
       cabinets_.back()->owed = -std::uniform_real_distribution<>(0, 1)(random);
+      if (cabinets_.back()->journal.last() == 0) tell_past(*cabinets_.back(), day_rows);
     }
   }
 
@@ -125,24 +133,71 @@ class Fleet {
   }
 
  private:
+  double noise() { return std::normal_distribution<>(0, 0.02)(noise_); }
+
   void make_rows(Cabinet& cabinet, const Now& time, double seconds) {
     for (cabinet.owed += rate_ * seconds; cabinet.owed >= 1; cabinet.owed -= 1) {
-      const auto noise = [&] { return std::normal_distribution<>(0, 0.02)(noise_); };
-      // One in ten is a check, as a cabinet also tells temperatures and modes.
-      if (++made_ % 10 == 0) {
-        const std::array<Reading, 6> check{Reading{Item::kVerdict, Text("consistent")},
-                                           Reading{Item::kResidualX, noise()},
-                                           Reading{Item::kResidualY, noise()},
-                                           Reading{Item::kResidualZ, noise()},
-                                           Reading{Item::kCheckSigma, 0.02},
-                                           Reading{Item::kCheckPoses, 20UL}};
-        if (!cabinet.node.record(time, check)) throw std::runtime_error("a row was not kept");
-      } else {
-        const std::array<Reading, 2> told{Reading{Item::kAir, 20 + noise()},
-                                          Reading{Item::kMode, Text("servoing")}};
-        if (!cabinet.node.record(time, told)) throw std::runtime_error("a row was not kept");
-      }
+      make_row(cabinet, time);
     }
+  }
+
+  // One in ten is a check, as a cabinet also tells temperatures and modes.
+  void make_row(Cabinet& cabinet, const Now& time) {
+    if (++made_ % 10 == 0) {
+      keep(cabinet, time,
+           std::array{Reading{Item::kVerdict, Text("as accepted")},
+                      Reading{Item::kResidualX, noise()}, Reading{Item::kResidualY, noise()},
+                      Reading{Item::kResidualZ, noise()}, Reading{Item::kCheckSigma, 0.02},
+                      Reading{Item::kCheckPoses, 20UL}});
+    } else {
+      keep(cabinet, time,
+           std::array{Reading{Item::kAir, 20 + noise()}, Reading{Item::kMode, Text("servoing")}});
+    }
+  }
+
+  static void keep(Cabinet& cabinet, const Now& time, std::span<const Reading> readings) {
+    if (!cabinet.node.record(time, readings)) throw std::runtime_error("a row was not kept");
+  }
+
+  // A signature of a day ago, rows of the day, and the signature of now.
+  void tell_past(Cabinet& cabinet, std::uint64_t day_rows) {
+    Now time = now();
+    const std::uint64_t day_ago_ms = time.utc_ms - kDay_ms;
+    tell_signature(cabinet, {.steady_ms = time.steady_ms, .utc_ms = day_ago_ms});
+    for (std::uint64_t i = 0; i < day_rows; ++i) {
+      make_row(cabinet, {.steady_ms = time.steady_ms,
+                         .utc_ms = day_ago_ms + (i + 1) * kDay_ms / (day_rows + 1)});
+    }
+    tell_signature(cabinet, time);
+  }
+
+  // A PUMA 560 with errors of its own.
+  void tell_signature(Cabinet& cabinet, const Now& time) {
+    constexpr std::array<std::array<double, 4>, 6> kPuma{{{0, 0, 0, -90},
+                                                          {0, 149.09, 431.8, 0},
+                                                          {90, 0, -20.32, 90},
+                                                          {0, 433.07, 0, -90},
+                                                          {0, 0, 0, 90},
+                                                          {0, 56.25, 0, 0}}};
+    std::string document;
+    for (std::size_t i = 0; i < kPuma.size(); ++i) {
+      const auto& row = kPuma[i];
+      const std::string n = std::to_string(i + 1);
+      document += (i > 0 ? " theta" : "theta") + n + "_deg=" + std::to_string(row[0] + noise());
+      document += " d" + n + "_mm=" + std::to_string(row[1] + 5 * noise());
+      document += " a" + n + "_mm=" + std::to_string(row[2] + 5 * noise());
+      document += " alpha" + n + "_deg=" + std::to_string(row[3] + noise());
+    }
+    for (const Readings& part : readings_of_document(document)) {
+      keep(cabinet, time, {part.data(), part.size()});
+    }
+    keep(cabinet, time,
+         std::array{Reading{Item::kModel, Text("signature")},
+                    Reading{Item::kSignatureHash, Text(sha256(document))},
+                    Reading{Item::kSignatureDate, time.utc_ms},
+                    Reading{Item::kSignatureSigma, 0.08 + std::abs(noise())},
+                    Reading{Item::kHeldOut, 0.1 + std::abs(noise())},
+                    Reading{Item::kAir, 20 + 50 * noise()}});
   }
 
   void wait() {
@@ -220,12 +275,12 @@ int run(const std::vector<std::string>& words) {
   if (words.size() == 4 && words[0] == "list") {
     return list(words[1], std::stoi(words[2]), std::stoi(words[3]));
   }
-  if (words.size() != 7 || words[0] != "run") {
+  if (words.size() != 8 || words[0] != "run") {
     std::fputs("see the head of firmware/fleet/light_nodes/main.cpp\n", stderr);
     return 2;
   }
   Fleet fleet(words[1], std::stoi(words[2]), std::stoi(words[3]), std::stoi(words[4]),
-              std::stod(words[5]));
+              std::stod(words[5]), std::stoull(words[7]));
   const bool all = fleet.run(1'000 * std::stoull(words[6]));
   fleet.leave();
   return all ? 0 : 1;

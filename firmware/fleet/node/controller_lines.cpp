@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/fleet/node/controller_lines.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -92,20 +93,42 @@ Readings readings_of_signature(std::string_view line) {
   Readings readings;
   if (!line.starts_with("ok model=")) return readings;
   readings.push_back({Item::kModel, text_or_nothing(value_of(line, "model"))});
-  const std::size_t parameters = line.find(" theta1_deg=");
-  if (parameters == std::string_view::npos) {
+  const std::string_view document = document_of_signature(line);
+  if (document.empty()) {
     for (const Item item :
          {Item::kSignatureHash, Item::kSignatureDate, Item::kSignatureSigma, Item::kHeldOut}) {
       readings.push_back({item, {}});
     }
     return readings;
   }
-  readings.push_back({Item::kSignatureHash, Text(sha256(line.substr(parameters + 1)))});
+  readings.push_back({Item::kSignatureHash, Text(sha256(document))});
   add_whole(readings, Item::kSignatureDate, 1e3 * number_in(value_of(line, "identified_unix_s")));
   add_number(readings, Item::kSignatureSigma, number_in(value_of(line, "predicted_sigma_mm")));
   add_number(readings, Item::kHeldOut, number_in(value_of(line, "held_out_rms_mm")));
   add_number(readings, Item::kAir, number_in(value_of(line, "air_c")));
   return readings;
+}
+
+std::string_view document_of_signature(std::string_view line) {
+  const std::size_t parameters = line.find(" theta1_deg=");
+  if (!line.starts_with("ok model=") || parameters == std::string_view::npos) return {};
+  return line.substr(parameters + 1);
+}
+
+std::vector<Readings> readings_of_document(std::string_view document) {
+  const std::uint64_t parts = (document.size() + Text::kLongest - 1) / Text::kLongest;
+  if (parts > kMostDocumentParts) return {};
+  const std::string hash = sha256(document);
+  std::vector<Readings> rows;
+  while (!document.empty()) {
+    Readings& row = rows.emplace_back();
+    row.push_back({Item::kDocumentHash, Text(hash)});
+    row.push_back({Item::kDocumentPart, std::uint64_t{rows.size()}});
+    row.push_back({Item::kDocumentParts, parts});
+    row.push_back({Item::kDocumentText, Text(document.substr(0, Text::kLongest))});
+    document.remove_prefix(std::min(document.size(), Text::kLongest));
+  }
+  return rows;
 }
 
 Readings readings_of_check(std::string_view line) {

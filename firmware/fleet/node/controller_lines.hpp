@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "firmware/fleet/wire/items.hpp"
 
@@ -16,6 +17,14 @@ namespace armsig::fleet {
 // Of the reply to `signature`: model, hash (SHA-256 of the parameters as they stand in the reply),
 // date, uncertainty, air temperature. Empty: it is no such reply.
 [[nodiscard]] Readings readings_of_signature(std::string_view line);
+
+// What of that reply the hash is of: the parameters as they stand in it. Empty: there are none.
+[[nodiscard]] std::string_view document_of_signature(std::string_view line);
+
+// A signature's document as rows of the journal, each a part with the hash of the whole. None:
+// `document` is empty, or longer than a host keeps.
+inline constexpr std::uint64_t kMostDocumentParts = 64;
+[[nodiscard]] std::vector<Readings> readings_of_document(std::string_view document);
 
 // `# check verdict="..." dx_mm= dy_mm= dz_mm= sigma_mm= poses=`: the verdict of a check with the
 // mean residual; of one that could not measure, with its reason and without a residual. Empty: it

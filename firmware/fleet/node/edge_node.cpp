@@ -12,6 +12,8 @@ namespace {
 static_assert(kLongestRowBytes <= Journal::kLongestRow);
 
 constexpr std::uint64_t kLongestBurst_ms = 1'000;
+// Of a thousand cabinets that come back at once each has to send less than it could.
+constexpr unsigned kLeastWindow = 10;
 
 std::uint64_t doubled(std::uint64_t ms, unsigned times, std::uint64_t longest) {
   return std::min(longest, ms << std::min(times, 20U));
@@ -21,7 +23,11 @@ std::uint64_t doubled(std::uint64_t ms, unsigned times, std::uint64_t longest) {
 
 EdgeNode::EdgeNode(EdgeSettings settings, Journal& journal, Transport& transport,
                    std::uint64_t seed)
-    : settings_(std::move(settings)), journal_(journal), transport_(transport), random_(seed | 1U) {
+    : settings_(std::move(settings)),
+      journal_(journal),
+      transport_(transport),
+      random_(seed | 1U),
+      window_(settings_.unacknowledged) {
   const auto topic = [&](const char* verb) {
     return "spBv1.0/" + settings_.group + "/" + verb + "/" + settings_.node;
   };
@@ -135,7 +141,10 @@ void EdgeNode::command(const Now& now, const Command& command) {
   }
   progress_ms_ = now.steady_ms;
   cursor_ = std::max(cursor_, number);
+  const unsigned on_their_way = in_flight_;
   in_flight_ = static_cast<unsigned>(std::min<std::uint64_t>(in_flight_, cursor_ - number));
+  // As many more as have arrived: twice as many each time that all of them do.
+  window_ = std::min(settings_.unacknowledged, window_ + (on_their_way - in_flight_));
 }
 
 void EdgeNode::send_from_acknowledged(const Now& now) {
@@ -151,13 +160,14 @@ void EdgeNode::send_rows(const Now& now) {
     progress_ms_ = now.steady_ms;
   } else if (now.steady_ms - progress_ms_ >= patience) {
     ++timeouts_;
+    window_ = std::max(kLeastWindow, window_ / 4);
     send_from_acknowledged(now);
   }
   const std::uint64_t waited = std::min(now.steady_ms - allowance_ms_, kLongestBurst_ms);
   std::uint64_t allowed = waited * settings_.rows_per_second / 1'000;
   if (allowed == 0) return;
   allowance_ms_ = now.steady_ms;
-  for (; allowed > 0 && in_flight_ < settings_.unacknowledged; --allowed) {
+  for (; allowed > 0 && in_flight_ < window_; --allowed) {
     const auto row = journal_.after(cursor_);
     if (!row || !*row || !send(now, **row)) return;
   }

@@ -7,7 +7,9 @@
 #include <chrono>
 #include <cstdio>
 #include <random>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/error_name.hpp"
 #include "firmware/fleet/journal/file_storage.hpp"
@@ -15,6 +17,7 @@
 #include "firmware/fleet/node/console_link.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
 #include "firmware/fleet/node/mqtt_transport.hpp"
+#include "firmware/fleet/node/resident_memory.hpp"
 #include "firmware/fleet/program.hpp"
 
 namespace armsig::fleet {
@@ -24,6 +27,7 @@ constexpr std::uint64_t kSignatureEvery = 60;  // looks at the controller
 constexpr std::uint64_t kAnswer_ms = 5'000;    // within which it answers, or is told to be silent
 constexpr int kBusy_ms = 50;
 constexpr int kQuiet_ms = 250;
+constexpr std::uint64_t kSettled_ms = 3'000;  // after a birth; then what led to it is let go of
 
 Now now() {
   const auto ms = [](auto since) {
@@ -72,11 +76,34 @@ class Reporter {
     look(time);
     node_.tick(time);
     transport_.deliver(node_, time);
+    settle(time);
+  }
+
+  void settle(const Now& time) {
+    if (node_.state() != EdgeNode::State::kBorn) {
+      settled_ = false;
+      born_ms_ = time.steady_ms;
+    } else if (!settled_ && time.steady_ms - born_ms_ >= kSettled_ms) {
+      settled_ = true;
+      let_go_of_start();
+    }
   }
 
   void keep(const Readings& readings, const Now& time) {
     const auto kept = node_.report(time, {readings.data(), readings.size()});
     if (!kept) tell_once(kept.error());
+  }
+
+  // Another signature is told whole, its document before it; what is as before only if it changed.
+  void keep_signature(const Readings& told, std::string_view document, const Now& time) {
+    if (document == document_) return keep(told, time);
+    std::vector<Readings> rows = readings_of_document(document);
+    rows.push_back(told);
+    for (const Readings& row : rows) {
+      const auto kept = node_.record(time, {row.data(), row.size()});
+      if (!kept) return tell_once(kept.error());
+    }
+    document_ = document;
   }
 
   // A disk that is full is told once, not every ten seconds for a month.
@@ -123,7 +150,7 @@ class Reporter {
       heard_ms_ = time.steady_ms;
       keep(status, time);
     } else if (const Readings signature = readings_of_signature(line); !signature.empty()) {
-      keep(signature, time);
+      keep_signature(signature, document_of_signature(line), time);
     } else if (const Readings check = readings_of_check(line); !check.empty()) {
       const auto kept = node_.record(time, {check.data(), check.size()});
       if (!kept) tell_once(kept.error());
@@ -142,6 +169,9 @@ class Reporter {
   std::uint64_t heard_ms_ = now().steady_ms;
   std::uint64_t looks_ = 0;
   bool changed_ = false;
+  bool settled_ = false;
+  std::uint64_t born_ms_ = 0;
+  std::string document_;  // of the signature that was told last
   Error told_ = Error::kNotFinite;
 };
 

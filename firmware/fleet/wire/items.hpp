@@ -51,6 +51,11 @@ enum class Item : std::uint8_t {
   kLateness99 = 23,
   kLatenessMax = 24,
   kSensor = 25,
+  // A signature's document, in parts of at most Text::kLongest bytes.
+  kDocumentHash = 26,  // of the whole
+  kDocumentPart = 27,  // from 1
+  kDocumentParts = 28,
+  kDocumentText = 29,
 };
 
 struct ItemInfo {
@@ -98,6 +103,18 @@ inline constexpr std::array kItems{
     ItemInfo{Item::kLatenessMax, "MotionDeviceSystem/Controller/Tick Lateness Max us",
              Datatype::kDouble},
     ItemInfo{Item::kSensor, "MotionDeviceSystem/Controller/Range Sensor", Datatype::kString},
+    ItemInfo{Item::kDocumentHash,
+             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Document/Hash",
+             Datatype::kString},
+    ItemInfo{Item::kDocumentPart,
+             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Document/Part",
+             Datatype::kUInt32},
+    ItemInfo{Item::kDocumentParts,
+             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Document/Parts",
+             Datatype::kUInt32},
+    ItemInfo{Item::kDocumentText,
+             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Document/Text",
+             Datatype::kString},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kItems.size(); ++i) {

@@ -3,7 +3,9 @@
 
 #include <mosquitto.h>
 #include <poll.h>
+#include <sys/socket.h>
 
+#include <cerrno>
 #include <mutex>
 #include <utility>
 
@@ -11,10 +13,19 @@ namespace armsig::fleet {
 namespace {
 
 constexpr int kKeepalive_s = 30;
-constexpr int kPacketsAtOnce = 100;
+constexpr int kPacketsAtOnce = 200;
 constexpr int kVerifyPeer = 1;  // SSL_VERIFY_PEER
 constexpr int kFlushTries = 10;
 constexpr int kFlushWait_ms = 20;
+
+enum class Input : std::uint8_t { kNone, kMore, kEnded };
+
+Input input_of(int socket) {
+  char first = 0;
+  const ssize_t count = ::recv(socket, &first, 1, MSG_PEEK | MSG_DONTWAIT);
+  if (count > 0) return Input::kMore;
+  return count < 0 && (errno == EAGAIN || errno == EINTR) ? Input::kNone : Input::kEnded;
+}
 
 void begin_library() {
   static std::once_flag once;
@@ -104,10 +115,17 @@ int MqttConnection::descriptor() const { return client_ ? mosquitto_socket(clien
 
 bool MqttConnection::wants_write() const { return client_ && mosquitto_want_write(client_.get()); }
 
+// The library reads one packet of QoS 0 a call, whatever it is told: what has come is read here. It
+// does not notice an end of the connection while TLS is being made.
 void MqttConnection::service(bool readable, bool writable) {
   if (!client_) return;
   int result = MOSQ_ERR_SUCCESS;
-  if (readable) result = mosquitto_loop_read(client_.get(), kPacketsAtOnce);
+  Input input = readable ? Input::kMore : Input::kNone;
+  for (int i = 0; input == Input::kMore && i < kPacketsAtOnce && result == MOSQ_ERR_SUCCESS; ++i) {
+    result = mosquitto_loop_read(client_.get(), 1);
+    input = input_of(descriptor());
+  }
+  if (input == Input::kEnded) result = MOSQ_ERR_CONN_LOST;
   if (writable && result == MOSQ_ERR_SUCCESS) {
     result = mosquitto_loop_write(client_.get(), kPacketsAtOnce);
   }

@@ -13,7 +13,7 @@ struct Example {
   std::string_view line;
 };
 
-inline constexpr std::array<Example, 25> kExamples{{
+inline constexpr std::array<Example, 29> kExamples{{
     {"demo", "armsig demo --out demo"},
     {"arms", "armsig arms --show ur10e"},
     {"simulate",
@@ -53,11 +53,15 @@ inline constexpr std::array<Example, 25> kExamples{{
      "arm-again.yaml"},
     {"connect", "armsigd --virtual --console console --store store cabinet.yaml &"},
     {"connect", "armsig connect console"},
+    {"connect", "armsig connect console wait timeout_s=60"},
+    {"connect", "armsig connect console status"},
+    {"connect", "armsig connect console enable --wait"},
+    {"connect", "armsig connect console move q1_deg=5 --wait"},
     {"connect", "echo status | armsig connect console"},
     {"connect", "armsig connect console --web"},
     {"connect", "armsig connect console fetch arm.yaml --what drawing"},
     {"connect", "armsig connect console send demo/robot1-encoder.yaml"},
-    {"connect", "echo stop | armsig connect console"},
+    {"connect", "armsig connect console stop"},
 }};
 
 }  // namespace armsig::tool

@@ -100,7 +100,7 @@ int send(ConsoleClient& console, const FetchOptions& options) {
     print_json({{"status", 0}, {"sent", options.file}, {"joints", drawing->joints.size()}});
   } else {
     say("Sent: {}, a candidate of {} joints; nothing is in use yet\n"
-        "Next: echo compare | armsig connect {}, which moves the arm to poses held out; then "
+        "Next: armsig connect {} compare --wait, which moves the arm to poses held out; then "
         "accept\n",
         options.file, drawing->joints.size(), options.console);
   }

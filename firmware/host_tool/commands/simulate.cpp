@@ -149,10 +149,9 @@ int run(const SimulateOptions& options) {
                              .sag_m = 1e-3 * options.sag_mm,
                              .play_rad = radians(options.play_deg)};
   simulated::Random bend_random(options.seed, kBendStream);
-  const auto bent = bends.any() ? std::make_shared<const calibration::ArmModel>(
-                                      cabinet::bent_model(arm->arm, bends, bend_random))
-                                : nullptr;
-  const BentJoints joints(bent, bends.play_rad);
+  const auto bent = bounded_bends(arm->arm, bends, bend_random);
+  if (!bent) return fail(bent.error(), kBadInput, options);
+  const BentJoints joints(*bent, bends.play_rad);
   const Simulation simulation{
       .arm = *built,
       .plan = plan_sweeps(arm->arm, *configuration, radians(options.arc_deg), options.points),
@@ -174,7 +173,7 @@ int run(const SimulateOptions& options) {
   if (const auto done = writer->commit(); !done) return fail(done.error(), kBadInput, options);
   if (!options.truth_out.empty()) {
     SignatureRecord truth = exact_record(truth_of(*built, *configuration, joints), *arm);
-    truth.deflections = bent;
+    truth.deflections = *bent;
     const auto written = write_signature_file(options.truth_out, truth);
     if (!written) return fail(written.error(), kBadInput, options);
   }

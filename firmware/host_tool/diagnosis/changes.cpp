@@ -42,6 +42,21 @@ std::vector<Candidate> candidates_of(const Evidence& evidence, const DeviatingCh
   return all;
 }
 
+// The inverse of a matrix of normal equations; what the rows do not tell is left as it is. Beyond
+// this part of what `scale` has on its diagonal only rounding is left.
+constexpr double kTold = 1e-9;
+
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal, const Eigen::VectorXd& scale) {
+  const Eigen::VectorXd unit =
+      scale.unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> in(unit.asDiagonal() * normal *
+                                                          unit.asDiagonal());
+  const Eigen::VectorXd inverse =
+      in.eigenvalues().unaryExpr([](double x) { return x > kTold ? 1 / x : 0.0; });
+  return unit.asDiagonal() * in.eigenvectors() * inverse.asDiagonal() *
+         in.eigenvectors().transpose() * unit.asDiagonal();
+}
+
 // Sums over the rows, each weighed by its share of the change.
 struct Sums {
   explicit Sums(Eigen::Index size)
@@ -67,7 +82,7 @@ class ScoreTest {
       : evidence_(evidence), residuals_(residuals_S), size_(chain.all().count) {
     weigh();
     const auto normal = chain.normal(evidence, residuals_S, weights_);
-    inverse_ = normal.H.ldlt().solve(Eigen::MatrixXd::Identity(size_, size_));
+    inverse_ = inverse_of(normal.H, normal.H.diagonal());
     Eigen::Matrix3Xd J(3, size_);
     Sums whole(size_);
     for (std::size_t k = 0; k < weights_.size(); ++k) {
@@ -88,11 +103,11 @@ class ScoreTest {
     for (const Candidate& candidate : candidates) {
       const auto [first, count] = candidate.columns;
       const Eigen::MatrixXd across = sums.once.middleCols(first, count);
-      Eigen::MatrixXd left =
-          sums.twice.block(first, first, count, count) - across.transpose() * inverse_ * across;
-      left.diagonal().array() += 1 / (kUsualSize * kUsualSize);
+      Eigen::MatrixXd usual = sums.twice.block(first, first, count, count);
+      usual.diagonal().array() += 1 / (kUsualSize * kUsualSize);
+      const Eigen::MatrixXd left = usual - across.transpose() * inverse_ * across;
       const Eigen::VectorXd score = sums.score.segment(first, count) - across.transpose() * step_;
-      const Eigen::VectorXd size = left.ldlt().solve(score);
+      const Eigen::VectorXd size = inverse_of(left, usual.diagonal()) * score;
       const double gain = std::clamp(score.dot(size), 0.0, (1 - 1e-12) * squares_);
       const double freedom = 3 * static_cast<double>(weights_.size()) - static_cast<double>(size_);
       const double tried = static_cast<double>(candidates.size() * weights_.size());

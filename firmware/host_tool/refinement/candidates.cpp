@@ -18,17 +18,20 @@ constexpr double kCoarse = 4;
 // A richer model must earn its keep by this much on poses that it has not seen.
 constexpr double kWorthDeflections = 0.98;
 
-// No arm gives way by more than this for its own weight [rad or m per m of lever]; a signature file
-// holds no more either.
-constexpr double kMostSag = 0.01;
-
 constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
+constexpr calibration::ModelParts kGravity{.gravity = true, .maps = false};
+constexpr calibration::ModelParts kWhole{};
 constexpr std::array<refinement::ReadingTerms, 4> kCorrections{
     {{false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
 
 bool fits_the_engine(const FitStart& start) {
   return calibration::Engine::columns(start.model, start.targets.size()) <=
          calibration::kMaxGeometry;
+}
+
+// Whether an arm can be like that: a signature holds no more, and no servo goes by more.
+bool is_bounded(const calibration::ArmModel& model) {
+  return calibration::check(calibration::packed(model), model.joint_count()).has_value();
 }
 
 }  // namespace
@@ -157,22 +160,30 @@ std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
   FitStart bent = geometry.start;
   calibration::choose_gravity_terms(log_.nominal, bent.model);
   if (!fits_the_engine(bent)) return std::nullopt;
-  auto whole = fitted(bent, {}, geometry.request);
-  if (!whole || !believable(*whole)) return std::nullopt;
-  for (const calibration::GravityTerm& term : whole->model->gravity) {
-    if (!(std::abs(term.coefficient) <= kMostSag)) return std::nullopt;
+  // What one pose alone shows may become a step in a map; then gravity is all that is believed.
+  for (const calibration::ModelParts& parts : {kWhole, kGravity}) {
+    auto found = fitted(bent, parts, geometry.request);
+    if (!found || !believable(*found)) return std::nullopt;
+    if (is_bounded(*found->model)) return where_better(std::move(*found), parts, geometry);
   }
-  fitting_.note_covered(*whole->model);
-  whole->left_out = fitting_.score(whole->end, {});
-  if (!predicts_better(*whole, geometry, kWorthDeflections)) return std::nullopt;
-  const double k = whole->left_out->score.factor;
-  for (calibration::JointModel& joint : whole->model->joints) {
+  return std::nullopt;
+}
+
+// `found` was the last fit, with gravity or maps.
+std::optional<Candidate> Candidates::where_better(Candidate found,
+                                                  const calibration::ModelParts& parts,
+                                                  const Candidate& geometry) {
+  fitting_.note_covered(*found.model);
+  found.left_out = fitting_.score(found.end, parts);
+  if (!predicts_better(found, geometry, kWorthDeflections)) return std::nullopt;
+  const double k = found.left_out->score.factor;
+  for (calibration::JointModel& joint : found.model->joints) {
     joint.deviation.fill(0);
     for (float& variance : joint.map_variance) variance *= static_cast<float>(k * k);
   }
-  whole->refined->readings.deflections = whole->model.get();
-  whole->deflected = true;
-  return std::move(*whole);
+  found.refined->readings.deflections = found.model.get();
+  found.deflected = true;
+  return found;
 }
 
 }  // namespace armsig::tool

@@ -48,7 +48,8 @@ class Candidates {
   // if any do.
   [[nodiscard]] std::optional<Candidate> corrected(const Candidate& plain);
 
-  // With gravity and maps too, where poses left out are predicted better with them.
+  // With gravity and maps too, where poses left out are predicted better with them; without maps
+  // where those found are no arm's.
   [[nodiscard]] std::optional<Candidate> deflected(const Candidate& geometry);
 
   // Whether the richest corrections take back rows that `plain` rejects.
@@ -64,6 +65,9 @@ class Candidates {
   [[nodiscard]] std::expected<void, Refusal> believable(const Candidate& found) const;
   [[nodiscard]] std::optional<Candidate> with_terms(const Candidate& plain,
                                                     const refinement::ReadingTerms& terms);
+  [[nodiscard]] std::optional<Candidate> where_better(Candidate found,
+                                                      const calibration::ModelParts& parts,
+                                                      const Candidate& geometry);
   // What a fit may be left with: an arm's, or a coarse sensor's.
   [[nodiscard]] double most_m() const;
 

@@ -4,9 +4,14 @@
 
 #include <memory>
 
+#include "firmware/formats/problem.hpp"
 #include "firmware/virtual_cabinet/bent_arm.hpp"
 
 namespace armsig::tool {
+
+// cabinet::bent_model(); null where nothing bends. Refuses what no signature file could tell.
+[[nodiscard]] Read<std::shared_ptr<const calibration::ArmModel>> bounded_bends(
+    const Arm& drawing, const cabinet::Bends& bends, simulated::Random& random);
 
 // Play leaves each joint on the side that it came from.
 class BentJoints {

@@ -92,7 +92,8 @@ export class BlackBox {
       pen.fillText(fixed(value, digits) + sign, left - 8, up(value) + 4);
     }
     pen.textAlign = 'center';
-    for (let s = Math.ceil(x[0]); s <= x.at(-1); s += Math.max(1, Math.round((x.at(-1) - x[0]) / 6))) pen.fillText(s === 0 ? 'fault' : `${fixed(s, 0)} s`, at(s), height - 6);
+    const second = Math.max(1, Math.round((x.at(-1) - x[0]) / 6));
+    for (let s = second * Math.ceil(x[0] / second); s <= x.at(-1); s += second) pen.fillText(s === 0 ? 'fault' : `${fixed(s, 0)} s`, at(s), height - 6);
     pen.strokeStyle = colour('soft');
     pen.setLineDash([3, 3]);
     pen.beginPath();

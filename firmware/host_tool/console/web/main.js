@@ -21,6 +21,7 @@ let state = null;
 let heard = 0;       // when the server was heard last
 let shownAnswer = null;
 let advice = {};
+let pausedBy = '';   // the name of what paused the measurement, as the controller said
 
 // --- What the server tells -------------------------------------------------------------------------
 
@@ -50,6 +51,7 @@ function listen() {
     if (state) dials.show(rows, state.sigmas, Number(state.status.sweep ?? 0));
   });
   on('said', (lines) => {
+    for (const line of lines) pausedBy = /^# identify paused error=(\S+)/.exec(line)?.[1] ?? (line.startsWith('# identify ') ? '' : pausedBy);
     const bad = (line) => / error=|faulted|refused|ended|lost/.test(line);
     const items = lines.map((line) => element('li', bad(line) ? { class: 'bad' } : {}, line.replace(/^# /, '')));
     byId('said').prepend(...items.reverse());
@@ -82,7 +84,14 @@ function stale() {
 }
 
 const adviceFor = (name) => advice[name] ?? { happened: name ?? '', todo: '' };
+const upper = (text) => text.replace(/^./, (c) => c.toUpperCase());
 const markdown = (text) => text.replace(/\[([^\]]*)\]\([^)]*\)/g, '$1').replace(/`/g, '');
+
+// The name of what is wrong with the sensor, now or when the measurement paused; empty: nothing.
+function troubleOf(status) {
+  if (status.sensor !== 'well') return status.sensor;
+  return status.sequence === 'paused' ? pausedBy : '';
+}
 
 // Headline, words, and the verb that is next.
 function situation({ status, candidate }) {
@@ -91,10 +100,14 @@ function situation({ status, candidate }) {
   if (status.mode === 'faulted') {
     const joint = status.fault_joint ? `Joint ${status.fault_joint}: ` : '';
     const words = adviceFor(status.fault).words ?? status.fault ?? 'stopped';
-    return { headline: `${joint}${words.replace(/^./, (c) => (joint ? c : c.toUpperCase()))}`, words: 'The arm is stopped. It stays so until it is reset.', next: 'reset' };
+    return { headline: `${joint}${joint ? words : upper(words)}`, words: 'The arm is stopped. It stays so until it is reset.', next: 'reset' };
   }
   if (status.mode === 'starting') return { headline: 'Starting', words: 'The drives are found and set up.', next: '' };
-  if (status.sequence === 'paused') return { headline: 'The measurement is paused', words: `Sensor: ${status.sensor === 'well' ? 'well' : markdown(adviceFor(status.sensor).happened)}. ${status.sensor === 'well' ? '' : markdown(adviceFor(status.sensor).todo)}`, next: 'resume' };
+  if (status.sequence === 'paused') {
+    const name = troubleOf(status);
+    const { words, todo } = adviceFor(name);
+    return { headline: 'The measurement is paused', words: name ? `${upper(words ?? name)}. ${upper(markdown(todo ?? ''))}. The arm holds where it is; Resume measures the same point again.` : 'The arm holds where it is; Resume measures the same point again.', next: 'resume' };
+  }
   if (running) return { headline: status.sweep ? `Measuring joint ${status.sweep} of ${joints.length}` : 'Comparing on poses held out', words: 'The arm moves by itself. Keep clear of it.', next: 'pause' };
   if (status.sequence === 'touching') return { headline: 'Touching the grid', words: 'The arm moves by itself. Keep clear of it.', next: 'halt' };
   if (candidate) {
@@ -159,7 +172,8 @@ function showFault({ status }) {
 }
 
 function showFacts({ status, signature, sigmas }) {
-  const facts = [['model', status.model], ['sensor', status.sensor === 'well' ? 'well' : markdown(adviceFor(status.sensor).words ?? status.sensor)]];
+  const trouble = troubleOf(status);
+  const facts = [['model', status.model], ['sensor', trouble ? markdown(adviceFor(trouble).words ?? trouble) : 'well']];
   if (status.sensor_says) facts.push(['sensor says', status.sensor_says]);
   if (status.store) facts.push(['store', markdown(adviceFor(status.store).words ?? status.store)]);
   if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);

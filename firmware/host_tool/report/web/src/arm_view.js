@@ -128,7 +128,10 @@ export class ArmView {
     this.scene.add(sun, fill);
 
     this.camera = new PerspectiveCamera(32, 1, this.size / 100, this.size * 40);
+    // A wheel or a finger that passes over the arm scrolls the page: turning is sideways, zooming by pinch, Ctrl or keys.
+    canvas.addEventListener('wheel', (event) => { if (!event.ctrlKey && !event.metaKey) event.stopImmediatePropagation(); }, { capture: true, passive: true });
     this.controls = new OrbitControls(this.camera, canvas);
+    canvas.style.touchAction = 'pan-y';
     this.controls.enablePan = false;
     this.controls.minDistance = this.size * 0.4;
     this.controls.maxDistance = this.size * 8;

@@ -2,7 +2,8 @@
 // Residuals against the reading, and the map of the tool error, by uPlot.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import { colour, degrees, fixed, signed } from './text.js';
+import { colour, degrees, fixed, length, signed } from './text.js';
+import { underPointer } from './values.js';
 
 const kDirections = [
   { index: 2, name: 'radial', flat: 'across' },
@@ -17,6 +18,17 @@ const axis = (label, size, unit = '') => ({
 });
 
 const dots = (name, size) => ({ show: true, size, width: 0, fill: colour(name), stroke: colour(name) });
+
+// The row nearest to the one at `index` that `is` true of; null where there is none.
+function nearest(rows, index, is) {
+  for (let off = 0; off < rows.length; ++off) {
+    for (const k of [index - off, index + off]) if (rows[k] && is(rows[k])) return rows[k];
+  }
+  return null;
+}
+
+// Tells what `words` says of the place of the pointer.
+const pointing = (tell, words) => ({ setCursor: [(plot) => tell(plot.cursor.idx === null || plot.cursor.left < 0 ? '' : words(plot.cursor.idx, plot))] });
 
 function widthOf(host) {
   return Math.max(240, host.clientWidth);
@@ -70,13 +82,22 @@ export function residualChart(host, sweep) {
     curve('encoder wave, tangential', 'tangential'),
     curve('encoder wave, radial', 'radial'),
   ];
+  const tell = underPointer(host, 'Point at the chart for the values of a reading.');
+  const names = kDirections.map(({ name, flat }) => (sweep.revolute ? name : flat));
+  const words = (index) => {
+    const row = nearest(rows, index, ({ point }) => point);
+    if (row === null) return '';
+    const off = kDirections.map(({ index: at }, k) => `${names[k]} ${fixed(1e3 * row.point[at], 3)}`);
+    return `at ${fixed(row.x, 2)}${sweep.revolute ? '°' : ' mm'}: ${off.join(', ')} mm${row.point[5] ? ', rejected' : ''}`;
+  };
   const shown = (_, k) => k < 4 || (k === 4 && sweep.rejected > 0) || (k > 4 && sweep.wave?.significant);
   return keepDrawn(host, () => {
     const drawn = series().filter(shown);
     return {
       height: 190,
       legend: { live: false, markers: { width: 2, stroke: (_, k) => drawn[k].stroke, fill: (_, k) => (drawn[k].label === 'rejected' ? 'transparent' : drawn[k].stroke) } },
-      cursor: { drag: { x: true, y: false } },
+      cursor: { drag: { x: true, y: false }, y: false },
+      hooks: pointing(tell, words),
       scales: { x: { time: false }, y: { range: [-1.45 * largest, 1.45 * largest] } },
       axes: [axis('', 26, sweep.revolute ? '°' : ' mm'), axis('residual, mm', 64)],
       series: drawn,
@@ -100,11 +121,19 @@ export function readingMapChart(host, joint) {
   const atTool = (1e3 * joint.tool_m_per_unit) / unit(1);
   const digits = (number) => Math.max(0, Math.min(5, 2 - Math.floor(Math.log10(number))));
   const ticks = (number) => (_, values) => values.map((value) => fixed(value, digits(number)));
+  const sign = joint.revolute ? '°' : ' mm';
+  const tell = underPointer(host, 'Point at the chart for the map at a reading.');
+  const words = (index) => {
+    const at = joint.curve[index];
+    return `at ${fixed(unit(at[0]), 1)}${sign}: ${fixed(unit(at[1]), 4)}${sign} ± ${fixed(unit(at[2]), 4)} (1σ), `
+      + `${fixed(atTool * unit(at[1]), 3)} mm at the tool${measured(at) ? '' : ', not measured here'}`;
+  };
   const line = (label, name, width) => ({ label, stroke: colour(name), width, points: { show: false }, spanGaps: false });
   return keepDrawn(host, () => ({
     height: 170,
     legend: { show: false },
-    cursor: { drag: { x: true, y: false } },
+    cursor: { drag: { x: true, y: false }, y: false },
+    hooks: pointing(tell, words),
     scales: {
       x: { time: false },
       y: { range: [-largest, largest] },
@@ -121,17 +150,24 @@ export function readingMapChart(host, joint) {
   }), data);
 }
 
-// Points (r, z) in classes with a colour each.
+// Points (r, z) in classes with a colour each; `error_m` is told of the one nearest to the pointer.
 export function mapChart(host, points, classes) {
   const sorted = points.slice().sort((a, b) => a.r - b.r);
   const data = [sorted.map((point) => point.r)];
   classes.forEach((_, k) => data.push(sorted.map((point) => (point.class === k ? point.z : null))));
   const zs = points.map((point) => point.z);
+  const tell = underPointer(host, 'Point at a dot for its error.');
+  const words = (_, plot) => {
+    const away = (point) => Math.hypot(plot.valToPos(point.r, 'x') - plot.cursor.left, plot.valToPos(point.z, 'y') - plot.cursor.top);
+    const point = sorted.reduce((a, b) => (away(b) < away(a) ? b : a));
+    return away(point) > 24 ? '' : `${length(point.error_m)}, at ${fixed(point.r, 3)} m from the first axis, ${fixed(point.z, 3)} m along it`;
+  };
   const margin = 0.06 * (Math.max(...zs) - Math.min(...zs));
   return keepDrawn(host, () => ({
     height: 380,
     legend: { show: false },
-    cursor: { show: false },
+    cursor: { x: false, y: false, points: { show: false }, drag: { x: false, y: false } },
+    hooks: pointing(tell, words),
     scales: { x: { time: false }, y: { range: [Math.min(...zs) - margin, Math.max(...zs) + margin] } },
     axes: [axis('distance from the first axis, m', 46), axis('height along it, m', 64)],
     series: [{}, ...classes.map(({ colour: fill }) => ({

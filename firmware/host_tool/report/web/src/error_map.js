@@ -45,9 +45,11 @@ export function showErrorMap(report, view) {
     const classes = classesOf(values);
     const classed = places.map((place, k) => {
       const found = classes.findIndex(({ to }) => values[k] <= to);
-      return { ...place, class: found < 0 ? classes.length - 1 : found };
+      return { ...place, error_m: values[k], class: found < 0 ? classes.length - 1 : found };
     });
     host.replaceChildren();
+    host.parentNode.querySelector('#map + .under-pointer')?.remove();
+    host.setAttribute('aria-label', `${choice.words} From ${length(Math.min(...values))} to ${length(Math.max(...values))}.`);
     redraw = mapChart(host, classed, classes);
     document.getElementById('map-lead').textContent = choice.words;
     document.getElementById('map-classes').replaceChildren(...classes.map(({ colour, from, to }) =>

@@ -4,10 +4,12 @@ import { ArmView, hasWebGl } from './arm_view.js';
 import { certificate } from './certificate.js';
 import { residualChart } from './charts.js';
 import { circleMagnification, drawCircle } from './circle_view.js';
+import { differencesPicture } from './differences_picture.js';
 import { showErrorMap } from './error_map.js';
 import { showReadingMaps } from './reading_maps.js';
 import { aboutTable, differenceTable, gridTable, parameterTable } from './tables.js';
 import { bounded, degrees, element, fixed, length } from './text.js';
+import { valueTable } from './values.js';
 import './page.css';
 
 const report = JSON.parse(document.getElementById('report').textContent);
@@ -40,12 +42,16 @@ function armControls(view) {
   const pose = by('pose');
   pose.max = report.arm.frames.length - 1;
   const largest = view.largestDifference();
+  // Beyond half the arm's size a difference is no picture of an arm any more.
+  magnify.max = Math.max(1, Math.min(3.5, Math.log10((0.5 * view.size) / Math.max(largest, 1e-9)))).toFixed(2);
   magnify.value = Math.max(0, Math.min(3.3, Math.log10((0.16 * view.size) / Math.max(largest, 1e-9)))).toFixed(2);
   const show = () => {
     const times = 10 ** magnify.value;
+    magnify.setAttribute('aria-valuetext', `${Math.round(10 * times) / 10} times`);
     by('magnify-value').textContent = `× ${times < 10 ? times.toFixed(1) : Math.round(times)}`;
     by('pose-value').textContent = pose.value === '0' ? 'signature configuration'
       : report.arm.frames[pose.value].q.map((q, i) => (report.parameters.rows[i].revolute ? `${Math.round(degrees(q))}°` : `${Math.round(1e3 * q)} mm`)).join(' ');
+    pose.setAttribute('aria-valuetext', by('pose-value').textContent);
     view.set(Number(pose.value), times);
   };
   magnify.addEventListener('input', show);
@@ -54,9 +60,11 @@ function armControls(view) {
   by('show-map').addEventListener('change', (event) => { view.map.visible = event.target.checked; view.render(); });
   let moving = false;
   let last = 0;
+  // Who wants less motion gets a pose at a time.
+  const pause_ms = () => (matchMedia('(prefers-reduced-motion: reduce)').matches ? 1500 : 90);
   const step = (now) => {
     if (!moving) return;
-    if (now - last > 90) {
+    if (now - last > pause_ms()) {
       last = now;
       pose.value = (Number(pose.value) + 1) % report.arm.frames.length;
       show();
@@ -107,6 +115,10 @@ function sweeps(webGl) {
       element('p', { class: sweep.wave?.significant ? 'words found' : 'words muted' }, sweep.words));
     by('sweeps').append(block);
     redraws.push(residualChart(chart, sweep));
+    const unit = sweep.revolute ? degrees : (metres) => 1e3 * metres;
+    valueTable(block, `Values of joint ${sweep.joint}`,
+      [sweep.revolute ? 'reading, °' : 'reading, mm', ...(sweep.revolute ? ['radial', 'normal', 'tangential'] : ['across', 'other way', 'along']).map((name) => `${name}, mm`), ''],
+      () => sweep.points.map((point) => [fixed(unit(point[0]), 3), ...[2, 3, 4].map((k) => fixed(1e3 * point[k], 4)), point[5] ? 'rejected' : '']));
     if (!webGl || !sweep.revolute) {
       figure.remove();
       chart.style.gridColumn = '1 / -1';
@@ -131,10 +143,12 @@ if (webGl) {
 sweeps(webGl);
 redraws.push(showReadingMaps(report));
 differenceTable(report);
+differencesPicture(report);
 parameterTable(report);
 redraws.push(showErrorMap(report, view));
 gridTable(report);
 aboutTable(report.about);
+by('download').href = URL.createObjectURL(new Blob([JSON.stringify(report, null, 1)], { type: 'application/json' }));
 certificate(report);
 
 const redrawAll = () => { for (const redraw of redraws) redraw(); };

@@ -115,7 +115,7 @@ export function gridTable(report) {
       cell(words(grid.with_signature[key]), 'actual'), cell(`${fixed(grid.improvement[k], 1)} ×`)));
   });
   document.getElementById('grid').append(
-    element('thead', {}, element('tr', {}, element('th', { class: 'text' }), ...['Drawing', 'Signature', 'Better by'].map((name) => element('th', {}, name)))), body);
+    element('thead', {}, element('tr', {}, element('th', { class: 'text' }, 'What'), ...['Drawing', 'Signature', 'Better by'].map((name) => element('th', {}, name)))), body);
 }
 
 export function aboutTable(about) {

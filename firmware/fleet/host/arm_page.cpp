@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/fleet/host/arm_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "core/base/pose.hpp"
+#include "firmware/fleet/host/html.hpp"
+#include "firmware/fleet/host/signature_comparison.hpp"
+
+namespace armsig::fleet {
+namespace {
+
+constexpr std::string_view kArm = "/arm/";
+constexpr std::string_view kSignature = "/signature/";
+constexpr std::string_view kCompare = "/compare/";
+constexpr std::size_t kHashSize = 64;
+const Answer kNoRecord{.status = 503, .body = "the record does not answer\n"};
+
+using Table = Database::Table;
+
+constexpr const char* kNow =
+    "SELECT arm.online, arm.current ->> 'mode', arm.current ->> 'fault', "
+    "arm.current ->> 'held_out_mm', "
+    "round((sqrt(d.sum[1]^2 + d.sum[2]^2 + d.sum[3]^2) / s.h)::numeric, 2), "
+    "to_char(d.named_at AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), d.verdict, "
+    "arm.current ->> 'model', arm.current ->> 'sensor', arm.current ->> 'air_c', "
+    "arm.current ->> 'firmware', arm.current ->> 'serial', arm.current ->> 'late_p99_us' "
+    "FROM arm LEFT JOIN drift d USING (node) LEFT JOIN drift_setting s ON true WHERE node = $1";
+
+constexpr const char* kChecks =
+    "SELECT sqrt((reading ->> 'dx_mm')::double precision ^ 2 + "
+    "(reading ->> 'dy_mm')::double precision ^ 2 + (reading ->> 'dz_mm')::double precision ^ 2) "
+    "FROM row WHERE node = $1 AND reading ? 'dx_mm' "
+    "AND abs((reading ->> 'dx_mm')::double precision) < 1e6 "
+    "AND abs((reading ->> 'dy_mm')::double precision) < 1e6 "
+    "AND abs((reading ->> 'dz_mm')::double precision) < 1e6 "
+    "ORDER BY number DESC LIMIT 200";
+
+constexpr const char* kWornNow =
+    "SELECT to_char(since AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), hash, "
+    "to_char(to_timestamp(identified_ms / 1000) AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
+    "sigma_mm, held_out_mm, air_c, signature.document FROM worn LEFT JOIN signature USING (hash) "
+    "WHERE node = $1 ORDER BY id DESC LIMIT 50";
+
+constexpr const char* kWearers =
+    "SELECT node, to_char(since AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
+    "to_char(to_timestamp(identified_ms / 1000) AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
+    "sigma_mm, held_out_mm, air_c FROM worn WHERE hash = $1 ORDER BY id DESC LIMIT 50";
+
+constexpr const char* kHistory =
+    "SELECT to_char(at AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI:SS'), reading::text FROM row "
+    "WHERE node = $1 AND NOT reading ? 'document' ORDER BY at DESC LIMIT 200";
+
+constexpr const char* kDocumentByHash = "SELECT document FROM signature WHERE hash = $1";
+
+bool is_hash(std::string_view text) {
+  return text.size() == kHashSize && text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
+std::string link_to_signature(const std::string& hash) {
+  return fmt::format("<a href=\"{}{}\">{}</a>", kSignature, escaped(hash),
+                     escaped(std::string_view(hash).substr(0, 12)));
+}
+
+std::string fact(std::string_view name, const Cell& value, std::string_view attributes = "") {
+  if (!value) return "";
+  return fmt::format("<tr><th>{}", name) + cell(value, attributes) + "</tr>";
+}
+
+std::string now(const Table& table) {
+  const auto& row = table[0];
+  std::string text = "<h2>Now</h2><div><table class=f>";
+  text += row[0] == "t" ? fact("state", row[1]) : fact("state", "away", " class=bad");
+  text += fact("fault", row[2], " class=bad");
+  if (row[3]) text += fact("accuracy, held-out poses", decimals(row[3], 3) + " mm");
+  text += fact("drift, of its threshold", row[4], row[5] ? " class=bad" : "");
+  text += fact("named as drifting, UTC", row[5], " class=bad");
+  text += fact("last check", row[6]) + fact("goes by the", row[7]) + fact("sensor", row[8]);
+  if (row[9]) text += fact("air", row[9].value() + " \u00b0C");
+  text += fact("firmware", row[10]) + fact("serial number", row[11]);
+  if (row[12]) text += fact("tick late, 99 %", row[12].value() + " \u00b5s");
+  return text + "</table></div>";
+}
+
+// The length of each check's mean residual, the oldest at the left.
+std::string chart(const Table& checks) {
+  if (checks.size() < 2) return "";
+  double largest = 0.01;
+  for (const auto& row : checks) {
+    largest = std::max(largest, std::strtod(row[0].value_or("0").c_str(), nullptr));
+  }
+  constexpr double kWidth = 800;
+  constexpr double kHeight = 120;
+  std::string points;
+  for (std::size_t i = checks.size(); i > 0; --i) {
+    const double length = std::strtod(checks[i - 1][0].value_or("0").c_str(), nullptr);
+    const auto place = static_cast<double>(checks.size() - i);
+    points += fmt::format("{:.1f},{:.1f} ", place * kWidth / static_cast<double>(checks.size() - 1),
+                          kHeight * (1 - length / largest));
+  }
+  return fmt::format(
+      "<h2>Mean residual of the last {} checks</h2><p>The largest is {:.3f} mm.</p>"
+      "<svg viewBox=\"-5 -5 {} {}\" role=img aria-label=\"length of the mean residual, check by "
+      "check\"><polyline points=\"{}\"/></svg>",
+      checks.size(), largest, kWidth + 10, kHeight + 10, points);
+}
+
+std::string comparison_of(std::string_view before, std::string_view actual) {
+  const auto compared = compare_signatures(before, actual);
+  if (!compared) return "<p>These two are not of one arm, or cannot be read.</p>";
+  std::string text =
+      "<div><table><tr><th>joint<th class=n>axis tilted, \u00b0<th class=n>shifted, mm"
+      "<th class=n>zero, \u00b0<th class=n>adds at the tool, mm</tr>";
+  for (std::size_t i = 0; i < compared->joints.size(); ++i) {
+    const JointDifference& joint = compared->joints[i];
+    text += fmt::format(
+        "<tr><th>{}<td class=n>{:.4f}<td class=n>{:.3f}<td class=n>{:+.4f}<td class=n>{:+.3f}</tr>",
+        i + 1, degrees(joint.tilt_rad), 1e3 * joint.shift_m, degrees(joint.zero_rad),
+        1e3 * joint.adds_m);
+  }
+  return text + fmt::format(
+                    "</table></div><p>Together {:.3f} mm at the tool (RMS over the work volume, "
+                    "base and tool fitted). Each axis is held against the link before it.</p>",
+                    1e3 * compared->tool_rms_m);
+}
+
+std::string signatures(const Table& worn) {
+  if (worn.empty()) return "";
+  std::string text =
+      "<h2>Signatures</h2><div><table><tr><th>since, UTC<th>signature<th>identified, UTC"
+      "<th class=n>predicted \u03c3, mm<th class=n>held out, mm<th class=n>air, \u00b0C"
+      "<th>joint by joint</tr>";
+  std::string newest;  // the last change of which both documents are there
+  for (std::size_t i = 0; i < worn.size(); ++i) {
+    const auto& row = worn[i];
+    text += "<tr>" + cell(row[0]) + "<td>" + (row[1] ? link_to_signature(*row[1]) : "the drawing");
+    text += cell(row[2]) + cell(decimals(row[3], 3), kNumber) + cell(decimals(row[4], 3), kNumber);
+    text += cell(decimals(row[5], 1), kNumber) + "<td>";
+    const auto before = std::find_if(worn.begin() + static_cast<std::ptrdiff_t>(i) + 1, worn.end(),
+                                     [](const auto& former) { return former[6].has_value(); });
+    if (row[6] && before != worn.end() && (*before)[1] != row[1]) {
+      text += fmt::format("<a href=\"{}{}/{}\">against {}</a>", kCompare, escaped(*(*before)[1]),
+                          escaped(*row[1]), escaped(std::string_view(*(*before)[1]).substr(0, 12)));
+      if (newest.empty()) {
+        newest = fmt::format("<h2>The last change, {}, joint by joint</h2>",
+                             escaped(row[0].value_or(""))) +
+                 comparison_of(*(*before)[6], *row[6]);
+      }
+    }
+    text += "</tr>";
+  }
+  return text + "</table></div>" + newest;
+}
+
+Answer one_arm(std::string_view node, Database& database) {
+  const std::vector<std::string> name{std::string(node)};
+  const auto there = database.ask(kNow, name);
+  const auto checks = database.ask(kChecks, name);
+  const auto worn = database.ask(kWornNow, name);
+  const auto rows = database.ask(kHistory, name);
+  if (!there || !checks || !worn || !rows) return kNoRecord;
+  if (there->empty()) return {.status = 404, .body = "no such arm\n"};
+  Answer page{.body = page_head(node)};
+  page.body += fmt::format("<p><a href=\"/\">all arms</a><h1>{}</h1>", escaped(node));
+  page.body += now(*there) + chart(*checks) + signatures(*worn);
+  page.body += "<h2>History</h2><div><table><tr><th>time, UTC<th>what it told</tr>";
+  for (const auto& row : *rows) {
+    page.body += "<tr>" + cell(row[0]) + cell(row[1], " class=long") + "</tr>";
+  }
+  page.body += "</table></div>";
+  return page;
+}
+
+// The report of one signature: who goes by it, what it was told to be worth, and what it says.
+Answer signature(const std::string& hash, Database& database) {
+  const auto wearers = database.ask(kWearers, {hash});
+  const auto document = database.ask(kDocumentByHash, {hash});
+  if (!wearers || !document) return kNoRecord;
+  if (wearers->empty() && document->empty()) return {.status = 404, .body = "no such signature\n"};
+  Answer page{.body = page_head("Signature " + hash.substr(0, 12))};
+  page.body += fmt::format(
+      "<p><a href=\"/\">all arms</a><h1>Signature {}</h1><p>SHA-256 {}</p><h2>Arms that went by "
+      "it</h2><div><table><tr><th>arm<th>since, UTC<th>identified, UTC<th class=n>predicted "
+      "\u03c3, mm<th class=n>held out, mm<th class=n>air, \u00b0C</tr>",
+      hash.substr(0, 12), hash);
+  for (const auto& row : *wearers) {
+    const std::string name = escaped(row[0].value_or(""));
+    page.body += fmt::format("<tr><td><a href=\"{0}{1}\">{1}</a>", kArm, name);
+    page.body += cell(row[1]) + cell(row[2]) + cell(decimals(row[3], 3), kNumber) +
+                 cell(decimals(row[4], 3), kNumber) + cell(decimals(row[5], 1), kNumber) + "</tr>";
+  }
+  page.body += "</table></div><h2>Parameters</h2>";
+  if (document->empty()) {
+    page.body += "<p>The document has not arrived.</p>";
+    return page;
+  }
+  const std::string text = (*document)[0][0].value_or("");
+  if (const auto arm = arm_of_document(text)) {
+    page.body +=
+        "<div><table><tr><th>joint<th class=n>\u03b8, \u00b0<th class=n>d, mm<th class=n>a, mm"
+        "<th class=n>\u03b1, \u00b0</tr>";
+    for (std::size_t i = 0; i < arm->joints.size(); ++i) {
+      const DhJoint& row = arm->joints[i];
+      page.body += fmt::format(
+          "<tr><th>{}<td class=n>{:.6f}<td class=n>{:.4f}<td class=n>{:.4f}<td class=n>{:.6f}</tr>",
+          i + 1, degrees(row.theta_rad), 1e3 * row.d_m, 1e3 * row.a_m, degrees(row.alpha_rad));
+    }
+    page.body +=
+        "</table></div><p>Pseudo Denavit-Hartenberg rows; near parallel axes only their product "
+        "means anything.</p>";
+  }
+  page.body += fmt::format("<h2>Document</h2><table><tr><td class=long>{}</table>", escaped(text));
+  return page;
+}
+
+Answer comparison(const std::string& before, const std::string& actual, Database& database) {
+  const auto former = database.ask(kDocumentByHash, {before});
+  const auto newer = database.ask(kDocumentByHash, {actual});
+  if (!former || !newer) return kNoRecord;
+  if (former->empty() || newer->empty()) return {.status = 404, .body = "no such signature\n"};
+  Answer page{.body = page_head("Two signatures")};
+  page.body += fmt::format("<p><a href=\"/\">all arms</a><h1>{} against {}</h1>",
+                           link_to_signature(actual), link_to_signature(before));
+  page.body += comparison_of((*former)[0][0].value_or(""), (*newer)[0][0].value_or(""));
+  return page;
+}
+
+}  // namespace
+
+bool is_of_one_arm(std::string_view path) {
+  if (path.starts_with(kArm)) return true;
+  if (path.starts_with(kSignature)) return is_hash(path.substr(kSignature.size()));
+  if (!path.starts_with(kCompare)) return false;
+  path.remove_prefix(kCompare.size());
+  return path.size() == 2 * kHashSize + 1 && path[kHashSize] == '/' &&
+         is_hash(path.substr(0, kHashSize)) && is_hash(path.substr(kHashSize + 1));
+}
+
+Answer answer_of_one_arm(std::string_view path, Database& database) {
+  if (path.starts_with(kArm)) return one_arm(path.substr(kArm.size()), database);
+  if (path.starts_with(kSignature)) {
+    return signature(std::string(path.substr(kSignature.size())), database);
+  }
+  path.remove_prefix(kCompare.size());
+  return comparison(std::string(path.substr(0, kHashSize)), std::string(path.substr(kHashSize + 1)),
+                    database);
+}
+
+}  // namespace armsig::fleet

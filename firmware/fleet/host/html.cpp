@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/fleet/host/html.hpp"
+
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+namespace armsig::fleet {
+namespace {
+
+constexpr std::string_view kStyle =
+    ":root{color-scheme:light dark}"
+    "body{font:15px/1.45 system-ui,sans-serif;margin:1rem auto;max-width:80rem;padding:0 1rem;"
+    "color:#1b1f24;background:#fff}h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.1rem;"
+    "margin:1.6rem 0 .4rem}div{overflow-x:auto}table{border-collapse:collapse;white-space:nowrap}"
+    "th,td{text-align:left;padding:.3rem .9rem .3rem 0;border-bottom:1px solid #d0d7de}"
+    "th{position:sticky;top:0;background:#fff}.n{text-align:right;"
+    "font-variant-numeric:tabular-nums}.bad{color:#b3261e;font-weight:600}a{color:#0b57d0}"
+    ".f{white-space:normal}td.long{white-space:normal;overflow-wrap:anywhere;min-width:16rem}"
+    "svg{max-width:100%;height:auto}polyline{fill:none;stroke:#0b57d0;stroke-width:1.5}"
+    "@media(prefers-color-scheme:dark){body,th{color:#e6e9ed;background:#14171a}"
+    "th,td{border-color:#3a4149}a{color:#8ab4f8}.bad{color:#ff8a80}polyline{stroke:#8ab4f8}}";
+
+}  // namespace
+
+std::string escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string page_head(std::string_view title) {
+  return fmt::format(
+      "<!doctype html><html lang=en><meta charset=utf-8>"
+      "<meta name=viewport content=\"width=device-width\"><title>{}</title><style>{}</style>",
+      escaped(title), kStyle);
+}
+
+std::string cell(const Cell& text, std::string_view attributes) {
+  return fmt::format("<td{}>{}</td>", attributes, escaped(text.value_or("")));
+}
+
+std::string decimals(const Cell& number, int count) {
+  return number ? fmt::format("{:.{}f}", std::strtod(number->c_str(), nullptr), count) : "";
+}
+
+}  // namespace armsig::fleet
