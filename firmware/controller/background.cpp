@@ -7,14 +7,14 @@ namespace armsig::controller {
 
 Background::Background(const Configuration& configuration, hal::RangeSensor& sensor,
                        hal::Clock& clock, hal::NonvolatileMemory& memory,
-                       std::span<hal::Console* const> consoles, Link& link)
+                       std::span<hal::Console* const> consoles, Link& link, Refinement* refinement)
     : configuration_(configuration),
       clock_(clock),
       link_(link),
       announcer_(consoles),
       mover_(link),
       measurement_(configuration, sensor),
-      identification_(configuration, mover_, measurement_, announcer_),
+      identification_(configuration, mover_, measurement_, announcer_, refinement),
       grid_(configuration, mover_, link, announcer_),
       custody_(configuration.drawing, memory),
       check_(configuration, mover_, measurement_, announcer_, link, custody_),

@@ -24,7 +24,8 @@ class Background {
   // Loads the committed signature, if there is one, so that the first tick has it. `consoles` are
   // at most kMaxConsoles.
   Background(const Configuration& configuration, hal::RangeSensor& sensor, hal::Clock& clock,
-             hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles, Link& link);
+             hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles, Link& link,
+             Refinement* refinement = nullptr);
 
   // True if the next step has something to compute.
   bool step();

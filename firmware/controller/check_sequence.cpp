@@ -9,13 +9,9 @@ namespace armsig::controller {
 CheckSequence::CheckSequence(const Configuration& configuration, Mover& mover,
                              PointMeasurement& measurement, const Announcer& announcer,
                              const Link& link, const Custody& custody)
-    : configuration_(configuration),
-      mover_(mover),
-      measurement_(measurement),
-      announcer_(announcer),
+    : VisitingSequence(configuration, mover, measurement, announcer, "check"),
       link_(link),
       custody_(custody),
-      visit_(configuration, mover, measurement, announcer, "check"),
       due_(configuration.check.every) {}
 
 Result<Ticket> CheckSequence::begin() {
@@ -48,34 +44,16 @@ void CheckSequence::end(Error error, std::optional<std::size_t> joint) {
   tell_failure(error, joint);
 }
 
-void CheckSequence::step() {
-  if (!is_running()) return;
-  const VisitOutcome outcome = visit_.step();
-  switch (outcome.what) {
-    case VisitOutcome::What::kReady:
-      go_on();
-      return;
-    case VisitOutcome::What::kArrived:
-      arrived();
-      return;
-    case VisitOutcome::What::kEnds:
-      end(outcome.why.error, outcome.why.joint);
-      return;
-    default:
-      return;
-  }
-}
-
 // By way of the signature configuration, so that every pose is always reached from the same one and
 // play leaves it on the same side.
-void CheckSequence::go_on() {
+void CheckSequence::ready() {
   if (stage_ == Stage::kPosing && (trouble_ || pose_ == configuration_.check.poses)) {
     stage_ = Stage::kReturning;
   }
   JointVector q = configuration_.sweeps.configuration;
   if (stage_ == Stage::kPosing) q = spread_pose(configuration_, pose_);
   if (stage_ == Stage::kReturning) q = home_;
-  if (const auto gone = visit_.go_to(q); !gone) end(gone.error().error, gone.error().joint);
+  go_to(q);
 }
 
 void CheckSequence::arrived() {
@@ -85,24 +63,6 @@ void CheckSequence::arrived() {
     visit_.measure();
   } else {
     finish();
-  }
-}
-
-void CheckSequence::measure_step(const Result<std::optional<MeasuredPoint>>& measured) {
-  if (!is_running()) return;
-  const VisitOutcome outcome = visit_.take(measured);
-  switch (outcome.what) {
-    case VisitOutcome::What::kPoint:
-      take(**measured);
-      return;
-    case VisitOutcome::What::kLost:
-      lose(outcome.why.error);
-      return;
-    case VisitOutcome::What::kEnds:
-      end(outcome.why.error, outcome.why.joint);
-      return;
-    default:
-      return;
   }
 }
 

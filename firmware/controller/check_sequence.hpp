@@ -23,7 +23,7 @@
 
 namespace armsig::controller {
 
-class CheckSequence {
+class CheckSequence : public VisitingSequence<CheckSequence> {
  public:
   // The arm has stood still for so long before a check by schedule is told, and then again.
   static constexpr hal::Duration kQuiet = std::chrono::seconds(60);
@@ -39,9 +39,6 @@ class CheckSequence {
   Result<Ticket> begin();
   // Ends it with `error` as the reason, wherever it is.
   void end(Error error, std::optional<std::size_t> joint = {});
-  void step();
-  // What the sensor said in this step.
-  void measure_step(const Result<std::optional<MeasuredPoint>>& measured);
   // Looks at the schedule; `others`: something else is under way or asked for.
   void look_at_schedule(bool others);
   // A check that is due, or told, is put off by kPostponed, by its period where that is shorter.
@@ -52,9 +49,11 @@ class CheckSequence {
   [[nodiscard]] const std::optional<CheckReport>& last() const { return last_; }
 
  private:
+  friend class VisitingSequence<CheckSequence>;
+
   enum class Stage : std::uint8_t { kNone, kApproaching, kPosing, kReturning };
 
-  void go_on();
+  void ready();
   void arrived();
   void take(const MeasuredPoint& point);
   void lose(Error error);
@@ -66,13 +65,8 @@ class CheckSequence {
   void tell(const CheckReport& report, std::size_t poses) const;
   void tell_people(const CheckReport& report) const;
 
-  const Configuration& configuration_;
-  Mover& mover_;
-  PointMeasurement& measurement_;
-  const Announcer& announcer_;
   const Link& link_;
   const Custody& custody_;
-  PoseVisit visit_;
 
   Stage stage_ = Stage::kNone;
   std::size_t pose_ = 0;

@@ -9,37 +9,25 @@ namespace {
 
 // Points in a row that give no position, until the sensor rather than the place is to blame.
 constexpr unsigned kLostInARow = 3;
+// Of poses that are spread further than the sensor may see.
+constexpr unsigned kPosesLostInARow = 8;
 
 }  // namespace
 
-void IdentificationSequence::measure_step(const Result<std::optional<MeasuredPoint>>& measured) {
-  if (!is_running()) return;
-  const VisitOutcome outcome = visit_.take(measured);
-  switch (outcome.what) {
-    case VisitOutcome::What::kPoint:
-      take(**measured);
-      return;
-    case VisitOutcome::What::kLost:
-      take_error(outcome.why.error);
-      return;
-    case VisitOutcome::What::kEnds:
-      end(outcome.why.error, outcome.why.joint);
-      return;
-    default:
-      return;
-  }
-}
-
-void IdentificationSequence::take_error(Error error) {
+void IdentificationSequence::lose(Error error) {
   if (!is_of_the_place(error)) {
     pause_for(error);
     return;
   }
   announcer_.say(Line().text("# identify point lost").reason(error));
-  if (++lost_in_a_row_ >= kLostInARow) {
+  const bool refining = stage_ == Stage::kRefining;
+  if (++lost_in_a_row_ >= (refining ? kPosesLostInARow : kLostInARow)) {
     pause_for(error);
   } else if (stage_ == Stage::kSweeping) {
     sweep().skip();
+  } else if (refining) {
+    approached_ = false;
+    refinement_->lose();
   } else {
     ++held_out_;
   }
@@ -60,6 +48,11 @@ void IdentificationSequence::take(const MeasuredPoint& point) {
     log_.push_back({sweeping ? joint_ + 1 : 0, point.pings, readings, point.p_S,
                     std::sqrt(point.covariance_m2.trace() / 3)});
   }
+  if (refines_) {
+    refinement_->take(sweeping ? joint_ + 1 : 0, readings, point);
+    approached_ = false;
+  }
+  if (stage_ == Stage::kRefining) return;
   if (!sweeping) {
     comparison().judge(readings, point.p_S);
     ++held_out_;

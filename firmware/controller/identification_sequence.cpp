@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/controller/identification_sequence.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -9,12 +10,11 @@ namespace armsig::controller {
 
 IdentificationSequence::IdentificationSequence(const Configuration& configuration, Mover& mover,
                                                PointMeasurement& measurement,
-                                               const Announcer& announcer)
-    : configuration_(configuration),
-      mover_(mover),
-      measurement_(measurement),
-      announcer_(announcer),
-      visit_(configuration, mover, measurement, announcer, "identify") {}
+                                               const Announcer& announcer, Refinement* refinement)
+    : VisitingSequence(configuration, mover, measurement, announcer, "identify"),
+      refinement_(refinement) {
+  if (refinement_ != nullptr) log_.extend(refinement_->further_log());
+}
 
 void IdentificationSequence::begin(const SignatureRecord* active, Ticket begun) {
   start(active, begun);
@@ -23,6 +23,13 @@ void IdentificationSequence::begin(const SignatureRecord* active, Ticket begun) 
   forget_candidate();
   candidate_.emplace().signature.configuration = configuration_.sweeps.configuration;
   begin_sweep();
+}
+
+void IdentificationSequence::begin_refining(double accuracy_m, hal::Duration time,
+                                            const SignatureRecord* active, Ticket begun) {
+  begin(active, begun);
+  refines_ = true;
+  refinement_->begin({accuracy_m, began_ + time});
 }
 
 void IdentificationSequence::begin_comparison(const SignatureRecord* active, Ticket begun) {
@@ -52,6 +59,8 @@ void IdentificationSequence::start(const SignatureRecord* active, Ticket begun) 
   active_ = active;
   joint_ = held_out_ = points_done_ = 0;
   lost_in_a_row_ = 0;
+  refines_ = approached_ = false;
+  refines_from_ = 0;
   visit_.begin(begun);
   began_ = mover_.now().now;
 }
@@ -71,6 +80,7 @@ void IdentificationSequence::resume() {
   paused_ = false;
   pause_reason_.reset();
   lost_in_a_row_ = 0;
+  approached_ = false;
 }
 
 void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) {
@@ -91,7 +101,8 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
 std::size_t IdentificationSequence::points_planned() const {
   const std::size_t swept =
       received_ ? 0 : configuration_.drawing.joints.size() * configuration_.sweeps.points;
-  return swept + configuration_.sweeps.held_out_poses;
+  const std::size_t refining = refines_ ? refinement_->planned() : 0;
+  return std::max(swept, refines_from_) + refining + configuration_.sweeps.held_out_poses;
 }
 
 double IdentificationSequence::left_s() const {
@@ -111,27 +122,20 @@ void IdentificationSequence::tell_progress(std::string_view what) const {
   announcer_.say(line.text(" left_s=").number(left_s(), 0));
 }
 
-void IdentificationSequence::step() {
-  if (!is_running()) return;
-  const VisitOutcome outcome = visit_.step();
-  switch (outcome.what) {
-    case VisitOutcome::What::kReady:
-      if (!paused_) go_on();
-      return;
-    case VisitOutcome::What::kArrived:
-      stage_ == Stage::kReturning ? finish() : visit_.measure();
-      return;
-    case VisitOutcome::What::kEnds:
-      end(outcome.why.error, outcome.why.joint);
-      return;
-    default:
-      return;
+void IdentificationSequence::arrived() {
+  if (stage_ == Stage::kReturning) {
+    finish();
+  } else if (stage_ == Stage::kRefining && !approached_) {
+    approached_ = true;
+  } else {
+    visit_.measure();
   }
 }
 
 void IdentificationSequence::begin_sweep() { work_.emplace<Sweep>(configuration_, joint_); }
 
-void IdentificationSequence::go_on() {
+void IdentificationSequence::ready() {
+  if (paused_) return;
   JointVector q = configuration_.sweeps.configuration;
   if (stage_ == Stage::kSweeping) {
     if (sweep().step()) return;
@@ -144,6 +148,14 @@ void IdentificationSequence::go_on() {
   } else if (stage_ == Stage::kIdentifying) {
     step_identification();
     return;
+  } else if (stage_ == Stage::kRefining) {
+    const Refinement::Next next = refinement_->step(mover_.now().now);
+    if (next != Refinement::Next::kVisits) {
+      follow_refinement(next);
+      return;
+    }
+    const Refinement::Visit& visit = refinement_->visit();
+    q = approached_ ? visit.pose : visit.approach;
   } else if (stage_ == Stage::kComparing) {
     if (!comparison().step()) stage_ = Stage::kHeldOut;
     return;
@@ -154,7 +166,7 @@ void IdentificationSequence::go_on() {
     }
     q = spread_pose(configuration_, held_out_);
   }
-  if (const auto gone = visit_.go_to(q); !gone) end(gone.error().error, gone.error().joint);
+  go_to(q);
 }
 
 void IdentificationSequence::finish_sweep() {
@@ -188,9 +200,29 @@ void IdentificationSequence::step_identification() {
     }
     return;
   }
+  if (refines_) {
+    refines_from_ = points_done_;
+    refinement_->refine(candidate_->signature);
+    stage_ = Stage::kRefining;
+    return;
+  }
   // In a step of its own: both together hold the core for too long.
   work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
   stage_ = Stage::kComparing;
+}
+
+// A line here, and below, would stand on the stack below what a step calls.
+[[gnu::noinline]] void IdentificationSequence::follow_refinement(Refinement::Next next) {
+  if (next == Refinement::Next::kTells) {
+    Line line;
+    refinement_->tell(line);
+    announcer_.say(line);
+  } else if (next == Refinement::Next::kDone) {
+    refinement_->write(*candidate_);
+    refines_from_ = points_done_;
+    refines_ = false;
+    stage_ = Stage::kIdentifying;
+  }
 }
 
 // Every sweep has seen the one target pass the signature configuration: weighted mean.

@@ -3,6 +3,9 @@
 // dwell and measure at every point, stop or extend each sweep by the accuracy it predicts,
 // identify, then measure held-out poses and compare candidate and active model on them.
 //
+// Where an accuracy is asked for, and there is a Refinement, that chooses further poses before the
+// held-out ones, and refines the candidate.
+//
 // Trouble of the sensor pauses it; resume() measures the same point again. Trouble of the arm ends
 // it. Nothing is stored by it. A candidate may come from outside as well, and is then compared
 // alone.
@@ -19,29 +22,37 @@
 #include "firmware/controller/point_measurement.hpp"
 #include "firmware/controller/pose_visit.hpp"
 #include "firmware/controller/receiving.hpp"
+#include "firmware/controller/refinement.hpp"
 #include "firmware/controller/signature_record.hpp"
 #include "firmware/controller/sweep.hpp"
 
 namespace armsig::controller {
 
-class IdentificationSequence {
+class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
  public:
   enum class Stage : std::uint8_t {
     kNone,
     kSweeping,
     kIdentifying,
+    kRefining,
     kComparing,  // the active model is laid over the candidate
     kHeldOut,
     kReturning
   };
 
   IdentificationSequence(const Configuration& configuration, Mover& mover,
-                         PointMeasurement& measurement, const Announcer& announcer);
+                         PointMeasurement& measurement, const Announcer& announcer,
+                         Refinement* refinement);
 
   // Forgets candidate and log. `active` is the signature in use, null: the drawing; it must stay
   // as it is until the sequence is over; `begun` is the kBeginSequence that it needs. Precondition:
   // not is_running().
   void begin(const SignatureRecord* active, Ticket begun);
+  [[nodiscard]] bool can_refine() const { return refinement_ != nullptr; }
+  // The same, and refines until the accuracy is reached or the time is over, from now on.
+  // Precondition: can_refine().
+  void begin_refining(double accuracy_m, hal::Duration time, const SignatureRecord* active,
+                      Ticket begun);
   // The next part of a candidate from outside (receiving.hpp); true if it is whole then, and is the
   // candidate in place of any other. Errors: those of Receiving. Precondition: not is_running().
   [[nodiscard]] Result<bool> receive(const Request& request);
@@ -54,9 +65,6 @@ class IdentificationSequence {
   void resume();
   // Ends it with `error` as the reason, wherever it is.
   void end(Error error, std::optional<std::size_t> joint = {});
-  void step();
-  // What the sensor said in this step.
-  void measure_step(const Result<std::optional<MeasuredPoint>>& measured);
 
   [[nodiscard]] bool is_running() const { return stage_ != Stage::kNone; }
   [[nodiscard]] bool is_paused() const { return is_running() && paused_; }
@@ -89,8 +97,10 @@ class IdentificationSequence {
   void stamp(std::int64_t identified_at_s, const Machine& machine);
 
  private:
+  friend class VisitingSequence<IdentificationSequence>;
+
   void start(const SignatureRecord* active, Ticket begun);
-  void go_on();
+  void ready();
   void begin_sweep();
   // Of the stage.
   [[nodiscard]] Sweep& sweep() { return *std::get_if<Sweep>(&work_); }
@@ -98,20 +108,17 @@ class IdentificationSequence {
   [[nodiscard]] HeldOutComparison& comparison() { return *std::get_if<HeldOutComparison>(&work_); }
   void finish_sweep();
   void step_identification();
+  void follow_refinement(Refinement::Next next);
+  void arrived();
   void finish_held_out();
   void finish();
   void add_targets();
   void take(const MeasuredPoint& point);
-  void take_error(Error error);
+  void lose(Error error);
   void pause_for(Error error);
   void tell_progress(std::string_view what) const;
 
-  const Configuration& configuration_;
-  Mover& mover_;
-  PointMeasurement& measurement_;
-  const Announcer& announcer_;
-  PoseVisit visit_;
-
+  Refinement* refinement_;  // null: there is no memory for it
   Stage stage_ = Stage::kNone;
   bool paused_ = false;
   std::optional<Error> pause_reason_;
@@ -120,6 +127,9 @@ class IdentificationSequence {
   std::size_t held_out_ = 0;
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
+  bool refines_ = false;
+  bool approached_ = false;       // the pose of the refinement, from its side
+  std::size_t refines_from_ = 0;  // points that were measured before
   hal::Instant began_;
   // In it a candidate from outside comes in, too, part after part.
   std::variant<std::monostate, Sweep, Identification, HeldOutComparison, Receiving> work_;

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
@@ -73,6 +74,32 @@ class LogEntry {
   std::uint8_t sweep_and_joints_ = 0;
 };
 
-using MeasurementLog = FixedVector<LogEntry, kMostLogged>;
+// Room for the sweeps and the held-out poses, and for more where extend() has lent it.
+class MeasurementLog {
+ public:
+  // What is lent outlives the log. To be called before the first entry.
+  void extend(std::span<LogEntry> further) { further_ = further; }
+
+  [[nodiscard]] std::size_t capacity() const { return kMostLogged + further_.size(); }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool full() const { return size_ == capacity(); }
+  void clear() { size_ = 0; }
+  // Precondition: not full().
+  void push_back(const LogEntry& entry) { at(size_++) = entry; }
+  [[nodiscard]] const LogEntry& operator[](std::size_t i) const {
+    ARMSIG_CHECK(i < size_);
+    return i < kMostLogged ? own_[i] : further_[i - kMostLogged];
+  }
+
+ private:
+  LogEntry& at(std::size_t i) {
+    ARMSIG_CHECK(i < capacity());
+    return i < kMostLogged ? own_[i] : further_[i - kMostLogged];
+  }
+
+  std::array<LogEntry, kMostLogged> own_{};
+  std::span<LogEntry> further_;
+  std::size_t size_ = 0;
+};
 
 }  // namespace armsig::controller

@@ -75,4 +75,59 @@ class PoseVisit {
   hal::Instant measured_since_;
 };
 
+// A sequence of visits, `Sequence`, which is told what becomes of each: ready() for the next one,
+// arrived(), take(point), lose(error), end(error, joint). It is its friend.
+template <typename Sequence>
+class VisitingSequence {
+ public:
+  void step() {
+    if (!self().is_running()) return;
+    const VisitOutcome outcome = visit_.step();
+    if (outcome.what == VisitOutcome::What::kReady) {
+      self().ready();
+    } else if (outcome.what == VisitOutcome::What::kArrived) {
+      self().arrived();
+    } else if (outcome.what == VisitOutcome::What::kEnds) {
+      self().end(outcome.why.error, outcome.why.joint);
+    }
+  }
+  // What the sensor said in this step.
+  void measure_step(const Result<std::optional<MeasuredPoint>>& measured) {
+    if (!self().is_running()) return;
+    const VisitOutcome outcome = visit_.take(measured);
+    if (outcome.what == VisitOutcome::What::kPoint) {
+      self().take(**measured);
+    } else if (outcome.what == VisitOutcome::What::kLost) {
+      self().lose(outcome.why.error);
+    } else if (outcome.what == VisitOutcome::What::kEnds) {
+      self().end(outcome.why.error, outcome.why.joint);
+    }
+  }
+
+ protected:
+  VisitingSequence(const Configuration& configuration, Mover& mover, PointMeasurement& measurement,
+                   const Announcer& announcer, std::string_view name)
+      : configuration_(configuration),
+        mover_(mover),
+        measurement_(measurement),
+        announcer_(announcer),
+        visit_(configuration, mover, measurement, announcer, name) {}
+
+  // On the way to `q`, or at its end.
+  void go_to(const JointVector& q) {
+    if (const auto gone = visit_.go_to(q); !gone) {
+      self().end(gone.error().error, gone.error().joint);
+    }
+  }
+
+  const Configuration& configuration_;
+  Mover& mover_;
+  PointMeasurement& measurement_;
+  const Announcer& announcer_;
+  PoseVisit visit_;
+
+ private:
+  [[nodiscard]] Sequence& self() { return *static_cast<Sequence*>(this); }
+};
+
 }  // namespace armsig::controller

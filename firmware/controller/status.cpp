@@ -53,7 +53,9 @@ void tell_arm(Line& line, const Controls& controls) {
   if (s.limits_active != 0) tell_limits(line, s);
   tell_readings(line, controls.configuration.drawing, s.positions, 4);
   tell_point(line, s.X_RT.p, 3);
-  line.text(" model=").text(controls.link.models[s.model].identified ? "signature" : "drawing");
+  const Model& model = controls.link.models[s.model];
+  line.text(" model=").text(model.identified ? "signature" : "drawing");
+  if (model.identified) line.text(" maps=").text(model.joints.exact() ? "no" : "yes");
 }
 
 void tell_sensor(Line& line, const PointMeasurement& measurement) {
@@ -68,6 +70,9 @@ void tell_sequence(Line& line, const Controls& controls) {
   const IdentificationSequence& identification = controls.identification;
   if (identification.is_running()) {
     line.text(" sequence=").text(identification.is_paused() ? "paused" : "identifying");
+    if (identification.stage() == IdentificationSequence::Stage::kRefining) {
+      line.text(" refining=yes");
+    }
     line.text(" points=").integer(identification.points_done());
     line.text(" planned=").integer(identification.points_planned());
     line.text(" left_s=").number(identification.left_s(), 0);
@@ -142,7 +147,7 @@ Result<Answer> tell_candidate(Controls& controls, const Request& /*request*/, Li
 Result<Answer> tell_log(Controls& controls, const Request& request, Line& out) {
   const MeasurementLog& log = controls.identification.log();
   if (request.arguments.empty()) {
-    out.text(" rows=").integer(log.size()).text(" capacity=").integer(MeasurementLog::capacity());
+    out.text(" rows=").integer(log.size()).text(" capacity=").integer(log.capacity());
     return Answer();
   }
   const auto index = parse_number(request.arguments[0].second);

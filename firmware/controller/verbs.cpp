@@ -9,15 +9,54 @@
 namespace armsig::controller {
 namespace {
 
+// Of a refinement: nobody refines to less than this, or for longer than three days.
+constexpr double kCoarsest_mm = 100;
+constexpr double kLongest_minutes = 4320;
+
 template <CommandKind kKind>
 Result<Answer> command(Controls& controls, const Request& /*request*/, Line& /*out*/) {
   return when_taken(controls.mover.send(kKind));
 }
 
-Result<Answer> identify(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+struct Refining {
+  double accuracy_mm = 0;  // 0: not asked for
+  double minutes = 30;
+};
+
+Result<Refining> refining_in(const Request& request) {
+  Refining asked;
+  for (const auto& [key, text] : request.arguments) {
+    const bool accuracy = key == "accuracy_mm";
+    if (!accuracy && key != "minutes") return std::unexpected(Error::kUnknownRequest);
+    const auto value = parse_number(text);
+    const double most = accuracy ? kCoarsest_mm : kLongest_minutes;
+    if (!value || !(*value > 0 && *value <= most)) return std::unexpected(Error::kOutOfRange);
+    (accuracy ? asked.accuracy_mm : asked.minutes) = *value;
+  }
+  if (asked.accuracy_mm == 0 && !request.arguments.empty()) {
+    return std::unexpected(Error::kUnknownRequest);
+  }
+  return asked;
+}
+
+Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
+  ARMSIG_TRY(asked, refining_in(request));
+  const bool refines = asked.accuracy_mm > 0;
+  if (refines && !controls.identification.can_refine()) {
+    out.text(
+        " why=\"no memory here to refine in: identify, fetch log.csv, refine at a desk, send\"");
+    return std::unexpected(Error::kUnsupported);
+  }
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
   const auto& active = controls.custody.active();
-  controls.identification.begin(active ? &*active : nullptr, answer.ticket);
+  const SignatureRecord* const in_use = active ? &*active : nullptr;
+  if (refines) {
+    const auto time = std::chrono::duration_cast<hal::Duration>(
+        std::chrono::duration<double, std::ratio<60>>(asked.minutes));
+    controls.identification.begin_refining(1e-3 * asked.accuracy_mm, time, in_use, answer.ticket);
+  } else {
+    controls.identification.begin(in_use, answer.ticket);
+  }
   return answer;
 }
 
@@ -159,9 +198,11 @@ constexpr std::array kVerbs{
          .takes = Verb::Takes::kKeys},
     Verb{.name = "identify",
          .handler = identify,
-         .help = "measures all joints; ends with a candidate",
+         .help = "measures all joints; ends with a candidate; accuracy_mm=0.15 minutes=30 finds "
+                 "gravity and maps of the readings, too, from poses of its own choice",
          .modes = kReady,
-         .alone = true},
+         .alone = true,
+         .takes = Verb::Takes::kKeys},
     Verb{.name = "check",
          .handler = check_arm,
          .help = "measures a few poses: is the arm still as it was accepted",

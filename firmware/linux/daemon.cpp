@@ -12,6 +12,7 @@
 #include "firmware/linux/attendance.hpp"
 #include "firmware/linux/can_sensor.hpp"
 #include "firmware/linux/real_time_loop.hpp"
+#include "firmware/linux/self_calibrating.hpp"
 #include "firmware/linux/shut_down.hpp"
 #include "hal/canopen/master.hpp"
 #include "hal/linux/file_memory.hpp"
@@ -93,8 +94,10 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   linux_hal::SocketCan bus(
       {.interface_name = configuration.can_interface, .filters = {}, .maintained = true});
   canopen::Master master(*drives, bus, backend->can.get());
-  const auto controller = std::make_unique<controller::Controller>(
-      configuration.controller, master, backend->sensor(), clock, *memory, consoles);
+  const auto refinement = std::make_unique<SelfCalibrating>(configuration.controller);
+  const auto controller =
+      std::make_unique<controller::Controller>(configuration.controller, master, backend->sensor(),
+                                               clock, *memory, consoles, &refinement->calibration);
   attendance.begin(*controller);
   const RealTimeLoop loop{.controller = *controller,
                           .clock = clock,

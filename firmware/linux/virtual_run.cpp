@@ -11,6 +11,7 @@
 #include "firmware/linux/attendance.hpp"
 #include "firmware/linux/daemon.hpp"
 #include "firmware/linux/real_time_loop.hpp"
+#include "firmware/linux/self_calibrating.hpp"
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
 #include "hal/linux/file_memory.hpp"
 #include "hal/linux/socket_console.hpp"
@@ -77,9 +78,10 @@ int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& 
   Attendance attendance(configuration, **console);
   const std::array<hal::Console*, 1> consoles{&attendance.console()};
   linux_hal::SteadyClock clock;
+  const auto refinement = std::make_unique<SelfCalibrating>(configuration.controller);
   const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
       configuration.controller, configuration.drives, world_of(configuration, options), *memory,
-      consoles, options.real_time ? &clock : nullptr);
+      consoles, options.real_time ? &clock : nullptr, &refinement->calibration);
   attendance.begin(cabinet->controller());
   const auto started = [&] {
     attendance.started(fmt::format("{}: virtual cabinet, console at {}", configuration.name,

@@ -74,7 +74,7 @@ TEST(Send, signature_that_fits_is_compared_accepted_and_in_use) {
   EXPECT_TRUE(puma.ask("status").contains(" planned=8 "));
   ASSERT_TRUE(puma.run_until(Mode::kHolding, 600));
   EXPECT_TRUE(puma.ask("candidate").contains(" better=yes")) << puma.ask("candidate");
-  EXPECT_EQ(puma.ask("log"), "ok rows=0 capacity=" + std::to_string(MeasurementLog::capacity()));
+  EXPECT_EQ(puma.ask("log"), "ok rows=0 capacity=" + std::to_string(kMostLogged));
   ASSERT_EQ(puma.ask("accept"), "ok");
   const auto& active = puma.cabinet->state().active();
   ASSERT_TRUE(active);

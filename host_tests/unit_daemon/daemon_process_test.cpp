@@ -141,5 +141,24 @@ TEST(Daemon, identifies_the_emulated_arm_and_knows_it_after_it_was_killed) {
   EXPECT_EQ(daemon.end(SIGTERM), 0);
 }
 
+// The arm of docs/controller.md that calibrates itself, as its operator meets it.
+TEST(Daemon, refines_until_the_accuracy_is_reached_that_was_asked_for) {
+  const Folder folder;
+  VirtualDaemon daemon(folder, "0",
+                       {"--maps-deg", "0.02", "--sag-mm", "0.5", "--play-deg", "0.005"});
+  ASSERT_TRUE(daemon.is_in("idle"));
+  EXPECT_EQ(daemon.ask("enable"), "ok");
+  ASSERT_TRUE(daemon.is_in("holding"));
+  EXPECT_EQ(daemon.ask("identify accuracy_mm=0.15 minutes=240"), "ok");
+  ASSERT_TRUE(daemon.hear("# identify accuracy=reached model=maps "));
+  ASSERT_TRUE(daemon.hear("# identify play q1_deg="));
+  ASSERT_TRUE(daemon.hear("# identify done"));
+  ASSERT_TRUE(daemon.is_in("holding"));
+  EXPECT_NE(daemon.ask("candidate").find("better=yes"), std::string::npos);
+  EXPECT_EQ(daemon.ask("accept"), "ok");
+  EXPECT_NE(daemon.ask("status").find(" model=signature maps=yes "), std::string::npos);
+  EXPECT_EQ(daemon.end(SIGTERM), 0);
+}
+
 }  // namespace
 }  // namespace armsig::cli

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host_tests/cli/run_tool.hpp"
 #include "host_tests/support/console_process.hpp"
@@ -12,11 +13,25 @@ namespace armsig::cli {
 // armsigd --virtual, as fast as it goes, with console and store in the folder.
 class VirtualDaemon : public test::ConsoleProcess {
  public:
-  explicit VirtualDaemon(const Folder& folder, const std::string& speed = "0")
-      : ConsoleProcess({ARMSIG_DAEMON, ARMSIG_REFERENCE, "--virtual", "--console",
-                        (folder / "console").string(), "--store", (folder / "store").string(),
-                        "--speed", speed},
-                       (folder / "console").string()) {}
+  explicit VirtualDaemon(const Folder& folder, const std::string& speed = "0",
+                         const std::vector<std::string>& arm = {})
+      : ConsoleProcess(command(folder, speed, arm), (folder / "console").string()) {}
+
+ private:
+  static std::vector<std::string> command(const Folder& folder, const std::string& speed,
+                                          const std::vector<std::string>& arm) {
+    std::vector<std::string> words{ARMSIG_DAEMON,
+                                   ARMSIG_REFERENCE,
+                                   "--virtual",
+                                   "--console",
+                                   (folder / "console").string(),
+                                   "--store",
+                                   (folder / "store").string(),
+                                   "--speed",
+                                   speed};
+    words.insert(words.end(), arm.begin(), arm.end());
+    return words;
+  }
 };
 
 }  // namespace armsig::cli

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// What a program may give its controller, where there is memory for it: finds more of an arm than
+// its sweeps tell, from further poses of its own choice, until a tool accuracy is reached that was
+// asked for. The identification moves and measures for it.
+#pragma once
+
+#include <span>
+
+#include "firmware/controller/measurement_log.hpp"
+#include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/signature_record.hpp"
+#include "firmware/controller/text.hpp"
+#include "hal/clock.hpp"
+
+namespace armsig::controller {
+
+class Refinement {
+ public:
+  struct Aim {
+    double accuracy_m = 0;  // of the tool, 1 sigma of the length of its error
+    hal::Instant ends;      // by then the last pose is measured
+  };
+  // What is to be done next.
+  enum class Next : std::uint8_t {
+    kComputes,  // step() again
+    kVisits,    // measure visit(): then take() or lose()
+    kTells,     // say what tell() makes, then step() again
+    kDone
+  };
+  // The pose is to be reached from `approach`, so that every joint's play is on a known side.
+  struct Visit {
+    JointVector approach;
+    JointVector pose;
+  };
+
+  // Room for what is measured beyond the log's own.
+  [[nodiscard]] std::span<LogEntry> further_log() { return do_further_log(); }
+  // Forgets everything.
+  void begin(const Aim& aim) { do_begin(aim); }
+  // A point of the sweep of joint `sweep` from 1; 0: of visit().
+  void take(std::size_t sweep, const JointVector& readings, const MeasuredPoint& point) {
+    do_take(sweep, readings, point);
+  }
+  // visit() gives no point.
+  void lose() { do_lose(); }
+  // The sweeps are over and have given `signature`, with its target.
+  void refine(const Signature& signature) { do_refine(signature); }
+  // A bounded step.
+  [[nodiscard]] Next step(hal::Instant now) { return do_step(now); }
+  [[nodiscard]] const Visit& visit() const { return do_visit(); }
+  void tell(Line& line) const { do_tell(line); }
+  // Poses to be measured in all, as far as is known.
+  [[nodiscard]] std::size_t planned() const { return do_planned(); }
+  // After kDone: puts what was found into `record`, whose signature is the one of refine(). Where
+  // nothing was found that is better than that, it stays.
+  void write(SignatureRecord& record) const { do_write(record); }
+
+ protected:
+  ~Refinement() = default;
+
+ private:
+  virtual std::span<LogEntry> do_further_log() = 0;
+  virtual void do_begin(const Aim& aim) = 0;
+  virtual void do_take(std::size_t sweep, const JointVector& readings,
+                       const MeasuredPoint& point) = 0;
+  virtual void do_lose() = 0;
+  virtual void do_refine(const Signature& signature) = 0;
+  virtual Next do_step(hal::Instant now) = 0;
+  [[nodiscard]] virtual const Visit& do_visit() const = 0;
+  virtual void do_tell(Line& line) const = 0;
+  [[nodiscard]] virtual std::size_t do_planned() const = 0;
+  virtual void do_write(SignatureRecord& record) const = 0;
+};
+
+}  // namespace armsig::controller

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// What a fit is worth: how well it predicts poses that were held out of it, and what accuracy may
+// therefore be expected over the poses in which the arm works.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "core/calibration/engine.hpp"
+#include "firmware/self_calibration/play.hpp"
+
+namespace armsig::controller {
+
+inline constexpr std::size_t kMostSelfHeldOut = 256;
+// Fewer say too little to be believed.
+inline constexpr std::size_t kFewestSelfHeldOut = 12;
+
+// Poses held out of a fit, one after the other.
+class HeldOutJudge {
+ public:
+  void add(const calibration::Engine& engine, const calibration::FitRow& row,
+           const calibration::ChainFrames& frames);
+
+  [[nodiscard]] std::size_t count() const { return held_out_.size(); }
+
+  struct Score {
+    std::size_t poses = 0;
+    std::size_t blunders = 0;  // among them, by the errors' own scale; they do not count below
+    double rms_m = 0;          // of the errors, which the sensor has a part in
+    double beyond_m = 0;       // what they show beyond that part
+    double factor = 1;         // by which they exceed what is stated for them, at least 1
+  };
+  [[nodiscard]] Score score() const;
+
+ private:
+  struct One {
+    float squares_m2 = 0;
+    float row_m2 = 0;      // of its own
+    float normalised = 0;  // e^T S^-1 e
+  };
+  FixedVector<One, kMostSelfHeldOut> held_out_;
+};
+
+// The variance [m^2] of the tool's place by what the model leaves open, and by play; a mean over
+// some poses.
+struct Prediction {
+  std::size_t poses = 0;
+  double model_m2 = 0;
+  double play_m2 = 0;
+
+  void add(const calibration::Engine& engine, const calibration::ChainFrames& frames,
+           const Motions& motions, const PlayEstimate::Halves& play);
+};
+
+// How each joint moves the target at `frames`.
+[[nodiscard]] Motions motions_at(const calibration::ArmModel& model,
+                                 const calibration::ChainFrames& frames, const Vector3& p_L);
+
+struct Findings {
+  HeldOutJudge::Score held_out;
+  // RMS length of what the model leaves open, enlarged by the factor; no less than what the
+  // held-out poses show.
+  double model_m = 0;
+  double play_m = 0;    // and of what play adds
+  double sensor_m = 0;  // 1 sigma of a measured point per axis, as the rows show it
+  PlayEstimate::Halves play;
+
+  [[nodiscard]] double predicted_m() const;
+  [[nodiscard]] bool is_believed() const { return held_out.poses >= kFewestSelfHeldOut; }
+  // Measurements, of so many times the present number, by which `accuracy_m` would be reached;
+  // infinite where play is in the way.
+  [[nodiscard]] double times_more(double accuracy_m) const;
+};
+
+}  // namespace armsig::controller

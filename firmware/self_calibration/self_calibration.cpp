@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/self_calibration/self_calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/self_calibration/pose_choice.hpp"
+
+namespace armsig::controller {
+namespace {
+
+// Multiplications in a step of the fit; with loads and stores, about 100,000 instructions of a
+// microcontroller.
+constexpr std::size_t kStepWork = 10'000;
+constexpr std::size_t kFirstVisits = 60;  // twelve of them held out
+constexpr std::size_t kOffers = 4;
+constexpr std::size_t kSamples = 100;  // over which the accuracy is predicted
+constexpr std::size_t kRowsAtOnce = 8;
+
+std::array<float, 6> packed_covariance(const Matrix3& m) {
+  const auto at = [&](Eigen::Index i, Eigen::Index j) { return static_cast<float>(m(i, j)); };
+  return {at(0, 0), at(0, 1), at(0, 2), at(1, 1), at(1, 2), at(2, 2)};
+}
+
+}  // namespace
+
+void SelfCalibration::do_begin(const Aim& aim) {
+  stage_ = Stage::kIdle;
+  outcome_ = Outcome::kNone;
+  refused_.reset();
+  aim_ = aim;
+  visiting_since_.reset();
+  count_ = visited_ = offered_ = looked_at_ = 0;
+  reference_m2_ = 0;
+  wanted_ = planned_ = kFirstVisits;
+  engine_.reset();
+  knows_ = false;
+  whole_.reset();
+  geometry_.reset();
+  findings_ = {};
+}
+
+void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
+                              const MeasuredPoint& point) {
+  if (stage_ == Stage::kVisiting) stage_ = Stage::kChoosing;
+  if (count_ == memory_.rows.size()) return;
+  // The first row's is the unit of all: any would do.
+  if (count_ == 0) reference_m2_ = point.covariance_m2.trace() / 3;
+  calibration::FitRow row;
+  row.readings = encoder_readings(readings);
+  row.p_S = point.p_S;
+  row.relative = packed_covariance(point.covariance_m2 / reference_m2_);
+  row.sweep = static_cast<std::uint8_t>(sweep);
+  row.index = row.pose = static_cast<std::uint32_t>(count_);
+  row.held_out = sweep == 0 && ++visited_ % kHeldOutEvery == 0;
+  memory_.sides[count_] = sweep == 0 ? sides_ : 0;
+  memory_.rows[count_++] = row;
+}
+
+void SelfCalibration::do_refine(const Signature& signature) {
+  signature_ = signature;
+  aligning_.emplace(frames::axis_lines(signature),
+                    frames::axis_lines(configuration_.drawing, signature.configuration));
+  stage_ = Stage::kAligning;
+}
+
+Refinement::Next SelfCalibration::do_step(hal::Instant now) {
+  now_ = now;
+  switch (stage_) {
+    case Stage::kChoosing:
+      choose(now);
+      return stage_ == Stage::kVisiting ? Next::kVisits : Next::kComputes;
+    case Stage::kVisiting:
+      return Next::kVisits;
+    case Stage::kTelling:
+      telling_ = &SelfCalibration::tell_progress;
+      decide();
+      return Next::kTells;
+    case Stage::kConcluding:
+      telling_ = &SelfCalibration::tell_outcome;
+      stage_ = best() != nullptr ? Stage::kPlayTelling : Stage::kAdvising;
+      return Next::kTells;
+    case Stage::kPlayTelling:
+      telling_ = &SelfCalibration::tell_play;
+      stage_ = outcome_ == Outcome::kReached ? Stage::kDone : Stage::kAdvising;
+      return Next::kTells;
+    case Stage::kAdvising:
+      telling_ = &SelfCalibration::tell_advice;
+      stage_ = Stage::kDone;
+      return Next::kTells;
+    case Stage::kIdle:
+    case Stage::kDone:
+      return Next::kDone;
+    default:
+      work();
+      return Next::kComputes;
+  }
+}
+
+void SelfCalibration::work() {
+  switch (stage_) {
+    case Stage::kAligning:
+      if (!aligning_->step()) begin_visits();
+      return;
+    case Stage::kFitting:
+      if (!engine_->step(kStepWork)) finish_fit();
+      return;
+    case Stage::kPlay:
+      play_step();
+      return;
+    case Stage::kJudging:
+      judge_step();
+      return;
+    default:
+      predict_step();
+      return;
+  }
+}
+
+void SelfCalibration::begin_visits() {
+  const Arm& drawing = configuration_.drawing;
+  model_ = calibration::model_of(drawing, aligning_->result().X_AB);
+  aligning_.reset();
+  calibration::choose_gravity_terms(drawing, model_);
+  calibration::ChainFrames frames;
+  target_ = {{{.link = drawing.joints.size()}}};
+  evaluate(signature_.configuration, frames);
+  target_[0].p_L = frames.X_SL.inverse() * signature_.targets[0].p_S;
+  scales_ = {};
+  stage_ = Stage::kChoosing;
+}
+
+void SelfCalibration::evaluate(const JointVector& effective,
+                               calibration::ChainFrames& frames) const {
+  calibration::evaluate_chain(model_, encoder_readings(effective), target_[0].link, frames);
+}
+
+std::optional<SelfCalibration::Outcome> SelfCalibration::end_of_visits(hal::Instant now) const {
+  if (count_ == memory_.rows.size()) return Outcome::kMemoryFull;
+  // What the held-out poses of the identification are going to take.
+  hal::Duration after{};
+  if (visiting_since_ && visited_ > 0) {
+    after = (now - *visiting_since_) / static_cast<std::int64_t>(visited_) *
+            static_cast<std::int64_t>(configuration_.sweeps.held_out_poses);
+  }
+  return now + after >= aim_.ends ? std::optional(Outcome::kTimeOver) : std::nullopt;
+}
+
+// A look at one offer.
+void SelfCalibration::choose(hal::Instant now) {
+  if (!visiting_since_) visiting_since_ = now;
+  if (visited_ >= wanted_ || end_of_visits(now)) {
+    begin_fit({});
+    return;
+  }
+  const JointVector pose = offered_pose(configuration_, offered_++);
+  // Those held out are spread without a choice.
+  if (!knows_ || (visited_ + 1) % kHeldOutEvery == 0) {
+    take_offer(pose);
+    return;
+  }
+  calibration::ChainFrames frames;
+  evaluate(pose, frames);
+  const double open_m2 = engine_->covariance_at(frames, 0, {1, 0, 0, 1, 0, 1}).model.trace();
+  if (looked_at_ == 0 || open_m2 > best_m2_) {
+    best_m2_ = open_m2;
+    best_ = pose;
+  }
+  if (++looked_at_ == kOffers) take_offer(JointVector(best_));
+}
+
+void SelfCalibration::take_offer(const JointVector& pose) {
+  looked_at_ = 0;
+  sides_ = dealt_sides(offered_);
+  visit_.pose = pose;
+  visit_.approach = approach_to(configuration_, pose, sides_);
+  stage_ = Stage::kVisiting;
+}
+
+// The model goes on from where it stands, and the scales do.
+void SelfCalibration::begin_fit(const calibration::ModelParts& parts) {
+  parts_ = parts;
+  engine_.emplace(model_, target_, rows(), memory_.cache.first(count_), memory_.matrix,
+                  *memory_.work);
+  knows_ = false;
+  engine_->set_stated_variance(reference_m2_);
+  engine_->set_scales(scales_);
+  engine_->begin(parts);
+  stage_ = Stage::kFitting;
+}
+
+void SelfCalibration::finish_fit() {
+  if (const auto fitted = engine_->result(); !fitted) {
+    refuse(fitted.error());
+    return;
+  }
+  knows_ = true;
+  scales_ = engine_->scales();
+  index_ = 0;
+  squares_m2_ = 0;
+  kept_ = 0;
+  play_ = PlayEstimate(model_.joint_count());
+  judge_ = {};
+  prediction_ = {};
+  stage_ = Stage::kPlay;
+}
+
+void SelfCalibration::play_step() {
+  for (std::size_t n = 0; n < kRowsAtOnce && index_ < count_; ++n, ++index_) {
+    const calibration::FitRow& row = memory_.rows[index_];
+    if (row.weight == 0 || row.held_out) continue;
+    ++kept_;
+    squares_m2_ += row.residual.squaredNorm();
+    if (row.sweep != 0) continue;
+    play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
+              row.residual);
+  }
+  if (index_ < count_) return;
+  findings_.sensor_m = std::sqrt(scales_.sigma_squared);
+  findings_.play = play_.result(findings_.sensor_m);
+  index_ = 0;
+  stage_ = Stage::kJudging;
+}
+
+// A held-out row a step.
+void SelfCalibration::judge_step() {
+  while (index_ < count_ && !memory_.rows[index_].held_out) ++index_;
+  if (index_ < count_ && judge_.count() < kMostSelfHeldOut) {
+    judge_.add(*engine_, memory_.rows[index_], memory_.cache[index_]);
+    ++index_;
+    return;
+  }
+  index_ = 0;
+  stage_ = Stage::kPredicting;
+}
+
+// A sample a step.
+void SelfCalibration::predict_step() {
+  if (prediction_.poses < kSamples) {
+    calibration::ChainFrames frames;
+    evaluate(sample_pose(configuration_, prediction_.poses), frames);
+    prediction_.add(*engine_, frames, motions_at(model_, frames, target_[0].p_L), findings_.play);
+    return;
+  }
+  note_findings();
+}
+
+}  // namespace armsig::controller

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// The refinement that a controller does by itself: geometry, gravity and maps of the readings
+// (core/calibration), from the points of the sweeps and of further poses that it chooses, until the
+// accuracy that was asked for is reached, by poses that were never fitted; or until time or memory
+// is over.
+//
+// One pose in kHeldOutEvery is held out of every fit. What the model leaves open is predicted over
+// poses that were not measured, times the factor by which the held-out ones are worse than stated.
+// In the end geometry alone is fitted too, and kept where it predicts the held-out poses as well.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/calibration/engine.hpp"
+#include "core/frames/alignment.hpp"
+#include "firmware/controller/configuration.hpp"
+#include "firmware/controller/refinement.hpp"
+#include "firmware/self_calibration/findings.hpp"
+
+namespace armsig::controller {
+
+// One target; that of the hand.
+inline constexpr std::size_t kSelfColumns =
+    6 + 3 + calibration::kDeviations * kMaxJoints + calibration::kMaxGravityTerms;
+static_assert(kSelfColumns <= calibration::kMaxGeometry);
+
+// As large as the points that are to be kept, 1.8 kB each; and 86 kB.
+template <std::size_t kPoints>
+struct SelfCalibrationMemory {
+  std::array<calibration::FitRow, kPoints> rows;
+  std::array<calibration::ChainFrames, kPoints> cache;
+  std::array<Sides, kPoints> sides{};
+  std::array<LogEntry, kPoints> log;
+  std::array<double, calibration::matrix_size(kSelfColumns)> matrix{};
+  calibration::Workspace work;
+};
+
+class SelfCalibration final : public Refinement {
+ public:
+  struct Memory {
+    std::span<calibration::FitRow> rows;
+    std::span<calibration::ChainFrames> cache;
+    std::span<Sides> sides;
+    std::span<LogEntry> log;
+    std::span<double> matrix;
+    calibration::Workspace* work = nullptr;
+  };
+
+  // Both outlive it.
+  template <std::size_t kPoints>
+  SelfCalibration(const Configuration& configuration, SelfCalibrationMemory<kPoints>& memory)
+      : SelfCalibration(configuration, Memory{memory.rows, memory.cache, memory.sides, memory.log,
+                                              memory.matrix, &memory.work}) {}
+  SelfCalibration(const Configuration& configuration, const Memory& memory)
+      : configuration_(configuration), memory_(memory) {}
+  SelfCalibration(const SelfCalibration&) = delete;
+  SelfCalibration& operator=(const SelfCalibration&) = delete;
+
+ private:
+  enum class Stage : std::uint8_t {
+    kIdle,
+    kAligning,  // the drawing is laid over the axes that the sweeps gave
+    kChoosing,
+    kVisiting,
+    kFitting,
+    kPlay,        // its estimate
+    kJudging,     // by the held-out poses
+    kPredicting,  // over poses that were not measured
+    kTelling,     // how far it is
+    kConcluding,
+    kPlayTelling,
+    kAdvising,
+    kDone
+  };
+  enum class Outcome : std::uint8_t { kNone, kReached, kTimeOver, kMemoryFull, kPlay, kRefused };
+  static constexpr std::size_t kHeldOutEvery = 5;
+
+  std::span<LogEntry> do_further_log() override { return memory_.log; }
+  void do_begin(const Aim& aim) override;
+  void do_take(std::size_t sweep, const JointVector& readings, const MeasuredPoint& point) override;
+  void do_lose() override { stage_ = Stage::kChoosing; }
+  void do_refine(const Signature& signature) override;
+  Next do_step(hal::Instant now) override;
+  [[nodiscard]] const Visit& do_visit() const override { return visit_; }
+  void do_tell(Line& line) const override { (this->*telling_)(line); }
+  [[nodiscard]] std::size_t do_planned() const override { return planned_; }
+  void do_write(SignatureRecord& record) const override;
+
+  void work();
+  void begin_visits();
+  void choose(hal::Instant now);
+  void take_offer(const JointVector& pose);
+  [[nodiscard]] std::optional<Outcome> end_of_visits(hal::Instant now) const;
+  void begin_fit(const calibration::ModelParts& parts);
+  void finish_fit();
+  void play_step();
+  void judge_step();
+  void predict_step();
+  void note_findings();
+  void decide();
+  void compare();
+  void refuse(Error error);
+  [[nodiscard]] bool is_believable() const;
+  [[nodiscard]] std::span<calibration::FitRow> rows() const { return memory_.rows.first(count_); }
+  [[nodiscard]] JointVector encoder_readings(const JointVector& effective) const {
+    return readings_for(configuration_.drawing.couplings, effective);
+  }
+  void evaluate(const JointVector& effective, calibration::ChainFrames& frames) const;
+  // words.cpp
+  void tell_progress(Line& line) const;
+  void tell_outcome(Line& line) const;
+  void tell_play(Line& line) const;
+  void tell_advice(Line& line) const;
+
+  const Configuration& configuration_;
+  Memory memory_;
+
+  Stage stage_ = Stage::kIdle;
+  Outcome outcome_ = Outcome::kNone;
+  void (SelfCalibration::*telling_)(Line&) const = &SelfCalibration::tell_progress;
+  std::optional<Error> refused_;
+  Aim aim_;
+  hal::Instant now_;
+  std::optional<hal::Instant> visiting_since_;
+  Signature signature_;  // that the features gave
+  std::optional<frames::Aligning> aligning_;
+  std::size_t count_ = 0;    // rows
+  double reference_m2_ = 0;  // of the rows' relative covariances
+  std::size_t visited_ = 0;  // of the rows, the poses
+  std::size_t wanted_ = 0;   // after which it is fitted again
+  std::size_t planned_ = 0;
+
+  std::size_t offered_ = 0;
+  std::size_t looked_at_ = 0;  // of the offers to one visit
+  double best_m2_ = 0;
+  JointVector best_;
+  Visit visit_;
+  Sides sides_ = 0;
+
+  calibration::ArmModel model_;
+  std::array<calibration::ModelTarget, 1> target_;
+  calibration::Scales scales_;
+  std::optional<calibration::Engine> engine_;
+  bool knows_ = false;  // the engine has a covariance
+  calibration::ModelParts parts_;
+  std::size_t index_ = 0;  // in the pass under way
+  double squares_m2_ = 0;
+  std::size_t kept_ = 0;
+  PlayEstimate play_;
+  HeldOutJudge judge_;
+  Prediction prediction_;
+  Findings findings_;
+
+  struct Found {
+    calibration::ArmModel model;
+    Vector3 p_L = Vector3::Zero();
+    Matrix3 tool_m2 = Matrix3::Zero();  // covariance of the tool at the signature configuration
+    Findings findings;
+  };
+  std::optional<Found> whole_;  // with gravity and maps
+  std::optional<Found> geometry_;
+  [[nodiscard]] const Found* best() const;
+  [[nodiscard]] bool whole_is_better() const;
+};
+
+}  // namespace armsig::controller

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// What a self-calibration says of itself.
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/self_calibration/self_calibration.hpp"
+
+namespace armsig::controller {
+namespace {
+
+Line& millimetres(Line& line, std::string_view key, double metres) {
+  return line.text(" ").text(key).text("_mm=").number(1e3 * metres, 4);
+}
+
+void tell_findings(Line& line, const Findings& found, double asked_m) {
+  millimetres(line, "predicted", found.predicted_m());
+  millimetres(line, "asked", asked_m);
+  line.text(" held_out=").integer(found.held_out.poses);
+  line.text(" blunders=").integer(found.held_out.blunders);
+  millimetres(line, "held_out_rms", found.held_out.rms_m);
+  millimetres(line, "sensor", found.sensor_m);
+  millimetres(line, "model", found.model_m);
+  millimetres(line, "play", found.play_m);
+}
+
+}  // namespace
+
+void SelfCalibration::tell_progress(Line& line) const {
+  line.text("# identify refining poses=").integer(visited_);
+  line.text(" planned=").integer(planned_);
+  tell_findings(line, findings_, aim_.accuracy_m);
+  if (!visiting_since_ || visited_ == 0) return;
+  const double each_s = hal::seconds(now_ - *visiting_since_) / static_cast<double>(visited_);
+  const double poses_s = each_s * static_cast<double>(std::max(planned_, visited_) - visited_);
+  const double time_s = std::max(hal::seconds(aim_.ends - now_), 0.0);
+  line.text(" left_s=").number(std::min(poses_s, time_s), 0);
+}
+
+void SelfCalibration::tell_outcome(Line& line) const {
+  line.text("# identify accuracy=");
+  line.text(outcome_ == Outcome::kReached ? "reached" : "missed");
+  const Found* const found = best();
+  if (found == nullptr) {
+    line.text(" model=features");
+    if (refused_) line.reason(*refused_);
+    return;
+  }
+  line.text(" model=").text(whole_is_better() ? "maps" : "geometry");
+  line.text(" poses=").integer(visited_);
+  tell_findings(line, found->findings, aim_.accuracy_m);
+  if (geometry_) millimetres(line, "geometry_rms", geometry_->findings.held_out.rms_m);
+}
+
+void SelfCalibration::tell_play(Line& line) const {
+  line.text("# identify play");
+  const PlayEstimate::Halves& halves = best()->findings.play;
+  for (std::size_t i = 0; i < halves.size(); ++i) {
+    const bool turns = configuration_.drawing.joints[i].type == JointType::kRevolute;
+    const auto number = [&](double half) { return 2 * (turns ? degrees(half) : 1e3 * half); };
+    const std::string_view unit = turns ? "_deg=" : "_mm=";
+    line.text(" q").integer(i + 1).text(unit);
+    if (!std::isfinite(halves[i].sigma)) {
+      line.text("unknown");
+      continue;
+    }
+    line.number(number(std::abs(halves[i].value)), 5);
+    line.text(" s").integer(i + 1).text(unit).number(number(halves[i].sigma), 5);
+  }
+}
+
+// Why it was not reached, and what would help.
+void SelfCalibration::tell_advice(Line& line) const {
+  line.text("# identify the accuracy that was asked for is not reached: ");
+  const Found* const found = best();
+  if (outcome_ == Outcome::kRefused) {
+    line.text("no model like the drawing explains what was measured; look at drawing, target and ");
+    line.text("sensor");
+    return;
+  }
+  if (found == nullptr) {
+    line.text("time was over before enough poses were measured to judge by; give more minutes");
+    return;
+  }
+  const Findings& findings = found->findings;
+  const double more = findings.times_more(aim_.accuracy_m);
+  if (outcome_ == Outcome::kPlay || !std::isfinite(more)) {
+    line.text("the joints' play alone is more; no measurement takes it out, look at the gears");
+    return;
+  }
+  line.text(outcome_ == Outcome::kMemoryFull ? "the memory is full" : "time is over");
+  const double beyond = std::max(more - 1, 0.0) * static_cast<double>(count_);
+  line.text("; what would help: about ").integer(static_cast<std::uint64_t>(std::ceil(beyond)));
+  line.text(" more poses");
+  if (visiting_since_ && visited_ > 0) {
+    const double each_s = hal::seconds(now_ - *visiting_since_) / static_cast<double>(visited_);
+    line.text(" (").number(beyond * each_s / 60, 0).text(" minutes)");
+  }
+  line.text(", or a sensor of ")
+      .number(1e3 * findings.sensor_m / std::sqrt(std::max(more, 1.0)), 3);
+  line.text(" mm");
+}
+
+}  // namespace armsig::controller

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// The parts of the self-calibration: where it goes, and how it finds play.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "firmware/controller/pose_visit.hpp"
+#include "firmware/self_calibration/findings.hpp"
+#include "firmware/self_calibration/pose_choice.hpp"
+#include "hal/simulated/random.hpp"
+#include "host_tests/support/puma_cabinet.hpp"
+
+namespace armsig::controller {
+namespace {
+
+TEST(PlayEstimate, finds_the_play_of_every_joint_among_noise) {
+  constexpr double kSigma_m = 0.1e-3;
+  constexpr double kHalf = 5e-5;
+  simulated::Random random(1);
+  PlayEstimate estimate(3);
+  for (std::size_t n = 0; n < 400; ++n) {
+    const Sides sides = dealt_sides(n);
+    Motions motions;
+    motions.fill(Vector3::Zero());
+    Vector3 residual = kSigma_m * random.normal_vector();
+    for (std::size_t i = 0; i < 2; ++i) {
+      motions[i] = Vector3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      residual -= side_of(sides, i) * static_cast<double>(i) * kHalf * motions[i];
+    }
+    estimate.add(sides, motions, residual);
+  }
+  const auto halves = estimate.result(kSigma_m);
+  ASSERT_EQ(halves.size(), 3U);
+  EXPECT_NEAR(halves[0].value, 0, 3 * halves[0].sigma);
+  EXPECT_EQ(halves[0].squared(), 0);
+  EXPECT_NEAR(halves[1].value, kHalf, 3 * halves[1].sigma);
+  EXPECT_NEAR(halves[1].squared(), kHalf * kHalf, 0.3 * kHalf * kHalf);
+  // 400 poses, each of a lever whose mean square is one.
+  EXPECT_NEAR(halves[1].sigma, kSigma_m / 20, 0.1 * kSigma_m / 20);
+  EXPECT_FALSE(std::isfinite(halves[2].sigma)) << "nothing moves by it";
+}
+
+TEST(Findings, tell_how_many_times_the_measurements_it_takes) {
+  const Findings findings{
+      .held_out = {}, .model_m = 0.16e-3, .play_m = 0.06e-3, .sensor_m = 0, .play = {}};
+  EXPECT_NEAR(findings.predicted_m(), 0.170880e-3, 1e-9);
+  EXPECT_NEAR(findings.times_more(0.1e-3), 4, 1e-9);
+  EXPECT_FALSE(std::isfinite(findings.times_more(0.06e-3))) << "play alone is as much";
+  EXPECT_FALSE(findings.is_believed()) << "no pose was held out";
+}
+
+TEST(MeasurementLog, goes_on_in_what_is_lent_to_it) {
+  std::array<LogEntry, 3> lent;
+  MeasurementLog log;
+  log.extend(lent);
+  EXPECT_EQ(log.capacity(), kMostLogged + 3);
+  for (std::size_t k = 0; k < kMostLogged + 3; ++k) {
+    ASSERT_FALSE(log.full());
+    log.push_back({0, k % 100, {0.5}, Vector3::Zero(), 1e-4});
+  }
+  EXPECT_TRUE(log.full());
+  EXPECT_EQ(log[kMostLogged - 1].pings(), (kMostLogged - 1) % 100);
+  EXPECT_EQ(log[kMostLogged + 2].pings(), (kMostLogged + 2) % 100);
+  EXPECT_EQ(lent[0].pings(), kMostLogged % 100);
+  log.clear();
+  EXPECT_EQ(log.size(), 0U);
+}
+
+TEST(PoseChoice, deals_both_sides_of_every_joint_alike) {
+  std::array<int, 6> grows{};
+  int both = 0;
+  for (std::size_t n = 0; n < 400; ++n) {
+    const Sides sides = dealt_sides(n);
+    for (std::size_t i = 0; i < grows.size(); ++i) grows[i] += side_of(sides, i) > 0;
+    both += side_of(sides, 0) > 0 && side_of(sides, 1) > 0;
+  }
+  for (const int count : grows) EXPECT_NEAR(count, 200, 30);
+  EXPECT_NEAR(both, 100, 30);
+}
+
+TEST(PoseChoice, comes_from_the_side_that_is_told_within_the_limits) {
+  const Configuration configuration = test::puma_controller();
+  for (std::size_t n = 0; n < 200; ++n) {
+    JointVector pose = offered_pose(configuration, n);
+    const auto [lower, upper] = configuration.drawing.limits[0];
+    if (n % 3 == 1) pose[0] = lower;
+    if (n % 3 == 2) pose[0] = upper;
+    Sides sides = dealt_sides(n);
+    const JointVector from = approach_to(configuration, pose, sides);
+    for (std::size_t i = 0; i < pose.size(); ++i) {
+      EXPECT_NEAR(pose[i] - from[i], side_of(sides, i) * radians(1.0), 1e-12);
+      EXPECT_GE(from[i], configuration.drawing.limits[i].lower);
+      EXPECT_LE(from[i], configuration.drawing.limits[i].upper);
+    }
+  }
+}
+
+TEST(PoseChoice, never_offers_a_pose_that_judges) {
+  const Configuration configuration = test::puma_controller();
+  for (std::size_t n = 0; n < 500; ++n) {
+    const JointVector offered = offered_pose(configuration, n);
+    for (std::size_t k = 0; k < kMostHeldOut; ++k) {
+      EXPECT_NE(offered[0], spread_pose(configuration, k)[0]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace armsig::controller
