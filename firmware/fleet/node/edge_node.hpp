@@ -96,7 +96,7 @@ class EdgeNode {
   std::uint64_t before_birth_ = 0;  // rows up to here are history
   std::uint64_t live_time_ms_ = 0;  // of the last row that was sent as the present
   unsigned in_flight_ = 0;
-  unsigned window_ = 0;  // rows on their way at most at present
+  unsigned window_ = 0;    // rows on their way at most at present
   unsigned timeouts_ = 0;  // in a row
   std::uint64_t progress_ms_ = 0;
   std::uint64_t allowance_ms_ = 0;  // rows may be sent for the time since
