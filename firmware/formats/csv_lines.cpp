@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "firmware/formats/encoding.hpp"
 #include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::size_t kBuffer = std::size_t{256} << 10U;
 constexpr std::size_t kLongestLine = std::size_t{64} << 10U;
+constexpr std::size_t kMostOfUtf16 = std::size_t{64} << 20U;
 
 }  // namespace
 
@@ -31,7 +33,27 @@ Read<LineReader> LineReader::open(const std::string& path) {
   }
   reader.handle_ = std::move(*handle);
   reader.buffer_.resize(kBuffer);
-  return reader;
+  if (auto begun = reader.refill(); !begun) return std::unexpected(std::move(begun).error());
+  if (!is_utf16({reader.buffer_.data(), reader.end_})) return reader;
+  return reader.from_utf16();
+}
+
+// A line of UTF-16 has no end that is a byte: the whole of it is turned into UTF-8 first.
+Read<LineReader> LineReader::from_utf16() {
+  while (handle_) {
+    if (buffer_.size() > kMostOfUtf16) {
+      return std::unexpected(Problem{file_, 0, 0, "too much text in UTF-16",
+                                     fmt::format("at most {} MB, or UTF-8", kMostOfUtf16 >> 20U)});
+    }
+    if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
+    if (auto more = refill(); !more) return std::unexpected(std::move(more).error());
+  }
+  const auto text = in_utf8({buffer_.data(), end_});
+  if (!text) {
+    return std::unexpected(
+        Problem{file_, 0, 0, "text in UTF-16 that breaks off in mid-character", "a whole file"});
+  }
+  return over(*text, file_);
 }
 
 LineReader LineReader::over(std::string_view text, std::string_view file) {

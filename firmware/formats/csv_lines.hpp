@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The lines of a CSV file, one at a time, in constant memory.
+// The lines of a CSV file, one at a time, in constant memory; of one in UTF-16, in as much as it
+// has.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +15,7 @@
 namespace armsig::tool {
 
 // Skips blank lines, comment lines (#) and a UTF-8 byte order mark; takes LF and CRLF, and a last
-// line without either.
+// line without either. A file whose byte order mark says UTF-16 is read as UTF-8.
 class LineReader {
  public:
   [[nodiscard]] static Read<LineReader> open(const std::string& path);
@@ -37,6 +38,7 @@ class LineReader {
   explicit LineReader(std::string_view file) : file_(file) {}
   [[nodiscard]] Read<bool> next_raw();
   [[nodiscard]] Read<void> refill();
+  [[nodiscard]] Read<LineReader> from_utf16();
 
   std::string file_;
   FileHandle handle_;  // null once everything is in the buffer

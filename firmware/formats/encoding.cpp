@@ -57,6 +57,10 @@ std::optional<std::string> from_utf16(std::string_view bytes, bool little_endian
 
 }  // namespace
 
+bool is_utf16(std::string_view bytes) {
+  return bytes.starts_with(kLittleEndian) || bytes.starts_with(kBigEndian);
+}
+
 std::optional<std::string> in_utf8(std::string_view bytes) {
   if (bytes.starts_with(kLittleEndian)) return from_utf16(bytes.substr(2), true);
   if (bytes.starts_with(kBigEndian)) return from_utf16(bytes.substr(2), false);

@@ -8,6 +8,9 @@
 
 namespace armsig::tool {
 
+// Whether `bytes` begin with a byte order mark of UTF-16.
+[[nodiscard]] bool is_utf16(std::string_view bytes);
+
 // `bytes` as UTF-8 without a byte order mark: of UTF-16 where a byte order mark says so, of UTF-8
 // as it is. Nothing where UTF-16 breaks off in mid-character.
 [[nodiscard]] std::optional<std::string> in_utf8(std::string_view bytes);

@@ -14,6 +14,7 @@
 #include "firmware/host_tool/commands/usage.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace {
 
@@ -34,6 +35,28 @@ void add_examples(CLI::App& app) {
     }
     command->footer(footer + "\n" + kFooter);
   }
+}
+
+// One line of help in `width` columns: what describes goes on under where it begins; names and
+// examples stay as they are, to be copied.
+std::string fitted_line(const std::string& line, std::size_t width) {
+  using armsig::tool::paragraph;
+  constexpr std::size_t kColumn = 30;  // the column where the parser begins it
+  const std::size_t indent = line.find_first_not_of(' ');
+  if (armsig::tool::width_of(line) <= width || indent == std::string::npos) return line + '\n';
+  if (indent == 0 || indent >= kColumn) return paragraph(line.substr(indent), indent, width);
+  if (line.compare(kColumn - 2, 2, "  ") != 0) return line + '\n';
+  std::string lines = paragraph(line.substr(kColumn), kColumn, width);
+  return lines.replace(0, kColumn, line, 0, kColumn);
+}
+
+std::string fitted(const std::string& help) {
+  std::istringstream lines(help);
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    text += fitted_line(line, armsig::tool::output_width());
+  }
+  return text;
 }
 
 int run(int argc, char** argv) {
@@ -67,7 +90,7 @@ int run(int argc, char** argv) {
     std::ostringstream out;
     std::ostringstream err;
     if (app.exit(error, out, err) == 0) {  // --help, --version
-      put(stdout, out.str());
+      put(stdout, fitted(out.str()));
       return kDone;
     }
     const bool json = std::ranges::find(words, "--json") != words.end();
