@@ -38,7 +38,7 @@ TEST(Send, brings_back_what_was_fetched_to_beat_the_drawing_and_be_accepted) {
 
   const Outcome outcome = send(folder, "signature.yaml");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("Next: echo compare | armsig connect console"), std::string::npos);
+  EXPECT_NE(outcome.out.find("Next: armsig connect console compare --wait"), std::string::npos);
   ASSERT_EQ(daemon.ask("compare"), "ok");
   ASSERT_TRUE(daemon.hear("# identify done"));
   ASSERT_TRUE(daemon.is_in("holding"));
