@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 
 #include "core/calibration/engine_detail.hpp"
-#include "core/refinement/robust.hpp"
+#include "core/numerics/robust.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -31,9 +31,9 @@ HeldOutJudge::Score HeldOutJudge::score() const {
   Score score;
   score.poses = held_out_.size();
   if (held_out_.empty()) return score;
-  refinement::LogHistogram lengths;
+  numerics::LogHistogram lengths;
   for (const One& one : held_out_) lengths.add(static_cast<double>(one.normalised));
-  const double scale = std::max(1.0, lengths.median() / refinement::kMedianChiSquare3);
+  const double scale = std::max(1.0, lengths.median() / numerics::kChiSquareMedian3);
   double squares = 0;
   double rows = 0;
   double normalised = 0;
