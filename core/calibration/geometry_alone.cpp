@@ -13,7 +13,6 @@ namespace armsig::calibration {
 
 namespace {
 
-using refinement::Chain;
 using refinement::Layout;
 using refinement::ReadingModel;
 
@@ -40,9 +39,9 @@ Signature with_tool(const Signature& signature) {
 }
 
 // One pose's rows of the linear problem.
-void absorb_pose(const Layout& layout, const Signature& signature, const Chain& said,
-                 const Signature& exact, const Chain& whole, const JointVector& readings,
-                 refinement::SquareRootFactor& factor) {
+void absorb_pose(const Layout& layout, const Signature& signature, const refinement::Chain& said,
+                 const Signature& exact, const refinement::Chain& whole,
+                 const JointVector& readings, refinement::SquareRootFactor& factor) {
   const refinement::JointMotion moved = said.motion(readings);
   const refinement::JointMotion turned = whole.motion(readings);
   refinement::PointJacobian jacobian;
@@ -110,8 +109,8 @@ Leftover difference(const Signature& exact, const ReadingModel& whole, const Sig
                     const ReadingModel& said, std::span<const JointVector> poses) {
   const Signature from = with_tool(exact);
   const Signature to = with_tool(signature);
-  const Chain true_chain(from, whole);
-  const Chain chain(to, said);
+  const refinement::Chain true_chain(from, whole);
+  const refinement::Chain chain(to, said);
   Leftover left;
   double squares = 0;
   for (const JointVector& q : poses) {
@@ -136,14 +135,14 @@ Judged<void> fit_geometry_alone(const ReadingModel& whole, const ReadingModel& s
   std::array<bool, kMaxTargets> observed{};
   std::fill_n(observed.begin(), exact.targets.size(), true);
   ARMSIG_TRY(layout, refinement::make_layout(fitted, observed, {}, 0));
-  const Chain true_chain(exact, whole);
+  const refinement::Chain true_chain(exact, whole);
   ReadingModel readings = said;
   refinement::SquareRootFactor factor;
   const double prior = kLeastEffect * std::sqrt(static_cast<double>(poses.size()));
   refinement::StateVector moved{};
   double largest = 0;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Chain chain(fitted, said);
+    const refinement::Chain chain(fitted, said);
     factor.reset(layout.size());
     absorb_prior(layout.size(), prior, moved, factor);
     for (const JointVector& q : poses) {
