@@ -17,7 +17,6 @@ constexpr double kMargin = 1.1;    // of those that it should take
 // As the desk believes a fit (docs/refinement.md).
 constexpr double kMostRejected = 0.4;
 constexpr double kMostRms_m = 10e-3;
-constexpr double kMostSag = 0.01;
 constexpr double kWorthDeflections = 0.98;
 constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
 
@@ -115,9 +114,6 @@ void SelfCalibration::refuse(Error error) {
 
 bool SelfCalibration::whole_is_better() const {
   if (!whole_) return false;
-  for (const calibration::GravityTerm& term : whole_->model.gravity) {
-    if (!(std::abs(term.coefficient) <= kMostSag)) return false;
-  }
   if (!calibration::check(calibration::packed(whole_->model), whole_->model.joint_count())) {
     return false;
   }
