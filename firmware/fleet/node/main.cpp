@@ -54,6 +54,7 @@ class Reporter {
 
   void run() {
     tell_identity();
+    let_go_of_start();
     while (stop_asked == 0) step();
     node_.leave(now());
   }
@@ -79,11 +80,15 @@ class Reporter {
     settle(time);
   }
 
+  // After each step on the way to a birth, and once more when what follows one is over.
   void settle(const Now& time) {
-    if (node_.state() != EdgeNode::State::kBorn) {
+    if (node_.state() != state_) {
+      state_ = node_.state();
       settled_ = false;
       born_ms_ = time.steady_ms;
-    } else if (!settled_ && time.steady_ms - born_ms_ >= kSettled_ms) {
+      let_go_of_start();
+    } else if (state_ == EdgeNode::State::kBorn && !settled_ &&
+               time.steady_ms - born_ms_ >= kSettled_ms) {
       settled_ = true;
       let_go_of_start();
     }
@@ -169,6 +174,7 @@ class Reporter {
   std::uint64_t heard_ms_ = now().steady_ms;
   std::uint64_t looks_ = 0;
   bool changed_ = false;
+  EdgeNode::State state_ = EdgeNode::State::kApart;
   bool settled_ = false;
   std::uint64_t born_ms_ = 0;
   std::string document_;  // of the signature that was told last
