@@ -29,7 +29,7 @@ void print_head(const ReportedFiles& files, const SignatureRecord& record,
     say(", {} single ranges not believed", counts.excluded_ranges);
   }
   if (counts.mixed > 0 && record.method != "refined") {
-    say(", {} with sweep 0, which this method does not use", counts.mixed);
+    say(",\n  {} with sweep 0, which this method does not use", counts.mixed);
   }
   if (record.air_c) say("; air {:.1f} °C", *record.air_c);
   say("\n\n");
@@ -58,9 +58,11 @@ void print_noise(const NoiseStatement& noise, bool beyond_chance) {
     say("  that is {:.1f} times the stated noise, which is therefore not believed\n",
         noise.total_m / noise.stated_m);
   } else if (beyond_chance) {
-    say("  that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
-        "sensor's\n",
-        noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m);
+    say("{}",
+        paragraph(fmt::format(
+            "that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
+            "sensor's",
+            noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m)));
   }
 }
 
@@ -136,8 +138,10 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
     say("  too few rows to leave some of them out of the fit\n");
   }
   if (found.refinement && found.refinement->geometry_left_out_mean_m) {
-    say("  gravity and a map of each reading are part of it: {:.3f} mm mean by geometry alone\n",
-        1e3 * *found.refinement->geometry_left_out_mean_m);
+    say("{}",
+        paragraph(fmt::format(
+            "gravity and a map of each reading are part of it: {:.3f} mm mean by geometry alone",
+            1e3 * *found.refinement->geometry_left_out_mean_m)));
   }
   if (found.refinement && found.refinement->offered) {
     say("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
