@@ -24,13 +24,13 @@ std::array<float, 6> packed_covariance(const Matrix3& m) {
 
 }  // namespace
 
-void SelfCalibration::do_begin(const Aim& aim) {
+Result<std::size_t> SelfCalibration::do_begin(const Aim& aim, const Machine& machine) {
   stage_ = Stage::kIdle;
   outcome_ = Outcome::kNone;
   refused_.reset();
   aim_ = aim;
   visiting_since_.reset();
-  count_ = visited_ = offered_ = looked_at_ = 0;
+  count_ = visited_ = recalled_ = offered_ = looked_at_ = 0;
   reference_m2_ = 0;
   wanted_ = planned_ = kFirstVisits;
   engine_.reset();
@@ -38,6 +38,23 @@ void SelfCalibration::do_begin(const Aim& aim) {
   whole_.reset();
   geometry_.reset();
   findings_ = {};
+  if (journal_ == nullptr) return std::size_t{0};
+  return journal_->begin(configuration_, machine, aim.anew);
+}
+
+std::optional<KeptPoint> SelfCalibration::do_recall(std::size_t sweep, const JointVector& wanted) {
+  if (journal_ == nullptr) return std::nullopt;
+  auto kept = journal_->next(sweep, wanted);
+  if (kept && kept->point && sweep == 0) ++recalled_;
+  return kept;
+}
+
+Result<void> SelfCalibration::do_keep(const KeptPoint& kept) {
+  return journal_ == nullptr ? Result<void>() : journal_->keep(kept);
+}
+
+Result<void> SelfCalibration::do_forget() {
+  return journal_ == nullptr ? Result<void>() : journal_->forget();
 }
 
 void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
@@ -138,12 +155,14 @@ void SelfCalibration::evaluate(const JointVector& effective,
 std::optional<SelfCalibration::Outcome> SelfCalibration::end_of_visits(hal::Instant now) const {
   if (count_ == memory_.rows.size()) return Outcome::kMemoryFull;
   // What the held-out poses of the identification are going to take.
-  hal::Duration after{};
-  if (visiting_since_ && visited_ > 0) {
-    after = (now - *visiting_since_) / static_cast<std::int64_t>(visited_) *
-            static_cast<std::int64_t>(configuration_.sweeps.held_out_poses);
-  }
+  const hal::Duration after = each_visit().value_or(hal::Duration{}) *
+                              static_cast<std::int64_t>(configuration_.sweeps.held_out_poses);
   return now + after >= aim_.ends ? std::optional(Outcome::kTimeOver) : std::nullopt;
+}
+
+std::optional<hal::Duration> SelfCalibration::each_visit() const {
+  if (!visiting_since_ || visited_ <= recalled_) return std::nullopt;
+  return (now_ - *visiting_since_) / static_cast<std::int64_t>(visited_ - recalled_);
 }
 
 // A look at one offer.

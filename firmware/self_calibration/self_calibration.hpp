@@ -17,6 +17,7 @@
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/refinement.hpp"
 #include "firmware/self_calibration/findings.hpp"
+#include "firmware/self_calibration/point_journal.hpp"
 
 namespace armsig::controller {
 
@@ -47,13 +48,17 @@ class SelfCalibration final : public Refinement {
     calibration::Workspace* work = nullptr;
   };
 
-  // Both outlive it.
+  // All outlive it. Without a journal nothing is kept across halts and restarts.
   template <std::size_t kPoints>
-  SelfCalibration(const Configuration& configuration, SelfCalibrationMemory<kPoints>& memory)
-      : SelfCalibration(configuration, Memory{memory.rows, memory.cache, memory.sides, memory.log,
-                                              memory.matrix, &memory.work}) {}
-  SelfCalibration(const Configuration& configuration, const Memory& memory)
-      : configuration_(configuration), memory_(memory) {}
+  SelfCalibration(const Configuration& configuration, SelfCalibrationMemory<kPoints>& memory,
+                  PointJournal* journal = nullptr)
+      : SelfCalibration(configuration,
+                        Memory{memory.rows, memory.cache, memory.sides, memory.log, memory.matrix,
+                               &memory.work},
+                        journal) {}
+  SelfCalibration(const Configuration& configuration, const Memory& memory,
+                  PointJournal* journal = nullptr)
+      : configuration_(configuration), memory_(memory), journal_(journal) {}
   SelfCalibration(const SelfCalibration&) = delete;
   SelfCalibration& operator=(const SelfCalibration&) = delete;
 
@@ -77,7 +82,10 @@ class SelfCalibration final : public Refinement {
   static constexpr std::size_t kHeldOutEvery = 5;
 
   std::span<LogEntry> do_further_log() override { return memory_.log; }
-  void do_begin(const Aim& aim) override;
+  Result<std::size_t> do_begin(const Aim& aim, const Machine& machine) override;
+  std::optional<KeptPoint> do_recall(std::size_t sweep, const JointVector& wanted) override;
+  Result<void> do_keep(const KeptPoint& kept) override;
+  Result<void> do_forget() override;
   void do_take(std::size_t sweep, const JointVector& readings, const MeasuredPoint& point) override;
   void do_lose() override { stage_ = Stage::kChoosing; }
   void do_refine(const Signature& signature) override;
@@ -92,6 +100,8 @@ class SelfCalibration final : public Refinement {
   void choose(hal::Instant now);
   void take_offer(const JointVector& pose);
   [[nodiscard]] std::optional<Outcome> end_of_visits(hal::Instant now) const;
+  // How long a visit takes; empty before the first one.
+  [[nodiscard]] std::optional<hal::Duration> each_visit() const;
   void begin_fit(const calibration::ModelParts& parts);
   void finish_fit();
   void play_step();
@@ -115,6 +125,7 @@ class SelfCalibration final : public Refinement {
 
   const Configuration& configuration_;
   Memory memory_;
+  PointJournal* journal_;
 
   Stage stage_ = Stage::kIdle;
   Outcome outcome_ = Outcome::kNone;
@@ -125,10 +136,11 @@ class SelfCalibration final : public Refinement {
   std::optional<hal::Instant> visiting_since_;
   Signature signature_;  // that the features gave
   std::optional<frames::Aligning> aligning_;
-  std::size_t count_ = 0;    // rows
-  double reference_m2_ = 0;  // of the rows' relative covariances
-  std::size_t visited_ = 0;  // of the rows, the poses
-  std::size_t wanted_ = 0;   // after which it is fitted again
+  std::size_t count_ = 0;     // rows
+  double reference_m2_ = 0;   // of the rows' relative covariances
+  std::size_t visited_ = 0;   // of the rows, the poses
+  std::size_t recalled_ = 0;  // of those, the ones that an earlier run had been at
+  std::size_t wanted_ = 0;    // after which it is fitted again
   std::size_t planned_ = 0;
 
   std::size_t offered_ = 0;

@@ -29,9 +29,11 @@ void SelfCalibration::tell_progress(Line& line) const {
   line.text("# identify refining poses=").integer(visited_);
   line.text(" planned=").integer(planned_);
   tell_findings(line, findings_, aim_.accuracy_m);
-  if (!visiting_since_ || visited_ == 0) return;
-  const double each_s = hal::seconds(now_ - *visiting_since_) / static_cast<double>(visited_);
-  const double poses_s = each_s * static_cast<double>(std::max(planned_, visited_) - visited_);
+  if (recalled_ > 0) line.text(" recalled=").integer(recalled_);
+  const auto each = each_visit();
+  if (!each) return;
+  const double poses_s =
+      hal::seconds(*each) * static_cast<double>(std::max(planned_, visited_) - visited_);
   const double time_s = std::max(hal::seconds(aim_.ends - now_), 0.0);
   line.text(" left_s=").number(std::min(poses_s, time_s), 0);
 }
@@ -91,9 +93,8 @@ void SelfCalibration::tell_advice(Line& line) const {
   const double beyond = std::max(more - 1, 0.0) * static_cast<double>(count_);
   line.text("; what would help: about ").integer(static_cast<std::uint64_t>(std::ceil(beyond)));
   line.text(" more poses");
-  if (visiting_since_ && visited_ > 0) {
-    const double each_s = hal::seconds(now_ - *visiting_since_) / static_cast<double>(visited_);
-    line.text(" (").number(beyond * each_s / 60, 0).text(" minutes)");
+  if (const auto each = each_visit()) {
+    line.text(" (").number(beyond * hal::seconds(*each) / 60, 0).text(" minutes)");
   }
   line.text(", or a sensor of ")
       .number(1e3 * findings.sensor_m / std::sqrt(std::max(more, 1.0)), 3);
