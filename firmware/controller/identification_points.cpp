@@ -30,6 +30,7 @@ void IdentificationSequence::refuse(Error error, std::optional<std::size_t> join
 // there is no room for it.
 [[gnu::noinline]] void IdentificationSequence::keep(const MeasuredPoint* point) {
   const bool sweeping = stage_ == Stage::kSweeping;
+  if (!sweeping && refinement_->visit().again) return;
   KeptPoint kept{.sweep = sweeping ? joint_ + 1 : 0,
                  .wanted = sweeping ? mover_.now().commanded : refinement_->visit().pose,
                  .readings = mover_.now().positions};

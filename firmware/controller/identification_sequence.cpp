@@ -165,7 +165,7 @@ void IdentificationSequence::ready() {
       return;
     }
     const Refinement::Visit& visit = refinement_->visit();
-    if (!approached_ && recall(visit.pose)) return;
+    if (!approached_ && !visit.again && recall(visit.pose)) return;
     q = approached_ ? visit.pose : visit.approach;
   } else if (stage_ == Stage::kComparing) {
     if (!comparison().step()) stage_ = Stage::kHeldOut;
@@ -229,7 +229,10 @@ void IdentificationSequence::step_identification() {
     refinement_->tell(line);
     announcer_.say(line);
   } else if (next == Refinement::Next::kDone) {
-    refinement_->write(*candidate_);
+    if (const auto written = refinement_->write(*candidate_); !written) {
+      refuse(written.error(), {});
+      return;
+    }
     refines_from_ = points_done_;
     refines_ = false;
     stage_ = Stage::kIdentifying;

@@ -42,6 +42,8 @@ class Refinement {
   struct Visit {
     JointVector approach;
     JointVector pose;
+    // It was measured before, and is to be compared: nothing is recalled, nor kept.
+    bool again = false;
   };
 
   // Room for what is measured beyond the log's own.
@@ -77,8 +79,9 @@ class Refinement {
   // Poses to be measured in all, as far as is known.
   [[nodiscard]] std::size_t planned() const { return do_planned(); }
   // After kDone: puts what was found into `record`, whose signature is the one of refine(). Where
-  // nothing was found that is better than that, it stays.
-  void write(SignatureRecord& record) const { do_write(record); }
+  // nothing was found that is better than that, it stays. Errors: kNotConverged (arm, target or
+  // sensor changed while they were measured: no model is right).
+  [[nodiscard]] Result<void> write(SignatureRecord& record) const { return do_write(record); }
 
  protected:
   ~Refinement() = default;
@@ -97,7 +100,7 @@ class Refinement {
   [[nodiscard]] virtual const Visit& do_visit() const = 0;
   virtual void do_tell(Line& line) const = 0;
   [[nodiscard]] virtual std::size_t do_planned() const = 0;
-  virtual void do_write(SignatureRecord& record) const = 0;
+  virtual Result<void> do_write(SignatureRecord& record) const = 0;
 };
 
 }  // namespace armsig::controller

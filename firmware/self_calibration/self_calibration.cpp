@@ -30,7 +30,8 @@ Result<std::size_t> SelfCalibration::do_begin(const Aim& aim, const Machine& mac
   refused_.reset();
   aim_ = aim;
   visiting_since_.reset();
-  count_ = visited_ = recalled_ = offered_ = looked_at_ = 0;
+  count_ = visited_ = recalled_ = repeated_ = offered_ = looked_at_ = 0;
+  change_ = {};
   reference_m2_ = 0;
   wanted_ = planned_ = kFirstVisits;
   engine_.reset();
@@ -59,6 +60,10 @@ Result<void> SelfCalibration::do_forget() {
 
 void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
                               const MeasuredPoint& point) {
+  if (stage_ == Stage::kMeasuringAgain) {
+    take_again(point);
+    return;
+  }
   if (stage_ == Stage::kVisiting) stage_ = Stage::kChoosing;
   if (count_ == memory_.rows.size()) return;
   // The first row's is the unit of all: any would do.
@@ -74,6 +79,11 @@ void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
   memory_.rows[count_++] = row;
 }
 
+void SelfCalibration::do_lose() {
+  differed_.reset();
+  stage_ = stage_ == Stage::kMeasuringAgain ? Stage::kRepeating : Stage::kChoosing;
+}
+
 void SelfCalibration::do_refine(const Signature& signature) {
   signature_ = signature;
   aligning_.emplace(frames::axis_lines(signature),
@@ -87,7 +97,11 @@ Refinement::Next SelfCalibration::do_step(hal::Instant now) {
     case Stage::kChoosing:
       choose(now);
       return stage_ == Stage::kVisiting ? Next::kVisits : Next::kComputes;
+    case Stage::kRepeating:
+      choose_again();
+      return stage_ == Stage::kMeasuringAgain ? Next::kVisits : Next::kComputes;
     case Stage::kVisiting:
+    case Stage::kMeasuringAgain:
       return Next::kVisits;
     case Stage::kTelling:
       telling_ = &SelfCalibration::tell_progress;
@@ -154,9 +168,10 @@ void SelfCalibration::evaluate(const JointVector& effective,
 
 std::optional<SelfCalibration::Outcome> SelfCalibration::end_of_visits(hal::Instant now) const {
   if (count_ == memory_.rows.size()) return Outcome::kMemoryFull;
-  // What the held-out poses of the identification are going to take.
-  const hal::Duration after = each_visit().value_or(hal::Duration{}) *
-                              static_cast<std::int64_t>(configuration_.sweeps.held_out_poses);
+  // What the poses measured again and the held-out ones of the identification are going to take.
+  const hal::Duration after =
+      each_visit().value_or(hal::Duration{}) *
+      static_cast<std::int64_t>(Repeats::kMost + configuration_.sweeps.held_out_poses);
   return now + after >= aim_.ends ? std::optional(Outcome::kTimeOver) : std::nullopt;
 }
 
@@ -191,6 +206,7 @@ void SelfCalibration::choose(hal::Instant now) {
 void SelfCalibration::take_offer(const JointVector& pose) {
   looked_at_ = 0;
   sides_ = dealt_sides(offered_);
+  visit_.again = false;
   visit_.pose = pose;
   visit_.approach = approach_to(configuration_, pose, sides_);
   stage_ = Stage::kVisiting;

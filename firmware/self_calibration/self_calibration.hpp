@@ -7,6 +7,8 @@
 // One pose in kHeldOutEvery is held out of every fit. What the model leaves open is predicted over
 // poses that were not measured, times the factor by which the held-out ones are worse than stated.
 // In the end geometry alone is fitted too, and kept where it predicts the held-out poses as well.
+// After the first fit, and once more before the end, a dozen of the first half of the points are
+// measured again (repeats.hpp): where something changed meanwhile it is named, and no model kept.
 #pragma once
 
 #include <array>
@@ -18,6 +20,7 @@
 #include "firmware/controller/refinement.hpp"
 #include "firmware/self_calibration/findings.hpp"
 #include "firmware/self_calibration/point_journal.hpp"
+#include "firmware/self_calibration/repeats.hpp"
 
 namespace armsig::controller {
 
@@ -73,12 +76,22 @@ class SelfCalibration final : public Refinement {
     kJudging,     // by the held-out poses
     kPredicting,  // over poses that were not measured
     kTelling,     // how far it is
+    kRepeating,   // what is measured again is chosen
+    kMeasuringAgain,
     kConcluding,
     kPlayTelling,
     kAdvising,
     kDone
   };
-  enum class Outcome : std::uint8_t { kNone, kReached, kTimeOver, kMemoryFull, kPlay, kRefused };
+  enum class Outcome : std::uint8_t {
+    kNone,
+    kReached,
+    kTimeOver,
+    kMemoryFull,
+    kPlay,
+    kRefused,
+    kChanged
+  };
   static constexpr std::size_t kHeldOutEvery = 5;
 
   std::span<LogEntry> do_further_log() override { return memory_.log; }
@@ -87,13 +100,13 @@ class SelfCalibration final : public Refinement {
   Result<void> do_keep(const KeptPoint& kept) override;
   Result<void> do_forget() override;
   void do_take(std::size_t sweep, const JointVector& readings, const MeasuredPoint& point) override;
-  void do_lose() override { stage_ = Stage::kChoosing; }
+  void do_lose() override;
   void do_refine(const Signature& signature) override;
   Next do_step(hal::Instant now) override;
   [[nodiscard]] const Visit& do_visit() const override { return visit_; }
   void do_tell(Line& line) const override { (this->*telling_)(line); }
   [[nodiscard]] std::size_t do_planned() const override { return planned_; }
-  void do_write(SignatureRecord& record) const override;
+  Result<void> do_write(SignatureRecord& record) const override;
 
   void work();
   void begin_visits();
@@ -108,7 +121,15 @@ class SelfCalibration final : public Refinement {
   void judge_step();
   void predict_step();
   void note_findings();
+  [[nodiscard]] std::optional<Outcome> end_of_run() const;
   void decide();
+  void plan_more();
+  // repeating.cpp
+  void begin_repeats();
+  void choose_again();
+  void take_again(const MeasuredPoint& point);
+  void finish_repeats();
+  [[nodiscard]] double pull_at(std::size_t row) const;
   void compare();
   void refuse(Error error);
   [[nodiscard]] bool is_believable() const;
@@ -157,6 +178,11 @@ class SelfCalibration final : public Refinement {
   bool knows_ = false;  // the engine has a covariance
   calibration::ModelParts parts_;
   std::size_t index_ = 0;  // in the pass under way
+  Repeats repeats_;
+  std::size_t again_ = 0;            // row that is measured again
+  std::optional<Vector3> differed_;  // that row, when it was measured again for the first time
+  std::size_t repeated_ = 0;         // poses measured when the repeats were
+  Repeats::Change change_;
   double squares_m2_ = 0;
   std::size_t kept_ = 0;
   PlayEstimate play_;

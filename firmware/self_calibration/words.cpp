@@ -17,6 +17,7 @@ void tell_findings(Line& line, const Findings& found, double asked_m) {
   millimetres(line, "asked", asked_m);
   line.text(" held_out=").integer(found.held_out.poses);
   line.text(" blunders=").integer(found.held_out.blunders);
+  line.text(" fitted=").integer(found.fitted).text(" rejected=").integer(found.rejected);
   millimetres(line, "held_out_rms", found.held_out.rms_m);
   millimetres(line, "sensor", found.sensor_m);
   millimetres(line, "model", found.model_m);
@@ -42,6 +43,12 @@ void SelfCalibration::tell_outcome(Line& line) const {
   line.text("# identify accuracy=");
   line.text(outcome_ == Outcome::kReached ? "reached" : "missed");
   const Found* const found = best();
+  if (outcome_ == Outcome::kChanged) {
+    line.text(" model=none changed=").text(change_.what);
+    millimetres(line, "by", change_.by_m);
+    line.text(" again=").integer(repeats_.count());
+    return;
+  }
   if (found == nullptr) {
     line.text(" model=features");
     if (refused_) line.reason(*refused_);
@@ -73,6 +80,14 @@ void SelfCalibration::tell_play(Line& line) const {
 // Why it was not reached, and what would help.
 void SelfCalibration::tell_advice(Line& line) const {
   line.text("# identify the accuracy that was asked for is not reached: ");
+  if (outcome_ == Outcome::kChanged) {
+    line.text("what was measured first is elsewhere when it is measured again; look at the ")
+        .text(change_.what == "arm" ? "arm's load and what holds its parts" : change_.what)
+        .text(change_.what == "target" ? " on the hand and how it is fixed" : "")
+        .text(change_.what == "sensor" ? " and what it stands on, and at what the arm carries" : "")
+        .text(", then identify anew=yes");
+    return;
+  }
   const Found* const found = best();
   if (outcome_ == Outcome::kRefused) {
     line.text("no model like the drawing explains what was measured; look at drawing, target and ");
