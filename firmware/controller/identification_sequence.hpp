@@ -83,6 +83,8 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   [[nodiscard]] std::size_t points_done() const { return points_done_; }
   [[nodiscard]] std::size_t points_planned() const;
   [[nodiscard]] double left_s() const;
+  // For `status`. Precondition: stage() is kRefining.
+  void tell_refinement(Line& line) const { refinement_->tell_state(line); }
   // Index of the joint that is being swept; nothing in another stage.
   [[nodiscard]] std::optional<std::size_t> swept_joint() const {
     return stage_ == Stage::kSweeping ? std::optional(joint_) : std::nullopt;

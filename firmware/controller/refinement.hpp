@@ -76,6 +76,8 @@ class Refinement {
   [[nodiscard]] Next step(hal::Instant now) { return do_step(now); }
   [[nodiscard]] const Visit& visit() const { return do_visit(); }
   void tell(Line& line) const { do_tell(line); }
+  // For `status`: how far it is, ` predicted_mm=...`; nothing where nothing is known yet.
+  void tell_state(Line& line) const { do_tell_state(line); }
   // Poses to be measured in all, as far as is known.
   [[nodiscard]] std::size_t planned() const { return do_planned(); }
   // After kDone: puts what was found into `record`, whose signature is the one of refine(). Where
@@ -99,6 +101,7 @@ class Refinement {
   virtual Next do_step(hal::Instant now) = 0;
   [[nodiscard]] virtual const Visit& do_visit() const = 0;
   virtual void do_tell(Line& line) const = 0;
+  virtual void do_tell_state(Line& line) const = 0;
   [[nodiscard]] virtual std::size_t do_planned() const = 0;
   virtual Result<void> do_write(SignatureRecord& record) const = 0;
 };

@@ -105,6 +105,7 @@ class SelfCalibration final : public Refinement {
   Next do_step(hal::Instant now) override;
   [[nodiscard]] const Visit& do_visit() const override { return visit_; }
   void do_tell(Line& line) const override { (this->*telling_)(line); }
+  void do_tell_state(Line& line) const override;
   [[nodiscard]] std::size_t do_planned() const override { return planned_; }
   Result<void> do_write(SignatureRecord& record) const override;
 
@@ -140,6 +141,7 @@ class SelfCalibration final : public Refinement {
   void evaluate(const JointVector& effective, calibration::ChainFrames& frames) const;
   // words.cpp
   void tell_progress(Line& line) const;
+  void tell_halving(Line& line, const Findings& found) const;
   void tell_outcome(Line& line) const;
   void tell_play(Line& line) const;
   void tell_advice(Line& line) const;

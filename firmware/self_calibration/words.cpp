@@ -26,11 +26,34 @@ void tell_findings(Line& line, const Findings& found, double asked_m) {
 
 }  // namespace
 
+// What it would take to halve what is predicted.
+void SelfCalibration::tell_halving(Line& line, const Findings& found) const {
+  const double times = found.times_more(found.predicted_m() / 2);
+  line.text(" halve_poses=");
+  if (!std::isfinite(times)) {
+    line.text("never");  // play alone is more
+    return;
+  }
+  const double poses = (times - 1) * static_cast<double>(count_);
+  line.integer(static_cast<std::uint64_t>(std::ceil(poses)));
+  if (const auto each = each_visit()) {
+    line.text(" halve_minutes=").number(poses * hal::seconds(*each) / 60, 0);
+  }
+}
+
+void SelfCalibration::do_tell_state(Line& line) const {
+  if (findings_.fitted == 0) return;
+  millimetres(line, "predicted", findings_.predicted_m());
+  millimetres(line, "asked", aim_.accuracy_m);
+  tell_halving(line, findings_);
+}
+
 void SelfCalibration::tell_progress(Line& line) const {
   line.text("# identify refining poses=").integer(visited_);
   line.text(" planned=").integer(planned_);
   tell_findings(line, findings_, aim_.accuracy_m);
   if (recalled_ > 0) line.text(" recalled=").integer(recalled_);
+  tell_halving(line, findings_);
   const auto each = each_visit();
   if (!each) return;
   const double poses_s =
@@ -58,6 +81,7 @@ void SelfCalibration::tell_outcome(Line& line) const {
   line.text(" poses=").integer(visited_);
   tell_findings(line, found->findings, aim_.accuracy_m);
   if (geometry_) millimetres(line, "geometry_rms", geometry_->findings.held_out.rms_m);
+  tell_halving(line, found->findings);
 }
 
 void SelfCalibration::tell_play(Line& line) const {
@@ -85,7 +109,7 @@ void SelfCalibration::tell_advice(Line& line) const {
         .text(change_.what == "arm" ? "arm's load and what holds its parts" : change_.what)
         .text(change_.what == "target" ? " on the hand and how it is fixed" : "")
         .text(change_.what == "sensor" ? " and what it stands on, and at what the arm carries" : "")
-        .text(", then identify anew=yes");
+        .text(", then identify once more");
     return;
   }
   const Found* const found = best();

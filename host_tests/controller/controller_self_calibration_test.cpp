@@ -138,7 +138,28 @@ TEST(SelfCalibration, says_that_time_is_over_and_what_would_help) {
   EXPECT_TRUE(told.starts_with("# identify accuracy=missed model=maps ")) << told;
   const std::string advice = puma.heard("asked for is not reached: ");
   EXPECT_TRUE(advice.contains("time is over; what would help: about ")) << advice;
+  EXPECT_TRUE(told.contains(" halve_poses=")) << told;
   EXPECT_LT(puma.miss_m(*record, 40), 0.2e-3) << "the best that was found all the same";
+}
+
+TEST(SelfCalibration, says_while_it_refines_how_far_it_is_and_what_half_of_the_error_takes) {
+  BentPuma puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify accuracy_mm=0.06 minutes=60"), "ok");
+  for (int i = 0; i < 1'000'000 && puma.heard("# identify refining ").empty(); ++i) {
+    puma.cabinet->step();
+  }
+  const std::string told = puma.heard("# identify refining ");
+  const std::string status = puma.ask("status");
+  EXPECT_TRUE(status.contains(" refining=yes predicted_mm=")) << status;
+  EXPECT_EQ(value_after(status, "predicted_mm"), value_after(told, "predicted_mm"));
+  EXPECT_EQ(value_after(status, "asked_mm"), 0.06);
+  // Half of the error is four times the measurements, more where play has a part in it.
+  const double measured = static_cast<double>(puma.cabinet->state().identification().log().size());
+  EXPECT_GE(value_after(status, "halve_poses"), 2.99 * measured) << status;
+  EXPECT_LT(value_after(status, "halve_poses"), 30 * measured);
+  EXPECT_GT(value_after(status, "halve_minutes"), 1);
+  EXPECT_GT(value_after(status, "left_s"), 1);
 }
 
 TEST(SelfCalibration, says_that_no_measurement_helps_against_play) {
