@@ -14,6 +14,47 @@ constexpr unsigned kPosesLostInARow = 8;
 
 }  // namespace
 
+// Ends it by what was measured, which is of no use to a later run.
+void IdentificationSequence::refuse(Error error, std::optional<std::size_t> joint) {
+  if (refines_) forget_kept();
+  end(error, joint);
+}
+
+[[gnu::noinline]] void IdentificationSequence::forget_kept() {
+  if (const auto forgotten = refinement_->forget(); !forgotten) {
+    announcer_.say(Line().text("# identify kept points are not erased").reason(forgotten.error()));
+  }
+}
+
+// Of the pose where the arm stands; `point` null: there is none. Apart, as below what take() calls
+// there is no room for it.
+[[gnu::noinline]] void IdentificationSequence::keep(const MeasuredPoint* point) {
+  const bool sweeping = stage_ == Stage::kSweeping;
+  if (!sweeping && refinement_->visit().again) return;
+  KeptPoint kept{.sweep = sweeping ? joint_ + 1 : 0,
+                 .wanted = sweeping ? mover_.now().commanded : refinement_->visit().pose,
+                 .readings = mover_.now().positions};
+  if (point != nullptr) kept.point = *point;
+  if (const auto done = refinement_->keep(kept); !done) {
+    announcer_.say(
+        Line().text("# identify can't be continued after a restart").reason(done.error()));
+  }
+}
+
+// True: an interrupted run was there, and what it measured is taken.
+[[gnu::noinline]] bool IdentificationSequence::recall(const JointVector& wanted) {
+  const std::size_t sweep = stage_ == Stage::kSweeping ? joint_ + 1 : 0;
+  const auto kept = refinement_->recall(sweep, wanted);
+  if (!kept) return false;
+  if (kept->point) {
+    ++recalled_;
+    take(*kept->point, kept->readings);
+  } else {
+    skip();
+  }
+  return true;
+}
+
 void IdentificationSequence::lose(Error error) {
   if (!is_of_the_place(error)) {
     pause_for(error);
@@ -23,9 +64,16 @@ void IdentificationSequence::lose(Error error) {
   const bool refining = stage_ == Stage::kRefining;
   if (++lost_in_a_row_ >= (refining ? kPosesLostInARow : kLostInARow)) {
     pause_for(error);
-  } else if (stage_ == Stage::kSweeping) {
+  } else {
+    if (refines_) keep(nullptr);
+    skip();
+  }
+}
+
+void IdentificationSequence::skip() {
+  if (stage_ == Stage::kSweeping) {
     sweep().skip();
-  } else if (refining) {
+  } else if (stage_ == Stage::kRefining) {
     approached_ = false;
     refinement_->lose();
   } else {
@@ -40,9 +88,13 @@ void IdentificationSequence::pause_for(Error error) {
 }
 
 void IdentificationSequence::take(const MeasuredPoint& point) {
+  if (refines_) keep(&point);
+  take(point, mover_.now().positions);
+}
+
+void IdentificationSequence::take(const MeasuredPoint& point, const JointVector& readings) {
   lost_in_a_row_ = 0;
   ++points_done_;
-  const JointVector& readings = mover_.now().positions;
   const bool sweeping = stage_ == Stage::kSweeping;
   if (!received_ && !log_.full()) {
     log_.push_back({sweeping ? joint_ + 1 : 0, point.pings, readings, point.p_S,
@@ -59,7 +111,7 @@ void IdentificationSequence::take(const MeasuredPoint& point) {
     return;
   }
   if (auto added = sweep().add(readings[joint_], point.p_S, point.covariance_m2); !added) {
-    end(added.error(), joint_);
+    refuse(added.error(), joint_);
     return;
   }
   if (sweep().done() % 10 == 0) tell_progress("sweep");

@@ -25,11 +25,18 @@ void IdentificationSequence::begin(const SignatureRecord* active, Ticket begun) 
   begin_sweep();
 }
 
-void IdentificationSequence::begin_refining(double accuracy_m, hal::Duration time,
+void IdentificationSequence::begin_refining(const Refining& asked, const Machine& machine,
                                             const SignatureRecord* active, Ticket begun) {
   begin(active, begun);
   refines_ = true;
-  refinement_->begin({accuracy_m, began_ + time});
+  const auto kept =
+      refinement_->begin({asked.accuracy_m, began_ + asked.time, asked.anew}, machine);
+  Line line;
+  if (!kept) {
+    announcer_.say(line.text("# identify begins anew").reason(kept.error()));
+  } else if (*kept > 0) {
+    announcer_.say(line.text("# identify continues kept_points=").integer(*kept));
+  }
 }
 
 void IdentificationSequence::begin_comparison(const SignatureRecord* active, Ticket begun) {
@@ -61,6 +68,7 @@ void IdentificationSequence::start(const SignatureRecord* active, Ticket begun) 
   lost_in_a_row_ = 0;
   refines_ = approached_ = false;
   refines_from_ = 0;
+  recalled_ = 0;
   visit_.begin(begun);
   began_ = mover_.now().now;
 }
@@ -106,9 +114,10 @@ std::size_t IdentificationSequence::points_planned() const {
 }
 
 double IdentificationSequence::left_s() const {
-  if (points_done_ == 0 || points_done_ >= points_planned()) return 0;
+  const std::size_t measured = points_done_ - recalled_;
+  if (measured == 0 || points_done_ >= points_planned()) return 0;
   const double elapsed_s = hal::seconds(mover_.now().now - began_);
-  return elapsed_s / static_cast<double>(points_done_) *
+  return elapsed_s / static_cast<double>(measured) *
          static_cast<double>(points_planned() - points_done_);
 }
 
@@ -145,6 +154,7 @@ void IdentificationSequence::ready() {
       return;
     }
     q[joint_] = *reading;
+    if (refines_ && recall(q)) return;
   } else if (stage_ == Stage::kIdentifying) {
     step_identification();
     return;
@@ -155,6 +165,7 @@ void IdentificationSequence::ready() {
       return;
     }
     const Refinement::Visit& visit = refinement_->visit();
+    if (!approached_ && !visit.again && recall(visit.pose)) return;
     q = approached_ ? visit.pose : visit.approach;
   } else if (stage_ == Stage::kComparing) {
     if (!comparison().step()) stage_ = Stage::kHeldOut;
@@ -176,7 +187,7 @@ void IdentificationSequence::finish_sweep() {
     return;
   }
   if (!*feature) {
-    end(feature->error().error, joint_);
+    refuse(feature->error().error, joint_);
     return;
   }
   tell_progress("swept");
@@ -194,7 +205,7 @@ void IdentificationSequence::step_identification() {
   if (candidate_->signature.targets.empty()) {
     const auto more = identification().step();
     if (!more) {
-      end(more.error().refusal.error, more.error().joint);
+      refuse(more.error().refusal.error, more.error().joint);
     } else if (!*more) {
       add_targets();
     }
@@ -218,7 +229,10 @@ void IdentificationSequence::step_identification() {
     refinement_->tell(line);
     announcer_.say(line);
   } else if (next == Refinement::Next::kDone) {
-    refinement_->write(*candidate_);
+    if (const auto written = refinement_->write(*candidate_); !written) {
+      refuse(written.error(), {});
+      return;
+    }
     refines_from_ = points_done_;
     refines_ = false;
     stage_ = Stage::kIdentifying;
@@ -248,6 +262,7 @@ void IdentificationSequence::add_targets() {
 }
 
 void IdentificationSequence::finish_held_out() {
+  if (refines_from_ > 0) forget_kept();
   report_ = comparison().report();
   candidate_->air_celsius = measurement_.air_celsius().value_or(0);
   candidate_->held_out_rms_m = report_.candidate_rms_m;

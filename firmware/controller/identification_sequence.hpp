@@ -49,9 +49,15 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   // not is_running().
   void begin(const SignatureRecord* active, Ticket begun);
   [[nodiscard]] bool can_refine() const { return refinement_ != nullptr; }
-  // The same, and refines until the accuracy is reached or the time is over, from now on.
-  // Precondition: can_refine().
-  void begin_refining(double accuracy_m, hal::Duration time, const SignatureRecord* active,
+  // What is asked of a refinement.
+  struct Refining {
+    double accuracy_m = 0;
+    hal::Duration time;  // from now on
+    bool anew = false;   // what an interrupted one has measured is not wanted
+  };
+  // The same, and refines until the accuracy is reached or the time is over. Where an earlier one
+  // on this `machine` was interrupted, it goes on from there. Precondition: can_refine().
+  void begin_refining(const Refining& asked, const Machine& machine, const SignatureRecord* active,
                       Ticket begun);
   // The next part of a candidate from outside (receiving.hpp); true if it is whole then, and is the
   // candidate in place of any other. Errors: those of Receiving. Precondition: not is_running().
@@ -77,6 +83,8 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   [[nodiscard]] std::size_t points_done() const { return points_done_; }
   [[nodiscard]] std::size_t points_planned() const;
   [[nodiscard]] double left_s() const;
+  // For `status`. Precondition: stage() is kRefining.
+  void tell_refinement(Line& line) const { refinement_->tell_state(line); }
   // Index of the joint that is being swept; nothing in another stage.
   [[nodiscard]] std::optional<std::size_t> swept_joint() const {
     return stage_ == Stage::kSweeping ? std::optional(joint_) : std::nullopt;
@@ -101,6 +109,10 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
 
   void start(const SignatureRecord* active, Ticket begun);
   void ready();
+  void refuse(Error error, std::optional<std::size_t> joint);
+  void keep(const MeasuredPoint* point);
+  void forget_kept();
+  [[nodiscard]] bool recall(const JointVector& wanted);
   void begin_sweep();
   // Of the stage.
   [[nodiscard]] Sweep& sweep() { return *std::get_if<Sweep>(&work_); }
@@ -114,7 +126,9 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   void finish();
   void add_targets();
   void take(const MeasuredPoint& point);
+  void take(const MeasuredPoint& point, const JointVector& readings);
   void lose(Error error);
+  void skip();
   void pause_for(Error error);
   void tell_progress(std::string_view what) const;
 
@@ -129,6 +143,7 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   unsigned lost_in_a_row_ = 0;
   bool refines_ = false;
   bool approached_ = false;       // the pose of the refinement, from its side
+  std::uint16_t recalled_ = 0;    // of the points, those that an interrupted run had measured
   std::size_t refines_from_ = 0;  // points that were measured before
   hal::Instant began_;
   // In it a candidate from outside comes in, too, part after part.

@@ -72,6 +72,7 @@ void tell_sequence(Line& line, const Controls& controls) {
     line.text(" sequence=").text(identification.is_paused() ? "paused" : "identifying");
     if (identification.stage() == IdentificationSequence::Stage::kRefining) {
       line.text(" refining=yes");
+      identification.tell_refinement(line);
     }
     line.text(" points=").integer(identification.points_done());
     line.text(" planned=").integer(identification.points_planned());

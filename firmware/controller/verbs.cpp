@@ -18,14 +18,20 @@ Result<Answer> command(Controls& controls, const Request& /*request*/, Line& /*o
   return when_taken(controls.mover.send(kKind));
 }
 
-struct Refining {
+struct RefiningRequest {
   double accuracy_mm = 0;  // 0: not asked for
   double minutes = 30;
+  bool anew = false;
 };
 
-Result<Refining> refining_in(const Request& request) {
-  Refining asked;
+Result<RefiningRequest> refining_in(const Request& request) {
+  RefiningRequest asked;
   for (const auto& [key, text] : request.arguments) {
+    if (key == "anew") {
+      if (text != "yes" && text != "no") return std::unexpected(Error::kOutOfRange);
+      asked.anew = text == "yes";
+      continue;
+    }
     const bool accuracy = key == "accuracy_mm";
     if (!accuracy && key != "minutes") return std::unexpected(Error::kUnknownRequest);
     const auto value = parse_number(text);
@@ -53,7 +59,8 @@ Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
   if (refines) {
     const auto time = std::chrono::duration_cast<hal::Duration>(
         std::chrono::duration<double, std::ratio<60>>(asked.minutes));
-    controls.identification.begin_refining(1e-3 * asked.accuracy_mm, time, in_use, answer.ticket);
+    controls.identification.begin_refining({1e-3 * asked.accuracy_mm, time, asked.anew},
+                                           controls.link.machine.read(), in_use, answer.ticket);
   } else {
     controls.identification.begin(in_use, answer.ticket);
   }
@@ -199,7 +206,9 @@ constexpr std::array kVerbs{
     Verb{.name = "identify",
          .handler = identify,
          .help = "measures all joints; ends with a candidate; accuracy_mm=0.15 minutes=30 finds "
-                 "gravity and maps of the readings, too, from poses of its own choice",
+                 "gravity and maps of the readings, too, from poses of its own choice; goes on "
+                 "where one was "
+                 "interrupted, but for anew=yes",
          .modes = kReady,
          .alone = true,
          .takes = Verb::Takes::kKeys},

@@ -20,7 +20,7 @@ namespace armsig::controller {
 struct Controls {
   const Configuration& configuration;
   hal::Clock& clock;
-  const Link& link;
+  Link& link;
   Mover& mover;
   const PointMeasurement& measurement;
   IdentificationSequence& identification;

@@ -95,11 +95,11 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   linux_hal::SocketCan bus(
       {.interface_name = configuration.can_interface, .filters = {}, .maintained = true});
   canopen::Master master(*drives, bus, backend->can.get());
-  const auto refinement = std::make_unique<SelfCalibrating>(configuration.controller);
+  const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto controller = std::make_unique<controller::Controller>(
       configuration.controller, master, backend->sensor(), clock, *memory, consoles,
-      &refinement->calibration, &checks);
+      &refinement->refinement(), &checks);
   attendance.begin(*controller);
   const RealTimeLoop loop{.controller = *controller,
                           .clock = clock,

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What armsigd refines with: there is memory enough on embedded Linux.
+// What armsigd refines with: there is memory enough on embedded Linux, and a file beside the
+// signatures for what was measured.
 #pragma once
 
+#include <optional>
+
+#include "firmware/linux/daemon_configuration.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"
+#include "hal/linux/file_memory.hpp"
 
 namespace armsig::daemon {
 
@@ -10,13 +15,21 @@ namespace armsig::daemon {
 inline constexpr std::size_t kSelfCalibrationPoints = 1200;
 
 // Large: keep it out of stacks.
-struct SelfCalibrating {
-  // Outlived by `configuration`.
-  explicit SelfCalibrating(const controller::Configuration& configuration)
-      : calibration(configuration, memory) {}
+class SelfCalibrating {
+ public:
+  // Outlived by `configuration`. The file is that of the signatures with `.points` behind its name;
+  // where there can be none it is told on standard error, and nothing is kept across restarts.
+  explicit SelfCalibrating(const DaemonConfiguration& configuration);
+  SelfCalibrating(const SelfCalibrating&) = delete;
+  SelfCalibrating& operator=(const SelfCalibrating&) = delete;
 
-  controller::SelfCalibrationMemory<kSelfCalibrationPoints> memory;
-  controller::SelfCalibration calibration;
+  [[nodiscard]] controller::Refinement& refinement() { return calibration_; }
+
+ private:
+  std::optional<linux_hal::FileMemory> file_;
+  std::optional<controller::PointJournal> journal_;
+  controller::SelfCalibrationMemory<kSelfCalibrationPoints> memory_;
+  controller::SelfCalibration calibration_;
 };
 
 }  // namespace armsig::daemon

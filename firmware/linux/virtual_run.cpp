@@ -79,11 +79,11 @@ int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& 
   Attendance attendance(configuration, **console);
   const std::array<hal::Console*, 1> consoles{&attendance.console()};
   linux_hal::SteadyClock clock;
-  const auto refinement = std::make_unique<SelfCalibrating>(configuration.controller);
+  const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
       configuration.controller, configuration.drives, world_of(configuration, options), *memory,
-      consoles, options.real_time ? &clock : nullptr, &refinement->calibration, &checks);
+      consoles, options.real_time ? &clock : nullptr, &refinement->refinement(), &checks);
   attendance.begin(cabinet->controller());
   const auto started = [&] {
     attendance.started(fmt::format("{}: virtual cabinet, console at {}", configuration.name,

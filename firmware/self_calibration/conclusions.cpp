@@ -31,6 +31,9 @@ void SelfCalibration::note_findings() {
   findings_.model_m =
       std::sqrt(std::max(k * k * prediction_.model_m2 / samples, beyond_m * beyond_m - play_m2));
   findings_.play_m = std::sqrt(play_m2);
+  findings_.fitted = static_cast<std::size_t>(
+      std::ranges::count_if(rows(), [](const auto& row) { return !row.held_out; }));
+  findings_.rejected = findings_.fitted - kept_;
   if (!is_believable()) {
     refuse(Error::kNotConverged);
     return;
@@ -49,36 +52,32 @@ void SelfCalibration::note_findings() {
 }
 
 bool SelfCalibration::is_believable() const {
-  std::size_t fitted = 0;
-  for (const calibration::FitRow& row : rows()) fitted += !row.held_out;
-  const auto rejected = static_cast<double>(fitted - kept_);
-  if (rejected > kMostRejected * static_cast<double>(fitted)) return false;
+  const auto fitted = static_cast<double>(findings_.fitted);
+  if (static_cast<double>(findings_.rejected) > kMostRejected * fitted) return false;
   return squares_m2_ <= kMostRms_m * kMostRms_m * static_cast<double>(kept_);
+}
+
+std::optional<SelfCalibration::Outcome> SelfCalibration::end_of_run() const {
+  if (findings_.is_believed() && findings_.predicted_m() <= aim_.accuracy_m) {
+    return Outcome::kReached;
+  }
+  if (const auto over = end_of_visits(now_)) return over;
+  const bool never = !std::isfinite(findings_.times_more(aim_.accuracy_m));
+  return findings_.is_believed() && never ? std::optional(Outcome::kPlay) : std::nullopt;
 }
 
 // After a fit of the whole model.
 void SelfCalibration::decide() {
-  const bool reached = findings_.is_believed() && findings_.predicted_m() <= aim_.accuracy_m;
-  const double more = findings_.times_more(aim_.accuracy_m);
-  if (reached) {
-    outcome_ = Outcome::kReached;
-  } else if (const auto over = end_of_visits(now_)) {
-    outcome_ = *over;
-  } else if (findings_.is_believed() && !std::isfinite(more)) {
-    outcome_ = Outcome::kPlay;
-  } else {
-    const auto measured = static_cast<double>(count_);
-    const double most = kMostMore * measured;
-    const double needed = std::isfinite(more) ? (kMargin * more - 1) * measured : most;
-    const auto at_once = static_cast<std::size_t>(
-        std::clamp(needed, static_cast<double>(kFewestMore), std::max(most, 1.0 * kFewestMore)));
-    const double in_all = static_cast<double>(visited_) + std::max(needed, 0.0);
-    wanted_ = visited_ + at_once;
-    planned_ = std::max(wanted_, static_cast<std::size_t>(
-                                     std::min(in_all, static_cast<double>(memory_.rows.size()))));
-    stage_ = Stage::kChoosing;
+  const auto outcome = end_of_run();
+  if (repeated_ < visited_ && (outcome || repeated_ == 0)) {
+    begin_repeats();
     return;
   }
+  if (!outcome) {
+    plan_more();
+    return;
+  }
+  outcome_ = *outcome;
   if (!findings_.is_believed()) {
     whole_.reset();
     stage_ = Stage::kConcluding;
@@ -86,6 +85,20 @@ void SelfCalibration::decide() {
   }
   for (calibration::JointModel& joint : model_.joints) joint.map.fill(0);
   begin_fit(kGeometry);
+}
+
+void SelfCalibration::plan_more() {
+  const double more = findings_.times_more(aim_.accuracy_m);
+  const auto measured = static_cast<double>(count_);
+  const double most = kMostMore * measured;
+  const double needed = std::isfinite(more) ? (kMargin * more - 1) * measured : most;
+  const auto at_once = static_cast<std::size_t>(
+      std::clamp(needed, static_cast<double>(kFewestMore), std::max(most, 1.0 * kFewestMore)));
+  const double in_all = static_cast<double>(visited_) + std::max(needed, 0.0);
+  wanted_ = visited_ + at_once;
+  planned_ = std::max(wanted_, static_cast<std::size_t>(
+                                   std::min(in_all, static_cast<double>(memory_.rows.size()))));
+  stage_ = Stage::kChoosing;
 }
 
 // What was found without gravity and maps is in `geometry_`.
@@ -126,9 +139,10 @@ const SelfCalibration::Found* SelfCalibration::best() const {
   return geometry_ ? &*geometry_ : nullptr;
 }
 
-void SelfCalibration::do_write(SignatureRecord& record) const {
+Result<void> SelfCalibration::do_write(SignatureRecord& record) const {
+  if (outcome_ == Outcome::kChanged) return std::unexpected(Error::kNotConverged);
   const Found* const found = best();
-  if (found == nullptr) return;
+  if (found == nullptr) return {};
   Signature& signature = record.signature;
   std::array<calibration::ModelTarget, 1> target{
       {{.link = signature.joint_count(), .p_L = found->p_L, .rows = 1}}};
@@ -138,6 +152,7 @@ void SelfCalibration::do_write(SignatureRecord& record) const {
   record.predicted_sigma_m = std::sqrt(found->tool_m2.trace());
   record.deflections = {};
   if (whole_ && found == &*whole_) record.deflections = calibration::packed(found->model);
+  return {};
 }
 
 }  // namespace armsig::controller

@@ -64,6 +64,8 @@ struct Findings {
   double play_m = 0;    // and of what play adds
   double sensor_m = 0;  // 1 sigma of a measured point per axis, as the rows show it
   PlayEstimate::Halves play;
+  std::size_t fitted = 0;    // rows
+  std::size_t rejected = 0;  // of them, as blunders
 
   [[nodiscard]] double predicted_m() const;
   [[nodiscard]] bool is_believed() const { return held_out.poses >= kFewestSelfHeldOut; }

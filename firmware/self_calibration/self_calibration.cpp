@@ -24,13 +24,14 @@ std::array<float, 6> packed_covariance(const Matrix3& m) {
 
 }  // namespace
 
-void SelfCalibration::do_begin(const Aim& aim) {
+Result<std::size_t> SelfCalibration::do_begin(const Aim& aim, const Machine& machine) {
   stage_ = Stage::kIdle;
   outcome_ = Outcome::kNone;
   refused_.reset();
   aim_ = aim;
   visiting_since_.reset();
-  count_ = visited_ = offered_ = looked_at_ = 0;
+  count_ = visited_ = recalled_ = repeated_ = offered_ = looked_at_ = 0;
+  change_ = {};
   reference_m2_ = 0;
   wanted_ = planned_ = kFirstVisits;
   engine_.reset();
@@ -38,10 +39,31 @@ void SelfCalibration::do_begin(const Aim& aim) {
   whole_.reset();
   geometry_.reset();
   findings_ = {};
+  if (journal_ == nullptr) return std::size_t{0};
+  return journal_->begin(configuration_, machine, aim.anew);
+}
+
+std::optional<KeptPoint> SelfCalibration::do_recall(std::size_t sweep, const JointVector& wanted) {
+  if (journal_ == nullptr) return std::nullopt;
+  auto kept = journal_->next(sweep, wanted);
+  if (kept && kept->point && sweep == 0) ++recalled_;
+  return kept;
+}
+
+Result<void> SelfCalibration::do_keep(const KeptPoint& kept) {
+  return journal_ == nullptr ? Result<void>() : journal_->keep(kept);
+}
+
+Result<void> SelfCalibration::do_forget() {
+  return journal_ == nullptr ? Result<void>() : journal_->forget();
 }
 
 void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
                               const MeasuredPoint& point) {
+  if (stage_ == Stage::kMeasuringAgain) {
+    take_again(point);
+    return;
+  }
   if (stage_ == Stage::kVisiting) stage_ = Stage::kChoosing;
   if (count_ == memory_.rows.size()) return;
   // The first row's is the unit of all: any would do.
@@ -57,6 +79,11 @@ void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
   memory_.rows[count_++] = row;
 }
 
+void SelfCalibration::do_lose() {
+  differed_.reset();
+  stage_ = stage_ == Stage::kMeasuringAgain ? Stage::kRepeating : Stage::kChoosing;
+}
+
 void SelfCalibration::do_refine(const Signature& signature) {
   signature_ = signature;
   aligning_.emplace(frames::axis_lines(signature),
@@ -70,7 +97,11 @@ Refinement::Next SelfCalibration::do_step(hal::Instant now) {
     case Stage::kChoosing:
       choose(now);
       return stage_ == Stage::kVisiting ? Next::kVisits : Next::kComputes;
+    case Stage::kRepeating:
+      choose_again();
+      return stage_ == Stage::kMeasuringAgain ? Next::kVisits : Next::kComputes;
     case Stage::kVisiting:
+    case Stage::kMeasuringAgain:
       return Next::kVisits;
     case Stage::kTelling:
       telling_ = &SelfCalibration::tell_progress;
@@ -137,13 +168,16 @@ void SelfCalibration::evaluate(const JointVector& effective,
 
 std::optional<SelfCalibration::Outcome> SelfCalibration::end_of_visits(hal::Instant now) const {
   if (count_ == memory_.rows.size()) return Outcome::kMemoryFull;
-  // What the held-out poses of the identification are going to take.
-  hal::Duration after{};
-  if (visiting_since_ && visited_ > 0) {
-    after = (now - *visiting_since_) / static_cast<std::int64_t>(visited_) *
-            static_cast<std::int64_t>(configuration_.sweeps.held_out_poses);
-  }
+  // What the poses measured again and the held-out ones of the identification are going to take.
+  const hal::Duration after =
+      each_visit().value_or(hal::Duration{}) *
+      static_cast<std::int64_t>(Repeats::kMost + configuration_.sweeps.held_out_poses);
   return now + after >= aim_.ends ? std::optional(Outcome::kTimeOver) : std::nullopt;
+}
+
+std::optional<hal::Duration> SelfCalibration::each_visit() const {
+  if (!visiting_since_ || visited_ <= recalled_) return std::nullopt;
+  return (now_ - *visiting_since_) / static_cast<std::int64_t>(visited_ - recalled_);
 }
 
 // A look at one offer.
@@ -172,6 +206,7 @@ void SelfCalibration::choose(hal::Instant now) {
 void SelfCalibration::take_offer(const JointVector& pose) {
   looked_at_ = 0;
   sides_ = dealt_sides(offered_);
+  visit_.again = false;
   visit_.pose = pose;
   visit_.approach = approach_to(configuration_, pose, sides_);
   stage_ = Stage::kVisiting;

@@ -7,6 +7,8 @@
 // One pose in kHeldOutEvery is held out of every fit. What the model leaves open is predicted over
 // poses that were not measured, times the factor by which the held-out ones are worse than stated.
 // In the end geometry alone is fitted too, and kept where it predicts the held-out poses as well.
+// After the first fit, and once more before the end, a dozen of the first half of the points are
+// measured again (repeats.hpp): where something changed meanwhile it is named, and no model kept.
 #pragma once
 
 #include <array>
@@ -17,6 +19,8 @@
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/refinement.hpp"
 #include "firmware/self_calibration/findings.hpp"
+#include "firmware/self_calibration/point_journal.hpp"
+#include "firmware/self_calibration/repeats.hpp"
 
 namespace armsig::controller {
 
@@ -47,13 +51,17 @@ class SelfCalibration final : public Refinement {
     calibration::Workspace* work = nullptr;
   };
 
-  // Both outlive it.
+  // All outlive it. Without a journal nothing is kept across halts and restarts.
   template <std::size_t kPoints>
-  SelfCalibration(const Configuration& configuration, SelfCalibrationMemory<kPoints>& memory)
-      : SelfCalibration(configuration, Memory{memory.rows, memory.cache, memory.sides, memory.log,
-                                              memory.matrix, &memory.work}) {}
-  SelfCalibration(const Configuration& configuration, const Memory& memory)
-      : configuration_(configuration), memory_(memory) {}
+  SelfCalibration(const Configuration& configuration, SelfCalibrationMemory<kPoints>& memory,
+                  PointJournal* journal = nullptr)
+      : SelfCalibration(configuration,
+                        Memory{memory.rows, memory.cache, memory.sides, memory.log, memory.matrix,
+                               &memory.work},
+                        journal) {}
+  SelfCalibration(const Configuration& configuration, const Memory& memory,
+                  PointJournal* journal = nullptr)
+      : configuration_(configuration), memory_(memory), journal_(journal) {}
   SelfCalibration(const SelfCalibration&) = delete;
   SelfCalibration& operator=(const SelfCalibration&) = delete;
 
@@ -68,37 +76,61 @@ class SelfCalibration final : public Refinement {
     kJudging,     // by the held-out poses
     kPredicting,  // over poses that were not measured
     kTelling,     // how far it is
+    kRepeating,   // what is measured again is chosen
+    kMeasuringAgain,
     kConcluding,
     kPlayTelling,
     kAdvising,
     kDone
   };
-  enum class Outcome : std::uint8_t { kNone, kReached, kTimeOver, kMemoryFull, kPlay, kRefused };
+  enum class Outcome : std::uint8_t {
+    kNone,
+    kReached,
+    kTimeOver,
+    kMemoryFull,
+    kPlay,
+    kRefused,
+    kChanged
+  };
   static constexpr std::size_t kHeldOutEvery = 5;
 
   std::span<LogEntry> do_further_log() override { return memory_.log; }
-  void do_begin(const Aim& aim) override;
+  Result<std::size_t> do_begin(const Aim& aim, const Machine& machine) override;
+  std::optional<KeptPoint> do_recall(std::size_t sweep, const JointVector& wanted) override;
+  Result<void> do_keep(const KeptPoint& kept) override;
+  Result<void> do_forget() override;
   void do_take(std::size_t sweep, const JointVector& readings, const MeasuredPoint& point) override;
-  void do_lose() override { stage_ = Stage::kChoosing; }
+  void do_lose() override;
   void do_refine(const Signature& signature) override;
   Next do_step(hal::Instant now) override;
   [[nodiscard]] const Visit& do_visit() const override { return visit_; }
   void do_tell(Line& line) const override { (this->*telling_)(line); }
+  void do_tell_state(Line& line) const override;
   [[nodiscard]] std::size_t do_planned() const override { return planned_; }
-  void do_write(SignatureRecord& record) const override;
+  Result<void> do_write(SignatureRecord& record) const override;
 
   void work();
   void begin_visits();
   void choose(hal::Instant now);
   void take_offer(const JointVector& pose);
   [[nodiscard]] std::optional<Outcome> end_of_visits(hal::Instant now) const;
+  // How long a visit takes; empty before the first one.
+  [[nodiscard]] std::optional<hal::Duration> each_visit() const;
   void begin_fit(const calibration::ModelParts& parts);
   void finish_fit();
   void play_step();
   void judge_step();
   void predict_step();
   void note_findings();
+  [[nodiscard]] std::optional<Outcome> end_of_run() const;
   void decide();
+  void plan_more();
+  // repeating.cpp
+  void begin_repeats();
+  void choose_again();
+  void take_again(const MeasuredPoint& point);
+  void finish_repeats();
+  [[nodiscard]] double pull_at(std::size_t row) const;
   void compare();
   void refuse(Error error);
   [[nodiscard]] bool is_believable() const;
@@ -109,12 +141,14 @@ class SelfCalibration final : public Refinement {
   void evaluate(const JointVector& effective, calibration::ChainFrames& frames) const;
   // words.cpp
   void tell_progress(Line& line) const;
+  void tell_halving(Line& line, const Findings& found) const;
   void tell_outcome(Line& line) const;
   void tell_play(Line& line) const;
   void tell_advice(Line& line) const;
 
   const Configuration& configuration_;
   Memory memory_;
+  PointJournal* journal_;
 
   Stage stage_ = Stage::kIdle;
   Outcome outcome_ = Outcome::kNone;
@@ -125,10 +159,11 @@ class SelfCalibration final : public Refinement {
   std::optional<hal::Instant> visiting_since_;
   Signature signature_;  // that the features gave
   std::optional<frames::Aligning> aligning_;
-  std::size_t count_ = 0;    // rows
-  double reference_m2_ = 0;  // of the rows' relative covariances
-  std::size_t visited_ = 0;  // of the rows, the poses
-  std::size_t wanted_ = 0;   // after which it is fitted again
+  std::size_t count_ = 0;     // rows
+  double reference_m2_ = 0;   // of the rows' relative covariances
+  std::size_t visited_ = 0;   // of the rows, the poses
+  std::size_t recalled_ = 0;  // of those, the ones that an earlier run had been at
+  std::size_t wanted_ = 0;    // after which it is fitted again
   std::size_t planned_ = 0;
 
   std::size_t offered_ = 0;
@@ -145,6 +180,11 @@ class SelfCalibration final : public Refinement {
   bool knows_ = false;  // the engine has a covariance
   calibration::ModelParts parts_;
   std::size_t index_ = 0;  // in the pass under way
+  Repeats repeats_;
+  std::size_t again_ = 0;            // row that is measured again
+  std::optional<Vector3> differed_;  // that row, when it was measured again for the first time
+  std::size_t repeated_ = 0;         // poses measured when the repeats were
+  Repeats::Change change_;
   double squares_m2_ = 0;
   std::size_t kept_ = 0;
   PlayEstimate play_;

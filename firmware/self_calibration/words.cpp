@@ -17,6 +17,7 @@ void tell_findings(Line& line, const Findings& found, double asked_m) {
   millimetres(line, "asked", asked_m);
   line.text(" held_out=").integer(found.held_out.poses);
   line.text(" blunders=").integer(found.held_out.blunders);
+  line.text(" fitted=").integer(found.fitted).text(" rejected=").integer(found.rejected);
   millimetres(line, "held_out_rms", found.held_out.rms_m);
   millimetres(line, "sensor", found.sensor_m);
   millimetres(line, "model", found.model_m);
@@ -25,13 +26,38 @@ void tell_findings(Line& line, const Findings& found, double asked_m) {
 
 }  // namespace
 
+// What it would take to halve what is predicted.
+void SelfCalibration::tell_halving(Line& line, const Findings& found) const {
+  const double times = found.times_more(found.predicted_m() / 2);
+  line.text(" halve_poses=");
+  if (!std::isfinite(times)) {
+    line.text("never");  // play alone is more
+    return;
+  }
+  const double poses = (times - 1) * static_cast<double>(count_);
+  line.integer(static_cast<std::uint64_t>(std::ceil(poses)));
+  if (const auto each = each_visit()) {
+    line.text(" halve_minutes=").number(poses * hal::seconds(*each) / 60, 0);
+  }
+}
+
+void SelfCalibration::do_tell_state(Line& line) const {
+  if (findings_.fitted == 0) return;
+  millimetres(line, "predicted", findings_.predicted_m());
+  millimetres(line, "asked", aim_.accuracy_m);
+  tell_halving(line, findings_);
+}
+
 void SelfCalibration::tell_progress(Line& line) const {
   line.text("# identify refining poses=").integer(visited_);
   line.text(" planned=").integer(planned_);
   tell_findings(line, findings_, aim_.accuracy_m);
-  if (!visiting_since_ || visited_ == 0) return;
-  const double each_s = hal::seconds(now_ - *visiting_since_) / static_cast<double>(visited_);
-  const double poses_s = each_s * static_cast<double>(std::max(planned_, visited_) - visited_);
+  if (recalled_ > 0) line.text(" recalled=").integer(recalled_);
+  tell_halving(line, findings_);
+  const auto each = each_visit();
+  if (!each) return;
+  const double poses_s =
+      hal::seconds(*each) * static_cast<double>(std::max(planned_, visited_) - visited_);
   const double time_s = std::max(hal::seconds(aim_.ends - now_), 0.0);
   line.text(" left_s=").number(std::min(poses_s, time_s), 0);
 }
@@ -40,6 +66,12 @@ void SelfCalibration::tell_outcome(Line& line) const {
   line.text("# identify accuracy=");
   line.text(outcome_ == Outcome::kReached ? "reached" : "missed");
   const Found* const found = best();
+  if (outcome_ == Outcome::kChanged) {
+    line.text(" model=none changed=").text(change_.what);
+    millimetres(line, "by", change_.by_m);
+    line.text(" again=").integer(repeats_.count());
+    return;
+  }
   if (found == nullptr) {
     line.text(" model=features");
     if (refused_) line.reason(*refused_);
@@ -49,6 +81,7 @@ void SelfCalibration::tell_outcome(Line& line) const {
   line.text(" poses=").integer(visited_);
   tell_findings(line, found->findings, aim_.accuracy_m);
   if (geometry_) millimetres(line, "geometry_rms", geometry_->findings.held_out.rms_m);
+  tell_halving(line, found->findings);
 }
 
 void SelfCalibration::tell_play(Line& line) const {
@@ -71,6 +104,14 @@ void SelfCalibration::tell_play(Line& line) const {
 // Why it was not reached, and what would help.
 void SelfCalibration::tell_advice(Line& line) const {
   line.text("# identify the accuracy that was asked for is not reached: ");
+  if (outcome_ == Outcome::kChanged) {
+    line.text("what was measured first is elsewhere when it is measured again; look at the ")
+        .text(change_.what == "arm" ? "arm's load and what holds its parts" : change_.what)
+        .text(change_.what == "target" ? " on the hand and how it is fixed" : "")
+        .text(change_.what == "sensor" ? " and what it stands on, and at what the arm carries" : "")
+        .text(", then identify once more");
+    return;
+  }
   const Found* const found = best();
   if (outcome_ == Outcome::kRefused) {
     line.text("no model like the drawing explains what was measured; look at drawing, target and ");
@@ -91,9 +132,8 @@ void SelfCalibration::tell_advice(Line& line) const {
   const double beyond = std::max(more - 1, 0.0) * static_cast<double>(count_);
   line.text("; what would help: about ").integer(static_cast<std::uint64_t>(std::ceil(beyond)));
   line.text(" more poses");
-  if (visiting_since_ && visited_ > 0) {
-    const double each_s = hal::seconds(now_ - *visiting_since_) / static_cast<double>(visited_);
-    line.text(" (").number(beyond * each_s / 60, 0).text(" minutes)");
+  if (const auto each = each_visit()) {
+    line.text(" (").number(beyond * hal::seconds(*each) / 60, 0).text(" minutes)");
   }
   line.text(", or a sensor of ")
       .number(1e3 * findings.sensor_m / std::sqrt(std::max(more, 1.0)), 3);

@@ -116,6 +116,8 @@ class VirtualCabinet {
   // A link that bends, a foot or a sensor that is pushed: changed between two steps, and not while
   // the threads of a real time run.
   [[nodiscard]] simulated::SimulatedArm& arm() { return world_.arm; }
+  // How it bends: loaded otherwise.
+  [[nodiscard]] std::optional<calibration::ArmModel>& bent() { return world_.bent; }
 
  private:
   World world_;

@@ -35,6 +35,9 @@ struct Options {
   double step_us = 1000;
   int priority = 0;
   int sensor_node = 0;
+  double maps_deg = 0;
+  double sag_mm = 0;
+  double play_deg = 0;
   PlantConfiguration plant;
 };
 
@@ -52,6 +55,18 @@ simulated::SimulatedArm arm_of(const Options& options) {
   return arm;
 }
 
+void bend(const Options& options, PlantConfiguration& plant) {
+  constexpr std::uint64_t kBendStream = 2;  // of the seed, as of armsigd --virtual
+  const cabinet::Bends bends{.map_rad = radians(options.maps_deg),
+                             .sag_m = 1e-3 * options.sag_mm,
+                             .play_rad = radians(options.play_deg)};
+  plant.play_rad = bends.play_rad;
+  if (bends.map_rad == 0 && bends.sag_m == 0) return;
+  simulated::Random random(plant.seed, kBendStream);
+  const Arm drawing = options.truth.empty() ? tool::puma560() : plant.arm.arm;
+  plant.bent = cabinet::bent_model(drawing, bends, random);
+}
+
 // Checks what the options say together; CLI11 has checked each.
 PlantConfiguration plant_of(Options& options) {
   PlantConfiguration& plant = options.plant;
@@ -67,6 +82,7 @@ PlantConfiguration plant_of(Options& options) {
   plant.ping_period = hal::Duration(std::llround(1e6 * options.ping_ms));
   plant.field = simulated::demo_sensor();
   plant.field.range_sigma_m = 1e-3 * options.sigma_mm;
+  bend(options, plant);
   return plant;
 }
 
@@ -126,6 +142,12 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--ideal", plant.ideal,
                "exact drives, without gravity, coasting, slow brakes, gentle ramps and play");
+  const auto add_bend = [&](const char* name, double& value, const char* what) {
+    app.add_option(name, value, what)->check(CLI::Range(0.0, 10.0));
+  };
+  add_bend("--maps-deg", options.maps_deg, "largest error of each joint's reading, over the turn");
+  add_bend("--sag-mm", options.sag_mm, "how far gravity bends the arm, stretched out level");
+  add_bend("--play-deg", options.play_deg, "play of each joint, beside what its drive has");
   app.add_option("--target-mm", options.target_mm, "the emitter in the frame of the last link")
       ->expected(3)
       ->delimiter(',')

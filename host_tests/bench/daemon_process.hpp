@@ -2,10 +2,12 @@
 // armsigd as a process of its own against the emulated arm, and its operator.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -55,14 +57,16 @@ class DaemonProcess : private MemoryFolder, public test::ConsoleProcess {
   }
   // A whole identification. On a loaded host User-Mode Linux may starve the sensor's process for
   // seconds: the sequence pauses, and its operator, who has looked, resumes it.
-  bool identify(seconds longest) {
-    EXPECT_EQ(ask("identify"), "ok");
+  bool identify(seconds longest, const std::string& request = "identify") {
+    identifying_.clear();
+    EXPECT_EQ(ask(request), "ok");
     const auto end = std::chrono::steady_clock::now() + longest;
     std::string last;
     for (int pauses = 0; pauses <= 5 && std::chrono::steady_clock::now() < end;) {
       const auto line = told(seconds(1));
       if (!line) continue;
       last = *line;
+      identifying_.push_back(last);
       if (last.starts_with("# identify done")) return true;
       if (last.starts_with("# identify ended")) break;
       if (!last.starts_with("# identify paused")) continue;
@@ -72,6 +76,13 @@ class DaemonProcess : private MemoryFolder, public test::ConsoleProcess {
     }
     ADD_FAILURE() << "not identified: " << last;
     return false;
+  }
+
+  // The last line that began with `words` while it identified; empty: none.
+  [[nodiscard]] std::string heard(std::string_view words) const {
+    const auto line = std::find_if(identifying_.rbegin(), identifying_.rend(),
+                                   [&](const std::string& l) { return l.starts_with(words); });
+    return line == identifying_.rend() ? "" : *line;
   }
 
   [[nodiscard]] std::string configuration_path() const { return path + "/cabinet.yaml"; }
@@ -95,6 +106,8 @@ class DaemonProcess : private MemoryFolder, public test::ConsoleProcess {
       text.replace(at, from.size(), to);
     }
   }
+
+  std::vector<std::string> identifying_;  // what it said
 };
 
 }  // namespace armsig::bench

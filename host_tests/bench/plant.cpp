@@ -70,6 +70,8 @@ simulated::DriveConfiguration Plant::drive_of(std::size_t joint) const {
       configuration_.start[joint] * counts_per_unit(joint) + configuration_.zero_counts[joint];
   drive.motion.bandwidth_hz = configuration_.bandwidth_hz;
   drive.sync_loss_periods = configuration_.sync_loss_periods;
+  const JointType type = configuration_.arm.arm.joints[joint].type;
+  drive.motion.play += cabinet::bend_amount(type, configuration_.play_rad) * counts_per_unit(joint);
   return drive;
 }
 
@@ -88,12 +90,16 @@ JointVector Plant::readings() const {
   return readings;
 }
 
+JointVector Plant::turned() const {
+  return configuration_.bent ? cabinet::turned(*configuration_.bent, readings()) : readings();
+}
+
 Vector3 Plant::target_S() const {
-  return simulated::target_position(configuration_.arm, readings(), configuration_.arm.targets[0]);
+  return simulated::target_position(configuration_.arm, turned(), configuration_.arm.targets[0]);
 }
 
 Pose Plant::hand_S() const {
-  return simulated::link_pose(configuration_.arm, readings(), drives_.size());
+  return simulated::link_pose(configuration_.arm, turned(), drives_.size());
 }
 
 double Plant::take_peak_speed() { return std::exchange(peak_speed_, 0.0); }

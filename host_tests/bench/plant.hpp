@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/virtual_cabinet/bent_arm.hpp"
 #include "hal/linux/socket_can.hpp"
 #include "hal/range_sensor.hpp"
 #include "hal/simulated/arm.hpp"
@@ -35,6 +36,9 @@ struct PlantConfiguration {
   double bandwidth_hz = 25;         // of the position loops: following error = speed / (pi * this)
   unsigned sync_loss_periods = 0;   // that drives bear while enabled; 0: any number
   bool ideal = false;               // else drives as they are: simulated::honest_drive()
+  // Maps of the readings and sag; none: the joints turn as the encoders read.
+  std::optional<calibration::ArmModel> bent;
+  double play_rad = 0;  // of every joint, beside what its drive has of its own
   simulated::UltrasonicConfig field;
   hal::Duration ping_period = std::chrono::milliseconds(20);
   std::uint64_t seed = 1;
@@ -65,7 +69,7 @@ class Plant {
   void lose_sync(unsigned count) { sync_to_lose_ = count; }
 
   // The truth.
-  [[nodiscard]] JointVector readings() const;
+  [[nodiscard]] JointVector readings() const;  // beyond the play
   [[nodiscard]] Vector3 target_S() const;
   [[nodiscard]] Pose hand_S() const;  // frame n
   // Fastest that any motor turned since this was last asked for, counts/s.
@@ -74,6 +78,7 @@ class Plant {
 
  private:
   [[nodiscard]] simulated::DriveConfiguration drive_of(std::size_t joint) const;
+  [[nodiscard]] JointVector turned() const;  // readings of an arm that does not bend, in that pose
   void feel_gravity();
   [[nodiscard]] double counts_per_unit(std::size_t joint) const;
   void take(const hal::ReceivedCanFrame& received);

@@ -18,7 +18,10 @@ class RamMemory final : public hal::NonvolatileMemory {
   static constexpr std::size_t kFirstRecord = 4 * kLayout.sector_bytes();
   static constexpr std::size_t kSecondRecord = kLayout.sector_bytes();
 
-  std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(kLayout.bytes(), hal::kErasedByte);
+  explicit RamMemory(const hal::MemoryLayout& layout = kLayout)
+      : bytes(layout.bytes(), hal::kErasedByte), layout_(layout) {}
+
+  std::vector<std::uint8_t> bytes;
   // Bytes that may still be changed before the power goes; what is under way then stops there.
   std::optional<std::size_t> bytes_left;
   std::size_t changed = 0;
@@ -27,7 +30,7 @@ class RamMemory final : public hal::NonvolatileMemory {
   std::optional<std::size_t> reads_left;
 
  private:
-  [[nodiscard]] hal::MemoryLayout do_layout() const override { return kLayout; }
+  [[nodiscard]] hal::MemoryLayout do_layout() const override { return layout_; }
   Result<void> do_read(std::size_t address, std::span<std::uint8_t> into) override {
     if (reads_left && *reads_left == 0) return std::unexpected(Error::kStorageFault);
     if (reads_left) --*reads_left;
@@ -43,8 +46,8 @@ class RamMemory final : public hal::NonvolatileMemory {
     return {};
   }
   Result<void> do_erase_sector(std::size_t sector) override {
-    const std::size_t first = sector * kLayout.sector_bytes();
-    for (std::size_t i = 0; i < kLayout.sector_bytes(); ++i) {
+    const std::size_t first = sector * layout_.sector_bytes();
+    for (std::size_t i = 0; i < layout_.sector_bytes(); ++i) {
       if (auto done = change(first + i, hal::kErasedByte); !done) return done;
     }
     return {};
@@ -58,6 +61,8 @@ class RamMemory final : public hal::NonvolatileMemory {
     }
     return {};
   }
+
+  hal::MemoryLayout layout_;
 };
 
 }  // namespace armsig::test

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// The arm calibrates itself on the bench: armsigd against an emulated Puma 560 that bends, over
+// real SocketCAN and a real serial line. Minutes: host_tests/bench/run --self.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/base/pose.hpp"
+#include "firmware/linux/daemon_configuration.hpp"
+#include "hal/simulated/random.hpp"
+#include "host_tests/bench/bench_process.hpp"
+#include "host_tests/bench/daemon_process.hpp"
+
+namespace armsig::bench {
+namespace {
+
+constexpr int kPoses = 200;
+constexpr double kAsked_mm = 0.15;
+
+// Three pings of eight ranges, 0.2 mm each: a point of 0.1 mm (1 sigma per axis).
+Changes sensor_of_a_tenth_of_a_millimetre() {
+  return {{"pings: 8", "pings: 3"}, {"most_points: 48", "most_points: 24"}};
+}
+
+// Drives as they are have 0.003 degrees of play of their own.
+BenchProcess bending_arm() {
+  return BenchProcess({"--target-mm", "150,0,50", "--start-deg", "0,-90,90,30,0,0", "--ping-ms",
+                       "15", "--step-us", "2000", "--maps-deg", "0.02", "--sag-mm", "0.5",
+                       "--play-deg", "0.002"});
+}
+
+// NaN where it is not told.
+double value_after(const std::string& line, const std::string& key) {
+  const std::size_t at = line.find(fmt::format(" {}=", key));
+  return at == std::string::npos ? std::nan("")
+                                 : std::strtod(line.c_str() + at + key.size() + 2, nullptr);
+}
+
+JointVector random_pose(const controller::Configuration& configuration, simulated::Random& random) {
+  JointVector q;
+  for (std::size_t i = 0; i < configuration.drawing.joints.size(); ++i) {
+    const auto [lower, upper] = configuration.drawing.limits[i];
+    const double centre = configuration.sweeps.configuration[i];
+    q.push_back(centre +
+                configuration.sweeps.held_out_reach * (random.uniform(lower, upper) - centre));
+  }
+  return q;
+}
+
+// The arm stands at `q`, and the controller says so.
+std::string stand_at(DaemonProcess& daemon, const JointVector& q) {
+  std::string request = "move";
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    request += fmt::format(" q{}_deg={:.6f}", i + 1, degrees(q[i]));
+  }
+  EXPECT_EQ(daemon.ask(request), "ok") << request;
+  EXPECT_TRUE(daemon.is_in("holding"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  const std::string status = daemon.ask("status");
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    EXPECT_NEAR(value_after(status, fmt::format("q{}_deg", i + 1)), degrees(q[i]), 0.01);
+  }
+  return status;
+}
+
+TEST(BenchRun, self_calibration_reaches_its_accuracy_on_poses_never_measured) {
+  BenchProcess arm = bending_arm();
+  DaemonProcess daemon(sensor_of_a_tenth_of_a_millimetre(), arm.sensor_device);
+  const auto configuration = daemon::read_configuration(daemon.configuration_path());
+  ASSERT_TRUE(configuration) << tool::render(configuration.error());
+  ASSERT_TRUE(daemon.enable());
+  ASSERT_TRUE(daemon.identify(std::chrono::seconds(3600), "identify accuracy_mm=0.15 minutes=50"));
+  const std::string told = daemon.heard("# identify accuracy=");
+  std::printf("%s\n%s\n", told.c_str(), daemon.heard("# identify play").c_str());
+  EXPECT_TRUE(told.starts_with("# identify accuracy=reached model=maps ")) << told;
+  ASSERT_TRUE(daemon.is_in("holding"));
+  std::printf("%s\n", daemon.ask("candidate").c_str());
+  ASSERT_EQ(daemon.ask("accept"), "ok");
+
+  simulated::Random random(99);
+  double squares_mm2 = 0;
+  double worst_mm = 0;
+  for (int k = 0; k < kPoses && !testing::Test::HasFailure(); ++k) {
+    const std::string status = stand_at(daemon, random_pose(configuration->controller, random));
+    const Vector3 stated_mm(value_after(status, "x_mm"), value_after(status, "y_mm"),
+                            value_after(status, "z_mm"));
+    const double miss_mm = (stated_mm - 1e3 * arm.target_S()).norm();
+    squares_mm2 += miss_mm * miss_mm;
+    worst_mm = std::max(worst_mm, miss_mm);
+  }
+  const double rms_mm = std::sqrt(squares_mm2 / kPoses);
+  const double predicted_mm = value_after(told, "predicted_mm");
+  std::printf("predicted %.3f mm, true %.3f mm (RMS of %d poses), worst %.3f mm\n", predicted_mm,
+              rms_mm, kPoses, worst_mm);
+  EXPECT_LE(rms_mm, kAsked_mm);
+  EXPECT_NEAR(predicted_mm / rms_mm, 1, 0.35) << "what is stated is what there is";
+}
+
+}  // namespace
+}  // namespace armsig::bench
