@@ -21,7 +21,7 @@ bool is_usable(const features::JointFeature& feature, double reading) {
 // Slides and a single turn: which way round such a stage is drawn is a matter of naming its
 // directions, and drawings of stages are careless about it. From two turns on, a reversed one makes
 // another arm.
-bool drawing_binds_the_sense(const FixedVector<JointType, kMaxJoints>& types) {
+bool drawing_binds_the_sense(const JointTypes& types) {
   return std::ranges::count(types, JointType::kRevolute) >= 2;
 }
 
@@ -109,7 +109,7 @@ Signature signature_of(const Arm& arm, const JointVector& configuration, const P
                        std::span<const KnownTarget> targets) {
   const frames::KnownLinkFrames known = frames::link_frames(arm.joints, configuration);
   Signature signature;
-  for (const DhJoint& row : arm.joints) signature.types.push_back(row.type);
+  signature.types = types_of(arm.joints);
   signature.configuration = configuration;
   for (const Pose& X_0L : known.X_0L) signature.X_SL.push_back(X_S0 * X_0L);
   for (const KnownTarget& target : targets) {

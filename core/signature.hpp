@@ -24,11 +24,11 @@ struct Target {
 };
 
 struct Signature {
-  FixedVector<JointType, kMaxJoints> types;
+  JointTypes types;
   JointVector configuration;           // the signature configuration, effective readings
   FixedVector<Pose, kMaxFrames> X_SL;  // link frames 0 ... n in the sensor frame, (15)
   FixedVector<s_model::Parameters, kMaxJoints> s_model;  // of B_i, (18)
-  FixedVector<DhJoint, kMaxJoints> pseudo_dh;  // (9)-(12), offsets (19), first joint (22)-(23)
+  DhRows pseudo_dh;  // (9)-(12), offsets (19), first joint (22)-(23)
   FixedVector<Target, kMaxTargets> targets;
   FixedVector<features::JointFeature, kMaxJoints>
       features;  // what the sweeps said; empty if not from sweeps

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/arm_model/model.hpp"
+#include "core/base/links.hpp"
 #include "core/base/low_discrepancy.hpp"
 
 namespace armsig::calibration {
@@ -25,11 +26,7 @@ void draw_axes(const ArmModel& model, const JointVector& effective, DrawnAxes& d
     const JointModel& joint = model.joints[i];
     drawn.axis[i] = X_BL.R.col(2);
     drawn.origin[i] = X_BL.p;
-    const double motion = effective[i] + joint.offset;
-    const bool revolute = joint.type == JointType::kRevolute;
-    const Pose moved{revolute ? rotation_z(motion) : Matrix3(Matrix3::Identity()),
-                     Vector3(0, 0, revolute ? 0 : motion)};
-    X_BL = X_BL * moved * joint.after;
+    X_BL = X_BL * joint_motion(joint.type, effective[i] + joint.offset) * joint.after;
   }
   drawn.origin[model.joint_count()] = X_BL.p;
 }
@@ -82,8 +79,7 @@ void gravity_levers(const ArmModel& model, const JointVector& effective, Gravity
 
 void choose_gravity_terms(const Arm& arm, ArmModel& model) {
   const std::size_t n = model.joint_count();
-  FixedVector<JointType, kMaxJoints> types;
-  for (const JointModel& joint : model.joints) types.push_back(joint.type);
+  const auto types = types_of(model.joints);
   std::array<Squares, kMaxJoints> squares{};
   DrawnAxes drawn;
   for (int pose = 1; pose <= kPoses; ++pose) {

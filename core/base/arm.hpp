@@ -2,6 +2,8 @@
 // An arm as its drawing describes it: standard (distal) Denavit-Hartenberg rows, limits, couplings.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -13,6 +15,7 @@ inline constexpr std::size_t kMaxJoints = 8;
 inline constexpr std::size_t kMaxFrames = kMaxJoints + 1;
 
 enum class JointType : std::uint8_t { kRevolute, kPrismatic };
+using JointTypes = FixedVector<JointType, kMaxJoints>;
 
 // One value per joint, base to tip: radians for a revolute joint, metres for a prismatic one.
 using JointVector = FixedVector<double, kMaxJoints>;
@@ -27,6 +30,8 @@ struct DhJoint {
   double a_m = 0;
   double alpha_rad = 0;
 };
+
+using DhRows = FixedVector<DhJoint, kMaxJoints>;
 
 // Limits of the joint reading, radians or metres.
 struct JointLimits {
@@ -45,10 +50,27 @@ struct JointCoupling {
 using JointCouplings = FixedVector<JointCoupling, kMaxJoints>;
 
 struct Arm {
-  FixedVector<DhJoint, kMaxJoints> joints;
+  DhRows joints;
   FixedVector<JointLimits, kMaxJoints> limits;  // as many as joints
   JointCouplings couplings;
 };
+
+// The types of `joints`, of whatever has one: rows of a drawing, axes, models of joints.
+template <typename Joints>
+[[nodiscard]] JointTypes types_of(const Joints& joints) {
+  JointTypes types;
+  for (const auto& joint : joints) types.push_back(joint.type);
+  return types;
+}
+
+// The largest difference of a reading. Precondition: as many in both.
+[[nodiscard]] inline double largest_change(const JointVector& from, const JointVector& to) {
+  double largest = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    largest = std::max(largest, std::abs(to[i] - from[i]));
+  }
+  return largest;
+}
 
 // The readings that move the joints: each coupled one with its share of the other's reading added.
 // Precondition: one reading a joint.

@@ -21,8 +21,6 @@ class CyclicFactor {
   void solve(MapCoefficients& b) const;
   // The entries of the inverse that lie on the band, of rows `first` up to before `last`.
   void inverse_rows(std::size_t first, std::size_t last, CyclicBand& band) const;
-  // Of all rows.
-  void inverse_band(CyclicBand& band) const { inverse_rows(0, kKnots, band); }
 
  private:
   static constexpr std::size_t kBorder = kSplines - 1;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/calibration/engine_detail.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::calibration {
 
@@ -81,9 +82,7 @@ double Engine::cost() const { return sums_.squares / scales_.sigma_squared + pri
 void Engine::move(double fraction) {
   const auto& step = work_.step;
   const Vector3 turn(fraction * step[0], fraction * step[1], fraction * step[2]);
-  if (const double angle = turn.norm(); angle > 0) {
-    model_.X_SB.R = rotation_about(turn / angle, angle) * model_.X_SB.R;
-  }
+  model_.X_SB.R = numerics::rotation_by(turn) * model_.X_SB.R;
   for (std::size_t c = 0; c < 6; ++c) base_moved_[c] += fraction * step[c];
   for (std::size_t c = 0; c < 3; ++c) {
     const auto i = static_cast<Eigen::Index>(c);

@@ -16,8 +16,6 @@ namespace {
 using refinement::Layout;
 using refinement::ReadingModel;
 
-// The first elements of the larger bases run along a diagonal; later ones do not.
-constexpr int kSkipped = 19;
 constexpr int kMostSteps = 30;
 constexpr double kSmallStep = 1e-9;  // rad or m
 // What one pose must move a target by, per rad or m, for an unknown to be worth moving.
@@ -39,8 +37,8 @@ Signature with_tool(const Signature& signature) {
 }
 
 // One pose's rows of the linear problem.
-void absorb_pose(const Layout& layout, const Signature& signature, const refinement::Chain& said,
-                 const Signature& exact, const refinement::Chain& whole,
+void absorb_pose(const Layout& layout, const Signature& signature, const refinement::PoeChain& said,
+                 const Signature& exact, const refinement::PoeChain& whole,
                  const JointVector& readings, refinement::SquareRootFactor& factor) {
   const refinement::JointMotion moved = said.motion(readings);
   const refinement::JointMotion turned = whole.motion(readings);
@@ -105,17 +103,15 @@ FixedVector<JointLimits, kMaxJoints> covered_limits(
 
 JointVector covered_configuration(const ArmModel& model,
                                   const FixedVector<JointLimits, kMaxJoints>& limits, int n) {
-  FixedVector<JointType, kMaxJoints> types;
-  for (const JointModel& joint : model.joints) types.push_back(joint.type);
-  return evenly_spread_configuration(types, covered_limits(model, limits), n + kSkipped);
+  return work_configuration(types_of(model.joints), covered_limits(model, limits), n);
 }
 
 Leftover difference(const Signature& exact, const ReadingModel& whole, const Signature& signature,
                     const ReadingModel& said, std::span<const JointVector> poses) {
   const Signature from = with_tool(exact);
   const Signature to = with_tool(signature);
-  const refinement::Chain true_chain(from, whole);
-  const refinement::Chain chain(to, said);
+  const refinement::PoeChain true_chain(from, whole);
+  const refinement::PoeChain chain(to, said);
   Leftover left;
   double squares = 0;
   for (const JointVector& q : poses) {
@@ -140,14 +136,14 @@ Judged<void> fit_geometry_alone(const ReadingModel& whole, const ReadingModel& s
   std::array<bool, kMaxTargets> observed{};
   std::fill_n(observed.begin(), exact.targets.size(), true);
   ARMSIG_TRY(layout, refinement::make_layout(fitted, observed, {}, 0));
-  const refinement::Chain true_chain(exact, whole);
+  const refinement::PoeChain true_chain(exact, whole);
   ReadingModel readings = said;
   refinement::SquareRootFactor factor;
   const double prior = kLeastEffect * std::sqrt(static_cast<double>(poses.size()));
   refinement::StateVector moved{};
   double largest = 0;
   for (int step = 0; step < kMostSteps; ++step) {
-    const refinement::Chain chain(fitted, said);
+    const refinement::PoeChain chain(fitted, said);
     factor.reset(layout.size());
     absorb_prior(layout.size(), prior, moved, factor);
     for (const JointVector& q : poses) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/base/links.hpp"
 #include "core/numerics/rotations.hpp"
 
 namespace armsig::evaluation {

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "core/base/links.hpp"
 #include "core/base/low_discrepancy.hpp"
 #include "core/numerics/rotations.hpp"
 
@@ -49,9 +50,7 @@ double offset_of(const DeviatingChain& chain, std::size_t joint, double coupled)
 class Path {
  public:
   Path(const DeviatingChain& chain, const FixedVector<JointLimits, kMaxJoints>& limits)
-      : chain_(chain), limits_(limits) {
-    for (const DrawnAxis& axis : chain.axes) types_.push_back(axis.type);
-  }
+      : chain_(chain), limits_(limits), types_(types_of(chain.axes)) {}
 
   [[nodiscard]] std::size_t causes() const { return types_.size() * kCauses; }
   void set_pivot(const Vector3& pivot_S) { pivot_S_ = pivot_S; }
@@ -113,7 +112,7 @@ class Path {
 
   const DeviatingChain& chain_;
   const FixedVector<JointLimits, kMaxJoints>& limits_;
-  FixedVector<JointType, kMaxJoints> types_;
+  JointTypes types_;
   Vector3 pivot_S_ = Vector3::Zero();
 };
 

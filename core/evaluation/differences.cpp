@@ -47,10 +47,7 @@ Laid laid(const Arm& drawing, const Signature& signature, const Target& tool) {
 
 double sigma_of(const Refined& estimate, StateVector gradient) {
   if (estimate.layout.size() == 0) return 0;
-  estimate.information.solve_transposed(gradient);
-  double sum = 0;
-  for (std::size_t c = 0; c < estimate.layout.size(); ++c) sum += gradient[c] * gradient[c];
-  return std::sqrt(sum);
+  return std::sqrt(estimate.information.variance(gradient));
 }
 
 // The derivative of a deviation by the unknowns of the estimate.

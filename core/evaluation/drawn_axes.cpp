@@ -22,16 +22,10 @@ constexpr int kToolPlaces = 100;
 
 using Points = FixedVector<Vector3, kMaxJoints>;
 
-FixedVector<JointType, kMaxJoints> types_of(const Arm& arm) {
-  FixedVector<JointType, kMaxJoints> types;
-  for (const DhJoint& row : arm.joints) types.push_back(row.type);
-  return types;
-}
-
 // Per joint, the mean over the work volume of where the tool is as the link before sees it, in the
 // base frame with all joints at zero.
 Points tool_middles(const Arm& drawing, const KnownLinkFrames& at_zero, const Vector3& p_nT) {
-  const auto types = types_of(drawing);
+  const auto types = types_of(drawing.joints);
   Points middles(drawing.joints.size(), Vector3::Zero());
   for (int k = 1; k <= kToolPlaces; ++k) {
     const JointVector q = evenly_spread_configuration(types, drawing.limits, k);

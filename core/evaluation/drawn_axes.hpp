@@ -46,10 +46,4 @@ struct DrawnAxis {
 [[nodiscard]] FixedVector<DrawnAxis, kMaxJoints> drawn_axes(const Arm& drawing,
                                                             const Vector3& p_nT);
 
-// The motion of a joint along z.
-[[nodiscard]] inline Pose joint_motion(JointType type, double reading) {
-  if (type == JointType::kPrismatic) return {Matrix3::Identity(), Vector3(0, 0, reading)};
-  return {rotation_z(reading), Vector3::Zero()};
-}
-
 }  // namespace armsig::evaluation

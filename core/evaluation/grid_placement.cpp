@@ -15,7 +15,6 @@ constexpr int kShrinkSteps = 11;  // 0.8^11 is just under a tenth
 
 // Candidate 0 is the middle of the limits; the others fill them evenly (Halton sequence).
 JointVector candidate(const ToolModel& drawing, int n) {
-  constexpr std::array<int, kMaxJoints> kPrimes{2, 3, 5, 7, 11, 13, 17, 19};
   JointVector q;
   for (std::size_t i = 0; i < drawing.chain.joint_count; ++i) {
     auto [lower, upper] = drawing.chain.limits[i];
@@ -23,19 +22,11 @@ JointVector candidate(const ToolModel& drawing, int n) {
       lower = std::max(lower, -kPi);
       upper = std::min(upper, kPi);
     }
-    const double share = n == 0 ? 0.5 : van_der_corput(n, kPrimes[i]);
+    const double share = n == 0 ? 0.5 : halton(i, n);
     // The outer tenth on either side is left to the corners of the grid.
     q.push_back(lower + (0.1 + 0.8 * share) * (upper - lower));
   }
   return q;
-}
-
-double largest_step(const JointVector& from, const JointVector& to) {
-  double largest = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    largest = std::max(largest, std::abs(to[i] - from[i]));
-  }
-  return largest;
 }
 
 struct Trial {
@@ -61,7 +52,7 @@ Trial try_placement(const ToolModel& drawing, const Grid& grid, const JointVecto
   while (walk.next()) {
     const auto q = joints_at(walk.vertex(), walk.seed());
     if (!q) return trial;
-    worst = std::max(worst, largest_step(walk.seed(), *q));
+    worst = std::max(worst, largest_change(walk.seed(), *q));
     walk.reached(*q);
   }
   const auto on_x = joints_at(Vector3(grid.size_m[0], 0, 0), *origin);

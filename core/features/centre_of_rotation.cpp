@@ -17,16 +17,16 @@ GeometryFactor::Row squared_distance_in_plane(const Vector3& n) {
 
 }  // namespace
 
-Result<CentreOfRotation> centre_of_rotation(const GeometryFactor& geometry,
+Result<CentreOfRotation> centre_of_rotation(const GeometryFactor::Matrix& geometry,
                                             const PlaneOfRotation& plane) {
   const Vector3 ex = any_perpendicular(plane.normal_S);
   const Vector3 ey = plane.normal_S.cross(ex);
-  const GeometryFactor::Matrix R = geometry.matrix();
-  const GeometryFactor::Row w = R * squared_distance_in_plane(plane.normal_S);
+  const GeometryFactor::Row w = geometry * squared_distance_in_plane(plane.normal_S);
   SquareRootRls<3, 1> regression;
   for (int row = 0; row < 4; ++row) {
-    const Vector3 p = R.block<1, 3>(row, 1).transpose();
-    regression.update({R(row, 0), ex.dot(p), ey.dot(p)}, Eigen::Matrix<double, 1, 1>(w[row]));
+    const Vector3 p = geometry.block<1, 3>(row, 1).transpose();
+    regression.update({geometry(row, 0), ex.dot(p), ey.dot(p)},
+                      Eigen::Matrix<double, 1, 1>(w[row]));
   }
   if (regression.rank() < 3) return std::unexpected(Error::kSingular);
   const Vector3 a = regression.solve();  // constant, x, y
@@ -39,13 +39,13 @@ Result<CentreOfRotation> centre_of_rotation(const GeometryFactor& geometry,
   return result;
 }
 
-double circle_residual_squares(const GeometryFactor& geometry, const Vector3& normal,
+double circle_residual_squares(const GeometryFactor::Matrix& geometry, const Vector3& normal,
                                const CentreOfRotation& circle) {
   const Vector3 c = circle.centre - normal.dot(circle.centre) * normal;
   GeometryFactor::Row combination = squared_distance_in_plane(normal);
   combination[0] = c.squaredNorm() - circle.radius_m * circle.radius_m;
   combination.segment<3>(1) = -2 * c;
-  return (geometry.matrix() * combination).squaredNorm();
+  return (geometry * combination).squaredNorm();
 }
 
 }  // namespace armsig::features

@@ -18,12 +18,12 @@ struct CentreOfRotation {
 // w = |p|^2 - (n.p)^2 is linear in the monomials of p, the same fit comes from the statistics,
 // without the points.
 // Errors: kSingular (the projections lie on one line).
-[[nodiscard]] Result<CentreOfRotation> centre_of_rotation(const GeometryFactor& geometry,
+[[nodiscard]] Result<CentreOfRotation> centre_of_rotation(const GeometryFactor::Matrix& geometry,
                                                           const PlaneOfRotation& plane);
 
 // Weighted sum of squares of w - (2 c.p + r^2 - |c|^2) over all points, all in the plane: each is
 // 2 r times the point's radial distance from the circle, to first order.
-[[nodiscard]] double circle_residual_squares(const GeometryFactor& geometry, const Vector3& normal,
-                                             const CentreOfRotation& circle);
+[[nodiscard]] double circle_residual_squares(const GeometryFactor::Matrix& geometry,
+                                             const Vector3& normal, const CentreOfRotation& circle);
 
 }  // namespace armsig::features

@@ -66,7 +66,7 @@ class ConstrainedFit {
   [[nodiscard]] [[gnu::noinline]] Result<Fitted> maximise_likelihood(Motion motion) const {
     double least = cost(motion);
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-      const Linearised linearised = linearise(motion);
+      const LinearProblem linearised = linearise(motion);
       if (linearised.rank() < kParameters) return std::unexpected(Error::kSingular);
       Step step = linearised.solve();
       bool improved = false;
@@ -128,7 +128,7 @@ class ConstrainedFit {
   }
 
  private:
-  using Linearised = SquareRootRls<kParameters, 1>;
+  using LinearProblem = SquareRootRls<kParameters, 1>;
   static constexpr int kMostIterations = 100;
   static constexpr int kMostHalvings = 40;
   static constexpr double kFlat = 1e-9;
@@ -149,10 +149,10 @@ class ConstrainedFit {
     return std::isfinite(squares) ? squares : std::numeric_limits<double>::infinity();
   }
 
-  [[nodiscard]] Linearised linearise(const Motion& motion) const {
+  [[nodiscard]] LinearProblem linearise(const Motion& motion) const {
     const MotionRows rest = measured() - seen(motion.rows());
     const MotionJacobian<kParameters> D = motion.jacobian();
-    typename Linearised::Block block;
+    typename LinearProblem::Block block;
     for (int k = 0; k <= kParameters; ++k) {
       MotionRows moves = rest;
       if (k < kParameters) {
@@ -162,7 +162,7 @@ class ConstrainedFit {
       }
       for (int i = 0; i < 6; ++i) block.columns[k][i] = moves(i / 3, i % 3);
     }
-    Linearised linearised;
+    LinearProblem linearised;
     linearised.update(block);
     return linearised;
   }

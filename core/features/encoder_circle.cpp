@@ -48,15 +48,15 @@ struct Circle {
 // fit a circle to it.
 struct KeptFactor {
   explicit KeptFactor(const MotionRls& motion)
-      : d0(motion.kept()[0][0]),
-        d1(motion.kept()[1][1]),
-        d2(motion.kept()[2][2]),
-        u01(motion.kept()[0][1]),
-        u02(motion.kept()[0][2]),
-        u12(motion.kept()[1][2]),
-        zeta0(motion.kept()[0].data() + 3),
-        zeta1(motion.kept()[1].data() + 3),
-        zeta2(motion.kept()[2].data() + 3) {}
+      : d0(motion.rows()[0][0]),
+        d1(motion.rows()[1][1]),
+        d2(motion.rows()[2][2]),
+        u01(motion.rows()[0][1]),
+        u02(motion.rows()[0][2]),
+        u12(motion.rows()[1][2]),
+        zeta0(motion.rows()[0].data() + 3),
+        zeta1(motion.rows()[1].data() + 3),
+        zeta2(motion.rows()[2].data() + 3) {}
 
   // Of the lower rows of U D U^T: what the readings say about the radius.
   [[nodiscard]] double in_plane() const { return d1 + d1 * u12 * u12 + d2; }

@@ -69,8 +69,9 @@ Result<Eigen::Matrix<double, 7, 7>> circle_covariance(const SweepStatistics& sta
 
 Result<CircleFit> paper_circle(const SweepStatistics& statistics) {
   if (statistics.motion.rank() < 3) return std::unexpected(Error::kSingular);
-  ARMSIG_TRY(plane, plane_of_rotation(statistics.geometry));
-  ARMSIG_TRY(circle, centre_of_rotation(statistics.geometry, plane));
+  const GeometryFactor::Matrix geometry = statistics.geometry.matrix();
+  ARMSIG_TRY(plane, plane_of_rotation(geometry));
+  ARMSIG_TRY(circle, centre_of_rotation(geometry, plane));
 
   // Positive sense: the plane's normal along A x B of the readings' own circle.
   const MotionRls::Coefficients phi = statistics.motion.solve();

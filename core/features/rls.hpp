@@ -37,10 +37,10 @@ class SquareRootRls {
 
   // [R Z]: each row over its pivot D^1/2, and D itself in the pivot's place.
   using Row = std::array<Scalar, kRegressors + kRightHandSides>;
-  using Kept = std::array<Row, kRegressors>;
+  using Rows = std::array<Row, kRegressors>;
 
   // The upper triangle of E^T E, row by row.
-  using KeptProducts = std::array<Scalar, kRightHandSides*(kRightHandSides + 1) / 2>;
+  using ProductSums = std::array<Scalar, kRightHandSides*(kRightHandSides + 1) / 2>;
 
   // How a measurement stood to those before it.
   struct Innovation {
@@ -82,7 +82,7 @@ class SquareRootRls {
   }
 
   // [R Z] as it is kept.
-  [[nodiscard]] const Kept& kept() const { return factor_; }
+  [[nodiscard]] const Rows& rows() const { return factor_; }
 
   // R, upper triangular. Its rows and those of Z stand for all the measurements: feeding them to
   // another estimator, columns permuted or combined, gives the fit of that other model to the same
@@ -176,8 +176,8 @@ class SquareRootRls {
     return factor_[i][i] > kDependent * kDependent * column;
   }
 
-  Kept factor_{};
-  KeptProducts residuals_{};
+  Rows factor_{};
+  ProductSums residuals_{};
 };
 
 }  // namespace armsig::features

@@ -3,7 +3,7 @@
 
 namespace armsig::features {
 
-void take_in(const SweepPoint& point, SweepStatistics& accepted) {
+void accept(const SweepPoint& point, SweepStatistics& accepted) {
   if (accepted.count == 0) accepted.set_origin(point);
   accepted.add(point);
 }
@@ -55,7 +55,7 @@ void Settling::review_next() {
 
 void Settling::take_next() {
   if (judging_->result()[done_]) {
-    take_in(state_.waiting[done_], accepted_);
+    accept(state_.waiting[done_], accepted_);
   } else {
     ++rejected_;
   }

@@ -61,6 +61,6 @@ class Settling {
 };
 
 // Adds `point` to `accepted`, which begins at its first point.
-void take_in(const SweepPoint& point, SweepStatistics& accepted);
+void accept(const SweepPoint& point, SweepStatistics& accepted);
 
 }  // namespace armsig::features

@@ -7,8 +7,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/features/describe_fit.hpp"
 #include "core/features/encoder_ratio.hpp"
+#include "core/features/fit_feature.hpp"
 #include "core/features/near_axis.hpp"
 
 namespace armsig::features {
@@ -174,7 +174,7 @@ bool SweepEstimator::agrees(const SweepPoint& point) {
   SweepStatistics& accepted = state_.accepted;
   const std::size_t place = state_.waiting.size();
   if (place <= kFirstPoints) {
-    take_in(point, accepted);
+    accept(point, accepted);
     return place < kFirstPoints || is_consistent(accepted);
   }
   const Trial trial = try_point(accepted, point);
@@ -248,7 +248,7 @@ std::optional<Refusal> SweepEstimation::fit_accepted(JointFeature& feature) cons
 
   const NoiseLevel noise = noise_level(statistics, state_.sigma_is_known);
   if (const auto refusal = refusal_before_fit(limits, statistics, noise)) return refusal;
-  if (const auto refusal = describe_fit(statistics, noise, method_, feature)) return refusal;
+  if (const auto refusal = fit_feature(statistics, noise, method_, feature)) return refusal;
   feature.quality.rejected = settling_->rejected();
   return refusal_of_fit(limits, statistics, noise, method_, feature);
 }

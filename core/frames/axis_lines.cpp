@@ -31,8 +31,7 @@ void move_points_near_arm(AxisLines& lines) {
 
 }  // namespace
 
-AxisLines axis_lines(const FixedVector<Pose, kMaxFrames>& X_WL,
-                     const FixedVector<JointType, kMaxJoints>& types) {
+AxisLines axis_lines(const FixedVector<Pose, kMaxFrames>& X_WL, const JointTypes& types) {
   ARMSIG_CHECK(X_WL.size() == types.size() + 1);
   AxisLines lines;
   for (std::size_t i = 0; i < types.size(); ++i) {
@@ -43,9 +42,7 @@ AxisLines axis_lines(const FixedVector<Pose, kMaxFrames>& X_WL,
 }
 
 AxisLines axis_lines(const Arm& arm, const JointVector& readings) {
-  FixedVector<JointType, kMaxJoints> types;
-  for (const DhJoint& row : arm.joints) types.push_back(row.type);
-  return axis_lines(link_frames(arm.joints, readings).X_0L, types);
+  return axis_lines(link_frames(arm.joints, readings).X_0L, types_of(arm.joints));
 }
 
 AxisLines axis_lines(const Signature& signature) {

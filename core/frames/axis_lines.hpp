@@ -24,7 +24,7 @@ using AxisLines = FixedVector<AxisLine, kMaxJoints>;
 
 // Of link frames 0 ... n at some readings, in the frame W that they are told in.
 [[nodiscard]] AxisLines axis_lines(const FixedVector<Pose, kMaxFrames>& X_WL,
-                                   const FixedVector<JointType, kMaxJoints>& types);
+                                   const JointTypes& types);
 
 // In the sensor frame at the signature configuration.
 [[nodiscard]] AxisLines axis_lines(const Signature& signature);

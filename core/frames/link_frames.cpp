@@ -39,8 +39,7 @@ FixedVector<Pose, kMaxFrames> link_frames(
   return X_SL;
 }
 
-KnownLinkFrames link_frames(const FixedVector<DhJoint, kMaxJoints>& rows,
-                            const JointVector& readings) {
+KnownLinkFrames link_frames(const DhRows& rows, const JointVector& readings) {
   ARMSIG_CHECK(!rows.empty() && readings.size() == rows.size());
   KnownLinkFrames frames;
   frames.X_0L.push_back(Pose{});

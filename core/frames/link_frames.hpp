@@ -32,7 +32,6 @@ struct KnownLinkFrames {
   FixedVector<Pose, kMaxFrames> X_0L;
   FixedVector<double, kMaxFrames> along_m;
 };
-[[nodiscard]] KnownLinkFrames link_frames(const FixedVector<DhJoint, kMaxJoints>& rows,
-                                          const JointVector& readings);
+[[nodiscard]] KnownLinkFrames link_frames(const DhRows& rows, const JointVector& readings);
 
 }  // namespace armsig::frames

@@ -61,14 +61,6 @@ AxisLines reflected(const AxisLines& lines) {
 
 }  // namespace
 
-SenseCheck check_sense(const Arm& nominal, const JointVector& configuration,
-                       const AxisLines& identified) {
-  SenseChecking checking(nominal, configuration, identified);
-  while (checking.step()) {
-  }
-  return checking.result();
-}
-
 SenseChecking::SenseChecking(const Arm& nominal, const JointVector& configuration,
                              const AxisLines& identified)
     : nominal_(nominal), configuration_(configuration), identified_(identified) {

@@ -43,12 +43,9 @@ struct SenseCheck {
 // symmetric (SCARA: the prismatic joint is named); a reversed joint, and a zero of the joint before
 // it that is half a turn from the drawing's (the reversed joint is named).
 //
-// Preconditions: one reading and one identified line a joint, of the drawing's types.
-[[nodiscard]] SenseCheck check_sense(const Arm& nominal, const JointVector& configuration,
-                                     const AxisLines& identified);
-
-// check_sense(), a bounded step at a time: a step of an alignment, or a look at one explanation.
-// `nominal` and `configuration` must outlive it.
+// A bounded step at a time: a step of an alignment, or a look at one explanation. `nominal` and
+// `configuration` must outlive it. Preconditions: one reading and one identified line a joint, of
+// the drawing's types.
 class SenseChecking {
  public:
   SenseChecking(const Arm& nominal, const JointVector& configuration, const AxisLines& identified);

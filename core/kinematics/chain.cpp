@@ -34,8 +34,7 @@ double unit_length(const Chain& chain) {
 
 }  // namespace
 
-Chain make_chain(const FixedVector<DhJoint, kMaxJoints>& rows,
-                 const FixedVector<JointLimits, kMaxJoints>& limits) {
+Chain make_chain(const DhRows& rows, const FixedVector<JointLimits, kMaxJoints>& limits) {
   ARMSIG_CHECK(!rows.empty());
   ARMSIG_CHECK(limits.empty() || limits.size() == rows.size());
   Chain chain;

@@ -27,10 +27,10 @@ inline constexpr std::size_t kCopies = 4;
 
 // A constant written out as often as a register has lanes, so that the kernel need not spread it.
 template <typename Scalar>
-struct Spread {
+struct Broadcast {
   alignas(kCopies * sizeof(Scalar)) std::array<Scalar, kCopies> copies;
 
-  Spread& operator=(Scalar value) {
+  Broadcast& operator=(Scalar value) {
     copies.fill(value);
     return *this;
   }
@@ -42,7 +42,7 @@ struct Spread {
 // joint_count are zero.
 template <typename Scalar>
 struct ChainT {
-  using Constants = std::array<Spread<Scalar>, kMaxJoints>;
+  using Constants = std::array<Broadcast<Scalar>, kMaxJoints>;
   using Bits = std::conditional_t<sizeof(Scalar) == 4, std::int32_t, std::int64_t>;
 
   alignas(32) std::array<Scalar, kMaxJoints> theta{};  // added to the reading of a revolute joint
@@ -65,7 +65,7 @@ using Chain = ChainT<double>;
 
 // The chain of 1 to kMaxJoints `rows`; `limits` is empty or has one entry per row with
 // lower <= upper (else a mistake of the caller). Finite rows are the caller's duty.
-[[nodiscard]] Chain make_chain(const FixedVector<DhJoint, kMaxJoints>& rows,
+[[nodiscard]] Chain make_chain(const DhRows& rows,
                                const FixedVector<JointLimits, kMaxJoints>& limits = {});
 
 // The same chain in single precision. The constants are rounded after the frames were moved, so the

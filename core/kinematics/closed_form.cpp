@@ -90,15 +90,16 @@ struct Wrist {
   bool straight = false;
 };
 
-Wrist solve_wrist(const ClosedForm& form, const Matrix3& M, bool flip, const Departure& departure) {
+Wrist solve_wrist(const ClosedForm& form, const Matrix3& M, bool flip,
+                  const Perturbation& perturbation) {
   Wrist wrist;
   const double bent = std::hypot(M(0, 2), M(1, 2));
-  const double sine = std::max(bent, std::sin(departure.opening * kLeastWrist));
+  const double sine = std::max(bent, std::sin(perturbation.opening * kLeastWrist));
   const double sign = flip ? -1.0 : 1.0;
   wrist.straight = bent < kNearFold * kLeastWrist;
   wrist.fifth = std::atan2(sign * sine, -form.sign4 * form.sign5 * M(2, 2));
   wrist.first = std::atan2(sign * form.sign5 * M(1, 2), sign * form.sign5 * M(0, 2)) +
-                departure.wrist_turn_rad;
+                perturbation.wrist_turn_rad;
   const Matrix3 before =
       turned(turned(Matrix3::Identity(), wrist.first, form.sign4), wrist.fifth, form.sign5);
   wrist.sixth = std::atan2(before.col(1).dot(M.col(0)) - before.col(0).dot(M.col(1)),
@@ -156,7 +157,7 @@ ClosedForm closed_form(const Chain& chain) {
 }
 
 Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture& posture,
-                        const Departure& departure) {
+                        const Perturbation& perturbation) {
   ARMSIG_CHECK(form.design != Design::kOther);
   const bool spherical = form.design == Design::kSphericalWrist;
   const Pose X_06 = X_0n * form.X_6n.inverse();
@@ -170,7 +171,7 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
   start.reachable = radius > std::abs(offset) - kSmallOffset;
   double margin = kSmallOffset;
   const double reach = (posture.lefty ? 1.0 : -1.0) * lefty_sign(form) *
-                       std::max(across, departure.opening * kLeastReach);
+                       std::max(across, perturbation.opening * kLeastReach);
   const double angle1 =
       std::atan2(X_06.p.y(), X_06.p.x()) - std::atan2(-form.sign1 * offset, reach);
   const Matrix3 R_01 = turned(Matrix3::Identity(), angle1, form.sign1);
@@ -179,7 +180,7 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
   Plane goal{reach - form.a1, form.sign1 * (X_06.p.z() - form.d1)};
   Wrist wrist;
   if (!spherical) {
-    wrist = solve_wrist(form, R_01.transpose() * X_06.R, posture.flip, departure);
+    wrist = solve_wrist(form, R_01.transpose() * X_06.R, posture.flip, perturbation);
     // The direction of a straight wrist is uncertain, and it places the elbow's goal.
     if (wrist.straight) margin += std::abs(form.d5);
     const double c = std::cos(wrist.first);
@@ -198,7 +199,7 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
   start.near_fold = start.near_fold || std::sin(exact) < std::sin(kNearFold * kLeastElbow);
   start.reachable = start.reachable && distance < form.a2 + length + margin &&
                     distance > std::abs(form.a2 - length) - margin;
-  const double least = departure.opening * kLeastElbow;
+  const double least = perturbation.opening * kLeastElbow;
   const double elbow = std::clamp(exact, least, kPi - least);
   // The elbow is above if the forearm bends downwards, as seen with the wrist in front.
   const double bend = (posture.above == (reach > 0) ? -1.0 : 1.0) * form.sign1 * form.fold2;
@@ -212,7 +213,7 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
     Matrix3 R_02 = R_01;
     R_02.rightCols<2>() *= form.fold2;
     const Matrix3 R_03 = turned(R_02, form.fold2 * angle2 + angle3, form.sign3);
-    wrist = solve_wrist(form, R_03.transpose() * X_06.R, posture.flip, departure);
+    wrist = solve_wrist(form, R_03.transpose() * X_06.R, posture.flip, perturbation);
     angle4 = wrist.first;
   }
 

@@ -52,7 +52,7 @@ struct ClosedForm {
 [[nodiscard]] ClosedForm closed_form(const Chain& chain);
 
 // How a start may depart from the exact closed form, for poses next to a singularity.
-struct Departure {
+struct Perturbation {
   // Least opening of shoulder, elbow and wrist, as a multiple of what a millimetre of difference
   // between the arms asks for: two solutions that meet in a fold then start apart.
   double opening = 0;
@@ -70,7 +70,8 @@ struct Start {
 // Readings that bring the idealised arm to X_0n in the posture asked for. Design must not be
 // kOther.
 [[nodiscard]] Start solve_closed_form(const ClosedForm& form, const Pose& X_0n,
-                                      const Posture& posture, const Departure& departure = {});
+                                      const Posture& posture,
+                                      const Perturbation& perturbation = {});
 
 // The posture of readings q. Design must not be kOther.
 [[nodiscard]] Posture posture_of(const ClosedForm& form, const JointVector& q);

@@ -25,8 +25,9 @@ constexpr int kIterationsPerStart = 50;
 
 // Further starts next to a fold. The identified wrist doesn't pass exactly through straight: the
 // two solutions near it may bend in any two directions.
-constexpr std::array<Departure, 6> kFold = {{{1, 0}, {2, 0}, {4, 0}, {0.3, 0}, {7, 0}, {0.1, 0}}};
-constexpr std::array<Departure, 6> kStraightWrist = {
+constexpr std::array<Perturbation, 6> kFold = {
+    {{1, 0}, {2, 0}, {4, 0}, {0.3, 0}, {7, 0}, {0.1, 0}}};
+constexpr std::array<Perturbation, 6> kStraightWrist = {
     {{1, 0}, {4, 0}, {1, kPi / 2}, {1, -kPi / 2}, {0.3, kPi / 4}, {0.3, -kPi / 4}}};
 
 // Whether the start led to its own posture, clear of the folds: then no other start is needed.
@@ -50,11 +51,10 @@ JointLimits range_of(const Chain& chain, std::size_t i) {
 }
 
 JointVector fixed_start(const Chain& chain, int k) {
-  constexpr std::array<int, kMaxJoints> kBases = {2, 3, 5, 7, 11, 13, 17, 19};
   JointVector q;
   for (std::size_t i = 0; i < chain.joint_count; ++i) {
     const auto [lower, upper] = range_of(chain, i);
-    q.push_back(lower + (upper - lower) * van_der_corput(k + 1, kBases[i]));
+    q.push_back(lower + (upper - lower) * halton(i, k + 1));
   }
   return q;
 }
@@ -92,7 +92,7 @@ class Collector {
       if (!inside) solution.verdict = Verdict::kJointLimit;
     }
     for (const NamedSolution& other : found_) {
-      if (distance(other.solution.q, solution.q) < kSameSolution) return;
+      if (largest_change(other.solution.q, solution.q) < kSameSolution) return;
     }
     if (found_.full()) return;
     NamedSolution named;
@@ -112,7 +112,7 @@ class Collector {
       const InverseSolution& solution = found_[i].solution;
       key[i] = {solution.verdict == Verdict::kJointLimit,
                 solution.rotation_error_rad > rotation_tolerance_rad,
-                distance(solution.q, reference_)};
+                largest_change(solution.q, reference_)};
     }
     Solutions result;
     while (result.size() < found_.size()) {
@@ -129,12 +129,6 @@ class Collector {
   [[nodiscard]] const Solutions& found() const { return found_; }
 
  private:
-  static double distance(const JointVector& a, const JointVector& b) {
-    double largest = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
-    return largest;
-  }
-
   const Chain& chain_;
   const ClosedForm& form_;
   JointVector reference_;
@@ -165,8 +159,8 @@ Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const P
       ARMSIG_TRY(solution, inverse(chain, X_0n, start.q, unlimited));
       collector.add(solution);
       if (!start.near_fold || settled(form, solution, posture)) continue;
-      for (const Departure& departure : start.wrist_straight ? kStraightWrist : kFold) {
-        const Start apart = solve_closed_form(form, X_0n, posture, departure);
+      for (const Perturbation& perturbation : start.wrist_straight ? kStraightWrist : kFold) {
+        const Start apart = solve_closed_form(form, X_0n, posture, perturbation);
         ARMSIG_TRY(other, inverse(chain, X_0n, apart.q, unlimited));
         collector.add(other);
       }

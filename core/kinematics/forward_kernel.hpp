@@ -19,7 +19,7 @@ inline namespace ARMSIG_LANES {
 
 // A constant as V: all lanes of a pack, or the number itself.
 template <typename V, typename Scalar>
-[[nodiscard]] [[gnu::always_inline]] inline V as(const Spread<Scalar>& constant) {
+[[nodiscard]] [[gnu::always_inline]] inline V as(const Broadcast<Scalar>& constant) {
   if constexpr (sizeof(V) <= sizeof(constant.copies)) {
     return load<V>(constant.copies.data());
   } else {
@@ -154,7 +154,7 @@ struct Frame<Scalar, 2> {
 
 // A vector that is brought from the frame of a link to the frame before it.
 template <typename Scalar>
-struct Brought {
+struct TipVector {
   Scalar x, y, z;
 
   // By Rot(x, alpha) of link i, then by Rot(z, theta).
@@ -201,9 +201,9 @@ struct Frame<Scalar, 1> {
     std::size_t i = chain.joint_count - 1;
     const Scalar s = terms.sine[i];
     const Scalar c = terms.cosine[i];
-    Brought<Scalar> x{c, s, 0};
-    Brought<Scalar> z{0, -chain.sin_alpha[i], chain.cos_alpha[i]};
-    Brought<Scalar> o{chain.x[i], chain.y[i], terms.z[i]};
+    TipVector<Scalar> x{c, s, 0};
+    TipVector<Scalar> z{0, -chain.sin_alpha[i], chain.cos_alpha[i]};
+    TipVector<Scalar> o{chain.x[i], chain.y[i], terms.z[i]};
     z.x = -s * z.y;
     z.y = c * z.y;
     o.turn(terms, i);

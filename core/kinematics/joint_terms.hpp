@@ -20,8 +20,8 @@ template <typename Scalar>
 struct JointTerms {
   alignas(32) std::array<Scalar, kMaxJoints> sine;
   alignas(32) std::array<Scalar, kMaxJoints> cosine;
-  std::array<Spread<Scalar>, kMaxJoints> height;  // set where the chain has a prismatic joint
-  const Spread<Scalar>* z;
+  std::array<Broadcast<Scalar>, kMaxJoints> height;  // set where the chain has a prismatic joint
+  const Broadcast<Scalar>* z;
 };
 
 // Where the chain has a prismatic joint: its reading lengthens the link. False if a reading is not

@@ -15,7 +15,7 @@ namespace armsig::kinematics {
 // What the evaluation needs, in its own precision.
 template <typename Scalar>
 struct SModelChain {
-  FixedVector<JointType, kMaxJoints> types;
+  JointTypes types;
   JointVector configuration;                 // double: readings are subtracted before rounding
   PoseT<Scalar> X_S0;                        // link frame 0 in the sensor frame
   FixedVector<PoseT<Scalar>, kMaxJoints> B;  // (18), from the link frames, not from parameters
@@ -28,7 +28,7 @@ template <typename Scalar>
 
 // Link frames 0 ... n at readings `configuration`.
 template <typename Scalar>
-[[nodiscard]] SModelChain<Scalar> chain_of(const FixedVector<JointType, kMaxJoints>& types,
+[[nodiscard]] SModelChain<Scalar> chain_of(const JointTypes& types,
                                            const JointVector& configuration,
                                            const FixedVector<Pose, kMaxFrames>& X_SL) {
   SModelChain<Scalar> chain;

@@ -3,11 +3,10 @@
 
 namespace armsig::pseudo_dh {
 
-FixedVector<DhJoint, kMaxJoints> from_s_model(
-    const FixedVector<s_model::Parameters, kMaxJoints>& s_model,
-    const FixedVector<JointType, kMaxJoints>& types, const JointVector& configuration) {
+DhRows from_s_model(const FixedVector<s_model::Parameters, kMaxJoints>& s_model,
+                    const JointTypes& types, const JointVector& configuration) {
   ARMSIG_CHECK(types.size() == s_model.size() && configuration.size() == s_model.size());
-  FixedVector<DhJoint, kMaxJoints> rows;
+  DhRows rows;
   // gamma_0 and b_0 belong to no frame: (22) and (23) leave them out.
   double gamma_before_rad = 0;
   double b_before_m = 0;

@@ -15,9 +15,8 @@ namespace armsig::pseudo_dh {
 // One row a joint from the S-Model at the signature configuration: (9)-(12), the offset (19) in
 // theta of a revolute joint and in d of a prismatic one, joint 1 by (22)-(23). theta in (-pi, pi].
 // Precondition: as many types and readings as parameters.
-[[nodiscard]] FixedVector<DhJoint, kMaxJoints> from_s_model(
-    const FixedVector<s_model::Parameters, kMaxJoints>& s_model,
-    const FixedVector<JointType, kMaxJoints>& types, const JointVector& configuration);
+[[nodiscard]] DhRows from_s_model(const FixedVector<s_model::Parameters, kMaxJoints>& s_model,
+                                  const JointTypes& types, const JointVector& configuration);
 
 // Pose of S-Model link frame L of a link in its Denavit-Hartenberg frame F: Rot(z, gamma)
 // Trans(0, 0, b), the last two factors of (5). With it, X_SL(n) = X_SL(0) * (21) * X_FL(n).

@@ -8,7 +8,6 @@
 #include "core/base/check.hpp"
 #include "core/numerics/robust.hpp"
 #include "core/numerics/rotations.hpp"
-#include "core/refinement/base_and_tool.hpp"
 
 namespace armsig::refinement {
 
@@ -141,10 +140,6 @@ void for_each_cube_rotation(Visit visit) {
 }
 
 }  // namespace
-
-Pose DrawnRows::drawn_link(const Observation& row) const {
-  return drawn_frames(arm_, effective_readings(arm_, row.readings))[targets_[row.target].link];
-}
 
 double residual_scale(const DrawnRows& rows, const BaseAndTargets& at) {
   numerics::LogHistogram squares;

@@ -3,46 +3,49 @@
 // arm each one is. The sweep of a target on the last link alone says nothing of the axes before.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "core/arm_model/observation.hpp"
 #include "core/arm_model/readings.hpp"
+#include "core/base/links.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::refinement {
 
-// The position rows of a log whose use is kFit, each with the pose of its target's link in the base
-// by the drawing.
+// The position rows of a log whose use is kFit, those of one target or of all, with the arm's
+// frames in its base by the drawing. What it is given must outlive it.
 class DrawnRows {
  public:
-  DrawnRows(const Arm& arm, std::span<const Observation> log, std::span<const Target> targets)
-      : arm_(arm), log_(log), targets_(targets) {}
+  DrawnRows(const Arm& arm, std::span<const Observation> log, std::span<const Target> targets,
+            std::optional<std::size_t> only = {})
+      : arm_(arm), log_(log), targets_(targets), only_(only) {}
 
-  // visit(row, X_BL) for every `stride`-th row.
+  [[nodiscard]] DrawnRows of(std::size_t target) const { return {arm_, log_, targets_, target}; }
+
+  // visit(row, X_BF), Denavit-Hartenberg frames 0 ... n, for every `stride`-th row.
   template <typename Visit>
-  void for_each(Visit visit, std::size_t stride = 1) const {
+  void for_each_frames(Visit visit, std::size_t stride = 1) const {
     std::size_t count = 0;
     for (const Observation& row : log_) {
       if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition) continue;
-      if (count++ % stride != 0) continue;
-      visit(row, drawn_link(row));
+      if ((only_ && row.target != *only_) || count++ % stride != 0) continue;
+      visit(row, dh_frames(arm_.joints, effective_readings(arm_, row.readings)));
     }
   }
+  // visit(row, X_BL), with the pose of its target's link.
   template <typename Visit>
-  void for_each_of(std::size_t target, Visit visit) const {
-    for (const Observation& row : log_) {
-      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition || row.target != target)
-        continue;
-      visit(row, drawn_link(row));
-    }
+  void for_each(Visit visit, std::size_t stride = 1) const {
+    for_each_frames([&](const Observation& row,
+                        const auto& X_BF) { visit(row, X_BF[targets_[row.target].link]); },
+                    stride);
   }
 
  private:
-  [[nodiscard]] Pose drawn_link(const Observation& row) const;
-
   const Arm& arm_;
   std::span<const Observation> log_;
   std::span<const Target> targets_;
+  std::optional<std::size_t> only_;
 };
 
 // Where the base is, and every target in its link; zero where it was not observed.

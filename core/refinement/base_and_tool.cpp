@@ -23,25 +23,17 @@ Vector12 link_vector(const Pose& X_BL) {
   return g;
 }
 
-// Robust scale of the residual lengths of one target's rows, per axis.
-double residual_scale(const DrawnRows& rows, std::size_t target, const Pose& X_SB,
-                      const Vector3& u) {
-  numerics::LogHistogram squares;
-  rows.for_each_of(target, [&](const Observation& row, const Pose& X_BL) {
-    squares.add((row.p_S - X_SB * (X_BL * u)).squaredNorm());
-  });
-  return numerics::robust_scale_m(squares);
-}
-
 // A further target, once the base is known: the mean of where its rows put it, robustly.
 Vector3 place_target(const DrawnRows& rows, std::size_t target, const Pose& X_SB) {
-  Vector3 u = Vector3::Zero();
   const Pose X_BS = X_SB.inverse();
+  BaseAndTargets at{X_SB, {}};
+  at.p_LT.resize(target + 1, Vector3::Zero());
+  Vector3& u = at.p_LT[target];
   for (int pass = 0; pass < kRobustPasses; ++pass) {
-    const double scale = residual_scale(rows, target, X_SB, u);
+    const double scale = residual_scale(rows, at);
     double weight = 0;
     Vector3 sum = Vector3::Zero();
-    rows.for_each_of(target, [&](const Observation& row, const Pose& X_BL) {
+    rows.for_each([&](const Observation& row, const Pose& X_BL) {
       const Vector3 seen = X_BL.inverse() * (X_BS * row.p_S);
       const double w = pass == 0 ? 1 : numerics::huber_weight((seen - u).norm(), scale);
       weight += w;
@@ -68,24 +60,10 @@ BaseAndTargets from_all_targets(const DrawnRows& rows, std::span<const Target> t
   return residual_scale(rows, searched) < residual_scale(rows, at) ? searched : at;
 }
 
-}  // namespace
-
-FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm, const JointVector& effective) {
-  FixedVector<Pose, kMaxFrames> X_BL;
-  X_BL.push_back({});
-  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
-    const DhJoint& joint = arm.joints[i];
-    const bool revolute = joint.type == JointType::kRevolute;
-    const Matrix3 R_z = rotation_z(joint.theta_rad + (revolute ? effective[i] : 0));
-    const Vector3 p(joint.a_m, 0, joint.d_m + (revolute ? 0 : effective[i]));
-    X_BL.push_back(X_BL.back() * Pose{R_z * rotation_x(joint.alpha_rad), R_z * p});
-  }
-  return X_BL;
-}
-
-Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observation> log,
-                                      std::span<const Target> targets) {
-  ARMSIG_CHECK(targets.size() <= kMaxTargets);
+// How many rows each target has.
+Judged<std::array<std::size_t, kMaxTargets>> count_rows(const Arm& arm,
+                                                        std::span<const Observation> log,
+                                                        std::span<const Target> targets) {
   std::array<std::size_t, kMaxTargets> rows_of{};
   for (std::size_t k = 0; k < log.size(); ++k) {
     const Observation& row = log[k];
@@ -96,29 +74,31 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
     }
     ++rows_of[row.target];
   }
-  if (targets.empty()) {
-    return std::unexpected(Refusal{Error::kTooFewPoints, 0, static_cast<double>(kFewestRows)});
-  }
-  std::size_t main = 0;
+  return rows_of;
+}
+
+// The target on the last link that has most rows.
+Judged<std::size_t> main_target(const Arm& arm, std::span<const Target> targets,
+                                std::span<const std::size_t> rows_of) {
+  std::optional<std::size_t> main;
   for (std::size_t t = 0; t < targets.size(); ++t) {
     if (targets[t].link != arm.joints.size()) continue;
-    if (targets[main].link != arm.joints.size() || rows_of[t] > rows_of[main]) main = t;
+    if (!main || rows_of[t] > rows_of[*main]) main = t;
   }
-  if (targets[main].link != arm.joints.size()) rows_of[main] = 0;
-  if (rows_of[main] < kFewestRows) {
-    return std::unexpected(Refusal{Error::kTooFewPoints, static_cast<double>(rows_of[main]),
-                                   static_cast<double>(kFewestRows)});
-  }
+  const std::size_t rows = main ? rows_of[*main] : 0;
+  if (rows >= kFewestRows) return *main;
+  return std::unexpected(
+      Refusal{Error::kTooFewPoints, static_cast<double>(rows), static_cast<double>(kFewestRows)});
+}
 
-  const DrawnRows rows(arm, log, targets);
-  BaseAndTool found;
-  found.main = main;
+// Base and main target from the rows of that target.
+Judged<void> fit_main(const DrawnRows& rows, std::size_t main, BaseAndTargets& at) {
   Candidate best;
   double scale = 0;
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     Moments moments;
-    rows.for_each_of(main, [&](const Observation& row, const Pose& X_BL) {
-      const double residual = (row.p_S - found.X_SB * (X_BL * best.u)).norm();
+    rows.for_each([&](const Observation& row, const Pose& X_BL) {
+      const double residual = (row.p_S - at.X_SB * (X_BL * best.u)).norm();
       moments.add(row.p_S, link_vector(X_BL),
                   pass == 0 ? 1 : numerics::huber_weight(residual, scale));
     });
@@ -133,32 +113,48 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
       polish(moments, best);
     }
     const Vector3 mean_y = combined(moments.mean_g, best.u);
-    found.X_SB = {best.R, moments.mean_p - best.R * mean_y};
-    scale = residual_scale(rows, main, found.X_SB, best.u);
+    at.X_SB = {best.R, moments.mean_p - best.R * mean_y};
+    at.p_LT[main] = best.u;
+    scale = residual_scale(rows, at);
   }
-  BaseAndTargets at{found.X_SB, {}};
-  for (std::size_t t = 0; t < targets.size(); ++t) {
-    at.p_LT.push_back(t == main         ? best.u
-                      : rows_of[t] == 0 ? Vector3::Zero()
-                                        : place_target(rows, t, found.X_SB));
-  }
-  if (targets.size() > 1) at = from_all_targets(rows, targets, rows_of, at);
-  found.X_SB = at.X_SB;
-  found.p_LT = at.p_LT;
-  if (targets.size() > 1) scale = residual_scale(rows, at);
-  double weight = 0;
+  return {};
+}
+
+// Of the rows that carry at least half weight.
+double rms_of_good_rows(const DrawnRows& rows, const BaseAndTargets& at) {
+  const double scale = residual_scale(rows, at);
+  double count = 0;
   double squares = 0;
   rows.for_each([&](const Observation& row, const Pose& X_BL) {
-    const double residual = (row.p_S - found.X_SB * (X_BL * found.p_LT[row.target])).norm();
+    const double residual = (row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).norm();
     if (numerics::huber_weight(residual, scale) < 0.5) return;
-    weight += 1;
+    count += 1;
     squares += residual * residual;
   });
-  found.rms_m = weight > 0 ? std::sqrt(squares / weight) : 0;
-  if (!found.X_SB.p.allFinite() || !best.u.allFinite()) {
-    return std::unexpected(Refusal{Error::kNotConverged, found.rms_m, 0});
+  return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+}  // namespace
+
+Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observation> log,
+                                      std::span<const Target> targets) {
+  ARMSIG_CHECK(targets.size() <= kMaxTargets);
+  ARMSIG_TRY(rows_of, count_rows(arm, log, targets));
+  ARMSIG_TRY(main, main_target(arm, targets, rows_of));
+  const DrawnRows rows(arm, log, targets);
+  BaseAndTargets at;
+  at.p_LT.resize(targets.size(), Vector3::Zero());
+  if (auto fitted = fit_main(rows.of(main), main, at); !fitted)
+    return std::unexpected(fitted.error());
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    if (t != main && rows_of[t] > 0) at.p_LT[t] = place_target(rows.of(t), t, at.X_SB);
   }
-  return found;
+  if (targets.size() > 1) at = from_all_targets(rows, targets, rows_of, at);
+  const double rms_m = rms_of_good_rows(rows, at);
+  if (!at.X_SB.p.allFinite() || !at.p_LT[main].allFinite()) {
+    return std::unexpected(Refusal{Error::kNotConverged, rms_m, 0});
+  }
+  return BaseAndTool{at.X_SB, at.p_LT, main, rms_m};
 }
 
 }  // namespace armsig::refinement

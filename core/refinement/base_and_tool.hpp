@@ -23,11 +23,6 @@ struct BaseAndTool {
   double rms_m = 0;      // residual lengths of the rows that carry at least half weight
 };
 
-// The arm's links 0 ... n in its base frame by the drawing, at effective readings (standard
-// Denavit-Hartenberg, (2) of the paper).
-[[nodiscard]] FixedVector<Pose, kMaxFrames> drawn_frames(const Arm& arm,
-                                                         const JointVector& effective);
-
 // Fits base and targets to the position rows of `log` whose use is kFit. `targets` says on which
 // link each target is; their positions are not used. Preconditions: every row's target is among
 // `targets`, at most kMaxTargets. Errors: kNotFinite (index of the row); kTooFewPoints (positions

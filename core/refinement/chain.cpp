@@ -19,7 +19,7 @@ Vector3 turned(const JointMotion::One& joint, const Vector3& v) {
 
 }  // namespace
 
-Chain::Chain(const Signature& signature, const ReadingModel& readings)
+PoeChain::PoeChain(const Signature& signature, const ReadingModel& readings)
     : readings_(readings), types_(signature.types), X_SL_(signature.X_SL) {
   const std::size_t n = types_.size();
   ARMSIG_CHECK(X_SL_.size() == n + 1 && signature.configuration.size() == n);
@@ -35,7 +35,7 @@ Chain::Chain(const Signature& signature, const ReadingModel& readings)
   }
 }
 
-JointMotion Chain::motion(const JointVector& readings) const {
+JointMotion PoeChain::motion(const JointVector& readings) const {
   ARMSIG_CHECK(readings.size() == types_.size());
   using V = Pack<double>;
   JointMotion motion;
@@ -73,7 +73,7 @@ JointMotion Chain::motion(const JointVector& readings) const {
   return motion;
 }
 
-void Chain::move(JointMotion& motion, std::size_t joint, double moved) const {
+void PoeChain::move(JointMotion& motion, std::size_t joint, double moved) const {
   JointMotion::One& one = motion.joints[joint];
   one.moved = moved;
   // A joint at rest keeps the exact cosine and sine of zero, so that its derivatives are exact
@@ -87,8 +87,8 @@ void Chain::move(JointMotion& motion, std::size_t joint, double moved) const {
 // Joints at rest keep the frames of the signature configuration: the way between two moving joints
 // leads through the sensor frame past those between them, at the cost of none.
 template <typename Visit>
-Vector3 Chain::carry(const JointMotion& motion, const Target& target, std::size_t first,
-                     Visit visit) const {
+Vector3 PoeChain::carry(const JointMotion& motion, const Target& target, std::size_t first,
+                        Visit visit) const {
   Vector3 p = target.p_S;
   bool in_sensor_frame = true;  // otherwise p is in the link frame of the joint just visited
   for (std::size_t i = target.link; i-- > first;) {
@@ -111,12 +111,12 @@ Vector3 Chain::carry(const JointMotion& motion, const Target& target, std::size_
   return in_sensor_frame ? p : X_SL_[first] * p;
 }
 
-Vector3 Chain::point(const JointMotion& motion, const Target& target, std::size_t first) const {
+Vector3 PoeChain::point(const JointMotion& motion, const Target& target, std::size_t first) const {
   return carry(motion, target, first, [](std::size_t, const Vector3&, const Vector3&) {});
 }
 
-void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
-                               PointJacobian& jacobian, std::size_t first) const {
+void PoeChain::point_and_jacobian(const JointMotion& motion, const Target& target,
+                                  PointJacobian& jacobian, std::size_t first) const {
   // Inward: the target in the link frame of each moving joint before (r) and after (v) its motion.
   std::array<Vector3, kMaxJoints> r;
   std::array<Vector3, kMaxJoints> v;
@@ -165,7 +165,7 @@ void Chain::point_and_jacobian(const JointMotion& motion, const Target& target,
   if (last < kMaxJoints) jacobian.target = R_SF.lazyProduct(X_SL_[last].R.transpose());
 }
 
-Pose Chain::frame(const JointMotion& motion, std::size_t joint) const {
+Pose PoeChain::frame(const JointMotion& motion, std::size_t joint) const {
   Pose X = X_SL_[joint];
   for (std::size_t i = joint; i-- > 0;) {
     const JointMotion::One& one = motion.joints[i];
@@ -186,7 +186,7 @@ namespace {
 
 // Calls add(column, derivative of the target's position) for every unknown that moves it.
 template <typename Add>
-void for_each_derivative(const Layout& layout, const Signature& signature, const Chain& chain,
+void for_each_derivative(const Layout& layout, const Signature& signature, const PoeChain& chain,
                          const JointMotion& motion, std::size_t target,
                          const PointJacobian& jacobian, Add add) {
   const std::size_t link = signature.targets[target].link;
@@ -222,7 +222,7 @@ void for_each_derivative(const Layout& layout, const Signature& signature, const
 
 }  // namespace
 
-void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+void add_derivatives(const Layout& layout, const Signature& signature, const PoeChain& chain,
                      const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
                      const Vector3& gradient, RowBlock<1>& block) {
   for_each_derivative(layout, signature, chain, motion, target, jacobian,
@@ -231,7 +231,7 @@ void add_derivatives(const Layout& layout, const Signature& signature, const Cha
                       });
 }
 
-void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+void add_derivatives(const Layout& layout, const Signature& signature, const PoeChain& chain,
                      const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
                      double weight, RowBlock<3>& block) {
   for_each_derivative(layout, signature, chain, motion, target, jacobian,

@@ -38,10 +38,10 @@ struct PointJacobian {
   Matrix3 target;                                            // by Target::p_S
 };
 
-class Chain {
+class PoeChain {
  public:
   // Precondition: as many X_SL as joints + 1.
-  Chain(const Signature& signature, const ReadingModel& readings);
+  PoeChain(const Signature& signature, const ReadingModel& readings);
 
   [[nodiscard]] JointMotion motion(const JointVector& readings) const;
 
@@ -85,7 +85,7 @@ class Chain {
                               Visit visit) const;
 
   ReadingModel readings_;
-  FixedVector<JointType, kMaxJoints> types_;
+  JointTypes types_;
   std::array<Zero, kMaxJoints> configuration_;  // readings at the signature configuration
   FixedVector<Pose, kMaxFrames> X_SL_;
   std::array<Pose, kMaxJoints> B_;  // B_[i] = X_SL[i]^-1 X_SL[i+1]
@@ -93,13 +93,13 @@ class Chain {
 
 // Adds derivatives to a row of the filter, for a measured scalar whose derivative by the target's
 // position is `gradient` (already divided by sigma and weighted).
-void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+void add_derivatives(const Layout& layout, const Signature& signature, const PoeChain& chain,
                      const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
                      const Vector3& gradient, RowBlock<1>& block);
 
 // The same to three rows for the coordinates of a measured point, which go with the target's
 // position times `weight`.
-void add_derivatives(const Layout& layout, const Signature& signature, const Chain& chain,
+void add_derivatives(const Layout& layout, const Signature& signature, const PoeChain& chain,
                      const JointMotion& motion, std::size_t target, const PointJacobian& jacobian,
                      double weight, RowBlock<3>& block);
 

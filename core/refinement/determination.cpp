@@ -40,8 +40,8 @@ Open open_kind(const RowsAlone& alone, const Parameter& parameter) {
   return Open::kTarget;
 }
 
-}  // namespace
-
+// 1 sigma of an unknown before any row [rad, m, 1]: far beyond what is built; of a scale, that of
+// an air temperature wrong by 30 K.
 double wide_sigma(ParameterKind kind) {
   switch (kind) {
     case ParameterKind::kAxisDirection:
@@ -59,6 +59,8 @@ double wide_sigma(ParameterKind kind) {
   }
   return 1;
 }
+
+}  // namespace
 
 std::string_view describe(Open open) {
   switch (open) {
@@ -84,34 +86,17 @@ std::string_view describe(Open open) {
   return "is not determined";
 }
 
-double parameter_sigma(const SquareRootFactor& information, std::size_t index) {
-  StateVector y;
-  y.fill(0);
-  y[index] = 1;
-  information.solve_transposed(y, index);
-  double sum = 0;
-  for (std::size_t k = index; k < information.unknowns(); ++k) sum += y[k] * y[k];
-  return std::sqrt(sum);
+void set_wide_priors(const Layout& layout, SquareRootFactor& information) {
+  information.reset(layout.size());
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    information.set_entry(i, i, 1 / wide_sigma(layout.parameters[i].kind));
+  }
 }
 
-Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t first) {
-  std::array<StateVector, 3> y;
-  for (std::size_t i = 0; i < 3; ++i) {
-    y[i].fill(0);
-    y[i][first + i] = 1;
-    information.solve_transposed(y[i], first + i);
-  }
-  Matrix3 covariance;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      double sum = 0;
-      for (std::size_t k = first; k < information.unknowns(); ++k) {
-        sum += y[static_cast<std::size_t>(i)][k] * y[static_cast<std::size_t>(j)][k];
-      }
-      covariance(i, j) = sum;
-    }
-  }
-  return covariance;
+double parameter_sigma(const SquareRootFactor& information, std::size_t index) {
+  StateVector unit{};
+  unit[index] = 1;
+  return std::sqrt(information.variance(unit, index));
 }
 
 void gather_rows(std::span<const Observation> log, std::span<const RowOutcome> outcomes,
@@ -120,11 +105,8 @@ void gather_rows(std::span<const Observation> log, std::span<const RowOutcome> o
   ARMSIG_CHECK(outcomes.size() == log.size() && sigma_m > 0);
   alone.motion.fill(0);
   alone.radius_m.fill(0);
-  alone.information.reset(estimate.layout.size());
-  for (std::size_t i = 0; i < estimate.layout.size(); ++i) {
-    alone.information.set_entry(i, i, 1 / wide_sigma(estimate.layout.parameters[i].kind));
-  }
-  const Chain chain(estimate.signature, estimate.readings);
+  set_wide_priors(estimate.layout, alone.information);
+  const PoeChain chain(estimate.signature, estimate.readings);
   for (std::size_t k = 0; k < log.size(); ++k) {
     const Observation& row = log[k];
     if (row.use != RowUse::kFit || outcomes[k].rejected) continue;

@@ -8,13 +8,12 @@
 
 namespace armsig::refinement {
 
-// 1 sigma of an unknown before any row [rad, m, 1]: far beyond what is built; of a scale, that of
-// an air temperature wrong by 30 K.
-[[nodiscard]] double wide_sigma(ParameterKind kind);
+// Makes `information` that of priors so wide that they leave alone what rows determine.
+void set_wide_priors(const Layout& layout, SquareRootFactor& information);
 
 // What the rows say about the unknowns of `estimate.layout`, linearised at the estimate.
 struct RowsAlone {
-  SquareRootFactor information;  // with priors so wide that they leave alone what rows determine
+  SquareRootFactor information;  // with wide priors
   // Largest motion of each joint in the rows, and largest distance of a target from its axis then.
   std::array<double, kMaxJoints> motion{};
   std::array<double, kMaxJoints> radius_m{};
@@ -34,8 +33,5 @@ void name_undetermined(const RowsAlone& alone, Refined& estimate);
 
 // 1 sigma of unknown `index`. Precondition: the factor is regular.
 [[nodiscard]] double parameter_sigma(const SquareRootFactor& information, std::size_t index);
-
-// 3 x 3 covariance of three neighbouring unknowns, such as a target. Same precondition.
-[[nodiscard]] Matrix3 covariance_of_three(const SquareRootFactor& information, std::size_t first);
 
 }  // namespace armsig::refinement

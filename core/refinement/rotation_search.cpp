@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/numerics/rotations.hpp"
+
 namespace armsig::refinement {
 
 namespace {
@@ -126,12 +128,8 @@ void polish(const Moments& m, Candidate& candidate) {
     Matrix6 H = local.hessian;
     for (int k = 0; k < 6; ++k) H(k, k) += damping * H(k, k) + 1e-9 * m.weight;
     const Vector6 x = -H.ldlt().solve(local.gradient);
-    const double angle = x.head<3>().norm();
     Candidate next = candidate;
-    if (angle > 0) {
-      const Vector3 axis = x.head<3>() / angle;
-      next.R = rotation_about(axis, angle) * candidate.R;
-    }
+    next.R = numerics::rotation_by(x.head<3>()) * candidate.R;
     next.u += x.tail<3>();
     next.squares = squares_at(m, next.R, next.u);
     if (next.squares < candidate.squares) {

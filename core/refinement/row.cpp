@@ -8,7 +8,7 @@ namespace armsig::refinement {
 
 namespace {
 
-void absorb_position(const Refined& estimate, const Chain& chain, const Observation& row,
+void absorb_position(const Refined& estimate, const PoeChain& chain, const Observation& row,
                      double weight, const Linearised& at, SquareRootFactor& factor) {
   const Layout& layout = estimate.layout;
   const std::size_t n = layout.size();
@@ -25,7 +25,7 @@ void absorb_position(const Refined& estimate, const Chain& chain, const Observat
   factor.absorb(block);
 }
 
-void absorb_range(const Refined& estimate, const Receivers& receivers, const Chain& chain,
+void absorb_range(const Refined& estimate, const Receivers& receivers, const PoeChain& chain,
                   const Observation& row, double weight, const Linearised& at,
                   SquareRootFactor& factor) {
   const Layout& layout = estimate.layout;
@@ -75,7 +75,18 @@ double residual_length(const Refined& estimate, const Receivers& receivers, cons
   return (row.p_S - (1 + estimate.scale) * p_S).norm();
 }
 
-void absorb_row(const Refined& estimate, const Receivers& receivers, const Chain& chain,
+Linearised position_rows(const Refined& estimate, const PoeChain& chain,
+                         const JointVector& readings, std::size_t target, RowBlock<3>& rows) {
+  Linearised at;
+  at.motion = chain.motion(readings);
+  chain.point_and_jacobian(at.motion, estimate.signature.targets[target], at.jacobian);
+  rows.clear(estimate.layout.size());
+  add_derivatives(estimate.layout, estimate.signature, chain, at.motion, target, at.jacobian, 1.0,
+                  rows);
+  return at;
+}
+
+void absorb_row(const Refined& estimate, const Receivers& receivers, const PoeChain& chain,
                 const Observation& row, double weight, SquareRootFactor& factor,
                 Linearised& linearised) {
   linearised.motion = chain.motion(row.readings);

@@ -27,13 +27,21 @@ struct PredictedRange {
   return row.kind == ObservationKind::kPosition ? numerics::kThresholds3 : numerics::kThresholds1;
 }
 
-// Linearises `row` at the estimate and takes it into `factor`; `weight` is the inverse of its sigma
-// [1/m]. `linearised` receives what it was linearised with.
+// What rows are linearised with.
 struct Linearised {
   JointMotion motion;
   PointJacobian jacobian;
 };
-void absorb_row(const Refined& estimate, const Receivers& receivers, const Chain& chain,
+
+// The three rows of the derivatives of target `target`'s position at `readings` by every unknown,
+// and what they were linearised with.
+[[nodiscard]] Linearised position_rows(const Refined& estimate, const PoeChain& chain,
+                                       const JointVector& readings, std::size_t target,
+                                       RowBlock<3>& rows);
+
+// Linearises `row` at the estimate and takes it into `factor`; `weight` is the inverse of its sigma
+// [1/m]. `linearised` receives what it was linearised with.
+void absorb_row(const Refined& estimate, const Receivers& receivers, const PoeChain& chain,
                 const Observation& row, double weight, SquareRootFactor& factor,
                 Linearised& linearised);
 

@@ -204,21 +204,38 @@ Result<StateVector> SquareRootFactor::solve() const {
   return x;
 }
 
-void SquareRootFactor::solve_upper(StateVector& z) const {
+void SquareRootFactor::solve_upper(std::span<double> z) const {
   for (std::size_t i = unknowns_; i-- > 0;) {
     const double* r = entries_.data() + row(i);
-    z[i] = (z[i] - product(r + 1, &z[i] + 1, unknowns_ - i - 1)) / r[0];
+    z[i] = (z[i] - product(r + 1, z.data() + i + 1, unknowns_ - i - 1)) / r[0];
   }
 }
 
-void SquareRootFactor::solve_transposed(StateVector& b, std::size_t first) const {
+void SquareRootFactor::solve_transposed(std::span<double> b, std::size_t first) const {
   for (std::size_t i = first; i < unknowns_; ++i) {
     const double* r = entries_.data() + row(i);
     const double y = b[i] / r[0];
     b[i] = y;
     if (y == 0) continue;
-    subtract(y, r + 1, unknowns_ - i - 1, &b[i] + 1);
+    subtract(y, r + 1, unknowns_ - i - 1, b.data() + i + 1);
   }
+}
+
+double SquareRootFactor::variance(std::span<double> b, std::size_t first) const {
+  solve_transposed(b, first);
+  return product(&b[first], &b[first], unknowns_ - first);
+}
+
+Matrix3 SquareRootFactor::covariance(RowBlock<3>& J) const {
+  for (auto& row : J.rows) solve_transposed(row);
+  Matrix3 covariance;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          product(J.rows[i].data(), J.rows[j].data(), unknowns_);
+    }
+  }
+  return covariance;
 }
 
 }  // namespace armsig::refinement

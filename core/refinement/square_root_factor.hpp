@@ -64,13 +64,18 @@ class SquareRootFactor {
   // The solution of R x = z. kSingular when a diagonal entry is zero or not finite.
   [[nodiscard]] Result<StateVector> solve() const;
 
-  // Replaces b by the solution y of R^T y = b, so that |y|^2 = b^T (R^T R)^-1 b is the variance of
-  // b^T x, and y_1 . y_2 a covariance. Preconditions: a factor that solve() accepts; no number of b
-  // before `first` but zeros.
-  void solve_transposed(StateVector& b, std::size_t first = 0) const;
+  // Replaces b by the solution y of R^T y = b. Preconditions: a factor that solve() accepts, as for
+  // all that follow; no number of b before `first` but zeros; as many numbers as unknowns at least.
+  void solve_transposed(std::span<double> b, std::size_t first = 0) const;
 
-  // Replaces z by the solution x of R x = z. Same precondition.
-  void solve_upper(StateVector& z) const;
+  // Replaces z by the solution x of R x = z.
+  void solve_upper(std::span<double> z) const;
+
+  // b^T (R^T R)^-1 b = |y|^2: the variance of b^T x. Destroys b. Same precondition for `first`.
+  [[nodiscard]] double variance(std::span<double> b, std::size_t first = 0) const;
+
+  // J (R^T R)^-1 J^T, the covariance of J x. Leaves R^-T J^T in the rows of `J`.
+  [[nodiscard]] Matrix3 covariance(RowBlock<3>& J) const;
 
   // R_ij, i <= j; column n is z.
   [[nodiscard]] double entry(std::size_t i, std::size_t j) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/links.hpp"
 #include "core/numerics/rotations.hpp"
 
 namespace armsig::refinement {
@@ -68,8 +69,8 @@ Signature drawn_signature(const Arm& arm, const BaseAndTool& fitted,
   ARMSIG_CHECK(!log.empty());
   Signature signature;
   signature.configuration = effective_readings(arm, middle_row(log).readings);
-  for (const DhJoint& joint : arm.joints) signature.types.push_back(joint.type);
-  for (const Pose& X_BL : drawn_frames(arm, signature.configuration)) {
+  signature.types = types_of(arm.joints);
+  for (const Pose& X_BL : dh_frames(arm.joints, signature.configuration)) {
     signature.X_SL.push_back(fitted.X_SB * X_BL);
   }
   for (std::size_t t = 0; t < targets.size(); ++t) {

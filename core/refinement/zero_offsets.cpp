@@ -8,6 +8,7 @@
 
 #include "core/numerics/robust.hpp"
 #include "core/numerics/rotations.hpp"
+#include "core/refinement/base_and_targets.hpp"
 
 namespace armsig::refinement {
 
@@ -35,17 +36,18 @@ void shift_zero(Arm& arm, std::size_t joint, double shift) {
 
 class ZeroFit {
  public:
-  ZeroFit(const Arm& arm, const BaseAndTool& fitted, std::span<const Observation> log)
+  ZeroFit(const Arm& arm, const BaseAndTool& fitted, std::span<const Observation> log,
+          std::span<const Target> targets)
       : arm_(arm),
-        X_SB_(fitted.X_SB),
-        u_(fitted.p_LT[fitted.main]),
         log_(log),
-        main_(fitted.main) {}
+        targets_(targets),
+        main_(fitted.main),
+        at_{fitted.X_SB, fitted.p_LT} {}
 
   void run() {
     double damping = 1e-3;
     for (int step = 0; step < kMostSteps && damping < kLargestDamping; ++step) {
-      const double scale = residual_scale();
+      const double scale = residual_scale(rows(), at_);
       linearise(scale);
       const double before = cost(scale);
       while (damping < kLargestDamping) {
@@ -65,29 +67,12 @@ class ZeroFit {
   [[nodiscard]] const Arm& arm() const { return arm_; }
 
  private:
-  template <typename Visit>
-  void for_each(Visit visit) const {
-    for (const Observation& row : log_) {
-      if (row.use != RowUse::kFit || row.kind != ObservationKind::kPosition ||
-          row.target != main_) {
-        continue;
-      }
-      visit(row, drawn_frames(arm_, effective_readings(arm_, row.readings)));
-    }
-  }
-
-  [[nodiscard]] double residual_scale() const {
-    numerics::LogHistogram squares;
-    for_each([&](const Observation& row, const auto& X_BL) {
-      squares.add((row.p_S - X_SB_ * (X_BL.back() * u_)).squaredNorm());
-    });
-    return numerics::robust_scale_m(squares);
-  }
+  [[nodiscard]] DrawnRows rows() const { return {arm_, log_, targets_, main_}; }
 
   [[nodiscard]] double cost(double scale) const {
     double sum = 0;
-    for_each([&](const Observation& row, const auto& X_BL) {
-      sum += numerics::huber_loss((row.p_S - X_SB_ * (X_BL.back() * u_)).norm(), scale);
+    rows().for_each([&](const Observation& row, const Pose& X_BL) {
+      sum += numerics::huber_loss((row.p_S - at_.X_SB * (X_BL * at_.p_LT[main_])).norm(), scale);
     });
     return sum;
   }
@@ -95,10 +80,10 @@ class ZeroFit {
   void linearise(double scale) {
     normal_.setZero();
     gradient_.setZero();
-    for_each([&](const Observation& row, const auto& X_BL) {
-      const Vector3 p_B = X_BL.back() * u_;
-      const Vector3 turned = X_SB_.R * p_B;
-      const Vector3 residual = row.p_S - X_SB_.p - turned;
+    rows().for_each_frames([&](const Observation& row, const auto& X_BF) {
+      const Vector3 p_B = X_BF.back() * at_.p_LT[main_];
+      const Vector3 turned = at_.X_SB.R * p_B;
+      const Vector3 residual = row.p_S - at_.X_SB.p - turned;
       const double length = residual.norm();
       const double weight = numerics::huber_weight(length, scale);
       Eigen::Matrix<double, 3, kUnknowns> J = Eigen::Matrix<double, 3, kUnknowns>::Zero();
@@ -106,12 +91,12 @@ class ZeroFit {
         J.col(c) = Vector3::Unit(c).cross(turned);
         J.col(3 + c) = Vector3::Unit(c);
       }
-      J.template middleCols<3>(6) = X_SB_.R.lazyProduct(X_BL.back().R);
+      J.template middleCols<3>(6) = at_.X_SB.R.lazyProduct(X_BF.back().R);
       for (std::size_t i = 0; i < arm_.joints.size(); ++i) {
-        const Vector3 axis = X_BL[i].R.col(2);
+        const Vector3 axis = X_BF[i].R.col(2);
         const bool revolute = arm_.joints[i].type == JointType::kRevolute;
         J.col(9 + static_cast<int>(i)) =
-            X_SB_.R * (revolute ? Vector3(axis.cross(p_B - X_BL[i].p)) : axis);
+            at_.X_SB.R * (revolute ? Vector3(axis.cross(p_B - X_BF[i].p)) : axis);
       }
       normal_.noalias() += weight * J.transpose().lazyProduct(J);
       gradient_.noalias() += weight * J.transpose().lazyProduct(residual);
@@ -125,9 +110,9 @@ class ZeroFit {
     const double ridge = 1e-12 * normal_.trace();
     for (int k = 0; k < kUnknowns; ++k) damped(k, k) += damping * normal_(k, k) + ridge;
     const Unknowns x = damped.ldlt().solve(gradient_);
-    X_SB_.R = numerics::rotation_by(x.head<3>()) * X_SB_.R;
-    X_SB_.p += x.segment<3>(3);
-    u_ += x.segment<3>(6);
+    at_.X_SB.R = numerics::rotation_by(x.head<3>()) * at_.X_SB.R;
+    at_.X_SB.p += x.segment<3>(3);
+    at_.p_LT[main_] += x.segment<3>(6);
     for (std::size_t i = 0; i < arm_.joints.size(); ++i) {
       shift_zero(arm_, i, x[9 + static_cast<int>(i)]);
     }
@@ -135,10 +120,10 @@ class ZeroFit {
   }
 
   Arm arm_;
-  Pose X_SB_;
-  Vector3 u_;
   std::span<const Observation> log_;
+  std::span<const Target> targets_;
   std::size_t main_;
+  BaseAndTargets at_;
   Normal normal_ = Normal::Zero();
   Unknowns gradient_ = Unknowns::Zero();
 };
@@ -146,7 +131,7 @@ class ZeroFit {
 Judged<ZeroedDrawing> fit_from(const Arm& arm, std::span<const Observation> log,
                                std::span<const Target> targets) {
   ARMSIG_TRY(fitted, fit_base_and_tool(arm, log, targets));
-  ZeroFit fit(arm, fitted, log);
+  ZeroFit fit(arm, fitted, log, targets);
   fit.run();
   ARMSIG_TRY(refitted, fit_base_and_tool(fit.arm(), log, targets));
   return ZeroedDrawing{fit.arm(), {}, refitted};

@@ -13,8 +13,8 @@
 namespace armsig::uncertainty {
 
 using numerics::LogHistogram;
-using refinement::Chain;
 using refinement::Observation;
+using refinement::PoeChain;
 using refinement::Receivers;
 using refinement::Refined;
 using refinement::RowOutcome;
@@ -48,7 +48,7 @@ struct Evidence {
 Evidence evidence(const Refined& refined, std::span<const Observation> log,
                   const Receivers& receivers, std::span<const RowOutcome> outcomes,
                   SquareRootFactor& factor) {
-  const Chain chain(refined.signature, refined.readings);
+  const PoeChain chain(refined.signature, refined.readings);
   const double before = factor.log_determinant();
   for (std::size_t k = 0; k < log.size(); ++k) {
     if (log[k].use == RowUse::kIgnore || outcomes[k].rejected) continue;
@@ -62,7 +62,7 @@ Evidence evidence(const Refined& refined, std::span<const Observation> log,
 // Residuals, and which of them are far outside even the spread of all.
 void find_outliers(const Refined& refined, std::span<const Observation> log,
                    const Receivers& receivers, std::span<RowOutcome> outcomes) {
-  const Chain chain(refined.signature, refined.readings);
+  const PoeChain chain(refined.signature, refined.readings);
   LogHistogram squares;
   for (std::size_t k = 0; k < log.size(); ++k) {
     const Observation& row = log[k];
@@ -105,13 +105,13 @@ void summarise(std::span<const Observation> log, std::span<const RowOutcome> out
 
 }  // namespace
 
-std::string_view describe(Verdict verdict) {
+std::string_view describe(DriftVerdict verdict) {
   switch (verdict) {
-    case Verdict::kConsistent:
+    case DriftVerdict::kConsistent:
       return "consistent";
-    case Verdict::kDrifted:
+    case DriftVerdict::kDrifted:
       return "drifted";
-    case Verdict::kSensorWorse:
+    case DriftVerdict::kSensorWorse:
       return "sensor worse than stated";
   }
   return "unknown";
@@ -159,8 +159,8 @@ Judged<DriftReport> check_drift(const Refined& refined, std::span<const Observat
       report.link = link;
     }
   }
-  report.verdict = drift < worse_noise ? Verdict::kDrifted : Verdict::kSensorWorse;
-  if (report.verdict == Verdict::kSensorWorse) report.noise_factor = std::sqrt(noise_variance);
+  report.verdict = drift < worse_noise ? DriftVerdict::kDrifted : DriftVerdict::kSensorWorse;
+  if (report.verdict == DriftVerdict::kSensorWorse) report.noise_factor = std::sqrt(noise_variance);
   return report;
 }
 

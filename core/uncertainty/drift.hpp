@@ -9,15 +9,15 @@
 
 namespace armsig::uncertainty {
 
-enum class Verdict : std::uint8_t {
+enum class DriftVerdict : std::uint8_t {
   kConsistent,
   kDrifted,      // a displacement of one link, the base or the target explains the residuals best
   kSensorWorse,  // larger noise explains them best
 };
-[[nodiscard]] std::string_view describe(Verdict verdict);
+[[nodiscard]] std::string_view describe(DriftVerdict verdict);
 
 struct DriftReport {
-  Verdict verdict = Verdict::kConsistent;
+  DriftVerdict verdict = DriftVerdict::kConsistent;
   double chi_square = 0;  // r^T (sigma^2 I + J P J^T)^-1 r over all rows together
   std::size_t freedom = 0;
   double allowed = 0;  // what chi_square stays below in 999 of 1,000 healthy checks

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/uncertainty/feature_information.hpp"
 
+#include <span>
+
 #include <Eigen/Cholesky>
 
 #include "core/refinement/determination.hpp"
@@ -65,47 +67,35 @@ Block block_of(const Layout& layout, const Signature& signature, std::size_t joi
   return block;
 }
 
-// Rows W with W^T W the inverse of the block's covariance: the inverse of its Cholesky factor.
-Result<void> absorb(const Block& block, const JointFeature& feature, Refined& estimate) {
-  const int m = block.size;
-  // Unused rows are independent unknowns of unit variance that are dropped again.
-  Matrix7 covariance = block.by_feature * feature.covariance * block.by_feature.transpose();
-  for (int k = m; k < 7; ++k) covariance(k, k) = 1;
-  const Eigen::LLT<Matrix7> cholesky(covariance);
+// Takes in what is known of some unknowns by their covariance: rows W with W^T W its inverse, the
+// inverse of its Cholesky factor. kSingular where it is not positive definite.
+template <int kSize>
+Result<void> absorb(const Eigen::Matrix<double, kSize, kSize>& covariance,
+                    std::span<const std::size_t> columns, Refined& estimate) {
+  const Eigen::LLT<Eigen::Matrix<double, kSize, kSize>> cholesky(covariance);
   if (cholesky.info() != Eigen::Success) return std::unexpected(Error::kSingular);
-  Matrix7 W;
-  for (int k = 0; k < 7; ++k) {
-    const Eigen::Matrix<double, 7, 1> unit = Eigen::Matrix<double, 7, 1>::Unit(k);
+  Eigen::Matrix<double, kSize, kSize> W;
+  for (int k = 0; k < kSize; ++k) {
+    const auto unit = Eigen::Matrix<double, kSize, 1>::Unit(k).eval();
     W.col(k) = cholesky.matrixL().solve(unit);
   }
-  for (int row = 0; row < m; ++row) {
+  for (std::size_t row = 0; row < columns.size(); ++row) {
     RowBlock<1> rows;
     rows.clear(estimate.layout.size());
-    for (int k = 0; k < m; ++k)
-      rows.rows[0][block.columns[static_cast<std::size_t>(k)]] = W(row, k);
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      rows.rows[0][columns[k]] = W(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k));
+    }
     estimate.information.absorb(rows);
   }
   return {};
 }
 
-// A target that no feature is joined with knows its own uncertainty.
-void absorb(const Layout& layout, std::size_t target, const Matrix3& covariance_m2,
-            Refined& estimate) {
-  const Eigen::LLT<Matrix3> cholesky(covariance_m2);
-  if (cholesky.info() != Eigen::Success) return;
-  Matrix3 W;
-  for (int k = 0; k < 3; ++k) {
-    const Vector3 unit = Vector3::Unit(k);
-    W.col(k) = cholesky.matrixL().solve(unit);
-  }
-  for (int row = 0; row < 3; ++row) {
-    RowBlock<1> rows;
-    rows.clear(layout.size());
-    for (int k = 0; k < 3; ++k) {
-      rows.rows[0][layout.target[target] + static_cast<std::size_t>(k)] = W(row, k);
-    }
-    estimate.information.absorb(rows);
-  }
+Result<void> absorb(const Block& block, const JointFeature& feature, Refined& estimate) {
+  // Unused rows are independent unknowns of unit variance that are dropped again.
+  Matrix7 covariance = block.by_feature * feature.covariance * block.by_feature.transpose();
+  for (int k = block.size; k < 7; ++k) covariance(k, k) = 1;
+  return absorb<7>(covariance, std::span(block.columns).first(static_cast<std::size_t>(block.size)),
+                   estimate);
 }
 
 const Target* seen_by(const Signature& signature, std::size_t joint) {
@@ -130,13 +120,7 @@ Result<void> from_features(const Signature& signature, Refined& estimate) {
   const auto layout = refinement::make_layout(signature, observed, {}, 0);
   if (!layout) return std::unexpected(layout.error().error);
   estimate.layout = *layout;
-  estimate.information.reset(layout->size());
-  for (std::size_t i = 0; i < layout->size(); ++i) {
-    RowBlock<1> rows;
-    rows.clear(layout->size());
-    rows.rows[0][i] = 1 / refinement::wide_sigma(layout->parameters[i].kind);
-    estimate.information.absorb(rows);
-  }
+  refinement::set_wide_priors(*layout, estimate.information);
   std::array<bool, kMaxTargets> joined{};
   for (std::size_t joint = 0; joint < n; ++joint) {
     const Target* seen = seen_by(signature, joint);
@@ -145,12 +129,20 @@ Result<void> from_features(const Signature& signature, Refined& estimate) {
     const Result<void> taken = absorb(block, signature.features[joint], estimate);
     if (!taken) return taken;
   }
+  const auto columns_of = [&](std::size_t target) {
+    const std::size_t first = layout->target[target];
+    return std::array<std::size_t, 3>{first, first + 1, first + 2};
+  };
   for (std::size_t t = 0; t < signature.targets.size(); ++t) {
-    if (!joined[t]) absorb(*layout, t, signature.targets[t].covariance_m2, estimate);
+    if (joined[t]) continue;
+    // A target that no feature is joined with knows its own uncertainty, or nothing.
+    static_cast<void>(absorb<3>(signature.targets[t].covariance_m2, columns_of(t), estimate));
   }
   for (std::size_t t = 0; t < signature.targets.size(); ++t) {
-    estimate.signature.targets[t].covariance_m2 =
-        refinement::covariance_of_three(estimate.information, layout->target[t]);
+    RowBlock<3> of_target;
+    of_target.clear(layout->size());
+    for (std::size_t c = 0; c < 3; ++c) of_target.rows[c][columns_of(t)[c]] = 1;
+    estimate.signature.targets[t].covariance_m2 = estimate.information.covariance(of_target);
   }
   return {};
 }

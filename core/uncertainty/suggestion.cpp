@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/low_discrepancy.hpp"
 #include "core/refinement/row.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 
 namespace armsig::uncertainty {
 
-using refinement::Chain;
-using refinement::JointMotion;
-using refinement::PointJacobian;
+using refinement::PoeChain;
 using refinement::Refined;
 using refinement::RowBlock;
 using refinement::StateVector;
@@ -29,15 +28,9 @@ constexpr int kClimbRounds = 12;
 constexpr int kExchangePasses = 2;
 
 // The three rows d(position of the target)/d(unknowns); also its position.
-Vector3 rows_at(const Refined& refined, const Chain& chain, const JointVector& readings,
+Vector3 rows_at(const Refined& refined, const PoeChain& chain, const JointVector& readings,
                 std::size_t target, RowBlock<3>& rows) {
-  const JointMotion motion = chain.motion(readings);
-  PointJacobian jacobian;
-  chain.point_and_jacobian(motion, refined.signature.targets[target], jacobian);
-  rows.clear(refined.layout.size());
-  refinement::add_derivatives(refined.layout, refined.signature, chain, motion, target, jacobian,
-                              1.0, rows);
-  return jacobian.p_S;
+  return refinement::position_rows(refined, chain, readings, target, rows).jacobian.p_S;
 }
 
 }  // namespace
@@ -53,7 +46,7 @@ Result<void> SuggestionSearch::start(const Refined& refined, const SuggestionCon
   next_candidate_ = kFirstCandidate;
   information_ = refined.information;
   volume_.reset(refined.layout.size());
-  const Chain chain(refined.signature, refined.readings);
+  const PoeChain chain(refined.signature, refined.readings);
   const auto& types = refined_->signature.types;
   int inside = 0;
   for (int k = 1; k <= config_.volume * kPatience && inside < config_.volume; ++k) {
@@ -74,42 +67,30 @@ double SuggestionSearch::predicted_rms_m() const {
   for (std::size_t i = 0; i < n; ++i) {
     StateVector row;
     for (std::size_t j = 0; j < n; ++j) row[j] = j < i ? 0 : volume_.entry(i, j);
-    information_.solve_transposed(row);
-    for (std::size_t j = i; j < n; ++j) sum += row[j] * row[j];
+    sum += information_.variance(row, i);
   }
   const double unexplained_m = refined_->quality.unexplained_m;
   return std::sqrt(sum + 3 * unexplained_m * unexplained_m);
 }
 
-double SuggestionSearch::gain(const RowBlock<3>& rows) const {
+double SuggestionSearch::gain(RowBlock<3> rows) const {
+  const Matrix3 S =
+      config_.sigma_m * config_.sigma_m * Matrix3::Identity() + information_.covariance(rows);
+  for (auto& row : rows.rows) information_.solve_upper(row);  // P J^T
+  const auto& [x, y, z] = rows.rows;
   const std::size_t n = information_.unknowns();
-  Matrix3 S = config_.sigma_m * config_.sigma_m * Matrix3::Identity();
-  std::array<StateVector, 3> y;
-  for (std::size_t k = 0; k < 3; ++k) {
-    std::copy_n(rows.rows[k].begin(), n, y[k].begin());
-    information_.solve_transposed(y[k]);
-  }
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t b = 0; b < 3; ++b) {
-      for (std::size_t i = 0; i < n; ++i) {
-        S(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) += y[a][i] * y[b][i];
-      }
-    }
-  }
-  for (StateVector& column : y) information_.solve_upper(column);  // P J^T
   Matrix3 ZZ = Matrix3::Zero();
   for (std::size_t i = 0; i < n; ++i) {
-    Vector3 z = Vector3::Zero();
-    for (std::size_t j = i; j < n; ++j) {
-      z += volume_.entry(i, j) * Vector3(y[0][j], y[1][j], y[2][j]);
-    }
-    ZZ += z * z.transpose();
+    Vector3 row = Vector3::Zero();
+    for (std::size_t j = i; j < n; ++j) row += volume_.entry(i, j) * Vector3(x[j], y[j], z[j]);
+    ZZ += row * row.transpose();
   }
   return (S.inverse() * ZZ).trace();
 }
 
 // Pattern search: one joint at a time, by steps that halve once none of them helps.
-void SuggestionSearch::climb(const Chain& chain, JointVector& readings, double& best_gain) const {
+void SuggestionSearch::climb(const PoeChain& chain, JointVector& readings,
+                             double& best_gain) const {
   double step = kFirstStep;
   for (int round = 0; round < kClimbRounds; ++round) {
     bool better = false;
@@ -132,7 +113,7 @@ void SuggestionSearch::climb(const Chain& chain, JointVector& readings, double& 
   }
 }
 
-Result<JointVector> SuggestionSearch::best_pose(const Chain& chain, const JointVector* present) {
+Result<JointVector> SuggestionSearch::best_pose(const PoeChain& chain, const JointVector* present) {
   const auto& types = refined_->signature.types;
   JointVector best;
   double best_gain = -1;
@@ -157,7 +138,7 @@ Result<JointVector> SuggestionSearch::best_pose(const Chain& chain, const JointV
   return best;
 }
 
-void SuggestionSearch::measure(const Chain& chain, const JointVector& readings) {
+void SuggestionSearch::measure(const PoeChain& chain, const JointVector& readings) {
   RowBlock<3> rows;
   rows_at(*refined_, chain, readings, config_.target, rows);
   for (auto& row : rows.rows) {
@@ -167,7 +148,7 @@ void SuggestionSearch::measure(const Chain& chain, const JointVector& readings) 
 }
 
 Result<void> SuggestionSearch::suggest(std::span<Suggestion> suggestions) {
-  const Chain chain(refined_->signature, refined_->readings);
+  const PoeChain chain(refined_->signature, refined_->readings);
   for (Suggestion& suggestion : suggestions) {
     ARMSIG_TRY(pose, best_pose(chain, nullptr));
     suggestion.readings = pose;

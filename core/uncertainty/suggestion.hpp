@@ -55,11 +55,11 @@ class SuggestionSearch {
 
  private:
   // How much the mean tool variance falls by measuring a pose with these rows.
-  [[nodiscard]] double gain(const refinement::RowBlock<3>& rows) const;
-  [[nodiscard]] Result<JointVector> best_pose(const refinement::Chain& chain,
+  [[nodiscard]] double gain(refinement::RowBlock<3> rows) const;
+  [[nodiscard]] Result<JointVector> best_pose(const refinement::PoeChain& chain,
                                               const JointVector* present);
-  void measure(const refinement::Chain& chain, const JointVector& readings);
-  void climb(const refinement::Chain& chain, JointVector& readings, double& best_gain) const;
+  void measure(const refinement::PoeChain& chain, const JointVector& readings);
+  void climb(const refinement::PoeChain& chain, JointVector& readings, double& best_gain) const;
 
   const refinement::Refined* refined_ = nullptr;
   SuggestionConfig config_;

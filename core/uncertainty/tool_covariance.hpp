@@ -17,13 +17,8 @@ namespace armsig::uncertainty {
 [[nodiscard]] Vector3 tool_position(const refinement::Refined& refined, const JointVector& readings,
                                     std::size_t target);
 
-// Configuration n >= 1 of those that stand for the work volume: spread evenly over the joint
-// limits.
-[[nodiscard]] JointVector work_configuration(const FixedVector<JointType, kMaxJoints>& types,
-                                             const FixedVector<JointLimits, kMaxJoints>& limits,
-                                             int n);
-
-// Predicted RMS error [m] of the position of target `target` over the first `count` of them.
+// Predicted RMS error [m] of the position of target `target` over `count` configurations of the
+// work volume.
 [[nodiscard]] double predicted_rms(const refinement::Refined& refined,
                                    const FixedVector<JointLimits, kMaxJoints>& limits,
                                    std::size_t target, int count = 200);

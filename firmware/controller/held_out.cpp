@@ -13,9 +13,8 @@ using kinematics::SModelChain;
 SModelChain<double> chain_of_model(const SignatureRecord* active, const Arm& drawing,
                                    const JointVector& q) {
   if (active != nullptr) return kinematics::chain_of<double>(active->signature);
-  FixedVector<JointType, kMaxJoints> types;
-  for (const DhJoint& row : drawing.joints) types.push_back(row.type);
-  return kinematics::chain_of<double>(types, q, frames::link_frames(drawing.joints, q).X_0L);
+  return kinematics::chain_of<double>(types_of(drawing.joints), q,
+                                      frames::link_frames(drawing.joints, q).X_0L);
 }
 
 frames::AxisLines axes_at(const SModelChain<double>& chain, const JointVector& q) {

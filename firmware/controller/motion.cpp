@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/kinematics/inverse.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -126,10 +127,8 @@ Planned plan_joint_move(const Configuration& configuration, const JointVector& f
 
 Pose line_pose(const Move& line, double s) {
   const Vector3 turn = rotation_vector(line.X_RT_from.R.transpose() * line.X_RT_to.R);
-  const double angle = turn.norm();
-  Pose X_RT{line.X_RT_from.R, line.X_RT_from.p + s * (line.X_RT_to.p - line.X_RT_from.p)};
-  if (angle > 0) X_RT.R = line.X_RT_from.R * rotation_about(turn / angle, s * angle);
-  return X_RT;
+  return {line.X_RT_from.R * numerics::rotation_by(s * turn),
+          line.X_RT_from.p + s * (line.X_RT_to.p - line.X_RT_from.p)};
 }
 
 LinePlanning::LinePlanning(const Configuration& configuration, const Model& model,

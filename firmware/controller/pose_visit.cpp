@@ -23,16 +23,14 @@ bool is_of_the_place(Error error) {
 
 JointVector spread_pose(const Configuration& configuration, std::size_t index) {
   const Arm& arm = configuration.drawing;
-  FixedVector<JointType, kMaxJoints> types;
   FixedVector<JointLimits, kMaxJoints> limits;
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {
-    types.push_back(arm.joints[i].type);
     const auto [lower, upper] = arm.limits[i];
     const double centre = configuration.sweeps.configuration[i];
     const double reach = configuration.sweeps.held_out_reach;
     limits.push_back({centre + reach * (lower - centre), centre + reach * (upper - centre)});
   }
-  return evenly_spread_configuration(types, limits, static_cast<int>(index) + 1);
+  return evenly_spread_configuration(types_of(arm.joints), limits, static_cast<int>(index) + 1);
 }
 
 void PoseVisit::begin(Ticket begun) {

@@ -36,8 +36,7 @@ Read<DhJoint> read_dh(const YamlMap& map) {
   return DhJoint{type, theta_rad, d_m, a_m, alpha_rad};
 }
 
-Read<JointCoupling> read_coupling(const YamlNode& node,
-                                  const FixedVector<DhJoint, kMaxJoints>& joints) {
+Read<JointCoupling> read_coupling(const YamlNode& node, const DhRows& joints) {
   ARMSIG_TRY(map, YamlMap::open(node, "a coupling", {"joint", "from", "ratio"}));
   const int last = static_cast<int>(joints.size());
   ARMSIG_TRY(joint, map.integer("joint", 1, last));
@@ -191,8 +190,7 @@ Read<JointLimits> read_limits(const YamlMap& map, JointType type) {
   return JointLimits{found->unit.to_si(values[0]), found->unit.to_si(values[1])};
 }
 
-Read<JointCouplings> read_couplings(const YamlNode& list,
-                                    const FixedVector<DhJoint, kMaxJoints>& joints) {
+Read<JointCouplings> read_couplings(const YamlNode& list, const DhRows& joints) {
   JointCouplings couplings;
   ARMSIG_TRY(items, read_list(list, "coupling", 0, kMaxJoints));
   for (const YamlNode& node : *items) {

@@ -40,8 +40,7 @@ struct ArmDescription {
 [[nodiscard]] Read<std::string> read_tag(const std::string& path);
 
 // The `coupling` list, shared with the signature file.
-[[nodiscard]] Read<JointCouplings> read_couplings(const YamlNode& list,
-                                                  const FixedVector<DhJoint, kMaxJoints>& joints);
+[[nodiscard]] Read<JointCouplings> read_couplings(const YamlNode& list, const DhRows& joints);
 [[nodiscard]] std::string couplings_text(const JointCouplings& couplings);
 
 // Two readings, the lower first, in the unit of the joint (limits_deg, limits_mm, ...); without

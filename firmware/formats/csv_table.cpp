@@ -60,7 +60,7 @@ bool looks_like_a_joint(std::string_view name) {
 
 }  // namespace
 
-std::vector<Quantity> joint_quantities(const FixedVector<JointType, kMaxJoints>& types) {
+std::vector<Quantity> joint_quantities(const JointTypes& types) {
   std::vector<Quantity> quantities;
   quantities.reserve(types.size());
   for (std::size_t i = 0; i < types.size(); ++i) {

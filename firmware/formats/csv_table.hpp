@@ -29,8 +29,7 @@ struct Quantity {
 };
 
 // The joint readings q1 ... qn, in the units that the joint types allow.
-[[nodiscard]] std::vector<Quantity> joint_quantities(
-    const FixedVector<JointType, kMaxJoints>& types);
+[[nodiscard]] std::vector<Quantity> joint_quantities(const JointTypes& types);
 
 class CsvTable {
  public:

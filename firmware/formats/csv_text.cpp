@@ -9,7 +9,7 @@
 
 namespace armsig::tool {
 
-std::string joint_header(const FixedVector<JointType, kMaxJoints>& types) {
+std::string joint_header(const JointTypes& types) {
   std::string header;
   for (std::size_t i = 0; i < types.size(); ++i) {
     header += fmt::format("{}q{}_{}", i == 0 ? "" : ",", i + 1,

@@ -10,7 +10,7 @@
 namespace armsig::tool {
 
 // "q1_deg,q2_mm,..." for the joints.
-[[nodiscard]] std::string joint_header(const FixedVector<JointType, kMaxJoints>& types);
+[[nodiscard]] std::string joint_header(const JointTypes& types);
 
 // Every line of `comment` behind "# ", what is not printable escaped: for readers that end a line
 // where we do not, it remains one comment.

@@ -47,12 +47,6 @@ std::optional<double> present(double value) {
 
 }  // namespace
 
-JointTypes types_of(const Arm& arm) {
-  JointTypes types;
-  for (const DhJoint& joint : arm.joints) types.push_back(joint.type);
-  return types;
-}
-
 MeasurementReader::MeasurementReader(CsvTable table, std::size_t joints)
     : table_(std::move(table)),
       joints_(joints),

@@ -20,9 +20,6 @@ namespace armsig::tool {
 
 inline constexpr std::size_t kMaxRangeColumns = 16;
 
-using JointTypes = FixedVector<JointType, kMaxJoints>;
-[[nodiscard]] JointTypes types_of(const Arm& arm);
-
 // One row, in SI; S is the sensor frame.
 struct MeasurementRow {
   std::size_t line = 0;   // of the file, from 1

@@ -6,16 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "core/base/links.hpp"
+#include "core/pseudo_dh/pseudo_dh.hpp"
+
 namespace armsig::tool {
 namespace {
-
-// (2) at the joint reading `reading`.
-Pose link_transform(const DhJoint& dh, double reading) {
-  const bool revolute = dh.type == JointType::kRevolute;
-  const Matrix3 R_theta = rotation_z(dh.theta_rad + (revolute ? reading : 0));
-  const Vector3 p = R_theta * Vector3(dh.a_m, 0, dh.d_m + (revolute ? 0 : reading));
-  return {R_theta * rotation_x(dh.alpha_rad), p};
-}
 
 Read<void> check_pose(const Pose& X_SA, const Pose& X_SB, double tolerance, std::string what) {
   const double distance_m = (X_SA.p - X_SB.p).norm();
@@ -35,13 +30,9 @@ Read<void> check_agreement(const Signature& signature, const Pose& X_S0) {
       !base) {
     return base;
   }
-  Pose X_SL = signature.X_SL[0];
-  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
-    X_SL = X_SL * link_transform(signature.pseudo_dh[i], signature.configuration[i]);
-  }
-  const s_model::Parameters& last = signature.s_model.back();
-  X_SL = X_SL * Pose{rotation_z(last.gamma_rad), Vector3(0, 0, last.b_m)};
-  return check_pose(X_SL, signature.X_SL.back(), kChainTolerance,
+  const Pose X_0F = dh_frames(signature.pseudo_dh, signature.configuration).back();
+  const Pose X_FL = pseudo_dh::link_frame_in_dh_frame(signature.s_model.back());
+  return check_pose(signature.X_SL[0] * X_0F * X_FL, signature.X_SL.back(), kChainTolerance,
                     "pseudo_dh and the link frames differ at the signature configuration");
 }
 

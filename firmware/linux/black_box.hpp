@@ -22,7 +22,7 @@ namespace armsig::daemon {
 struct BlackBoxConfiguration {
   std::string folder;  // made when it is needed; the newest kMostFiles of ours stay in it
   std::string name;    // of the controller
-  FixedVector<JointType, kMaxJoints> joints;
+  JointTypes joints;
   hal::Duration period{};
   hal::Duration before = std::chrono::seconds(10);  // the fault
   hal::Duration after = std::chrono::milliseconds(500);

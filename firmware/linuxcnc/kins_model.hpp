@@ -22,8 +22,8 @@ struct KinsModel {
   FixedVector<ToolPoint, kMaxTargets> tools;
   // Gravity and maps, if there are any: what they are by, and where they are zero.
   calibration::PackedDeflections deflections;
-  FixedVector<DhJoint, kMaxJoints> drawn;  // rows of the drawing
-  JointVector configuration;               // effective readings
+  DhRows drawn;               // rows of the drawing
+  JointVector configuration;  // effective readings
 };
 
 }  // namespace armsig::linuxcnc

@@ -26,9 +26,8 @@ namespace armsig::selftest {
   return Matrix3{{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}};
 }
 
-[[nodiscard]] inline FixedVector<DhJoint, kMaxJoints> rows(std::span<const DhJoint> from,
-                                                           std::size_t count) {
-  FixedVector<DhJoint, kMaxJoints> result;
+[[nodiscard]] inline DhRows rows(std::span<const DhJoint> from, std::size_t count) {
+  DhRows result;
   for (std::size_t i = 0; i < count; ++i) result.push_back(from[i]);
   return result;
 }

@@ -36,8 +36,7 @@ CalibrationWork::CalibrationWork(const CalibrationLog& of) {
   *start_ = calibration::model_of(drawing, fitted->X_SB);
   start_p_L_ = fitted->p_LT[0];
   targets_[0].link = target.link;
-  std::vector<JointType> types;
-  for (const DhJoint& joint : drawing.joints) types.push_back(joint.type);
+  const auto types = types_of(drawing.joints);
   rows_.resize(log_.size());
   cache_.resize(log_.size());
   for (std::size_t k = 0; k < log_.size(); ++k) {

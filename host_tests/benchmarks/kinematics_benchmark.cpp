@@ -100,7 +100,7 @@ struct JointRows {
   JointRows() {
     for (std::size_t joints = 1; joints <= kMaxJoints; ++joints) {
       const Row row("forward, " + std::to_string(joints) + " joints", "armsig", [joints] {
-        FixedVector<DhJoint, kMaxJoints> links;
+        DhRows links;
         std::array<JointVector, kPoses> q;
         for (std::size_t i = 0; i < joints; ++i) {
           links.push_back({JointType::kRevolute, 0, 0.2, 0.05, radians(i % 2 == 0 ? -90 : 90)});

@@ -23,7 +23,7 @@ double angle_of(Tape& tape) {
 }
 
 Chain chain_of(Tape& tape) {
-  FixedVector<DhJoint, kMaxJoints> rows;
+  DhRows rows;
   FixedVector<JointLimits, kMaxJoints> limits;
   const std::size_t count = 1 + tape.below(kMaxJoints);
   for (std::size_t i = 0; i < count; ++i) {

@@ -26,7 +26,7 @@ struct Set {
   tool::ArmDescription description;
   std::vector<Row> rows;
 
-  [[nodiscard]] FixedVector<DhJoint, kMaxJoints>& joints() { return description.arm.joints; }
+  [[nodiscard]] DhRows& joints() { return description.arm.joints; }
   [[nodiscard]] std::size_t size() const { return description.arm.joints.size(); }
   [[nodiscard]] bool revolute(std::size_t j) const {
     return description.arm.joints[j].type == JointType::kRevolute;

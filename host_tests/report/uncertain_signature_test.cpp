@@ -22,7 +22,7 @@ SignatureRecord record_with(const Signature& signature) {
 
 TEST(ParameterSigma, is_the_scatter_of_the_parameters_over_repeated_measurements) {
   constexpr int kRepeats = 40;
-  FixedVector<DhJoint, kMaxJoints> sigmas;
+  DhRows sigmas;
   std::array<double, 6> squares_m2{};
   std::array<double, 6> squares_rad2{};
   for (std::uint64_t seed = 1; seed <= kRepeats; ++seed) {

@@ -30,8 +30,7 @@ class Calibration {
     targets_ = {{.link = target.link, .p_L = fitted->p_LT[0]}};
     *start_ = *model_;
     start_targets_ = targets_;
-    std::vector<JointType> types;
-    for (const DhJoint& joint : arm.joints) types.push_back(joint.type);
+    const auto types = types_of(arm.joints);
     for (std::size_t k = 0; k < log.size(); ++k) {
       rows_[k].readings = log[k].readings;
       rows_[k].p_S = log[k].p_S;

@@ -20,8 +20,8 @@ struct TrueError {
   long double rotation_rad = 0;  // the angle, 0 to pi
 };
 
-inline TrueError true_error(const FixedVector<DhJoint, kMaxJoints>& rows, const JointVector& q,
-                            const Pose& X_0n, const Vector3& p_nP) {
+inline TrueError true_error(const DhRows& rows, const JointVector& q, const Pose& X_0n,
+                            const Vector3& p_nP) {
   const Matrix4L T = reference_pose(rows, q);
   TrueError error;
   std::array<std::array<long double, 3>, 3> R{};  // target times the transpose of what is reached
@@ -219,7 +219,7 @@ class InverseTrials {
   }
 
   std::mt19937_64& random_;
-  FixedVector<DhJoint, kMaxJoints> rows_;
+  DhRows rows_;
   FixedVector<JointLimits, kMaxJoints> limits_;  // also the range of random readings
   bool limited_ = true;
   kinematics::Chain chain_;

@@ -27,7 +27,7 @@ inline Matrix4L dh_matrix(const DhJoint& row, long double reading) {
 }
 
 // T = A_1 ... A_n of (1).
-inline Matrix4L reference_pose(const FixedVector<DhJoint, kMaxJoints>& rows, const JointVector& q) {
+inline Matrix4L reference_pose(const DhRows& rows, const JointVector& q) {
   Matrix4L T{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
   for (std::size_t joint = 0; joint < rows.size(); ++joint) {
     const Matrix4L A = dh_matrix(rows[joint], static_cast<long double>(q[joint]));

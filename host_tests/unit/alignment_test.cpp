@@ -11,6 +11,14 @@
 namespace armsig::frames {
 namespace {
 
+SenseCheck check_sense(const Arm& nominal, const JointVector& configuration,
+                       const AxisLines& identified) {
+  SenseChecking checking(nominal, configuration, identified);
+  while (checking.step()) {
+  }
+  return checking.result();
+}
+
 using test::kP;
 using test::kR;
 

@@ -198,8 +198,7 @@ TEST(Differences, do_not_depend_on_the_rows_that_describe_the_drawing) {
 double fitted_distance_m(const Arm& drawing, const Arm& arm) {
   constexpr int kCount = 1000;  // as differences() takes
   using Unknowns = Eigen::Matrix<double, 9, 1>;
-  FixedVector<JointType, kMaxJoints> types;
-  for (const DhJoint& row : arm.joints) types.push_back(row.type);
+  const auto types = types_of(arm.joints);
   const auto residuals = [&](const Unknowns& x) {
     const double angle = x.head<3>().norm();
     Pose X = kBase;

@@ -16,12 +16,12 @@ DhJoint revolute(double theta_deg, double d_m, double a_m, double alpha_deg) {
 }
 
 ToolModel puma560(double theta_3_offset_deg = 0, double alpha_2_deg = 0) {
-  const FixedVector<DhJoint, kMaxJoints> rows{revolute(0, 0, 0, -90),
-                                              revolute(0, 0.14909, 0.4318, alpha_2_deg),
-                                              revolute(theta_3_offset_deg, 0, -0.02032, 90),
-                                              revolute(0, 0.4307, 0, -90),
-                                              revolute(0, 0, 0, 90),
-                                              revolute(0, 0, 0, 0)};
+  const DhRows rows{revolute(0, 0, 0, -90),
+                    revolute(0, 0.14909, 0.4318, alpha_2_deg),
+                    revolute(theta_3_offset_deg, 0, -0.02032, 90),
+                    revolute(0, 0.4307, 0, -90),
+                    revolute(0, 0, 0, 90),
+                    revolute(0, 0, 0, 0)};
   FixedVector<JointLimits, kMaxJoints> limits;
   for (const auto& [lower, upper] :
        {std::pair{-160, 160}, {-225, 45}, {-45, 225}, {-110, 170}, {-100, 100}, {-266, 266}}) {

@@ -65,7 +65,7 @@ testing::TrueMotion circle_about(const Vector3& axis) {
 
 // Golden values: numpy.linalg.lstsq over the points themselves, with x as the regressed coordinate.
 TEST(PlaneOfRotation, is_the_regression_13_with_the_pivot_nearest_to_the_normal) {
-  const auto plane = plane_of_rotation(noisy_circle().geometry);
+  const auto plane = plane_of_rotation(noisy_circle().geometry.matrix());
   ASSERT_TRUE(plane);
   const Vector3 normal(0.873171586686611, -0.4353601480524273, 0.21916414326014846);
   EXPECT_LT((plane->normal_S - normal).norm(), 1e-11);
@@ -76,9 +76,9 @@ TEST(PlaneOfRotation, is_the_regression_13_with_the_pivot_nearest_to_the_normal)
 // Golden values: the points projected onto that plane, (14) by numpy.linalg.lstsq.
 TEST(CentreOfRotation, is_the_regression_14_of_the_projected_points) {
   const SweepStatistics statistics = noisy_circle();
-  const auto plane = plane_of_rotation(statistics.geometry);
+  const auto plane = plane_of_rotation(statistics.geometry.matrix());
   ASSERT_TRUE(plane);
-  const auto circle = centre_of_rotation(statistics.geometry, *plane);
+  const auto circle = centre_of_rotation(statistics.geometry.matrix(), *plane);
   ASSERT_TRUE(circle);
   const Vector3 centre(0.29947236110749104, -0.20003694879745362, 2.499350644221093);
   EXPECT_LT((statistics.origin_S + circle->centre - centre).norm(), 1e-11);
@@ -173,7 +173,7 @@ TEST(EncoderRatio, states_its_sigma) {
 TEST(PlaneOfRotation, may_contain_the_sensors_z_axis) {
   for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1),
                               Vector3(0.6, 0.8, 0), Vector3(0.6, 0, 0.8)}) {
-    const auto plane = plane_of_rotation(exact(circle_about(axis), 2, 20).geometry);
+    const auto plane = plane_of_rotation(exact(circle_about(axis), 2, 20).geometry.matrix());
     ASSERT_TRUE(plane);
     EXPECT_LT(plane->normal_S.cross(axis).norm(), 1e-14);
   }
@@ -186,7 +186,7 @@ TEST(PlaneOfRotation, chooses_a_pivot_out_of_the_plane_on_a_short_arc) {
   motion.R_SC.col(1) = Vector3(0.57, 0.58, 0.59).normalized();  // the chord
   motion.R_SC.col(2) = Vector3(0, 0.59, -0.58).normalized();
   motion.R_SC.col(0) = motion.R_SC.col(1).cross(motion.R_SC.col(2));
-  const auto plane = plane_of_rotation(exact(motion, 0.2, 20).geometry);
+  const auto plane = plane_of_rotation(exact(motion, 0.2, 20).geometry.matrix());
   ASSERT_TRUE(plane);
   EXPECT_LT(plane->normal_S.cross(motion.R_SC.col(2)).norm(), 1e-12);
 }
@@ -194,7 +194,7 @@ TEST(PlaneOfRotation, chooses_a_pivot_out_of_the_plane_on_a_short_arc) {
 TEST(PlaneOfRotation, of_points_on_a_line_is_refused) {
   testing::TrueMotion line;
   line.type = JointType::kPrismatic;
-  const auto plane = plane_of_rotation(exact(line, 1, 10).geometry);
+  const auto plane = plane_of_rotation(exact(line, 1, 10).geometry.matrix());
   ASSERT_FALSE(plane);
   EXPECT_EQ(test::failure_of(plane), Error::kSingular);
 }

@@ -87,7 +87,7 @@ void expect_table_2(const Arm& arm) {
   const auto signature = identify(testing::exact_features(exact), exact.q_s, test::puma560());
   ASSERT_TRUE(signature);
   EXPECT_TRUE(signature->description_matches);
-  FixedVector<DhJoint, kMaxJoints> rows = signature->pseudo_dh;
+  DhRows rows = signature->pseudo_dh;
 
   const Pose X_00 = exact.X_S0.inverse() * signature->X_SL[0];
   EXPECT_NEAR(X_00.R(2, 2), 1, 1e-14);

@@ -79,7 +79,7 @@ TEST(Forward, in_single_precision_loses_nothing_to_rows_of_hundreds_of_metres) {
 TEST(Forward, works_for_one_to_eight_joints_of_either_type) {
   std::mt19937_64 random(3);
   for (int k = 0; k < 400; ++k) {
-    FixedVector<DhJoint, kMaxJoints> rows;
+    DhRows rows;
     JointVector q;
     const auto count = 1 + static_cast<std::size_t>(k) % kMaxJoints;
     for (std::size_t i = 0; i < count; ++i) {
@@ -132,7 +132,7 @@ TEST(Forward, ignores_what_stands_beyond_the_last_joint) {
   JointVector q(8, std::numeric_limits<double>::quiet_NaN());
   q.resize(3);
   for (double& reading : q) reading = 0.2;
-  FixedVector<DhJoint, kMaxJoints> rows = test::puma560().joints;
+  DhRows rows = test::puma560().joints;
   rows.resize(3);
   EXPECT_TRUE(forward(make_chain(rows), q).has_value());
 }

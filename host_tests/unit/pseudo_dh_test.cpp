@@ -62,7 +62,7 @@ TEST(PseudoDh, offset_of_a_joint_many_turns_from_zero_is_within_a_turn) {
 TEST(PseudoDh, product_and_last_frame_give_the_s_model_product_at_the_signature_configuration) {
   testing::Random random(21);
   FixedVector<s_model::Parameters, kMaxJoints> s;
-  FixedVector<JointType, kMaxJoints> types;
+  JointTypes types;
   JointVector q;
   Pose S;
   for (std::size_t i = 0; i < kMaxJoints; ++i) {

@@ -24,7 +24,7 @@ TEST(Chain, agrees_with_the_denavit_hartenberg_product_at_any_readings) {
   Random random(2);
   const Cell cell = coupled_cell(random);
   const JointVector configuration = random.configuration(cell.arm);
-  const Chain chain(test::signature_of(cell, configuration), readings_of(cell));
+  const PoeChain chain(test::signature_of(cell, configuration), readings_of(cell));
   const Signature signature = test::signature_of(cell, configuration);
   for (int k = 0; k < 20; ++k) {
     const JointVector q = random.configuration(cell.arm);
@@ -44,7 +44,7 @@ TEST(Chain, joints_beyond_the_targets_link_do_not_move_it) {
   const JointVector configuration = random.configuration(cell.arm);
   Signature signature = test::signature_of(cell, configuration);
   signature.targets[0].link = 2;
-  const Chain chain(signature, readings_of(cell));
+  const PoeChain chain(signature, readings_of(cell));
   JointVector q = configuration;
   q[2] += 1;
   q[5] += 1;
@@ -65,7 +65,7 @@ TEST(Chain, derivatives_by_every_unknown_are_those_of_the_corrected_estimate) {
   ASSERT_EQ(layout.size(), 5U * 4 + 2 + 6 + 5 * 4 + 3);
 
   const JointVector q = random.configuration(cell.arm);
-  const Chain chain(signature, readings);
+  const PoeChain chain(signature, readings);
   const JointMotion motion = chain.motion(q);
   PointJacobian jacobian;
   chain.point_and_jacobian(motion, signature.targets[0], jacobian);
@@ -82,7 +82,7 @@ TEST(Chain, derivatives_by_every_unknown_are_those_of_the_corrected_estimate) {
       Signature moved = signature;
       ReadingModel corrected = readings;
       apply_corrections(layout, x, 1, moved, corrected);
-      const Chain moved_chain(moved, corrected);
+      const PoeChain moved_chain(moved, corrected);
       p[side] = moved_chain.point(moved_chain.motion(q), moved.targets[0]);
     }
     const Vector3 slope = (p[1] - p[0]) / (2 * kStep);

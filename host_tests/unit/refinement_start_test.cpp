@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/links.hpp"
 #include "core/refinement/start.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 #include "host_tests/support/failure_of.hpp"
@@ -68,7 +69,8 @@ TEST(FitBaseAndTool, takes_the_base_from_the_sweeps_of_one_target_a_link) {
     const auto axis = [&](const Pose& X_SB) { return Vector3(X_SB.R.col(2)); };
     EXPECT_LT((axis(fitted->X_SB) - axis(cell.X_SB)).norm(), 1e-6);
     for (std::size_t k = 0; k < log.size(); ++k) {
-      const Pose X_BL = drawn_frames(test::puma(), log[k].readings)[targets[log[k].target].link];
+      const Pose X_BL =
+          dh_frames(test::puma().joints, log[k].readings)[targets[log[k].target].link];
       EXPECT_LT((log[k].p_S - fitted->X_SB * (X_BL * fitted->p_LT[log[k].target])).norm(), 1e-6);
     }
   }

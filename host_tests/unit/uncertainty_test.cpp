@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "core/base/low_discrepancy.hpp"
 #include "core/uncertainty/drift.hpp"
 #include "core/uncertainty/feature_information.hpp"
 #include "core/uncertainty/suggestion.hpp"
@@ -67,7 +68,7 @@ TEST(ToolCovariance, grows_away_from_what_was_measured) {
 }
 
 TEST(WorkConfiguration, stays_inside_the_limits_and_covers_them_evenly) {
-  const FixedVector<JointType, kMaxJoints> types(3, JointType::kPrismatic);
+  const JointTypes types(3, JointType::kPrismatic);
   const FixedVector<JointLimits, kMaxJoints> limits{{-1, 2}, {0, 0.5}, {3, 4}};
   std::array<double, 3> mean{};
   for (int k = 1; k <= 1000; ++k) {
@@ -90,7 +91,7 @@ TEST(CheckDrift, finds_a_healthy_arm_consistent) {
   test::add_poses(identified.cell, 20, kSigma, identified.random, held_out);
   const auto report = check(identified, held_out);
   ASSERT_TRUE(report);
-  EXPECT_EQ(report->verdict, Verdict::kConsistent);
+  EXPECT_EQ(report->verdict, DriftVerdict::kConsistent);
   EXPECT_EQ(report->freedom, 60U);
   EXPECT_NEAR(report->rms_m, std::sqrt(3.0) * kSigma, kSigma);
 }
@@ -100,14 +101,14 @@ TEST(CheckDrift, tells_a_moved_base_from_a_worse_sensor) {
   Log moved;
   test::add_poses(identified.cell, 12, kSigma, identified.random, moved);
   for (auto& row : moved) row.p_S += Vector3(1.5e-3, -1e-3, 0.5e-3);
-  EXPECT_EQ(check(identified, moved)->verdict, Verdict::kDrifted);
+  EXPECT_EQ(check(identified, moved)->verdict, DriftVerdict::kDrifted);
   EXPECT_EQ(check(identified, moved)->link, 0U);
 
   Log noisy;
   test::add_poses(identified.cell, 12, 4 * kSigma, identified.random, noisy);
   for (auto& row : noisy) row.sigma_m = kSigma;
   const auto report = check(identified, noisy);
-  EXPECT_EQ(report->verdict, Verdict::kSensorWorse);
+  EXPECT_EQ(report->verdict, DriftVerdict::kSensorWorse);
   EXPECT_NEAR(report->noise_factor, 4, 1.5);
 }
 
@@ -118,7 +119,7 @@ TEST(CheckDrift, finds_the_offset_of_one_joint_after_a_crash) {
   Log log;
   test::add_poses(crashed, 10, kSigma, identified.random, log);
   const auto report = check(identified, log);
-  EXPECT_EQ(report->verdict, Verdict::kDrifted);
+  EXPECT_EQ(report->verdict, DriftVerdict::kDrifted);
   EXPECT_TRUE(report->link == 3 || report->link == 4) << report->link;
 }
 
@@ -129,7 +130,7 @@ TEST(CheckDrift, finds_a_target_that_was_put_back_elsewhere) {
   Log log;
   test::add_poses(changed, 10, kSigma, identified.random, log);
   const auto report = check(identified, log);
-  EXPECT_EQ(report->verdict, Verdict::kDrifted);
+  EXPECT_EQ(report->verdict, DriftVerdict::kDrifted);
   EXPECT_EQ(report->link, 6U);
 }
 
@@ -141,7 +142,7 @@ TEST(CheckDrift, sets_a_blunder_apart) {
   std::vector<RowOutcome> outcomes;
   const auto report = check(identified, log, outcomes);
   ASSERT_TRUE(report);
-  EXPECT_EQ(report->verdict, Verdict::kConsistent);
+  EXPECT_EQ(report->verdict, DriftVerdict::kConsistent);
   EXPECT_EQ(report->rows_rejected, 1U);
   EXPECT_TRUE(outcomes[7].rejected);
 }

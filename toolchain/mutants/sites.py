@@ -4,10 +4,11 @@ A site is one range of one file with one or more changes of which one is taken. 
 within it, which may hold sites themselves. Left out is what the compiler computes: constexpr, static_assert, labels,
 template arguments, types; what a macro writes; and operators of classes, whose result has another type for each operator.
 """
-import dataclasses
 import subprocess
 
 import clang.cindex as cindex
+
+from source import Change, Site, Source, short
 
 Kind = cindex.CursorKind
 Type = cindex.TypeKind
@@ -21,49 +22,6 @@ ASSIGNMENTS = {"+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=", "|=": "&=", "&=":
 FUNCTIONS = {Kind.FUNCTION_DECL, Kind.CXX_METHOD, Kind.CONSTRUCTOR, Kind.DESTRUCTOR, Kind.CONVERSION_FUNCTION,
              Kind.FUNCTION_TEMPLATE}
 LEAVES = {Kind.RETURN_STMT, Kind.CONTINUE_STMT, Kind.BREAK_STMT}
-
-
-@dataclasses.dataclass(frozen=True)
-class Change:
-    """text: what stands in the program, with {N} for the mutant's number and {0}, {1} ... for ranges of the site."""
-    what: str
-    text: str
-
-
-@dataclasses.dataclass
-class Site:
-    path: str
-    line: int
-    start: int
-    end: int
-    ranges: list
-    changes: list
-    lines: int = 1
-    source_line: str = ""
-
-
-class Source:
-    def __init__(self, path):
-        with open(path, "rb") as file:
-            self.bytes = file.read()
-        self.path = path
-        self.macros = []
-
-    def text(self, start, end):
-        return self.bytes[start:end].decode()
-
-    def in_macro(self, start, end):
-        return any(first < end and start < last for first, last in self.macros)
-
-    def line_text(self, offset):
-        first = self.bytes.rfind(b"\n", 0, offset) + 1
-        last = self.bytes.find(b"\n", offset)
-        return self.bytes[first:last].decode().strip()
-
-
-def short(text):
-    joined = " ".join(text.split())
-    return joined if len(joined) <= 60 else joined[:57] + "..."
 
 
 class Walk:

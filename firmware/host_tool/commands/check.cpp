@@ -35,13 +35,13 @@ std::string what_moved(const uncertainty::DriftReport& report, std::size_t joint
                      report.link + 1);
 }
 
-const char* verdict_word(uncertainty::Verdict verdict) {
+const char* verdict_word(uncertainty::DriftVerdict verdict) {
   switch (verdict) {
-    case uncertainty::Verdict::kConsistent:
+    case uncertainty::DriftVerdict::kConsistent:
       return "consistent";
-    case uncertainty::Verdict::kDrifted:
+    case uncertainty::DriftVerdict::kDrifted:
       return "drifted";
-    case uncertainty::Verdict::kSensorWorse:
+    case uncertainty::DriftVerdict::kSensorWorse:
       return "sensor-worse";
   }
   return "consistent";
@@ -62,9 +62,9 @@ void print_residuals(const char* of, double rms_m, double mean_m, double largest
 std::string_view next_step(const Checked& checked) {
   if (checked.place) return "identify from there, or put the sensor back";
   switch (checked.report.verdict) {
-    case uncertainty::Verdict::kConsistent:
+    case uncertainty::DriftVerdict::kConsistent:
       return "nothing; check again after a collision, a repair, or a season";
-    case uncertainty::Verdict::kSensorWorse:
+    case uncertainty::DriftVerdict::kSensorWorse:
       return "measure one pose ten times. Where it scatters more than is stated, look after\n"
              "the sensor: targets, air, its own check. Where it does not, identify with these\n"
              "poses too, --method refined";
@@ -83,10 +83,10 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
   } else {
     say("{}: {}\n\n", measurements, uncertainty::describe(report.verdict));
   }
-  if (report.verdict == uncertainty::Verdict::kDrifted) {
+  if (report.verdict == uncertainty::DriftVerdict::kDrifted) {
     say("  most likely {}\n", what_moved(report, joints));
   }
-  if (report.verdict == uncertainty::Verdict::kSensorWorse) {
+  if (report.verdict == uncertainty::DriftVerdict::kSensorWorse) {
     // Errors that are no noise look like it at poses that are each measured once.
     say("  the noise is {:.1f} times the one stated; or gravity and the readings do to the\n"
         "  arm what its signature does not know, as sweeps alone hardly show it\n",
@@ -167,7 +167,7 @@ Read<Arm> drawing_for(const CheckOptions& options, const SignatureRecord& record
   if (options.arm.empty()) return record.nominal;
   const auto arm = read_arm(options.arm);
   if (!arm) return std::unexpected(arm.error());
-  if (!std::ranges::equal(types_of(arm->arm), record.signature.types)) {
+  if (!std::ranges::equal(types_of(arm->arm.joints), record.signature.types)) {
     return std::unexpected(Problem{options.arm, 0, 0, "its joints are not those of the signature",
                                    "an arm with the same joint types"});
   }
@@ -203,7 +203,8 @@ Judgement judged(const refinement::Refined& estimate, MeasurementLog& log,
   Judgement result{
       .report = uncertainty::check_drift(estimate, rows, receivers, outcomes, *scratch),
       .place = {}};
-  if (result.report && result.report->verdict == uncertainty::Verdict::kConsistent) return result;
+  if (result.report && result.report->verdict == uncertainty::DriftVerdict::kConsistent)
+    return result;
   const auto place = fit_place(estimate, rows);
   if (!place || place->after_m > kLeftFromPlace * place->before_m) return result;
   const auto as_seen = rows;
@@ -248,7 +249,8 @@ int run(const CheckOptions& options) {
                                                {signature.targets.data(), signature.targets.size()},
                                                receivers, outcomes),
                   .rejected_lines = log->rejected_lines(outcomes)};
-  const bool healthy = report->verdict == uncertainty::Verdict::kConsistent && !judgement.place;
+  const bool healthy =
+      report->verdict == uncertainty::DriftVerdict::kConsistent && !judgement.place;
   const int status = healthy ? kDone : kNoAnswer;
   if (options.json) {
     print_json(json_of(checked, status));

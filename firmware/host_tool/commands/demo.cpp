@@ -137,7 +137,7 @@ Read<std::vector<std::string>> write_files(const std::vector<DemoRobot>& robots,
     return std::unexpected(written.error());
   }
   ARMSIG_TRY(writer, MeasurementWriter::create(named(kMeasurementsFile),
-                                               {.types = types_of(drawing.arm),
+                                               {.types = types_of(drawing.arm.joints),
                                                 .receivers = sensor.receivers_S.size(),
                                                 .air = true,
                                                 .sigma = true}));

@@ -18,7 +18,7 @@ struct EvaluateOptions : CommonOptions {
   std::string arm, signature, truth;
 };
 
-bool same_types(const FixedVector<JointType, kMaxJoints>& types, const Arm& arm) {
+bool same_types(const JointTypes& types, const Arm& arm) {
   if (types.size() != arm.joints.size()) return false;
   for (std::size_t i = 0; i < types.size(); ++i) {
     if (types[i] != arm.joints[i].type) return false;

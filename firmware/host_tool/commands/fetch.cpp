@@ -58,7 +58,7 @@ int target_number(Fetcher& fetcher, const Arm& drawing) {
 
 Read<std::size_t> write_log(Fetcher& fetcher, const Arm& drawing, const FetchOptions& options) {
   MeasurementLayout layout;
-  layout.types = types_of(drawing);
+  layout.types = types_of(drawing.joints);
   layout.sigma = true;
   layout.comment =
       "fetched from a controller: readings of the joints, whatever couples their motors";

@@ -71,7 +71,7 @@ Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const 
 // Gives every row of the file to `take`.
 Read<void> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
                     const std::function<Read<void>(const MeasurementRow&)>& take) {
-  auto reader = open_measurements(options, types_of(arm));
+  auto reader = open_measurements(options, types_of(arm.joints));
   if (!reader) return std::unexpected(reader.error());
   Progress progress(what, 1000);
   for (MeasurementRow row;;) {
@@ -149,7 +149,7 @@ std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
     }
     row.p_S /= 1 + record.scale;
   }
-  const refinement::Chain chain(record.signature, record.readings());
+  const refinement::PoeChain chain(record.signature, record.readings());
   const auto& targets = record.signature.targets;
   const auto predicted_S = [&](const EvidenceRow& row) -> std::optional<Vector3> {
     const auto* target = std::ranges::find(targets, row.target, &Target::number);
@@ -189,7 +189,8 @@ int run(IdentifyOptions options) {
   const auto arm = read_arm(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
   if (!options.columns.empty()) {
-    auto mapped = map_measurements(options.measurements, options.columns, types_of(arm->arm));
+    auto mapped =
+        map_measurements(options.measurements, options.columns, types_of(arm->arm.joints));
     if (!mapped) return fail(mapped.error(), kBadInput, options);
     say(stderr, "{}", in_words(*mapped));
     options.mapped = std::move(*mapped);

@@ -73,7 +73,7 @@ int run(const JoinOptions& options) {
   if (!apart) return fail(apart.error(), kBadInput, options);
   const auto arm = read_arm(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
-  const JointTypes types = types_of(arm->arm);
+  const JointTypes types = types_of(arm->arm.joints);
   auto joined = joined_files(options, types);
   if (!joined) return fail(joined.error(), kBadInput, options);
   const std::vector<std::size_t> sweeps = find_sweeps(joined->rows, types);

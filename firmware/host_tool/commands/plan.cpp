@@ -84,7 +84,7 @@ int run(const PlanOptions& options) {
   const auto read = read_arm(options.arm);
   if (!read) return fail(read.error(), kBadInput, options);
   Arm arm = read->arm;
-  const JointTypes types = types_of(arm);
+  const JointTypes types = types_of(arm.joints);
   const auto limits = limits_with_margin(arm.limits, types, options.margin());
   if (!limits) return fail(limits.error(), kBadInput, options);
   arm.limits = *limits;

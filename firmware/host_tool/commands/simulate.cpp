@@ -97,7 +97,7 @@ Read<SimulatedSensor> sensor_of(const SimulateOptions& options) {
 }
 
 MeasurementLayout layout_of(const Simulation& simulation, std::string_view comment) {
-  MeasurementLayout layout{.types = types_of(simulation.arm.arm), .comment = comment};
+  MeasurementLayout layout{.types = types_of(simulation.arm.arm.joints), .comment = comment};
   if (const auto* cartesian = std::get_if<simulated::CartesianConfig>(&simulation.sensor)) {
     layout.sigma = cartesian->sigma_m > 0;
   } else {

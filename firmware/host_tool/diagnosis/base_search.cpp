@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/numerics/rotations.hpp"
+
 namespace armsig::tool {
 namespace {
 
@@ -102,9 +104,8 @@ void descend(const Reduced& reduced, Matrix3& M) {
     Matrix3 H = J.transpose() * reduced.S * J;
     H.diagonal().array() += damping * H.trace() + 1e-12;
     const Vector3 w = -H.ldlt().solve(gradient);
-    const double angle = w.norm();
-    if (!(angle > 1e-10)) return;
-    const Matrix3 next = rotation_about(w / angle, angle) * M;
+    if (!(w.norm() > 1e-10)) return;
+    const Matrix3 next = numerics::rotation_by(w) * M;
     const double there = reduced.at(next);
     if (there < squares) {
       M = next;

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/refinement/base_and_tool.hpp"
+#include "core/base/links.hpp"
+#include "core/numerics/rotations.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -20,20 +21,13 @@ constexpr double kFactorSigma = 0.2;  // of the logarithm of a factor that is lo
 constexpr double kLeastReach_m = 1e-3;
 
 Pose turned(const Vector3& rotation, const Vector3& shift) {
-  const double angle = rotation.norm();
-  Pose X{.R = Matrix3::Identity(), .p = shift};
-  if (angle > 0) X.R = rotation_about(rotation / angle, angle);
-  return X;
+  return {numerics::rotation_by(rotation), shift};
 }
 
 }  // namespace
 
 Pose DeviatingChain::Link::drawn_part(double reading) const {
-  const bool revolute = drawn.type == JointType::kRevolute;
-  const double moved = reading + deviation[6];
-  const Matrix3 R_z = rotation_z(drawn.theta_rad + (revolute ? moved : 0));
-  const Vector3 p(drawn.a_m, 0, drawn.d_m + (revolute ? 0 : moved));
-  return {R_z * rotation_x(drawn.alpha_rad), R_z * p};
+  return link_transform(drawn, reading + deviation[6]);
 }
 
 Pose DeviatingChain::Link::deviating_part() const {
@@ -58,7 +52,7 @@ DeviatingChain::DeviatingChain(const Evidence& evidence, const ArmLimits& limits
       middle[j] += row.q[j] / static_cast<double>(evidence.rows.size());
     }
   }
-  const auto frames = refinement::drawn_frames(arm, effective_readings(arm, middle));
+  const auto frames = dh_frames(arm.joints, effective_readings(arm, middle));
   Vector3 at_B = Vector3::Zero();
   for (std::size_t k = 1; k <= n; ++k) {
     Link link{.drawn = arm.joints[k - 1]};

@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-#include "core/refinement/base_and_tool.hpp"
+#include "core/base/links.hpp"
 #include "firmware/host_tool/diagnosis/base_search.hpp"
 
 namespace armsig::tool {
@@ -141,8 +141,7 @@ std::vector<BasePlace> places_of(const Evidence& evidence) {
   for (const EvidenceRow& row : evidence.rows) {
     if (row.moved) continue;
     const auto target = std::ranges::find(targets, row.target, &SeenTarget::number);
-    const auto frames =
-        refinement::drawn_frames(evidence.arm, effective_readings(evidence.arm, row.q));
+    const auto frames = dh_frames(evidence.arm.joints, effective_readings(evidence.arm, row.q));
     rows.push_back(
         {frames[target->link], row.p_S, static_cast<std::size_t>(target - targets.begin())});
   }

@@ -54,7 +54,7 @@ Pose aligned(const std::vector<Pair>& pairs, const std::vector<double>& weights)
 
 std::optional<Place> fit_place(const refinement::Refined& estimate,
                                std::span<const refinement::Observation> positions) {
-  const refinement::Chain chain(estimate.signature, estimate.readings);
+  const refinement::PoeChain chain(estimate.signature, estimate.readings);
   std::vector<Pair> pairs;
   Vector3 middle = Vector3::Zero();
   for (const refinement::Observation& row : positions) {

@@ -16,21 +16,12 @@ namespace {
 
 constexpr int kConfigurationsChecked = 64;
 
-Pose row_transform(const DhJoint& row, double q) {
-  const bool revolute = row.type == JointType::kRevolute;
-  const Pose along_z{rotation_z(row.theta_rad + (revolute ? q : 0)),
-                     Vector3(0, 0, row.d_m + (revolute ? 0 : q))};
-  return along_z * Pose{rotation_x(row.alpha_rad), Vector3(row.a_m, 0, 0)};
-}
-
 double largest_difference_m(const StandardRows& standard, const SignatureRecord& record) {
   const Signature& signature = record.signature;
   double largest = 0;
   for (int n = 1; n <= kConfigurationsChecked; ++n) {
     const JointVector q = evenly_spread_configuration(signature.types, record.nominal.limits, n);
-    Pose X = standard.X_S0;
-    for (std::size_t i = 0; i < q.size(); ++i) X = X * row_transform(standard.rows[i], q[i]);
-    X = X * standard.X_FL;
+    const Pose X = standard.X_S0 * dh_frames(standard.rows, q).back() * standard.X_FL;
     const Pose exact = kinematics::link_pose(signature, q, signature.joint_count());
     largest = std::max(largest, (X.p - exact.p).norm());
   }

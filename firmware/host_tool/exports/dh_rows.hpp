@@ -11,7 +11,7 @@ namespace armsig::tool {
 
 // Pose of the last link's frame in the sensor frame: X_S0 prod A_i(q_i) X_FL.
 struct StandardRows {
-  FixedVector<DhJoint, kMaxJoints> rows;
+  DhRows rows;
   Pose X_S0;  // frame 0 in the sensor frame
   Pose X_FL;  // the frame that `armsig predict` answers for, in Denavit-Hartenberg frame n
 };

@@ -57,8 +57,7 @@ JointFrames joint_frames(const SignatureRecord& record) {
   return frames;
 }
 
-Pose last_link_pose(const JointFrames& frames, const FixedVector<JointType, kMaxJoints>& types,
-                    const JointVector& q) {
+Pose last_link_pose(const JointFrames& frames, const JointTypes& types, const JointVector& q) {
   Pose X_SK = frames.X_SB;
   for (std::size_t i = 0; i < types.size(); ++i) {
     X_SK = X_SK * frames.X_PJ[i] * motion(types[i], q[i]);

@@ -25,8 +25,7 @@ struct JointFrames {
 [[nodiscard]] JointFrames joint_frames(const SignatureRecord& record);
 
 // Pose of the last link's frame in the sensor frame: X_SB prod X_PJ motion(q) X_KL.
-[[nodiscard]] Pose last_link_pose(const JointFrames& frames,
-                                  const FixedVector<JointType, kMaxJoints>& types,
+[[nodiscard]] Pose last_link_pose(const JointFrames& frames, const JointTypes& types,
                                   const JointVector& q);
 
 }  // namespace armsig::tool

@@ -35,7 +35,7 @@ FixedVector<Pose, kMaxJoints> drawn_links(const StagedChain& chain) {
 
 frames::AxisLines drawn_lines(const StagedChain& chain) {
   FixedVector<Pose, kMaxFrames> X_BL;  // z along the axis
-  FixedVector<JointType, kMaxJoints> types;
+  JointTypes types;
   const FixedVector<Pose, kMaxJoints> X_BK = drawn_links(chain);
   for (std::size_t i = 0; i < X_BK.size(); ++i) {
     const UrdfJoint& joint = *chain.stages[i].moving;

@@ -21,7 +21,7 @@ std::optional<ResidualSummary> nominal_residuals(const Arm& nominal,
   const auto drawn = std::make_unique<refinement::Refined>();
   drawn->signature = refinement::drawn_signature(nominal, *fitted, log, targets);
   drawn->readings.couplings = nominal.couplings;
-  const refinement::Chain chain(drawn->signature, drawn->readings);
+  const refinement::PoeChain chain(drawn->signature, drawn->readings);
   ResidualSummary summary;
   for (std::size_t k = 0; k < log.size(); ++k) {
     if (judged[k].rejected) continue;

@@ -106,7 +106,7 @@ DrawnChain drawn(const AxisChain& given) {
 
   result.X_B0 = first_frame(chain.axes[0]);
   FixedVector<s_model::Parameters, kMaxJoints> parameters;
-  FixedVector<JointType, kMaxJoints> types;
+  JointTypes types;
   JointVector zero;
   Pose X_BL = result.X_B0;
   for (std::size_t i = 0; i < chain.axes.size(); ++i) {

@@ -65,7 +65,7 @@ std::string sweep_table(const Signature& signature) {
   return table.render();
 }
 
-std::string dh_table(const FixedVector<DhJoint, kMaxJoints>& rows) {
+std::string dh_table(const DhRows& rows) {
   Table table({"Link", "Variable", "θ offset °", "d mm", "a mm", "α °"});
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const DhJoint& row = rows[i];

@@ -16,7 +16,7 @@ namespace armsig::tool {
 [[nodiscard]] std::string sweep_table(const Signature& signature);
 
 // Denavit-Hartenberg rows in degrees and millimetres, in the layout of the paper's Tables 1 and 2.
-[[nodiscard]] std::string dh_table(const FixedVector<DhJoint, kMaxJoints>& rows);
+[[nodiscard]] std::string dh_table(const DhRows& rows);
 
 // What to know about a `d` of metres, in words; empty where all axes are well apart from parallel.
 [[nodiscard]] std::string near_parallel_note(const Signature& signature);

@@ -90,13 +90,11 @@ FitStart start_from_signature(const CalibrationLog& log) {
 }
 
 Fitting::Fitting(const CalibrationLog& log) : stated_variance_(mean_variance(log.rows)) {
-  std::vector<JointType> types;
-  for (const DhJoint& joint : log.nominal.joints) types.push_back(joint.type);
   for (const refinement::Observation& from : log.rows) {
     rows_.push_back(row_of(from, stated_variance_));
     rows_.back().index = static_cast<std::uint32_t>(rows_.size() - 1);
   }
-  calibration::group_poses(rows_, types);
+  calibration::group_poses(rows_, types_of(log.nominal.joints));
   poses_ = calibration::deal_folds(rows_);
   cache_.resize(rows_.size());
 }

@@ -86,7 +86,7 @@ std::optional<ReadingMaps> reading_maps(const SignatureRecord& record) {
         calibration::covered_configuration(*record.deflections, record.nominal.limits, n));
   }
   const Target tool = tool_of(record.signature);
-  const refinement::Chain chain(record.signature, record.readings());
+  const refinement::PoeChain chain(record.signature, record.readings());
   std::array<double, kMaxJoints> levers{};
   std::array<double, kMaxJoints> moves{};
   for (const JointVector& q : poses) {

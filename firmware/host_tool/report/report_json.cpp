@@ -142,7 +142,7 @@ Json row_json(const DhJoint& row) {
 }
 
 Json parameters_json(const SignatureRecord& record, const refinement::Refined* estimate) {
-  FixedVector<DhJoint, kMaxJoints> sigmas;
+  DhRows sigmas;
   if (estimate != nullptr) sigmas = parameter_sigmas(*estimate, record.nominal);
   Json rows = Json::array();
   for (std::size_t i = 0; i < record.signature.joint_count(); ++i) {

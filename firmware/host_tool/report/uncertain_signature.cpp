@@ -40,8 +40,7 @@ Signature moved(const refinement::Refined& estimate, const Arm& nominal,
   return signature;
 }
 
-FixedVector<DhJoint, kMaxJoints> parameter_sigmas(const refinement::Refined& estimate,
-                                                  const Arm& nominal) {
+DhRows parameter_sigmas(const refinement::Refined& estimate, const Arm& nominal) {
   const Eigen::MatrixXd covariance = covariance_of(estimate);
   const auto n = covariance.rows();
   const std::size_t joints = estimate.signature.joint_count();
@@ -64,7 +63,7 @@ FixedVector<DhJoint, kMaxJoints> parameter_sigmas(const refinement::Refined& est
   }
   const Eigen::VectorXd sigma =
       (jacobian * covariance * jacobian.transpose()).diagonal().cwiseSqrt();
-  FixedVector<DhJoint, kMaxJoints> sigmas;
+  DhRows sigmas;
   for (std::size_t i = 0; i < joints; ++i) {
     const auto row = static_cast<Eigen::Index>(4 * i);
     sigmas.push_back({.type = estimate.signature.types[i],

@@ -21,7 +21,6 @@ namespace armsig::tool {
                               const Eigen::VectorXd& step);
 
 // 1 sigma of each pseudo Denavit-Hartenberg parameter.
-[[nodiscard]] FixedVector<DhJoint, kMaxJoints> parameter_sigmas(const refinement::Refined& estimate,
-                                                                const Arm& nominal);
+[[nodiscard]] DhRows parameter_sigmas(const refinement::Refined& estimate, const Arm& nominal);
 
 }  // namespace armsig::tool

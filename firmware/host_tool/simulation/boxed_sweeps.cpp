@@ -6,22 +6,14 @@
 
 #include <fmt/core.h>
 
+#include "core/base/links.hpp"
+
 namespace armsig::tool {
 namespace {
 
 // The last frame of the drawing in its base.
 Pose flange(const Arm& arm, const JointVector& readings) {
-  const JointVector q = effective_readings(arm, readings);
-  Pose X_BF;
-  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
-    const DhJoint& row = arm.joints[i];
-    const bool turns = row.type == JointType::kRevolute;
-    const double theta_rad = row.theta_rad + (turns ? q[i] : 0);
-    const double d_m = row.d_m + (turns ? 0 : q[i]);
-    X_BF = X_BF * Pose{rotation_z(theta_rad), Vector3(0, 0, d_m)} *
-           Pose{rotation_x(row.alpha_rad), Vector3(row.a_m, 0, 0)};
-  }
-  return X_BF;
+  return dh_frames(arm.joints, effective_readings(arm, readings)).back();
 }
 
 // How far joint `j` gets from `from` towards `to` before the target leaves the box.
@@ -40,8 +32,7 @@ double reach_towards(const Arm& arm, JointVector q, std::size_t j, double to, co
 }  // namespace
 
 bool ReachBox::holds(const Arm& arm, const JointVector& readings) const {
-  const Pose X_BF = flange(arm, readings);
-  const Vector3 p_BT = X_BF * p_FT;
+  const Vector3 p_BT = flange(arm, readings) * p_FT;
   return (p_BT.array() >= lower_B.array()).all() && (p_BT.array() <= upper_B.array()).all();
 }
 

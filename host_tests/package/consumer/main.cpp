@@ -25,7 +25,7 @@ bool same_layout() {
   return same;
 }
 
-FixedVector<DhJoint, kMaxJoints> puma() {
+DhRows puma() {
   using enum JointType;
   return {{kRevolute, 0, 0, 0, -kPi / 2},    {kRevolute, 0, 0, 0.4318, 0},
           {kRevolute, 0, 0.149, 0, kPi / 2}, {kRevolute, 0, 0.4331, 0, -kPi / 2},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/features/describe_fit.hpp"
+#include "core/features/fit_feature.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,13 +39,13 @@ Matrix3 mean_residual_products(const SweepStatistics& statistics,
   feature.radius_m = circle.radius_m;
   feature.covariance = circle.covariance;
 
-  ARMSIG_TRY(plane, plane_of_rotation(statistics.geometry));
-  ARMSIG_TRY(best_circle, centre_of_rotation(statistics.geometry, plane));
-  const double weight = statistics.geometry.matrix()(0, 0);
-  const double weights = weight * weight;
-  const double normal = plane_residual_squares(statistics.geometry, plane) / weights;
+  const GeometryFactor::Matrix geometry = statistics.geometry.matrix();
+  ARMSIG_TRY(plane, plane_of_rotation(geometry));
+  ARMSIG_TRY(best_circle, centre_of_rotation(geometry, plane));
+  const double weights = geometry(0, 0) * geometry(0, 0);
+  const double normal = plane_residual_squares(geometry, plane) / weights;
   const double in_plane = 2 * best_circle.radius_m;
-  const double radial = circle_residual_squares(statistics.geometry, plane.normal_S, best_circle) /
+  const double radial = circle_residual_squares(geometry, plane.normal_S, best_circle) /
                         (in_plane * in_plane * weights);
   const double all = mean_residual_products(statistics, circle.motion(statistics.origin_S)).trace();
   feature.quality.rms_normal_m = std::sqrt(normal);
@@ -119,8 +119,8 @@ NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
   return noise;
 }
 
-std::optional<Refusal> describe_fit(const SweepStatistics& statistics, const NoiseLevel& noise,
-                                    Method method, JointFeature& feature) {
+std::optional<Refusal> fit_feature(const SweepStatistics& statistics, const NoiseLevel& noise,
+                                   Method method, JointFeature& feature) {
   feature.type = statistics.type;
   feature.reference_reading = statistics.origin_reading;
   const Result<void> fitted = statistics.type == JointType::kRevolute

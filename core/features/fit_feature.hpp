@@ -27,9 +27,9 @@ struct NoiseLevel {
 
 // Fills in the feature, with all of its quality but `rejected`; after a refusal it has no meaning.
 // Refusals: kArcTooShort (the fit is singular), kNotConverged, kNotFinite.
-[[nodiscard]] std::optional<Refusal> describe_fit(const SweepStatistics& statistics,
-                                                  const NoiseLevel& noise, Method method,
-                                                  JointFeature& feature);
+[[nodiscard]] std::optional<Refusal> fit_feature(const SweepStatistics& statistics,
+                                                 const NoiseLevel& noise, Method method,
+                                                 JointFeature& feature);
 
 // How far the readings are from explaining a circle by its own constant radius: what imposing the
 // circle cost, RMS over the points.
