@@ -93,16 +93,21 @@ void follow_last_link(const Signature& exact, const ReadingModel& whole, const R
 
 }  // namespace
 
+FixedVector<JointLimits, kMaxJoints> covered_limits(
+    const ArmModel& model, const FixedVector<JointLimits, kMaxJoints>& limits) {
+  FixedVector<JointLimits, kMaxJoints> covered = limits;
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    const JointLimits& measured = model.joints[i].covered;
+    if (measured.lower < measured.upper) covered[i] = measured;
+  }
+  return covered;
+}
+
 JointVector covered_configuration(const ArmModel& model,
                                   const FixedVector<JointLimits, kMaxJoints>& limits, int n) {
   FixedVector<JointType, kMaxJoints> types;
-  FixedVector<JointLimits, kMaxJoints> ranges;
-  for (std::size_t i = 0; i < model.joint_count(); ++i) {
-    const JointModel& joint = model.joints[i];
-    types.push_back(joint.type);
-    ranges.push_back(joint.covered.lower < joint.covered.upper ? joint.covered : limits[i]);
-  }
-  return evenly_spread_configuration(types, ranges, n + kSkipped);
+  for (const JointModel& joint : model.joints) types.push_back(joint.type);
+  return evenly_spread_configuration(types, covered_limits(model, limits), n + kSkipped);
 }
 
 Leftover difference(const Signature& exact, const ReadingModel& whole, const Signature& signature,

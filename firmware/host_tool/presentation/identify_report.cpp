@@ -113,6 +113,20 @@ void print_left_out(const calibration::HeldOutScore& score) {
 }
 
 // The figures that count, whichever the method: they are not those of the fit.
+// Both figures where maps leave the readings that were not measured less certain.
+void print_predicted(const Found& found, double error_m) {
+  constexpr double kNoWorse = 1.1;
+  const auto over_limits_m =
+      found.refinement ? found.refinement->predicted_over_limits_m : std::nullopt;
+  std::string where = over_limits_m ? "readings measured" : "joint limits";
+  if (over_limits_m && *over_limits_m > kNoWorse * error_m) {
+    where += fmt::format(", {:.3f} mm over all that the joint limits allow", 1e3 * *over_limits_m);
+  }
+  say("{}", paragraph(fmt::format(
+                "predicted tool error, 1 sigma, in the sensor's frame: {:.3f} mm RMS over the {}",
+                1e3 * error_m, where)));
+}
+
 void print_accuracy(const Found& found, const SignatureRecord& record) {
   say("\nHow accurate it is\n\n");
   if (found.validation && found.validation->rows > 0) {
@@ -134,11 +148,11 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
         1e3 * found.refinement->offered->left_out_mean_m,
         terms_in_words(found.refinement->offered->terms));
   }
-  if (record.predicted_tool_error_m) {
-    say("{}", paragraph(fmt::format("predicted tool error, 1 sigma: {:.3f} mm RMS over the {}, in "
-                                    "the sensor's frame",
-                                    1e3 * *record.predicted_tool_error_m,
-                                    record.deflections ? "poses measured" : "joint limits")));
+  if (record.predicted_tool_error_m) print_predicted(found, *record.predicted_tool_error_m);
+  if (found.identified.counts.mixed == 0 && found.identified.counts.rows > 0) {
+    say("{}", paragraph("found from sweeps alone, which hardly show gravity, play or what errs "
+                        "many times a turn: some 30 poses with all joints anywhere (armsig "
+                        "suggest) have them stated too"));
   }
 }
 
@@ -227,6 +241,9 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
   }
   if (record.predicted_tool_error_m) {
     json["predicted_tool_error_m"] = *record.predicted_tool_error_m;
+  }
+  if (found.refinement && found.refinement->predicted_over_limits_m) {
+    json["predicted_over_limits_m"] = *found.refinement->predicted_over_limits_m;
   }
   json["differences"] = nullptr;
   if (const auto differences = difference_table(record))
