@@ -6,6 +6,7 @@
 
 #include "firmware/fleet/host/signature_comparison.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
+#include "firmware/fleet/wire/signature_document.hpp"
 #include "host_tests/fleet/edge_case.hpp"
 #include "host_tests/support/table_3_run.hpp"
 
@@ -85,9 +86,9 @@ TEST_F(FleetCheck, SignatureOfTheRealControllerComesAsItsDocument) {
   std::string together;
   for (const Report& report : sent(kData)) together += text(report, Item::kDocumentText);
   EXPECT_EQ(together, document);
-  const auto arm = arm_of_document(together);
-  ASSERT_TRUE(arm) << line;
-  EXPECT_EQ(arm->joints.size(), 6U);
+  const auto read = read_signature_document(together);
+  ASSERT_TRUE(read) << line;
+  EXPECT_EQ(read->arm.joints.size(), 6U);
   const auto compared = compare_signatures(together, together);
   ASSERT_TRUE(compared);
   EXPECT_LT(compared->tool_rms_m, 1e-8);
