@@ -91,14 +91,19 @@ void follow_last_link(const Signature& exact, const ReadingModel& whole, const R
 
 }  // namespace
 
+FixedVector<JointLimits, kMaxJoints> covered_limits(
+    const ArmModel& model, const FixedVector<JointLimits, kMaxJoints>& limits) {
+  FixedVector<JointLimits, kMaxJoints> covered = limits;
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    const JointLimits& measured = model.joints[i].covered;
+    if (measured.lower < measured.upper) covered[i] = measured;
+  }
+  return covered;
+}
+
 JointVector covered_configuration(const ArmModel& model,
                                   const FixedVector<JointLimits, kMaxJoints>& limits, int n) {
-  FixedVector<JointLimits, kMaxJoints> ranges;
-  for (std::size_t i = 0; i < model.joint_count(); ++i) {
-    const JointModel& joint = model.joints[i];
-    ranges.push_back(joint.covered.lower < joint.covered.upper ? joint.covered : limits[i]);
-  }
-  return work_configuration(types_of(model.joints), ranges, n);
+  return work_configuration(types_of(model.joints), covered_limits(model, limits), n);
 }
 
 Leftover difference(const Signature& exact, const ReadingModel& whole, const Signature& signature,

@@ -15,8 +15,11 @@
 
 namespace armsig::calibration {
 
-// Configuration n >= 1 (encoder readings) of those spread evenly over what the rows of `model`
-// covered, or over `limits` of a joint where that is not known.
+// The readings that the rows of `model` covered; `limits` of a joint where that is not known.
+[[nodiscard]] FixedVector<JointLimits, kMaxJoints> covered_limits(
+    const ArmModel& model, const FixedVector<JointLimits, kMaxJoints>& limits);
+
+// Configuration n >= 1 (encoder readings) of those spread evenly over covered_limits().
 [[nodiscard]] JointVector covered_configuration(const ArmModel& model,
                                                 const FixedVector<JointLimits, kMaxJoints>& limits,
                                                 int n);

@@ -7,7 +7,8 @@ namespace armsig::controller {
 
 Background::Background(const Configuration& configuration, hal::RangeSensor& sensor,
                        hal::Clock& clock, hal::NonvolatileMemory& memory,
-                       std::span<hal::Console* const> consoles, Link& link, Refinement* refinement)
+                       std::span<hal::Console* const> consoles, Link& link, Refinement* refinement,
+                       CheckMemory* checks)
     : configuration_(configuration),
       clock_(clock),
       link_(link),
@@ -17,7 +18,7 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
       identification_(configuration, mover_, measurement_, announcer_, refinement),
       grid_(configuration, mover_, link, announcer_),
       custody_(configuration.drawing, memory),
-      check_(configuration, mover_, measurement_, announcer_, link, custody_),
+      check_(configuration, mover_, measurement_, announcer_, link, custody_, checks),
       commit_(configuration, custody_, identification_, mover_, link),
       resting_place_(configuration.drawing, memory, custody_.sectors()),
       desk_(announcer_, {.configuration = configuration,

@@ -25,7 +25,7 @@ class Background {
   // at most kMaxConsoles.
   Background(const Configuration& configuration, hal::RangeSensor& sensor, hal::Clock& clock,
              hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles, Link& link,
-             Refinement* refinement = nullptr);
+             Refinement* refinement = nullptr, CheckMemory* checks = nullptr);
 
   // True if the next step has something to compute.
   bool step();

@@ -65,22 +65,23 @@ std::string_view describe(CheckVerdict verdict) {
   return "unknown";
 }
 
-void CheckHistory::begin(std::uint32_t sequence, std::int64_t identified_at_s) {
-  if (sequence == sequence_ && identified_at_s == identified_at_s_) return;
-  sequence_ = sequence;
-  identified_at_s_ = identified_at_s;
-  learnt_ = 0;
-  state_ = {};
-  reference_.fill({});
-  since_.fill({});
-  means_.clear();
+bool CheckHistory::begin(std::uint32_t sequence, std::int64_t identified_at_s) {
+  if (sequence == state_.sequence && identified_at_s == state_.identified_at_s) return false;
+  state_.sequence = sequence;
+  state_.identified_at_s = identified_at_s;
+  state_.learnt = 0;
+  state_.sum = {};
+  state_.reference.fill({});
+  state_.since.fill({});
+  state_.means.clear();
+  return true;
 }
 
 // Leaves the residuals less their references, of the poses that have one.
 void CheckHistory::compare_at_known_places(MeasuredCheck& checked) const {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < checked.poses.size(); ++i) {
-    const Mean& reference = reference_[checked.places[i]];
+    const CheckState::Mean& reference = state_.reference[checked.places[i]];
     if (reference.count == 0) continue;
     checked.places[kept] = checked.places[i];
     checked.poses[kept] = checked.poses[i];
@@ -92,18 +93,18 @@ void CheckHistory::compare_at_known_places(MeasuredCheck& checked) const {
 
 void CheckHistory::learn(const MeasuredCheck& less) {
   for (std::size_t i = 0; i < less.poses.size(); ++i) {
-    Mean& reference = reference_[less.places[i]];
+    CheckState::Mean& reference = state_.reference[less.places[i]];
     reference.add(reference.value() + less.poses[i].residual_m);
   }
-  ++learnt_;
+  ++state_.learnt;
 }
 
 // `less`: the residuals of poses that have a reference, less that.
 Result<CheckVerdict> CheckHistory::against_reference(MeasuredCheck& less) {
   const double sigma_m = less.sigma_m;
   const auto n = static_cast<double>(less.poses.size());
-  const bool learning = learnt_ < kCheckBaseline;
-  const double told_m = learning ? sigma_m * std::sqrt(1 + 1.0 / learnt_) : sigma_m;
+  const bool learning = state_.learnt < kCheckBaseline;
+  const double told_m = learning ? sigma_m * std::sqrt(1 + 1.0 / state_.learnt) : sigma_m;
   const double limit = numerics::chi_square_quantile(3 * n, kSigmas);
   const bool beyond = squares_of(less) / (told_m * told_m) > limit;
   if (beyond && learning) return what_changed(less, told_m, CheckVerdict::kStepped);
@@ -116,31 +117,31 @@ Result<CheckVerdict> CheckHistory::against_reference(MeasuredCheck& less) {
 
 Result<CheckVerdict> CheckHistory::by_the_sum(MeasuredCheck& less, double check_sigma_m) {
   const Vector3 mean_m = mean_of(less);
-  ARMSIG_TRY(next, drift::after_check(state_, mean_m,
+  ARMSIG_TRY(next, drift::after_check(state_.sum, mean_m,
                                       {.sigma_m = check_sigma_m,
                                        .reference = kCheckReference,
                                        .threshold = kCheckThreshold}));
-  state_ = next;
-  if (means_.full()) {
-    std::ranges::copy(std::span(means_).subspan(1), means_.begin());
-    means_[means_.size() - 1] = mean_m.cast<float>();
+  state_.sum = next;
+  if (state_.means.full()) {
+    std::ranges::copy(std::span(state_.means).subspan(1), state_.means.begin());
+    state_.means[state_.means.size() - 1] = mean_m.cast<float>();
   } else {
-    means_.push_back(mean_m.cast<float>());
+    state_.means.push_back(mean_m.cast<float>());
   }
-  if (state_.since == 0) since_.fill({});
+  if (state_.sum.since == 0) state_.since.fill({});
   std::size_t fewest = kCheckBaseline;
   for (std::size_t i = 0; i < less.poses.size(); ++i) {
-    Mean& since = since_[less.places[i]];
+    CheckState::Mean& since = state_.since[less.places[i]];
     since.add(less.poses[i].residual_m);
     less.poses[i].residual_m = since.value();
     fewest = std::min<std::size_t>(fewest, since.count);
   }
-  if (!state_.named) return CheckVerdict::kAsAccepted;
+  if (!state_.sum.named) return CheckVerdict::kAsAccepted;
   const double pose_sigma_m = less.sigma_m / std::sqrt(static_cast<double>(fewest));
   ARMSIG_TRY(moved, what_changed(less, pose_sigma_m, CheckVerdict::kDrifting));
   if (moved == CheckVerdict::kReferenceMoved) return moved;
   FixedVector<Vector3, kCheckBaseline> means;
-  for (const Small& mean : means_) means.push_back(mean.cast<double>());
+  for (const CheckState::Small& mean : state_.means) means.push_back(mean.cast<double>());
   const auto course = drift::course_of(means, check_sigma_m);
   return course && course->course == drift::Course::kRamp ? CheckVerdict::kDrifting
                                                           : CheckVerdict::kStepped;
@@ -154,18 +155,18 @@ Result<CheckReport> CheckHistory::take(MeasuredCheck& checked, double held_out_r
                      .rms_m = std::sqrt(squares_of(checked) / n),
                      .sigma_m = checked.sigma_m / std::sqrt(n)};
   if (!std::isfinite(report.rms_m)) return std::unexpected(Error::kNotFinite);
-  const bool first = learnt_ == 0;
+  const bool first = state_.learnt == 0;
   if (!first) {
     compare_at_known_places(checked);
     if (checked.poses.size() < kFewestCheckPoses) return std::unexpected(Error::kTooFewPoints);
   }
-  const bool learns = learnt_ < kCheckBaseline;
+  const bool learns = state_.learnt < kCheckBaseline;
   ARMSIG_TRY(verdict,
              first ? against_signature(checked, held_out_rms_m) : against_reference(checked));
   report.verdict = verdict;
   if (verdict == CheckVerdict::kAsAccepted && learns) learn(checked);
-  report.sum = state_.sum.norm();
-  report.learnt = learnt_;
+  report.sum = state_.sum.sum.norm();
+  report.learnt = state_.learnt;
   return report;
 }
 

@@ -53,19 +53,8 @@ struct CheckReport {
   int learnt = 0;                    // checks that the reference is made of
 };
 
-class CheckHistory {
- public:
-  // Of what signature it is; forgets what was seen of another.
-  void begin(std::uint32_t sequence, std::int64_t identified_at_s);
-
-  // The verdict with one more check, which is of no use afterwards (a small stack has no room for a
-  // second one); `held_out_rms_m` is what the signature was accepted with. The poses of the first
-  // check that agrees are those that the next ones are compared at.
-  // Errors: kTooFewPoints (poses below kFewestCheckPoses), kNotFinite, kNotPositive, kSingular (the
-  // poses stand on one line).
-  [[nodiscard]] Result<CheckReport> take(MeasuredCheck& checked, double held_out_rms_m);
-
- private:
+// All that the checks of one signature have shown.
+struct CheckState {
   using Small = Eigen::Vector3f;  // metres: what is kept needs no more digits
   struct Mean {
     Small sum = Small::Zero();
@@ -79,18 +68,38 @@ class CheckHistory {
     }
   };
 
+  std::uint32_t sequence = 0;  // of the signature
+  std::int64_t identified_at_s = 0;
+  int learnt = 0;  // checks that the reference is made of
+  drift::State sum;
+  std::array<Mean, kMostCheckPoses> reference;  // residuals of each pose
+  std::array<Mean, kMostCheckPoses> since;      // less those, since the sum was last zero
+  FixedVector<Small, kCheckBaseline> means;     // of the last checks, less the reference's
+};
+
+class CheckHistory {
+ public:
+  // Of what signature it is; forgets what was seen of another, and says so.
+  bool begin(std::uint32_t sequence, std::int64_t identified_at_s);
+
+  // All that it knows, to be kept and put back as it was.
+  [[nodiscard]] const CheckState& state() const { return state_; }
+  [[nodiscard]] CheckState& state() { return state_; }
+
+  // The verdict with one more check, which is of no use afterwards (a small stack has no room for a
+  // second one); `held_out_rms_m` is what the signature was accepted with. The poses of the first
+  // check that agrees are those that the next ones are compared at.
+  // Errors: kTooFewPoints (poses below kFewestCheckPoses), kNotFinite, kNotPositive, kSingular (the
+  // poses stand on one line).
+  [[nodiscard]] Result<CheckReport> take(MeasuredCheck& checked, double held_out_rms_m);
+
+ private:
   void compare_at_known_places(MeasuredCheck& checked) const;
   [[nodiscard]] Result<CheckVerdict> against_reference(MeasuredCheck& less);
   [[nodiscard]] Result<CheckVerdict> by_the_sum(MeasuredCheck& less, double check_sigma_m);
   void learn(const MeasuredCheck& less);
 
-  std::uint32_t sequence_ = 0;
-  std::int64_t identified_at_s_ = 0;
-  int learnt_ = 0;
-  drift::State state_;
-  std::array<Mean, kMostCheckPoses> reference_;  // residuals of each pose
-  std::array<Mean, kMostCheckPoses> since_;      // less those, since the sum was last zero
-  FixedVector<Small, kCheckBaseline> means_;     // of the last checks, less the reference's
+  CheckState state_;
 };
 
 }  // namespace armsig::controller

@@ -8,10 +8,11 @@ namespace armsig::controller {
 
 CheckSequence::CheckSequence(const Configuration& configuration, Mover& mover,
                              PointMeasurement& measurement, const Announcer& announcer,
-                             const Link& link, const Custody& custody)
+                             const Link& link, const Custody& custody, CheckMemory* memory)
     : VisitingSequence(configuration, mover, measurement, announcer, "check"),
       link_(link),
       custody_(custody),
+      memory_(memory),
       due_(configuration.check.every) {}
 
 Result<Ticket> CheckSequence::begin() {
@@ -23,7 +24,9 @@ Result<Ticket> CheckSequence::begin() {
   const auto ticket = mover_.send(CommandKind::kBeginSequence);
   if (!ticket) return std::unexpected(Error::kBusBusy);
   visit_.begin(*ticket);
-  history_.begin(active->sequence, active->identified_at_s);
+  if (history_.begin(active->sequence, active->identified_at_s) && memory_ != nullptr) {
+    memory_->recall({configuration_, announcer_, custody_.active_crc()}, history_.state());
+  }
   stage_ = Stage::kApproaching;
   pose_ = 0;
   home_ = mover_.now().commanded;
@@ -108,6 +111,9 @@ void CheckSequence::finish() {
   if (!report) {
     tell_failure(report.error(), {});
     return;
+  }
+  if (memory_ != nullptr) {
+    memory_->keep({configuration_, announcer_, custody_.active_crc()}, history_.state());
   }
   last_ = *report;
   tell(*report, poses);

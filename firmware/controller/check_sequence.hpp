@@ -11,13 +11,16 @@
 //
 // or with `# check verdict="could not measure" error=SENSOR_SILENT reason="..."`.
 //
-// What the checks have shown is kept while the controller runs; after a restart the reference is
-// learnt anew.
+// What the checks have shown outlives a restart where the program gives a CheckMemory; elsewhere
+// the reference is learnt anew. The first check after a restart tells which:
+//
+//   # check history recalled learnt=12 of=20
+//   # check history unused error=RECORD_CORRUPT reason="..."; the reference is learnt anew
 #pragma once
 
 #include <optional>
 
-#include "firmware/controller/check_history.hpp"
+#include "firmware/controller/check_memory.hpp"
 #include "firmware/controller/custody.hpp"
 #include "firmware/controller/pose_visit.hpp"
 
@@ -31,7 +34,8 @@ class CheckSequence : public VisitingSequence<CheckSequence> {
   static constexpr hal::Duration kPostponed = std::chrono::hours(1);
 
   CheckSequence(const Configuration& configuration, Mover& mover, PointMeasurement& measurement,
-                const Announcer& announcer, const Link& link, const Custody& custody);
+                const Announcer& announcer, const Link& link, const Custody& custody,
+                CheckMemory* memory = nullptr);
 
   // The kBeginSequence that it needs. Errors: kNoSignature (the drawing is in use: nothing was
   // accepted), the trouble of the sensor, kBusBusy (the tick has stopped). Precondition: not
@@ -67,6 +71,7 @@ class CheckSequence : public VisitingSequence<CheckSequence> {
 
   const Link& link_;
   const Custody& custody_;
+  CheckMemory* memory_;
 
   Stage stage_ = Stage::kNone;
   std::size_t pose_ = 0;

@@ -30,15 +30,17 @@ namespace armsig::controller {
 class Controller {
  public:
   // Everything referred to must outlive the controller; `consoles` are at most kMaxConsoles.
-  // `refinement`, where there is memory for one, is of the same configuration.
+  // `refinement`, where there is memory for one, is of the same configuration; `checks`, where
+  // there is a place for it, keeps what checks have shown.
   // Preconditions: check(configuration); as many drives as joints. Large: keep it out of stacks.
   Controller(const Configuration& configuration, hal::JointDrives& drives, hal::RangeSensor& sensor,
              hal::Clock& clock, hal::NonvolatileMemory& memory,
-             std::span<hal::Console* const> consoles, Refinement* refinement = nullptr)
+             std::span<hal::Console* const> consoles, Refinement* refinement = nullptr,
+             CheckMemory* checks = nullptr)
       : configuration_(configuration),
         drives_(configuration_.drawing.couplings, drives),
         servo_(configuration_, drives_, clock, link_),
-        background_(configuration_, sensor, clock, memory, consoles, link_, refinement) {}
+        background_(configuration_, sensor, clock, memory, consoles, link_, refinement, checks) {}
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 

@@ -25,6 +25,8 @@ class Custody {
 
   // The signature servoed with; empty: the drawing.
   [[nodiscard]] const std::optional<SignatureRecord>& active() const { return active_; }
+  // CRC-32 at the end of its record. Precondition: active().
+  [[nodiscard]] std::uint32_t active_crc() const { return store_.active_crc(); }
   [[nodiscard]] const std::optional<Machine>& machine() const { return machine_; }
   // Why what is stored is not in use, or what is wrong with the store although it is.
   [[nodiscard]] std::optional<Error> trouble() const { return trouble_; }

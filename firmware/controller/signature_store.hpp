@@ -23,6 +23,8 @@ class SignatureStore {
   // kStorageFault (something is stored that cannot be read), kRecordUnsuitable (it is of an arm
   // with other joints), kAddressOutOfRange (the memory does not fit).
   [[nodiscard]] Result<void> load(const Arm& drawing, SignatureRecord& record);
+  // CRC-32 at the end of the active record. Precondition: load() has found one.
+  [[nodiscard]] std::uint32_t active_crc() const { return records_.active()->crc; }
   // What load() met although it found a record: as RecordStore::trouble().
   [[nodiscard]] std::optional<Error> trouble() const { return records_.trouble(); }
 

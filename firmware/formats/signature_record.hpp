@@ -51,7 +51,8 @@ struct SignatureRecord {
       sigma_m;               // noise of the measurements per axis, 1 sigma: as stated, or as found
   double unexplained_m = 0;  // what the residuals show beyond it, 1 sigma per axis
   double noise_freedom = 0;  // degrees of freedom that either was found with; 0: none was
-  std::optional<double> predicted_tool_error_m;  // RMS over the work volume
+  // RMS over the joint limits; with deflections over the readings that were measured.
+  std::optional<double> predicted_tool_error_m;
   std::optional<FitRecord> fit;
   std::optional<double> air_c;
   std::string time;     // UTC, ISO 8601: 1986-04-07T12:00:00Z

@@ -11,6 +11,7 @@
 #include "firmware/controller/controller.hpp"
 #include "firmware/linux/attendance.hpp"
 #include "firmware/linux/can_sensor.hpp"
+#include "firmware/linux/check_file.hpp"
 #include "firmware/linux/real_time_loop.hpp"
 #include "firmware/linux/self_calibrating.hpp"
 #include "firmware/linux/shut_down.hpp"
@@ -95,9 +96,10 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
       {.interface_name = configuration.can_interface, .filters = {}, .maintained = true});
   canopen::Master master(*drives, bus, backend->can.get());
   const auto refinement = std::make_unique<SelfCalibrating>(configuration.controller);
-  const auto controller =
-      std::make_unique<controller::Controller>(configuration.controller, master, backend->sensor(),
-                                               clock, *memory, consoles, &refinement->calibration);
+  CheckFile checks(configuration.store);
+  const auto controller = std::make_unique<controller::Controller>(
+      configuration.controller, master, backend->sensor(), clock, *memory, consoles,
+      &refinement->calibration, &checks);
   attendance.begin(*controller);
   const RealTimeLoop loop{.controller = *controller,
                           .clock = clock,

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "firmware/linux/attendance.hpp"
+#include "firmware/linux/check_file.hpp"
 #include "firmware/linux/daemon.hpp"
 #include "firmware/linux/real_time_loop.hpp"
 #include "firmware/linux/self_calibrating.hpp"
@@ -79,9 +80,10 @@ int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& 
   const std::array<hal::Console*, 1> consoles{&attendance.console()};
   linux_hal::SteadyClock clock;
   const auto refinement = std::make_unique<SelfCalibrating>(configuration.controller);
+  CheckFile checks(configuration.store);
   const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
       configuration.controller, configuration.drives, world_of(configuration, options), *memory,
-      consoles, options.real_time ? &clock : nullptr, &refinement->calibration);
+      consoles, options.real_time ? &clock : nullptr, &refinement->calibration, &checks);
   attendance.begin(cabinet->controller());
   const auto started = [&] {
     attendance.started(fmt::format("{}: virtual cabinet, console at {}", configuration.name,

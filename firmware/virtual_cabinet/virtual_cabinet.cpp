@@ -101,7 +101,7 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
                                const canopen::Configuration& drives, const World& world,
                                hal::NonvolatileMemory& memory,
                                std::span<hal::Console* const> consoles, hal::Clock* real_time,
-                               controller::Refinement* refinement)
+                               controller::Refinement* refinement, controller::CheckMemory* checks)
     : world_(world),
       drives_(*canopen::check(drives)),
       period_(configuration.period),
@@ -125,7 +125,8 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
   clock_.add(*sensor_);
   gravity_.emplace(world_, drives_, *sensor_, motors_);
   clock_.add(*gravity_);
-  controller_.emplace(configuration, *master_, *sensor_, clock_, memory, consoles, refinement);
+  controller_.emplace(configuration, *master_, *sensor_, clock_, memory, consoles, refinement,
+                      checks);
 }
 
 void VirtualCabinet::step() {

@@ -94,12 +94,13 @@ class VirtualGravity final : public simulated::TimeDriven {
 
 class VirtualCabinet {
  public:
-  // Preconditions: check() of both configurations; `memory`, `consoles`, and the `real_time` and
-  // `refinement` of the cabinet, where it has them, outlive it.
+  // Preconditions: check() of both configurations; `memory`, `consoles`, and the `real_time`,
+  // `refinement` and `checks` of the cabinet, where it has them, outlive it.
   VirtualCabinet(const controller::Configuration& configuration,
                  const canopen::Configuration& drives, const World& world,
                  hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles,
-                 hal::Clock* real_time = nullptr, controller::Refinement* refinement = nullptr);
+                 hal::Clock* real_time = nullptr, controller::Refinement* refinement = nullptr,
+                 controller::CheckMemory* checks = nullptr);
   VirtualCabinet(const VirtualCabinet&) = delete;
   VirtualCabinet& operator=(const VirtualCabinet&) = delete;
 

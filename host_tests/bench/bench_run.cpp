@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The bench run: armsigd against the emulated Puma 560, robot 1 of Table 2, over real SocketCAN and
 // a real serial line. Run it by host_tests/bench/run; the full runs take minutes and are a command
-// of their own, host_tests/bench/run --full.
+// of their own, host_tests/bench/run --full; ARMSIG_BENCH_SEED=K is another seed of the plant's
+// noise.
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <optional>
 #include <string>
 #include <thread>
@@ -47,8 +49,10 @@ Changes small() {
 }
 
 BenchProcess emulated_arm() {
+  const char* seed = std::getenv("ARMSIG_BENCH_SEED");
   return BenchProcess({"--target-mm", "150,0,50", "--start-deg", "0,-90,90,30,0,0", "--ping-ms",
-                       "15", "--step-us", "2000", "--sensor-node", "32"});
+                       "15", "--step-us", "2000", "--sensor-node", "32", "--seed",
+                       seed == nullptr ? "1" : seed});
 }
 
 const Vector3& target_in_hand() {

@@ -59,6 +59,37 @@ TEST(RefinedDeflections, are_left_out_where_there_are_none) {
   EXPECT_EQ(read_file(folder / "s.yaml").find("deflections:"), std::string::npos);
 }
 
+// What sweeps leave open at poses that they do not reach is said.
+TEST(RefinedDeflections, of_sweeps_are_no_promise_for_the_poses_between_them) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  double observed_squares = 0;
+  double stated_squares = 0;
+  for (const int seed : {1, 2, 3, 4}) {
+    const Outcome simulated =
+        run_tool(folder,
+                 "simulate --arm arm.yaml --tolerances 1 --sag-mm 1 --sigma-mm 0.1 --points 24 "
+                 "--hand-target-mm 100,40,120 --mixed-poses 60 --out all.csv --truth-out "
+                 "truth.yaml --seed " +
+                     std::to_string(seed));
+    ASSERT_EQ(simulated.status, 0) << simulated.err;
+    const Csv all = Csv::read(folder / "all.csv");
+    Csv sweeps = all;
+    std::erase_if(sweeps.rows, [&](const Fields& row) { return row[all.column("sweep")] == "0"; });
+    const Outcome outcome = refine(folder, sweeps, "--json");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const double stated_m = json::parse(outcome.out)["predicted_over_limits_m"];
+    write_joint_poses(all, folder / "q.csv");
+    const double observed_m =
+        rms_distance(predict(folder, "s.yaml", "1"), predict(folder, "truth.yaml", "1"));
+    observed_squares += observed_m * observed_m;
+    stated_squares += stated_m * stated_m;
+  }
+  const double ratio = std::sqrt(observed_squares / stated_squares);
+  EXPECT_GT(ratio, 0.6);
+  EXPECT_LT(ratio, 1.4);
+}
+
 TEST(RefinedDeflections, a_damaged_map_is_refused) {
   const Folder folder;
   ASSERT_EQ(refine(folder, with_wavy_readings(many_poses(folder))).status, 0);

@@ -72,9 +72,16 @@ TEST(RefinedRanges, of_sweeps_are_fitted_with_maps_of_the_readings_too) {
   const json result = json::parse(outcome.out);
   EXPECT_LT(result["cross_validation"]["mean_m"],
             0.4 * result["refinement"]["geometry_left_out_mean_m"].get<double>());
-  write_joint_poses(good, folder / "q.csv");
+  // At poses that were never measured.
+  const Outcome elsewhere =
+      run_tool(folder,
+               "simulate --arm arm.yaml --truth truth.yaml --sigma-mm 0 --hand-target-mm 80,30,120 "
+               "--points 2 --arc 30 --mixed-poses 200 --seed 8 --out fresh.csv");
+  ASSERT_EQ(elsewhere.status, 0) << elsewhere.err;
+  const Csv fresh = Csv::read(folder / "fresh.csv");
+  write_joint_poses(fresh, folder / "q.csv");
   const Csv truth = predict(folder, "truth.yaml", "1");
-  write_joint_poses(rows, folder / "q.csv");
+  write_joint_poses(with_wavy_readings(fresh), folder / "q.csv");
   const double ratio = rms_distance(predict(folder, "s.yaml", "1"), truth) /
                        result["predicted_tool_error_m"].get<double>();
   EXPECT_GT(ratio, 0.75);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The check of the whole controller on an arm that stays, changes, or is looked at from elsewhere.
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "firmware/controller/check_image.hpp"
 #include "host_tests/support/table_3_run.hpp"
 
 namespace armsig::controller {
@@ -163,6 +165,75 @@ TEST(Check, schedule_moves_the_arm_only_with_torque_at_rest_and_after_notice) {
   EXPECT_FALSE(heard(puma, "# check verdict"));
   puma.run(100);
   EXPECT_TRUE(heard(puma, "# check verdict=\"as accepted\""));
+}
+
+// A place for one image, as a program has it.
+struct OneImage final : CheckKeeper {
+  std::optional<CheckImage> image;
+  std::optional<Error> refusal;
+
+ private:
+  Result<Recalled> do_read(const CheckSubject& subject, CheckState& state) override {
+    if (!image) return Recalled::kNothing;
+    return decode(*image, subject, state);
+  }
+  Result<void> do_write(const CheckSubject& subject, const CheckState& state) override {
+    if (refusal) return std::unexpected(*refusal);
+    image = encode(subject, state);
+    return {};
+  }
+};
+
+struct Kept : Accepted {
+  Kept() { restart(); }
+  void restart(const Configuration& configuration = test::puma_controller()) {
+    checks = &place;
+    start(configuration, 3);
+    console.told.clear();
+    EXPECT_TRUE(enable());
+  }
+  OneImage place;
+};
+
+TEST(Check, goes_on_after_a_restart_with_what_it_had_learnt) {
+  Kept puma;
+  EXPECT_TRUE(checked(puma).contains(" learnt=1 of=20"));
+  EXPECT_FALSE(heard(puma, "# check history"));
+  EXPECT_TRUE(checked(puma).contains(" learnt=2 of=20"));
+  puma.restart();
+  EXPECT_TRUE(checked(puma).contains(" learnt=3 of=20"));
+  EXPECT_TRUE(heard(puma, "# check history recalled learnt=2 of=20"));
+  puma.restart();
+  puma.cabinet->arm().arm.joints[1].a_m += 1e-3;  // while nobody looked
+  EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"stepped\""));
+}
+
+TEST(Check, what_was_kept_of_another_signature_or_other_poses_is_named_and_learnt_anew) {
+  Kept puma;
+  ASSERT_TRUE(checked(puma).contains(" learnt=1 of=20"));
+  Configuration fewer = test::puma_controller();
+  fewer.check.poses = 8;
+  puma.restart(fewer);
+  EXPECT_TRUE(checked(puma).contains(" poses=8 "));
+  EXPECT_TRUE(
+      heard(puma, "# check history unused of=\"other poses\"; the reference is learnt anew"));
+  // Of the same number and date, by a store that was lost.
+  std::ranges::fill(puma.memory.bytes, hal::kErasedByte);
+  puma.start(fewer, 3);
+  ASSERT_TRUE(test::identify_and_accept(puma));
+  EXPECT_TRUE(checked(puma).contains(" learnt=1 of=20"));
+  EXPECT_TRUE(heard(puma, "# check history unused of=\"another signature\""));
+}
+
+TEST(Check, says_when_what_was_kept_is_torn_and_when_nothing_can_be_kept) {
+  Kept puma;
+  ASSERT_TRUE(checked(puma).contains(" learnt=1 of=20"));
+  puma.place.image->at(100) ^= 1;
+  puma.restart();
+  puma.place.refusal = Error::kStorageFull;
+  EXPECT_TRUE(checked(puma).contains(" learnt=1 of=20"));
+  EXPECT_TRUE(heard(puma, "# check history unused error=RECORD_CORRUPT reason=\""));
+  EXPECT_TRUE(heard(puma, "# check history not kept error=STORAGE_FULL"));
 }
 
 TEST(Check, without_a_schedule_nothing_moves_by_itself) {

@@ -8,6 +8,7 @@
 
 #include "core/base/pose.hpp"
 #include "firmware/fleet/host/signature_comparison.hpp"
+#include "firmware/fleet/wire/signature_document.hpp"
 
 namespace armsig::fleet {
 namespace {
@@ -57,7 +58,83 @@ TEST(FleetComparison, ChangeIsToldAtTheJointWhereItIs) {
   compared = compare_signatures(puma(), puma("theta5_deg", 0.1));
   ASSERT_TRUE(compared);
   for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_NEAR(compared->joints[i].zero_rad, i == 4 ? radians(0.1) : 0, 1e-6) << i;
+    EXPECT_NEAR(compared->joints[i].zero, i == 4 ? radians(0.1) : 0, 1e-6) << i;
+  }
+}
+
+// A slide, a map, gravity: a polar arm whose third joint is prismatic.
+std::string polar(double d3_mm, int knot, double sag) {
+  const std::string rows =
+      "theta1_deg=0 d1_mm=400 a1_mm=0 alpha1_deg=-90 theta2_deg=0 d2_mm=100 a2_mm=0 alpha2_deg=90 "
+      "theta3_deg=0 d3_mm=" +
+      std::to_string(d3_mm) + " a3_mm=0 alpha3_deg=0 ";
+  const std::array types{JointType::kRevolute, JointType::kRevolute, JointType::kPrismatic};
+  calibration::PackedDeflections deflections;
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    const JointLimits limits = i == 2 ? JointLimits{0.1, 0.9} : JointLimits{-2, 2};
+    deflections.maps.push_back({.domain = calibration::map_domain(types[i], limits), .step = 1e-8});
+  }
+  deflections.drawn_zero = {0.1, -0.2, 0.3};
+  for (std::int16_t& step : deflections.maps[1].steps) step = static_cast<std::int16_t>(knot);
+  deflections.gravity.push_back({.joint = 1, .origin = 3, .coefficient = sag});
+  return signature_document(rows.substr(0, rows.size() - 1), types, deflections);
+}
+
+TEST(FleetComparison, SlideIsASlideAndMapsAndGravityAreHeldAgainstEachOther) {
+  const auto same = compare_signatures(polar(0, 5000, 1e-4), polar(0, 5000, 1e-4));
+  ASSERT_TRUE(same);
+  EXPECT_TRUE(same->bends);
+  EXPECT_EQ(same->joints[2].type, JointType::kPrismatic);
+  for (const JointDifference& joint : same->joints) {
+    EXPECT_LT(joint.map + joint.gravity + std::abs(joint.zero), 1e-12);
+  }
+  const auto changed = compare_signatures(polar(2, 5000, 1e-4), polar(3, 9000, 3e-4));
+  ASSERT_TRUE(changed);
+  // The splines of a map whose knots are all the same sum up to that.
+  EXPECT_NEAR(changed->joints[1].map, 4000e-8, 1e-12);
+  EXPECT_NEAR(changed->joints[1].gravity, 2e-4, 1e-12);
+  EXPECT_EQ(changed->joints[0].map, 0);
+  EXPECT_EQ(changed->joints[2].gravity, 0);
+}
+
+TEST(FleetComparison, DocumentSaysWhatTheRecordDoes) {
+  const std::string document = polar(0, -321, 1.5e-5);
+  const auto read = read_signature_document(document);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->arm.joints.size(), 3U);
+  EXPECT_EQ(read->arm.joints[2].type, JointType::kPrismatic);
+  EXPECT_EQ(read->deflections.maps[1].steps[119], -321);
+  EXPECT_EQ(read->deflections.drawn_zero[1], -0.2);
+  const std::string rows = document.substr(0, document.find(" type3"));
+  const std::array types{JointType::kRevolute, JointType::kRevolute, JointType::kPrismatic};
+  EXPECT_EQ(signature_document(rows, types, read->deflections), document);
+  // An arm that is all revolute and does not bend keeps the document, and the hash, that it had.
+  const std::array<JointType, 6> revolute{};
+  EXPECT_EQ(signature_document(puma(), revolute, {}), puma());
+  EXPECT_FALSE(compare_signatures(rows, document));  // a slide is no revolute joint
+}
+
+TEST(FleetComparison, DocumentCutAnywhereOrBeyondAnyArmIsNone) {
+  const std::string document = polar(0, 100, 1e-4);
+  const std::size_t maps = document.find(" zero1_rad");
+  for (std::size_t size = maps + 1; size < document.size(); ++size) {
+    const std::string cut = document.substr(0, size);
+    if (const auto read = read_signature_document(cut)) {
+      // Before a gravity term, or within its number.
+      EXPECT_GE(size, document.find(" gravity=")) << cut;
+    }
+  }
+  for (const auto& [what, with] :
+       {std::pair{"map2_step_rad=1e-08", "map2_step_rad=1"},
+        std::pair{"gravity=2,3,", "gravity=2,9,"}, std::pair{"gravity=2,3,0.0001", "gravity=2,3,1"},
+        std::pair{"type3=prismatic", "type3=round"}, std::pair{"map1=0,0", "map1=0"},
+        std::pair{"map1=0,0", "map1=0,0,0"}, std::pair{"map1=0,0", "map1=40000,0"},
+        std::pair{"zero1_rad=0.1", "zero1_rad=inf"}}) {
+    std::string changed = document;
+    const std::size_t at = changed.find(what);
+    ASSERT_NE(at, std::string::npos) << what;
+    changed.replace(at, std::string(what).size(), with);
+    EXPECT_FALSE(read_signature_document(changed)) << with;
   }
 }
 
@@ -74,18 +151,18 @@ TEST(FleetComparison, NothingThatAnArmSaysIsTooMuch) {
        {"", "theta1_deg", "theta1_deg=", "theta1_deg=nan d1_mm=0 a1_mm=0 alpha1_deg=0",
         "theta1_deg=1 d1_mm=1 a1_mm=1", "theta2_deg=1 d2_mm=1 a2_mm=1 alpha2_deg=1",
         "theta1_deg=1,d1_mm=1 a1_mm=1 alpha1_deg=1"}) {
-    EXPECT_FALSE(arm_of_document(document)) << document;
+    EXPECT_FALSE(read_signature_document(document)) << document;
     EXPECT_FALSE(compare_signatures(puma(), document)) << document;
   }
   for (const std::string key : {"theta3_deg", "d3_mm", "a3_mm", "alpha3_deg"}) {
     for (const double value : {1e8, -9e8, 1e-300, 180.0, 90.0}) {
-      EXPECT_TRUE(arm_of_document(puma(key, value)));
+      EXPECT_TRUE(read_signature_document(puma(key, value)));
       (void)compare_signatures(puma(), puma(key, value));
       (void)compare_signatures(puma(key, value), puma());
     }
   }
   const std::string one = "theta1_deg=0 d1_mm=0 a1_mm=0 alpha1_deg=0";
-  ASSERT_TRUE(arm_of_document(one));
+  ASSERT_TRUE(read_signature_document(one));
   (void)compare_signatures(one, one);
 }
 

@@ -3,13 +3,18 @@
 #include <fstream>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "firmware/controller/fetching.hpp"
+#include "firmware/controller/signature_record.hpp"
 #include "firmware/fleet/journal/journal.hpp"
 #include "firmware/fleet/node/configuration.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
+#include "firmware/fleet/node/record_fetch.hpp"
 #include "firmware/fleet/node/sha256.hpp"
 #include "firmware/fleet/wire/row_codec.hpp"
+#include "firmware/fleet/wire/signature_document.hpp"
 #include "host_tests/support/failure_of.hpp"
 
 namespace armsig::fleet {
@@ -88,7 +93,82 @@ TEST(FleetNode, DocumentOfASignatureComesInRowsOfTheJournal) {
   }
   EXPECT_EQ(together, document);
   EXPECT_TRUE(readings_of_document("").empty());
-  EXPECT_TRUE(readings_of_document(std::string(64 * 96 + 1, 'a')).empty());
+  const std::size_t longest = kMostDocumentParts * Text::kLongest;
+  EXPECT_EQ(readings_of_document(std::string(longest, 'a')).size(), kMostDocumentParts);
+  EXPECT_TRUE(readings_of_document(std::string(longest + 1, 'a')).empty());
+}
+
+// A slide and a map, as a controller has them.
+controller::SignatureRecord bent_record() {
+  controller::SignatureRecord record;
+  Signature& signature = record.signature;
+  for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
+    signature.types.push_back(type);
+    signature.configuration.push_back(0);
+    record.deflections.maps.push_back({.domain = {.origin = -3, .per_length = 19}, .step = 1e-8});
+    record.machine.drives.push_back({});
+  }
+  for (int i = 0; i < 3; ++i) signature.X_SL.push_back({});
+  record.deflections.maps[0].steps[7] = -77;
+  record.deflections.gravity.push_back({.joint = 0, .origin = 2, .coefficient = 1e-4});
+  return record;
+}
+
+std::vector<std::string> fetched(const controller::RecordImage& image) {
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < image.size(); at += controller::kPartBytes) {
+    std::string line = "ok bytes=3932 parts=21 hex=";
+    for (std::size_t i = at; i < std::min(at + controller::kPartBytes, image.size()); ++i) {
+      line += fmt::format("{:02x}", image[i]);
+    }
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+std::string document_by(const std::vector<std::string>& lines) {
+  RecordFetch fetch;
+  fetch.begin("theta1_deg=0");
+  for (const std::string& line : lines) {
+    if (fetch.state() != RecordFetch::State::kAsks) break;
+    EXPECT_TRUE(fetch.take(line)) << line;
+  }
+  EXPECT_EQ(fetch.state(), RecordFetch::State::kWhole);
+  return fetch.document();
+}
+
+TEST(FleetNode, DocumentHasWhatTheRecordOfTheControllerAddsToTheRows) {
+  const controller::SignatureRecord record = bent_record();
+  static_assert(RecordFetch::kRecordBytes == controller::kRecordBytes);
+  static_assert(RecordFetch::kPartBytes == controller::kPartBytes);
+  const auto lines = fetched(encode(record));
+  ASSERT_EQ(lines.size(), 21U);
+  const std::string document = document_by(lines);
+  EXPECT_EQ(document,
+            signature_document("theta1_deg=0", record.signature.types, record.deflections));
+  EXPECT_TRUE(document.starts_with("theta1_deg=0 type2=prismatic zero1_rad=0 map1_from_rad=-3 "));
+  EXPECT_TRUE(document.contains("map1=0,0,0,0,0,0,0,-77,0"));
+  EXPECT_TRUE(document.ends_with(" gravity=1,2,0.0001"));
+}
+
+// Whatever the controller answers, the rows are told.
+TEST(FleetNode, RowsAreTheDocumentWhereNoRecordComes) {
+  auto lines = fetched(encode(bent_record()));
+  lines[4][60] = lines[4][60] == '0' ? '1' : '0';
+  EXPECT_EQ(document_by(lines), "theta1_deg=0") << "a wrong CRC";
+  for (const char* line :
+       {"error UNKNOWN_REQUEST no such request", "error UNSUPPORTED x",
+        "ok bytes=", "ok bytes=12 parts=1 hex=00", "ok bytes=3932 parts=21 hex=0"}) {
+    EXPECT_EQ(document_by({line}), "theta1_deg=0") << line;
+  }
+  lines = fetched(encode(bent_record()));
+  lines[20].back() = 'x';
+  EXPECT_EQ(document_by(lines), "theta1_deg=0") << "no digit";
+  RecordFetch fetch;
+  EXPECT_FALSE(fetch.take("ok bytes=3932 parts=21 hex=00")) << "nothing is asked for";
+  fetch.begin("theta1_deg=0");
+  EXPECT_FALSE(fetch.take("# mode holding"));
+  EXPECT_FALSE(fetch.take("ok mode=idle"));
 }
 
 TEST(FleetNode, CheckIsReadWithItsResidual) {

@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""The fleet's page with 1,000 arms in Chromium: with_record fleet_page_test.py ARMSIG_FLEET
+"""The fleet's page with 1,000 arms in Chromium: with_record fleet_page_test.py ARMSIG_FLEET AXE
+
+axe-core looks at every view for barriers; what it calls serious or critical fails.
 
 With ARMSIG_PICTURES=FOLDER the pages are also drawn there.
 """
@@ -19,15 +21,20 @@ import urllib.request
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "web"))
 from browser import Browser, Tab, chromium  # noqa: E402
 
-program = sys.argv.pop(1)
+program, axe = sys.argv[1:3]
+del sys.argv[1:3]
 record = os.environ["ARMSIG_RECORD"]
 pictures = os.environ.get("ARMSIG_PICTURES")
+FIND = """axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) => violations.map(({ impact, id, nodes }) =>
+  [impact, id, nodes.map(({ target, any }) => `${target.join(' ')}: ${any[0]?.message ?? ''}`).slice(0, 3)]))"""
 SIZES = ((1400, 900), (800, 1000), (390, 844))
 ARMS = 1000
 FIRST_VIEW_MS = 1000
 FORMER = ("theta1_deg=0.010000 d1_mm=0.0000 a1_mm=0.0000 alpha1_deg=-90.000000 theta2_deg=0.000000 d2_mm=149.0900 "
           "a2_mm=431.8000 alpha2_deg=0.001000 theta3_deg=90.000000 d3_mm=0.0000 a3_mm=-20.3200 alpha3_deg=90.000000")
-ACTUAL = FORMER.replace("a2_mm=431.8000", "a2_mm=432.2000").replace("alpha3_deg=90.000000", "alpha3_deg=90.050000")
+BENDS = "".join(f" zero{n}_rad=0 map{n}_from_rad=-3.1 map{n}_knots_per_rad=19 map{n}_step_rad=1e-08 map{n}="
+                + ",".join(str(300 * n * (k % 5)) for k in range(120)) for n in (1, 2, 3)) + " gravity=2,3,1.5e-05"
+ACTUAL = FORMER.replace("a2_mm=431.8000", "a2_mm=432.2000").replace("alpha3_deg=90.000000", "alpha3_deg=90.050000") + BENDS
 FILL = """
 INSERT INTO arm (node, online, current) SELECT 'arm-' || n, n % 50 <> 0, jsonb_build_object('mode',
   CASE WHEN n % 211 = 0 THEN 'faulted' ELSE 'servoing' END, 'fault', CASE WHEN n % 211 = 0 THEN
@@ -153,9 +160,26 @@ class FleetPage(unittest.TestCase):
             tab.look(width, height)
             self.look(tab, f"signature-{width}")
 
+    def test_no_view_has_a_barrier(self):
+        with open(axe) as file:
+            script = file.read()
+        # Of a thousand rows alike, forty are enough.
+        few = "[...document.querySelectorAll('tr')].slice(40).forEach(row => row.remove()); true"
+        for path in ("/", "/arm/arm-777", "/arm/arm-3", f"/signature/{sha256(ACTUAL)}", f"/signature/{sha256(FORMER)}",
+                     f"/compare/{sha256(FORMER)}/{sha256(ACTUAL)}"):
+            tab = self.open(path)
+            tab.ask(script + "; true")
+            tab.ask(few)
+            tab.ask("document.querySelectorAll('details').forEach(one => { one.open = true }); true")
+            for width, height, dark in ((1400, 900, False), (1400, 900, True), (390, 844, False), (390, 844, True)):
+                tab.look(width, height, dark)
+                with self.subTest(path, width=width, dark=dark):
+                    self.assertEqual([found for found in tab.ask(FIND) if found[0] in ("serious", "critical")], [])
+
     def test_two_signatures_are_held_against_each_other(self):
         tab = self.open(f"/compare/{sha256(FORMER)}/{sha256(ACTUAL)}")
         self.assertRegex(tab.ask("document.body.innerText"), r"Together 0\.\d+ mm at the tool")
+        self.assertIn("gravity", tab.ask("document.querySelector('table').innerText"))
         self.look(tab, "compare")
         self.assertEqual(self.get(f"/compare/{sha256('x')}/{sha256(ACTUAL)}"), "")
         self.assertTrue(re.search(r"^armsig_arms_drifting 1$", self.get("/metrics"), re.M))

@@ -27,8 +27,8 @@ class FleetRecord : public testing::Test {
     ASSERT_TRUE(database) << problem;
     ASSERT_TRUE(database->ask("TRUNCATE arm, row, signature CASCADE"));
   }
-  std::string one(const char* question) {
-    const auto table = database->ask(question);
+  std::string one(const std::string& question) {
+    const auto table = database->ask(question.c_str());
     EXPECT_TRUE(table) << database->problem();
     if (!table || table->empty()) return "nothing";
     return (*table)[0][0].value_or("null");
@@ -213,6 +213,49 @@ TEST_F(FleetRecord, DocumentOfASignatureIsPutTogetherUnderItsHash) {
   EXPECT_EQ(one("SELECT current ? 'document_text' FROM arm"), "f") << "of rows, not of the arm";
 }
 
+// Two joints, the second a slide, with maps and gravity.
+std::string bent(const std::string& a2_mm, int knot, const std::string& sag) {
+  std::string document =
+      "theta1_deg=0 d1_mm=1.5 a1_mm=0 alpha1_deg=-90 theta2_deg=0 d2_mm=2 a2_mm=" + a2_mm +
+      " alpha2_deg=0 type2=prismatic";
+  for (const char* const joint : {"1_rad", "2_m"}) {
+    const std::string n(1, joint[0]);
+    const std::string unit = joint + 1;
+    document += " zero" + n + unit + "=0 map" + n + "_from" + unit + "=-3 map" + n + "_knots_per" +
+                unit + "=19 map" + n + "_step" + unit + "=1e-06 map" + n + "=" +
+                std::to_string(knot);
+    for (int i = 1; i < 120; ++i) document += ",0";
+  }
+  return document + " gravity=1,1,0.001 gravity=1,2," + sag;
+}
+
+TEST_F(FleetRecord, SignaturesAreComparedJointByJointInSql) {
+  const std::string former = bent("10", 0, "-1e-05");
+  const std::string actual = bent("10.25", -100, "2e-05");
+  Batch batch = born();
+  batch.rows = told(former, 1);
+  const std::uint64_t next = batch.rows.size() + 1;
+  for (StoredRow& row : told(actual, next)) batch.rows.push_back(row);
+  store(batch);
+  ASSERT_EQ(one("SELECT count(*) FROM signature"), "2");
+  EXPECT_EQ(one("SELECT count(*) FROM signature_joint"), "4");
+  EXPECT_EQ(one("SELECT string_agg(type, ' ' ORDER BY joint) FROM signature_joint WHERE hash = '" +
+                sha256(actual) + "'"),
+            "revolute prismatic");
+  const auto change = [&](const std::string& what, int joint) {
+    return std::stod(one("SELECT " + what + " FROM signature_changes('" + sha256(former) + "', '" +
+                         sha256(actual) + "') WHERE joint = " + std::to_string(joint)));
+  };
+  EXPECT_NEAR(change("a_mm", 2), 0.25, 1e-9);
+  EXPECT_NEAR(change("d_mm", 1), 0, 1e-12);
+  EXPECT_NEAR(change("map", 1), degrees(1e-4), 1e-9);  // of a hundred steps
+  EXPECT_NEAR(change("map", 2), 0.1, 1e-9);            // mm
+  EXPECT_NEAR(change("gravity", 1), degrees(3e-5), 1e-9);
+  EXPECT_EQ(one("SELECT gravity IS NULL FROM signature_changes('" + sha256(former) + "', '" +
+                sha256(actual) + "') WHERE joint = 2"),
+            "t");
+}
+
 TEST_F(FleetRecord, DocumentThatIsNotWhatItsHashSaysIsRefusedAndCounted) {
   Batch batch = born();
   batch.rows = told(kParameters, 1);
@@ -230,7 +273,8 @@ TEST_F(FleetRecord, PartsThatAreNoneStopNothing) {
   Batch batch = born();
   const std::uint64_t huge = ~std::uint64_t{0};
   std::uint64_t number = 0;
-  for (const auto& [part, parts] : {std::pair{huge, huge}, {0UL, 1UL}, {2UL, 1UL}, {1UL, 65UL}}) {
+  for (const auto& [part, parts] :
+       {std::pair{huge, huge}, {0UL, 1UL}, {2UL, 1UL}, {1UL, kMostDocumentParts + 1}}) {
     batch.rows.push_back(row(++number, {Item::kDocumentHash, Text(sha256("x"))}));
     batch.rows.back().readings.push_back({Item::kDocumentPart, part});
     batch.rows.back().readings.push_back({Item::kDocumentParts, parts});
@@ -261,7 +305,7 @@ TEST_F(FleetRecord, EachChangeOfSignatureIsKeptOnce) {
 TEST_F(FleetRecord, SchemaIsBroughtUpToDateOnce) {
   std::string why;
   ASSERT_TRUE(Database::open(std::getenv("ARMSIG_RECORD"), kDrift, why)) << why;
-  EXPECT_EQ(one("SELECT count(*) FROM migration"), "3");
+  EXPECT_EQ(one("SELECT count(*) FROM migration"), "4");
   EXPECT_EQ(one("SELECT h FROM drift_setting"), "5.6");
 }
 

@@ -177,7 +177,7 @@ class ReportPage(unittest.TestCase):
             self.assertAlmostEqual(number(off), scale * sigma, delta=0.0006)
 
     def test_tells_in_words_what_its_charts_show(self):
-        self.assertEqual(self.dom.count('class="values"'), 6)
+        self.assertEqual(self.dom.count('class="values"'), 7)  # of six joints, and of the map of the error
         self.assertRegex(self.dom, r'id="map"[^>]*aria-label="[^"]*From [0-9.]+ (mm|µm) to [0-9.]+ (mm|µm)\.')
         self.assertRegex(self.dom, r'id="download"[^>]*href="blob:')
         self.assertIn('touch-action: pan-y', re.search(r'<canvas id="arm"[^>]*>', self.dom)[0])

@@ -84,7 +84,7 @@ struct PumaCabinet {
     }
     world.first_serial = first_serial;
     cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, *device,
-                                                        consoles);
+                                                        consoles, nullptr, nullptr, checks);
   }
   void run(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds / 0.002); ++i) cabinet->step();
@@ -119,6 +119,7 @@ struct PumaCabinet {
   // From the next start on.
   hal::NonvolatileMemory* device = &memory;
   std::uint32_t first_serial = 1001;  // of the drives
+  controller::CheckMemory* checks = nullptr;
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "core/base/pose.hpp"
 #include "firmware/fleet/host/html.hpp"
 #include "firmware/fleet/host/signature_comparison.hpp"
+#include "firmware/fleet/wire/signature_document.hpp"
 
 namespace armsig::fleet {
 namespace {
@@ -33,7 +35,8 @@ constexpr const char* kNow =
 
 constexpr const char* kChecks =
     "SELECT sqrt((reading ->> 'dx_mm')::double precision ^ 2 + "
-    "(reading ->> 'dy_mm')::double precision ^ 2 + (reading ->> 'dz_mm')::double precision ^ 2) "
+    "(reading ->> 'dy_mm')::double precision ^ 2 + (reading ->> 'dz_mm')::double precision ^ 2), "
+    "to_char(at AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI') "
     "FROM row WHERE node = $1 AND reading ? 'dx_mm' "
     "AND abs((reading ->> 'dx_mm')::double precision) < 1e6 "
     "AND abs((reading ->> 'dy_mm')::double precision) < 1e6 "
@@ -73,7 +76,7 @@ std::string fact(std::string_view name, const Cell& value, std::string_view attr
 
 std::string now(const Table& table) {
   const auto& row = table[0];
-  std::string text = "<h2>Now</h2><div><table class=f>";
+  std::string text = "<h2>Now</h2>" + table_head("now", " class=f");
   text += row[0] == "t" ? fact("state", row[1]) : fact("state", "away", " class=bad");
   text += fact("fault", row[2], " class=bad");
   if (row[3]) text += fact("accuracy, held-out poses", decimals(row[3], 3) + " mm");
@@ -86,7 +89,8 @@ std::string now(const Table& table) {
   return text + "</table></div>";
 }
 
-// The length of each check's mean residual, the oldest at the left.
+// The length of each check's mean residual, the oldest at the left, and as numbers, the newest
+// first.
 std::string chart(const Table& checks) {
   if (checks.size() < 2) return "";
   double largest = 0.01;
@@ -102,36 +106,72 @@ std::string chart(const Table& checks) {
     points += fmt::format("{:.1f},{:.1f} ", place * kWidth / static_cast<double>(checks.size() - 1),
                           kHeight * (1 - length / largest));
   }
-  return fmt::format(
+  std::string text = fmt::format(
       "<h2>Mean residual of the last {} checks</h2><p>The largest is {:.3f} mm.</p>"
       "<svg viewBox=\"-5 -5 {} {}\" role=img aria-label=\"length of the mean residual, check by "
-      "check\"><polyline points=\"{}\"/></svg>",
+      "check; the numbers are below\"><polyline points=\"{}\"/></svg>",
       checks.size(), largest, kWidth + 10, kHeight + 10, points);
+  text += "<details><summary>The numbers</summary>" + table_head("mean residuals") +
+          "<tr><th>checked, UTC<th class=n>mean residual, mm</tr>";
+  for (const auto& row : checks) {
+    text += "<tr>" + cell(row[1]) + cell(decimals(row[0], 4), kNumber) + "</tr>";
+  }
+  return text + "</table></div></details>";
+}
+
+// An angle in degrees, a length in mm; of a slide with its unit.
+std::string of_joint(JointType type, double value, int count) {
+  return type == JointType::kPrismatic ? fmt::format("{:.{}f} mm", 1e3 * value, count)
+                                       : fmt::format("{:.{}f}", degrees(value), count);
+}
+
+// With the sign of a change; none where it is nought in so many decimals.
+std::string with_sign(std::string number) {
+  const bool negative = number.starts_with('-');
+  if (number.find_first_of("123456789") == std::string::npos) {
+    return negative ? number.substr(1) : number;
+  }
+  return negative ? number : "+" + number;
 }
 
 std::string comparison_of(std::string_view before, std::string_view actual) {
   const auto compared = compare_signatures(before, actual);
   if (!compared) return "<p>These two are not of one arm, or cannot be read.</p>";
-  std::string text =
-      "<div><table><tr><th>joint<th class=n>axis tilted, \u00b0<th class=n>shifted, mm"
-      "<th class=n>zero, \u00b0<th class=n>adds at the tool, mm</tr>";
+  std::string text = table_head("joint by joint") +
+                     "<tr><th>joint<th class=n>axis tilted, \u00b0<th class=n>shifted, mm"
+                     "<th class=n>zero, \u00b0<th class=n>adds at the tool, mm";
+  if (compared->bends) text += "<th class=n>map, \u00b0<th class=n>gravity, \u00b0 a metre";
+  text += "</tr>";
   for (std::size_t i = 0; i < compared->joints.size(); ++i) {
     const JointDifference& joint = compared->joints[i];
-    text += fmt::format(
-        "<tr><th>{}<td class=n>{:.4f}<td class=n>{:.3f}<td class=n>{:+.4f}<td class=n>{:+.3f}</tr>",
-        i + 1, degrees(joint.tilt_rad), 1e3 * joint.shift_m, degrees(joint.zero_rad),
-        1e3 * joint.adds_m);
+    text +=
+        fmt::format("<tr><th>{}<td class=n>{:.4f}<td class=n>{:.3f}<td class=n>{}<td class=n>{}",
+                    i + 1, degrees(joint.tilt_rad), 1e3 * joint.shift_m,
+                    with_sign(of_joint(joint.type, joint.zero, 4)),
+                    with_sign(fmt::format("{:.3f}", 1e3 * joint.adds_m)));
+    if (compared->bends) {
+      text += fmt::format("<td class=n>{}<td class=n>{}", of_joint(joint.type, joint.map, 4),
+                          of_joint(joint.type, joint.gravity, 5));
+    }
+    text += "</tr>";
   }
-  return text + fmt::format(
-                    "</table></div><p>Together {:.3f} mm at the tool (RMS over the work volume, "
-                    "base and tool fitted). Each axis is held against the link before it.</p>",
-                    1e3 * compared->tool_rms_m);
+  text += fmt::format(
+      "</table></div><p>Together {:.3f} mm at the tool (RMS over the work volume, "
+      "base and tool fitted). Each axis is held against the link before it.",
+      1e3 * compared->tool_rms_m);
+  if (compared->bends) {
+    text +=
+        " Map and gravity are the largest changes of what a joint's reading is wrong by, and of "
+        "what it gives way by for a metre of lever; the sum has none of them.";
+  }
+  return text + "</p>";
 }
 
 std::string signatures(const Table& worn) {
   if (worn.empty()) return "";
   std::string text =
-      "<h2>Signatures</h2><div><table><tr><th>since, UTC<th>signature<th>identified, UTC"
+      "<h2>Signatures</h2>" + table_head("signatures") +
+      "<tr><th>since, UTC<th>signature<th>identified, UTC"
       "<th class=n>predicted \u03c3, mm<th class=n>held out, mm<th class=n>air, \u00b0C"
       "<th>joint by joint</tr>";
   std::string newest;  // the last change of which both documents are there
@@ -165,14 +205,38 @@ Answer one_arm(std::string_view node, Database& database) {
   if (!there || !checks || !worn || !rows) return kNoRecord;
   if (there->empty()) return {.status = 404, .body = "no such arm\n"};
   Answer page{.body = page_head(node)};
-  page.body += fmt::format("<p><a href=\"/\">all arms</a><h1>{}</h1>", escaped(node));
+  page.body += fmt::format("<p><a href=\"/\">all arms</a></p><h1>{}</h1>", escaped(node));
   page.body += now(*there) + chart(*checks) + signatures(*worn);
-  page.body += "<h2>History</h2><div><table><tr><th>time, UTC<th>what it told</tr>";
+  page.body +=
+      "<h2>History</h2>" + table_head("history") + "<tr><th>time, UTC<th>what it told</tr>";
   for (const auto& row : *rows) {
     page.body += "<tr>" + cell(row[0]) + cell(row[1], " class=long") + "</tr>";
   }
   page.body += "</table></div>";
   return page;
+}
+
+// Of each joint the largest value of its map, and what gravity does to it.
+std::string bends_of(const DocumentedSignature& signature) {
+  if (signature.deflections.empty()) return "";
+  const auto model =
+      std::make_unique<calibration::ArmModel>(unpacked(signature.deflections, signature.arm));
+  std::string text = "<h2>Maps of the readings, and gravity</h2>" + table_head("maps and gravity") +
+                     "<tr><th>joint<th class=n>largest of its map, \u00b0<th class=n>gives way "
+                     "by, \u00b0 a metre of lever</tr>";
+  for (std::size_t i = 0; i < model->joint_count(); ++i) {
+    JointDifference joint{.type = model->joints[i].type};
+    const auto& map = signature.deflections.maps[i];
+    for (const std::int16_t step : map.steps) {
+      joint.map = std::max(joint.map, map.step * std::abs(static_cast<double>(step)));
+    }
+    for (const auto& term : model->gravity) {
+      if (term.joint == i) joint.gravity = std::max(joint.gravity, std::abs(term.coefficient));
+    }
+    text += fmt::format("<tr><th>{}<td class=n>{}<td class=n>{}</tr>", i + 1,
+                        of_joint(joint.type, joint.map, 4), of_joint(joint.type, joint.gravity, 5));
+  }
+  return text + "</table></div>";
 }
 
 // The report of one signature: who goes by it, what it was told to be worth, and what it says.
@@ -183,10 +247,11 @@ Answer signature(const std::string& hash, Database& database) {
   if (wearers->empty() && document->empty()) return {.status = 404, .body = "no such signature\n"};
   Answer page{.body = page_head("Signature " + hash.substr(0, 12))};
   page.body += fmt::format(
-      "<p><a href=\"/\">all arms</a><h1>Signature {}</h1><p>SHA-256 {}</p><h2>Arms that went by "
-      "it</h2><div><table><tr><th>arm<th>since, UTC<th>identified, UTC<th class=n>predicted "
+      "<p><a href=\"/\">all arms</a></p><h1>Signature {0}</h1><p>SHA-256 {1}</p><h2>Arms that went "
+      "by "
+      "it</h2>{2}<tr><th>arm<th>since, UTC<th>identified, UTC<th class=n>predicted "
       "\u03c3, mm<th class=n>held out, mm<th class=n>air, \u00b0C</tr>",
-      hash.substr(0, 12), hash);
+      hash.substr(0, 12), hash, table_head("arms that went by it"));
   for (const auto& row : *wearers) {
     const std::string name = escaped(row[0].value_or(""));
     page.body += fmt::format("<tr><td><a href=\"{0}{1}\">{1}</a>", kArm, name);
@@ -199,21 +264,25 @@ Answer signature(const std::string& hash, Database& database) {
     return page;
   }
   const std::string text = (*document)[0][0].value_or("");
-  if (const auto arm = arm_of_document(text)) {
-    page.body +=
-        "<div><table><tr><th>joint<th class=n>\u03b8, \u00b0<th class=n>d, mm<th class=n>a, mm"
-        "<th class=n>\u03b1, \u00b0</tr>";
+  if (const auto documented = read_signature_document(text)) {
+    const Arm* arm = &documented->arm;
+    page.body += table_head("parameters") +
+                 "<tr><th>joint<th>type<th class=n>\u03b8, \u00b0<th class=n>d, mm<th class=n>a, mm"
+                 "<th class=n>\u03b1, \u00b0</tr>";
     for (std::size_t i = 0; i < arm->joints.size(); ++i) {
       const DhJoint& row = arm->joints[i];
       page.body += fmt::format(
-          "<tr><th>{}<td class=n>{:.6f}<td class=n>{:.4f}<td class=n>{:.4f}<td class=n>{:.6f}</tr>",
-          i + 1, degrees(row.theta_rad), 1e3 * row.d_m, 1e3 * row.a_m, degrees(row.alpha_rad));
+          "<tr><th>{}<td>{}<td class=n>{:.6f}<td class=n>{:.4f}<td class=n>{:.4f}"
+          "<td class=n>{:.6f}</tr>",
+          i + 1, row.type == JointType::kPrismatic ? "prismatic" : "revolute",
+          degrees(row.theta_rad), 1e3 * row.d_m, 1e3 * row.a_m, degrees(row.alpha_rad));
     }
     page.body +=
         "</table></div><p>Pseudo Denavit-Hartenberg rows; near parallel axes only their product "
         "means anything.</p>";
+    page.body += bends_of(*documented);
   }
-  page.body += fmt::format("<h2>Document</h2><table><tr><td class=long>{}</table>", escaped(text));
+  page.body += fmt::format("<h2>Document</h2><p class=long>{}</p>", escaped(text));
   return page;
 }
 
@@ -223,7 +292,7 @@ Answer comparison(const std::string& before, const std::string& actual, Database
   if (!former || !newer) return kNoRecord;
   if (former->empty() || newer->empty()) return {.status = 404, .body = "no such signature\n"};
   Answer page{.body = page_head("Two signatures")};
-  page.body += fmt::format("<p><a href=\"/\">all arms</a><h1>{} against {}</h1>",
+  page.body += fmt::format("<p><a href=\"/\">all arms</a></p><h1>{} against {}</h1>",
                            link_to_signature(actual), link_to_signature(before));
   page.body += comparison_of((*former)[0][0].value_or(""), (*newer)[0][0].value_or(""));
   return page;

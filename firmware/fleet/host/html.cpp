@@ -16,10 +16,15 @@ constexpr std::string_view kStyle =
     "th,td{text-align:left;padding:.3rem .9rem .3rem 0;border-bottom:1px solid #d0d7de}"
     "th{position:sticky;top:0;background:#fff}.n{text-align:right;"
     "font-variant-numeric:tabular-nums}.bad{color:#b3261e;font-weight:600}a{color:#0b57d0}"
-    ".f{white-space:normal}td.long{white-space:normal;overflow-wrap:anywhere;min-width:16rem}"
-    "svg{max-width:100%;height:auto}polyline{fill:none;stroke:#0b57d0;stroke-width:1.5}"
+    ".f{white-space:normal}.long{white-space:normal;overflow-wrap:anywhere;min-width:16rem}"
+    "details{margin:.4rem "
+    "0}summary{cursor:pointer}svg{max-width:100%;height:auto}polyline{fill:none;stroke:#0b57d0;"
+    "stroke-width:1.5}"
     "@media(prefers-color-scheme:dark){body,th{color:#e6e9ed;background:#14171a}"
-    "th,td{border-color:#3a4149}a{color:#8ab4f8}.bad{color:#ff8a80}polyline{stroke:#8ab4f8}}";
+    "th,td{border-color:#3a4149}a{color:#8ab4f8}.bad{color:#ff8a80}polyline{stroke:#8ab4f8}}"
+    "@media print{body{margin:0;max-width:none;font-size:10pt}th{position:static}"
+    "div{overflow:visible}table{white-space:normal}tr,svg{break-inside:avoid}"
+    "h1,h2{break-after:avoid}thead{display:table-header-group}}";
 
 }  // namespace
 
@@ -49,8 +54,13 @@ std::string escaped(std::string_view text) {
 std::string page_head(std::string_view title) {
   return fmt::format(
       "<!doctype html><html lang=en><meta charset=utf-8>"
-      "<meta name=viewport content=\"width=device-width\"><title>{}</title><style>{}</style>",
+      "<meta name=viewport content=\"width=device-width\"><title>{}</title><style>{}</style><main>",
       escaped(title), kStyle);
+}
+
+std::string table_head(std::string_view what, std::string_view attributes) {
+  return fmt::format("<div role=region tabindex=0 aria-label=\"{}\"><table{}>", escaped(what),
+                     attributes);
 }
 
 std::string cell(const Cell& text, std::string_view attributes) {

@@ -34,10 +34,10 @@ Answer arms(Database& database) {
       std::ranges::count_if(*table, [](const auto& row) { return row[6] == "t"; });
   const auto there = std::ranges::count_if(*table, [](const auto& row) { return row[1] == "t"; });
   page.body += fmt::format(
-      "<h1>{} arms</h1><p>{} there, {} drifting<div><table><tr>"
-      "<th>arm<th>state<th>fault<th>accuracy, mm<th>drift<th>last check, UTC"
+      "<h1>{} arms</h1><p>{} there, {} drifting</p>{}<tr>"
+      "<th>arm<th>state<th>fault<th class=n>accuracy, mm<th class=n>drift<th>last check, UTC"
       "<th>verdict<th>signature<th>firmware</tr>",
-      table->size(), there, drifting);
+      table->size(), there, drifting, table_head("arms"));
   for (const auto& row : *table) {
     const std::string name = escaped(row[0].value_or(""));
     page.body += fmt::format("<tr><td><a href=\"/arm/{0}\">{0}</a></td>", name);
@@ -52,7 +52,7 @@ Answer arms(Database& database) {
   }
   page.body +=
       "</table></div><p>Drift: the sum of all checks over its threshold; from 1 on the arm "
-      "is named.";
+      "is named.</p>";
   return page;
 }
 

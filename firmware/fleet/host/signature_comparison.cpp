@@ -1,71 +1,83 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/fleet/host/signature_comparison.hpp"
 
-#include <array>
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
-
-#include <fmt/format.h>
 
 #include "core/evaluation/differences.hpp"
 #include "core/identification.hpp"
+#include "firmware/fleet/wire/signature_document.hpp"
 
 namespace armsig::fleet {
 namespace {
 
-constexpr double kLargest = 1e9;  // degrees or mm; an arm has none such
+using calibration::ArmModel;
+using calibration::GravityTerm;
+using calibration::JointModel;
 
-// Takes `name=NUMBER` from the front of `text`, with the space after it.
-bool take(std::string_view& text, const std::string& name, double& value) {
-  if (!text.starts_with(name) || text.substr(name.size(), 1) != "=") return false;
-  text.remove_prefix(name.size() + 1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || !(std::abs(value) < kLargest)) return false;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  if (text.empty()) return true;
-  if (!text.starts_with(' ')) return false;
-  text.remove_prefix(1);
-  return true;
+constexpr int kLooks = 720;  // along a map
+
+double largest_change(const JointModel& before, const JointModel& now) {
+  double largest = 0;
+  for (const JointModel* of : {&before, &now}) {
+    if (!(of->domain.per_length > 0)) continue;
+    const double length = calibration::kKnots / of->domain.per_length;
+    for (int i = 0; i < kLooks; ++i) {
+      const double reading = of->domain.origin + length * i / kLooks;
+      const auto value = [&](const JointModel& joint) {
+        return joint.domain.per_length > 0 ? calibration::map_at(joint, reading) : 0;
+      };
+      largest = std::max(largest, std::abs(value(now) - value(before)));
+    }
+  }
+  return largest;
+}
+
+double coefficient(const ArmModel& model, const GravityTerm& like) {
+  double sum = 0;
+  for (const GravityTerm& term : model.gravity) {
+    if (term.joint == like.joint && term.origin == like.origin) sum += term.coefficient;
+  }
+  return sum;
+}
+
+// Large: out of the caller's way.
+void compare_bends(const DocumentedSignature& before, const DocumentedSignature& now,
+                   SignatureComparison& comparison) {
+  comparison.bends = !before.deflections.empty() || !now.deflections.empty();
+  if (!comparison.bends) return;
+  const auto former = std::make_unique<ArmModel>(unpacked(before.deflections, before.arm));
+  const auto actual = std::make_unique<ArmModel>(unpacked(now.deflections, now.arm));
+  for (std::size_t i = 0; i < comparison.joints.size(); ++i) {
+    comparison.joints[i].map = largest_change(former->joints[i], actual->joints[i]);
+  }
+  for (const ArmModel* of : {former.get(), actual.get()}) {
+    for (const GravityTerm& term : of->gravity) {
+      double& largest = comparison.joints[term.joint].gravity;
+      largest =
+          std::max(largest, std::abs(coefficient(*actual, term) - coefficient(*former, term)));
+    }
+  }
+}
+
+bool same_joints(const Arm& a, const Arm& b) {
+  return std::ranges::equal(a.joints, b.joints, {}, &DhJoint::type, &DhJoint::type);
 }
 
 }  // namespace
 
-std::optional<Arm> arm_of_document(std::string_view document) {
-  Arm arm;
-  while (!document.empty()) {
-    const std::size_t i = arm.joints.size() + 1;
-    if (i > kMaxJoints) return std::nullopt;
-    std::array<double, 4> row{};
-    const bool good = take(document, fmt::format("theta{}_deg", i), row[0]) &&
-                      take(document, fmt::format("d{}_mm", i), row[1]) &&
-                      take(document, fmt::format("a{}_mm", i), row[2]) &&
-                      take(document, fmt::format("alpha{}_deg", i), row[3]);
-    if (!good) return std::nullopt;
-    DhJoint joint;
-    joint.theta_rad = radians(row[0]);
-    joint.d_m = 1e-3 * row[1];
-    joint.a_m = 1e-3 * row[2];
-    joint.alpha_rad = radians(row[3]);
-    arm.joints.push_back(joint);
-    arm.limits.push_back({.lower = -std::numbers::pi, .upper = std::numbers::pi});
-  }
-  if (arm.joints.empty()) return std::nullopt;
-  return arm;
-}
-
 std::optional<SignatureComparison> compare_signatures(std::string_view before,
                                                       std::string_view now) {
-  const auto former = arm_of_document(before);
-  const auto actual = arm_of_document(now);
-  if (!former || !actual || former->joints.size() != actual->joints.size()) return std::nullopt;
-  const std::size_t n = actual->joints.size();
+  const auto former = read_signature_document(before);
+  const auto actual = read_signature_document(now);
+  if (!former || !actual || !same_joints(former->arm, actual->arm)) return std::nullopt;
+  const std::size_t n = actual->arm.joints.size();
   // Too large for a stack. Without unknowns: exact.
   const auto exact = std::make_unique<refinement::Refined>();
   const KnownTarget tool{.number = 1, .link = n, .p_F = Vector3(0, 0, 0.1)};
-  exact->signature = signature_of(*actual, JointVector(n), {}, std::span(&tool, 1));
-  const auto found = evaluation::differences(*former, *exact, 0);
+  exact->signature = signature_of(actual->arm, JointVector(n), {}, std::span(&tool, 1));
+  const auto found = evaluation::differences(former->arm, *exact, 0);
   if (!found) return std::nullopt;
   SignatureComparison comparison{.joints = std::vector<JointDifference>(n),
                                  .tool_rms_m = found->total_rms_m};
@@ -78,9 +90,11 @@ std::optional<SignatureComparison> compare_signatures(std::string_view before,
     } else if (difference.cause == Cause::kShiftX || difference.cause == Cause::kShiftY) {
       joint.shift_m = std::hypot(joint.shift_m, difference.value);
     } else if (difference.cause == Cause::kZero) {
-      joint.zero_rad = difference.value;
+      joint.zero = difference.value;
     }
   }
+  for (std::size_t i = 0; i < n; ++i) comparison.joints[i].type = actual->arm.joints[i].type;
+  compare_bends(*former, *actual, comparison);
   return comparison;
 }
 

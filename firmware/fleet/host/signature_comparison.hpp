@@ -10,26 +10,26 @@
 
 namespace armsig::fleet {
 
-// The arm that a document describes: `theta1_deg= d1_mm= a1_mm= alpha1_deg= theta2_deg= ...`, as
-// the controller tells it. The document does not say which joints are prismatic: every joint is
-// taken to be revolute, with a whole turn. None: it is no such document.
-[[nodiscard]] std::optional<Arm> arm_of_document(std::string_view document);
-
 // How an axis lies on the link before it, against how it lay, and its zero.
 struct JointDifference {
   double tilt_rad = 0;
   double shift_m = 0;
-  double zero_rad = 0;
-  double adds_m = 0;  // to tool_rms_m
+  double zero = 0;     // rad; m of a prismatic joint, as are the next two
+  double map = 0;      // the largest change of its reading's map
+  double gravity = 0;  // the largest change of what it gives way by, per metre of lever
+  double adds_m = 0;   // to tool_rms_m
+  JointType type = JointType::kRevolute;
 };
 struct SignatureComparison {
   std::vector<JointDifference> joints;
   double tool_rms_m = 0;  // over the work volume, base and tool fitted: the sum of all adds_m
+  bool bends = false;     // either has maps or gravity
 };
 
 // core/evaluation/differences.hpp with `before` as the drawing, at a point 0.1 m along the last
 // axis: Denavit-Hartenberg rows say nothing near parallel axes, the lines of the axes do. None: a
-// document is none, they are of other numbers of joints, or too different to be one arm's.
+// document is none, they are of other joints, or too different to be one arm's. What maps and
+// gravity do at the tool is not in tool_rms_m.
 [[nodiscard]] std::optional<SignatureComparison> compare_signatures(std::string_view before,
                                                                     std::string_view now);
 

@@ -32,8 +32,15 @@ bool ConsoleLink::open() {
 }
 
 void ConsoleLink::ask(Request request) {
+  send(request == Request::kStatus ? "status\n" : "signature\n");
+}
+
+void ConsoleLink::ask_record(std::size_t part) {
+  send("fetch what=signature part=" + std::to_string(part) + "\n");
+}
+
+void ConsoleLink::send(std::string_view line) {
   if (!socket_.valid()) return;
-  const std::string_view line = request == Request::kStatus ? "status\n" : "signature\n";
   const ssize_t count = ::send(socket_.get(), line.data(), line.size(), MSG_NOSIGNAL);
   if (count != static_cast<ssize_t>(line.size())) socket_.reset();
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The reporter's end of the controller's console: asks, and never waits. It knows two requests,
-// `status` and `signature`; nothing that comes by MQTT is ever written here.
+// The reporter's end of the controller's console: asks, and never waits. It knows three requests,
+// `status`, `signature` and `fetch what=signature`; nothing that comes by MQTT is ever written
+// here.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "hal/linux/file_descriptor.hpp"
 
@@ -20,6 +22,8 @@ class ConsoleLink {
   bool open();
   // Sends the request; a controller that takes nothing is left.
   void ask(Request request);
+  // Part `part` of the signature's record.
+  void ask_record(std::size_t part);
   // The next whole line that has come; none: no such line yet.
   [[nodiscard]] std::optional<std::string> take_line();
 
@@ -27,6 +31,7 @@ class ConsoleLink {
   [[nodiscard]] int descriptor() const { return socket_.get(); }
 
  private:
+  void send(std::string_view line);
   void receive();
 
   std::string path_;

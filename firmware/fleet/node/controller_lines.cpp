@@ -109,6 +109,13 @@ Readings readings_of_signature(std::string_view line) {
   return readings;
 }
 
+Readings with_hash(Readings signature, std::string_view document) {
+  for (Reading& reading : signature) {
+    if (reading.item == Item::kSignatureHash) reading.value = Text(sha256(document));
+  }
+  return signature;
+}
+
 std::string_view document_of_signature(std::string_view line) {
   const std::size_t parameters = line.find(" theta1_deg=");
   if (!line.starts_with("ok model=") || parameters == std::string_view::npos) return {};

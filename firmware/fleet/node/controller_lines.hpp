@@ -18,12 +18,16 @@ namespace armsig::fleet {
 // date, uncertainty, air temperature. Empty: it is no such reply.
 [[nodiscard]] Readings readings_of_signature(std::string_view line);
 
-// What of that reply the hash is of: the parameters as they stand in it. Empty: there are none.
+// The same with the hash of a document that says more than the reply.
+[[nodiscard]] Readings with_hash(Readings signature, std::string_view document);
+
+// The parameters as they stand in that reply: of a signature without maps, gravity and prismatic
+// joints its whole document. Empty: there are none.
 [[nodiscard]] std::string_view document_of_signature(std::string_view line);
 
 // A signature's document as rows of the journal, each a part with the hash of the whole. None:
 // `document` is empty, or longer than a host keeps.
-inline constexpr std::uint64_t kMostDocumentParts = 64;
+inline constexpr std::uint64_t kMostDocumentParts = 128;
 [[nodiscard]] std::vector<Readings> readings_of_document(std::string_view document);
 
 // `# check verdict="..." dx_mm= dy_mm= dz_mm= sigma_mm= poses=`: the verdict of a check with the

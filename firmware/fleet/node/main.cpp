@@ -17,6 +17,7 @@
 #include "firmware/fleet/node/console_link.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
 #include "firmware/fleet/node/mqtt_transport.hpp"
+#include "firmware/fleet/node/record_fetch.hpp"
 #include "firmware/fleet/node/resident_memory.hpp"
 #include "firmware/fleet/program.hpp"
 
@@ -54,6 +55,7 @@ class Reporter {
 
   void run() {
     tell_identity();
+    let_go_of_start();
     while (stop_asked == 0) step();
     node_.leave(now());
   }
@@ -79,11 +81,15 @@ class Reporter {
     settle(time);
   }
 
+  // After each step on the way to a birth, and once more when what follows one is over.
   void settle(const Now& time) {
-    if (node_.state() != EdgeNode::State::kBorn) {
+    if (node_.state() != state_) {
+      state_ = node_.state();
       settled_ = false;
       born_ms_ = time.steady_ms;
-    } else if (!settled_ && time.steady_ms - born_ms_ >= kSettled_ms) {
+      let_go_of_start();
+    } else if (state_ == EdgeNode::State::kBorn && !settled_ &&
+               time.steady_ms - born_ms_ >= kSettled_ms) {
       settled_ = true;
       let_go_of_start();
     }
@@ -94,16 +100,32 @@ class Reporter {
     if (!kept) tell_once(kept.error());
   }
 
-  // Another signature is told whole, its document before it; what is as before only if it changed.
-  void keep_signature(const Readings& told, std::string_view document, const Now& time) {
-    if (document == document_) return keep(told, time);
-    std::vector<Readings> rows = readings_of_document(document);
-    rows.push_back(told);
+  // Another signature is told whole, its document before it, once that is there; what is as before
+  // only if it changed.
+  void take_signature(std::string_view line, const Readings& signature, const Now& time) {
+    const std::string_view rows = document_of_signature(line);
+    if (rows.empty()) {
+      told_signature_.clear();
+      keep(signature, time);
+    } else if (line == told_signature_) {
+      keep(with_hash(signature, fetch_.document()), time);
+    } else {
+      told_signature_.clear();
+      asked_signature_ = line;
+      fetch_.begin(rows);
+      console_.ask_record(fetch_.part());
+    }
+  }
+
+  void take_record(const Now& time) {
+    if (fetch_.state() == RecordFetch::State::kAsks) return console_.ask_record(fetch_.part());
+    std::vector<Readings> rows = readings_of_document(fetch_.document());
+    rows.push_back(with_hash(readings_of_signature(asked_signature_), fetch_.document()));
     for (const Readings& row : rows) {
       const auto kept = node_.record(time, {row.data(), row.size()});
       if (!kept) return tell_once(kept.error());
     }
-    document_ = document;
+    told_signature_ = asked_signature_;
   }
 
   // A disk that is full is told once, not every ten seconds for a month.
@@ -150,7 +172,9 @@ class Reporter {
       heard_ms_ = time.steady_ms;
       keep(status, time);
     } else if (const Readings signature = readings_of_signature(line); !signature.empty()) {
-      keep_signature(signature, document_of_signature(line), time);
+      take_signature(line, signature, time);
+    } else if (fetch_.take(line)) {
+      take_record(time);
     } else if (const Readings check = readings_of_check(line); !check.empty()) {
       const auto kept = node_.record(time, {check.data(), check.size()});
       if (!kept) tell_once(kept.error());
@@ -169,9 +193,12 @@ class Reporter {
   std::uint64_t heard_ms_ = now().steady_ms;
   std::uint64_t looks_ = 0;
   bool changed_ = false;
+  EdgeNode::State state_ = EdgeNode::State::kApart;
   bool settled_ = false;
   std::uint64_t born_ms_ = 0;
-  std::string document_;  // of the signature that was told last
+  RecordFetch fetch_;
+  std::string asked_signature_;  // the reply that fetch_ is of
+  std::string told_signature_;   // the one that was told last
   Error told_ = Error::kNotFinite;
 };
 

@@ -1,37 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/fleet/node/resident_memory.hpp"
 
+#include <link.h>
 #include <malloc.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
-#include <array>
 #include <cstdint>
-#include <cstdio>
-#include <memory>
-#include <string_view>
 
 namespace armsig::fleet {
+namespace {
+
+// Every segment of the program and its libraries that nobody may write is as its file is: a page
+// that is read again is the same page.
+int let_go_of(dl_phdr_info* object, std::size_t /*size*/, void* /*none*/) {
+  static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  for (unsigned i = 0; i < object->dlpi_phnum; ++i) {
+    const ElfW(Phdr)& segment = object->dlpi_phdr[i];
+    if (segment.p_type != PT_LOAD || (segment.p_flags & PF_W) != 0) continue;
+    const std::uintptr_t begin = (object->dlpi_addr + segment.p_vaddr) / page * page;
+    const std::uintptr_t end = object->dlpi_addr + segment.p_vaddr + segment.p_memsz;
+    (void)::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  }
+  return 0;
+}
+
+}  // namespace
 
 void let_go_of_start() {
   ::malloc_trim(0);
-  struct Close {
-    void operator()(std::FILE* file) const { (void)std::fclose(file); }
-  };
-  const std::unique_ptr<std::FILE, Close> maps(std::fopen("/proc/self/maps", "re"));
-  if (!maps) return;
-  std::array<char, 512> line{};
-  while (std::fgets(line.data(), line.size(), maps.get()) != nullptr) {
-    std::uintptr_t begin = 0;
-    std::uintptr_t end = 0;
-    std::array<char, 5> access{};
-    std::array<char, 2> path{};
-    // Code of a file: private, never written, so that a page read again is the same page.
-    if (std::sscanf(line.data(), "%jx-%jx %4s %*s %*s %*s %1s", &begin, &end, access.data(),
-                    path.data()) == 4 &&
-        std::string_view(access.data()) == "r-xp" && path[0] == '/') {
-      (void)::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
-    }
-  }
+  ::dl_iterate_phdr(let_go_of, nullptr);
 }
 
 }  // namespace armsig::fleet

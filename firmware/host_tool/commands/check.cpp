@@ -65,7 +65,9 @@ std::string_view next_step(const Checked& checked) {
     case uncertainty::DriftVerdict::kConsistent:
       return "nothing; check again after a collision, a repair, or a season";
     case uncertainty::DriftVerdict::kSensorWorse:
-      return "look after the sensor: targets, air, its own check; then check again";
+      return "measure one pose ten times. Where it scatters more than is stated, look after\n"
+             "the sensor: targets, air, its own check. Where it does not, identify with these\n"
+             "poses too, --method refined";
     default:
       return "sweep the joints again and armsig identify";
   }
@@ -85,7 +87,10 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
     say("  most likely {}\n", what_moved(report, joints));
   }
   if (report.verdict == uncertainty::DriftVerdict::kSensorWorse) {
-    say("  the noise is {:.1f} times the one stated\n", report.noise_factor);
+    // Errors that are no noise look like it at poses that are each measured once.
+    say("  the noise is {:.1f} times the one stated; or gravity and the readings do to the\n"
+        "  arm what its signature does not know, as sweeps alone hardly show it\n",
+        report.noise_factor);
   }
   say("  {} rows, {} of them outliers\n", report.rows + report.rows_rejected, report.rows_rejected);
   if (!checked.rejected_lines.empty()) {

@@ -2,11 +2,14 @@
 // armsig import: an arm description out of the file of other software.
 #include "firmware/host_tool/imports/import.hpp"
 
+#include <fmt/core.h>
+
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
+#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -37,11 +40,13 @@ int run(const ImportOptions& options) {
     return kDone;
   }
   say("{}\n\n{}", imported->description.name, dh_table(imported->description.arm.joints));
+  std::string names;
   for (std::size_t i = 0; i < imported->description.joint_names.size(); ++i) {
-    say("{}{} is {}", i == 0 ? "\n  " : ", ", i + 1, imported->description.joint_names[i]);
+    names +=
+        fmt::format("{}{} is {}", i == 0 ? "" : ", ", i + 1, imported->description.joint_names[i]);
   }
-  say("\n");
-  for (const std::string& note : imported->notes) say("  Note: {}.\n", note);
+  say("\n{}", paragraph(names));
+  for (const std::string& note : imported->notes) say("{}", paragraph("Note: " + note + "."));
   say("\nWritten: {}\nNext: armsig plan --arm {} --out sweeps-to-measure.csv\n", options.out,
       options.out);
   return kDone;

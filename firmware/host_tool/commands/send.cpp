@@ -68,7 +68,7 @@ Read<controller::SignatureRecord> controller_record(const SignatureRecord& file,
   const Signature& signature = file.signature;
   const auto hand = std::ranges::find(signature.targets, signature.joint_count(), &Target::link);
   if (hand == signature.targets.end()) {
-    return refused("no target on the hand", "the target that the controller's sensor sees");
+    return refused("no target on the flange", "the target that the controller's sensor sees");
   }
   controller::SignatureRecord record;
   record.signature = signature;

@@ -46,6 +46,31 @@ bool is_built(const NearFit& fit) {
   return fit.reach_m > kShortestReach_m && fit.reach_m < kLongestReach_m;
 }
 
+// How far most rows are from their middle: a few that lie far out make nothing larger.
+double size_of(const Evidence& evidence) {
+  Vector3 middle;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> along;
+    for (const EvidenceRow& row : evidence.rows) along.push_back(row.p_S[axis]);
+    middle[axis] = median_of(std::move(along));
+  }
+  std::vector<double> lengths;
+  for (const EvidenceRow& row : evidence.rows) lengths.push_back((row.p_S - middle).norm());
+  return median_of(std::move(lengths));
+}
+
+// Readings farther from the joint limits than these are from each other.
+bool is_out_of_reach(const Evidence& evidence) {
+  const auto& limits = evidence.arm.limits;
+  return std::ranges::any_of(evidence.rows, [&](const EvidenceRow& row) {
+    for (std::size_t j = 0; j < std::min(limits.size(), row.q.size()); ++j) {
+      const double range = limits[j].upper - limits[j].lower;
+      if (row.q[j] < limits[j].lower - range || row.q[j] > limits[j].upper + range) return true;
+    }
+    return false;
+  });
+}
+
 bool is_sound(const NearFit& fit, const ArmLimits& limits, const Arm& arm, double stated_m) {
   return fit.best_rms_m <= acceptable_m(fit, stated_m) && fit.farthest(limits, arm) <= 1;
 }
@@ -185,14 +210,21 @@ class Search {
   void take(const Evidence& undone, const NearFit& fit, double surprise, Explanation explanation) {
     if (!is_sound(fit, limits_, undone.arm, reference_.stated_m)) return;
     const NearFit& before = before_;
-    const double share = fit.best_rms_m / fit.reach_m;
-    const double share_before = before.best_rms_m / before.reach_m;
-    const double clipped = fit.clipped_m / fit.reach_m;
-    const double clipped_before = before.clipped_m / before.reach_m;
+    if (is_built(before) && !is_built(fit)) return;
+    if (is_out_of_reach(undone) && !is_out_of_reach(evidence_)) return;
+    const double size_m = size_of(undone);
+    const double size_before_m = size_of(evidence_);
+    const double share = fit.best_rms_m / size_m;
+    const double share_before = before.best_rms_m / size_before_m;
+    const double clipped = fit.clipped_m / size_m;
+    const double clipped_before = before.clipped_m / size_before_m;
     const bool explains = share * kExplains < share_before ||
                           (clipped * kExplains < clipped_before && share < 1.05 * share_before);
-    const bool nearer =
-        refused_ && before.farthest(limits_, evidence_.arm) > 1 && share < 1.2 * share_before;
+    // A large arm's axes may be farther from the drawing's: that alone makes it no likelier.
+    NearFit as_small = fit;
+    as_small.reach_m = std::min(fit.reach_m, before.reach_m);
+    const bool nearer = refused_ && before.farthest(limits_, evidence_.arm) > 1 &&
+                        as_small.farthest(limits_, undone.arm) <= 1 && share < 1.2 * share_before;
     if (!explains && !nearer) return;
     const double score = score_of(fit, reference_.noise_length_m(), limits_, surprise);
     if (score < best_.score) best_ = {fit, score, std::move(explanation)};

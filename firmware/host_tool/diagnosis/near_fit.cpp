@@ -19,6 +19,7 @@ constexpr double kRejected = 10.0;  // of these, nothing is believed any more
 constexpr int kGentleSteps = 3;     // in which no row is given up yet
 constexpr double kLeastDamping = 1e-9;
 constexpr double kClip = 0.1;
+constexpr double kOutvoted = 10;      // what all rows miss by, of what seven tenths do
 constexpr double kWorthAStep = 5e-3;  // share of cost and scale that a step must save
 
 class Fit {
@@ -28,7 +29,9 @@ class Fit {
 
   void start(const BasePlace& place) { chain_.place(place.X_SB, place.p_LT); }
 
-  void descend(int steps) {
+  enum class Rows { kMost, kAll };
+
+  void descend(int steps, Rows of = Rows::kMost) {
     residuals_ = chain_.residuals(evidence_);
     double damping = 1e-4;
     // Between a factor and many deviations only their priors choose: damping holds them apart.
@@ -36,7 +39,9 @@ class Fit {
     const double settled_below = free_factor ? kLeastDamping : 1;
     for (int step = 0; step < steps; ++step) {
       const double sigma_before_m = sigma_m_;
-      weigh(step < kGentleSteps);
+      weigh(of == Rows::kAll      ? Weighing::kAlike
+            : step < kGentleSteps ? Weighing::kGentle
+                                  : Weighing::kStrict);
       const double cost = cost_of(residuals_, chain_);
       const DeviatingChain::Normal normal = chain_.normal(evidence_, residuals_, weights_);
       bool better = false;
@@ -90,14 +95,26 @@ class Fit {
   }
 
  private:
-  void weigh(bool gentle) {
+  enum class Weighing { kAlike, kGentle, kStrict };
+
+  void weigh(Weighing how) {
     std::vector<double> lengths;
-    for (const Vector3& residual : residuals_) lengths.push_back(residual.norm());
+    double squares = 0;
+    for (const Vector3& residual : residuals_) {
+      lengths.push_back(residual.norm());
+      squares += residual.squaredNorm();
+    }
+    if (how == Weighing::kAlike) {
+      sigma_m_ =
+          std::max(kLeastSigma_m, std::sqrt(squares / (3 * static_cast<double>(lengths.size()))));
+      weights_.assign(lengths.size(), 1 / (sigma_m_ * sigma_m_));
+      return;
+    }
     sigma_m_ = std::max(kLeastSigma_m, median_of(lengths) / kMedianLengthOf3);
     weights_.assign(lengths.size(), 0);
     for (std::size_t k = 0; k < lengths.size(); ++k) {
       const double in_sigma = lengths[k] / (sigma_m_ * std::sqrt(3.0));
-      if (!gentle && in_sigma > kRejected) continue;
+      if (how == Weighing::kStrict && in_sigma > kRejected) continue;
       weights_[k] = std::min(1.0, kHuber / in_sigma) / (sigma_m_ * sigma_m_);
     }
   }
@@ -174,15 +191,26 @@ std::optional<NearestArm> nearest_arm(const Evidence& evidence, const ArmLimits&
   if (evidence.rows.empty()) return std::nullopt;
   std::optional<NearestArm> best;
   double least = std::numeric_limits<double>::infinity();
+  const auto take = [&](const Fit& fit) {
+    NearFit found = fit.result();
+    const double score = found.best_rms_m * (1 + found.farthest(limits, evidence.arm));
+    if (!(score < least)) return;
+    least = score;
+    best.emplace(std::move(found), fit.chain());
+  };
   for (const BasePlace& place : places_of(evidence)) {
     Fit fit(evidence, limits);
     fit.start(place);
     fit.descend(steps);
-    NearFit found = fit.result();
-    const double score = found.best_rms_m * (1 + found.farthest(limits, evidence.arm));
-    if (!(score < least)) continue;
-    least = score;
-    best.emplace(std::move(found), fit.chain());
+    take(fit);
+    // Rows that all but agree soon outvote a sweep that alone would have shown the way.
+    const NearFit found = fit.result();
+    if (found.clipped_m < kOutvoted * found.best_rms_m) continue;
+    Fit of_all(evidence, limits);
+    of_all.start(place);
+    of_all.descend(steps, Fit::Rows::kAll);
+    of_all.descend(steps);
+    take(of_all);
   }
   return best;
 }

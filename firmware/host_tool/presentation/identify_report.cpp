@@ -29,7 +29,7 @@ void print_head(const ReportedFiles& files, const SignatureRecord& record,
     say(", {} single ranges not believed", counts.excluded_ranges);
   }
   if (counts.mixed > 0 && record.method != "refined") {
-    say(", {} with sweep 0, which this method does not use", counts.mixed);
+    say(",\n  {} with sweep 0, which this method does not use", counts.mixed);
   }
   if (record.air_c) say("; air {:.1f} °C", *record.air_c);
   say("\n\n");
@@ -58,9 +58,11 @@ void print_noise(const NoiseStatement& noise, bool beyond_chance) {
     say("  that is {:.1f} times the stated noise, which is therefore not believed\n",
         noise.total_m / noise.stated_m);
   } else if (beyond_chance) {
-    say("  that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
-        "sensor's\n",
-        noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m);
+    say("{}",
+        paragraph(fmt::format(
+            "that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
+            "sensor's",
+            noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m)));
   }
 }
 
@@ -111,6 +113,20 @@ void print_left_out(const calibration::HeldOutScore& score) {
 }
 
 // The figures that count, whichever the method: they are not those of the fit.
+// Both figures where maps leave the readings that were not measured less certain.
+void print_predicted(const Found& found, double error_m) {
+  constexpr double kNoWorse = 1.1;
+  const auto over_limits_m =
+      found.refinement ? found.refinement->predicted_over_limits_m : std::nullopt;
+  std::string where = over_limits_m ? "readings measured" : "joint limits";
+  if (over_limits_m && *over_limits_m > kNoWorse * error_m) {
+    where += fmt::format(", {:.3f} mm over all that the joint limits allow", 1e3 * *over_limits_m);
+  }
+  say("{}", paragraph(fmt::format(
+                "predicted tool error, 1 sigma, in the sensor's frame: {:.3f} mm RMS over the {}",
+                1e3 * error_m, where)));
+}
+
 void print_accuracy(const Found& found, const SignatureRecord& record) {
   say("\nHow accurate it is\n\n");
   if (found.validation && found.validation->rows > 0) {
@@ -122,19 +138,21 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
     say("  too few rows to leave some of them out of the fit\n");
   }
   if (found.refinement && found.refinement->geometry_left_out_mean_m) {
-    say("  gravity and a map of each reading are part of it: {:.3f} mm mean by geometry alone\n",
-        1e3 * *found.refinement->geometry_left_out_mean_m);
+    say("{}",
+        paragraph(fmt::format(
+            "gravity and a map of each reading are part of it: {:.3f} mm mean by geometry alone",
+            1e3 * *found.refinement->geometry_left_out_mean_m)));
   }
   if (found.refinement && found.refinement->offered) {
     say("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
         1e3 * found.refinement->offered->left_out_mean_m,
         terms_in_words(found.refinement->offered->terms));
   }
-  if (record.predicted_tool_error_m) {
-    say("{}", paragraph(fmt::format("predicted tool error, 1 sigma: {:.3f} mm RMS over the {}, in "
-                                    "the sensor's frame",
-                                    1e3 * *record.predicted_tool_error_m,
-                                    record.deflections ? "poses measured" : "joint limits")));
+  if (record.predicted_tool_error_m) print_predicted(found, *record.predicted_tool_error_m);
+  if (found.identified.counts.mixed == 0 && found.identified.counts.rows > 0) {
+    say("{}", paragraph("found from sweeps alone, which hardly show gravity, play or what errs "
+                        "many times a turn: some 30 poses with all joints anywhere (armsig "
+                        "suggest) have them stated too"));
   }
 }
 
@@ -223,6 +241,9 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
   }
   if (record.predicted_tool_error_m) {
     json["predicted_tool_error_m"] = *record.predicted_tool_error_m;
+  }
+  if (found.refinement && found.refinement->predicted_over_limits_m) {
+    json["predicted_over_limits_m"] = *found.refinement->predicted_over_limits_m;
   }
   json["differences"] = nullptr;
   if (const auto differences = difference_table(record))

@@ -168,7 +168,7 @@ std::vector<std::string> SweepSet::doubtful_targets() const {
     if (sweeps.size() < 2 && !beside) continue;
     doubts.push_back(fmt::format(
         "target {} is in no sweep beyond joint {}, and taken as fixed to link {}; if it is on the "
-        "hand, a row of it in sweep {} or with sweep 0 says so",
+        "flange, a row of it in sweep {} or with sweep 0 says so",
         number, outermost + 1, outermost + 1, n));
   }
   return doubts;

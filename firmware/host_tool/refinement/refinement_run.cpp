@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "core/calibration/geometry_alone.hpp"
 #include "core/identification.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
@@ -49,7 +50,6 @@ class Run {
   void note_zeros(const JointVector& shifts);
   void note_gears(const refinement::ReadingModel& readings);
   [[nodiscard]] std::size_t unknowns() const;
-  [[nodiscard]] double predicted_where_measured(std::size_t tool) const;
   [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
   [[nodiscard]] std::unexpected<Problem> refuse(const Refusal& refusal) const;
   [[nodiscard]] std::unexpected<Problem> refuse_start(const Refusal& refusal) const;
@@ -215,21 +215,6 @@ std::unexpected<Problem> Run::refuse_start(const Refusal& refusal) const {
                   : "rows in which three receivers or more heard it, at four poses or more"});
 }
 
-// Over the poses measured: elsewhere a map says nothing, and its prior everything.
-double Run::predicted_where_measured(std::size_t tool) const {
-  constexpr std::size_t kMostPoses = 300;
-  const auto& rows = log_.observations();
-  const std::size_t stride = 1 + rows.size() / kMostPoses;
-  double sum = 0;
-  double count = 0;
-  for (std::size_t k = 0; k < rows.size(); k += stride) {
-    if (verdicts_[k].rejected) continue;
-    sum += uncertainty::tool_covariance(*calibrated_.refined, rows[k].readings, tool).trace();
-    count += 1;
-  }
-  return std::sqrt(sum / std::max(count, 1.0));
-}
-
 Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                                         const FurtherUnknowns& further) {
   if (auto placed = place_targets(start); !placed) return std::unexpected(placed.error());
@@ -249,7 +234,8 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                             .offered = calibrated_.offered,
                             .drawing_rms_m = drawing_rms_m_,
                             .notes = notes_,
-                            .predicted_tool_error_m = {}};
+                            .predicted_tool_error_m = {},
+                            .predicted_over_limits_m = {}};
   auto& rows = log_.observations();
   for (std::size_t k = 0; k < verdicts_.size(); ++k) {
     if (verdicts_[k].rejected) rows[k].use = refinement::RowUse::kIgnore;
@@ -263,9 +249,12 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                     refined.signature.targets[t].number));
   }
   if (const auto tool = tool_target(refined.signature)) {
-    outcome.predicted_tool_error_m =
-        calibrated_.deflections ? predicted_where_measured(*tool)
-                                : uncertainty::predicted_rms(refined, nominal_.limits, *tool);
+    outcome.predicted_tool_error_m = uncertainty::predicted_rms(refined, nominal_.limits, *tool);
+    if (calibrated_.deflections) {  // a map says nothing of readings that were not measured
+      outcome.predicted_over_limits_m = outcome.predicted_tool_error_m;
+      outcome.predicted_tool_error_m = uncertainty::predicted_rms(
+          refined, calibration::covered_limits(*calibrated_.deflections, nominal_.limits), *tool);
+    }
   }
   if (calibrated_.deflections) outcome.geometry_left_out_mean_m = calibrated_.geometry->mean_m;
   if (const auto& score = calibrated_.left_out) {

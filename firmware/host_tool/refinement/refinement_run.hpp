@@ -38,7 +38,10 @@ struct RefinementOutcome {
   std::optional<double>
       drawing_rms_m;               // of the drawing with base and tool fitted; from drawings only
   std::vector<std::string> notes;  // in words: zeros and gears far from the drawing's
-  std::optional<double> predicted_tool_error_m;  // with a target on the last link only
+  // With a target on the last link only: over the joint limits; where gravity and maps were found,
+  // over the readings that were measured, and apart over all that the limits allow.
+  std::optional<double> predicted_tool_error_m;
+  std::optional<double> predicted_over_limits_m;
 };
 
 // Refines from `start` where there is one, otherwise from the drawing with base and targets

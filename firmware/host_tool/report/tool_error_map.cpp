@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/low_discrepancy.hpp"
+#include "core/calibration/geometry_alone.hpp"
 #include "core/evaluation/differences.hpp"
 #include "core/evaluation/tool_error.hpp"
 #include "core/kinematics/s_model_chain.hpp"
@@ -51,10 +52,8 @@ std::vector<double> joint_share(const SignatureRecord& record,
 // The drawing, its joints limited to what the signature was measured at, where that counts.
 Arm judged_drawing(const SignatureRecord& record) {
   Arm drawing = record.nominal;
-  if (!record.deflections) return drawing;
-  for (std::size_t i = 0; i < drawing.limits.size(); ++i) {
-    const JointLimits& covered = record.deflections->joints[i].covered;
-    if (covered.lower < covered.upper) drawing.limits[i] = covered;
+  if (record.deflections) {
+    drawing.limits = calibration::covered_limits(*record.deflections, drawing.limits);
   }
   return drawing;
 }

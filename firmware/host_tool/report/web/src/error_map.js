@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The tool error over the work volume: classes of size, places relative to the first axis.
 import { mapChart } from './charts.js';
-import { element, length } from './text.js';
+import { element, fixed, length } from './text.js';
+import { valueTable } from './values.js';
 
 const kColours = ['#3b4cc0', '#4f8fd0', '#4fb3a0', '#e0a93f', '#c8442f'];
 
@@ -51,6 +52,9 @@ export function showErrorMap(report, view) {
     host.parentNode.querySelector('#map + .under-pointer')?.remove();
     host.setAttribute('aria-label', `${choice.words} From ${length(Math.min(...values))} to ${length(Math.max(...values))}.`);
     redraw = mapChart(host, classed, classes);
+    section.querySelector('.values')?.remove();
+    valueTable(section, `Values of the map, ${choice.name}`, ['from the first axis, m', 'along it, m', 'error, mm'],
+      () => classed.map(({ r, z, error_m: error }) => [fixed(r, 3), fixed(z, 3), fixed(1e3 * error, 3)]));
     document.getElementById('map-lead').textContent = choice.words;
     document.getElementById('map-classes').replaceChildren(...classes.map(({ colour, from, to }) =>
       element('span', {}, element('i', { style: `background:${colour}` }), `${length(from)} to ${length(to)}`)));

@@ -2,6 +2,7 @@
 // What the arm does beyond its geometry: the map of each reading with its band, gravity's share.
 import { readingMapChart } from './charts.js';
 import { degrees, element, fixed, length } from './text.js';
+import { valueTable } from './values.js';
 
 const range = (joint) => joint.covered
   .map((reading) => (joint.revolute ? `${fixed(degrees(reading), 0)}°` : length(reading))).join(' to ');
@@ -9,6 +10,16 @@ const range = (joint) => joint.covered
 function facts(joint) {
   const largest = joint.revolute ? `${fixed(degrees(joint.largest), 4)}°` : length(joint.largest);
   return [`measured from ${range(joint)}`, `at most ${largest}`, `${length(joint.tool_rms_m)} RMS at the tool`].join(', ');
+}
+
+// The chart as a table; every reading that the curve is drawn by.
+function tableOf(card, joint) {
+  const unit = joint.revolute ? degrees : (metres) => 1e3 * metres;
+  const sign = joint.revolute ? '°' : 'mm';
+  valueTable(card, `Values of the map of joint ${joint.joint}`,
+    [`reading, ${sign}`, `map, ${sign}`, `1σ, ${sign}`, 'at the tool, mm', 'measured'],
+    () => joint.curve.map(([reading, map, sigma, measured]) => [fixed(unit(reading), 1), fixed(unit(map), 4), fixed(unit(sigma), 4),
+      fixed(1e3 * joint.tool_m_per_unit * map, 3), measured === 1 ? 'yes' : 'no']));
 }
 
 // Returns what to call when colours change.
@@ -24,8 +35,10 @@ export function showReadingMaps({ reading_maps: maps }) {
     + `that is worth ${length(maps.maps_rms_m)} RMS at the tool over the readings that were measured. ${gravity}`;
   const redraws = maps.joints.map((joint) => {
     const chart = element('div', { class: 'chart', style: 'grid-column: 1 / -1' });
-    document.getElementById('maps').append(element('div', { class: 'sweep' },
-      element('header', {}, element('h3', {}, `Joint ${joint.joint}`), element('span', { class: 'facts' }, facts(joint))), chart));
+    const card = element('div', { class: 'sweep' },
+      element('header', {}, element('h3', {}, `Joint ${joint.joint}`), element('span', { class: 'facts' }, facts(joint))), chart);
+    document.getElementById('maps').append(card);
+    tableOf(card, joint);
     return readingMapChart(chart, joint);
   });
   return () => { for (const redraw of redraws) redraw(); };

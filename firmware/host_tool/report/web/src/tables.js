@@ -102,11 +102,14 @@ export function gridTable(report) {
     (grid.drawn_arms === 0
       ? 'The true arm is known, as it is simulated.'
       : `The true arm is not known: medians over ${grid.drawn_arms} arms that the measurements allow.`);
-  const angle = (radians) => `${bounded(degrees(radians), 3)}°`;
+  // The measuring machine of the task rounds (core/evaluation/indices.hpp): nought is below half of its step.
+  const rounded = (words, half) => (value) => (value === 0 ? `< ${words(half)}` : words(value));
+  const angle = rounded((radians) => `${bounded(degrees(radians), 3)}°`, (0.005 * Math.PI) / 180);
+  const distance = rounded(length, 12.7e-6);
   const rows = [
-    ['normal_deviation_m', 'Largest deviation from a straight line', length],
+    ['normal_deviation_m', 'Largest deviation from a straight line', distance],
     ['perpendicular_deviation_rad', 'Largest deviation from a right angle', angle],
-    ['radial_deviation_m', 'Largest distance of a point from its place', length],
+    ['radial_deviation_m', 'Largest distance of a point from its place', distance],
     ['orientation_deviation_rad', 'Largest turn of the tool', angle],
   ];
   const body = element('tbody');

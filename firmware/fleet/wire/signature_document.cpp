@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/fleet/wire/signature_document.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+namespace armsig::fleet {
+namespace {
+
+using calibration::GravityTerm;
+using calibration::kKnots;
+using calibration::PackedDeflections;
+using calibration::PackedMap;
+
+constexpr double kLargest = 1e9;  // degrees or mm; an arm has none such
+constexpr double kTravel_m = 1;
+
+std::string_view unit_of(JointType type) { return type == JointType::kPrismatic ? "m" : "rad"; }
+
+// The words of a document, one after the other.
+class Words {
+ public:
+  explicit Words(std::string_view text) : left_(text) {}
+
+  [[nodiscard]] bool empty() const { return left_.empty(); }
+  // Takes the next word where it is `name=...`: what is after it.
+  std::optional<std::string_view> take(std::string_view name) {
+    if (!left_.starts_with(name) || left_.substr(name.size(), 1) != "=") return std::nullopt;
+    const std::string_view value = left_.substr(name.size() + 1, left_.find(' ') - name.size() - 1);
+    left_.remove_prefix(name.size() + 1 + value.size());
+    if (left_.size() == 1) return std::nullopt;  // a space at the end
+    if (!left_.empty()) left_.remove_prefix(1);
+    return value;
+  }
+
+ private:
+  std::string_view left_;
+};
+
+template <typename Number>
+bool read_number(std::string_view text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() &&
+         std::abs(static_cast<double>(value)) < kLargest;
+}
+
+bool take_number(Words& words, const std::string& name, double& value) {
+  const auto text = words.take(name);
+  return text && read_number(*text, value);
+}
+
+// Numbers with commas between them, exactly as many.
+template <typename Number>
+bool read_list(std::string_view text, std::span<Number> values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t comma = text.find(',');
+    if ((comma == std::string_view::npos) != (i + 1 == values.size())) return false;
+    if (!read_number(text.substr(0, comma), values[i])) return false;
+    text.remove_prefix(std::min(text.size(), comma == text.npos ? text.size() : comma + 1));
+  }
+  return text.empty();
+}
+
+bool take_row(Words& words, std::size_t i, Arm& arm) {
+  std::array<double, 4> row{};
+  const bool good = take_number(words, fmt::format("theta{}_deg", i), row[0]) &&
+                    take_number(words, fmt::format("d{}_mm", i), row[1]) &&
+                    take_number(words, fmt::format("a{}_mm", i), row[2]) &&
+                    take_number(words, fmt::format("alpha{}_deg", i), row[3]);
+  if (!good) return false;
+  DhJoint joint;
+  joint.theta_rad = radians(row[0]);
+  joint.d_m = 1e-3 * row[1];
+  joint.a_m = 1e-3 * row[2];
+  joint.alpha_rad = radians(row[3]);
+  arm.joints.push_back(joint);
+  arm.limits.push_back({.lower = -std::numbers::pi, .upper = std::numbers::pi});
+  return true;
+}
+
+bool take_map(Words& words, std::size_t i, JointType type, double& zero, PackedMap& map) {
+  const std::string_view unit = unit_of(type);
+  if (!take_number(words, fmt::format("zero{}_{}", i, unit), zero)) return false;
+  const auto steps_of = [&] { return words.take(fmt::format("map{}", i)); };
+  const bool good =
+      take_number(words, fmt::format("map{}_from_{}", i, unit), map.domain.origin) &&
+      take_number(words, fmt::format("map{}_knots_per_{}", i, unit), map.domain.per_length) &&
+      take_number(words, fmt::format("map{}_step_{}", i, unit), map.step);
+  if (!good) return false;
+  const auto steps = steps_of();
+  return steps && read_list(*steps, std::span<std::int16_t>(map.steps));
+}
+
+bool take_gravity(std::string_view text, GravityTerm& term) {
+  std::array<double, 3> values{};
+  if (!read_list(text, std::span<double>(values))) return false;
+  if (!(values[0] >= 1 && values[0] <= 8 && values[1] >= 1 && values[1] <= 8)) return false;
+  term = {.joint = static_cast<std::uint8_t>(values[0] - 1),
+          .origin = static_cast<std::uint8_t>(values[1]),
+          .coefficient = values[2]};
+  return true;
+}
+
+bool take_deflections(Words& words, const Arm& arm, PackedDeflections& deflections) {
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    deflections.maps.push_back({});
+    if (!take_map(words, i + 1, arm.joints[i].type, deflections.drawn_zero[i],
+                  deflections.maps[i])) {
+      return false;
+    }
+  }
+  while (!words.empty()) {
+    const auto text = words.take("gravity");
+    GravityTerm term;
+    if (!text || deflections.gravity.full() || !take_gravity(*text, term)) return false;
+    deflections.gravity.push_back(term);
+  }
+  return calibration::check(deflections, arm.joints.size()).has_value();
+}
+
+}  // namespace
+
+std::string signature_document(std::string_view rows, std::span<const JointType> types,
+                               const PackedDeflections& deflections) {
+  std::string text(rows);
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    if (types[i] == JointType::kPrismatic) text += fmt::format(" type{}=prismatic", i + 1);
+  }
+  for (std::size_t i = 0; i < deflections.maps.size() && i < types.size(); ++i) {
+    const PackedMap& map = deflections.maps[i];
+    text += fmt::format(
+        " zero{0}_{1}={2} map{0}_from_{1}={3} map{0}_knots_per_{1}={4} "
+        "map{0}_step_{1}={5} map{0}=",
+        i + 1, unit_of(types[i]), deflections.drawn_zero[i], map.domain.origin,
+        map.domain.per_length, map.step);
+    for (std::size_t k = 0; k < kKnots; ++k) {
+      text += fmt::format("{}{}", k == 0 ? "" : ",", map.steps[k]);
+    }
+  }
+  for (const GravityTerm& term : deflections.gravity) {
+    text += fmt::format(" gravity={},{},{}", term.joint + 1, term.origin, term.coefficient);
+  }
+  return text;
+}
+
+std::optional<DocumentedSignature> read_signature_document(std::string_view document) {
+  DocumentedSignature signature;
+  Arm& arm = signature.arm;
+  Words words(document);
+  while (arm.joints.size() < kMaxJoints && take_row(words, arm.joints.size() + 1, arm)) {
+  }
+  if (arm.joints.empty()) return std::nullopt;
+  for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    const auto type = words.take(fmt::format("type{}", i + 1));
+    if (!type) continue;
+    if (*type != "prismatic") return std::nullopt;
+    arm.joints[i].type = JointType::kPrismatic;
+    arm.limits[i] = {.lower = 0, .upper = kTravel_m};
+  }
+  if (words.empty()) return signature;
+  if (!take_deflections(words, arm, signature.deflections)) return std::nullopt;
+  return signature;
+}
+
+}  // namespace armsig::fleet

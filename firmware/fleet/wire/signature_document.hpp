@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// The document of a signature in the record of a plant: one line of text, whose SHA-256 names it.
+//
+//   theta1_deg=0.010000 d1_mm=0.0000 a1_mm=0.0000 alpha1_deg=-90.000000 theta2_deg=... ...
+//   type3=prismatic
+//   zero2_rad=0 map2_from_rad=-3.1 map2_knots_per_rad=19.1 map2_step_rad=1e-8 map2=0,12,-3,...
+//   gravity=1,2,1.5e-05 gravity=...
+//
+// all separated by one space: the rows as `signature` of the console tells them; which joints are
+// prismatic, where any is; of a signature that has them the map of each joint's reading at its
+// 120 knots, in steps, and what gravity does: joint, link origin, rad (m) per m of lever. A
+// signature that has none of these is its rows alone.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/base/arm.hpp"
+#include "core/calibration/packed_deflections.hpp"
+
+namespace armsig::fleet {
+
+// `rows` and what the joints' types and deflections add to them.
+[[nodiscard]] std::string signature_document(std::string_view rows,
+                                             std::span<const JointType> types,
+                                             const calibration::PackedDeflections& deflections);
+
+struct DocumentedSignature {
+  Arm arm;  // every revolute joint with a whole turn, every slide with a metre: they are not told
+  calibration::PackedDeflections deflections;
+};
+
+// None: it is no such document, or says what no arm has.
+[[nodiscard]] std::optional<DocumentedSignature> read_signature_document(std::string_view document);
+
+}  // namespace armsig::fleet
