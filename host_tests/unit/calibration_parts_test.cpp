@@ -8,26 +8,15 @@
 #include "core/arm_model/model.hpp"
 #include "core/calibration/cyclic_band.hpp"
 #include "core/calibration/fit_row.hpp"
+#include "host_tests/support/dense_prior.hpp"
 #include "host_tests/support/known_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::calibration {
 namespace {
 
+using test::dense_prior;
 using test::Random;
-
-Eigen::MatrixXd dense_prior() {
-  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(kKnots, kKnots);
-  const auto stencil = map_prior();
-  for (std::size_t i = 0; i < kKnots; ++i) {
-    for (std::size_t k = 0; k < kSplines; ++k) {
-      const auto a = static_cast<Eigen::Index>(i);
-      const auto b = static_cast<Eigen::Index>((i + k) % kKnots);
-      Q(a, b) = Q(b, a) = stencil[k];
-    }
-  }
-  return Q;
-}
 
 TEST(ReadingMap, has_a_prior_of_unit_point_deviation_everywhere) {
   const Eigen::MatrixXd C = dense_prior().inverse();

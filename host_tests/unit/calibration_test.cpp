@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host_tests/support/calibration_case.hpp"
+#include "host_tests/support/dense_prior.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/known_arms.hpp"
 
@@ -15,6 +16,7 @@ namespace {
 
 using test::Calibration;
 using test::Cell;
+using test::dense_prior;
 using test::Log;
 using test::Random;
 

@@ -12,9 +12,28 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR
         FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN man EXCLUDE PATTERN examples EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
-# Headers are included from the root of the project: "core/base/pose.hpp".
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/core DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/armsig
-        FILES_MATCHING PATTERN "*.hpp")
+# The public face: from ranges and sweeps to a signature and to poses. These headers and what they include, no others;
+# included from the root of the project: "core/identification.hpp".
+set(public_headers
+  core/identification.hpp core/layout.hpp core/base/links.hpp
+  core/measurement/ping_median.hpp core/measurement/speed_of_sound.hpp core/measurement/trilateration.hpp
+  core/features/fusion.hpp core/features/sweep_estimator.hpp core/frames/link_frames.hpp core/pseudo_dh/pseudo_dh.hpp
+  core/kinematics/cold_start.hpp core/kinematics/inverse.hpp core/kinematics/s_model_chain.hpp)
+set(found_headers "")
+while(public_headers)
+  list(POP_FRONT public_headers header)
+  if(header IN_LIST found_headers)
+    continue()
+  endif()
+  list(APPEND found_headers ${header})
+  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include \"core/")
+  list(TRANSFORM includes REPLACE "^#include \"(.*)\"$" "\\1")
+  list(APPEND public_headers ${includes})
+endwhile()
+foreach(header IN LISTS found_headers)
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/armsig/${folder})
+endforeach()
 set_target_properties(armsig_core PROPERTIES EXPORT_NAME core)
 target_compile_features(armsig_core PUBLIC cxx_std_23)
 install(TARGETS armsig_core EXPORT armsigTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
