@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/LU>
-
 #include "core/features/point_distance.hpp"
 #include "core/numerics/quantiles.hpp"
 
@@ -62,29 +60,11 @@ bool is_consistent(const MotionStatistics& accepted) {
              numerics::chi_square_quantile(freedom, numerics::kNormal9999);
 }
 
-Review::Review(const MotionStatistics& accepted)
-    : accepted_(accepted), fit_(accepted.motion.solve()) {
-  if (!accepted.has_one_covariance()) return;
-  const auto inverse = accepted.motion.inverse_factor();
-  if (!inverse) return;
-  const Matrix3& covariance = accepted.first_covariance_m2;
-  has_one_covariance_ = true;
-  inverse_factor_ = *inverse / std::sqrt(covariance.trace() / 3);
-  information_ = covariance.inverse();
-}
-
-bool Review::passes_at_once(const Vector3& regressors, const Vector3& residual) const {
-  const double leverage = (inverse_factor_.transpose() * regressors).squaredNorm();
-  const double spread = spread_of(leverage, true);
-  return spread >= kNoSpread && residual.dot(information_ * residual) <= kGateChiSquare * spread;
-}
-
 bool Review::confirms(const SweepPoint& point) const {
   const Vector3 x = accepted_.regressors(point);
-  const Vector3 r = residual(accepted_, fit_, point, x);
-  if (has_one_covariance_ && passes_at_once(x, r)) return true;
   const double spread = spread_of(leverage(accepted_.motion, x, point), true);
   if (spread < kNoSpread) return true;
+  const Vector3 r = residual(accepted_, fit_, point, x);
   // As in passes_gate().
   if (chi_square(r, point.covariance_m2) <= kGateChiSquare * spread) return true;
   const GateScale scale = gate_scale(accepted_, true);

@@ -52,19 +52,13 @@ struct Trial {
 class Review {
  public:
   // Of points whose sigma is stated. `accepted` must outlive it, unchanged.
-  explicit Review(const MotionStatistics& accepted);
+  explicit Review(const MotionStatistics& accepted)
+      : accepted_(accepted), fit_(accepted.motion.solve()) {}
   [[nodiscard]] bool confirms(const SweepPoint& point) const;
 
  private:
-  // Whether what is the same for all points of one covariance says that this one passes.
-  [[nodiscard]] bool passes_at_once(const Vector3& regressors, const Vector3& residual) const;
-
   const MotionStatistics& accepted_;
   MotionRls::Coefficients fit_;
-  // Where all have one covariance and determine the motion: R^-1 over its root, and its inverse.
-  bool has_one_covariance_ = false;
-  MotionRls::Factor inverse_factor_;
-  Matrix3 information_;
 };
 
 }  // namespace armsig::features

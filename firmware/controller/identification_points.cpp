@@ -16,7 +16,7 @@ constexpr unsigned kPosesLostInARow = 8;
 
 // Ends it by what was measured, which is of no use to a later run.
 void IdentificationSequence::refuse(Error error, std::optional<std::size_t> joint) {
-  if (refines_) forget_kept();
+  if (refines()) forget_kept();
   end(error, joint);
 }
 
@@ -61,11 +61,11 @@ void IdentificationSequence::lose(Error error) {
     return;
   }
   announcer_.say(Line().text("# identify point lost").reason(error));
-  const bool refining = stage_ == Stage::kRefining;
+  const bool refining = is_refining();
   if (++lost_in_a_row_ >= (refining ? kPosesLostInARow : kLostInARow)) {
     pause_for(error);
   } else {
-    if (refines_) keep(nullptr);
+    if (refines()) keep(nullptr);
     skip();
   }
 }
@@ -73,7 +73,7 @@ void IdentificationSequence::lose(Error error) {
 void IdentificationSequence::skip() {
   if (stage_ == Stage::kSweeping) {
     sweep().skip();
-  } else if (stage_ == Stage::kRefining) {
+  } else if (is_refining()) {
     approached_ = false;
     refinement_->lose();
   } else {
@@ -88,7 +88,7 @@ void IdentificationSequence::pause_for(Error error) {
 }
 
 void IdentificationSequence::take(const MeasuredPoint& point) {
-  if (refines_) keep(&point);
+  if (refines()) keep(&point);
   take(point, mover_.now().positions);
 }
 
@@ -100,11 +100,11 @@ void IdentificationSequence::take(const MeasuredPoint& point, const JointVector&
     log_.push_back({sweeping ? joint_ + 1 : 0, point.pings, readings, point.p_S,
                     std::sqrt(point.covariance_m2.trace() / 3)});
   }
-  if (refines_) {
+  if (refines()) {
     refinement_->take(sweeping ? joint_ + 1 : 0, readings, point);
     approached_ = false;
   }
-  if (stage_ == Stage::kRefining) return;
+  if (is_refining()) return;
   if (!sweeping) {
     comparison().judge(readings, point.p_S);
     ++held_out_;

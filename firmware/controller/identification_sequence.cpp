@@ -13,7 +13,7 @@ IdentificationSequence::IdentificationSequence(const Configuration& configuratio
                                                const Announcer& announcer, Refinement* refinement)
     : VisitingSequence(configuration, mover, measurement, announcer, "identify"),
       refinement_(refinement) {
-  if (refinement_ != nullptr) log_.extend(refinement_->further_log());
+  if (can_refine()) log_.extend(refinement_->further_log());
 }
 
 void IdentificationSequence::begin(const SignatureRecord* active, Ticket begun) {
@@ -109,7 +109,7 @@ void IdentificationSequence::end(Error error, std::optional<std::size_t> joint) 
 std::size_t IdentificationSequence::points_planned() const {
   const std::size_t swept =
       received_ ? 0 : configuration_.drawing.joints.size() * configuration_.sweeps.points;
-  const std::size_t refining = refines_ ? refinement_->planned() : 0;
+  const std::size_t refining = refines() ? refinement_->planned() : 0;
   return std::max(swept, refines_from_) + refining + configuration_.sweeps.held_out_poses;
 }
 
@@ -134,7 +134,7 @@ void IdentificationSequence::tell_progress(std::string_view what) const {
 void IdentificationSequence::arrived() {
   if (stage_ == Stage::kReturning) {
     finish();
-  } else if (stage_ == Stage::kRefining && !approached_) {
+  } else if (is_refining() && !approached_) {
     approached_ = true;
   } else {
     visit_.measure();
@@ -154,11 +154,11 @@ void IdentificationSequence::ready() {
       return;
     }
     q[joint_] = *reading;
-    if (refines_ && recall(q)) return;
+    if (refines() && recall(q)) return;
   } else if (stage_ == Stage::kIdentifying) {
     step_identification();
     return;
-  } else if (stage_ == Stage::kRefining) {
+  } else if (is_refining()) {
     const Refinement::Next next = refinement_->step(mover_.now().now);
     if (next != Refinement::Next::kVisits) {
       follow_refinement(next);
@@ -211,7 +211,7 @@ void IdentificationSequence::step_identification() {
     }
     return;
   }
-  if (refines_) {
+  if (refines()) {
     refines_from_ = points_done_;
     refinement_->refine(candidate_->signature);
     stage_ = Stage::kRefining;
@@ -262,7 +262,7 @@ void IdentificationSequence::add_targets() {
 }
 
 void IdentificationSequence::finish_held_out() {
-  if (refines_from_ > 0) forget_kept();
+  if (kMayRefine && refines_from_ > 0) forget_kept();
   report_ = comparison().report();
   candidate_->air_celsius = measurement_.air_celsius().value_or(0);
   candidate_->held_out_rms_m = report_.candidate_rms_m;

@@ -48,7 +48,9 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   // as it is until the sequence is over; `begun` is the kBeginSequence that it needs. Precondition:
   // not is_running().
   void begin(const SignatureRecord* active, Ticket begun);
-  [[nodiscard]] bool can_refine() const { return refinement_ != nullptr; }
+  [[nodiscard]] bool can_refine() const { return kMayRefine && refinement_ != nullptr; }
+  // Further poses are being measured.
+  [[nodiscard]] bool is_refining() const { return kMayRefine && stage_ == Stage::kRefining; }
   // What is asked of a refinement.
   struct Refining {
     double accuracy_m = 0;
@@ -83,7 +85,7 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   [[nodiscard]] std::size_t points_done() const { return points_done_; }
   [[nodiscard]] std::size_t points_planned() const;
   [[nodiscard]] double left_s() const;
-  // For `status`. Precondition: stage() is kRefining.
+  // For `status`. Precondition: is_refining().
   void tell_refinement(Line& line) const { refinement_->tell_state(line); }
   // Index of the joint that is being swept; nothing in another stage.
   [[nodiscard]] std::optional<std::size_t> swept_joint() const {
@@ -108,6 +110,7 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   friend class VisitingSequence<IdentificationSequence>;
 
   void start(const SignatureRecord* active, Ticket begun);
+  [[nodiscard]] bool refines() const { return kMayRefine && refines_; }
   void ready();
   void refuse(Error error, std::optional<std::size_t> joint);
   void keep(const MeasuredPoint* point);

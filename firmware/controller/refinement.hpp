@@ -16,6 +16,13 @@
 
 namespace armsig::controller {
 
+// Where a program has no memory for a Refinement, nothing of what would call one is in its image.
+#ifdef ARMSIG_NO_REFINEMENT
+inline constexpr bool kMayRefine = false;
+#else
+inline constexpr bool kMayRefine = true;
+#endif
+
 // What was measured at a pose, for a later run that goes the same way.
 struct KeptPoint {
   std::size_t sweep = 0;                    // joint from 1, 0: a pose

@@ -70,7 +70,7 @@ void tell_sequence(Line& line, const Controls& controls) {
   const IdentificationSequence& identification = controls.identification;
   if (identification.is_running()) {
     line.text(" sequence=").text(identification.is_paused() ? "paused" : "identifying");
-    if (identification.stage() == IdentificationSequence::Stage::kRefining) {
+    if (identification.is_refining()) {
       line.text(" refining=yes");
       identification.tell_refinement(line);
     }

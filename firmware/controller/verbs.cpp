@@ -56,7 +56,7 @@ Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
   const auto& active = controls.custody.active();
   const SignatureRecord* const in_use = active ? &*active : nullptr;
-  if (refines) {
+  if (kMayRefine && refines) {
     const auto time = std::chrono::duration_cast<hal::Duration>(
         std::chrono::duration<double, std::ratio<60>>(asked.minutes));
     controls.identification.begin_refining({1e-3 * asked.accuracy_mm, time, asked.anew},
@@ -205,10 +205,11 @@ constexpr std::array kVerbs{
          .takes = Verb::Takes::kKeys},
     Verb{.name = "identify",
          .handler = identify,
-         .help = "measures all joints; ends with a candidate; accuracy_mm=0.15 minutes=30 finds "
-                 "gravity and maps of the readings, too, from poses of its own choice; goes on "
-                 "where one was "
-                 "interrupted, but for anew=yes",
+         .help = kMayRefine
+                     ? "measures all joints; ends with a candidate; accuracy_mm=0.15 minutes=30 "
+                       "finds gravity and maps of the readings, too, from poses of its own "
+                       "choice; goes on where one was interrupted, but for anew=yes"
+                     : "measures all joints; ends with a candidate",
          .modes = kReady,
          .alone = true,
          .takes = Verb::Takes::kKeys},
