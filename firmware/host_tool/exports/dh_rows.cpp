@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/links.hpp"
 #include "core/base/low_discrepancy.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "core/pseudo_dh/pseudo_dh.hpp"
