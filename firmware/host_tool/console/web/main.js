@@ -20,6 +20,7 @@ let rows = [];
 let state = null;
 let heard = 0;       // when the server was heard last
 let shownAnswer = null;
+let asked = '';      // the verb that was pressed and is not answered yet
 let advice = {};
 let pausedBy = '';   // the name of what paused the measurement, as the controller said
 
@@ -198,6 +199,7 @@ function showReadings({ status }) {
 function showAnswer({ answer }) {
   if (answer === null || answer.number === shownAnswer) return;
   shownAnswer = answer.number;
+  asked = '';
   const [, name, rest] = /^error (\S+) (.*)$/.exec(answer.words) ?? [];
   const why = name ? `${rest}. ${markdown(adviceFor(name).todo ?? '')}` : answer.words;
   byId('answer').classList.toggle('bad', !answer.ok);
@@ -207,7 +209,7 @@ function showAnswer({ answer }) {
 function showButtons(next) {
   const old = stale() !== '';
   for (const button of document.querySelectorAll('#buttons [data-verb]')) {
-    const can = state !== null && !old && state.holds && state.busy === '' && possible(button.dataset.verb, state);
+    const can = state !== null && !old && state.holds && state.busy === '' && asked === '' && possible(button.dataset.verb, state);
     button.disabled = !can;
     button.hidden = !can && ['pause', 'resume', 'acknowledge', 'reset'].includes(button.dataset.verb);
     button.classList.toggle('next', button.dataset.verb === next && can);
@@ -219,6 +221,7 @@ function showButtons(next) {
 
 function showStale() {
   const why = stale();
+  if (why !== '') asked = '';  // no answer may come
   document.body.classList.toggle('stale', why !== '');
   byId('lost').hidden = why === '';
   tell('lost', why);
@@ -248,6 +251,10 @@ function show() {
 // --- What the viewer wants -------------------------------------------------------------------------
 
 async function request(verb) {
+  if (verb !== 'stop' && verb !== 'take-over') {
+    asked = verb;  // one at a time: a second would be refused
+    showButtons('');
+  }
   const answer = await fetch('request', {
     method: 'POST',
     headers: { 'Content-Type': 'application/json' },
@@ -255,6 +262,7 @@ async function request(verb) {
     signal: AbortSignal.timeout(3000),
   }).catch(() => null);
   if (answer?.ok) return;
+  if (asked === verb) asked = '';
   byId('answer').classList.add('bad');
   tell('answer', answer ? `${verb}: ${await answer.text()}` : `${verb} did not reach the page’s server${verb === 'stop' ? ': use the emergency stop' : ''}`);
 }
