@@ -7,7 +7,12 @@ PATH=$2:$3:$PATH
 walk=$(basename "$0")
 work=$(mktemp -d)
 daemon=
-trap '[ -z "$daemon" ] || kill "$daemon" 2>/dev/null || true; rm -rf "$work"' EXIT
+# The controller writes what its checks have learnt when it ends.
+leave() {
+  if [ -n "$daemon" ] && kill "$daemon" 2>/dev/null; then wait "$daemon" || true; fi
+  rm -rf "$work"
+}
+trap leave EXIT
 cd "$work"
 
 fail() { echo "$walk: $*" >&2; exit 1; }
