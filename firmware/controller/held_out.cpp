@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/controller/held_out.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/frames/link_frames.hpp"
@@ -30,6 +31,14 @@ calibration::ServoReadings joints_of(const SignatureRecord* record, const Arm& d
   return {record->deflections, drawing, record->signature.configuration};
 }
 
+Vector3 target_in_last_frame(const SignatureRecord& record) {
+  return record.signature.X_SL.back().inverse() * record.signature.targets[0].p_S;
+}
+
+double miss_m2(const Pose& X_SL, const Vector3& p_L, const Vector3& p_S) {
+  return (X_SL * p_L - p_S).squaredNorm();
+}
+
 // Readings of this machine are finite, and within its limits.
 JointVector turned(const calibration::ServoReadings& joints, const JointVector& q) {
   return joints.turned(q).value_or(q);
@@ -40,12 +49,15 @@ JointVector turned(const calibration::ServoReadings& joints, const JointVector& 
 HeldOutComparison::HeldOutComparison(const SignatureRecord& candidate,
                                      const SignatureRecord* active, const Arm& drawing)
     : candidate_{kinematics::chain_of<double>(candidate.signature), joints_of(&candidate, drawing),
-                 candidate.signature.X_SL.back().inverse() * candidate.signature.targets[0].p_S},
+                 target_in_last_frame(candidate)},
       active_{chain_of_model(active, drawing, candidate.signature.configuration),
               joints_of(active, drawing),
               {}},
       aligning_(frames::axis_lines(candidate.signature),
                 axes_at(active_.chain, turned(active_.joints, candidate.signature.configuration))) {
+  if (active == nullptr) return;
+  p_L_stood_ = target_in_last_frame(*active);
+  stood_m2_ = 0;
 }
 
 Pose HeldOutComparison::last_frame(const Predictor& model, const JointVector& q) {
@@ -54,25 +66,26 @@ Pose HeldOutComparison::last_frame(const Predictor& model, const JointVector& q)
 
 bool HeldOutComparison::step() {
   if (aligning_.step()) return true;
-  active_.chain.X_S0 = aligning_.result().X_AB * active_.chain.X_S0;
+  X_laid_ = aligning_.result().X_AB;
   const JointVector& q = candidate_.chain.configuration;
-  active_.p_L = last_frame(active_, q).inverse() * (last_frame(candidate_, q) * candidate_.p_L);
+  const Vector3 p_S = last_frame(candidate_, q) * candidate_.p_L;
+  active_.p_L = (X_laid_ * last_frame(active_, q)).inverse() * p_S;
   return false;
 }
 
 void HeldOutComparison::judge(const JointVector& readings, const Vector3& p_S) {
-  const auto miss_m2 = [&](const Predictor& model) {
-    return (last_frame(model, readings) * model.p_L - p_S).squaredNorm();
-  };
-  candidate_m2_ += miss_m2(candidate_);
-  active_m2_ += miss_m2(active_);
+  const Pose X_stood = last_frame(active_, readings);
+  stood_m2_ += miss_m2(X_stood, p_L_stood_, p_S);
+  laid_m2_ += miss_m2(X_laid_ * X_stood, active_.p_L, p_S);
+  candidate_m2_ += miss_m2(last_frame(candidate_, readings), candidate_.p_L, p_S);
   ++poses_;
 }
 
 HeldOutReport HeldOutComparison::report() const {
   if (poses_ == 0) return {};
   const auto count = static_cast<double>(poses_);
-  return {poses_, std::sqrt(candidate_m2_ / count), std::sqrt(active_m2_ / count)};
+  return {poses_, std::sqrt(candidate_m2_ / count),
+          std::sqrt(std::min(stood_m2_, laid_m2_) / count)};
 }
 
 }  // namespace armsig::controller

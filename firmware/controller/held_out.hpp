@@ -2,6 +2,8 @@
 // Which of two models predicts poses better that neither was fitted to.
 #pragma once
 
+#include <limits>
+
 #include "core/calibration/servo_readings.hpp"
 #include "core/frames/alignment.hpp"
 #include "core/kinematics/s_model_chain.hpp"
@@ -17,9 +19,11 @@ struct HeldOutReport {
   [[nodiscard]] bool is_better() const { return poses > 0 && candidate_rms_m < active_rms_m; }
 };
 
-// A candidate and the active model, the latter laid over the former: its axes over the candidate's
-// at the candidate's signature configuration, and there with the same target, as it would be
-// taught. Its own signature configuration and sensor frame may be any.
+// A candidate and the active model. The active one is laid over the candidate: its axes over the
+// candidate's at the candidate's signature configuration, and there with the same target, as it
+// would be taught, since sensor and target may have been moved. A signature is judged where it
+// stood, too, and counts as well as it does best: laid over a noisy candidate it shares that
+// candidate's error of place.
 class HeldOutComparison {
  public:
   // `active` null: the drawing. Both records have one target, on the hand. Precondition: as many
@@ -47,7 +51,11 @@ class HeldOutComparison {
   frames::Aligning aligning_;
   std::size_t poses_ = 0;
   double candidate_m2_ = 0;
-  double active_m2_ = 0;
+  // The active model where it stood, with its own target. The drawing stood nowhere: infinite.
+  Vector3 p_L_stood_ = Vector3::Zero();
+  double stood_m2_ = std::numeric_limits<double>::infinity();
+  Pose X_laid_;  // takes its sensor frame to the candidate's
+  double laid_m2_ = 0;
 };
 
 }  // namespace armsig::controller
