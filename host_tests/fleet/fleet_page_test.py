@@ -127,11 +127,18 @@ class FleetPage(unittest.TestCase):
             for dark in (False, True, False):  # the best of three: the machine may be busy
                 tab = self.open("/", width, height, dark)
                 self.assertEqual(tab.ask("document.querySelectorAll('tr').length"), ARMS + 1)
+                # The last arm is there where one looks for it, in the columns of the first.
+                self.assertTrue(tab.ask(
+                    """(() => { const rows = [...document.querySelectorAll('tr')]
+                      rows.at(-1).scrollIntoView()
+                      const places = row => [...row.cells].map(cell => Math.round(cell.getBoundingClientRect().x))
+                      return places(rows[0]).length == 9 && places(rows.at(-1)).join() == places(rows[0]).join() })()"""))
+                tab.ask("scrollTo(0, 0)")
                 first_views.append(tab.ask("Math.max(performance.getEntriesByName('first-contentful-paint')[0].startTime, "
                                            "performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd)"))
                 self.look(tab, f"arms-{width}-{'dark' if dark else 'light'}")
                 tab.call("Page.close")
-            print(f"first view at {width} by {height}: {min(first_views):.0f} ms")
+            print(f"first view at {width} by {height}: {min(first_views):.0f} to {max(first_views):.0f} ms")
             self.assertLess(min(first_views), FIRST_VIEW_MS)
 
     def test_the_drifting_arm_stands_first_and_leads_to_what_changed(self):
