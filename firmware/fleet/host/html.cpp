@@ -20,7 +20,7 @@ constexpr std::string_view kStyle =
     // in lots that the browser leaves out.
     ".arms,.arms tbody{display:block}.arms tbody{content-visibility:auto;"
     "contain-intrinsic-size:auto 100rem}.arms tr{display:grid;grid-template-columns:"
-    "9rem 7rem 15rem 7.5rem 4rem 10rem 9.5rem 8rem 6rem}.arms td{white-space:normal;"
+    "9rem 6.5rem 15.5rem 7.5rem 4rem 10rem 9rem 9rem 6rem}.arms td{white-space:normal;"
     "overflow-wrap:anywhere}"
     ".f{white-space:normal}.long{white-space:normal;overflow-wrap:anywhere;min-width:16rem}"
     "details{margin:.4rem "
