@@ -47,10 +47,24 @@ double offset_of(const DeviatingChain& chain, std::size_t joint, double coupled)
          refinement::corrected_reading(chain.readings, joint, coupled) - coupled;
 }
 
+// One configuration of the work volume.
+struct Reading {
+  JointVector coupled;
+  Bend bend;
+};
+
 class Path {
  public:
   Path(const DeviatingChain& chain, const FixedVector<JointLimits, kMaxJoints>& limits)
-      : chain_(chain), limits_(limits), types_(types_of(chain.axes)) {}
+      : chain_(chain), limits_(limits), types_(types_of(chain.axes)), bends_(chain.bendings) {}
+
+  // Configuration n >= 1.
+  [[nodiscard]] Reading reading(int n) const {
+    const JointVector readings = evenly_spread_configuration(types_, limits_, n);
+    Reading reading{.coupled = effective_readings(chain_.readings.couplings, readings), .bend = {}};
+    if (chain_.bendings.any()) reading.bend = bends_.at(readings, reading.coupled);
+    return reading;
+  }
 
   [[nodiscard]] std::size_t causes() const { return types_.size() * kCauses; }
   void set_pivot(const Vector3& pivot_S) { pivot_S_ = pivot_S; }
@@ -61,10 +75,9 @@ class Path {
     return Pose{R, pivot_S_ - R * pivot_S_ + fitted.segment<3>(3)} * chain_.X_SD;
   }
 
-  // Configuration n >= 1 at the share s of all deviations, base and tool off by `fitted` (1 - s).
-  void evaluate(int n, double s, const Fitted& fitted, ToolAt& at) const {
-    const JointVector coupled = effective_readings(chain_.readings.couplings,
-                                                   evenly_spread_configuration(types_, limits_, n));
+  // At the share s of all deviations, base and tool off by `fitted` (1 - s).
+  void evaluate(const Reading& q, double s, const Fitted& fitted, ToolAt& at) const {
+    const JointVector& coupled = q.coupled;
     std::array<Pose, kMaxJoints> before;  // axis frames in the sensor frame, before E_i
     std::array<Pose, kMaxJoints> after;   // and after it
     const Vector3 shift = (1 - s) * fitted.segment<3>(3);
@@ -73,7 +86,9 @@ class Path {
       before[i] = X * chain_.axes[i].X_before;
       after[i] =
           before[i] * Pose{numerics::rotation_by(s * tilt_of(chain_, i)), s * shift_of(chain_, i)};
-      const double turned = coupled[i] + s * offset_of(chain_, i, coupled[i]);
+      const double more = q.bend.more_by_map[i] + q.bend.more_by_gravity[i];
+      const double turned =
+          coupled[i] + q.bend.drawn[i] + s * (offset_of(chain_, i, coupled[i]) + more);
       X = after[i] * joint_motion(types_[i], turned);
     }
     at.p_S = X * Vector3(chain_.p_T + (1 - s) * fitted.tail<3>());
@@ -83,13 +98,14 @@ class Path {
       at.by_fitted.col(6 + c) = X.R.col(c);
     }
     for (std::size_t i = 0; i < types_.size(); ++i) {
-      add_causes(i, s, coupled[i], before[i], after[i], at);
+      add_causes(i, s, q, before[i], after[i], at);
     }
   }
 
  private:
-  void add_causes(std::size_t i, double s, double coupled, const Pose& before, const Pose& after,
+  void add_causes(std::size_t i, double s, const Reading& q, const Pose& before, const Pose& after,
                   ToolAt& at) const {
+    const double coupled = q.coupled[i];
     const auto of = [&](Cause cause) -> Vector3& {
       return at.by_cause[i * kCauses + static_cast<std::size_t>(cause)];
     };
@@ -108,11 +124,14 @@ class Path {
     of(Cause::kOnceATurn) = motion * (c.cos_1 * std::cos(coupled) + c.sin_1 * std::sin(coupled));
     of(Cause::kTwiceATurn) =
         motion * (c.cos_2 * std::cos(2 * coupled) + c.sin_2 * std::sin(2 * coupled));
+    of(Cause::kMap) = motion * q.bend.more_by_map[i];
+    of(Cause::kGravity) = motion * q.bend.more_by_gravity[i];
   }
 
   const DeviatingChain& chain_;
   const FixedVector<JointLimits, kMaxJoints>& limits_;
   JointTypes types_;
+  Bends bends_;
   Vector3 pivot_S_ = Vector3::Zero();
 };
 
@@ -150,7 +169,7 @@ Fit fit_base_and_tool(Path& path, int count) {
   ToolAt drawn;
   Vector3 middle = Vector3::Zero();
   for (int n = 1; n <= count; ++n) {
-    path.evaluate(n, 1, Fitted::Zero(), arm);
+    path.evaluate(path.reading(n), 1, Fitted::Zero(), arm);
     middle += arm.p_S / count;
   }
   path.set_pivot(middle);
@@ -159,8 +178,9 @@ Fit fit_base_and_tool(Path& path, int count) {
     FittedMatrix information = FittedMatrix::Zero();
     Fitted gradient = Fitted::Zero();
     for (int n = 1; n <= count; ++n) {
-      path.evaluate(n, 1, Fitted::Zero(), arm);
-      path.evaluate(n, 0, fit.fitted, drawn);
+      const Reading q = path.reading(n);
+      path.evaluate(q, 1, Fitted::Zero(), arm);
+      path.evaluate(q, 0, fit.fitted, drawn);
       information.noalias() += drawn.by_fitted.transpose() * drawn.by_fitted;
       gradient.noalias() += drawn.by_fitted.transpose() * (arm.p_S - drawn.p_S);
     }
@@ -184,21 +204,31 @@ struct PathIntegral {
 };
 
 void integrate(const Path& path, int n, const Fit& fit, PathIntegral& integral) {
+  const Reading q = path.reading(n);
   ToolAt at;
-  path.evaluate(n, 1, fit.fitted, at);
+  path.evaluate(q, 1, fit.fitted, at);
   integral.displacement = at.p_S;
-  path.evaluate(n, 0, fit.fitted, at);
+  path.evaluate(q, 0, fit.fitted, at);
   integral.displacement -= at.p_S;
   integral.at_start = at.by_fitted * fit.directions;
   integral.by_fitted.setZero();
   integral.by_cause.fill(Vector3::Zero());
   for (std::size_t k = 0; k < kNodes.size(); ++k) {
-    path.evaluate(n, kNodes[k], fit.fitted, at);
+    path.evaluate(q, kNodes[k], fit.fitted, at);
     integral.by_fitted += kWeights[k] * (at.by_fitted * fit.directions);
     for (std::size_t c = 0; c < path.causes(); ++c) {
       integral.by_cause[c] += kWeights[k] * at.by_cause[c];
     }
   }
+}
+
+void keep_largest(const Bend& bend, Bend& largest) {
+  const auto keep = [](const BendValues& from, BendValues& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = std::max(to[i], std::abs(from[i]));
+  };
+  keep(bend.drawn, largest.drawn);
+  keep(bend.more_by_map, largest.more_by_map);
+  keep(bend.more_by_gravity, largest.more_by_gravity);
 }
 
 }  // namespace
@@ -233,8 +263,10 @@ Effects difference_effects(const DeviatingChain& chain,
   std::array<Fitted, kMaxJoints * kCauses> taken;
   taken.fill(Fitted::Zero());
   PathIntegral integral;
+  Effects effects;
   for (int n = 1; n <= count; ++n) {
     integrate(path, n, fit, integral);
+    keep_largest(path.reading(n).bend, effects.largest);
     overlap.noalias() += integral.at_start.transpose() * integral.by_fitted;
     for (std::size_t c = 0; c < path.causes(); ++c) {
       taken[c].noalias() += integral.at_start.transpose() * integral.by_cause[c];
@@ -244,7 +276,6 @@ Effects difference_effects(const DeviatingChain& chain,
   const Eigen::PartialPivLU<FittedMatrix> solver(overlap);
   for (Fitted& of_cause : taken) of_cause = Fitted(solver.solve(of_cause));
 
-  Effects effects;
   for (int n = 1; n <= count; ++n) {
     integrate(path, n, fit, integral);
     effects.total_rms_m += integral.displacement.squaredNorm() / count;

@@ -4,11 +4,12 @@
 
 #include "core/arm_model/readings.hpp"
 #include "core/evaluation/axis_deviations.hpp"
+#include "core/evaluation/bends.hpp"
 
 namespace armsig::evaluation {
 
 // What moves the tool of an arm from where its drawing has it: the deviations of a joint, in their
-// order, and the errors of its reading.
+// order, the errors of its reading, its map, and what gravity does to it.
 enum class Cause : std::uint8_t {
   kTiltX,
   kTiltY,
@@ -18,8 +19,10 @@ enum class Cause : std::uint8_t {
   kScale,
   kOnceATurn,
   kTwiceATurn,
+  kMap,
+  kGravity,
 };
-inline constexpr std::size_t kCauses = 8;
+inline constexpr std::size_t kCauses = 10;
 
 // The chain of axis_deviations() with a tool.
 struct DeviatingChain {
@@ -28,9 +31,11 @@ struct DeviatingChain {
   refinement::ReadingModel readings;  // couplings of the drawing, corrections of the arm
   Pose X_SD;
   Vector3 p_T = Vector3::Zero();  // the tool in the frame of the last axis, which has turned
+  Bendings bendings;              // what either gives way by beyond its readings
 };
 
-// The frame of the last axis, turned with its joint, in the sensor frame at effective readings.
+// The frame of the last axis, turned with its joint, in the sensor frame at effective readings;
+// nothing gives way.
 [[nodiscard]] Pose hand_pose(const DeviatingChain& chain, const JointVector& effective);
 
 // Base and tool of the drawing, as they fit the tool of the arm best over `count` configurations.
@@ -51,6 +56,7 @@ struct Effects {
   std::array<Effect, kMaxJoints * kCauses> of{};  // joint by joint
   // Of the drawing from the arm, base and tool fitted: the sum of all adds_m.
   double total_rms_m = 0;
+  Bend largest;  // absolute values
 };
 
 // Over `count` configurations of the work volume. The drawing has base and tool fitted to the tool

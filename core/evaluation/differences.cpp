@@ -116,6 +116,15 @@ void add_reading_errors(const Refined& estimate, std::size_t i, const Effects& e
       amplitude_sigma(estimate, known ? estimate.layout.second[i] : kNoColumn, c.cos_2, c.sin_2));
 }
 
+void add_bends(const Effects& effects, std::size_t i, Differences& found) {
+  const auto add = [&](Cause cause, double largest) {
+    const Effect& effect = effects.of[i * kCauses + static_cast<std::size_t>(cause)];
+    if (largest > 0) found.all.push_back({i, cause, largest, 0, effect});
+  };
+  add(Cause::kMap, effects.largest.more_by_map[i]);
+  add(Cause::kGravity, effects.largest.more_by_gravity[i]);
+}
+
 // Whether the lines tell a deviation: its derivatives, a turn of an axis counted as what it does at
 // the arm's length.
 bool is_told(const LineDerivatives& by_lines, bool is_angle, double size_m) {
@@ -179,8 +188,10 @@ Result<Compared> compared(const Arm& drawing, const Refined& estimate, std::size
 
 }  // namespace
 
-Result<Differences> differences(const Arm& drawing, const Refined& estimate, std::size_t tool) {
+Result<Differences> differences(const Arm& drawing, const Refined& estimate, std::size_t tool,
+                                const Bendings& bendings) {
   ARMSIG_TRY(found, compared(drawing, estimate, tool));
+  found.chain.bendings = bendings;
   const Signature& signature = estimate.signature;
   const Effects effects = difference_effects(found.chain, drawing.limits);
   const double size_m = frames::arm_size(frames::axis_lines(signature));
@@ -194,6 +205,7 @@ Result<Differences> differences(const Arm& drawing, const Refined& estimate, std
                                  found.sigmas[index], effects.of[i * kCauses + k]});
     }
     add_reading_errors(estimate, i, effects, differences);
+    add_bends(effects, i, differences);
   }
   return differences;
 }

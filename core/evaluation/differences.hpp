@@ -13,7 +13,8 @@ struct Difference {
   std::size_t joint = 0;  // from 0
   Cause cause = Cause::kTiltX;
   // rad of a tilt and of a revolute joint's reading, m of a shift and of a prismatic joint's zero,
-  // 1 of a scale; of an error once or twice a turn the amplitude.
+  // 1 of a scale; of an error once or twice a turn the amplitude; of a map and of gravity the
+  // largest over the work volume.
   double value = 0;
   double sigma = 0;  // one sigma; 0 where nothing is known about it
   Effect effect;
@@ -29,10 +30,11 @@ struct Differences {
 
 // Of the arm that `estimate` describes, its tool at target index `tool`. An estimate without
 // unknowns is exact. Errors: kNotConverged, kNotFinite where the arm is not the drawing's at all.
+// `bendings`: maps and gravity of both; those of `estimate.readings` are not looked at.
 // Preconditions: joints of the drawing's types; limits for each; couplings of both the same.
 [[nodiscard]] Result<Differences> differences(const Arm& drawing,
-                                              const refinement::Refined& estimate,
-                                              std::size_t tool);
+                                              const refinement::Refined& estimate, std::size_t tool,
+                                              const Bendings& bendings = {});
 
 // The drawing as a model of that arm, with base and tool as they fit its tool best over the work
 // volume: what a calibration of base and tool alone would give. Its only target is the tool. Errors

@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -62,22 +63,30 @@ TEST(FleetComparison, ChangeIsToldAtTheJointWhereItIs) {
   }
 }
 
-// A slide, a map, gravity: a polar arm whose third joint is prismatic.
-std::string polar(double d3_mm, int knot, double sag) {
+constexpr std::array kPolar{JointType::kRevolute, JointType::kRevolute, JointType::kPrismatic};
+const std::vector<double> kRest{0.1, 0.3, 0.5};
+
+// A slide, a map, gravity: a polar arm whose third joint is prismatic. Every knot of the map of
+// joint 2 is `knot`, half a turn of them `wave` more.
+std::string polar(double d3_mm, int knot, double sag, int wave = 0,
+                  const std::vector<double>& rest = kRest) {
   const std::string rows =
       "theta1_deg=0 d1_mm=400 a1_mm=0 alpha1_deg=-90 theta2_deg=0 d2_mm=100 a2_mm=0 alpha2_deg=90 "
       "theta3_deg=0 d3_mm=" +
       std::to_string(d3_mm) + " a3_mm=0 alpha3_deg=0 ";
-  const std::array types{JointType::kRevolute, JointType::kRevolute, JointType::kPrismatic};
   calibration::PackedDeflections deflections;
-  for (std::size_t i = 0; i < types.size(); ++i) {
-    const JointLimits limits = i == 2 ? JointLimits{0.1, 0.9} : JointLimits{-2, 2};
-    deflections.maps.push_back({.domain = calibration::map_domain(types[i], limits), .step = 1e-8});
+  for (const JointType type : kPolar) {
+    const bool slides = type == JointType::kPrismatic;
+    const JointLimits limits = slides ? JointLimits{0.1, 0.9} : JointLimits{-2, 2};
+    deflections.maps.push_back({.domain = calibration::map_domain(type, limits), .step = 1e-8});
   }
   deflections.drawn_zero = {0.1, -0.2, 0.3};
-  for (std::int16_t& step : deflections.maps[1].steps) step = static_cast<std::int16_t>(knot);
+  for (std::size_t k = 0; k < calibration::kKnots; ++k) {
+    const bool on_wave = k < calibration::kKnots / 2;
+    deflections.maps[1].steps[k] = static_cast<std::int16_t>(on_wave ? knot + wave : knot);
+  }
   deflections.gravity.push_back({.joint = 1, .origin = 3, .coefficient = sag});
-  return signature_document(rows.substr(0, rows.size() - 1), types, deflections);
+  return signature_document(rows.substr(0, rows.size() - 1), kPolar, deflections, rest);
 }
 
 TEST(FleetComparison, SlideIsASlideAndMapsAndGravityAreHeldAgainstEachOther) {
@@ -97,6 +106,34 @@ TEST(FleetComparison, SlideIsASlideAndMapsAndGravityAreHeldAgainstEachOther) {
   EXPECT_EQ(changed->joints[2].gravity, 0);
 }
 
+// From the readings on at which the joints stand as the rows say: what a map has there is in them.
+TEST(FleetComparison, MapsAndGravityAreInTheSumAtTheTool) {
+  const auto at_the_tool = [](const std::string& now) {
+    const auto compared = compare_signatures(polar(0, 0, 1e-4), now);
+    EXPECT_TRUE(compared && compared->whole);
+    if (!compared) return 0.0;
+    double sum = 0;
+    for (const JointDifference& joint : compared->joints) sum += joint.adds_m;
+    EXPECT_NEAR(sum, compared->tool_rms_m, 1e-3 * compared->tool_rms_m + 1e-12);
+    return compared->tool_rms_m;
+  };
+  EXPECT_LT(at_the_tool(polar(0, 5000, 1e-4)), 1e-9) << "the same everywhere";
+  // 1e-4 rad over half a turn, at half a metre of slide and 0.1 m of tool: 30 um to either side.
+  EXPECT_NEAR(at_the_tool(polar(0, 0, 1e-4, 10'000)), 25e-6, 10e-6);
+  // 3e-4 rad for a metre of lever, which is the slide: over its metre in all directions 84 um, and
+  // 97 um that the joint stands off by at all readings but those at rest.
+  EXPECT_NEAR(at_the_tool(polar(0, 0, 4e-4)), 128e-6, 15e-6);
+}
+
+TEST(FleetComparison, WhereADocumentDoesNotSayFromWhereTheSumIsWithoutThem) {
+  const auto compared = compare_signatures(polar(0, 0, 1e-4), polar(0, 0, 4e-4, 10'000, {}));
+  ASSERT_TRUE(compared);
+  EXPECT_TRUE(compared->bends);
+  EXPECT_FALSE(compared->whole);
+  EXPECT_LT(compared->tool_rms_m, 1e-9);
+  EXPECT_GT(compared->joints[1].map, 0.9e-4);
+}
+
 TEST(FleetComparison, DocumentSaysWhatTheRecordDoes) {
   const std::string document = polar(0, -321, 1.5e-5);
   const auto read = read_signature_document(document);
@@ -106,11 +143,16 @@ TEST(FleetComparison, DocumentSaysWhatTheRecordDoes) {
   EXPECT_EQ(read->deflections.maps[1].steps[119], -321);
   EXPECT_EQ(read->deflections.drawn_zero[1], -0.2);
   const std::string rows = document.substr(0, document.find(" type3"));
-  const std::array types{JointType::kRevolute, JointType::kRevolute, JointType::kPrismatic};
-  EXPECT_EQ(signature_document(rows, types, read->deflections), document);
+  EXPECT_EQ(std::vector(read->configuration.begin(), read->configuration.end()), kRest);
+  EXPECT_EQ(signature_document(rows, kPolar, read->deflections, kRest), document);
+  const std::string former = polar(0, -321, 1.5e-5, 0, {});
+  const auto of_a_former_version = read_signature_document(former);
+  ASSERT_TRUE(of_a_former_version);
+  EXPECT_TRUE(of_a_former_version->configuration.empty());
+  EXPECT_EQ(signature_document(rows, kPolar, of_a_former_version->deflections, {}), former);
   // An arm that is all revolute and does not bend keeps the document, and the hash, that it had.
   const std::array<JointType, 6> revolute{};
-  EXPECT_EQ(signature_document(puma(), revolute, {}), puma());
+  EXPECT_EQ(signature_document(puma(), revolute, {}, {}), puma());
   EXPECT_FALSE(compare_signatures(rows, document));  // a slide is no revolute joint
 }
 
@@ -127,6 +169,8 @@ TEST(FleetComparison, DocumentCutAnywhereOrBeyondAnyArmIsNone) {
   for (const auto& [what, with] :
        {std::pair{"map2_step_rad=1e-08", "map2_step_rad=1"},
         std::pair{"gravity=2,3,", "gravity=2,9,"}, std::pair{"gravity=2,3,0.0001", "gravity=2,3,1"},
+        std::pair{" rest2_rad=0.3", ""}, std::pair{" rest1_rad=0.1", ""},
+        std::pair{"rest3_m=0.5", "rest3_m=nan"}, std::pair{"rest3_m=0.5", "rest3_rad=0.5"},
         std::pair{"type3=prismatic", "type3=round"}, std::pair{"map1=0,0", "map1=0"},
         std::pair{"map1=0,0", "map1=0,0,0"}, std::pair{"map1=0,0", "map1=40000,0"},
         std::pair{"zero1_rad=0.1", "zero1_rad=inf"}}) {

@@ -104,7 +104,7 @@ controller::SignatureRecord bent_record() {
   Signature& signature = record.signature;
   for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
     signature.types.push_back(type);
-    signature.configuration.push_back(0);
+    signature.configuration.push_back(type == JointType::kPrismatic ? 0.25 : -0.5);
     record.deflections.maps.push_back({.domain = {.origin = -3, .per_length = 19}, .step = 1e-8});
     record.machine.drives.push_back({});
   }
@@ -144,9 +144,11 @@ TEST(FleetNode, DocumentHasWhatTheRecordOfTheControllerAddsToTheRows) {
   const auto lines = fetched(encode(record));
   ASSERT_EQ(lines.size(), 21U);
   const std::string document = document_by(lines);
-  EXPECT_EQ(document,
-            signature_document("theta1_deg=0", record.signature.types, record.deflections));
-  EXPECT_TRUE(document.starts_with("theta1_deg=0 type2=prismatic zero1_rad=0 map1_from_rad=-3 "));
+  EXPECT_EQ(document, signature_document("theta1_deg=0", record.signature.types, record.deflections,
+                                         record.signature.configuration));
+  EXPECT_TRUE(document.starts_with(
+      "theta1_deg=0 type2=prismatic zero1_rad=0 rest1_rad=-0.5 map1_from_rad=-3 "));
+  EXPECT_TRUE(document.contains(" zero2_m=0 rest2_m=0.25 map2_from_m=-3 "));
   EXPECT_TRUE(document.contains("map1=0,0,0,0,0,0,0,-77,0"));
   EXPECT_TRUE(document.ends_with(" gravity=1,2,0.0001"));
 }

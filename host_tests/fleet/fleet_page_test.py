@@ -32,7 +32,7 @@ ARMS = 1000
 FIRST_VIEW_MS = 1000
 FORMER = ("theta1_deg=0.010000 d1_mm=0.0000 a1_mm=0.0000 alpha1_deg=-90.000000 theta2_deg=0.000000 d2_mm=149.0900 "
           "a2_mm=431.8000 alpha2_deg=0.001000 theta3_deg=90.000000 d3_mm=0.0000 a3_mm=-20.3200 alpha3_deg=90.000000")
-BENDS = "".join(f" zero{n}_rad=0 map{n}_from_rad=-3.1 map{n}_knots_per_rad=19 map{n}_step_rad=1e-08 map{n}="
+BENDS = "".join(f" zero{n}_rad=0 rest{n}_rad=0.2 map{n}_from_rad=-3.1 map{n}_knots_per_rad=19 map{n}_step_rad=1e-08 map{n}="
                 + ",".join(str(300 * n * (k % 5)) for k in range(120)) for n in (1, 2, 3)) + " gravity=2,3,1.5e-05"
 ACTUAL = FORMER.replace("a2_mm=431.8000", "a2_mm=432.2000").replace("alpha3_deg=90.000000", "alpha3_deg=90.050000") + BENDS
 FILL = """
@@ -127,11 +127,18 @@ class FleetPage(unittest.TestCase):
             for dark in (False, True, False):  # the best of three: the machine may be busy
                 tab = self.open("/", width, height, dark)
                 self.assertEqual(tab.ask("document.querySelectorAll('tr').length"), ARMS + 1)
+                # The last arm is there where one looks for it, in the columns of the first.
+                self.assertTrue(tab.ask(
+                    """(() => { const rows = [...document.querySelectorAll('tr')]
+                      rows.at(-1).scrollIntoView()
+                      const places = row => [...row.cells].map(cell => Math.round(cell.getBoundingClientRect().x))
+                      return places(rows[0]).length == 9 && places(rows.at(-1)).join() == places(rows[0]).join() })()"""))
+                tab.ask("scrollTo(0, 0)")
                 first_views.append(tab.ask("Math.max(performance.getEntriesByName('first-contentful-paint')[0].startTime, "
                                            "performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd)"))
                 self.look(tab, f"arms-{width}-{'dark' if dark else 'light'}")
                 tab.call("Page.close")
-            print(f"first view at {width} by {height}: {min(first_views):.0f} ms")
+            print(f"first view at {width} by {height}: {min(first_views):.0f} to {max(first_views):.0f} ms")
             self.assertLess(min(first_views), FIRST_VIEW_MS)
 
     def test_the_drifting_arm_stands_first_and_leads_to_what_changed(self):
@@ -180,6 +187,7 @@ class FleetPage(unittest.TestCase):
         tab = self.open(f"/compare/{sha256(FORMER)}/{sha256(ACTUAL)}")
         self.assertRegex(tab.ask("document.body.innerText"), r"Together 0\.\d+ mm at the tool")
         self.assertIn("gravity", tab.ask("document.querySelector('table').innerText"))
+        self.assertIn("what they do at the tool is in the sum", tab.ask("document.body.innerText"))
         self.look(tab, "compare")
         self.assertEqual(self.get(f"/compare/{sha256('x')}/{sha256(ACTUAL)}"), "")
         self.assertTrue(re.search(r"^armsig_arms_drifting 1$", self.get("/metrics"), re.M))

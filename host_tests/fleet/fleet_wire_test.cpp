@@ -1,62 +1,28 @@
 // SPDX-License-Identifier: MIT
 // The bytes of every message as protoc reads them by a schema of the test's own, and what is read
 // of bytes that protoc wrote or nobody did.
-#include <unistd.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "firmware/fleet/wire/payload.hpp"
 #include "firmware/fleet/wire/row_codec.hpp"
+#include "host_tests/fleet/protoc.hpp"
 #include "host_tests/support/failure_of.hpp"
 
 namespace armsig::fleet {
 namespace {
 
 using armsig::test::failure_of;
-
-std::string file_text(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-// Runs protoc over `input`.
-std::string by_protoc(const std::string& option, const std::string& input) {
-  const auto base =
-      std::filesystem::temp_directory_path() / ("armsig-wire-" + std::to_string(::getpid()));
-  std::ofstream(base, std::ios::binary) << input;
-  const std::string out = base.string() + ".out";
-  const std::string command = ARMSIG_PROTOC " --" + option +
-                              "=Payload -I" ARMSIG_SCHEMA_FOLDER " own_schema.proto <" +
-                              base.string() + " >" + out;
-  EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  std::string result = file_text(out);
-  std::filesystem::remove(base);
-  std::filesystem::remove(out);
-  return result;
-}
+using test::by_protoc;
+using test::count;
 
 std::string decoded(const Payload& payload) {
-  return by_protoc("decode", {reinterpret_cast<const char*>(payload.data()), payload.size()});
+  return test::decoded({payload.data(), payload.size()});
 }
 
 std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
-}
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++found;
-  }
-  return found;
 }
 
 TEST(FleetWire, DeathAsProtocReadsIt) {

@@ -162,7 +162,10 @@ std::string comparison_of(std::string_view before, std::string_view actual) {
   if (compared->bends) {
     text +=
         " Map and gravity are the largest changes of what a joint's reading is wrong by, and of "
-        "what it gives way by for a metre of lever; the sum has none of them.";
+        "what it gives way by for a metre of lever";
+    text += compared->whole ? "; what they do at the tool is in the sum."
+                            : "; the sum has none of them, as an older armsig-node told one of "
+                              "these signatures.";
   }
   return text + "</p>";
 }

@@ -16,6 +16,12 @@ constexpr std::string_view kStyle =
     "th,td{text-align:left;padding:.3rem .9rem .3rem 0;border-bottom:1px solid #d0d7de}"
     "th{position:sticky;top:0;background:#fff}.n{text-align:right;"
     "font-variant-numeric:tabular-nums}.bad{color:#b3261e;font-weight:600}a{color:#0b57d0}"
+    // Of a thousand arms only those that are seen are laid out: columns of a given width, and rows
+    // in lots that the browser leaves out.
+    ".arms,.arms tbody{display:block}.arms tbody{content-visibility:auto;"
+    "contain-intrinsic-size:auto 100rem}.arms tr{display:grid;grid-template-columns:"
+    "9rem 6.5rem 15.5rem 7.5rem 4rem 10rem 9rem 9rem 6rem}.arms td{white-space:normal;"
+    "overflow-wrap:anywhere}"
     ".f{white-space:normal}.long{white-space:normal;overflow-wrap:anywhere;min-width:16rem}"
     "details{margin:.4rem "
     "0}summary{cursor:pointer}svg{max-width:100%;height:auto}polyline{fill:none;stroke:#0b57d0;"
@@ -24,7 +30,8 @@ constexpr std::string_view kStyle =
     "th,td{border-color:#3a4149}a{color:#8ab4f8}.bad{color:#ff8a80}polyline{stroke:#8ab4f8}}"
     "@media print{body{margin:0;max-width:none;font-size:10pt}th{position:static}"
     "div{overflow:visible}table{white-space:normal}tr,svg{break-inside:avoid}"
-    "h1,h2{break-after:avoid}thead{display:table-header-group}}";
+    ".arms "
+    "tbody{content-visibility:visible}h1,h2{break-after:avoid}thead{display:table-header-group}}";
 
 }  // namespace
 

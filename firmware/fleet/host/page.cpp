@@ -20,6 +20,9 @@ constexpr const char* kArms =
     "FROM arm LEFT JOIN drift d USING (node) LEFT JOIN drift_setting s ON true "
     "ORDER BY d.named_at IS NULL, arm.current ->> 'fault' IS NULL, arm.node LIMIT 5000";
 
+// Rows that are laid out together, or not; about two screens.
+constexpr std::size_t kLot = 50;
+
 constexpr const char* kNamed =
     "SELECT count(*) FILTER (WHERE named_at IS NOT NULL), coalesce((SELECT sum(dropped) FROM "
     "journal), 0), (SELECT count(*) FROM arm), (SELECT count(*) FROM arm WHERE "
@@ -34,11 +37,13 @@ Answer arms(Database& database) {
       std::ranges::count_if(*table, [](const auto& row) { return row[6] == "t"; });
   const auto there = std::ranges::count_if(*table, [](const auto& row) { return row[1] == "t"; });
   page.body += fmt::format(
-      "<h1>{} arms</h1><p>{} there, {} drifting</p>{}<tr>"
+      "<h1>{} arms</h1><p>{} there, {} drifting</p>{}<thead><tr>"
       "<th>arm<th>state<th>fault<th class=n>accuracy, mm<th class=n>drift<th>last check, UTC"
-      "<th>verdict<th>signature<th>firmware</tr>",
-      table->size(), there, drifting, table_head("arms"));
-  for (const auto& row : *table) {
+      "<th>verdict<th>signature<th>firmware</tr></thead>",
+      table->size(), there, drifting, table_head("arms", " class=arms"));
+  for (std::size_t i = 0; i < table->size(); ++i) {
+    const auto& row = (*table)[i];
+    if (i % kLot == 0) page.body += "<tbody>";
     const std::string name = escaped(row[0].value_or(""));
     page.body += fmt::format("<tr><td><a href=\"/arm/{0}\">{0}</a></td>", name);
     page.body += row[1] == "t" ? cell(row[2]) : cell("away", " class=bad");

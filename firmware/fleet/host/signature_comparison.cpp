@@ -42,23 +42,27 @@ double coefficient(const ArmModel& model, const GravityTerm& like) {
   return sum;
 }
 
-// Large: out of the caller's way.
-void compare_bends(const DocumentedSignature& before, const DocumentedSignature& now,
+void compare_bends(const ArmModel& former, const ArmModel& actual,
                    SignatureComparison& comparison) {
-  comparison.bends = !before.deflections.empty() || !now.deflections.empty();
-  if (!comparison.bends) return;
-  const auto former = std::make_unique<ArmModel>(unpacked(before.deflections, before.arm));
-  const auto actual = std::make_unique<ArmModel>(unpacked(now.deflections, now.arm));
   for (std::size_t i = 0; i < comparison.joints.size(); ++i) {
-    comparison.joints[i].map = largest_change(former->joints[i], actual->joints[i]);
+    comparison.joints[i].map = largest_change(former.joints[i], actual.joints[i]);
   }
-  for (const ArmModel* of : {former.get(), actual.get()}) {
+  for (const ArmModel* of : {&former, &actual}) {
     for (const GravityTerm& term : of->gravity) {
       double& largest = comparison.joints[term.joint].gravity;
-      largest =
-          std::max(largest, std::abs(coefficient(*actual, term) - coefficient(*former, term)));
+      largest = std::max(largest, std::abs(coefficient(actual, term) - coefficient(former, term)));
     }
   }
+}
+
+// Whether it says by how much its joints give way: nothing, or from which readings on.
+bool is_told(const DocumentedSignature& signature) {
+  return signature.deflections.empty() || !signature.configuration.empty();
+}
+
+evaluation::Bending bending_of(const DocumentedSignature& signature, const ArmModel& model) {
+  if (signature.deflections.empty()) return {};
+  return {.model = &model, .configuration = signature.configuration};
 }
 
 bool same_joints(const Arm& a, const Arm& b) {
@@ -77,10 +81,18 @@ std::optional<SignatureComparison> compare_signatures(std::string_view before,
   const auto exact = std::make_unique<refinement::Refined>();
   const KnownTarget tool{.number = 1, .link = n, .p_F = Vector3(0, 0, 0.1)};
   exact->signature = signature_of(actual->arm, JointVector(n), {}, std::span(&tool, 1));
-  const auto found = evaluation::differences(former->arm, *exact, 0);
+  const auto bent_before = std::make_unique<ArmModel>(unpacked(former->deflections, former->arm));
+  const auto bent_now = std::make_unique<ArmModel>(unpacked(actual->deflections, actual->arm));
+  const bool whole = is_told(*former) && is_told(*actual);
+  evaluation::Bendings bendings;
+  if (whole) bendings = {bending_of(*former, *bent_before), bending_of(*actual, *bent_now)};
+  const auto found = evaluation::differences(former->arm, *exact, 0, bendings);
   if (!found) return std::nullopt;
-  SignatureComparison comparison{.joints = std::vector<JointDifference>(n),
-                                 .tool_rms_m = found->total_rms_m};
+  SignatureComparison comparison{
+      .joints = std::vector<JointDifference>(n),
+      .tool_rms_m = found->total_rms_m,
+      .bends = !former->deflections.empty() || !actual->deflections.empty(),
+      .whole = whole};
   for (const evaluation::Difference& difference : found->all) {
     JointDifference& joint = comparison.joints[difference.joint];
     joint.adds_m += difference.effect.adds_m;
@@ -94,7 +106,7 @@ std::optional<SignatureComparison> compare_signatures(std::string_view before,
     }
   }
   for (std::size_t i = 0; i < n; ++i) comparison.joints[i].type = actual->arm.joints[i].type;
-  compare_bends(*former, *actual, comparison);
+  if (comparison.bends) compare_bends(*bent_before, *bent_now, comparison);
   return comparison;
 }
 

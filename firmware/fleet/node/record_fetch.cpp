@@ -42,6 +42,7 @@ class Record {
   [[nodiscard]] JointType type(std::size_t i) const {
     return integer(16 + i, 1) == 0 ? JointType::kRevolute : JointType::kPrismatic;
   }
+  [[nodiscard]] double reading(std::size_t i) const { return real(kConfigurationAt + 8 * i); }
   // None where the record has none; kRecordCorrupt: what no arm has.
   [[nodiscard]] Result<calibration::PackedDeflections> deflections() const {
     calibration::PackedDeflections read;
@@ -70,6 +71,7 @@ class Record {
  private:
   static constexpr std::array<std::uint8_t, 4> kMagic{'A', 'S', 'I', 'G'};
   static constexpr std::uint64_t kVersion = 3;
+  static constexpr std::size_t kConfigurationAt = 24;
   static constexpr std::size_t kBendsAt = 1408;
   static constexpr std::size_t kMapsAt = 1416;
   static constexpr std::size_t kMapBytes = 272;
@@ -129,9 +131,13 @@ void RecordFetch::finish() {
   const Record record(image_);
   if (!record.is_whole()) return;
   FixedVector<JointType, kMaxJoints> types;
-  for (std::size_t i = 0; i < record.joints(); ++i) types.push_back(record.type(i));
+  JointVector configuration;
+  for (std::size_t i = 0; i < record.joints(); ++i) {
+    types.push_back(record.type(i));
+    configuration.push_back(record.reading(i));
+  }
   const auto deflections = record.deflections();
-  if (deflections) document_ = signature_document(document_, types, *deflections);
+  if (deflections) document_ = signature_document(document_, types, *deflections, configuration);
 }
 
 }  // namespace armsig::fleet

@@ -82,9 +82,18 @@ bool take_row(Words& words, std::size_t i, Arm& arm) {
   return true;
 }
 
-bool take_map(Words& words, std::size_t i, JointType type, double& zero, PackedMap& map) {
+// Of all joints, or of none.
+bool take_rest(Words& words, std::size_t i, JointType type, JointVector& configuration) {
+  const auto text = words.take(fmt::format("rest{}_{}", i, unit_of(type)));
+  if (!text) return configuration.empty();
+  double reading = 0;
+  if (configuration.size() + 1 != i || !read_number(*text, reading)) return false;
+  configuration.push_back(reading);
+  return true;
+}
+
+bool take_map(Words& words, std::size_t i, JointType type, PackedMap& map) {
   const std::string_view unit = unit_of(type);
-  if (!take_number(words, fmt::format("zero{}_{}", i, unit), zero)) return false;
   const auto steps_of = [&] { return words.take(fmt::format("map{}", i)); };
   const bool good =
       take_number(words, fmt::format("map{}_from_{}", i, unit), map.domain.origin) &&
@@ -105,11 +114,16 @@ bool take_gravity(std::string_view text, GravityTerm& term) {
   return true;
 }
 
-bool take_deflections(Words& words, const Arm& arm, PackedDeflections& deflections) {
+bool take_deflections(Words& words, DocumentedSignature& signature) {
+  const Arm& arm = signature.arm;
+  PackedDeflections& deflections = signature.deflections;
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {
+    const JointType type = arm.joints[i].type;
+    const std::string zero = fmt::format("zero{}_{}", i + 1, unit_of(type));
     deflections.maps.push_back({});
-    if (!take_map(words, i + 1, arm.joints[i].type, deflections.drawn_zero[i],
-                  deflections.maps[i])) {
+    if (!take_number(words, zero, deflections.drawn_zero[i]) ||
+        !take_rest(words, i + 1, type, signature.configuration) ||
+        !take_map(words, i + 1, type, deflections.maps[i])) {
       return false;
     }
   }
@@ -125,18 +139,20 @@ bool take_deflections(Words& words, const Arm& arm, PackedDeflections& deflectio
 }  // namespace
 
 std::string signature_document(std::string_view rows, std::span<const JointType> types,
-                               const PackedDeflections& deflections) {
+                               const PackedDeflections& deflections,
+                               std::span<const double> configuration) {
   std::string text(rows);
   for (std::size_t i = 0; i < types.size(); ++i) {
     if (types[i] == JointType::kPrismatic) text += fmt::format(" type{}=prismatic", i + 1);
   }
   for (std::size_t i = 0; i < deflections.maps.size() && i < types.size(); ++i) {
     const PackedMap& map = deflections.maps[i];
-    text += fmt::format(
-        " zero{0}_{1}={2} map{0}_from_{1}={3} map{0}_knots_per_{1}={4} "
-        "map{0}_step_{1}={5} map{0}=",
-        i + 1, unit_of(types[i]), deflections.drawn_zero[i], map.domain.origin,
-        map.domain.per_length, map.step);
+    const std::string_view unit = unit_of(types[i]);
+    text += fmt::format(" zero{}_{}={}", i + 1, unit, deflections.drawn_zero[i]);
+    if (i < configuration.size())
+      text += fmt::format(" rest{}_{}={}", i + 1, unit, configuration[i]);
+    text += fmt::format(" map{0}_from_{1}={2} map{0}_knots_per_{1}={3} map{0}_step_{1}={4} map{0}=",
+                        i + 1, unit, map.domain.origin, map.domain.per_length, map.step);
     for (std::size_t k = 0; k < kKnots; ++k) {
       text += fmt::format("{}{}", k == 0 ? "" : ",", map.steps[k]);
     }
@@ -162,7 +178,7 @@ std::optional<DocumentedSignature> read_signature_document(std::string_view docu
     arm.limits[i] = {.lower = 0, .upper = kTravel_m};
   }
   if (words.empty()) return signature;
-  if (!take_deflections(words, arm, signature.deflections)) return std::nullopt;
+  if (!take_deflections(words, signature)) return std::nullopt;
   return signature;
 }
 

@@ -35,6 +35,10 @@ const char* kind_of(Cause cause) {
       return "once-a-turn";
     case Cause::kTwiceATurn:
       return "twice-a-turn";
+    case Cause::kMap:
+      return "map";
+    case Cause::kGravity:
+      return "gravity";
   }
   return "";
 }
@@ -86,6 +90,10 @@ std::string words_of(const DrawnAxis& axis, std::size_t joint, Cause cause) {
       return "error of the reading, once a turn";
     case Cause::kTwiceATurn:
       return "error of the reading, twice a turn";
+    case Cause::kMap:
+      return "map of the reading";
+    case Cause::kGravity:
+      return "what gravity does";
   }
   return "";
 }
@@ -93,7 +101,8 @@ std::string words_of(const DrawnAxis& axis, std::size_t joint, Cause cause) {
 const char* unit_of(JointType type, Cause cause) {
   if (cause == Cause::kScale) return "1";
   if (cause == Cause::kShiftX || cause == Cause::kShiftY) return "m";
-  return cause == Cause::kZero && type == JointType::kPrismatic ? "m" : "rad";
+  const bool of_motion = cause == Cause::kZero || cause == Cause::kMap || cause == Cause::kGravity;
+  return of_motion && type == JointType::kPrismatic ? "m" : "rad";
 }
 
 std::string with_sigma(const DifferenceLine& line) {
