@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/controller/pose_visit.hpp"
 
+#include <utility>
+
 #include "core/base/low_discrepancy.hpp"
 
 namespace armsig::controller {
@@ -38,9 +40,34 @@ void PoseVisit::begin(Ticket begun) {
   measures_again_ = false;
   moved_in_a_row_ = 0;
   ticket_ = begun;
+  goes_home_ = false;
+  forget_look();
+}
+
+WayLook::Says PoseVisit::look_at(const JointVector& q) {
+  if (looking_ != Looking::kAtPose) return WayLook::Says::kClear;
+  const auto says = look_.step(configuration_, configuration_.sweeps.configuration, q);
+  if (says == WayLook::Says::kClear) begin_looking(Looking::kAtWay);
+  if (says == WayLook::Says::kLeaves) forget_look();
+  return says;
 }
 
 std::expected<void, MoveRefusal> PoseVisit::go_to(const JointVector& q) {
+  const bool home = looking_ == Looking::kAtWayHome;
+  const JointVector& to = home ? configuration_.sweeps.configuration : q;
+  const auto says = look_.step(configuration_, mover_.now().commanded, to);
+  if (says == WayLook::Says::kMore) return {};
+  if (says == WayLook::Says::kLeaves) {
+    if (home) return std::unexpected(MoveRefusal{Error::kOutsideWorkspace, look_.joint()});
+    begin_looking(Looking::kAtWayHome);
+    return {};
+  }
+  begin_looking(home ? Looking::kAtWay : Looking::kAtPose);
+  goes_home_ = home;
+  return move_to(to);
+}
+
+std::expected<void, MoveRefusal> PoseVisit::move_to(const JointVector& q) {
   const auto move = plan_joint_move(configuration_, mover_.now().commanded, q);
   if (!move) return std::unexpected(move.error());
   const auto sent = mover_.send(*move, Mover::Of::kSequence);
@@ -81,7 +108,7 @@ VisitOutcome PoseVisit::step() {
     return {};
   }
   phase_ = Phase::kNext;
-  return {kArrived};
+  return {std::exchange(goes_home_, false) ? kReady : kArrived};
 }
 
 VisitOutcome PoseVisit::take(const Result<std::optional<MeasuredPoint>>& measured) {

@@ -6,6 +6,7 @@
 #include "firmware/controller/announcer.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/workspace.hpp"
 
 namespace armsig::controller {
 
@@ -43,7 +44,15 @@ class PoseVisit {
 
   // The sequence begins; `begun` is the kBeginSequence that it needs.
   void begin(Ticket begun);
-  // Errors: those of plan_joint_move(); kLateTick (the tick has stopped).
+  // Whether `q` may be gone to: the way there from the signature configuration stays in the
+  // workspace box. A bounded step; while there is more to look at, to be asked again about it.
+  [[nodiscard]] WayLook::Says look_at(const JointVector& q);
+  // What look_at() has found is of no use: the pose is not gone to.
+  void forget_look() { begin_looking(Looking::kAtPose); }
+  // Straight in the joint readings, or where that would leave the box by way of the signature
+  // configuration. A bounded step: until is_under_way() is true, to be called again. Errors: those
+  // of plan_joint_move(); kLateTick (the tick has stopped); kOutsideWorkspace (there is no way from
+  // where the arm is). Precondition: look_at(q) is clear.
   [[nodiscard]] std::expected<void, MoveRefusal> go_to(const JointVector& q);
   // A point where the arm stands.
   void measure();
@@ -57,7 +66,13 @@ class PoseVisit {
 
  private:
   enum class Phase : std::uint8_t { kNext, kMoving, kMeasuring };
+  enum class Looking : std::uint8_t { kAtPose, kAtWay, kAtWayHome };
 
+  void begin_looking(Looking at) {
+    looking_ = at;
+    look_ = {};
+  }
+  [[nodiscard]] std::expected<void, MoveRefusal> move_to(const JointVector& q);
   [[nodiscard]] bool has_moved() const;
   [[nodiscard]] VisitOutcome refuse_point();
 
@@ -68,15 +83,19 @@ class PoseVisit {
   std::string_view sequence_;
 
   Phase phase_ = Phase::kNext;
+  Looking looking_ = Looking::kAtPose;
+  bool goes_home_ = false;       // on the way to the pose
   bool measures_again_ = false;  // once the arm has come to rest
   unsigned moved_in_a_row_ = 0;
   Ticket ticket_ = 0;        // of the last command
   hal::Instant phase_ends_;  // the bound of the phase under way
   hal::Instant measured_since_;
+  WayLook look_;
 };
 
 // A sequence of visits, `Sequence`, which is told what becomes of each: ready() for the next one,
-// arrived(), take(point), lose(error), end(error, joint). It is its friend.
+// arrived(), take(point), lose(error), end(error, joint), pass_over() for a pose that the workspace
+// box excludes. It is its friend.
 template <typename Sequence>
 class VisitingSequence {
  public:
@@ -113,7 +132,13 @@ class VisitingSequence {
         announcer_(announcer),
         visit_(configuration, mover, measurement, announcer, name) {}
 
-  // On the way to `q`, or at its end.
+  // Whether `q` may be gone to. If not it is passed over; or ready() looks on.
+  [[nodiscard]] bool may_go_to(const JointVector& q) {
+    const WayLook::Says says = visit_.look_at(q);
+    if (says == WayLook::Says::kLeaves) self().pass_over();
+    return says == WayLook::Says::kClear;
+  }
+  // On the way to `q`, or at its end. Precondition: may_go_to(q).
   void go_to(const JointVector& q) {
     if (const auto gone = visit_.go_to(q); !gone) {
       self().end(gone.error().error, gone.error().joint);

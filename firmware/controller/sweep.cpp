@@ -18,19 +18,24 @@ std::size_t least_points(const SweepPlan& plan) { return plan.points / 2; }
 
 }  // namespace
 
+JointLimits planned_arc(const Configuration& configuration, std::size_t joint) {
+  const SweepPlan& plan = configuration.sweeps;
+  const auto [lower, upper] = configuration.drawing.limits[joint];
+  const bool turns = configuration.drawing.joints[joint].type == JointType::kRevolute;
+  if (!turns || plan.arc_rad >= upper - lower) return {lower, upper};
+  const double first =
+      std::clamp(plan.configuration[joint] - plan.arc_rad / 2, lower, upper - plan.arc_rad);
+  return {first, first + plan.arc_rad};
+}
+
 Sweep::Sweep(const Configuration& configuration, std::size_t joint)
     : configuration_(configuration),
       joint_(joint),
       estimator_({.type = configuration.drawing.joints[joint].type, .limits = {}}) {
   const SweepPlan& plan = configuration.sweeps;
-  auto [lower, upper] = configuration.drawing.limits[joint];
-  const double least = lower;
-  const double most = upper;
+  const auto [least, most] = configuration.drawing.limits[joint];
   const bool turns = configuration.drawing.joints[joint].type == JointType::kRevolute;
-  if (turns && plan.arc_rad < upper - lower) {
-    lower = std::clamp(plan.configuration[joint] - plan.arc_rad / 2, lower, upper - plan.arc_rad);
-    upper = lower + plan.arc_rad;
-  }
+  const auto [lower, upper] = planned_arc(configuration, joint);
   first_ = lower;
   step_ = (upper - lower) / static_cast<double>(plan.points - 1);
   // Rounding must not push the last point over a limit.
@@ -78,6 +83,16 @@ Result<void> Sweep::add(double reading, const Vector3& p_S, const Matrix3& covar
   if (auto added = estimator_.add(reading, p_S, covariance_m2); !added) return added;
   if (done_ >= least_points(configuration_.sweeps)) conclude();
   return {};
+}
+
+void Sweep::turn_back() {
+  if (done_ < above_) {
+    above_ = done_;
+  } else if (done_ < above_ + below_) {
+    below_ = done_ - above_;
+  } else {
+    skip();
+  }
 }
 
 void Sweep::conclude() {

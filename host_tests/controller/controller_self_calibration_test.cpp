@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/links.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
@@ -19,8 +20,11 @@ constexpr cabinet::Bends kBends{
     .map_rad = radians(0.02), .sag_m = 0.5e-3, .play_rad = radians(0.005)};
 
 struct BentPuma : PumaCabinet {
-  explicit BentPuma(const cabinet::Bends& bends = kBends, PointJournal* journal = nullptr)
-      : world(test::puma_world(3)), calibration(configuration, *room, journal) {
+  explicit BentPuma(const cabinet::Bends& bends = kBends, PointJournal* journal = nullptr,
+                    const Configuration& configured = arc_of_90_degrees())
+      : configuration(configured),
+        world(test::puma_world(3)),
+        calibration(configuration, *room, journal) {
     world.drive = test::honest_puma_drive();
     world.drive->motion.play = 0;
     simulated::Random random(7, 2);
@@ -88,7 +92,7 @@ struct BentPuma : PumaCabinet {
     return configuration;
   }
 
-  Configuration configuration = arc_of_90_degrees();
+  Configuration configuration;
   cabinet::World world;
   std::unique_ptr<SelfCalibrationMemory<700>> room = std::make_unique<SelfCalibrationMemory<700>>();
   SelfCalibration calibration;
@@ -275,6 +279,61 @@ TEST(SelfCalibration, ends_by_halt_and_begins_anew) {
   EXPECT_EQ(puma.cabinet->state().identification().log().size(), measured);
   EXPECT_EQ(puma.ask("identify accuracy_mm=0.15"), "ok");
   refine_for(puma, 5);
+}
+
+// Looks at every step where frames and target are, and how many poses were measured there.
+struct Watched {
+  void look(BentPuma& puma) {
+    const auto& box = *puma.configuration.workspace;
+    const JointVector& q = puma.now().commanded;
+    const auto frames = dh_frames(puma.configuration.drawing.joints, q);
+    const auto see = [&](const Vector3& p) {
+      least_m = std::min({least_m, (p - box.lower).minCoeff(), (box.upper - p).minCoeff()});
+    };
+    for (std::size_t k = 1; k < frames.size(); ++k) see(frames[k].p);
+    see(frames.back() * puma.world.arm.targets[0].p_L);
+  }
+  double least_m = 1;
+};
+
+TEST(SelfCalibration, stays_in_its_workspace_box_from_its_first_sweep_to_its_last_pose) {
+  Configuration configuration = BentPuma::arc_of_90_degrees();
+  configuration.sweeps.arc_rad = radians(60);
+  configuration.workspace = WorkspaceBox{{-0.62, -0.62, -0.25}, {0.86, 0.74, 1.15}, 0.16};
+  BentPuma puma(kBends, nullptr, configuration);
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify accuracy_mm=0.4 minutes=15"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
+  Watched watched;
+  for (int i = 0; i < 450'000 && puma.mode() != Mode::kHolding; ++i) {
+    if (i % 5 == 0) watched.look(puma);
+    puma.cabinet->step();
+  }
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+  EXPECT_GE(watched.least_m, 0);
+  EXPECT_LT(watched.least_m, 0.1) << "the box is made use of";
+  const std::string told = puma.heard("# identify accuracy=");
+  EXPECT_GE(value_after(told, "poses"), 60) << told;
+  const auto& sequence = puma.cabinet->state().identification();
+  ASSERT_TRUE(sequence.has_verdict());
+  EXPECT_EQ(sequence.report().poses, configuration.sweeps.held_out_poses);
+}
+
+TEST(SelfCalibration, is_refused_where_no_way_leads_from_the_arm_into_its_workspace_box) {
+  Configuration configuration = BentPuma::arc_of_90_degrees();
+  configuration.sweeps.arc_rad = radians(60);
+  configuration.workspace = WorkspaceBox{{-0.62, -0.62, -0.25}, {0.86, 0.74, 1.15}, 0.16};
+  BentPuma puma(kBends, nullptr, configuration);
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("move q2_deg=0"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kServoing, 1) && puma.run_until(Mode::kHolding, 60));
+  const JointVector before = puma.now().commanded;
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  puma.run(1);
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+  const std::string told = puma.heard("# identify ended error=OUTSIDE_WORKSPACE");
+  EXPECT_TRUE(told.contains(" joint=")) << told;
+  EXPECT_EQ(puma.now().commanded[1], before[1]);
 }
 
 // What was measured is kept in a memory that outlives the controller.
