@@ -202,7 +202,7 @@ std::string_view describe(Error error) {
     case Error::kArmMoved:
       return "the arm moved while a point was measured";
     case Error::kOutsideWorkspace:
-      return "the arm would leave its workspace box";
+      return "outside its box";
     case Error::kToleranceTooFine:
       return "the tolerance is below one count of the encoder";
     case Error::kRecordOtherMachine:

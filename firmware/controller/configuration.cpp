@@ -219,29 +219,6 @@ Checked check_lag(const Configuration& c) {
   return {};
 }
 
-Checked check_sweeps(const Configuration& c) {
-  const SweepPlan& plan = c.sweeps;
-  if (auto ok = check_readings("sweeps.configuration", plan.configuration, c.drawing); !ok) {
-    return ok;
-  }
-  if (auto ok = check_plausible("sweeps.arc", plan.arc_rad, plausible::kArc); !ok) return ok;
-  if (auto ok = check_count("sweeps.points", plan.points, 6, plan.most_points); !ok) return ok;
-  const std::size_t logged = (kMostLogged - kMostHeldOut) / c.drawing.joints.size();
-  const std::size_t most = std::min(kMostSweepPoints, logged);
-  if (auto ok = check_count("sweeps.most_points", plan.most_points, 6, most); !ok) return ok;
-  for (auto ok : {
-           check_plausible("sweeps.axis_sigma", plan.axis_sigma_rad, plausible::kAxisSigma),
-           check_plausible("sweeps.point_sigma", plan.point_sigma_m, plausible::kPointSigma),
-           check_plausible("sweeps.held_out_reach", plan.held_out_reach, plausible::kHeldOutReach),
-       }) {
-    if (!ok) return ok;
-  }
-  if (auto ok = check_count("sweeps.held_out_poses", plan.held_out_poses, 3, kMostHeldOut); !ok) {
-    return ok;
-  }
-  return check_count("check.poses", c.check.poses, kFewestCheckPoses, kMostCheckPoses);
-}
-
 Checked check_box(const WorkspaceBox& box) {
   constexpr std::array<std::string_view, 3> kSides{"workspace.x", "workspace.y", "workspace.z"};
   for (std::size_t axis = 0; axis < kSides.size(); ++axis) {
@@ -289,6 +266,30 @@ Checked check_workspace(const Configuration& c) {
     }
   }
   return {};
+}
+
+Checked check_sweeps(const Configuration& c) {
+  const SweepPlan& plan = c.sweeps;
+  if (auto ok = check_readings("sweeps.configuration", plan.configuration, c.drawing); !ok) {
+    return ok;
+  }
+  if (auto ok = check_plausible("sweeps.arc", plan.arc_rad, plausible::kArc); !ok) return ok;
+  if (auto ok = check_count("sweeps.points", plan.points, 6, plan.most_points); !ok) return ok;
+  const std::size_t logged = (kMostLogged - kMostHeldOut) / c.drawing.joints.size();
+  const std::size_t most = std::min(kMostSweepPoints, logged);
+  if (auto ok = check_count("sweeps.most_points", plan.most_points, 6, most); !ok) return ok;
+  for (auto ok : {
+           check_plausible("sweeps.axis_sigma", plan.axis_sigma_rad, plausible::kAxisSigma),
+           check_plausible("sweeps.point_sigma", plan.point_sigma_m, plausible::kPointSigma),
+           check_plausible("sweeps.held_out_reach", plan.held_out_reach, plausible::kHeldOutReach),
+       }) {
+    if (!ok) return ok;
+  }
+  if (auto ok = check_count("sweeps.held_out_poses", plan.held_out_poses, 3, kMostHeldOut); !ok) {
+    return ok;
+  }
+  if (auto ok = check_workspace(c); !ok) return ok;
+  return check_count("check.poses", c.check.poses, kFewestCheckPoses, kMostCheckPoses);
 }
 
 // Three corners at different places, not in a line, make a workspace. Where the tool is out of the
@@ -344,8 +345,7 @@ Checked check_grid(const Configuration& c) {
 }  // namespace
 
 Checked check(const Configuration& configuration) {
-  for (const auto part :
-       {check_motion, check_measuring, check_lag, check_sweeps, check_workspace, check_grid}) {
+  for (const auto part : {check_motion, check_measuring, check_lag, check_sweeps, check_grid}) {
     if (auto arm = check_arm(configuration.drawing); !arm) return arm;
     if (auto checked = part(configuration); !checked) return checked;
   }

@@ -90,6 +90,18 @@ struct WorkspaceBox {
   double hand_m = 0;  // how far the hand reaches, target and tool included, beyond the last origin
 };
 
+// A microcontroller has no memory to keep to a box: there can be none, and nothing that would look
+// at one is in its image.
+#ifdef ARMSIG_NO_REFINEMENT
+struct MayBeWorkspace {
+  constexpr explicit operator bool() const { return false; }
+  const WorkspaceBox& operator*() const;  // neither is ever called
+  const WorkspaceBox* operator->() const;
+};
+#else
+using MayBeWorkspace = std::optional<WorkspaceBox>;
+#endif
+
 struct Configuration {
   // With limits for every joint, which its motor keeps as well. Where joints are coupled, every
   // reading here and on the console is the effective one, of the joint and not of its motor.
@@ -103,7 +115,7 @@ struct Configuration {
   SweepPlan sweeps;
   GridTask grid;
   CheckPlan check;
-  std::optional<WorkspaceBox> workspace;  // none: the joint limits alone hold
+  MayBeWorkspace workspace;  // none: the joint limits alone hold
 };
 
 struct ConfigurationRefusal {

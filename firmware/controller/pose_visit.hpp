@@ -3,6 +3,9 @@
 // every sequence that measures has in common.
 #pragma once
 
+#include <type_traits>
+#include <variant>
+
 #include "firmware/controller/announcer.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
@@ -46,14 +49,20 @@ class PoseVisit {
   void begin(Ticket begun);
   // Whether `q` may be gone to: the way there from the signature configuration stays in the
   // workspace box. A bounded step; while there is more to look at, to be asked again about it.
-  [[nodiscard]] WayLook::Says look_at(const JointVector& q);
+  [[nodiscard]] WayLook::Says look_at(const JointVector& q) {
+    if constexpr (kMayBound) return look_at_way(q);
+    return WayLook::Says::kClear;
+  }
   // What look_at() has found is of no use: the pose is not gone to.
-  void forget_look() { begin_looking(Looking::kAtPose); }
+  void forget_look() { looks_ = {}; }
   // Straight in the joint readings, or where that would leave the box by way of the signature
   // configuration. A bounded step: until is_under_way() is true, to be called again. Errors: those
   // of plan_joint_move(); kLateTick (the tick has stopped); kOutsideWorkspace (there is no way from
   // where the arm is). Precondition: look_at(q) is clear.
-  [[nodiscard]] std::expected<void, MoveRefusal> go_to(const JointVector& q);
+  [[nodiscard]] std::expected<void, MoveRefusal> go_to(const JointVector& q) {
+    if constexpr (kMayBound) return go_inside(q);
+    return move_to(q);
+  }
   // A point where the arm stands.
   void measure();
   // What the arm does. Ends by its fault, by the refusal of a command, kSequenceStopped (halt),
@@ -68,11 +77,17 @@ class PoseVisit {
   enum class Phase : std::uint8_t { kNext, kMoving, kMeasuring };
   enum class Looking : std::uint8_t { kAtPose, kAtWay, kAtWayHome };
 
-  void begin_looking(Looking at) {
-    looking_ = at;
-    look_ = {};
-  }
+  // What is known of the way to the next pose.
+  struct Looks {
+    WayLook look;
+    Looking at = Looking::kAtPose;
+    bool goes_home = false;  // on the way to the pose
+  };
+  [[nodiscard]] WayLook::Says look_at_way(const JointVector& q);
+  [[nodiscard]] std::expected<void, MoveRefusal> go_inside(const JointVector& q);
   [[nodiscard]] std::expected<void, MoveRefusal> move_to(const JointVector& q);
+  // Whether the arm is at the signature configuration on the way to a pose.
+  [[nodiscard]] bool is_half_way();
   [[nodiscard]] bool has_moved() const;
   [[nodiscard]] VisitOutcome refuse_point();
 
@@ -83,14 +98,12 @@ class PoseVisit {
   std::string_view sequence_;
 
   Phase phase_ = Phase::kNext;
-  Looking looking_ = Looking::kAtPose;
-  bool goes_home_ = false;       // on the way to the pose
   bool measures_again_ = false;  // once the arm has come to rest
   unsigned moved_in_a_row_ = 0;
   Ticket ticket_ = 0;        // of the last command
   hal::Instant phase_ends_;  // the bound of the phase under way
   hal::Instant measured_since_;
-  WayLook look_;
+  [[no_unique_address]] std::conditional_t<kMayBound, Looks, std::monostate> looks_;
 };
 
 // A sequence of visits, `Sequence`, which is told what becomes of each: ready() for the next one,

@@ -16,9 +16,9 @@ static_assert(kMostSweepPoints < features::kGateCapacity);
 // Before half of the plan nothing is judged: a lucky few points would end a sweep.
 std::size_t least_points(const SweepPlan& plan) { return plan.points / 2; }
 
-}  // namespace
-
-JointLimits planned_arc(const Configuration& configuration, std::size_t joint) {
+// In line: a call would cost a microcontroller more than the code.
+[[gnu::always_inline]] inline JointLimits arc_of(const Configuration& configuration,
+                                                 std::size_t joint) {
   const SweepPlan& plan = configuration.sweeps;
   const auto [lower, upper] = configuration.drawing.limits[joint];
   const bool turns = configuration.drawing.joints[joint].type == JointType::kRevolute;
@@ -28,6 +28,12 @@ JointLimits planned_arc(const Configuration& configuration, std::size_t joint) {
   return {first, first + plan.arc_rad};
 }
 
+}  // namespace
+
+JointLimits planned_arc(const Configuration& configuration, std::size_t joint) {
+  return arc_of(configuration, joint);
+}
+
 Sweep::Sweep(const Configuration& configuration, std::size_t joint)
     : configuration_(configuration),
       joint_(joint),
@@ -35,7 +41,7 @@ Sweep::Sweep(const Configuration& configuration, std::size_t joint)
   const SweepPlan& plan = configuration.sweeps;
   const auto [least, most] = configuration.drawing.limits[joint];
   const bool turns = configuration.drawing.joints[joint].type == JointType::kRevolute;
-  const auto [lower, upper] = planned_arc(configuration, joint);
+  const auto [lower, upper] = arc_of(configuration, joint);
   first_ = lower;
   step_ = (upper - lower) / static_cast<double>(plan.points - 1);
   // Rounding must not push the last point over a limit.

@@ -74,7 +74,7 @@ WayLook::Says WayLook::step(const Configuration& configuration, const JointVecto
   const Lengths ways_m = longest_ways(configuration, from, to);
   for (int place = 0; place < kPlacesAStep; ++place) {
     JointVector q = from;
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] += part_ * (to[i] - from[i]);
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] += part() * (to[i] - from[i]);
     const Lengths rooms_m = rooms_at(configuration, q);
     const Room least = least_of(rooms_m, q.size());
     if (least.left_m < kLeastRoom_m) {
@@ -86,11 +86,11 @@ WayLook::Says WayLook::step(const Configuration& configuration, const JointVecto
       const double on_m = rooms_m[i] - kLeastRoom_m / 2;
       if (ways_m[i] > on_m) onward = std::min(onward, on_m / ways_m[i]);
     }
-    if (part_ + onward >= 1) {
+    if (part() + onward >= 1) {
       part_ = 1;
       return Says::kClear;
     }
-    part_ += onward;
+    part_ += static_cast<float>(onward);
   }
   return Says::kMore;
 }

@@ -5,8 +5,12 @@
 #include <cstdint>
 
 #include "firmware/controller/configuration.hpp"
+#include "firmware/controller/refinement.hpp"
 
 namespace armsig::controller {
+
+// A microcontroller has no memory for that either: its configuration may have no box.
+inline constexpr bool kMayBound = kMayRefine;
 
 // What is nearer to a side of the box than this is outside.
 inline constexpr double kLeastRoom_m = 5e-3;
@@ -32,12 +36,12 @@ class WayLook {
   [[nodiscard]] Says step(const Configuration& configuration, const JointVector& from,
                           const JointVector& to);
   // How much of the way is clear, up to 1.
-  [[nodiscard]] double part() const { return part_; }
+  [[nodiscard]] double part() const { return static_cast<double>(part_); }
   // After kLeaves: the one that moves what leaves.
   [[nodiscard]] std::size_t joint() const { return joint_; }
 
  private:
-  double part_ = 0;
+  float part_ = 0;
   std::uint8_t joint_ = 0;
 };
 

@@ -223,7 +223,7 @@ TEST(DaemonConfiguration, refuses_a_workspace_box_by_what_is_wrong_with_it) {
   refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [1200, -1000]}", "workspace.z");
   refused("{x_m: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-1000, 1200]}", "millimetres as");
   refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-1000, 1200], hand_mm: 900}",
-          "the arm would leave its workspace box");
+          "outside its box");
   refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-100, 1200], hand_mm: 160}",
           "sweeps.arc");
 }
