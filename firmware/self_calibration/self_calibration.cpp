@@ -115,6 +115,10 @@ Refinement::Next SelfCalibration::do_step(hal::Instant now) {
       return Next::kTells;
     case Stage::kPlayTelling:
       telling_ = &SelfCalibration::tell_play;
+      stage_ = Stage::kBudgetTelling;
+      return Next::kTells;
+    case Stage::kBudgetTelling:
+      telling_ = &SelfCalibration::tell_budget;
       stage_ = outcome_ == Outcome::kReached ? Stage::kDone : Stage::kAdvising;
       return Next::kTells;
     case Stage::kAdvising:
@@ -255,6 +259,7 @@ void SelfCalibration::finish_fit() {
   kept_ = 0;
   play_ = PlayEstimate(model_.joint_count());
   judge_ = {};
+  covered_ = {};
   prediction_ = {};
   sampled_ = 0;
   stage_ = Stage::kPlay;
@@ -266,6 +271,7 @@ void SelfCalibration::play_step() {
     if (row.weight == 0 || row.held_out) continue;
     ++kept_;
     squares_m2_ += row.residual.squaredNorm();
+    covered_.add(effective_readings(configuration_.drawing.couplings, row.readings));
     if (row.sweep != 0) continue;
     play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
               row.residual);
@@ -298,7 +304,8 @@ void SelfCalibration::predict_step() {
     if (outside && sampled_ < kMostSampled) return;
     calibration::ChainFrames frames;
     evaluate(pose, frames);
-    prediction_.add(*engine_, frames, motions_at(model_, frames, target_[0].p_L), findings_.play);
+    prediction_.add(*engine_, frames, pose, covered_, motions_at(model_, frames, target_[0].p_L),
+                    findings_.play);
     return;
   }
   note_findings();

@@ -81,6 +81,7 @@ class SelfCalibration final : public Refinement {
     kMeasuringAgain,
     kConcluding,
     kPlayTelling,
+    kBudgetTelling,
     kAdvising,
     kDone
   };
@@ -146,7 +147,9 @@ class SelfCalibration final : public Refinement {
   void tell_halving(Line& line, const Findings& found) const;
   void tell_outcome(Line& line) const;
   void tell_play(Line& line) const;
+  void tell_budget(Line& line) const;
   void tell_advice(Line& line) const;
+  void tell_help(Line& line, const Findings& findings) const;
 
   const Configuration& configuration_;
   Memory memory_;
@@ -194,6 +197,7 @@ class SelfCalibration final : public Refinement {
   std::size_t kept_ = 0;
   PlayEstimate play_;
   HeldOutJudge judge_;
+  Covered covered_;
   Prediction prediction_;
   Findings findings_;
 

@@ -142,6 +142,12 @@ TEST(SelfCalibration, says_that_time_is_over_and_what_would_help) {
   EXPECT_TRUE(told.starts_with("# identify accuracy=missed model=maps ")) << told;
   const std::string advice = puma.heard("asked for is not reached: ");
   EXPECT_TRUE(advice.contains("time is over; what would help: about ")) << advice;
+  const std::string budget = puma.heard("# identify budget ");
+  double squares = 0;
+  for (const char* part : {"geometry_mm", "maps_mm", "uncovered_mm", "unexplained_mm"}) {
+    squares += value_after(budget, part) * value_after(budget, part);
+  }
+  EXPECT_NEAR(std::sqrt(squares), value_after(told, "model_mm"), 0.001) << budget;
   EXPECT_TRUE(told.contains(" halve_poses=")) << told;
   EXPECT_LT(puma.miss_m(*record, 40), 0.2e-3) << "the best that was found all the same";
 }
@@ -170,7 +176,36 @@ TEST(SelfCalibration, says_that_no_measurement_helps_against_play) {
   BentPuma puma({.map_rad = radians(0.02), .sag_m = 0.5e-3, .play_rad = radians(0.02)});
   ASSERT_NE(puma.identified("identify accuracy_mm=0.03 minutes=60"), nullptr);
   const std::string advice = puma.heard("asked for is not reached: ");
+  const std::string budget = puma.heard("# identify budget ");
   EXPECT_TRUE(advice.contains("the joints' play alone is more")) << advice;
+  EXPECT_TRUE(advice.contains(" mm, joint ")) << advice;
+  EXPECT_TRUE(advice.contains(" of it; no measurement takes it out, look at its gears")) << advice;
+  EXPECT_GT(value_after(budget, "play_mm"), value_after(budget, "uncovered_mm")) << budget;
+}
+
+// Of joint 1 the sensor sees half of where the arm is to work.
+TEST(SelfCalibration, asks_for_a_wider_arc_of_a_joint_that_is_measured_in_part) {
+  Configuration configuration = BentPuma::arc_of_90_degrees();
+  configuration.sweeps.arc_rad = radians(30);
+  configuration.sweeps.most_points = configuration.sweeps.points;  // no sweep goes on beyond
+  BentPuma puma(kBends, nullptr, configuration);
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify accuracy_mm=0.02 minutes=16"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
+  for (int i = 0; i < 600'000 && puma.mode() != Mode::kHolding; ++i) {
+    const bool away = puma.now().commanded[0] > radians(10);
+    const bool refines = puma.cabinet->state().identification().is_refining();
+    puma.cabinet->sensor().set_error(away && refines ? std::optional(Error::kTooFewReceivers)
+                                                     : std::nullopt);
+    if (puma.now().mode == Mode::kSweeping && puma.cabinet->state().identification().is_paused()) {
+      puma.ask("resume");
+    }
+    puma.cabinet->step();
+  }
+  const std::string advice = puma.heard("asked for is not reached: ");
+  EXPECT_TRUE(advice.contains("a wider arc of joint 1")) << advice;
+  const std::string budget = puma.heard("# identify budget ");
+  EXPECT_EQ(value_after(budget, "uncovered_joint"), 1) << budget;
 }
 
 TEST(SelfCalibration, keeps_what_the_features_say_where_time_is_too_short_to_judge_by) {
