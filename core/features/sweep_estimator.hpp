@@ -39,7 +39,7 @@ struct SweepLimits {
 
 struct SweepConfig {
   JointType type = JointType::kRevolute;
-  SweepLimits limits;
+  SweepLimits limits = {};
 };
 
 // Readings nearer than this are one reading, radians or metres.

@@ -7,6 +7,7 @@
 
 #include <Eigen/Jacobi>
 
+#include "core/numerics/cholesky.hpp"
 #include "core/numerics/rotations.hpp"
 
 namespace armsig::frames {
@@ -18,8 +19,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 // The Gauss-Newton equations of the cost in (turn about `pivot` times size, translation), so that
 // all six unknowns are lengths.
 struct Equations {
-  Matrix6 hessian = Matrix6::Zero();
-  Vector6 gradient = Vector6::Zero();
+  Matrix6 hessian;
+  Vector6 gradient;
 };
 
 bool is_revolute(const AxisLine& line) { return line.type == JointType::kRevolute; }
@@ -35,25 +36,41 @@ Vector3 mean_point(const AxisLines& lines) {
   return count > 0 ? Vector3(sum / count) : sum;
 }
 
+// Both residuals change with the turn w by w x what is turned, so their products with themselves
+// are written out: with J = -[u]x, J^T J = |u|^2 I - u u^T, and J^T r = u x r.
 Equations equations(const AxisLines& lines_A, const AxisLines& lines_B, const Pose& X_AB,
                     const Vector3& pivot_A, double size_m) {
-  Equations sums;
-  const auto add = [&sums](const Eigen::Matrix<double, 3, 6>& jacobian, const Vector3& residual) {
-    sums.hessian += jacobian.transpose() * jacobian;
-    sums.gradient += jacobian.transpose() * residual;
-  };
+  Matrix3 turns = Matrix3::Zero();
+  Matrix3 turns_moves = Matrix3::Zero();
+  Matrix3 moves = Matrix3::Zero();
+  Vector3 turned = Vector3::Zero();
+  Vector3 shifted = Vector3::Zero();
   for (std::size_t i = 0; i < lines_A.size(); ++i) {
+    const Vector3& axis_A = lines_A[i].direction;
     const Vector3 direction_A = X_AB.R * lines_B[i].direction;
-    Eigen::Matrix<double, 3, 6> jacobian;
-    jacobian << -cross_matrix(direction_A), Matrix3::Zero();
-    add(jacobian, size_m * (direction_A - lines_A[i].direction));
+    turns += Matrix3::Identity() - direction_A * direction_A.transpose();
+    turned -= size_m * direction_A.cross(axis_A);
     if (!is_revolute(lines_A[i])) continue;
+    // Across the axis alone: P = I - axis axis^T stands before residual and derivatives.
     const Vector3 point_A = X_AB * lines_B[i].point;
-    const Matrix3 across =
-        Matrix3::Identity() - lines_A[i].direction * lines_A[i].direction.transpose();
-    jacobian << across * -cross_matrix((point_A - pivot_A) / size_m), across;
-    add(jacobian, across * (point_A - lines_A[i].point));
+    const Vector3 lever = (point_A - pivot_A) / size_m;
+    const Vector3 about = lever.cross(axis_A);
+    const Vector3 apart = point_A - lines_A[i].point;
+    const Vector3 across = apart - axis_A * axis_A.dot(apart);
+    turns += lever.squaredNorm() * Matrix3::Identity() - lever * lever.transpose() -
+             about * about.transpose();
+    turns_moves += cross_matrix(lever) - about * axis_A.transpose();
+    moves += Matrix3::Identity() - axis_A * axis_A.transpose();
+    turned += lever.cross(across);
+    shifted += across;
   }
+  Equations sums;
+  sums.hessian.topLeftCorner<3, 3>() = turns;
+  sums.hessian.topRightCorner<3, 3>() = turns_moves;
+  sums.hessian.bottomLeftCorner<3, 3>() = turns_moves.transpose();
+  sums.hessian.bottomRightCorner<3, 3>() = moves;
+  sums.gradient.head<3>() = turned;
+  sums.gradient.tail<3>() = shifted;
   return sums;
 }
 
@@ -99,13 +116,42 @@ Spectrum spectrum_of(Matrix6 A) {
   return spectrum;
 }
 
+// What of the minimiser of the equations the lines determine to better than one part in a hundred.
+Vector6 determined_step(const Equations& of) {
+  constexpr double kDeterminedFraction = 1e-4;  // the square of one part in a hundred
+  // All six directions are determined where the least eigenvalue is known to be large: it is the
+  // determinant over the product of the five others, which is at most the fifth power of their
+  // mean.
+  numerics::Square factor;
+  numerics::Column solution;
+  factor.topLeftCorner<6, 6>() = of.hessian;
+  solution.head<6>() = -of.gradient;
+  if (numerics::solve_positive(factor, solution, 6)) {
+    const double trace = of.hessian.trace();
+    const double root = factor.diagonal().head<6>().prod();
+    const double mean = trace / 5;
+    if (root * root > kDeterminedFraction * trace * mean * mean * mean * mean * mean) {
+      return solution.head<6>();
+    }
+  }
+  const Spectrum spectrum = spectrum_of(of.hessian);
+  const double least_information = kDeterminedFraction * spectrum.values.maxCoeff();
+  Vector6 along = spectrum.vectors.transpose() * of.gradient;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    along(i) = spectrum.values(i) > least_information ? along(i) / spectrum.values(i) : 0;
+  }
+  return -(spectrum.vectors * along);
+}
+
 // X_AB after a turn about the pivot and a translation, both in A.
 Pose moved(const Pose& X_AB, const Vector3& pivot_A, const Vector3& turn_rad,
            const Vector3& translation) {
   const Matrix3 turn = numerics::rotation_by(turn_rad);
-  // By way of the quaternion, which keeps the product of many turns a rotation.
-  const Matrix3 R = Eigen::Quaterniond(turn * X_AB.R).normalized().toRotationMatrix();
-  return {R, pivot_A + turn * (X_AB.p - pivot_A) + translation};
+  // A step to the nearest rotation (Higham, Functions of Matrices, section 8.3), so that the
+  // product of many turns stays one.
+  const Matrix3 R = turn * X_AB.R;
+  return {R * (1.5 * Matrix3::Identity() - 0.5 * R.transpose() * R),
+          pivot_A + turn * (X_AB.p - pivot_A) + translation};
 }
 
 }  // namespace
@@ -149,41 +195,35 @@ Aligning::Descent Aligning::start() const {
 }
 
 bool Aligning::step() {
-  constexpr int kStarts = 24;
   constexpr int kMaxSteps = 30;
   constexpr double kClearlyBetter = 1e-6;  // of the size squared: two starts that found one minimum
-  if (starts_ == kStarts) return false;
-  if (descend() && ++steps_ < kMaxSteps) return true;
-  const double equal_cost_m2 = kClearlyBetter * size_m_ * size_m_;
-  if (starts_ == 0 || descent_.cost_m2 < best_.cost_m2 - equal_cost_m2) best_ = descent_;
+  // Of the size: the step after one of this length changes the cost by far less than that.
+  constexpr double kNearStep = 1e-4;
+  constexpr double kNegligibleStep = 1e-13;
+  if (starts_ > kStarts) return false;
+  const bool refines = starts_ == kStarts;
+  if (descend(refines ? kNegligibleStep : kNearStep) && ++steps_ < kMaxSteps) return true;
   steps_ = 0;
-  if (++starts_ == kStarts) return false;
-  descent_ = start();
-  return true;
+  const double equal_cost_m2 = kClearlyBetter * size_m_ * size_m_;
+  if (refines || starts_ == 0 || descent_.cost_m2 < best_.cost_m2 - equal_cost_m2) best_ = descent_;
+  // No start is clearly better than one without a cost.
+  starts_ = best_.cost_m2 <= equal_cost_m2 && starts_ < kStarts ? kStarts : starts_ + 1;
+  descent_ = starts_ < kStarts ? start() : best_;
+  return starts_ <= kStarts;
 }
 
-bool Aligning::descend() {
+bool Aligning::descend(double near) {
   constexpr int kMaxHalvings = 8;
-  constexpr double kDeterminedFraction = 1e-4;  // the square of one part in a hundred
-  constexpr double kNegligibleStep = 1e-13;     // of the size of the arm
-  constexpr double kNoWorse = 1.0 + 1e-12;      // a cost that differs by rounding is no worse
+  constexpr double kNoWorse = 1.0 + 1e-12;  // a cost that differs by rounding is no worse
   const Pose X_AB = descent_.X_AB;
   const Vector3 pivot_A = X_AB * mean_B_;
-  const Equations here = equations(lines_A_, lines_B_, X_AB, pivot_A, size_m_);
-  const Spectrum spectrum = spectrum_of(here.hessian);
-  const double least_information = kDeterminedFraction * spectrum.values.maxCoeff();
-  Vector6 step = Vector6::Zero();
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    if (spectrum.values(i) <= least_information) continue;
-    const Vector6 direction = spectrum.vectors.col(i);
-    step -= direction * (direction.dot(here.gradient) / spectrum.values(i));
-  }
+  Vector6 step = determined_step(equations(lines_A_, lines_B_, X_AB, pivot_A, size_m_));
   for (int halving = 0; halving < kMaxHalvings; ++halving, step *= 0.5) {
     const Pose X_next = moved(X_AB, pivot_A, step.head<3>() / size_m_, step.tail<3>());
     const double cost_m2 = cost(lines_A_, lines_B_, X_next, size_m_);
     if (cost_m2 > descent_.cost_m2 * kNoWorse) continue;
     descent_ = {X_next, cost_m2};
-    return step.norm() >= kNegligibleStep * size_m_;
+    return step.norm() >= near * size_m_;
   }
   return false;
 }

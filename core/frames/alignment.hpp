@@ -24,7 +24,9 @@ struct Alignment {
 // The rigid motion X_AB that lays lines B over lines A: least squares of the distances of B's
 // points from A's lines and of the differences of direction, the latter weighted with the size of
 // arrangement A. Gauss-Newton with step halving, at most 30 steps from each of the 24 rotations of
-// a cube; the least cost wins, the earlier start (the identity is the first) among equals.
+// a cube, until they are near a minimum; the least cost wins, the earlier start (the identity is
+// the first) among equals, and its minimum is refined. A start without cost is followed by no
+// other.
 //
 // A direction of motion that the lines determine to less than one part in a hundred is left at the
 // start: the slide along axes that are all parallel within half a degree, the turn about a single
@@ -37,7 +39,7 @@ class Aligning {
  public:
   Aligning(const AxisLines& lines_A, const AxisLines& lines_B);
 
-  // False if nothing is left to do. At most 24 * 30 steps.
+  // False if nothing is left to do. At most 25 * 30 steps.
   bool step();
   // Precondition: step() has returned false.
   [[nodiscard]] Alignment result() const;
@@ -49,14 +51,16 @@ class Aligning {
   };
 
   [[nodiscard]] Descent start() const;
-  // Improves descent_; whether another step may do so, too.
-  [[nodiscard]] bool descend();
+  // Improves descent_; whether the step was longer than `near` times the size.
+  [[nodiscard]] bool descend(double near);
+
+  static constexpr int kStarts = 24;
 
   AxisLines lines_A_;
   AxisLines lines_B_;
   double size_m_;
   Vector3 mean_B_;
-  int starts_ = 0;  // that have been followed to their ends
+  int starts_ = 0;  // that have been followed; kStarts: the best is refined
   int steps_ = 0;   // from the present one
   Descent descent_;
   Descent best_;

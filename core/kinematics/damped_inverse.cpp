@@ -7,9 +7,9 @@
 #include "core/base/check.hpp"
 #include "core/kinematics/forward_kernel.hpp"
 #include "core/kinematics/joint_box.hpp"
-#include "core/kinematics/positive.hpp"
 #include "core/kinematics/regularity.hpp"
 #include "core/kinematics/verdict.hpp"
+#include "core/numerics/cholesky.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -125,7 +125,7 @@ class DampedSolver {
     Square normal = J.transpose().lazyProduct(J);
     normal.diagonal().array() += damping;
     dq = J.transpose().lazyProduct(e);
-    return solve_positive(normal, dq, n);
+    return numerics::solve_positive(normal, dq, n);
   }
 
   static void shorten(Joints& dq) {
@@ -221,7 +221,7 @@ class DampedSolver {
     for (int k = 0; k < 3; ++k) {
       Square normal = J.transpose().lazyProduct(J);
       normal.diagonal().array() += 1e-9 * J.squaredNorm();
-      if (!solve_positive(normal, direction, n_)) return Joints::Zero();
+      if (!numerics::solve_positive(normal, direction, n_)) return Joints::Zero();
       direction /= direction.cwiseAbs().maxCoeff();
     }
     return direction;
@@ -277,7 +277,7 @@ class DampedSolver {
     normal.diagonal().array() += 1e-12 * J.squaredNorm();
     Joints x = Joints::Zero();
     x.head<6>() = J.lazyProduct(v);
-    if (!solve_positive(normal, x, 6)) return Joints::Zero();
+    if (!numerics::solve_positive(normal, x, 6)) return Joints::Zero();
     return v - J.transpose().lazyProduct(x.head<6>());
   }
 

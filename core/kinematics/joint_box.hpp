@@ -8,9 +8,12 @@
 #include <limits>
 
 #include "core/kinematics/inverse.hpp"
-#include "core/kinematics/positive.hpp"
+#include "core/numerics/cholesky.hpp"
 
 namespace armsig::kinematics {
+
+using Joints = numerics::Column;  // zero beyond the joint count
+using numerics::Square;
 
 struct JointBox {
   Joints lower = Joints::Constant(-std::numeric_limits<double>::infinity());

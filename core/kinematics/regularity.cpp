@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/kinematics/positive.hpp"
+#include "core/numerics/cholesky.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -30,14 +30,14 @@ Pivot largest(const Jacobian& m, Eigen::Index row, Eigen::Index row_end, Eigen::
 
 // sqrt(det(J J^T)) or, of fewer than six columns, sqrt(det(J^T J)).
 double volume(const Jacobian& J, Eigen::Index columns) {
-  Square gram = Square::Zero();
+  numerics::Square gram = numerics::Square::Zero();
   if (columns < 6) {
     gram = J.transpose().lazyProduct(J);
   } else {
     gram.topLeftCorner<6, 6>() = J.lazyProduct(J.transpose());
   }
   const Eigen::Index size = std::min<Eigen::Index>(columns, 6);
-  if (!factor_positive(gram, size)) return 0;
+  if (!numerics::factor_positive(gram, size)) return 0;
   double product = 1;
   for (Eigen::Index i = 0; i < size; ++i) product *= gram(i, i);
   return product;

@@ -79,6 +79,69 @@ TEST(Align, tells_how_far_each_joint_is_off) {
   EXPECT_LT(alignment.worst_angle_rad(), 1e-3);
 }
 
+// The sum of squares that the header states, by cross products.
+double sum_of_squares(const AxisLines& lines_A, const AxisLines& lines_B, const Pose& X_AB) {
+  double sum_m2 = 0;
+  for (std::size_t i = 0; i < lines_A.size(); ++i) {
+    const Vector3& axis_A = lines_A[i].direction;
+    sum_m2 += (arm_size(lines_A) * (X_AB.R * lines_B[i].direction - axis_A)).squaredNorm();
+    if (lines_A[i].type == kP) continue;
+    sum_m2 += (X_AB * lines_B[i].point - lines_A[i].point).cross(axis_A).squaredNorm();
+  }
+  return sum_m2;
+}
+
+struct Misbuilt {
+  AxisLines lines_A;
+  AxisLines lines_B;
+};
+
+// Axes of an arm that was built ten times worse than usual, and those of its drawing.
+Misbuilt misbuilt(test::Random& random, bool with_slide) {
+  const test::Tolerances bad{radians(1), radians(2), 5e-3};
+  test::Cell cell = test::puma_cell(random, bad);
+  Arm drawing = test::puma();
+  if (with_slide) cell.arm.joints[3].type = drawing.joints[3].type = kP;
+  const JointVector q = test::puma_configuration();
+  return {moved(cell.X_SB, axis_lines(cell.arm, q)), axis_lines(drawing, q)};
+}
+
+TEST(Align, no_small_motion_brings_the_axes_of_a_misbuilt_arm_nearer) {
+  test::Random random(1);
+  for (int trial = 0; trial < 40; ++trial) {
+    const auto [lines_A, lines_B] = misbuilt(random, trial % 2 == 1);
+    const Alignment found = align(lines_A, lines_B);
+    EXPECT_NEAR(found.cost_m2, sum_of_squares(lines_A, lines_B, found.X_AB), 1e-15);
+    for (int k = 0; k < 20; ++k) {
+      const Matrix3 turn = rotation_about(random.direction(), 1e-5);
+      const Pose X_near{turn * found.X_AB.R, turn * found.X_AB.p + random.normal_vector(1e-5)};
+      EXPECT_GT(sum_of_squares(lines_A, lines_B, X_near), found.cost_m2) << trial;
+    }
+  }
+}
+
+TEST(Align, comes_near_a_minimum_in_a_few_steps_from_each_start) {
+  constexpr int kTrials = 40;
+  test::Random random(2);
+  int steps = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto [lines_A, lines_B] = misbuilt(random, trial % 2 == 1);
+    Aligning aligning(lines_A, lines_B);
+    do {
+      ++steps;
+    } while (aligning.step());
+  }
+  EXPECT_LT(steps, 6.5 * 24 * kTrials);
+}
+
+TEST(Align, looks_no_further_where_nothing_is_left) {
+  const AxisLines lines = axis_lines(test::puma560(), {0.3, -0.4, 0.9, 0.2, -0.7, 0.1});
+  Aligning aligning(lines, lines);
+  int steps = 1;
+  while (aligning.step()) ++steps;
+  EXPECT_EQ(steps, 2);
+}
+
 TEST(Align, parallel_axes_are_not_slid_along) {
   const AxisLines lines_B = axis_lines(test::cobra600(), {0.3, -0.9, 0.1, 0.2});
   const Pose X_AB{rotation_z(1.0), Vector3(0.2, 0.3, 0.0)};

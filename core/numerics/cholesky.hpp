@@ -7,9 +7,9 @@
 
 #include "core/base/arm.hpp"
 
-namespace armsig::kinematics {
+namespace armsig::numerics {
 
-using Joints = Eigen::Matrix<double, kMaxJoints, 1>;  // zero beyond the joint count
+using Column = Eigen::Matrix<double, kMaxJoints, 1>;
 using Square = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;
 
 // The lower factor of the leading n x n block of the symmetric `a`, in place. False if it is not
@@ -18,6 +18,6 @@ using Square = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;
 
 // Solves a x = b for the symmetric positive definite n x n `a` (factored in place; x over b). False
 // if it is not positive definite.
-[[nodiscard]] bool solve_positive(Square& a, Joints& b, Eigen::Index n);
+[[nodiscard]] bool solve_positive(Square& a, Column& b, Eigen::Index n);
 
-}  // namespace armsig::kinematics
+}  // namespace armsig::numerics

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "core/kinematics/positive.hpp"
+#include "core/numerics/cholesky.hpp"
 
 #include <cmath>
 
-namespace armsig::kinematics {
+namespace armsig::numerics {
 
 bool factor_positive(Square& a, Eigen::Index n) {
   for (Eigen::Index j = 0; j < n; ++j) {
@@ -20,7 +20,7 @@ bool factor_positive(Square& a, Eigen::Index n) {
   return true;
 }
 
-bool solve_positive(Square& a, Joints& b, Eigen::Index n) {
+bool solve_positive(Square& a, Column& b, Eigen::Index n) {
   if (!factor_positive(a, n)) return false;
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index k = 0; k < i; ++k) b[i] -= a(i, k) * b[k];
@@ -33,4 +33,4 @@ bool solve_positive(Square& a, Joints& b, Eigen::Index n) {
   return true;
 }
 
-}  // namespace armsig::kinematics
+}  // namespace armsig::numerics
