@@ -56,7 +56,7 @@ void CheckSequence::ready() {
   JointVector q = configuration_.sweeps.configuration;
   if (stage_ == Stage::kPosing) q = spread_pose(configuration_, pose_);
   if (stage_ == Stage::kReturning) q = home_;
-  if (may_go_to(q)) go_to(q);
+  if (!kMayBound || may_go_to(q)) go_to(q);
 }
 
 void CheckSequence::arrived() {

@@ -186,7 +186,7 @@ void IdentificationSequence::ready() {
     const std::size_t number = kMayBound ? number_of_held_out(held_out_ + passed_over_) : held_out_;
     q = spread_pose(configuration_, number);
   }
-  if (!may_go_to(q) || recall_next(q)) return;
+  if (kMayRefine && (!may_go_to(q) || recall_next(q))) return;
   go_to(q);
 }
 

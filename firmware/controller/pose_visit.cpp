@@ -67,8 +67,6 @@ std::expected<void, MoveRefusal> PoseVisit::go_inside(const JointVector& q) {
 }
 
 bool PoseVisit::is_half_way() { return std::exchange(looks_.goes_home, false); }
-#else
-bool PoseVisit::is_half_way() { return false; }
 #endif
 
 std::expected<void, MoveRefusal> PoseVisit::move_to(const JointVector& q) {
@@ -112,7 +110,7 @@ VisitOutcome PoseVisit::step() {
     return {};
   }
   phase_ = Phase::kNext;
-  return {is_half_way() ? kReady : kArrived};
+  return {kMayBound && is_half_way() ? kReady : kArrived};
 }
 
 VisitOutcome PoseVisit::take(const Result<std::optional<MeasuredPoint>>& measured) {

@@ -16,22 +16,11 @@ static_assert(kMostSweepPoints < features::kGateCapacity);
 // Before half of the plan nothing is judged: a lucky few points would end a sweep.
 std::size_t least_points(const SweepPlan& plan) { return plan.points / 2; }
 
-// In line: a call would cost a microcontroller more than the code.
-[[gnu::always_inline]] inline JointLimits arc_of(const Configuration& configuration,
-                                                 std::size_t joint) {
-  const SweepPlan& plan = configuration.sweeps;
-  const auto [lower, upper] = configuration.drawing.limits[joint];
-  const bool turns = configuration.drawing.joints[joint].type == JointType::kRevolute;
-  if (!turns || plan.arc_rad >= upper - lower) return {lower, upper};
-  const double first =
-      std::clamp(plan.configuration[joint] - plan.arc_rad / 2, lower, upper - plan.arc_rad);
-  return {first, first + plan.arc_rad};
-}
-
 }  // namespace
 
 JointLimits planned_arc(const Configuration& configuration, std::size_t joint) {
-  return arc_of(configuration, joint);
+  const Sweep sweep(configuration, joint);
+  return sweep.planned();
 }
 
 Sweep::Sweep(const Configuration& configuration, std::size_t joint)
@@ -39,9 +28,14 @@ Sweep::Sweep(const Configuration& configuration, std::size_t joint)
       joint_(joint),
       estimator_({.type = configuration.drawing.joints[joint].type, .limits = {}}) {
   const SweepPlan& plan = configuration.sweeps;
-  const auto [least, most] = configuration.drawing.limits[joint];
+  auto [lower, upper] = configuration.drawing.limits[joint];
+  const double least = lower;
+  const double most = upper;
   const bool turns = configuration.drawing.joints[joint].type == JointType::kRevolute;
-  const auto [lower, upper] = arc_of(configuration, joint);
+  if (turns && plan.arc_rad < upper - lower) {
+    lower = std::clamp(plan.configuration[joint] - plan.arc_rad / 2, lower, upper - plan.arc_rad);
+    upper = lower + plan.arc_rad;
+  }
   first_ = lower;
   step_ = (upper - lower) / static_cast<double>(plan.points - 1);
   // Rounding must not push the last point over a limit.

@@ -18,6 +18,9 @@ class Sweep {
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
 
+  [[nodiscard]] JointLimits planned() const {
+    return {first_, first_ + step_ * static_cast<double>(configuration_.sweeps.points - 1)};
+  }
   // A bounded step of working out what the points show; false if nothing is left to do.
   bool step();
   // Reading of the next point, empty when the sweep is over: accurate enough, through all places
