@@ -201,6 +201,8 @@ std::string_view describe(Error error) {
       return "the joint did not settle in time";
     case Error::kArmMoved:
       return "the arm moved while a point was measured";
+    case Error::kOutsideWorkspace:
+      return "outside its box";
     case Error::kToleranceTooFine:
       return "the tolerance is below one count of the encoder";
     case Error::kRecordOtherMachine:

@@ -118,6 +118,7 @@ enum class Error : std::uint8_t {
   kNotSettled,             // a joint did not settle within the time and tolerance configured
   kArmMoved,               // a joint left its place while a point was measured
   kToleranceTooFine,       // a tolerance below the worth of one count
+  kOutsideWorkspace,       // the arm would leave the box that it is to stay in
   kPointTimeout,           // readings of the sensor come, but none of them gives a point
   // What a drive says of itself while it is enabled.
   kTargetsIgnored,  // the target is not followed

@@ -134,6 +134,7 @@ class Engine {
   struct Stated {
     Matrix3 row = Matrix3::Zero();
     Matrix3 model = Matrix3::Zero();
+    std::array<double, kMaxJoints> maps{};  // what each joint's map has in the trace of `model`
   };
   [[nodiscard]] Stated covariance_at(const ChainFrames& frames, std::size_t target,
                                      const std::array<float, 6>& relative) const;

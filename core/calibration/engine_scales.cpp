@@ -216,6 +216,7 @@ Engine::Stated Engine::stated(GeometryColumns& J, const ChainFrames& frames, std
     const Vector3 motion =
         map_unit(model_.joints[j].type) * motion_of(revolute, frames.X_SJ[j], p_S);
     stated.model += variance * motion * motion.transpose();
+    stated.maps[j] = variance * motion.squaredNorm();
   }
   return stated;
 }

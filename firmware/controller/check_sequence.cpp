@@ -56,7 +56,7 @@ void CheckSequence::ready() {
   JointVector q = configuration_.sweeps.configuration;
   if (stage_ == Stage::kPosing) q = spread_pose(configuration_, pose_);
   if (stage_ == Stage::kReturning) q = home_;
-  go_to(q);
+  if (!kMayBound || may_go_to(q)) go_to(q);
 }
 
 void CheckSequence::arrived() {
@@ -91,6 +91,14 @@ void CheckSequence::lose(Error error) {
     ++pose_;
   } else {
     trouble_ = error;
+  }
+}
+
+void CheckSequence::pass_over() {
+  if (stage_ == Stage::kPosing) {
+    ++pose_;
+  } else {
+    end(Error::kOutsideWorkspace);
   }
 }
 

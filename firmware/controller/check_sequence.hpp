@@ -61,6 +61,7 @@ class CheckSequence : public VisitingSequence<CheckSequence> {
   void arrived();
   void take(const MeasuredPoint& point);
   void lose(Error error);
+  void pass_over();
   void finish();
   [[nodiscard]] Result<Vector3> predicted() const;
   void tell_notice() const;

@@ -11,6 +11,8 @@
 #include "firmware/controller/check_history.hpp"
 #include "firmware/controller/measurement_log.hpp"
 #include "firmware/controller/plausibility.hpp"
+#include "firmware/controller/sweep.hpp"
+#include "firmware/controller/workspace.hpp"
 #include "hal/range_sensor.hpp"
 
 namespace armsig::controller {
@@ -217,6 +219,55 @@ Checked check_lag(const Configuration& c) {
   return {};
 }
 
+Checked check_box(const WorkspaceBox& box) {
+  constexpr std::array<std::string_view, 3> kSides{"workspace.x", "workspace.y", "workspace.z"};
+  for (std::size_t axis = 0; axis < kSides.size(); ++axis) {
+    const double lower = box.lower[static_cast<Eigen::Index>(axis)];
+    const double upper = box.upper[static_cast<Eigen::Index>(axis)];
+    for (const double side : {lower, upper}) {
+      if (auto ok = check_plausible(kSides[axis], side, plausible::kWorkspace); !ok) return ok;
+    }
+    if (!(lower < upper)) return refused(kSides[axis], Error::kLimitsReversed, {}, lower, upper);
+  }
+  return check_plausible("workspace.hand", box.hand_m, plausible::kHand);
+}
+
+// The signature configuration, from which all poses are come to, and the sweeps as planned.
+Checked check_workspace(const Configuration& c) {
+  if (!c.workspace) return {};
+  if (auto ok = check_box(*c.workspace); !ok) return ok;
+  const JointVector& home = c.sweeps.configuration;
+  const Room room = room_at(c, home);
+  if (room.left_m < kLeastRoom_m) {
+    return std::unexpected(
+        ConfigurationRefusal{.setting = "workspace",
+                             .error = Error::kOutsideWorkspace,
+                             .joint = room.joint,
+                             .found = room.left_m,
+                             .needed = kLeastRoom_m,
+                             .reason = "room between box and signature configuration"});
+  }
+  for (std::size_t i = 0; i < home.size(); ++i) {
+    const JointLimits arc = planned_arc(c, i);
+    for (const double end : {arc.lower, arc.upper}) {
+      JointVector to = home;
+      to[i] = end;
+      WayLook look;
+      while (look.step(c, home, to) == WayLook::Says::kMore) {
+      }
+      if (look.part() >= 1) continue;
+      return std::unexpected(ConfigurationRefusal{
+          .setting = "workspace",
+          .error = Error::kOutsideWorkspace,
+          .joint = i,
+          .found = end,
+          .needed = home[i] + look.part() * (end - home[i]),
+          .reason = "about how far its sweep may go: a larger box, or a shorter sweeps.arc"});
+    }
+  }
+  return {};
+}
+
 Checked check_sweeps(const Configuration& c) {
   const SweepPlan& plan = c.sweeps;
   if (auto ok = check_readings("sweeps.configuration", plan.configuration, c.drawing); !ok) {
@@ -237,6 +288,7 @@ Checked check_sweeps(const Configuration& c) {
   if (auto ok = check_count("sweeps.held_out_poses", plan.held_out_poses, 3, kMostHeldOut); !ok) {
     return ok;
   }
+  if (auto ok = check_workspace(c); !ok) return ok;
   return check_count("check.poses", c.check.poses, kFewestCheckPoses, kMostCheckPoses);
 }
 

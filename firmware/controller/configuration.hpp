@@ -82,6 +82,26 @@ struct CheckPlan {
   hal::Duration every{};   // by schedule, counted from the last check or from power-up; zero: never
 };
 
+// A box in frame 0 of the drawing that the arm stays in where the controller itself chooses the
+// way: the origins of its link frames, and the hand.
+struct WorkspaceBox {
+  Vector3 lower = Vector3::Zero();
+  Vector3 upper = Vector3::Zero();
+  double hand_m = 0;  // how far the hand reaches, target and tool included, beyond the last origin
+};
+
+// A microcontroller has no memory to keep to a box: there can be none, and nothing that would look
+// at one is in its image.
+#ifdef ARMSIG_NO_REFINEMENT
+struct MayBeWorkspace {
+  constexpr explicit operator bool() const { return false; }
+  const WorkspaceBox& operator*() const;  // neither is ever called
+  const WorkspaceBox* operator->() const;
+};
+#else
+using MayBeWorkspace = std::optional<WorkspaceBox>;
+#endif
+
 struct Configuration {
   // With limits for every joint, which its motor keeps as well. Where joints are coupled, every
   // reading here and on the console is the effective one, of the joint and not of its motor.
@@ -95,6 +115,7 @@ struct Configuration {
   SweepPlan sweeps;
   GridTask grid;
   CheckPlan check;
+  MayBeWorkspace workspace;  // none: the joint limits alone hold
 };
 
 struct ConfigurationRefusal {
@@ -109,8 +130,9 @@ struct ConfigurationRefusal {
 // Errors: kTooFewAxes, kNotFinite, kCapacityExceeded, kLimitsReversed, kLimitsImplausible,
 // kNotPositive, kJointLimit (a reading outside its limits), kPeriodInvalid, kOutOfRange (a count,
 // or a value that is not plausible, with the reason of plausibility.hpp), kToleranceTooFine (below
-// a count), kCoincidentPoints (corners of the grid taught at one place, or in a line), kUnsupported
-// (a coupling that leads back), and those of measurement::check().
+// a count), kOutsideWorkspace (signature configuration or a sweep), kCoincidentPoints (corners of
+// the grid taught at one place, or in a line), kUnsupported (a coupling that leads back), and those
+// of measurement::check().
 [[nodiscard]] std::expected<void, ConfigurationRefusal> check(const Configuration& configuration);
 
 }  // namespace armsig::controller

@@ -9,6 +9,8 @@ namespace {
 
 // Points in a row that give no position, until the sensor rather than the place is to blame.
 constexpr unsigned kLostInARow = 3;
+// So many of the held-out ones are looked for in the workspace box.
+constexpr std::size_t kMostSpread = 1000;
 // Of poses that are spread further than the sensor may see.
 constexpr unsigned kPosesLostInARow = 8;
 
@@ -46,6 +48,7 @@ void IdentificationSequence::refuse(Error error, std::optional<std::size_t> join
   const std::size_t sweep = stage_ == Stage::kSweeping ? joint_ + 1 : 0;
   const auto kept = refinement_->recall(sweep, wanted);
   if (!kept) return false;
+  visit_.forget_look();
   if (kept->point) {
     ++recalled_;
     take(*kept->point, kept->readings);
@@ -53,6 +56,25 @@ void IdentificationSequence::refuse(Error error, std::optional<std::size_t> join
     skip();
   }
   return true;
+}
+
+// The same for what ready() goes to next: a point of the sweep at `q`, or the refinement's.
+bool IdentificationSequence::recall_next(const JointVector& q) {
+  if (stage_ == Stage::kSweeping) return refines() && recall(q);
+  if (!is_refining() || approached_) return false;
+  const Refinement::Visit& visit = refinement_->visit();
+  return !visit.again && recall(visit.pose);
+}
+
+// The box excludes the pose that was to be next.
+void IdentificationSequence::pass_over() {
+  if (stage_ == Stage::kSweeping) {
+    sweep().turn_back();
+  } else if (is_refining()) {
+    skip();
+  } else if (held_out_ + ++passed_over_ >= kMostSpread) {
+    end(Error::kOutsideWorkspace);
+  }
 }
 
 void IdentificationSequence::lose(Error error) {

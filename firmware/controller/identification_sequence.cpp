@@ -7,6 +7,16 @@
 #include <Eigen/Dense>
 
 namespace armsig::controller {
+namespace {
+
+// The number of a held-out pose. Where the workspace box excludes many they go on where no
+// self-calibration is offered one.
+std::size_t number_of_held_out(std::size_t index) {
+  constexpr std::size_t kFirstFar = 64;
+  return index < kFirstFar ? index : 2'000'000 + index;
+}
+
+}  // namespace
 
 IdentificationSequence::IdentificationSequence(const Configuration& configuration, Mover& mover,
                                                PointMeasurement& measurement,
@@ -68,7 +78,7 @@ void IdentificationSequence::start(const SignatureRecord* active, Ticket begun) 
   lost_in_a_row_ = 0;
   refines_ = approached_ = false;
   refines_from_ = 0;
-  recalled_ = 0;
+  recalled_ = passed_over_ = 0;
   visit_.begin(begun);
   began_ = mover_.now().now;
 }
@@ -154,7 +164,6 @@ void IdentificationSequence::ready() {
       return;
     }
     q[joint_] = *reading;
-    if (refines() && recall(q)) return;
   } else if (stage_ == Stage::kIdentifying) {
     step_identification();
     return;
@@ -165,7 +174,6 @@ void IdentificationSequence::ready() {
       return;
     }
     const Refinement::Visit& visit = refinement_->visit();
-    if (!approached_ && !visit.again && recall(visit.pose)) return;
     q = approached_ ? visit.pose : visit.approach;
   } else if (stage_ == Stage::kComparing) {
     if (!comparison().step()) stage_ = Stage::kHeldOut;
@@ -175,8 +183,10 @@ void IdentificationSequence::ready() {
       finish_held_out();
       return;
     }
-    q = spread_pose(configuration_, held_out_);
+    const std::size_t number = kMayBound ? number_of_held_out(held_out_ + passed_over_) : held_out_;
+    q = spread_pose(configuration_, number);
   }
+  if (kMayRefine && (!may_go_to(q) || recall_next(q))) return;
   go_to(q);
 }
 

@@ -116,6 +116,7 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   void keep(const MeasuredPoint* point);
   void forget_kept();
   [[nodiscard]] bool recall(const JointVector& wanted);
+  [[nodiscard]] bool recall_next(const JointVector& q);
   void begin_sweep();
   // Of the stage.
   [[nodiscard]] Sweep& sweep() { return *std::get_if<Sweep>(&work_); }
@@ -132,6 +133,7 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   void take(const MeasuredPoint& point, const JointVector& readings);
   void lose(Error error);
   void skip();
+  void pass_over();
   void pause_for(Error error);
   void tell_progress(std::string_view what) const;
 
@@ -145,9 +147,10 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
   bool refines_ = false;
-  bool approached_ = false;       // the pose of the refinement, from its side
-  std::uint16_t recalled_ = 0;    // of the points, those that an interrupted run had measured
-  std::size_t refines_from_ = 0;  // points that were measured before
+  bool approached_ = false;        // the pose of the refinement, from its side
+  std::uint16_t recalled_ = 0;     // of the points, those that an interrupted run had measured
+  std::uint16_t passed_over_ = 0;  // of the held-out poses, as they are outside of the box
+  std::size_t refines_from_ = 0;   // points that were measured before
   hal::Instant began_;
   // In it a candidate from outside comes in, too, part after part.
   std::variant<std::monostate, Sweep, Identification, HeldOutComparison, Receiving> work_;

@@ -77,6 +77,8 @@ inline constexpr Bounds kArc{0.05, 2 * kPi,
 inline constexpr Bounds kAxisSigma{1e-7, 0.1, "of an axis, in radians: degrees as radians?"};
 inline constexpr Bounds kPointSigma{1e-8, 0.1, "of a point, in metres: millimetres as metres?"};
 inline constexpr Bounds kHeldOutReach{1e-3, 1, "a part of the joint limits"};
+inline constexpr Bounds kWorkspace{-100, 100, "no arm is as large: millimetres as metres?"};
+inline constexpr Bounds kHand{0, 5, "no hand is as long: millimetres as metres?"};
 inline constexpr Bounds kGridSize{1e-3, 20,
                                   "an edge of the grid, in metres: millimetres as metres?"};
 inline constexpr Bounds kGridDwell{0, 3600, "the tool would stay at each vertex for as long"};

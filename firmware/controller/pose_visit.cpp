@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/controller/pose_visit.hpp"
 
+#include <utility>
+
 #include "core/base/low_discrepancy.hpp"
 
 namespace armsig::controller {
@@ -38,9 +40,36 @@ void PoseVisit::begin(Ticket begun) {
   measures_again_ = false;
   moved_in_a_row_ = 0;
   ticket_ = begun;
+  forget_look();
 }
 
-std::expected<void, MoveRefusal> PoseVisit::go_to(const JointVector& q) {
+#ifndef ARMSIG_NO_REFINEMENT
+WayLook::Says PoseVisit::look_at_way(const JointVector& q) {
+  if (looks_.at != Looking::kAtPose) return WayLook::Says::kClear;
+  const auto says = looks_.look.step(configuration_, configuration_.sweeps.configuration, q);
+  if (says == WayLook::Says::kClear) looks_ = {.look = {}, .at = Looking::kAtWay};
+  if (says == WayLook::Says::kLeaves) forget_look();
+  return says;
+}
+
+std::expected<void, MoveRefusal> PoseVisit::go_inside(const JointVector& q) {
+  const bool home = looks_.at == Looking::kAtWayHome;
+  const JointVector& to = home ? configuration_.sweeps.configuration : q;
+  const auto says = looks_.look.step(configuration_, mover_.now().commanded, to);
+  if (says == WayLook::Says::kMore) return {};
+  if (says == WayLook::Says::kLeaves) {
+    if (home) return std::unexpected(MoveRefusal{Error::kOutsideWorkspace, looks_.look.joint()});
+    looks_ = {.look = {}, .at = Looking::kAtWayHome};
+    return {};
+  }
+  looks_ = {.look = {}, .at = home ? Looking::kAtWay : Looking::kAtPose, .goes_home = home};
+  return move_to(to);
+}
+
+bool PoseVisit::is_half_way() { return std::exchange(looks_.goes_home, false); }
+#endif
+
+std::expected<void, MoveRefusal> PoseVisit::move_to(const JointVector& q) {
   const auto move = plan_joint_move(configuration_, mover_.now().commanded, q);
   if (!move) return std::unexpected(move.error());
   const auto sent = mover_.send(*move, Mover::Of::kSequence);
@@ -81,7 +110,7 @@ VisitOutcome PoseVisit::step() {
     return {};
   }
   phase_ = Phase::kNext;
-  return {kArrived};
+  return {kMayBound && is_half_way() ? kReady : kArrived};
 }
 
 VisitOutcome PoseVisit::take(const Result<std::optional<MeasuredPoint>>& measured) {

@@ -3,9 +3,13 @@
 // every sequence that measures has in common.
 #pragma once
 
+#include <type_traits>
+#include <variant>
+
 #include "firmware/controller/announcer.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/workspace.hpp"
 
 namespace armsig::controller {
 
@@ -43,8 +47,22 @@ class PoseVisit {
 
   // The sequence begins; `begun` is the kBeginSequence that it needs.
   void begin(Ticket begun);
-  // Errors: those of plan_joint_move(); kLateTick (the tick has stopped).
-  [[nodiscard]] std::expected<void, MoveRefusal> go_to(const JointVector& q);
+  // Whether `q` may be gone to: the way there from the signature configuration stays in the
+  // workspace box. A bounded step; while there is more to look at, to be asked again about it.
+  [[nodiscard]] WayLook::Says look_at(const JointVector& q) {
+    if constexpr (kMayBound) return look_at_way(q);
+    return WayLook::Says::kClear;
+  }
+  // What look_at() has found is of no use: the pose is not gone to.
+  void forget_look() { looks_ = {}; }
+  // Straight in the joint readings, or where that would leave the box by way of the signature
+  // configuration. A bounded step: until is_under_way() is true, to be called again. Errors: those
+  // of plan_joint_move(); kLateTick (the tick has stopped); kOutsideWorkspace (there is no way from
+  // where the arm is). Precondition: look_at(q) is clear.
+  [[nodiscard]] std::expected<void, MoveRefusal> go_to(const JointVector& q) {
+    if constexpr (kMayBound) return go_inside(q);
+    return move_to(q);
+  }
   // A point where the arm stands.
   void measure();
   // What the arm does. Ends by its fault, by the refusal of a command, kSequenceStopped (halt),
@@ -57,7 +75,19 @@ class PoseVisit {
 
  private:
   enum class Phase : std::uint8_t { kNext, kMoving, kMeasuring };
+  enum class Looking : std::uint8_t { kAtPose, kAtWay, kAtWayHome };
 
+  // What is known of the way to the next pose.
+  struct Looks {
+    WayLook look;
+    Looking at = Looking::kAtPose;
+    bool goes_home = false;  // on the way to the pose
+  };
+  [[nodiscard]] WayLook::Says look_at_way(const JointVector& q);
+  [[nodiscard]] std::expected<void, MoveRefusal> go_inside(const JointVector& q);
+  [[nodiscard]] std::expected<void, MoveRefusal> move_to(const JointVector& q);
+  // Whether the arm is at the signature configuration on the way to a pose.
+  [[nodiscard]] bool is_half_way();
   [[nodiscard]] bool has_moved() const;
   [[nodiscard]] VisitOutcome refuse_point();
 
@@ -73,10 +103,12 @@ class PoseVisit {
   Ticket ticket_ = 0;        // of the last command
   hal::Instant phase_ends_;  // the bound of the phase under way
   hal::Instant measured_since_;
+  [[no_unique_address]] std::conditional_t<kMayBound, Looks, std::monostate> looks_;
 };
 
 // A sequence of visits, `Sequence`, which is told what becomes of each: ready() for the next one,
-// arrived(), take(point), lose(error), end(error, joint). It is its friend.
+// arrived(), take(point), lose(error), end(error, joint), pass_over() for a pose that the workspace
+// box excludes. It is its friend.
 template <typename Sequence>
 class VisitingSequence {
  public:
@@ -113,7 +145,13 @@ class VisitingSequence {
         announcer_(announcer),
         visit_(configuration, mover, measurement, announcer, name) {}
 
-  // On the way to `q`, or at its end.
+  // Whether `q` may be gone to. If not it is passed over; or ready() looks on.
+  [[nodiscard]] bool may_go_to(const JointVector& q) {
+    const WayLook::Says says = visit_.look_at(q);
+    if (says == WayLook::Says::kLeaves) self().pass_over();
+    return says == WayLook::Says::kClear;
+  }
+  // On the way to `q`, or at its end. Precondition: may_go_to(q).
   void go_to(const JointVector& q) {
     if (const auto gone = visit_.go_to(q); !gone) {
       self().end(gone.error().error, gone.error().joint);

@@ -18,6 +18,11 @@ std::size_t least_points(const SweepPlan& plan) { return plan.points / 2; }
 
 }  // namespace
 
+JointLimits planned_arc(const Configuration& configuration, std::size_t joint) {
+  const Sweep sweep(configuration, joint);
+  return sweep.planned();
+}
+
 Sweep::Sweep(const Configuration& configuration, std::size_t joint)
     : configuration_(configuration),
       joint_(joint),
@@ -78,6 +83,16 @@ Result<void> Sweep::add(double reading, const Vector3& p_S, const Matrix3& covar
   if (auto added = estimator_.add(reading, p_S, covariance_m2); !added) return added;
   if (done_ >= least_points(configuration_.sweeps)) conclude();
   return {};
+}
+
+void Sweep::turn_back() {
+  if (done_ < above_) {
+    above_ = done_;
+  } else if (done_ < above_ + below_) {
+    below_ = done_ - above_;
+  } else {
+    skip();
+  }
 }
 
 void Sweep::conclude() {

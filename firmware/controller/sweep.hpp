@@ -9,12 +9,18 @@
 
 namespace armsig::controller {
 
+// What the sweep of `joint` spans by its plan; it goes on beyond where it is not accurate enough.
+[[nodiscard]] JointLimits planned_arc(const Configuration& configuration, std::size_t joint);
+
 class Sweep {
  public:
   Sweep(const Configuration& configuration, std::size_t joint);
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
 
+  [[nodiscard]] JointLimits planned() const {
+    return {first_, first_ + step_ * static_cast<double>(configuration_.sweeps.points - 1)};
+  }
   // A bounded step of working out what the points show; false if nothing is left to do.
   bool step();
   // Reading of the next point, empty when the sweep is over: accurate enough, through all places
@@ -24,6 +30,8 @@ class Sweep {
   Result<void> add(double reading, const Vector3& p_S, const Matrix3& covariance_m2);
   // The point at next() could not be measured.
   void skip() { ++done_; }
+  // Nor can it be gone to, nor any that is farther out on that side.
+  void turn_back();
 
   // Asks for a feature, whatever the number of points.
   void conclude();

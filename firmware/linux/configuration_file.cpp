@@ -154,6 +154,29 @@ Read<void> read_check(const YamlMap& root, DaemonConfiguration& c) {
   return read;
 }
 
+Read<void> read_workspace(const YamlMap& root, DaemonConfiguration& c) {
+  const YamlNode* node = root.find("workspace");
+  if (node == nullptr) return {};
+  std::vector<std::string> known;
+  for (const char* name : {"x", "y", "z", "hand"}) add_names(known, name, Dimension::kLength);
+  ARMSIG_TRY(map, YamlMap::open(*node, "workspace", known));
+  controller::WorkspaceBox box;
+  box.hand_m = c.p_nT.norm();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const std::string_view name = std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1);
+    ARMSIG_TRY(side, map.require_quantity(name, Dimension::kLength));
+    ARMSIG_TRY(numbers, tool::read_numbers(*side.value, side.key->text, 2));
+    box.lower[axis] = side.unit.to_si(numbers[0]);
+    box.upper[axis] = side.unit.to_si(numbers[1]);
+  }
+  Settings settings(map);
+  if (auto done = settings.quantity("hand", Dimension::kLength, box.hand_m).done(); !done) {
+    return done;
+  }
+  c.controller.workspace = box;
+  return {};
+}
+
 Read<void> read_supervision(const YamlMap& root, DaemonConfiguration& c) {
   std::vector<std::string> known;
   add_names(known, "latest_tick", Dimension::kTime);
@@ -182,9 +205,10 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
   }
-  std::vector<std::string> known{
-      "armsig", "name",   "console",     "store", "priority", "black_box", "joints", "can",
-      "sensor", "motion", "supervision", "dwell", "sweeps",   "check",     "grid",   "coupling"};
+  std::vector<std::string> known{"armsig",      "name",     "console", "store",  "priority",
+                                 "black_box",   "joints",   "can",     "sensor", "motion",
+                                 "supervision", "dwell",    "sweeps",  "check",  "grid",
+                                 "coupling",    "workspace"};
   add_names(known, "period", Dimension::kTime);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));
   DaemonConfiguration c;
@@ -199,7 +223,8 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
     }
     if (auto ok = read_can(root, c); !ok) return ok;
     if (auto ok = read_sensor(*sensor, c); !ok) return ok;
-    for (const auto read : {read_motion, read_supervision, read_dwell, read_sweeps, read_check}) {
+    for (const auto read :
+         {read_motion, read_supervision, read_dwell, read_sweeps, read_check, read_workspace}) {
       if (auto ok = read(root, c); !ok) return ok;
     }
     const auto drives = canopen::check(c.drives);

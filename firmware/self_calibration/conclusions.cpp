@@ -31,6 +31,8 @@ void SelfCalibration::note_findings() {
   findings_.model_m =
       std::sqrt(std::max(k * k * prediction_.model_m2 / samples, beyond_m * beyond_m - play_m2));
   findings_.play_m = std::sqrt(play_m2);
+  findings_.budget =
+      budget_of(prediction_, types_of(configuration_.drawing.joints), findings_.model_m);
   findings_.fitted = static_cast<std::size_t>(
       std::ranges::count_if(rows(), [](const auto& row) { return !row.held_out; }));
   findings_.rejected = findings_.fitted - kept_;

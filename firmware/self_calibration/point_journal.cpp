@@ -66,6 +66,11 @@ std::uint32_t crc_of(const Configuration& configuration) {
   for (const Vector3& p_S : receivers.p_S) print.reals(p_S);
   print.reals(receivers.facing_S);
   print.real(receivers.range_sigma_m);
+  if (const auto& box = configuration.workspace) {
+    print.reals(box->lower);
+    print.reals(box->upper);
+    print.real(box->hand_m);
+  }
   return print.crc();
 }
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/self_calibration/pose_choice.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "firmware/controller/pose_visit.hpp"
+#include "firmware/controller/workspace.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -29,6 +33,21 @@ Sides dealt_sides(std::size_t number) {
   mixed ^= mixed >> 15U;
   mixed *= 0x85EBCA6BU;
   return static_cast<Sides>(mixed >> 24U);
+}
+
+double approach_m(const Configuration& configuration) {
+  double beyond_m = configuration.workspace ? configuration.workspace->hand_m : 0;
+  double moved_m = 0;
+  for (std::size_t i = configuration.drawing.joints.size(); i-- > 0;) {
+    const DhJoint& row = configuration.drawing.joints[i];
+    const auto [lower, upper] = configuration.drawing.limits[i];
+    const bool turns = row.type == JointType::kRevolute;
+    moved_m += turns ? kApproachAngle * (std::abs(row.a_m) + beyond_m) : kApproachLength;
+    const double d_m =
+        turns ? std::abs(row.d_m) : std::max(std::abs(row.d_m + lower), std::abs(row.d_m + upper));
+    beyond_m += std::hypot(row.a_m, d_m);
+  }
+  return kLeastRoom_m + moved_m;
 }
 
 JointVector approach_to(const Configuration& configuration, const JointVector& pose, Sides& sides) {

@@ -19,6 +19,9 @@ namespace armsig::controller {
 // From which sides pose `number` is reached.
 [[nodiscard]] Sides dealt_sides(std::size_t number);
 
+// How far [m] anything of the arm may be from where it is at the pose, where it comes to it from.
+[[nodiscard]] double approach_m(const Configuration& configuration);
+
 // Where a joint starts from that comes to `pose` from these sides: some way before it, inside of
 // its limits. A side on which there is no room is changed in `sides`.
 [[nodiscard]] JointVector approach_to(const Configuration& configuration, const JointVector& pose,

@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t kStepWork = 10'000;
 constexpr std::size_t kFirstVisits = 60;  // twelve of them held out
 constexpr std::size_t kOffers = 4;
-constexpr std::size_t kSamples = 100;  // over which the accuracy is predicted
+constexpr std::size_t kSamples = 100;         // over which the accuracy is predicted
+constexpr std::size_t kMostSampled = 20'000;  // then those outside of the workspace box, too
 constexpr std::size_t kRowsAtOnce = 8;
 
 std::array<float, 6> packed_covariance(const Matrix3& m) {
@@ -30,7 +31,8 @@ Result<std::size_t> SelfCalibration::do_begin(const Aim& aim, const Machine& mac
   refused_.reset();
   aim_ = aim;
   visiting_since_.reset();
-  count_ = visited_ = recalled_ = repeated_ = offered_ = looked_at_ = 0;
+  count_ = visited_ = recalled_ = repeated_ = offered_ = looked_at_ = passed_over_ = 0;
+  look_ = {};
   change_ = {};
   reference_m2_ = 0;
   wanted_ = planned_ = kFirstVisits;
@@ -113,6 +115,10 @@ Refinement::Next SelfCalibration::do_step(hal::Instant now) {
       return Next::kTells;
     case Stage::kPlayTelling:
       telling_ = &SelfCalibration::tell_play;
+      stage_ = Stage::kBudgetTelling;
+      return Next::kTells;
+    case Stage::kBudgetTelling:
+      telling_ = &SelfCalibration::tell_budget;
       stage_ = outcome_ == Outcome::kReached ? Stage::kDone : Stage::kAdvising;
       return Next::kTells;
     case Stage::kAdvising:
@@ -187,7 +193,15 @@ void SelfCalibration::choose(hal::Instant now) {
     begin_fit({});
     return;
   }
-  const JointVector pose = offered_pose(configuration_, offered_++);
+  const JointVector pose = offered_pose(configuration_, offered_);
+  const WayLook::Says says = look_at_offer(pose);
+  if (says == WayLook::Says::kMore) return;
+  look_ = {};
+  ++offered_;
+  if (says == WayLook::Says::kLeaves) {
+    ++passed_over_;
+    return;
+  }
   // Those held out are spread without a choice.
   if (!knows_ || (visited_ + 1) % kHeldOutEvery == 0) {
     take_offer(pose);
@@ -201,6 +215,15 @@ void SelfCalibration::choose(hal::Instant now) {
     best_ = pose;
   }
   if (++looked_at_ == kOffers) take_offer(JointVector(best_));
+}
+
+// A bounded step of it: the way to the pose, and that it may be come to from each of its sides.
+WayLook::Says SelfCalibration::look_at_offer(const JointVector& pose) {
+  const JointVector& home = configuration_.sweeps.configuration;
+  const WayLook::Says says = look_.step(configuration_, home, pose);
+  if (says != WayLook::Says::kClear || !configuration_.workspace) return says;
+  const double room_m = room_at(configuration_, pose).left_m;
+  return room_m > approach_m(configuration_) ? says : WayLook::Says::kLeaves;
 }
 
 void SelfCalibration::take_offer(const JointVector& pose) {
@@ -236,7 +259,9 @@ void SelfCalibration::finish_fit() {
   kept_ = 0;
   play_ = PlayEstimate(model_.joint_count());
   judge_ = {};
+  covered_ = {};
   prediction_ = {};
+  sampled_ = 0;
   stage_ = Stage::kPlay;
 }
 
@@ -246,6 +271,7 @@ void SelfCalibration::play_step() {
     if (row.weight == 0 || row.held_out) continue;
     ++kept_;
     squares_m2_ += row.residual.squaredNorm();
+    covered_.add(effective_readings(configuration_.drawing.couplings, row.readings));
     if (row.sweep != 0) continue;
     play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
               row.residual);
@@ -272,9 +298,14 @@ void SelfCalibration::judge_step() {
 // A sample a step.
 void SelfCalibration::predict_step() {
   if (prediction_.poses < kSamples) {
+    const JointVector pose = sample_pose(configuration_, sampled_++);
+    const bool outside =
+        configuration_.workspace && room_at(configuration_, pose).left_m < kLeastRoom_m;
+    if (outside && sampled_ < kMostSampled) return;
     calibration::ChainFrames frames;
-    evaluate(sample_pose(configuration_, prediction_.poses), frames);
-    prediction_.add(*engine_, frames, motions_at(model_, frames, target_[0].p_L), findings_.play);
+    evaluate(pose, frames);
+    prediction_.add(*engine_, frames, pose, covered_, motions_at(model_, frames, target_[0].p_L),
+                    findings_.play);
     return;
   }
   note_findings();

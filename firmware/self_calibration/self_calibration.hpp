@@ -18,6 +18,7 @@
 #include "core/frames/alignment.hpp"
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/refinement.hpp"
+#include "firmware/controller/workspace.hpp"
 #include "firmware/self_calibration/findings.hpp"
 #include "firmware/self_calibration/point_journal.hpp"
 #include "firmware/self_calibration/repeats.hpp"
@@ -80,6 +81,7 @@ class SelfCalibration final : public Refinement {
     kMeasuringAgain,
     kConcluding,
     kPlayTelling,
+    kBudgetTelling,
     kAdvising,
     kDone
   };
@@ -112,6 +114,7 @@ class SelfCalibration final : public Refinement {
   void work();
   void begin_visits();
   void choose(hal::Instant now);
+  [[nodiscard]] WayLook::Says look_at_offer(const JointVector& pose);
   void take_offer(const JointVector& pose);
   [[nodiscard]] std::optional<Outcome> end_of_visits(hal::Instant now) const;
   // How long a visit takes; empty before the first one.
@@ -144,7 +147,9 @@ class SelfCalibration final : public Refinement {
   void tell_halving(Line& line, const Findings& found) const;
   void tell_outcome(Line& line) const;
   void tell_play(Line& line) const;
+  void tell_budget(Line& line) const;
   void tell_advice(Line& line) const;
+  void tell_help(Line& line, const Findings& findings) const;
 
   const Configuration& configuration_;
   Memory memory_;
@@ -167,7 +172,10 @@ class SelfCalibration final : public Refinement {
   std::size_t planned_ = 0;
 
   std::size_t offered_ = 0;
-  std::size_t looked_at_ = 0;  // of the offers to one visit
+  std::size_t passed_over_ = 0;  // of the offers, as they leave the workspace box
+  WayLook look_;                 // at the next offer
+  std::size_t sampled_ = 0;      // poses that were thought of for the prediction
+  std::size_t looked_at_ = 0;    // of the offers to one visit
   double best_m2_ = 0;
   JointVector best_;
   Visit visit_;
@@ -189,6 +197,7 @@ class SelfCalibration final : public Refinement {
   std::size_t kept_ = 0;
   PlayEstimate play_;
   HeldOutJudge judge_;
+  Covered covered_;
   Prediction prediction_;
   Findings findings_;
 

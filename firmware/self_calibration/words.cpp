@@ -8,6 +8,9 @@
 namespace armsig::controller {
 namespace {
 
+// A target nearer to an axis hardly moves when that joint turns.
+constexpr double kShortLever_m = 25e-3;
+
 Line& millimetres(Line& line, std::string_view key, double metres) {
   return line.text(" ").text(key).text("_mm=").number(1e3 * metres, 4);
 }
@@ -125,19 +128,69 @@ void SelfCalibration::tell_advice(Line& line) const {
   const Findings& findings = found->findings;
   const double more = findings.times_more(aim_.accuracy_m);
   if (outcome_ == Outcome::kPlay || !std::isfinite(more)) {
-    line.text("the joints' play alone is more; no measurement takes it out, look at the gears");
+    const Budget::Part& play = findings.budget.play;
+    line.text("the joints' play alone is more, ").number(1e3 * play.length_m, 3);
+    line.text(" mm, joint ").integer(play.joint + 1).text(" has ").number(1e3 * play.of_joint_m, 3);
+    line.text(" of it; no measurement takes it out, look at its gears");
     return;
   }
   line.text(outcome_ == Outcome::kMemoryFull ? "the memory is full" : "time is over");
+  line.text("; what would help: ");
+  tell_help(line, findings);
+}
+
+// By what most of the error comes from.
+void SelfCalibration::tell_help(Line& line, const Findings& findings) const {
+  const Budget& budget = findings.budget;
+  const double rest_m = std::hypot(budget.geometry_m, budget.maps.length_m);
+  const auto millimetre = [&](double length_m) -> Line& { return line.number(1e3 * length_m, 3); };
+  // More poses where the arm is measured already do not take it out.
+  if (std::hypot(budget.uncovered.length_m, budget.play.length_m) > aim_.accuracy_m) {
+    const std::size_t joint = budget.uncovered.joint;
+    line.text("a wider arc of joint ").integer(joint + 1).text(", whose readings");
+    line.text(" that were not measured have ");
+    millimetre(budget.uncovered.of_joint_m).text(" mm: more of it in the sensor's sight");
+    return;
+  }
+  // Of few held-out poses chance may show as much: three sigma of the factor's square.
+  const double factor = findings.held_out.factor;
+  const double chance = 3 * std::sqrt(2 / (3 * static_cast<double>(findings.held_out.poses)));
+  if (budget.unexplained_m > rest_m && factor * factor > 1 + chance) {
+    line.text("to find what no model of the arm explains, ");
+    millimetre(budget.unexplained_m).text(" mm: another target, fixed more firmly, or another ");
+    line.text("place of the sensor; then look at load and temperature");
+    return;
+  }
+  const double more = findings.times_more(aim_.accuracy_m);
   const double beyond = std::max(more - 1, 0.0) * static_cast<double>(count_);
-  line.text("; what would help: about ").integer(static_cast<std::uint64_t>(std::ceil(beyond)));
-  line.text(" more poses");
+  line.text("about ").integer(static_cast<std::uint64_t>(std::ceil(beyond))).text(" more poses");
   if (const auto each = each_visit()) {
     line.text(" (").number(beyond * hal::seconds(*each) / 60, 0).text(" minutes)");
   }
-  line.text(", or a sensor of ")
-      .number(1e3 * findings.sensor_m / std::sqrt(std::max(more, 1.0)), 3);
-  line.text(" mm");
+  line.text(", or a sensor of ");
+  millimetre(findings.sensor_m / std::sqrt(std::max(more, 1.0))).text(" mm");
+  if (budget.lever_m < kShortLever_m) {
+    line.text("; another target, farther from the axis of joint ").integer(budget.shortest + 1);
+    line.text(" than ");
+    millimetre(budget.lever_m).text(" mm, would tell more of that joint");
+  }
+}
+
+// Where what is predicted comes from.
+void SelfCalibration::tell_budget(Line& line) const {
+  const Budget& budget = best()->findings.budget;
+  line.text("# identify budget");
+  millimetres(line, "geometry", budget.geometry_m);
+  const auto part = [&](std::string_view name, const Budget::Part& of) {
+    millimetres(line, name, of.length_m);
+    if (of.length_m <= 0) return;
+    line.text(" ").text(name).text("_joint=").integer(of.joint + 1);
+    line.text(" ").text(name).text("_joint_mm=").number(1e3 * of.of_joint_m, 4);
+  };
+  part("maps", budget.maps);
+  part("uncovered", budget.uncovered);
+  part("play", budget.play);
+  millimetres(line, "unexplained", budget.unexplained_m);
 }
 
 }  // namespace armsig::controller

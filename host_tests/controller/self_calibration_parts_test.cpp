@@ -66,6 +66,54 @@ TEST(MeasurementLog, goes_on_in_what_is_lent_to_it) {
   EXPECT_EQ(log.size(), 0U);
 }
 
+// Three joints: one that slides, one whose readings were measured in part.
+Prediction predicted() {
+  Prediction prediction;
+  prediction.poses = 4;
+  prediction.maps_m2 = {4e-8, 16e-8, 0};
+  prediction.uncovered_m2 = {0, 4e-8, 36e-8};
+  prediction.plays_m2 = {1e-8, 0, 0};
+  prediction.levers_m2 = {4.0, 1.0, 0.04};
+  prediction.model_m2 = 96e-8;
+  return prediction;
+}
+
+TEST(Budget, has_each_part_of_what_is_predicted_and_the_joint_that_has_most_of_it) {
+  const JointTypes types{JointType::kPrismatic, JointType::kRevolute, JointType::kRevolute};
+  const Budget budget = budget_of(predicted(), types, 7e-4);
+  EXPECT_NEAR(budget.geometry_m, 3e-4, 1e-12);
+  EXPECT_NEAR(budget.maps.length_m, std::sqrt(5e-8), 1e-12);
+  EXPECT_EQ(budget.maps.joint, 1U);
+  EXPECT_NEAR(budget.maps.of_joint_m, 2e-4, 1e-12);
+  EXPECT_NEAR(budget.uncovered.length_m, std::sqrt(10e-8), 1e-12);
+  EXPECT_EQ(budget.uncovered.joint, 2U);
+  EXPECT_NEAR(budget.uncovered.of_joint_m, 3e-4, 1e-12);
+  EXPECT_EQ(budget.play.joint, 0U);
+  EXPECT_NEAR(budget.play.length_m, 5e-5, 1e-12);
+  EXPECT_NEAR(budget.unexplained_m, 5e-4, 1e-12);
+  EXPECT_EQ(budget.shortest, 2U);
+  EXPECT_NEAR(budget.lever_m, 0.1, 1e-12);
+}
+
+TEST(Budget, tells_no_slide_as_the_joint_that_moves_the_target_least) {
+  Prediction prediction = predicted();
+  prediction.levers_m2 = {0.0001, 1.0, 4.0};
+  const JointTypes types{JointType::kPrismatic, JointType::kRevolute, JointType::kRevolute};
+  EXPECT_EQ(budget_of(prediction, types, 0).shortest, 1U);
+  EXPECT_EQ(budget_of(prediction, types, 0).unexplained_m, 0);
+}
+
+TEST(Budget, counts_a_reading_as_covered_between_the_least_and_the_largest) {
+  Covered covered;
+  EXPECT_FALSE(covered.has(0, 0.0));
+  covered.add({-0.5, 1.0});
+  covered.add({0.25, 2.0});
+  EXPECT_TRUE(covered.has(0, 0.2));
+  EXPECT_FALSE(covered.has(0, 0.3));
+  EXPECT_FALSE(covered.has(0, -0.6));
+  EXPECT_TRUE(covered.has(1, 1.5));
+}
+
 TEST(PoseChoice, deals_both_sides_of_every_joint_alike) {
   std::array<int, 6> grows{};
   int both = 0;

@@ -194,6 +194,40 @@ TEST(DaemonConfiguration, refuses_a_signature_configuration_outside_the_limits) 
   expect_refused("joints:", "sweep_at_deg: 30", "sweep_at_deg: 175", "joint limit");
 }
 
+// The reference with a workspace box in place of its line about one.
+std::string with_box(const std::string& box) {
+  return change("# Optional: where", "# workspace:", "workspace: " + box + " #").text;
+}
+
+TEST(DaemonConfiguration, has_a_workspace_box_where_one_is_told) {
+  EXPECT_FALSE(read_configuration(ARMSIG_REFERENCE)->controller.workspace);
+  const std::string sides = "x_mm: [-1200, 1200], y_mm: [-1150, 1200], z_m: [-1, 1.2]";
+  auto read = parse_configuration(with_box("{" + sides + "}"), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  auto box = read->controller.workspace;
+  ASSERT_TRUE(box);
+  EXPECT_EQ(box->lower, Vector3(-1.2, -1.15, -1));
+  EXPECT_EQ(box->upper, Vector3(1.2, 1.2, 1.2));
+  EXPECT_DOUBLE_EQ(box->hand_m, std::hypot(0.15, 0.05)) << "as far as the emitter";
+  read = parse_configuration(with_box("{" + sides + ", hand_mm: 170}"), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  EXPECT_DOUBLE_EQ(read->controller.workspace->hand_m, 0.17);
+}
+
+TEST(DaemonConfiguration, refuses_a_workspace_box_by_what_is_wrong_with_it) {
+  const auto refused = [](const std::string& box, const std::string& words) {
+    expect_refused("# Optional: where", "# workspace:", "workspace: " + box + " #", words);
+  };
+  refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200]}", "z_mm");
+  refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: 3}", "z_mm");
+  refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [1200, -1000]}", "workspace.z");
+  refused("{x_m: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-1000, 1200]}", "millimetres as");
+  refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-1000, 1200], hand_mm: 900}",
+          "outside its box");
+  refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-100, 1200], hand_mm: 160}",
+          "sweeps.arc");
+}
+
 TEST(DaemonConfiguration, refuses_counts_of_points_and_pings_that_cannot_be) {
   expect_refused("sweeps:", "points: 24", "points: 3", "sweeps.points");
   expect_refused("sweeps:", "most_points: 48", "most_points: 500", "sweeps.most_points");

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// The workspace box: what is looked at before anything moves, against places along the way, close
+// to each other, of a chain that is multiplied out here.
+#include "firmware/controller/workspace.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/base/links.hpp"
+#include "firmware/controller/pose_visit.hpp"
+#include "firmware/controller/sweep.hpp"
+#include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/whole_configuration.hpp"
+
+namespace armsig::controller {
+namespace {
+
+constexpr double kHand_m = 0.16;
+
+Configuration in_box(const Vector3& lower, const Vector3& upper) {
+  Configuration c = test::whole_configuration();
+  c.sweeps.arc_rad = radians(60);
+  c.workspace = WorkspaceBox{lower, upper, kHand_m};
+  return c;
+}
+
+const Vector3 kLower(-0.62, -0.62, -0.25);
+const Vector3 kUpper(0.86, 0.74, 1.15);
+
+// Least room at the places of a way, `places` of them, by the frames of the drawing.
+double least_room(const Configuration& c, const JointVector& from, const JointVector& to,
+                  int places = 2000) {
+  double least = 1e9;
+  for (int place = 0; place <= places; ++place) {
+    JointVector q = from;
+    for (std::size_t i = 0; i < 6; ++i) q[i] += (to[i] - from[i]) * place / places;
+    const auto frames = dh_frames(c.drawing.joints, q);
+    for (std::size_t k = 1; k < frames.size(); ++k) {
+      const double reach = k + 1 == frames.size() ? kHand_m : 0;
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        least = std::min({least, frames[k].p[axis] - c.workspace->lower[axis] - reach,
+                          c.workspace->upper[axis] - frames[k].p[axis] - reach});
+      }
+    }
+  }
+  return least;
+}
+
+WayLook::Says whole_look(const Configuration& c, const JointVector& from, const JointVector& to) {
+  WayLook look;
+  auto says = WayLook::Says::kMore;
+  for (int i = 0; i < 1000 && says == WayLook::Says::kMore; ++i) says = look.step(c, from, to);
+  return says;
+}
+
+TEST(Workspace, is_left_by_a_way_where_its_places_leave_it) {
+  const Configuration c = in_box(kLower, kUpper);
+  int clear = 0;
+  int leaving = 0;
+  for (std::size_t n = 0; n < 200; ++n) {
+    const JointVector from = spread_pose(c, 2 * n);
+    const JointVector to = spread_pose(c, 2 * n + 1);
+    const double room = least_room(c, from, to);
+    const auto says = whole_look(c, from, to);
+    if (room < kLeastRoom_m - 1e-9) {
+      EXPECT_EQ(says, WayLook::Says::kLeaves) << n << " room " << room;
+      ++leaving;
+    } else if (room > kLeastRoom_m + 2e-3) {
+      EXPECT_EQ(says, WayLook::Says::kClear) << n << " room " << room;
+      ++clear;
+    }
+  }
+  EXPECT_GT(clear, 30);
+  EXPECT_GT(leaving, 30);
+}
+
+TEST(Workspace, is_not_there_where_none_is_told) {
+  Configuration c = in_box(kLower, kUpper);
+  c.workspace.reset();
+  WayLook look;
+  EXPECT_EQ(look.step(c, spread_pose(c, 1), spread_pose(c, 2)), WayLook::Says::kClear);
+}
+
+TEST(Workspace, of_a_slide_counts_its_way) {
+  Configuration c;
+  c.drawing.joints = {{.type = JointType::kPrismatic}};
+  c.workspace = WorkspaceBox{{-1, -1, -0.1}, {1, 1, 0.5}, 0};
+  EXPECT_EQ(whole_look(c, {0.0}, {0.49}), WayLook::Says::kClear);
+  EXPECT_EQ(whole_look(c, {0.0}, {0.6}), WayLook::Says::kLeaves);
+  EXPECT_EQ(whole_look(c, {0.0}, {-0.2}), WayLook::Says::kLeaves);
+}
+
+TEST(Workspace, that_holds_sweeps_and_configuration_is_accepted) {
+  EXPECT_TRUE(check(in_box(kLower, kUpper)));
+}
+
+TEST(Workspace, is_refused_by_the_name_of_its_side) {
+  for (const auto& [axis, name] :
+       {std::pair(0, "workspace.x"), std::pair(1, "workspace.y"), std::pair(2, "workspace.z")}) {
+    Configuration c = in_box(kLower, kUpper);
+    std::swap(c.workspace->lower[axis], c.workspace->upper[axis]);
+    EXPECT_EQ(test::failure_of(check(c)).setting, name);
+    EXPECT_EQ(test::failure_of(check(c)).error, Error::kLimitsReversed);
+    c = in_box(kLower, kUpper);
+    c.workspace->upper[axis] = 900;
+    EXPECT_EQ(test::failure_of(check(c)).setting, name);
+    EXPECT_EQ(test::failure_of(check(c)).error, Error::kOutOfRange);
+  }
+  Configuration c = in_box(kLower, kUpper);
+  c.workspace->hand_m = 160;
+  EXPECT_EQ(test::failure_of(check(c)).setting, "workspace.hand");
+}
+
+TEST(Workspace, without_room_for_the_signature_configuration_is_refused_with_the_joint) {
+  Configuration c = in_box(kLower, kUpper);
+  c.workspace->upper.z() = 0.9;
+  const ConfigurationRefusal refusal = test::failure_of(check(c));
+  EXPECT_EQ(refusal.setting, "workspace");
+  EXPECT_EQ(refusal.error, Error::kOutsideWorkspace);
+  EXPECT_EQ(refusal.joint, 5U);
+  const JointVector& home = c.sweeps.configuration;
+  EXPECT_NEAR(refusal.found, least_room(c, home, home, 1), 1e-12);
+}
+
+TEST(Workspace, that_a_sweep_leaves_is_refused_with_the_joint_and_how_far_it_may_go) {
+  Configuration c = in_box(kLower, kUpper);
+  c.sweeps.arc_rad = radians(120);
+  const ConfigurationRefusal refusal = test::failure_of(check(c));
+  EXPECT_EQ(refusal.error, Error::kOutsideWorkspace);
+  ASSERT_TRUE(refusal.joint);
+  const JointVector& home = c.sweeps.configuration;
+  JointVector to = home;
+  to[*refusal.joint] = refusal.found;
+  EXPECT_LT(least_room(c, home, to), kLeastRoom_m);
+  to[*refusal.joint] = refusal.needed;
+  EXPECT_NEAR(least_room(c, home, to), kLeastRoom_m, kLeastRoom_m / 2) << "as far as it may go";
+}
+
+TEST(Workspace, turns_a_sweep_back_on_the_side_that_leaves_it) {
+  Configuration c = test::whole_configuration();
+  c.sweeps.points = 12;
+  Sweep sweep(c, 0);
+  double last = *sweep.next();
+  while (*sweep.next() >= last) {
+    last = *sweep.next();
+    if (sweep.done() == 14) {
+      sweep.turn_back();
+    } else {
+      sweep.skip();
+    }
+  }
+  EXPECT_EQ(sweep.done(), 14U);
+  EXPECT_LT(*sweep.next(), *Sweep(c, 0).next()) << "goes on before the first";
+  EXPECT_NEAR(planned_arc(c, 0).lower, *Sweep(c, 0).next(), 1e-12);
+}
+
+}  // namespace
+}  // namespace armsig::controller
