@@ -147,11 +147,8 @@ Vector6 determined_step(const Equations& of) {
 Pose moved(const Pose& X_AB, const Vector3& pivot_A, const Vector3& turn_rad,
            const Vector3& translation) {
   const Matrix3 turn = numerics::rotation_by(turn_rad);
-  // A step to the nearest rotation (Higham, Functions of Matrices, section 8.3), so that the
-  // product of many turns stays one.
-  const Matrix3 R = turn * X_AB.R;
-  return {R * (1.5 * Matrix3::Identity() - 0.5 * R.transpose() * R),
-          pivot_A + turn * (X_AB.p - pivot_A) + translation};
+  // A descent is of few enough turns that their product stays a rotation to rounding.
+  return {turn * X_AB.R, pivot_A + turn * (X_AB.p - pivot_A) + translation};
 }
 
 }  // namespace

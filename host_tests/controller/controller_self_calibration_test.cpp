@@ -197,7 +197,7 @@ TEST(SelfCalibration, asks_for_a_wider_arc_of_a_joint_that_is_measured_in_part) 
   configuration.sweeps.most_points = configuration.sweeps.points;  // no sweep goes on beyond
   BentPuma puma(kBends, nullptr, configuration);
   ASSERT_TRUE(puma.enable());
-  ASSERT_EQ(puma.ask("identify accuracy_mm=0.02 minutes=16"), "ok");
+  ASSERT_EQ(puma.ask("identify accuracy_mm=0.03 minutes=16"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
   for (int i = 0; i < 600'000 && puma.mode() != Mode::kHolding; ++i) {
     const bool away = puma.now().commanded[0] > radians(10);
