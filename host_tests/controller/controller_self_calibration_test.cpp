@@ -323,7 +323,7 @@ TEST(SelfCalibration, ends_by_halt_and_begins_anew) {
   refine_for(puma, 5);
 }
 
-// Looks at every step where frames and target are, and how many poses were measured there.
+// How near frames and target come to a side of the box.
 struct Watched {
   void look(BentPuma& puma) {
     const auto& box = *puma.configuration.workspace;
@@ -338,11 +338,16 @@ struct Watched {
   double least_m = 1;
 };
 
-TEST(SelfCalibration, stays_in_its_workspace_box_from_its_first_sweep_to_its_last_pose) {
+// A box that leaves room for the sweeps, and not for every pose.
+Configuration in_a_box() {
   Configuration configuration = BentPuma::arc_of_90_degrees();
   configuration.sweeps.arc_rad = radians(60);
   configuration.workspace = WorkspaceBox{{-0.62, -0.62, -0.25}, {0.86, 0.74, 1.15}, 0.16};
-  BentPuma puma(kBends, nullptr, configuration);
+  return configuration;
+}
+
+TEST(SelfCalibration, stays_in_its_workspace_box_from_its_first_sweep_to_its_last_pose) {
+  BentPuma puma(kBends, nullptr, in_a_box());
   ASSERT_TRUE(puma.enable());
   ASSERT_EQ(puma.ask("identify accuracy_mm=0.4 minutes=15"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
@@ -358,14 +363,11 @@ TEST(SelfCalibration, stays_in_its_workspace_box_from_its_first_sweep_to_its_las
   EXPECT_GE(value_after(told, "poses"), 60) << told;
   const auto& sequence = puma.cabinet->state().identification();
   ASSERT_TRUE(sequence.has_verdict());
-  EXPECT_EQ(sequence.report().poses, configuration.sweeps.held_out_poses);
+  EXPECT_EQ(sequence.report().poses, puma.configuration.sweeps.held_out_poses);
 }
 
 TEST(SelfCalibration, is_refused_where_no_way_leads_from_the_arm_into_its_workspace_box) {
-  Configuration configuration = BentPuma::arc_of_90_degrees();
-  configuration.sweeps.arc_rad = radians(60);
-  configuration.workspace = WorkspaceBox{{-0.62, -0.62, -0.25}, {0.86, 0.74, 1.15}, 0.16};
-  BentPuma puma(kBends, nullptr, configuration);
+  BentPuma puma(kBends, nullptr, in_a_box());
   ASSERT_TRUE(puma.enable());
   ASSERT_EQ(puma.ask("move q2_deg=0"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kServoing, 1) && puma.run_until(Mode::kHolding, 60));
