@@ -268,7 +268,7 @@ TEST(SelfCalibration, names_a_load_that_comes_after_the_sweeps_and_keeps_no_mode
     for (auto& term : puma.cabinet->bent()->gravity) term.coefficient *= 4;
   });
   ASSERT_TRUE(loaded);
-  expect_no_model(puma, "");
+  expect_no_model(puma, "load ");
 }
 
 TEST(SelfCalibration, is_not_led_astray_by_a_fifth_of_its_points) {
