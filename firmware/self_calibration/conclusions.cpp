@@ -26,10 +26,8 @@ void SelfCalibration::note_findings() {
   const auto samples = static_cast<double>(prediction_.poses);
   findings_.held_out = judge_.score();
   const double k = findings_.held_out.factor;
-  const double beyond_m = findings_.held_out.beyond_m;  // play is a part of it
   const double play_m2 = prediction_.play_m2 / samples;
-  findings_.model_m =
-      std::sqrt(std::max(k * k * prediction_.model_m2 / samples, beyond_m * beyond_m - play_m2));
+  findings_.model_m = k * std::sqrt(prediction_.model_m2 / samples);
   findings_.play_m = std::sqrt(play_m2);
   findings_.budget =
       budget_of(prediction_, types_of(configuration_.drawing.joints), findings_.model_m);

@@ -273,8 +273,11 @@ void SelfCalibration::play_step() {
     squares_m2_ += row.residual.squaredNorm();
     covered_.add(effective_readings(configuration_.drawing.couplings, row.readings));
     if (row.sweep != 0) continue;
+    judge_.add_fitted(row.residual, engine_->covariance_of(row, memory_.cache[index_]));
     play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
               row.residual);
+    ++index_;
+    break;  // the covariance is a step's work
   }
   if (index_ < count_) return;
   findings_.sensor_m = std::sqrt(scales_.sigma_squared);

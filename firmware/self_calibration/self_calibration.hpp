@@ -5,7 +5,8 @@
 // is over.
 //
 // One pose in kHeldOutEvery is held out of every fit. What the model leaves open is predicted over
-// poses that were not measured, times the factor by which the held-out ones are worse than stated.
+// poses that were not measured, times the factor by which the held-out ones, and each fitted one by
+// a fit without it, are worse than stated.
 // In the end geometry alone is fitted too, and kept where it predicts the held-out poses as well.
 // After the first fit, and once more before the end, a dozen of the first half of the points are
 // measured again (repeats.hpp): where something changed meanwhile it is named, and no model kept.
