@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The table of what is different about an arm, where a user meets it.
 #include <cmath>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/links.hpp"
+#include "core/base/low_discrepancy.hpp"
+#include "core/refinement/base_and_tool.hpp"
 #include "host_tests/cli/predictions.hpp"
+#include "host_tests/support/known_arms.hpp"
 
 namespace armsig::cli {
 namespace {
@@ -81,6 +86,65 @@ TEST(DifferenceTable, holds_the_errors_of_the_readings_that_were_found) {
     EXPECT_NEAR(line["value"].get<double>(), 0, 4 * line["sigma"].get<double>());
   }
   EXPECT_EQ(scales, 6);
+}
+
+// RMS distance of what s.yaml predicts over the joint limits from the Puma as drawn, its base and
+// tool fitted to that.
+double distance_from_the_drawing_m(const Folder& folder) {
+  constexpr int kPoses = 400;
+  const Arm drawing = test::puma560();
+  const JointTypes types = types_of(drawing.joints);
+  std::vector<refinement::Observation> rows(kPoses);
+  std::string poses = "q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad\n";
+  for (int k = 0; k < kPoses; ++k) {
+    refinement::Observation& row = rows[static_cast<std::size_t>(k)];
+    row.readings = evenly_spread_configuration(types, drawing.limits, k + 1);
+    Fields fields;
+    for (const double q : row.readings) fields.push_back(std::to_string(q));
+    poses += join(fields, ',') + "\n";
+  }
+  write_file(folder / "q.csv", poses);
+  const Csv points = predict(folder, "s.yaml", "1");
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].p_S = {points.number(k, "x_m"), points.number(k, "y_m"), points.number(k, "z_m")};
+  }
+  const Target tool{.number = 1, .link = drawing.joints.size()};
+  const auto fitted = refinement::fit_base_and_tool(drawing, rows, std::span(&tool, 1));
+  EXPECT_TRUE(fitted.has_value());
+  if (!fitted) return 0;
+  double squares = 0;
+  for (const refinement::Observation& row : rows) {
+    const Pose X_SL = fitted->X_SB * dh_frames(drawing.joints, row.readings).back();
+    squares += (X_SL * fitted->p_LT[0] - row.p_S).squaredNorm() / kPoses;
+  }
+  return std::sqrt(squares);
+}
+
+TEST(DifferenceTable, adds_up_to_what_the_whole_model_does_to_the_tool) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm arm.yaml --sigma-mm 0.05 --hand-target-mm 80,30,120 "
+                     "--maps-deg 0.05 --sag-mm 1 --mixed-poses 200 --seed 5 --out m.csv")
+                .status,
+            0);
+  const Outcome outcome = run_tool(
+      folder, "identify --arm arm.yaml --measurements m.csv --method refined --out s.yaml --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json differences = Json::parse(outcome.out)["differences"];
+  double sum = 0;
+  int maps = 0;
+  int gravity = 0;
+  for (const Json& line : differences["joints"]) {
+    sum += line["adds_m"].get<double>();
+    maps += line["kind"] == "map" ? 1 : 0;
+    gravity += line["kind"] == "gravity" ? 1 : 0;
+  }
+  EXPECT_EQ(maps, 6);
+  EXPECT_GE(gravity, 2);
+  const double total_m = differences["total_rms_m"];
+  EXPECT_NEAR(sum, total_m, 1e-3 * total_m);
+  EXPECT_NEAR(total_m, distance_from_the_drawing_m(folder), 0.05 * total_m);
 }
 
 }  // namespace

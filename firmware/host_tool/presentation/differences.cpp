@@ -105,11 +105,20 @@ const char* unit_of(JointType type, Cause cause) {
   return of_motion && type == JointType::kPrismatic ? "m" : "rad";
 }
 
+bool varies(const DifferenceLine& line) { return line.kind == "map" || line.kind == "gravity"; }
+
 std::string with_sigma(const DifferenceLine& line) {
   const double scale = line.unit == "rad" ? degrees(1.0) : line.unit == "m" ? 1e3 : 100;
   const char* unit = line.unit == "rad" ? "°" : line.unit == "m" ? " mm" : " %";
+  if (varies(line)) return fmt::format("up to {:.4f}{}", scale * line.value, unit);
   if (!line.sigma) return fmt::format("{:+.4f}{}", scale * line.value, unit);
   return fmt::format("{:+.4f} ± {:.4f}{}", scale * line.value, scale * *line.sigma, unit);
+}
+
+// What the arm gives way by beyond its axes and readings; the drawing gives way by nothing.
+evaluation::Bendings bendings_of(const SignatureRecord& record) {
+  if (!record.deflections) return {};
+  return {.drawn = {}, .actual = {record.deflections.get(), record.signature.configuration}};
 }
 
 }  // namespace
@@ -128,7 +137,7 @@ std::optional<DifferenceTable> difference_table(const SignatureRecord& record,
     exact->readings = record.readings();
     estimate = exact.get();
   }
-  const auto found = evaluation::differences(record.nominal, *estimate, *tool);
+  const auto found = evaluation::differences(record.nominal, *estimate, *tool, bendings_of(record));
   if (!found) return std::nullopt;
   DifferenceTable table{.lines = {}, .total_rms_m = found->total_rms_m};
   for (const evaluation::Difference& difference : found->all) {

@@ -16,10 +16,10 @@ namespace armsig::tool {
 // One line: what is different, by how much, and what that does to the tool.
 struct DifferenceLine {
   std::size_t joint = 0;        // from 1
-  std::string kind;             // tilt, shift, zero, scale, once-a-turn, twice-a-turn
+  std::string kind;             // tilt, shift, zero, scale, once-a-turn, twice-a-turn, map, gravity
   std::string words;            // "tilt towards the direction of axis 1"
   std::string unit;             // rad, m, or 1
-  double value = 0;             // in that unit
+  double value = 0;             // in that unit; of a map and gravity the largest anywhere
   std::optional<double> sigma;  // likewise, 1 sigma; nothing where it is not known
   double effect_rms_m = 0;
   double adds_m = 0;

@@ -58,6 +58,9 @@ const kUnits = {
   '': { unit: ' %', scale: (share) => 100 * share },
 };
 
+// Not one number: told is the largest over the joint limits.
+const kVarying = ['map', 'gravity'];
+
 export function differenceTable(report) {
   const { differences } = report;
   if (differences === null) {
@@ -78,7 +81,7 @@ export function differenceTable(report) {
     const decimals = decimalsFor(sigma, 3, 4);
     const tr = element('tr', line.joint === joint ? {} : { class: 'first' },
       cell(line.joint === joint ? '' : line.joint, 'text'), cell(line.what, 'text'),
-      cell(`${fixed(scale(line[`value${suffix}`]), decimals)}${unit}`, 'actual'),
+      cell(`${kVarying.includes(line.kind) ? 'up to ' : ''}${fixed(scale(line[`value${suffix}`]), decimals)}${unit}`, 'actual'),
       cell(known ? `± ${fixed(sigma, decimals)}` : '', 'sigma'),
       cell(millimetres(line.effect_rms_m)), cell(millimetres(line.adds_m)));
     tr.dataset.kind = line.kind;
