@@ -137,7 +137,10 @@ Refinement::Next SelfCalibration::do_step(hal::Instant now) {
 void SelfCalibration::work() {
   switch (stage_) {
     case Stage::kAligning:
-      if (!aligning_->step()) begin_visits();
+      if (!aligning_->step()) begin_model();
+      return;
+    case Stage::kWeighing:
+      if (!weighing_->step()) begin_visits();
       return;
     case Stage::kFitting:
       if (!engine_->step(kStepWork)) finish_fit();
@@ -154,13 +157,19 @@ void SelfCalibration::work() {
   }
 }
 
-void SelfCalibration::begin_visits() {
-  const Arm& drawing = configuration_.drawing;
-  model_ = calibration::model_of(drawing, aligning_->result().X_AB);
+void SelfCalibration::begin_model() {
+  model_ = calibration::model_of(configuration_.drawing, aligning_->result().X_AB);
   aligning_.reset();
-  calibration::choose_gravity_terms(drawing, model_);
+  // As many as there is room for.
+  weighing_.emplace(configuration_.drawing, model_,
+                    calibration::most_gravity_terms(memory_.work->band.size()));
+  stage_ = Stage::kWeighing;
+}
+
+void SelfCalibration::begin_visits() {
+  weighing_.reset();
   calibration::ChainFrames frames;
-  target_ = {{{.link = drawing.joints.size()}}};
+  target_ = {{{.link = configuration_.drawing.joints.size()}}};
   evaluate(signature_.configuration, frames);
   target_[0].p_L = frames.X_SL.inverse() * signature_.targets[0].p_S;
   scales_ = {};

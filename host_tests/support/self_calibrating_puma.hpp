@@ -103,7 +103,8 @@ struct BentPuma : PumaCabinet {
 
   Configuration configuration;
   cabinet::World world;
-  std::unique_ptr<SelfCalibrationMemory<700>> room = std::make_unique<SelfCalibrationMemory<700>>();
+  std::unique_ptr<SelfCalibrationMemory<700, 6>> room =
+      std::make_unique<SelfCalibrationMemory<700, 6>>();
   SelfCalibration calibration;
 };
 
