@@ -186,10 +186,12 @@ TEST(Inverse, says_that_the_step_is_limited_and_goes_no_further) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_LE(std::abs(solution.q[i] - kReady[i]), 0.02);
 }
 
-// Also where all readings are alike, so that no joint's change may be taken for another's.
+// Also where readings are alike, or one moves to where its neighbour stands.
 TEST(Inverse, keeps_each_joint_to_its_own_step) {
-  for (const JointVector& seed : {kReady, JointVector(6, 0.3)}) {
-    for (std::size_t slow = 0; slow < 6; ++slow) {
+  for (std::size_t slow = 0; slow < 6; ++slow) {
+    JointVector neighbour(6, 0.3);
+    neighbour[slow == 0 ? 1 : slow - 1] += 0.1;
+    for (const JointVector& seed : {kReady, JointVector(6, 0.3), neighbour}) {
       JointVector goal = seed;
       goal[slow] += 0.1;
       InverseOptions options;
