@@ -85,8 +85,8 @@ def write_sources(mutants):
 
 def build(targets):
     """What the compiler said where it failed."""
-    configured = subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DARMSIG_UNITY=ON"],
-                                capture_output=True, text=True)
+    settings = ["-DCMAKE_BUILD_TYPE=Release", "-DARMSIG_UNITY=ON"]
+    configured = subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", *settings], capture_output=True, text=True)
     if configured.returncode:
         raise SystemExit(configured.stdout + configured.stderr)
     done = subprocess.run(["ninja", "-C", BUILD, "-k0", "-j", str(JOBS), *targets], capture_output=True, text=True)
