@@ -16,7 +16,10 @@ constexpr double kMedianSigma = 1.25;  // of it, over that of the mean
 constexpr double kExplains = 0.6;
 
 double median_of(Numbers numbers) {
-  std::ranges::sort(numbers);
+  // By insertion: they are few.
+  for (auto at = numbers.begin(); at != numbers.end(); ++at) {
+    std::rotate(std::upper_bound(numbers.begin(), at, *at), at, at + 1);
+  }
   const std::size_t half = numbers.size() / 2;
   return numbers.size() % 2 == 1 ? numbers[half] : (numbers[half - 1] + numbers[half]) / 2;
 }
