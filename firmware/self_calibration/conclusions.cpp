@@ -105,11 +105,14 @@ void SelfCalibration::plan_more() {
 void SelfCalibration::compare() {
   stage_ = Stage::kConcluding;
   if (outcome_ != Outcome::kReached) return;
+  // best() is half of a step's work.
   const auto reaches = [&] {
-    return best() != nullptr && best()->findings.predicted_m() <= aim_.accuracy_m;
+    const Found* const found = best();
+    return found != nullptr && found->findings.predicted_m() <= aim_.accuracy_m;
   };
+  if (reaches()) return;
   // Geometry that is no worse, but does not reach what gravity and maps reach.
-  if (!reaches()) geometry_.reset();
+  geometry_.reset();
   if (!reaches()) refuse(Error::kNotConverged);
 }
 

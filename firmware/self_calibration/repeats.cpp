@@ -19,7 +19,10 @@ constexpr double kFiner = 8;            // by which the limit of a wrong point c
 constexpr double kUndetermined = 1e-9;  // of the parameters' information, so that each has some
 
 double median_of(Numbers numbers) {
-  std::ranges::sort(numbers);
+  // By insertion: they are few.
+  for (auto at = numbers.begin(); at != numbers.end(); ++at) {
+    std::rotate(std::upper_bound(numbers.begin(), at, *at), at, at + 1);
+  }
   const std::size_t half = numbers.size() / 2;
   return numbers.size() % 2 == 1 ? numbers[half] : (numbers[half - 1] + numbers[half]) / 2;
 }
