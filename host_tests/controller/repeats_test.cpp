@@ -21,13 +21,14 @@ struct Shown {
 
 Repeats::Change seen(const Shown& shown, std::uint64_t seed) {
   simulated::Random random(seed);
+  simulated::Random levers(seed, 2);
   Repeats repeats;
   for (int n = 0; n < static_cast<int>(Repeats::kMost); ++n) {
     const Matrix3 R_SL = rotation_about(random.normal_vector().normalized(), random.uniform(-3, 3));
     Vector3 difference = R_SL * shown.in_hand + shown.in_sensor;
     difference += shown.of_pose * random.normal_vector().normalized();
-    const Repeats::Motions by_load{random.uniform(0, 1) * random.normal_vector(),
-                                   random.uniform(0, 1) * random.normal_vector()};
+    const Repeats::Motions by_load{levers.uniform(0, 1) * levers.normal_vector(),
+                                   levers.uniform(0, 1) * levers.normal_vector()};
     difference += shown.load * (by_load[0] - by_load[1] / 2);
     if (n < shown.wrong_points) difference += 20e-3 * random.normal_vector().normalized();
     difference += kSigma_m * random.normal_vector();
