@@ -29,11 +29,11 @@ bool drawing_binds_the_sense(const JointTypes& types) {
 
 std::expected<Signature, IdentificationFailure> identify(
     const FixedVector<features::JointFeature, kMaxJoints>& features,
-    const JointVector& configuration, const Arm& nominal) {
+    const JointVector& configuration, const Arm& drawing) {
   std::expected<Signature, IdentificationFailure> identified;
   identified->features = features;
   identified->configuration = configuration;
-  Identification identification(*identified, nominal);
+  Identification identification(*identified, drawing);
   for (;;) {
     const auto more = identification.step();
     if (!more) return std::unexpected(more.error());
@@ -41,21 +41,21 @@ std::expected<Signature, IdentificationFailure> identify(
   }
 }
 
-Identification::Identification(Signature& signature, const Arm& nominal)
-    : signature_(signature), nominal_(nominal) {
+Identification::Identification(Signature& signature, const Arm& drawing)
+    : signature_(signature), drawing_(drawing) {
   const std::size_t n = signature.features.size();
-  ARMSIG_CHECK(n > 0 && signature.configuration.size() == n && nominal.joints.size() == n);
+  ARMSIG_CHECK(n > 0 && signature.configuration.size() == n && drawing.joints.size() == n);
 }
 
 std::expected<bool, IdentificationFailure> Identification::step() {
   if (!sense_) {
     if (auto placed = place_frames(); !placed) return std::unexpected(placed.error());
-    sense_.emplace(nominal_, signature_.configuration, frames::axis_lines(signature_));
+    sense_.emplace(drawing_, signature_.configuration, frames::axis_lines(signature_));
     return true;
   }
   if (sense_->step()) return true;
   if (auto judged = judge_sense(); !judged) return std::unexpected(judged.error());
-  derive_parameters(signature_, nominal_);
+  derive_parameters(signature_, drawing_);
   return false;
 }
 
@@ -63,7 +63,7 @@ std::expected<void, IdentificationFailure> Identification::place_frames() {
   signature_.types.clear();
   for (std::size_t i = 0; i < signature_.features.size(); ++i) {
     const features::JointFeature& feature = signature_.features[i];
-    ARMSIG_CHECK(feature.type == nominal_.joints[i].type);
+    ARMSIG_CHECK(feature.type == drawing_.joints[i].type);
     if (!is_usable(feature, signature_.configuration[i])) {
       return std::unexpected(IdentificationFailure{{Error::kNotFinite}, i, {}});
     }

@@ -44,13 +44,13 @@ struct IdentificationFailure {
 // features, one reading and one row of the drawing for each, of the same type.
 [[nodiscard]] std::expected<Signature, IdentificationFailure> identify(
     const FixedVector<features::JointFeature, kMaxJoints>& features,
-    const JointVector& configuration, const Arm& nominal);
+    const JointVector& configuration, const Arm& drawing);
 
 // identify(), a bounded step at a time, for those who have a tick to keep.
 class Identification {
  public:
   // `signature` has the features and the configuration, and gets the rest. Both must outlive it.
-  Identification(Signature& signature, const Arm& nominal);
+  Identification(Signature& signature, const Arm& drawing);
 
   // False if the signature is whole. After an error it is not to be called again.
   [[nodiscard]] std::expected<bool, IdentificationFailure> step();
@@ -60,7 +60,7 @@ class Identification {
   [[nodiscard]] std::expected<void, IdentificationFailure> judge_sense();
 
   Signature& signature_;
-  const Arm& nominal_;
+  const Arm& drawing_;
   std::optional<frames::SenseChecking> sense_;  // empty until the frames are placed
 };
 

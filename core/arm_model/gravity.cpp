@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 
-#include "core/arm_model/model.hpp"
+#include "core/arm_model/gravity_choice.hpp"
 #include "core/base/links.hpp"
 #include "core/base/low_discrepancy.hpp"
 
@@ -10,6 +11,7 @@ namespace armsig::calibration {
 namespace {
 
 constexpr int kPoses = 200;
+constexpr int kPosesAStep = 10;
 // Of the squares of a lever over these poses that must remain beside those of other origins.
 constexpr double kOwnShare = 1e-9;
 constexpr double kLeastSquares_m2 = 1e-9 * kPoses;
@@ -39,12 +41,11 @@ double lever(const DrawnAxes& drawn, JointType type, std::size_t joint, std::siz
   return z.y() * arm.x() - z.x() * arm.y();
 }
 
-using Squares = std::array<std::array<double, kMaxFrames>, kMaxFrames>;
-
 // Cholesky's method, origin by origin: what is left of an origin's own is the pivot.
-void keep_independent(std::size_t joint, std::size_t count, const Squares& squares,
+void keep_independent(std::size_t joint, std::size_t most, const LeverSquares& squares,
                       ArmModel& model) {
-  Squares factor{};
+  const std::size_t count = model.joint_count();
+  LeverSquares factor{};
   std::array<bool, kMaxFrames> kept{};
   for (std::size_t k = joint + 1; k <= count; ++k) {
     double own = squares[k][k];
@@ -61,7 +62,7 @@ void keep_independent(std::size_t joint, std::size_t count, const Squares& squar
       continue;
     }
     factor[k][k] = std::sqrt(own);
-    if (model.gravity.full()) return;
+    if (model.gravity.size() == most) return;
     model.gravity.push_back({static_cast<std::uint8_t>(joint), static_cast<std::uint8_t>(k), 0});
   }
 }
@@ -77,24 +78,37 @@ void gravity_levers(const ArmModel& model, const JointVector& effective, Gravity
   }
 }
 
-void choose_gravity_terms(const Arm& arm, ArmModel& model) {
-  const std::size_t n = model.joint_count();
-  const auto types = types_of(model.joints);
-  std::array<Squares, kMaxJoints> squares{};
-  DrawnAxes drawn;
-  for (int pose = 1; pose <= kPoses; ++pose) {
-    const JointVector q = evenly_spread_configuration(types, arm.limits, pose);
-    draw_axes(model, effective_readings(arm, q), drawn);
-    for (std::size_t j = 0; j < n; ++j) {
-      for (std::size_t k = j + 1; k <= n; ++k) {
-        for (std::size_t m = j + 1; m <= k; ++m) {
-          squares[j][k][m] += lever(drawn, types[j], j, k) * lever(drawn, types[j], j, m);
-        }
-      }
-    }
-  }
+GravityChoice::GravityChoice(const Arm& arm, ArmModel& model, std::size_t most)
+    : arm_(arm), model_(model), most_(std::min(most, kMaxGravityTerms)) {
   model.gravity.clear();
-  for (std::size_t j = 0; j < n; ++j) keep_independent(j, n, squares[j], model);
+}
+
+bool GravityChoice::step() {
+  if (joint_ == model_.joint_count()) return false;
+  const JointTypes types = types_of(model_.joints);
+  for (int n = 0; n < kPosesAStep; ++n) add_pose(types);
+  if (poses_ < kPoses) return true;
+  keep_independent(joint_, most_, squares_, model_);
+  squares_ = {};
+  poses_ = 0;
+  return ++joint_ < model_.joint_count();
+}
+
+void GravityChoice::add_pose(const JointTypes& types) {
+  DrawnAxes drawn;
+  const JointVector q = evenly_spread_configuration(types, arm_.limits, ++poses_);
+  draw_axes(model_, effective_readings(arm_, q), drawn);
+  std::array<double, kMaxFrames> levers{};
+  for (std::size_t k = joint_ + 1; k <= types.size(); ++k) {
+    levers[k] = lever(drawn, types[joint_], joint_, k);
+    for (std::size_t m = joint_ + 1; m <= k; ++m) squares_[k][m] += levers[k] * levers[m];
+  }
+}
+
+void choose_gravity_terms(const Arm& arm, ArmModel& model) {
+  GravityChoice choice(arm, model);
+  while (choice.step()) {
+  }
 }
 
 }  // namespace armsig::calibration

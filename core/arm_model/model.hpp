@@ -17,8 +17,11 @@
 
 namespace armsig::calibration {
 
-// More than any arm of eight joints has (those of a UR: 10).
-inline constexpr std::size_t kMaxGravityTerms = 28;
+// More than any arm of so many joints has whose first axis is upright (those of a UR: 10).
+[[nodiscard]] constexpr std::size_t most_gravity_terms(std::size_t joints) {
+  return joints * (joints - 1) / 2;
+}
+inline constexpr std::size_t kMaxGravityTerms = most_gravity_terms(kMaxJoints);
 // Deviations of a joint: rotation x, y [rad], shift x, y [m], zero [rad or m].
 inline constexpr std::size_t kDeviations = 5;
 
@@ -72,7 +75,7 @@ struct ArmModel {
 
 // Sets the gravity terms that this drawing can tell apart, with coefficients of zero: of every
 // joint, those of the origins of the links beyond it whose levers over the joint limits are not
-// zero and no sum of others.
+// zero and no sum of others. GravityChoice does it by bounded steps.
 void choose_gravity_terms(const Arm& arm, ArmModel& model);
 
 // Sets which corrections are to be found, of the values that they have.

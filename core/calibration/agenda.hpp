@@ -48,9 +48,11 @@ class Agenda {
     for (auto task = tasks.end(); task != tasks.begin();) tasks_.push_back(*--task);
   }
 
-  // As much of what is left as `work` allows, and at least a unit.
+  // As much of what is left as `work` allows, but at least a unit.
   void go_on(Doer& doer, std::size_t work) {
-    while (!empty() && work > 0) work -= std::min(work, some(doer, work));
+    if (empty()) return;
+    std::size_t done = some(doer, work);
+    while (!empty() && done + tasks_.back().work <= work) done += some(doer, work - done);
   }
 
  private:

@@ -19,6 +19,7 @@ Engine::Engine(ArmModel& model, std::span<ModelTarget> targets, std::span<FitRow
       work_(work),
       columns_(columns(model, targets.size())) {
   ARMSIG_CHECK(columns_ <= kMaxGeometry && matrix.size() >= matrix_size(columns_));
+  ARMSIG_CHECK(work.band.size() >= model.joint_count());
   ARMSIG_CHECK(cache.empty() || cache.size() == rows.size());
   constexpr std::array<float, 6> kUnit{1, 0, 0, 1, 0, 1};
   for (const FitRow& row : rows) {

@@ -61,16 +61,30 @@ struct Scales {
   bool geometry_is_held = false;
 };
 
-// Memory beside the rows. 37 KiB, and a matrix of the geometry block apart.
+// Memory beside the rows, but for the matrix of the geometry block: a WorkspaceFor.
 struct Workspace {
-  std::array<CyclicBand, kMaxJoints> band{};  // of the rows; after run(), of the covariance
-  std::array<MapCoefficients, kMaxJoints> map_step{};
+  std::span<CyclicBand> band;  // a joint; of the rows; after run(), of the covariance
+  std::span<MapCoefficients> map_step;
   MapCoefficients map_gradient{};
   CyclicFactor factor;
   CyclicBand covariance{};         // of one map
   numerics::LogHistogram lengths;  // of the residuals
   std::array<double, kMaxGeometry> step{};
   std::array<double, kMaxGeometry> gradient{};
+};
+// For arms of up to kJoints joints: 39 kB for eight, 33 kB for six.
+template <std::size_t kJoints>
+struct WorkspaceFor : Workspace {
+  WorkspaceFor() {
+    band = bands_;
+    map_step = map_steps_;
+  }
+  WorkspaceFor(const WorkspaceFor&) = delete;
+  WorkspaceFor& operator=(const WorkspaceFor&) = delete;
+
+ private:
+  std::array<CyclicBand, kJoints> bands_{};
+  std::array<MapCoefficients, kJoints> map_steps_{};
 };
 // Doubles of the geometry block's matrix.
 [[nodiscard]] constexpr std::size_t matrix_size(std::size_t columns) {
@@ -102,7 +116,7 @@ class Engine {
   // `model` stands at its start, with the gravity terms that may be found. All are kept as
   // references; `cache`, as long as `rows` or empty, saves evaluating the chain anew in every pass;
   // `matrix` has matrix_size(columns()) numbers. Preconditions: rows went through group_poses(),
-  // their targets exist.
+  // their targets exist, `work` is for as many joints.
   Engine(ArmModel& model, std::span<ModelTarget> targets, std::span<FitRow> rows,
          std::span<ChainFrames> cache, std::span<double> matrix, Workspace& work);
 

@@ -61,13 +61,13 @@ AxisLines reflected(const AxisLines& lines) {
 
 }  // namespace
 
-SenseChecking::SenseChecking(const Arm& nominal, const JointVector& configuration,
+SenseChecking::SenseChecking(const Arm& drawing, const JointVector& configuration,
                              const AxisLines& identified)
-    : nominal_(nominal), configuration_(configuration), identified_(identified) {
-  const std::size_t n = nominal.joints.size();
+    : drawing_(drawing), configuration_(configuration), identified_(identified) {
+  const std::size_t n = drawing.joints.size();
   ARMSIG_CHECK(configuration.size() == n && identified.size() == n);
   check_.reversed.resize(n, false);
-  drawn_ = axis_lines(nominal, configuration);
+  drawn_ = axis_lines(drawing, configuration);
   aligning_.emplace(identified_, drawn_);
 }
 
@@ -117,7 +117,7 @@ void SenseChecking::begin() {
   const bool mirrored = explanation_ == Explanation::kMirrored;
   const bool negated = explanation_ == Explanation::kNegated;
   const AxisLines found = mirrored ? reflected(identified_) : with_reversed(identified_, reversed_);
-  drawn_ = axis_lines(nominal_, negated ? with_negated(configuration_, reversed_) : configuration_);
+  drawn_ = axis_lines(drawing_, negated ? with_negated(configuration_, reversed_) : configuration_);
   if (may_match(drawn_, found)) aligning_.emplace(found, drawn_);
 }
 

@@ -43,12 +43,12 @@ struct SenseCheck {
 // symmetric (SCARA: the prismatic joint is named); a reversed joint, and a zero of the joint before
 // it that is half a turn from the drawing's (the reversed joint is named).
 //
-// A bounded step at a time: a step of an alignment, or a look at one explanation. `nominal` and
+// A bounded step at a time: a step of an alignment, or a look at one explanation. `drawing` and
 // `configuration` must outlive it. Preconditions: one reading and one identified line a joint, of
 // the drawing's types.
 class SenseChecking {
  public:
-  SenseChecking(const Arm& nominal, const JointVector& configuration, const AxisLines& identified);
+  SenseChecking(const Arm& drawing, const JointVector& configuration, const AxisLines& identified);
 
   // False if nothing is left to do.
   bool step();
@@ -67,7 +67,7 @@ class SenseChecking {
   // Whether the alignment settles the verdict.
   [[nodiscard]] bool judge();
 
-  const Arm& nominal_;
+  const Arm& drawing_;
   const JointVector& configuration_;
   AxisLines identified_;
   AxisLines drawn_;  // of the explanation

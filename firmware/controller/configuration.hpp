@@ -90,8 +90,8 @@ struct WorkspaceBox {
   double hand_m = 0;  // how far the hand reaches, target and tool included, beyond the last origin
 };
 
-// A microcontroller has no memory to keep to a box: there can be none, and nothing that would look
-// at one is in its image.
+// The R5F has no memory to keep to a box: there can be none, and nothing that would look at one is
+// in its image.
 #ifdef ARMSIG_NO_REFINEMENT
 struct MayBeWorkspace {
   constexpr explicit operator bool() const { return false; }

@@ -9,7 +9,7 @@
 
 namespace armsig::controller {
 
-// A microcontroller has no memory for that either: its configuration may have no box.
+// The R5F has no memory for that either: its configuration may have no box.
 inline constexpr bool kMayBound = kMayRefine;
 
 // What is nearer to a side of the box than this is outside.

@@ -26,10 +26,8 @@ void SelfCalibration::note_findings() {
   const auto samples = static_cast<double>(prediction_.poses);
   findings_.held_out = judge_.score();
   const double k = findings_.held_out.factor;
-  const double beyond_m = findings_.held_out.beyond_m;  // play is a part of it
   const double play_m2 = prediction_.play_m2 / samples;
-  findings_.model_m =
-      std::sqrt(std::max(k * k * prediction_.model_m2 / samples, beyond_m * beyond_m - play_m2));
+  findings_.model_m = k * std::sqrt(prediction_.model_m2 / samples);
   findings_.play_m = std::sqrt(play_m2);
   findings_.budget =
       budget_of(prediction_, types_of(configuration_.drawing.joints), findings_.model_m);
@@ -107,11 +105,14 @@ void SelfCalibration::plan_more() {
 void SelfCalibration::compare() {
   stage_ = Stage::kConcluding;
   if (outcome_ != Outcome::kReached) return;
+  // best() is half of a step's work.
   const auto reaches = [&] {
-    return best() != nullptr && best()->findings.predicted_m() <= aim_.accuracy_m;
+    const Found* const found = best();
+    return found != nullptr && found->findings.predicted_m() <= aim_.accuracy_m;
   };
+  if (reaches()) return;
   // Geometry that is no worse, but does not reach what gravity and maps reach.
-  if (!reaches()) geometry_.reset();
+  geometry_.reset();
   if (!reaches()) refuse(Error::kNotConverged);
 }
 

@@ -15,6 +15,8 @@ namespace {
 
 // Of the errors' own scale, squared: none beyond it is chance.
 constexpr double kBlunder = 36;
+// Of a row's own variance, what the fit leaves in its residual.
+constexpr double kLeastLeft = 1e-3;
 
 }  // namespace
 
@@ -24,19 +26,36 @@ void HeldOutJudge::add(const calibration::Engine& engine, const calibration::Fit
   const Matrix3 S = stated.row + stated.model;
   held_out_.push_back({static_cast<float>(row.residual.squaredNorm()),
                        static_cast<float>(stated.row.trace()),
+                       static_cast<float>(stated.model.trace()),
                        static_cast<float>(row.residual.dot(S.inverse() * row.residual))});
+}
+
+void HeldOutJudge::add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it) {
+  const Matrix3 left = with_it.row - with_it.model;  // covariance of the residual
+  if (left.determinant() < kLeastLeft * with_it.row.determinant()) return;
+  const Vector3 weighed = left.inverse() * residual;
+  const Matrix3 all = with_it.row * left.inverse() * with_it.row;  // of the error without the row
+  fitted_.add({.squares_m2 = static_cast<float>((with_it.row * weighed).squaredNorm()),
+               .row_m2 = static_cast<float>(with_it.row.trace()),
+               .model_m2 = static_cast<float>((all - with_it.row).trace()),
+               .normalised = 0});
+}
+
+void HeldOutJudge::Sums::add(const One& one) {
+  count += 1;
+  squares_m2 += static_cast<double>(one.squares_m2);
+  row_m2 += static_cast<double>(one.row_m2);
+  model_m2 += static_cast<double>(one.model_m2);
+  normalised += static_cast<double>(one.normalised);
 }
 
 HeldOutJudge::Score HeldOutJudge::score() const {
   Score score;
   score.poses = held_out_.size();
-  if (held_out_.empty()) return score;
   numerics::LogHistogram lengths;
   for (const One& one : held_out_) lengths.add(static_cast<double>(one.normalised));
   const double scale = std::max(1.0, lengths.median() / numerics::kChiSquareMedian3);
-  double squares = 0;
-  double rows = 0;
-  double normalised = 0;
+  Sums sums;
   for (const One& one : held_out_) {
     const double length = static_cast<double>(one.normalised);
     // Three coordinates: the gate is for each.
@@ -44,14 +63,15 @@ HeldOutJudge::Score HeldOutJudge::score() const {
       ++score.blunders;
       continue;
     }
-    squares += static_cast<double>(one.squares_m2);
-    rows += static_cast<double>(one.row_m2);
-    normalised += length;
+    sums.add(one);
   }
-  const auto kept = static_cast<double>(score.poses - score.blunders);
-  score.rms_m = std::sqrt(squares / kept);
-  score.beyond_m = std::sqrt(std::max(squares - rows, 0.0) / kept);
-  score.factor = std::sqrt(std::max(1.0, normalised / (3 * kept)));
+  const double kept = std::max(sums.count, 1.0);
+  score.rms_m = std::sqrt(sums.squares_m2 / kept);
+  const double surprise = sums.normalised / (3 * kept);
+  const double beyond_m2 = sums.squares_m2 - sums.row_m2 + fitted_.squares_m2 - fitted_.row_m2;
+  const double stated_m2 = sums.model_m2 + fitted_.model_m2;
+  const double shown = stated_m2 > 0 ? beyond_m2 / stated_m2 : 0;
+  score.factor = std::sqrt(std::max({1.0, surprise, shown}));
   return score;
 }
 

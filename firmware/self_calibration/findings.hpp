@@ -15,11 +15,16 @@ inline constexpr std::size_t kMostSelfHeldOut = 256;
 // Fewer say too little to be believed.
 inline constexpr std::size_t kFewestSelfHeldOut = 12;
 
-// Poses held out of a fit, one after the other.
+// Poses held out of a fit, one after the other; and fitted ones, each judged by what the fit would
+// be without it.
 class HeldOutJudge {
  public:
   void add(const calibration::Engine& engine, const calibration::FitRow& row,
            const calibration::ChainFrames& frames);
+  // A fitted row by its residual, and what was stated for it with the row: what it would be missed
+  // by without it, by the linear fit (Cook and Weisberg, Residuals and Influence in Regression,
+  // 1982, section 2.2). A row that alone determines something tells nothing.
+  void add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it);
 
   [[nodiscard]] std::size_t count() const { return held_out_.size(); }
 
@@ -27,8 +32,8 @@ class HeldOutJudge {
     std::size_t poses = 0;
     std::size_t blunders = 0;  // among them, by the errors' own scale; they do not count below
     double rms_m = 0;          // of the errors, which the sensor has a part in
-    double beyond_m = 0;       // what they show beyond that part
-    double factor = 1;         // by which they exceed what is stated for them, at least 1
+    // By which what the model leaves open exceeds what is stated, by all errors; at least 1.
+    double factor = 1;
   };
   [[nodiscard]] Score score() const;
 
@@ -36,9 +41,20 @@ class HeldOutJudge {
   struct One {
     float squares_m2 = 0;
     float row_m2 = 0;      // of its own
-    float normalised = 0;  // e^T S^-1 e
+    float model_m2 = 0;    // of what the model leaves open
+    float normalised = 0;  // e^T S^-1 e; of fitted ones not asked for
+  };
+  struct Sums {
+    double count = 0;
+    double squares_m2 = 0;
+    double row_m2 = 0;
+    double model_m2 = 0;
+    double normalised = 0;
+
+    void add(const One& one);
   };
   FixedVector<One, kMostSelfHeldOut> held_out_;
+  Sums fitted_;
 };
 
 // One number a joint.
@@ -97,8 +113,7 @@ struct Budget {
 
 struct Findings {
   HeldOutJudge::Score held_out;
-  // RMS length of what the model leaves open, enlarged by the factor; no less than what the
-  // held-out poses show.
+  // RMS length of what the model leaves open, enlarged by the factor.
   double model_m = 0;
   double play_m = 0;    // and of what play adds
   double sensor_m = 0;  // 1 sigma of a measured point per axis, as the rows show it

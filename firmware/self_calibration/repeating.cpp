@@ -12,6 +12,21 @@ namespace {
 // Of the accuracy that was asked for: a smaller change does not matter.
 constexpr double kMatters = 0.5;
 
+// Of each joint's gravity terms that of the outermost weight, which is the nearest to the hand.
+Repeats::Motions motions_by_load(const calibration::ArmModel& model,
+                                 const calibration::ChainFrames& frames, const Motions& motions) {
+  Repeats::Motions by_load;
+  for (std::size_t j = 0; j < model.joint_count(); ++j) {
+    std::optional<std::size_t> outermost;
+    for (std::size_t t = 0; t < model.gravity.size(); ++t) {
+      if (model.gravity[t].joint != j) continue;
+      if (!outermost || model.gravity[t].origin > model.gravity[*outermost].origin) outermost = t;
+    }
+    if (outermost) by_load.push_back(frames.levers[*outermost] * motions[j]);
+  }
+  return by_load;
+}
+
 }  // namespace
 
 void SelfCalibration::begin_repeats() {
@@ -22,7 +37,7 @@ void SelfCalibration::begin_repeats() {
   stage_ = Stage::kRepeating;
 }
 
-// Of each part of the first half the point at which weights pull most.
+// Of each part of the first half the point at which a load moves the target most.
 void SelfCalibration::choose_again() {
   const std::size_t part = std::max(count_ / (2 * Repeats::kMost), std::size_t{1});
   if (!differed_) {
@@ -48,8 +63,12 @@ void SelfCalibration::choose_again() {
 }
 
 double SelfCalibration::pull_at(std::size_t row) const {
+  const calibration::ChainFrames& frames = memory_.cache[row];
   double squares = 0;
-  for (const double lever : memory_.cache[row].levers) squares += lever * lever;
+  for (const Vector3& motion :
+       motions_by_load(model_, frames, motions_at(model_, frames, target_[0].p_L))) {
+    squares += motion.squaredNorm();
+  }
   return squares;
 }
 
@@ -78,7 +97,8 @@ void SelfCalibration::take_again(const MeasuredPoint& point) {
     return;
   }
   const bool was_nearer = differed_ && differed_->norm() < difference.norm();
-  repeats_.add(frames.X_SL.R, was_nearer ? *differed_ : difference, variance_m2);
+  repeats_.add(frames.X_SL.R, was_nearer ? *differed_ : difference, variance_m2,
+               motions_by_load(model_, frames, motions));
   differed_.reset();
 }
 

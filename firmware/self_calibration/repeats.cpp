@@ -5,66 +5,134 @@
 #include <array>
 #include <cmath>
 
+#include "core/numerics/cholesky.hpp"
+#include "core/numerics/quantiles.hpp"
+
 namespace armsig::controller {
 namespace {
 
 using Numbers = FixedVector<double, Repeats::kMost>;
 
-constexpr double kCommon = 6;          // sigmas of a median
-constexpr double kMedianSigma = 1.25;  // of it, over that of the mean
-// What a common shift must explain to be what it was, of the median length.
-constexpr double kExplains = 0.6;
+constexpr double kSigmas = 5;
+constexpr int kRounds = 12;
+constexpr double kFiner = 8;            // by which the limit of a wrong point comes down in a round
+constexpr double kUndetermined = 1e-9;  // of the parameters' information, so that each has some
 
 double median_of(Numbers numbers) {
-  std::ranges::sort(numbers);
+  // By insertion: they are few.
+  for (auto at = numbers.begin(); at != numbers.end(); ++at) {
+    std::rotate(std::upper_bound(numbers.begin(), at, *at), at, at + 1);
+  }
   const std::size_t half = numbers.size() / 2;
   return numbers.size() % 2 == 1 ? numbers[half] : (numbers[half - 1] + numbers[half]) / 2;
 }
 
 }  // namespace
 
-void Repeats::add(const Matrix3& R_SL, const Vector3& difference_S, double variance_m2) {
-  all_.push_back({difference_S, R_SL.transpose() * difference_S, variance_m2});
+void Repeats::add(const Matrix3& R_SL, const Vector3& difference_S, double variance_m2,
+                  const Motions& by_load) {
+  One one{.difference_S = difference_S, .variance_m2 = variance_m2, .by_load = by_load};
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    one.by_target.push_back(R_SL.col(axis));
+    one.by_sensor.push_back(Vector3::Unit(axis));
+  }
+  all_.push_back(one);
+}
+
+// Least squares of the cause's parameters with the loss of Geman and McClure, whose limit comes
+// down from where no point is wrong (graduated non-convexity: Yang, Antonante, Tzoumas and Carlone,
+// 2020).
+Repeats::Explained Repeats::explained_by(Motions One::* cause) const {
+  const std::size_t count = (all_[0].*cause).size();
+  const auto n = static_cast<Eigen::Index>(count);
+  if (count == 0) return {};
+  const auto loss = [](double squares) {
+    return squares * kOneInThousand / (squares + kOneInThousand);
+  };
+  Numbers squares;  // of what is not explained, in sigmas
+  double largest = 0;
+  double before = 0;
+  for (const One& one : all_) {
+    squares.push_back(one.difference_S.squaredNorm() / one.variance_m2);
+    largest = std::max(largest, squares.back());
+    before += loss(squares.back());
+  }
+  numerics::Column found;
+  for (int round = 0; round < kRounds; ++round) {
+    const double limit = std::max(largest / std::pow(kFiner, round), kOneInThousand);
+    numerics::Square information = numerics::Square::Zero();
+    found.setZero();
+    for (std::size_t p = 0; p < all_.size(); ++p) {
+      const Motions& motions = all_[p].*cause;
+      const double share = limit / (limit + squares[p]);
+      const double weight = share * share / all_[p].variance_m2;
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        found(row) += weight * motions[i].dot(all_[p].difference_S);
+        for (std::size_t k = 0; k <= i; ++k) {
+          information(row, static_cast<Eigen::Index>(k)) += weight * motions[i].dot(motions[k]);
+        }
+      }
+    }
+    information.diagonal().head(n).array() += kUndetermined * information.trace();
+    if (!numerics::solve_positive(information, found, n)) return {};
+    for (std::size_t p = 0; p < all_.size(); ++p) {
+      Vector3 left = all_[p].difference_S;
+      for (std::size_t i = 0; i < count; ++i) {
+        left -= found(static_cast<Eigen::Index>(i)) * (all_[p].*cause)[i];
+      }
+      squares[p] = left.squaredNorm() / all_[p].variance_m2;
+    }
+  }
+  Explained explained;
+  double after = 0;
+  double moved_m2 = 0;
+  for (std::size_t p = 0; p < all_.size(); ++p) {
+    after += loss(squares[p]);
+    explained.left += squares[p] > kOneInThousand ? 1 : 0;
+    Vector3 moved = Vector3::Zero();
+    for (std::size_t i = 0; i < count; ++i) {
+      moved += found(static_cast<Eigen::Index>(i)) * (all_[p].*cause)[i];
+    }
+    moved_m2 += moved.squaredNorm();
+  }
+  explained.by_m = std::sqrt(moved_m2 / static_cast<double>(all_.size()));
+  explained.beyond =
+      before - after - numerics::chi_square_quantile(static_cast<double>(count), kSigmas);
+  return explained;
 }
 
 Repeats::Change Repeats::change(double wrong, double least_m) const {
   if (all_.empty()) return {};
-  struct Common {
-    std::string_view what;
-    Vector3 One::* in;
-    Vector3 shift = Vector3::Zero();
-    double left_m = 0;
-  };
-  std::array<Common, 2> commons{{{"target", &One::in_hand}, {"sensor", &One::in_sensor}}};
   Numbers beyond_m;
-  Numbers variances;
   for (const One& one : all_) {
-    variances.push_back(one.variance_m2);
-    if (is_beyond_chance(one.in_sensor, one.variance_m2)) beyond_m.push_back(one.in_sensor.norm());
-  }
-  for (Common& common : commons) {
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      Numbers coordinates;
-      for (const One& one : all_) coordinates.push_back((one.*common.in)(axis));
-      common.shift(axis) = median_of(coordinates);
+    if (is_beyond_chance(one.difference_S, one.variance_m2)) {
+      beyond_m.push_back(one.difference_S.norm());
     }
-    Numbers left;
-    for (const One& one : all_) left.push_back((one.*common.in - common.shift).norm());
-    common.left_m = median_of(left);
   }
-  const Common& likelier = commons[0].left_m <= commons[1].left_m ? commons[0] : commons[1];
-  const double shift_m = likelier.shift.norm();
-  const double sigma_m =
-      kMedianSigma * std::sqrt(median_of(variances) / static_cast<double>(all_.size()));
   const double expected = static_cast<double>(all_.size()) * wrong;
   const double chance = expected + 4 * std::sqrt(expected * (1 - wrong)) + 1;
-  const double by_m = beyond_m.empty() ? 0 : median_of(beyond_m);
-  const bool singly = static_cast<double>(beyond_m.size()) > chance && by_m > least_m;
-  const bool together = shift_m > kCommon * sigma_m && shift_m > least_m;
-  if (together && (!singly || likelier.left_m < kExplains * shift_m)) {
-    return {likelier.what, shift_m};
+  const auto is_more_than_chance = [&](std::size_t poses) {
+    return static_cast<double>(poses) > chance;
+  };
+  struct Cause {
+    std::string_view what;
+    Motions One::* motions;
+  };
+  constexpr std::array<Cause, 3> kCauses{
+      {{"target", &One::by_target}, {"sensor", &One::by_sensor}, {"load", &One::by_load}}};
+  Change change;
+  double most = 0;
+  for (const Cause& cause : kCauses) {
+    const Explained explained = explained_by(cause.motions);
+    if (explained.beyond <= most || explained.by_m <= least_m) continue;
+    if (is_more_than_chance(explained.left)) continue;
+    most = explained.beyond;
+    change = {cause.what, explained.by_m};
   }
-  return singly ? Change{"arm", by_m} : Change{};
+  if (!change.what.empty()) return change;
+  const double by_m = beyond_m.empty() ? 0 : median_of(beyond_m);
+  return is_more_than_chance(beyond_m.size()) && by_m > least_m ? Change{"arm", by_m} : Change{};
 }
 
 }  // namespace armsig::controller

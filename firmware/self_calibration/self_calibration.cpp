@@ -137,7 +137,10 @@ Refinement::Next SelfCalibration::do_step(hal::Instant now) {
 void SelfCalibration::work() {
   switch (stage_) {
     case Stage::kAligning:
-      if (!aligning_->step()) begin_visits();
+      if (!aligning_->step()) begin_model();
+      return;
+    case Stage::kWeighing:
+      if (!weighing_->step()) begin_visits();
       return;
     case Stage::kFitting:
       if (!engine_->step(kStepWork)) finish_fit();
@@ -154,13 +157,19 @@ void SelfCalibration::work() {
   }
 }
 
-void SelfCalibration::begin_visits() {
-  const Arm& drawing = configuration_.drawing;
-  model_ = calibration::model_of(drawing, aligning_->result().X_AB);
+void SelfCalibration::begin_model() {
+  model_ = calibration::model_of(configuration_.drawing, aligning_->result().X_AB);
   aligning_.reset();
-  calibration::choose_gravity_terms(drawing, model_);
+  // As many as there is room for.
+  weighing_.emplace(configuration_.drawing, model_,
+                    calibration::most_gravity_terms(memory_.work->band.size()));
+  stage_ = Stage::kWeighing;
+}
+
+void SelfCalibration::begin_visits() {
+  weighing_.reset();
   calibration::ChainFrames frames;
-  target_ = {{{.link = drawing.joints.size()}}};
+  target_ = {{{.link = configuration_.drawing.joints.size()}}};
   evaluate(signature_.configuration, frames);
   target_[0].p_L = frames.X_SL.inverse() * signature_.targets[0].p_S;
   scales_ = {};
@@ -273,8 +282,11 @@ void SelfCalibration::play_step() {
     squares_m2_ += row.residual.squaredNorm();
     covered_.add(effective_readings(configuration_.drawing.couplings, row.readings));
     if (row.sweep != 0) continue;
+    judge_.add_fitted(row.residual, engine_->covariance_of(row, memory_.cache[index_]));
     play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
               row.residual);
+    ++index_;
+    break;  // the covariance is a step's work
   }
   if (index_ < count_) return;
   findings_.sensor_m = std::sqrt(scales_.sigma_squared);

@@ -5,7 +5,8 @@
 // is over.
 //
 // One pose in kHeldOutEvery is held out of every fit. What the model leaves open is predicted over
-// poses that were not measured, times the factor by which the held-out ones are worse than stated.
+// poses that were not measured, times the factor by which the held-out ones, and each fitted one by
+// a fit without it, are worse than stated.
 // In the end geometry alone is fitted too, and kept where it predicts the held-out poses as well.
 // After the first fit, and once more before the end, a dozen of the first half of the points are
 // measured again (repeats.hpp): where something changed meanwhile it is named, and no model kept.
@@ -14,6 +15,7 @@
 #include <array>
 #include <optional>
 
+#include "core/arm_model/gravity_choice.hpp"
 #include "core/calibration/engine.hpp"
 #include "core/frames/alignment.hpp"
 #include "firmware/controller/configuration.hpp"
@@ -25,20 +27,29 @@
 
 namespace armsig::controller {
 
-// One target; that of the hand.
-inline constexpr std::size_t kSelfColumns =
-    6 + 3 + calibration::kDeviations * kMaxJoints + calibration::kMaxGravityTerms;
-static_assert(kSelfColumns <= calibration::kMaxGeometry);
+// Of an arm of so many joints, with one target, that of the hand.
+[[nodiscard]] constexpr std::size_t self_columns(std::size_t joints) {
+  return 6 + 3 + calibration::kDeviations * joints + calibration::most_gravity_terms(joints);
+}
+static_assert(self_columns(kMaxJoints) <= calibration::kMaxGeometry);
 
-// As large as the points that are to be kept, 1.8 kB each; and 86 kB.
-template <std::size_t kPoints>
+// What the fit needs beside the points, for arms of up to kJoints joints.
+template <std::size_t kJoints>
+struct FitMemory {
+  std::array<double, calibration::matrix_size(self_columns(kJoints))> matrix{};
+  calibration::WorkspaceFor<kJoints> work;
+};
+static_assert(sizeof(FitMemory<6>) <= 57'000);
+
+// As large as the points that are to be kept, 1.8 kB each, and the fit's. A program whose arm is
+// known needs no more than that arm's.
+template <std::size_t kPoints, std::size_t kJoints = kMaxJoints>
 struct SelfCalibrationMemory {
   std::array<calibration::FitRow, kPoints> rows;
   std::array<calibration::ChainFrames, kPoints> cache;
   std::array<Sides, kPoints> sides{};
   std::array<LogEntry, kPoints> log;
-  std::array<double, calibration::matrix_size(kSelfColumns)> matrix{};
-  calibration::Workspace work;
+  FitMemory<kJoints> fit;
 };
 
 class SelfCalibration final : public Refinement {
@@ -52,13 +63,14 @@ class SelfCalibration final : public Refinement {
     calibration::Workspace* work = nullptr;
   };
 
-  // All outlive it. Without a journal nothing is kept across halts and restarts.
-  template <std::size_t kPoints>
-  SelfCalibration(const Configuration& configuration, SelfCalibrationMemory<kPoints>& memory,
-                  PointJournal* journal = nullptr)
+  // All outlive it. Without a journal nothing is kept across halts and restarts. Precondition:
+  // `memory` is for as many joints as the drawing has.
+  template <std::size_t kPoints, std::size_t kJoints>
+  SelfCalibration(const Configuration& configuration,
+                  SelfCalibrationMemory<kPoints, kJoints>& memory, PointJournal* journal = nullptr)
       : SelfCalibration(configuration,
-                        Memory{memory.rows, memory.cache, memory.sides, memory.log, memory.matrix,
-                               &memory.work},
+                        Memory{memory.rows, memory.cache, memory.sides, memory.log,
+                               memory.fit.matrix, &memory.fit.work},
                         journal) {}
   SelfCalibration(const Configuration& configuration, const Memory& memory,
                   PointJournal* journal = nullptr)
@@ -70,6 +82,7 @@ class SelfCalibration final : public Refinement {
   enum class Stage : std::uint8_t {
     kIdle,
     kAligning,  // the drawing is laid over the axes that the sweeps gave
+    kWeighing,  // the terms of gravity that it can tell apart
     kChoosing,
     kVisiting,
     kFitting,
@@ -112,6 +125,7 @@ class SelfCalibration final : public Refinement {
   Result<void> do_write(SignatureRecord& record) const override;
 
   void work();
+  void begin_model();
   void begin_visits();
   void choose(hal::Instant now);
   [[nodiscard]] WayLook::Says look_at_offer(const JointVector& pose);
@@ -164,6 +178,7 @@ class SelfCalibration final : public Refinement {
   std::optional<hal::Instant> visiting_since_;
   Signature signature_;  // that the features gave
   std::optional<frames::Aligning> aligning_;
+  std::optional<calibration::GravityChoice> weighing_;
   std::size_t count_ = 0;     // rows
   double reference_m2_ = 0;   // of the rows' relative covariances
   std::size_t visited_ = 0;   // of the rows, the poses

@@ -23,23 +23,10 @@
 #include "host_tests/bench/bench_process.hpp"
 #include "host_tests/bench/bus_recording.hpp"
 #include "host_tests/bench/daemon_process.hpp"
+#include "host_tests/bench/sensor_on_can.hpp"
 
 namespace armsig::bench {
 namespace {
-
-const std::string kModbus =
-    "  modbus:\n"
-    "    device: /tmp/armsig-bench/sensor\n"
-    "    poll_period_ms: 15\n"
-    "    answer_timeout_ms: 2000\n";
-const std::string kCan = "  can:\n    node: 32\n    reading_period_ms: 15\n";
-
-// The sensor on CAN has six receivers: three PDOs of two.
-Changes sensor_on_can() {
-  return {{kModbus, kCan},
-          {"    - {x_mm: 500,   y_mm: 500,   z_mm: 800}\n", ""},
-          {"    - {x_mm: -500,  y_mm: 500,   z_mm: 800}\n", ""}};
-}
 
 Changes small() {
   return {{"points: 24", "points: 8"},

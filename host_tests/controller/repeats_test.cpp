@@ -15,6 +15,7 @@ struct Shown {
   Vector3 in_hand = Vector3::Zero();
   Vector3 in_sensor = Vector3::Zero();
   double of_pose = 0;    // in another direction at each
+  double load = 0;       // of two joints, by this much and half as much the other way
   int wrong_points = 0;  // by 20 mm
 };
 
@@ -25,9 +26,12 @@ Repeats::Change seen(const Shown& shown, std::uint64_t seed) {
     const Matrix3 R_SL = rotation_about(random.normal_vector().normalized(), random.uniform(-3, 3));
     Vector3 difference = R_SL * shown.in_hand + shown.in_sensor;
     difference += shown.of_pose * random.normal_vector().normalized();
+    const Repeats::Motions by_load{random.uniform(0, 1) * random.normal_vector(),
+                                   random.uniform(0, 1) * random.normal_vector()};
+    difference += shown.load * (by_load[0] - by_load[1] / 2);
     if (n < shown.wrong_points) difference += 20e-3 * random.normal_vector().normalized();
     difference += kSigma_m * random.normal_vector();
-    repeats.add(R_SL, difference, kSigma_m * kSigma_m);
+    repeats.add(R_SL, difference, kSigma_m * kSigma_m, by_load);
   }
   return repeats.change(shown.wrong_points / 20.0, 0.075e-3);
 }
@@ -50,6 +54,26 @@ TEST(Repeats, tell_the_target_from_the_sensor_and_the_arm) {
     EXPECT_EQ(bent.what, "arm") << seed;
     EXPECT_NEAR(bent.by_m, 1e-3, 0.3e-3);
   }
+}
+
+TEST(Repeats, name_a_load_that_bends_the_joints_where_few_poses_show_it_singly) {
+  int seen_ones = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const auto loaded = seen({.load = 0.4e-3, .wrong_points = 2}, seed);
+    seen_ones += loaded.what == "load" && std::abs(loaded.by_m - 0.45e-3) < 0.25e-3;
+    EXPECT_EQ(seen({.load = 1.5e-3, .wrong_points = 3}, seed).what, "load") << seed;
+  }
+  EXPECT_GE(seen_ones, 90);
+}
+
+// A joint that no weight turns at any of the poses.
+TEST(Repeats, name_a_load_beside_a_joint_that_it_does_not_turn) {
+  Repeats repeats;
+  for (std::size_t n = 0; n < Repeats::kMost; ++n) {
+    const Vector3 down(0, 0, -0.2 - 0.05 * static_cast<double>(n));
+    repeats.add(Matrix3::Identity(), 1e-3 * down, kSigma_m * kSigma_m, {Vector3::Zero(), down});
+  }
+  EXPECT_EQ(repeats.change(0, 0.075e-3).what, "load");
 }
 
 TEST(Repeats, see_a_common_shift_that_no_single_pose_shows) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The parts of the self-calibration: where it goes, and how it finds play.
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "firmware/controller/pose_visit.hpp"
@@ -38,6 +41,53 @@ TEST(PlayEstimate, finds_the_play_of_every_joint_among_noise) {
   // 400 poses, each of a lever whose mean square is one.
   EXPECT_NEAR(halves[1].sigma, kSigma_m / 20, 0.1 * kSigma_m / 20);
   EXPECT_FALSE(std::isfinite(halves[2].sigma)) << "nothing moves by it";
+}
+
+// What a line through all points but one says of that one, beside the short way by the residual.
+TEST(HeldOutJudge, says_of_a_fitted_row_what_a_fit_without_it_says) {
+  constexpr std::size_t kRows = 8;
+  constexpr double kVariance = 1e-8;
+  simulated::Random random(3);
+  std::array<Eigen::Matrix<double, 3, 4>, kRows> A;
+  std::array<Vector3, kRows> y;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    A[i] << Matrix3::Identity(), random.normal_vector();
+    y[i] = 3e-4 * random.normal_vector();  // three times the noise stated
+  }
+  const auto fit_without = [&](std::size_t left_out) {
+    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d pull = Eigen::Vector4d::Zero();
+    for (std::size_t i = 0; i < kRows; ++i) {
+      if (i == left_out) continue;
+      normal += A[i].transpose() * A[i];
+      pull += A[i].transpose() * y[i];
+    }
+    const Eigen::Matrix4d inverse = normal.inverse();
+    return std::pair<Eigen::Vector4d, Eigen::Matrix4d>(inverse * pull, kVariance * inverse);
+  };
+  const auto [all, C] = fit_without(kRows);
+  HeldOutJudge judge;
+  double squares = 0;
+  double stated = 0;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    judge.add_fitted(y[i] - A[i] * all, {.row = kVariance * Matrix3::Identity(),
+                                         .model = A[i] * C * A[i].transpose()});
+    const auto [x, C_without] = fit_without(i);
+    const Vector3 error = y[i] - A[i] * x;
+    const Matrix3 model = A[i] * C_without * A[i].transpose();
+    squares += error.squaredNorm() - 3 * kVariance;
+    stated += model.trace();
+  }
+  ASSERT_GT(squares / stated, 1) << "the factor tells something";
+  EXPECT_NEAR(judge.score().factor, std::sqrt(squares / stated), 1e-5);
+}
+
+// One row too few to be without it.
+TEST(HeldOutJudge, takes_nothing_from_a_row_that_alone_determines_something) {
+  HeldOutJudge judge;
+  judge.add_fitted(Vector3(1e-3, 0, 0),
+                   {.row = 1e-8 * Matrix3::Identity(), .model = 1e-8 * Matrix3::Identity()});
+  EXPECT_EQ(judge.score().factor, 1);
 }
 
 TEST(Findings, tell_how_many_times_the_measurements_it_takes) {

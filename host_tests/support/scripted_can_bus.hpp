@@ -46,7 +46,8 @@ class ScriptedCanBus final : public hal::CanBus {
     steps_.push_back({sent, {replies.begin(), replies.end()}});
   }
   // A frame that arrives by itself.
-  void bring(const std::string& received) { waiting_.push_back(frame(received)); }
+  void bring(const std::string& received) { bring(frame(received)); }
+  void bring(const hal::CanFrame& received) { waiting_.push_back(received); }
 
   // What has `sent` as its frame in the script is answered by `reply` instead.
   void replace(const std::string& sent, const char* reply) {

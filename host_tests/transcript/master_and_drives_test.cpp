@@ -49,6 +49,32 @@ TEST(MasterAndDrives, leaves_the_objects_of_the_drives_as_the_wire_map_says) {
   EXPECT_EQ(objects.get(0x1016, 1), 0x007F0096U);
 }
 
+TEST(MasterAndDrives, tells_of_every_drive_who_it_is_and_how_it_is_scaled) {
+  Configuration configuration = puma_drives();
+  for (std::size_t i = 0; i < 6; ++i) {
+    configuration.axes[i].scaling.zero_counts = static_cast<std::int32_t>(10 * i);
+  }
+  EmulatedArm arm(configuration);
+  ASSERT_TRUE(arm.run_until(DriveCondition::kDisabled));
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto identity = arm.master->identity(i);
+    ASSERT_TRUE(identity);
+    EXPECT_EQ(identity->device[hal::kProduct], 402U);
+    EXPECT_EQ(identity->zero_counts, static_cast<std::int32_t>(10 * i));
+    EXPECT_EQ(identity->gear_ratio, 100);
+  }
+}
+
+TEST(MasterAndDrives, turns_the_other_pdos_off_and_leaves_them_their_identifiers) {
+  EmulatedArm arm(puma_drives());
+  ASSERT_TRUE(arm.run_until(DriveCondition::kDisabled));
+  for (std::uint32_t node = 1; node <= arm.drives.size(); ++node) {
+    const simulated::DriveDictionary& objects = arm.drives[node - 1].dictionary();
+    EXPECT_EQ(objects.get(0x1401, 1), 0x80000300U + node);
+    EXPECT_EQ(objects.get(0x1801, 1), 0xC0000280U + node);
+  }
+}
+
 TEST(MasterAndDrives, sets_every_ramp_to_rest_and_no_offset) {
   Configuration configuration = puma_drives(1);
   configuration.axes[0].stop_deceleration = kPi;

@@ -2,6 +2,7 @@
 // Everything a drive or the bus can do to an enabled master, frame by frame: each ends in a quick
 // stop in the same tick and a fault with a name.
 #include <chrono>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -136,6 +137,7 @@ TEST(MasterFaults, a_heartbeat_of_another_state_stops) {
   script.bus.bring("701#7F");
   script.cycle("181#3712E8030000", "201#0200E8030000");
   script.expect_stopped_by(Error::kDriveNotOperational);
+  EXPECT_EQ(script.master->status(0).fault_code, 0x7FU) << "pre-operational";
 }
 
 TEST(MasterFaults, a_heartbeat_lost_stops_although_positions_come) {
@@ -212,6 +214,23 @@ TEST(MasterFaults, malformed_and_unknown_frames_change_nothing_and_are_counted) 
   EXPECT_EQ(script.master->counters().unknown, 2U);
 }
 
+// An emergency, another master's controlword and its reset, but for the kind of the frame.
+TEST(MasterFaults, extended_and_remote_frames_change_nothing_and_are_counted) {
+  for (const bool remote : {false, true}) {
+    EnabledMaster script;
+    for (const char* text : {"081#1086210000000000", "201#0600E8030000", "000#8201"}) {
+      hal::CanFrame frame = test::frame(text);
+      frame.extended = !remote;
+      frame.remote = remote;
+      script.bus.bring(frame);
+    }
+    script.cycle("181#3712E8030000", "201#0F00E8030000");
+    EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
+    EXPECT_EQ(script.master->counters().unknown, 3U);
+    EXPECT_EQ(script.master->counters().foreign, 0U);
+  }
+}
+
 TEST(MasterFaults, a_flood_is_taken_in_portions) {
   EnabledMaster script;
   for (unsigned i = 0; i < 2 * Master::kMaxFramesPerTick; ++i) script.bus.bring("7FF#00");
@@ -253,6 +272,16 @@ TEST(MasterFaults, a_bus_that_takes_nothing_for_three_ticks_is_a_fault) {
   script.bus.bring("181#3712E8030000");
   script.tick();
   script.expect_stopped_by(Error::kBusBusy);
+}
+
+TEST(MasterFaults, a_refused_target_is_told_before_a_bus_that_takes_nothing) {
+  EnabledMaster script;
+  script.keep_targets = true;
+  script.targets[0] = std::nan("");
+  script.bus.set_full(true);
+  script.bus.bring("181#3712E8030000");
+  script.tick();
+  EXPECT_EQ(test::failure_of(script.written), Error::kNotFinite);
 }
 
 TEST(MasterFaults, a_target_out_of_limits_or_too_fast_or_not_a_number_is_not_sent) {

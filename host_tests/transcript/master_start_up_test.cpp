@@ -212,6 +212,79 @@ TEST(MasterStartUp, gives_up_a_drive_that_does_not_stay_up) {
   script.bus.expect_all_consumed();
 }
 
+TEST(MasterStartUp, lets_a_drive_boot_as_often_again_after_the_operators_reset) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  test::script_reset(script.bus, false);
+  script.tick({});
+  script.tick({});
+  for (int i = 0; i < 3; ++i) {
+    script.bus.bring("701#00");
+    script.bus.expect("601#4000100000000000");
+    script.tick({});
+  }
+  script.bus.bring("701#00");
+  script.tick({});
+  script.tick({});
+  ASSERT_EQ(script.master->status(0).fault, Error::kDriveRebooted);
+  script.master->reset_faults();
+  script.bus.expect("000#8201");
+  script.tick({});
+  for (int i = 0; i < 3; ++i) {
+    script.bus.bring("701#00");
+    script.bus.expect("601#4000100000000000");
+    script.tick({});
+  }
+  EXPECT_FALSE(script.master->status(0).fault);
+  script.bus.expect_all_consumed();
+}
+
+// Whether the drive stands is not known yet: it is reset all the same.
+TEST(MasterStartUp, takes_no_boot_up_before_its_own_reset_for_the_begin_of_the_set_up) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("601#4041600000000000");
+  script.tick();
+  script.bus.bring("701#00");
+  script.tick();
+  EXPECT_EQ(script.master->node_state(0).phase, Phase::kUnreset);
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201");
+  script.tick(std::chrono::milliseconds(100));
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, waits_by_the_time_of_the_write_where_the_read_was_earlier) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  script.bus.expect("601#4041600000000000");
+  script.tick();
+  EXPECT_TRUE(script.master->read(script.bus.now));
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8201");
+  EXPECT_TRUE(
+      script.master->write(script.targets, script.bus.now + std::chrono::milliseconds(100)));
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, leaves_a_failed_drive_that_boots_again_to_the_operator) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  test::script_reset(script.bus);
+  script.tick();
+  script.tick({});
+  script.bus.expect("601#4000100000000000", {"581#4300100091010F00"});  // no drive
+  script.tick();
+  script.tick();
+  ASSERT_EQ(script.master->node_state(0).phase, Phase::kFailed);
+  script.bus.bring("701#00");
+  script.tick();
+  script.tick();
+  EXPECT_EQ(script.master->node_state(0).phase, Phase::kFailed);
+  EXPECT_EQ(script.master->status(0).fault, Error::kDriveWrongType);
+  script.bus.expect_all_consumed();
+}
+
 TEST(MasterStartUp, reports_a_drive_that_does_not_boot) {
   MasterScript script;
   script.bus.expect("77F#05");

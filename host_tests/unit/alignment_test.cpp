@@ -256,6 +256,60 @@ TEST(CheckSense, has_no_opinion_on_a_drawing_of_another_arm) {
             SenseVerdict::kNoMatch);
 }
 
+// One axis moves away from the drawing, or turns away from it, little by little.
+struct Departure {
+  Vector3 shift_m;
+  Vector3 turn;
+};
+constexpr int kDepartures = 20;
+
+AxisLines departed(AxisLines lines, const Departure& by, int k) {
+  lines[1].point += by.shift_m * k / kDepartures;
+  lines[1].direction = (lines[1].direction + by.turn * k / kDepartures).normalized();
+  return lines;
+}
+
+TEST(CheckSense, accepts_directions_within_20_degrees_and_lines_within_a_fifth_of_the_arm) {
+  const AxisLines drawn = axis_lines(test::puma560(), some_readings());
+  const AxisLines whole = seen(test::puma560(), some_readings(), {});
+  for (const Departure& by : {Departure{{0.3, -0.3, 0.3}, Vector3::Zero()},
+                              Departure{Vector3::Zero(), {-1.0, 1.5, 1.0}}}) {
+    int accepted = 0;
+    for (int k = 0; k <= kDepartures; ++k) {
+      const SenseCheck check =
+          check_sense(test::puma560(), some_readings(), departed(whole, by, k));
+      const bool near = check.angle_rad <= radians(20) && check.distance_m <= 0.2 * arm_size(drawn);
+      EXPECT_EQ(check.verdict == SenseVerdict::kAgrees, near)
+          << degrees(check.angle_rad) << " degrees, " << check.distance_m << " m";
+      accepted += near ? 1 : 0;
+    }
+    EXPECT_GT(accepted, 2);
+    EXPECT_LT(accepted, kDepartures - 2) << by.turn.transpose();
+  }
+}
+
+TEST(CheckSense, names_a_reversed_joint_within_10_degrees_and_a_tenth_of_the_arm_alone) {
+  JointVector negated = some_readings();
+  negated[2] = -negated[2];
+  const AxisLines drawn = axis_lines(test::puma560(), some_readings());
+  for (const Departure& by : {Departure{{0.3, -0.3, 0.3}, Vector3::Zero()},
+                              Departure{Vector3::Zero(), {-1.0, 1.5, 1.0}}}) {
+    int named = 0;
+    for (int k = 0; k <= kDepartures; ++k) {
+      const Alignment explained =
+          align(departed(seen(test::puma560(), some_readings(), {}), by, k), drawn);
+      const bool near = explained.worst_angle_rad() <= radians(10) &&
+                        explained.worst_distance_m() <= 0.1 * arm_size(drawn);
+      const SenseCheck check = check_sense(
+          test::puma560(), negated, departed(seen(test::puma560(), some_readings(), {2}), by, k));
+      EXPECT_EQ(check.verdict == SenseVerdict::kJointsReversed, near) << k;
+      named += near ? 1 : 0;
+    }
+    EXPECT_GT(named, 2);
+    EXPECT_LT(named, kDepartures - 2) << by.turn.transpose();
+  }
+}
+
 TEST(CheckSense, cannot_tell_the_sense_of_a_single_joint) {
   const Arm one = test::make_arm({{kR, 0, 0.1, 0.2, radians(90)}}, {});
   EXPECT_EQ(check_sense(one, {0.4}, seen(one, {0.4}, {0})).verdict, SenseVerdict::kAgrees);

@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "core/arm_model/model.hpp"
+#include "core/arm_model/gravity_choice.hpp"
 #include "core/calibration/cyclic_band.hpp"
 #include "core/calibration/fit_row.hpp"
 #include "host_tests/support/dense_prior.hpp"
@@ -97,6 +97,22 @@ TEST(GravityTerms, are_those_that_a_drawing_can_tell_apart) {
   EXPECT_EQ(model.gravity.size(), 10U);
   for (const GravityTerm& term : model.gravity) {
     EXPECT_GT(term.joint, 0) << "the first joint's axis is vertical";
+  }
+}
+
+TEST(GravityTerms, are_found_by_bounded_steps_and_no_more_than_there_is_room_for) {
+  const Arm arm = test::ur5();
+  ArmModel model = model_of(arm, {});
+  choose_gravity_terms(arm, model);
+  ArmModel stepped = model_of(arm, {});
+  GravityChoice choice(arm, stepped, 7);
+  int steps = 1;
+  while (choice.step()) ++steps;
+  EXPECT_EQ(steps, 6 * 20);
+  ASSERT_EQ(stepped.gravity.size(), 7U);
+  for (std::size_t k = 0; k < 7; ++k) {
+    EXPECT_EQ(stepped.gravity[k].joint, model.gravity[k].joint);
+    EXPECT_EQ(stepped.gravity[k].origin, model.gravity[k].origin);
   }
 }
 

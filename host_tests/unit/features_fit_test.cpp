@@ -170,6 +170,30 @@ TEST(EncoderRatio, states_its_sigma) {
   EXPECT_NEAR(squares / 500, 1, 0.25);  // 4 sigma of a mean of 500 squares
 }
 
+// The two radii of the ratio share their noise where that is stronger in one direction.
+TEST(EncoderRatio, states_its_sigma_under_noise_that_is_stronger_in_one_direction) {
+  testing::Random random(9);
+  const testing::TrueMotion motion = circle_about(Vector3::UnitX());
+  for (const double angle : {kPi / 4, -kPi / 4}) {
+    const Vector3 strong = rotation_x(angle) * Vector3::UnitY();
+    const Matrix3 root = 1e-5 * Matrix3::Identity() + 3e-4 * strong * strong.transpose();
+    double squares = 0;
+    for (int trial = 0; trial < 500; ++trial) {
+      SweepStatistics statistics;
+      for (std::size_t i = 0; i < 20; ++i) {
+        const double reading = testing::even_reading(motion, 2, i, 20);
+        const SweepPoint point{reading, motion.at(reading) + root * random.normal_vector(),
+                               root * root};
+        if (i == 0) statistics = SweepStatistics(motion.type, point);
+        statistics.add(point);
+      }
+      const EncoderRatio encoder = encoder_ratio(statistics);
+      squares += std::pow((encoder.ratio - 1) / encoder.sigma, 2);
+    }
+    EXPECT_NEAR(squares / 500, 1, 0.25) << degrees(angle);
+  }
+}
+
 TEST(PlaneOfRotation, may_contain_the_sensors_z_axis) {
   for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1),
                               Vector3(0.6, 0.8, 0), Vector3(0.6, 0, 0.8)}) {

@@ -88,6 +88,48 @@ TEST(Fuse, keeps_the_first_target) {
   EXPECT_NEAR(fused.axis_S.dot(fused.radial_S), 0, 1e-15);
 }
 
+TEST(Fuse, tells_the_quality_of_both_sweeps_together) {
+  testing::Random random(13);
+  const TrueMotion motion = testing::random_motion(JointType::kRevolute, random);
+  JointFeature a = feature_of(motion, 2, random);
+  JointFeature b = feature_of(companion(motion), 2, random);
+  a.quality = {.used = 10,
+               .rejected = 5,
+               .lowest_reading = -1,
+               .highest_reading = 2,
+               .rms_normal_m = 1e-4,
+               .rms_radial_m = 2e-4,
+               .rms_tangential_m = 3e-4,
+               .encoder_ratio = 1.01,
+               .encoder_ratio_sigma = 0.03,
+               .sigma_m = 4e-4};
+  b.quality = {.used = 30,
+               .rejected = 2,
+               .lowest_reading = 0,
+               .highest_reading = 3,
+               .rms_normal_m = 5e-4,
+               .rms_radial_m = 6e-4,
+               .rms_tangential_m = 7e-4,
+               .encoder_ratio = 1.02,
+               .encoder_ratio_sigma = 0.04,
+               .sigma_m = 8e-4,
+               .sigma_is_estimated = true};
+  for (const bool swapped : {false, true}) {
+    const SweepQuality q = (swapped ? fuse(b, a) : fuse(a, b)).quality;
+    EXPECT_EQ(q.used, 40U);
+    EXPECT_EQ(q.rejected, 7U);
+    EXPECT_EQ(q.lowest_reading, -1);
+    EXPECT_EQ(q.highest_reading, 3);
+    EXPECT_NEAR(q.rms_normal_m, std::sqrt((1.0 + 3 * 25) / 4) * 1e-4, 1e-15);
+    EXPECT_NEAR(q.rms_radial_m, std::sqrt((4.0 + 3 * 36) / 4) * 1e-4, 1e-15);
+    EXPECT_NEAR(q.rms_tangential_m, std::sqrt((9.0 + 3 * 49) / 4) * 1e-4, 1e-15);
+    EXPECT_NEAR(q.sigma_m, std::sqrt((16.0 + 3 * 64) / 4) * 1e-4, 1e-15);
+    EXPECT_TRUE(q.sigma_is_estimated);
+    EXPECT_NEAR(q.encoder_ratio, (16 * 1.01 + 9 * 1.02) / 25, 1e-12);  // by 1 / sigma^2
+    EXPECT_NEAR(q.encoder_ratio_sigma, 0.03 * 0.04 / 0.05, 1e-12);
+  }
+}
+
 TEST(Fuse, of_exact_features_is_exact) {
   for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
     testing::Random random(14);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -110,6 +111,46 @@ TEST(ColdStart, puts_the_solution_nearest_to_the_reference_first) {
   const Solutions solutions = *cold_start(chain, closed_form(chain), *forward(chain, q), q);
   ASSERT_FALSE(solutions.empty());
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(solutions[0].solution.q[i], q[i], 1e-7);
+}
+
+// A cable allows the last joint one window of a turn: what is commanded must lie in it.
+TEST(ColdStart, turns_a_joint_by_whole_turns_into_its_limits) {
+  const test::KnownArm arm = test::puma560();
+  const JointVector q{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
+  for (const int turns : {-3, -2, -1, 0, 1, 2, 3}) {
+    JointVector turned = q;
+    turned[5] += turns * 2 * kPi;
+    auto limits = arm.limits;
+    limits[5] = {turned[5] - radians(20), turned[5] + radians(10)};
+    const Chain chain = make_chain(arm.joints, limits);
+    for (const JointVector& reference : {q, JointVector{}}) {
+      int found = 0;
+      const Solutions solutions =
+          *cold_start(chain, closed_form(chain), *forward(chain, q), reference);
+      for (const NamedSolution& s : solutions) {
+        double change = 0;
+        for (std::size_t i = 0; i < 6; ++i) {
+          change = std::max(change, std::abs(s.solution.q[i] - turned[i]));
+        }
+        if (change < 1e-7 && s.solution.verdict == Verdict::kConverged) ++found;
+      }
+      EXPECT_EQ(found, 1) << turns;
+    }
+  }
+}
+
+TEST(ColdStart, of_many_turns_inside_the_limits_takes_the_one_nearest_to_the_reference) {
+  const test::KnownArm arm = test::puma560();
+  JointVector q{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
+  auto limits = arm.limits;
+  limits[5] = {-30, 30};
+  const Chain chain = make_chain(arm.joints, limits);
+  for (const double reading : {-25.0, -7.0, 0.0, 4.0, 19.0}) {
+    q[5] = reading;
+    const Solutions solutions = *cold_start(chain, closed_form(chain), *forward(chain, q), q);
+    ASSERT_FALSE(solutions.empty());
+    EXPECT_NEAR(solutions[0].solution.q[5], reading, 1e-7);
+  }
 }
 
 TEST(ColdStart, finds_a_solution_for_arms_without_a_closed_form) {

@@ -186,6 +186,27 @@ TEST(Inverse, says_that_the_step_is_limited_and_goes_no_further) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_LE(std::abs(solution.q[i] - kReady[i]), 0.02);
 }
 
+// Also where readings are alike, or one moves to where its neighbour stands.
+TEST(Inverse, keeps_each_joint_to_its_own_step) {
+  for (std::size_t slow = 0; slow < 6; ++slow) {
+    JointVector neighbour(6, 0.3);
+    neighbour[slow == 0 ? 1 : slow - 1] += 0.1;
+    for (const JointVector& seed : {kReady, JointVector(6, 0.3), neighbour}) {
+      JointVector goal = seed;
+      goal[slow] += 0.1;
+      InverseOptions options;
+      options.max_step = JointVector(6, 1.0);
+      options.max_step[slow] = 0.02;
+      const InverseSolution limited = *inverse(puma(), *forward(puma(), goal), seed, options);
+      EXPECT_LE(std::abs(limited.q[slow] - seed[slow]), 0.02) << slow;
+      options.max_step = JointVector(6, 1e-3);
+      options.max_step[slow] = 0.2;
+      const InverseSolution reached = *inverse(puma(), *forward(puma(), goal), seed, options);
+      EXPECT_EQ(reached.verdict, Verdict::kConverged) << slow;
+    }
+  }
+}
+
 TEST(Inverse, moves_a_seed_outside_the_limits_towards_them_by_no_more_than_a_step) {
   JointVector seed = kReady;
   seed[0] = test::puma560().limits[0].upper + 0.5;

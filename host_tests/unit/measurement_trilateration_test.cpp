@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -237,6 +238,42 @@ TEST(Trilateration, eight_ranges_name_three_detours) {
   EXPECT_EQ(position->excluded[0], 1U);
   EXPECT_EQ(position->excluded[1], 2U);
   EXPECT_EQ(position->excluded[2], 7U);
+}
+
+// Three ranges agree with each other whatever they are: of six or seven, no more may be left out
+// than leave five.
+TEST(Trilateration, names_no_more_detours_than_leave_five_ranges) {
+  for (const std::size_t heard : {6U, 7U}) {
+    Ranges ranges = exact_ranges(eight(), target_S());
+    for (std::size_t j = heard; j < 8; ++j) ranges[j].valid = false;
+    const double detours_m[] = {0.05, 0.11, 0.26};
+    for (std::size_t bad = 0; bad < heard - 5; ++bad) {
+      ranges[bad].metres += detours_m[bad];
+      const auto position = trilaterate(eight(), ranges);
+      ASSERT_TRUE(position) << heard << " ranges, " << bad;
+      EXPECT_LT((position->p_S - target_S()).norm(), 1e-12);
+      EXPECT_EQ(position->excluded.size(), bad + 1);
+    }
+    ranges[heard - 5].metres += detours_m[heard - 5];
+    EXPECT_EQ(test::failure_of(trilaterate(eight(), ranges)), Error::kRangesInconsistent) << heard;
+  }
+}
+
+// Chi-square at 0.9999 of five degrees of freedom is 25.74.
+TEST(Trilateration, takes_noise_for_noise_up_to_one_in_ten_thousand_of_its_degrees_of_freedom) {
+  const double noise_m[] = {1e-4, -2e-4, 3e-4, -1e-4, -3e-4, 2e-4, 1e-4, -2e-4};
+  const auto noisy = [&](double scale) {
+    Ranges ranges = exact_ranges(eight(), target_S());
+    for (std::size_t j = 0; j < 8; ++j) ranges[j].metres += scale * noise_m[j];
+    return ranges;
+  };
+  const double chi_square = trilaterate(eight(), noisy(1))->chi_square;
+  const auto accepted = trilaterate(eight(), noisy(std::sqrt(25.5 / chi_square)));
+  ASSERT_TRUE(accepted);
+  EXPECT_NEAR(accepted->chi_square, 25.5, 0.1);
+  EXPECT_TRUE(accepted->excluded.empty());
+  const auto beyond = trilaterate(eight(), noisy(std::sqrt(26.0 / chi_square)));
+  EXPECT_TRUE(!beyond || !beyond->excluded.empty());
 }
 
 TEST(Trilateration, refuses_ranges_that_agree_on_nothing) {

@@ -161,6 +161,38 @@ TEST(CanRangeSensor, ignores_other_nodes_and_remote_frames) {
   EXPECT_TRUE(f.sensor.poll(at_ms(0)));
 }
 
+TEST(CanRangeSensor, reads_on_past_an_extended_or_a_remote_frame) {
+  for (const bool remote : {false, true}) {
+    Fixture f;
+    f.take("1A0#0B07E600");
+    for (const char* text : {"1A0#0B08E600", "2A0#60E3160061E31600", "4A0#"}) {
+      hal::CanFrame frame = test::frame(text);
+      frame.extended = !remote;
+      frame.remote = remote;
+      f.sensor.take({frame, at_ms(0)});
+    }
+    f.take("2A0#60E3160061E31600");
+    f.take("3A0#62E3160063E31600");
+    const auto reading = f.sensor.poll(at_ms(0));
+    ASSERT_TRUE(reading && *reading);
+    EXPECT_EQ((*reading)->sequence, 7U);
+  }
+}
+
+TEST(CanRangeSensor, takes_nothing_after_a_wrong_frame_up_to_the_next_opening) {
+  for (const char* wrong : {"4A0#62E3160063E31600", "2A0#60E316", "1A0#0B07E6"}) {
+    Fixture f;
+    f.take("1A0#0B07E600");
+    f.take(wrong);
+    EXPECT_EQ(test::failure_of(f.sensor.poll(at_ms(0))), Error::kSensorMalformed) << wrong;
+    f.take("2A0#60E3160061E31600");
+    f.take("3A0#62E3160063E31600");
+    EXPECT_EQ(test::failure_of(f.sensor.poll(at_ms(0))), Error::kSensorMalformed) << wrong;
+    f.take_reading("1A0#0B08E600");
+    EXPECT_TRUE(f.sensor.poll(at_ms(0))->has_value()) << wrong;
+  }
+}
+
 TEST(CanRangeSensor, refuses_a_node_or_a_number_of_receivers_that_cannot_be) {
   EXPECT_EQ(test::failure_of(check(RangeNodeConfiguration{.node = 0})), Error::kNodeOutOfRange);
   EXPECT_EQ(test::failure_of(check(RangeNodeConfiguration{.node = 128})), Error::kNodeOutOfRange);

@@ -77,16 +77,76 @@ TEST(CanopenBounds, of_what_a_drive_may_say_are_a_tick_at_least) {
   }
 }
 
+TEST(CanopenBounds, of_what_a_drive_may_say_are_half_a_minute_to_ten_at_most) {
+  using L = cia402::StatusLimits;
+  struct Longest {
+    hal::Duration L::* limit;
+    hal::Duration time;
+  };
+  for (const Longest& longest :
+       {Longest{&L::ignores, seconds(30)}, Longest{&L::limits, seconds(60)},
+        Longest{&L::lags, seconds(30)}, Longest{&L::warns, seconds(600)},
+        Longest{&L::no_voltage, seconds(30)}}) {
+    Configuration c = puma_drives();
+    c.status_limits.*longest.limit = longest.time;
+    EXPECT_TRUE(check(c));
+    c.status_limits.*longest.limit += hal::Duration(1);
+    EXPECT_EQ(test::failure_of(check(c)).error, Error::kPeriodInvalid);
+    EXPECT_EQ(test::failure_of(check(c)).needed, hal::seconds(longest.time));
+  }
+}
+
+TEST(CanopenBounds, of_a_stop_and_of_a_drive_that_is_not_heard_are_a_minute_and_15_seconds) {
+  Configuration c = puma_drives();
+  c.stop_timeout = seconds(60);
+  EXPECT_TRUE(check(c));
+  c.stop_timeout += hal::Duration(1);
+  EXPECT_EQ(test::failure_of(check(c)).needed, 60);
+  c = puma_drives();
+  c.heartbeat = seconds(10) + milliseconds(1);
+  c.heartbeat_timeout = seconds(15);
+  EXPECT_EQ(test::failure_of(check(c)).needed, 10);
+  c.heartbeat = seconds(10);
+  c.heartbeat_timeout += milliseconds(1);
+  EXPECT_EQ(test::failure_of(check(c)).needed, 15);
+  c = puma_drives();
+  c.missed_feedback_limit = 7500;  // of 2 ms
+  EXPECT_TRUE(check(c));
+  ++c.missed_feedback_limit;
+  EXPECT_EQ(test::failure_of(check(c)).needed, 15);
+}
+
+TEST(CanopenBounds, of_limits_are_ten_turns_and_twenty_metres) {
+  for (const bool prismatic : {false, true}) {
+    const double largest = prismatic ? 20 : 20 * kPi;
+    Configuration c = puma_drives();
+    if (prismatic) {
+      c.axes[1].scaling.type = JointType::kPrismatic;
+      c.axes[1].scaling.lead_m = 0.02;
+    }
+    c.axes[1].limits = {-largest, largest};
+    EXPECT_TRUE(check(c));
+    for (const JointLimits& limits :
+         {JointLimits{-1.0001 * largest, 0}, JointLimits{0, 1.0001 * largest}}) {
+      c.axes[1].limits = limits;
+      EXPECT_EQ(test::failure_of(check(c)).error, Error::kLimitsImplausible);
+      EXPECT_EQ(test::failure_of(check(c)).needed, largest);
+    }
+  }
+}
+
 TEST(CanopenBounds, of_windows_and_ramps_of_an_axis) {
   Configuration c = puma_drives();
   c.axes[2].following_window = -1e-9;
   EXPECT_EQ(test::failure_of(check(c)).error, Error::kPeriodInvalid);
+  EXPECT_EQ(test::failure_of(check(c)).needed, 0);
   EXPECT_EQ(test::failure_of(check(c)).axis, 2U);
   c.axes[2].following_window = 1e9;
   EXPECT_EQ(test::failure_of(check(c)).error, Error::kPositionOverflow);
   c = puma_drives();
   c.axes[3].stop_deceleration = -1e-9;
   EXPECT_EQ(test::failure_of(check(c)).error, Error::kPeriodInvalid);
+  EXPECT_EQ(test::failure_of(check(c)).needed, 0);
   EXPECT_EQ(test::failure_of(check(c)).axis, 3U);
   c.axes[3].stop_deceleration = 1e9;
   EXPECT_EQ(test::failure_of(check(c)).error, Error::kPositionOverflow);
@@ -110,6 +170,11 @@ TEST(CanopenBounds, of_the_masters_node_and_of_others_traffic) {
   c.master_node = 0;
   EXPECT_EQ(test::failure_of(check(c)).error, Error::kNodeOutOfRange);
   EXPECT_FALSE(test::failure_of(check(c)).axis);
+  c = puma_drives();
+  c.master_node = 3;
+  EXPECT_EQ(test::failure_of(check(c)).error, Error::kNodeTwice);
+  EXPECT_EQ(test::failure_of(check(c)).axis, 2U);
+  EXPECT_EQ(test::failure_of(check(c)).needed, 0);
   c = puma_drives();
   c.other_traffic.push_back({8, seconds(1)});
   EXPECT_TRUE(check(c));

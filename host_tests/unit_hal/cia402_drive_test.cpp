@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // CiA 402 without any CAN: drives at the other end of no wire at all, to which setpoints and status
 // words are handed in the same process.
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
@@ -199,6 +201,101 @@ TEST(Cia402Group, refuses_a_target_that_would_jump_or_leave_the_limits) {
   EXPECT_EQ(arm.devices[0].counts, 5000);
 }
 
+TEST(Cia402Drive, tells_of_its_statusword_the_limit_and_the_warning_each) {
+  Drive drive(kSettings, *Scaling::make(kSettings.scaling));
+  for (const bool limited : {false, true}) {
+    for (const bool warns : {false, true}) {
+      const auto word =
+          static_cast<std::uint16_t>(0x0250 | (limited ? 1 << 11 : 0) | (warns ? 1 << 7 : 0));
+      drive.hear(word, 5000, hal::Instant{});
+      EXPECT_EQ(drive.status().limit_active, limited);
+      EXPECT_EQ(drive.status().warning, warns);
+      EXPECT_EQ(drive.status().status_word, word);
+    }
+  }
+}
+
+// Else the others of its group would wait for it until their time is over.
+TEST(Cia402Drive, stands_once_it_is_forgotten) {
+  const GroupSettings settings;
+  Drive drive(kSettings, *Scaling::make(kSettings.scaling));
+  hal::Instant now{};
+  for (const std::int32_t counts : {5000, 5100, 5200}) {
+    drive.hear(0x0237, counts, now += kPeriod);
+    drive.supervise(settings, now);
+  }
+  ASSERT_FALSE(drive.state().stands);
+  drive.forget();
+  EXPECT_TRUE(drive.state().stands);
+}
+
+TEST(Cia402Drive, is_let_go_without_torque_or_when_it_is_not_heard_or_takes_too_long) {
+  constexpr std::uint16_t kWithTorque = 0x0217;  // Quick stop active
+  const auto left_at = [](std::uint16_t word, hal::Instant at) {
+    Drive drive(kSettings, *Scaling::make(kSettings.scaling));
+    drive.hear(word, 5000, at);
+    drive.leave(false);
+    return drive;
+  };
+  const hal::Instant now = hal::Instant{} + std::chrono::seconds(1);
+  EXPECT_TRUE(left_at(0x0250, now).has_let_go(now));
+  EXPECT_TRUE(left_at(kWithTorque, now - milliseconds(51)).has_let_go(now));
+  Drive drive = left_at(kWithTorque, now);
+  EXPECT_FALSE(drive.has_let_go(now));
+  drive.hear(kWithTorque, 5000, now + milliseconds(200));
+  EXPECT_FALSE(drive.has_let_go(now + milliseconds(200)));
+  EXPECT_TRUE(drive.has_let_go(now + milliseconds(201)));
+  Drive stays(kSettings, *Scaling::make(kSettings.scaling));
+  EXPECT_FALSE(stays.has_let_go(now)) << "does not leave";
+}
+
+// Four times the largest speed, over the time that passed and 2 ms.
+TEST(Cia402Drive, believes_a_position_that_the_time_since_the_last_one_allows) {
+  constexpr double kCountsPerRadian = 400000 / (2 * kPi);
+  for (const int after_ms : {1, 20, 100}) {
+    const double farthest = 4 * 2.0 * (after_ms + 2) * 1e-3;
+    for (const double way : {0.98, 1.02, -0.98, -1.02}) {
+      Arm arm;
+      arm.enable();
+      Drive drive = arm.drives[0];
+      const auto moved = static_cast<std::int32_t>(way * farthest * kCountsPerRadian);
+      drive.hear(0x1237, 5000 + moved, arm.now + milliseconds(after_ms));
+      EXPECT_EQ(drive.state().fault.has_value(), std::fabs(way) > 1) << after_ms << " " << way;
+    }
+  }
+}
+
+// A planner that goes at the largest speed is not refused for its rounding: a quarter and two
+// counts are given to it.
+TEST(Cia402Group, takes_targets_a_quarter_and_two_counts_faster_than_the_largest_speed) {
+  constexpr double kStep = 1.25 * 2.0 * 2e-3;  // margin, speed, period
+  const double count = Scaling::make(kSettings.scaling)->resolution();
+  Arm arm;
+  arm.enable();
+  arm.targets[0] += kStep + 1.9 * count;
+  arm.tick();
+  EXPECT_TRUE(arm.taken);
+  arm.targets[0] += kStep + 2.1 * count;
+  arm.tick();
+  EXPECT_EQ(test::failure_of(arm.taken), Error::kTargetStep);
+}
+
+TEST(Cia402Group, lets_a_target_make_up_for_four_missed_periods_and_no_more) {
+  constexpr double kStep = 1.25 * 2.0 * 2e-3;
+  Arm arm;
+  arm.enable();
+  for (const int missed : {2, 4, 100}) {
+    Drive drive = arm.drives[0];
+    const hal::Instant later = arm.now + missed * kPeriod;
+    const double largest = std::min(missed, 4) * kStep;
+    EXPECT_EQ(
+        test::failure_of(drive.set_target(arm.targets[0] + 1.1 * largest, true, kPeriod, later)),
+        Error::kTargetStep)
+        << missed;
+    EXPECT_TRUE(drive.set_target(arm.targets[0] + 0.9 * largest, true, kPeriod, later)) << missed;
+  }
+}
+
 // The objects of a drive, read and written as they are asked for.
 struct Objects {
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::uint32_t> values{
@@ -253,6 +350,31 @@ TEST(Cia402Setup, writes_mode_ramp_and_what_a_stop_does) {
   EXPECT_EQ((objects.values[{0x6065, 0}]), 400U);
   EXPECT_EQ((objects.values[{0x60B0, 0}]), 0U) << "position offset";
   EXPECT_FALSE(contradicting_object(done.factors, settings.scaling));
+}
+
+TEST(Cia402Setup, passes_an_optional_object_over_only_where_the_drive_says_that_it_has_none) {
+  const ObjectOutcome no_object =
+      std::unexpected(ObjectFailure{Error::kSdoAborted, kAbortNoObject});
+  const ObjectOutcome no_subindex =
+      std::unexpected(ObjectFailure{Error::kSdoAborted, kAbortNoSubindex});
+  const ObjectOutcome not_now = std::unexpected(ObjectFailure{Error::kSdoAborted, 0x08000022});
+  const ObjectOutcome silent = std::unexpected(ObjectFailure{Error::kSdoTimeout, kAbortNoObject});
+  for (const SetupRule rule : {SetupRule::kIfPresent, SetupRule::kEqualIfPresent}) {
+    const SetupStep step{{0x605A, 0, 2, 6}, rule, 0, 0};
+    EXPECT_FALSE(judge(step, no_object));
+    EXPECT_FALSE(judge(step, no_subindex));
+    EXPECT_EQ(judge(step, not_now), Error::kSdoAborted);
+    EXPECT_EQ(judge(step, silent), Error::kSdoTimeout);
+  }
+  for (const SetupRule rule : {SetupRule::kMust, SetupRule::kMustEqual, SetupRule::kWaitsEqual}) {
+    EXPECT_EQ(judge({{0x605A, 0, 2, 6}, rule, 0, 0}, no_object), Error::kSdoAborted);
+  }
+}
+
+TEST(Cia402Setup, minds_of_the_polarity_that_of_positions_alone) {
+  Objects objects;
+  objects.values[{0x607E, 0}] = 0x7F;  // of speeds, and what is reserved
+  EXPECT_FALSE(set_up(objects, kSettings).error);
 }
 
 TEST(Cia402Setup, refuses_what_is_no_drive_or_counts_otherwise) {

@@ -106,5 +106,14 @@ TEST(SerialConsole, writes_whole_lines_or_none) {
   EXPECT_EQ(serial.line.written, "ok\r\n");
 }
 
+TEST(SerialConsole, cuts_what_it_writes_after_1024_characters) {
+  for (const std::size_t length : {1023U, 1024U, 1025U, 5000U}) {
+    Serial serial;
+    serial.line.room = 10'000;
+    EXPECT_TRUE(serial.console.write_line(SerialConsole::kClient, std::string(length, 'a')));
+    EXPECT_EQ(serial.line.written, std::string(std::min<std::size_t>(length, 1024), 'a') + "\r\n");
+  }
+}
+
 }  // namespace
 }  // namespace armsig::hal

@@ -1,9 +1,12 @@
 """toolchain/mutate: see there."""
 import argparse
 import collections
+import concurrent.futures
+import hashlib
 import json
 import os
 import pathlib
+import pickle
 import re
 import subprocess
 import sys
@@ -11,10 +14,13 @@ import sys
 import programs
 import schemata
 import sites
+import source
 
 ROOT = pathlib.Path("build/mutants/source")
 BUILD = ROOT / "build/dev"
 KILLED = pathlib.Path("build/mutants/killed.json")
+SITES = pathlib.Path("build/mutants/sites")
+JOBS = int(os.environ.get("ARMSIG_JOBS", "2"))
 EQUIVALENT = pathlib.Path("host_tests/mutants/equivalent.txt")
 # Each room with the folders of host_tests that are its tests.
 ROOMS = {"firmware/controller": ("controller", "unit_daemon"), "hal": ("unit_hal", "transcript", "controller"),
@@ -39,6 +45,19 @@ def write(path, text):
         path.write_bytes(text)
 
 
+def read_once(room, texts):
+    """The sites of a room, kept: clang takes a minute for them."""
+    read = hashlib.sha256(repr(sorted(texts.items())).encode())
+    for module in (sites, source):
+        read.update(pathlib.Path(module.__file__).read_bytes())
+    kept = SITES / read.hexdigest()
+    if not kept.exists():
+        found = sites.find(room, sorted(texts))
+        SITES.mkdir(parents=True, exist_ok=True)
+        kept.write_bytes(pickle.dumps(found))
+    return pickle.loads(kept.read_bytes())
+
+
 def sites_of(files):
     found = {}
     for room in ROOMS:
@@ -46,8 +65,7 @@ def sites_of(files):
         wanted = [path for path in paths if not files or any(path.startswith(name) for name in files)]
         if wanted:
             texts = {path: pathlib.Path(path).read_bytes() for path in wanted}
-            found[room] = [site for site in sites.find(room, paths)
-                           if site.path in texts and schemata.can_be_written(site, texts[site.path])]
+            found[room] = [site for site in read_once(room, texts) if schemata.can_be_written(site, texts[site.path])]
     return found
 
 
@@ -67,11 +85,11 @@ def write_sources(mutants):
 
 def build(targets):
     """What the compiler said where it failed."""
-    configured = subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DARMSIG_UNITY=OFF"],
-                                capture_output=True, text=True)
+    settings = ["-DCMAKE_BUILD_TYPE=Release", "-DARMSIG_UNITY=ON"]
+    configured = subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", *settings], capture_output=True, text=True)
     if configured.returncode:
         raise SystemExit(configured.stdout + configured.stderr)
-    done = subprocess.run(["ninja", "-C", BUILD, "-k0", "-j", os.environ.get("ARMSIG_JOBS", "2"), *targets], capture_output=True, text=True)
+    done = subprocess.run(["ninja", "-C", BUILD, "-k0", "-j", str(JOBS), *targets], capture_output=True, text=True)
     return "" if done.returncode == 0 else done.stdout
 
 
@@ -92,7 +110,7 @@ def without_refused(mutants, said):
 
 
 def built(mutants, folders):
-    libraries = ["core/all", "hal/all", "firmware/controller/all"]
+    libraries = [room + "/all" for room in ROOMS if any(mutant.site.path.startswith(room) for mutant in mutants)]
     tests = [target for folder in folders for target in PROGRAMS.get(folder, (f"host_tests/{folder}/all",))]
     for targets in (libraries, tests):
         for _ in range(ROUNDS):
@@ -132,13 +150,13 @@ def measured(folders):
 
 def judge(mutants, cases, before):
     """Who kills each mutant, or nobody; before: what the time before told."""
-    verdicts = {}
-    for mutant in mutants:
+    def verdict(mutant):
         reaching = [case for case in cases if mutant.number in case.reached]
-        verdicts[mutant] = before.get(" | ".join(mutant.key())) or programs.killed_by(mutant.number, reaching, BUDGET_S)
-        if not verdicts[mutant]:
-            print(f"survived ({len(reaching)} tests): {mutant}", flush=True)
-    return verdicts
+        killer = before.get(" | ".join(mutant.key())) or programs.killed_by(mutant.number, reaching, BUDGET_S)
+        print(f"killed: {mutant}" if killer else f"survived ({len(reaching)} tests): {mutant}", flush=True)
+        return killer
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
+        return dict(zip(mutants, pool.map(verdict, mutants)))
 
 
 def report(verdicts):
@@ -164,10 +182,11 @@ def main():
     parser.add_argument("count", type=int, nargs="?", default=1000)
     parser.add_argument("seed", type=int, nargs="?", default=1)
     parser.add_argument("files", nargs="*")
+    parser.add_argument("--tests", nargs="+", help="folders of host_tests, instead of all of the rooms that were drawn from")
     parser.add_argument("--again", action="store_true", help="only what survived the time before; for use while tests are written")
     asked = parser.parse_args()
     found = sites_of(asked.files)
-    folders = sorted({folder for room in found for folder in ROOMS[room]})
+    folders = asked.tests or sorted({folder for room in found for folder in ROOMS[room]})
     mutants = built(schemata.sample(found, asked.count, asked.seed), folders)
     print(f"{len(mutants)} mutants of {sum(len(of) for of in found.values())} sites", flush=True)
     cases = measured(folders)
