@@ -8,6 +8,7 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
+#include "core/calibration/geometry_alone.hpp"
 #include "core/measurement/receivers.hpp"
 #include "core/uncertainty/feature_information.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
@@ -15,6 +16,7 @@
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/host_tool/sweeps_alone/unseen_bending.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -55,6 +57,46 @@ double enlarge(SignatureRecord& record, const UnusedPoses& unused, refinement::R
   return factor;
 }
 
+// Sweeps do not tell what bends from what is tilted: so much more is stated.
+double enlarge(SignatureRecord& record, const std::optional<UnseenBending>& bending,
+               refinement::Refined& estimate) {
+  if (!bending || !(bending->factor > 1)) return 1;
+  const double factor = bending->factor;
+  estimate.information.scale(1 / factor);
+  for (Target& target : estimate.signature.targets) target.covariance_m2 *= square(factor);
+  for (Target& target : record.signature.targets) target.covariance_m2 *= square(factor);
+  if (factor < kNotable) return factor;
+  record.warnings.push_back(fmt::format(
+      "the sweeps show that the arm bends, and not how: at the tool {:.3f} mm are stated, {:.1f} "
+      "times what the axes alone predict; further poses (sweep 0) and --method refined tell",
+      1e3 * bending->expected_m, bending->expected_m / bending->stated_m));
+  return factor;
+}
+
+// The same of a fit to everything, gravity and maps in it.
+double enlarge(SignatureRecord& record, RefinementOutcome& outcome, const Evidence& evidence) {
+  refinement::Refined& refined = *outcome.refined;
+  const auto tool = tool_target(refined.signature);
+  if (!tool) return 1;
+  const FixedVector<JointLimits, kMaxJoints>& limits = record.nominal.limits;
+  const double factor = enlarge(
+      record, judge_bending(evidence, refined, GeometryPrior::kDrawing, limits, *tool), refined);
+  if (factor == 1) return 1;
+  const double over_limits_m = uncertainty::predicted_rms(refined, limits, *tool);
+  outcome.predicted_tool_error_m = over_limits_m;
+  if (!outcome.deflections) return factor;
+  const auto wider = std::make_shared<calibration::ArmModel>(*outcome.deflections);
+  for (calibration::JointModel& joint : wider->joints) {
+    for (float& variance : joint.map_variance) variance *= static_cast<float>(square(factor));
+  }
+  outcome.deflections = wider;
+  refined.readings.deflections = wider.get();
+  outcome.predicted_over_limits_m = uncertainty::predicted_rms(refined, limits, *tool);
+  outcome.predicted_tool_error_m =
+      uncertainty::predicted_rms(refined, calibration::covered_limits(*wider, limits), *tool);
+  return factor;
+}
+
 }  // namespace
 
 SignatureRecord record_of(const Identified& identified, const ArmDescription& arm,
@@ -73,8 +115,9 @@ SignatureRecord record_of(const Identified& identified, const ArmDescription& ar
   return record;
 }
 
-void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
-                    std::size_t receivers) {
+double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::size_t receivers,
+                      const Evidence& evidence) {
+  const double enlarged = enlarge(record, outcome, evidence);
   const refinement::Refined& refined = *outcome.refined;
   add_covariance(record, refined);
   record.sigma_m = refined.quality.sigma_m;
@@ -90,6 +133,7 @@ void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
   record.scale = refined.scale;
   record.fit = FitRecord{refined.quality.rows_used, refined.quality.rows_rejected,
                          refined.quality.rms_m, left_out(outcome.cross_validation)};
+  return enlarged;
 }
 
 double add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation,
@@ -118,8 +162,14 @@ double add_features(SignatureRecord& record, const std::optional<CrossValidation
   if (const auto unused = judge_unused_poses(evidence, *estimate)) {
     enlarged = enlarge(record, *unused, *estimate);
   }
+  const auto tool = tool_target(signature);
+  if (tool) {
+    const auto bending =
+        judge_bending(evidence, *estimate, GeometryPrior::kNone, record.nominal.limits, *tool);
+    enlarged *= enlarge(record, bending, *estimate);
+  }
   add_covariance(record, *estimate);
-  if (const auto tool = tool_target(signature)) {
+  if (tool) {
     record.predicted_tool_error_m =
         uncertainty::predicted_rms(*estimate, record.nominal.limits, *tool);
   }

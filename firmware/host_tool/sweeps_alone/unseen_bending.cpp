@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/sweeps_alone/unseen_bending.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "core/base/low_discrepancy.hpp"
+#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/host_tool/sweeps_alone/whole_model.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr std::size_t kMostRows = 300;
+constexpr std::size_t kFewestRows = 12;
+constexpr double kBlunderGate = 6;  // of the rows' own robust scale
+constexpr int kScaleRounds = 25;
+constexpr int kJudgedPoses = 200;      // as uncertainty::predicted_rms()
+constexpr double kAboutEstimate = 25;  // variance over that about the drawing: says next to nothing
+constexpr double kQuickShare = 0.7;    // see engine_scales.cpp
+constexpr double kLeastBlockScale = 1e-6;
+
+// The rows: y = A x + e.
+struct Rows {
+  Eigen::MatrixXd A;
+  Eigen::VectorXd y;
+  Eigen::VectorXd gradient;  // A^T y, less what the prior of the geometry holds against it
+};
+
+struct Posterior {
+  Eigen::VectorXd x;
+  Eigen::MatrixXd covariance;
+  std::vector<double> scale;  // of every block
+  double variance = 0;        // of a row's number
+  double log_evidence = 0;
+};
+
+// x for the first `columns` columns, sigma and scales by the fixed points of the engine
+// (MacKay, 1992; Dempster, Laird and Rubin, 1977), with the whole covariance.
+class Fit {
+ public:
+  Fit(const WholeModel& model, const Rows& rows, double geometry_variance)
+      : model_(model), rows_(rows), geometry_variance_(geometry_variance) {}
+
+  [[nodiscard]] Posterior operator()(bool bends) {
+    const Eigen::Index size = bends ? model_.columns() : model_.geometry_columns();
+    const Eigen::MatrixXd A = rows_.A.leftCols(size);
+    const Eigen::MatrixXd squares = A.transpose() * A;
+    const std::size_t blocks = bends ? model_.blocks().size() : 0;
+    Posterior found;
+    found.scale.assign(blocks, 1.0);
+    found.variance = rows_.y.squaredNorm() / static_cast<double>(rows_.y.size());
+    for (int round = 0; round < kScaleRounds; ++round) {
+      const Eigen::LLT<Eigen::MatrixXd> factor(information(squares, found));
+      found.x = factor.solve(rows_.gradient.head(size) / found.variance);
+      found.covariance = factor.solve(Eigen::MatrixXd::Identity(size, size));
+      const double errors = (rows_.y - A * found.x).squaredNorm();
+      found.log_evidence = log_evidence(found, errors, factor);
+      if (round + 1 < kScaleRounds) update(found, errors);
+    }
+    return found;
+  }
+
+ private:
+  [[nodiscard]] Eigen::MatrixXd information(const Eigen::MatrixXd& squares,
+                                            const Posterior& found) const {
+    Eigen::MatrixXd H = squares / found.variance;
+    H.diagonal().head(model_.geometry_columns()).array() += 1 / geometry_variance_;
+    for (std::size_t b = 0; b < found.scale.size(); ++b) {
+      const PriorBlock& block = model_.blocks()[b];
+      H.block(block.first, block.first, block.size(), block.size()) +=
+          block.precision / found.scale[b];
+    }
+    return H;
+  }
+
+  void update(Posterior& found, double errors) const {
+    const Eigen::Index geometry = model_.geometry_columns();
+    double determined = static_cast<double>(geometry) -
+                        found.covariance.diagonal().head(geometry).sum() / geometry_variance_;
+    for (std::size_t b = 0; b < found.scale.size(); ++b) {
+      const PriorBlock& block = model_.blocks()[b];
+      if (block.size() == 0) continue;
+      const auto size = static_cast<double>(block.size());
+      const auto x = found.x.segment(block.first, block.size());
+      const double squares = x.dot(block.precision * x);
+      const double trace = block.precision
+                               .cwiseProduct(found.covariance.block(block.first, block.first,
+                                                                    block.size(), block.size()))
+                               .sum();
+      const double own = std::clamp(size - trace / found.scale[b], 1e-3, size);
+      determined += own;
+      found.scale[b] = std::max(kLeastBlockScale,
+                                std::exp(kQuickShare * std::log(std::max(squares, 1e-12) / own) +
+                                         (1 - kQuickShare) * std::log((squares + trace) / size)));
+    }
+    const auto numbers = static_cast<double>(rows_.y.size());
+    found.variance = std::max(1e-14, errors / std::max(numbers - determined, 0.05 * numbers));
+  }
+
+  [[nodiscard]] double log_evidence(const Posterior& found, double errors,
+                                    const Eigen::LLT<Eigen::MatrixXd>& factor) const {
+    const Eigen::Index geometry = model_.geometry_columns();
+    const auto d = found.x.head(geometry);
+    const Eigen::VectorXd held =
+        rows_.A.leftCols(geometry).transpose() * rows_.y - rows_.gradient.head(geometry);
+    double cost =
+        (errors + 2 * d.dot(held)) / found.variance + d.squaredNorm() / geometry_variance_;
+    double log_determinants = static_cast<double>(rows_.y.size()) * std::log(found.variance) +
+                              static_cast<double>(geometry) * std::log(geometry_variance_);
+    for (std::size_t b = 0; b < found.scale.size(); ++b) {
+      const PriorBlock& block = model_.blocks()[b];
+      const auto x = found.x.segment(block.first, block.size());
+      cost += x.dot(block.precision * x) / found.scale[b];
+      log_determinants +=
+          static_cast<double>(block.size()) * std::log(found.scale[b]) - block.log_determinant;
+    }
+    for (Eigen::Index k = 0; k < found.x.size(); ++k) {
+      log_determinants += 2 * std::log(factor.matrixLLT()(k, k));
+    }
+    return -(cost + log_determinants) / 2;
+  }
+
+  const WholeModel& model_;
+  const Rows& rows_;
+  double geometry_variance_;
+};
+
+// The target of a row by its index, or nothing.
+std::optional<std::size_t> index_of(const Signature& signature, int number) {
+  const auto* target = std::ranges::find(signature.targets, number, &Target::number);
+  if (target == signature.targets.end()) return std::nullopt;
+  return static_cast<std::size_t>(target - signature.targets.begin());
+}
+
+// Rows of known targets that are no blunders.
+std::vector<EvidenceRow> sound_rows(const Evidence& evidence, const refinement::Refined& estimate) {
+  std::vector<EvidenceRow> rows;
+  std::vector<double> lengths;
+  for (const EvidenceRow& row : thinned(evidence, kMostRows).rows) {
+    const auto target = index_of(estimate.signature, row.target);
+    if (!target) continue;
+    rows.push_back(row);
+    lengths.push_back((row.p_S - uncertainty::tool_position(estimate, row.q, *target)).norm());
+  }
+  if (rows.size() < kFewestRows) return {};
+  const double gate = kBlunderGate * median_of(lengths) / kMedianLengthOf3;
+  std::vector<EvidenceRow> sound;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (lengths[k] <= gate) sound.push_back(rows[k]);
+  }
+  return sound;
+}
+
+Rows linearised(const WholeModel& model, const refinement::Refined& estimate,
+                std::span<const EvidenceRow> from, GeometryPrior prior) {
+  const auto numbers = 3 * static_cast<Eigen::Index>(from.size());
+  Rows rows{.A = Eigen::MatrixXd(numbers, model.columns()),
+            .y = Eigen::VectorXd(numbers),
+            .gradient = {}};
+  Eigen::VectorXd residual(numbers);
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    const auto first = 3 * static_cast<Eigen::Index>(k);
+    const WholeModel::At at = model.at(from[k].q, *index_of(estimate.signature, from[k].target));
+    rows.A.middleRows<3>(first) = at.columns;
+    residual.segment<3>(first) = from[k].p_S - at.p_S;
+    rows.y.segment<3>(first) = residual.segment<3>(first) + at.bent;
+  }
+  rows.gradient = rows.A.transpose() * rows.y;
+  if (prior == GeometryPrior::kDrawing) {
+    const Eigen::Index geometry = model.geometry_columns();
+    rows.gradient.head(geometry) -= rows.A.leftCols(geometry).transpose() * residual;
+  }
+  return rows;
+}
+
+// Mean square at the tool of what the estimate misses, by that posterior.
+double expected_square(const WholeModel& model, const Posterior& posterior,
+                       const refinement::Refined& estimate,
+                       const FixedVector<JointLimits, kMaxJoints>& limits, std::size_t tool) {
+  double sum = 0;
+  for (int k = 1; k <= kJudgedPoses; ++k) {
+    const JointVector q = work_configuration(estimate.signature.types, limits, k);
+    const WholeModel::At at = model.at(q, tool);
+    const Eigen::MatrixXd columns = at.columns.leftCols(posterior.x.size());
+    sum += (columns * posterior.x - at.bent).squaredNorm() +
+           (columns * posterior.covariance).cwiseProduct(columns).sum();
+    for (std::size_t b = 1; b < posterior.scale.size(); ++b) {
+      sum += posterior.scale[b] * at.open[b - 1];
+    }
+  }
+  return sum / kJudgedPoses;
+}
+
+}  // namespace
+
+std::optional<UnseenBending> judge_bending(const Evidence& evidence,
+                                           const refinement::Refined& estimate, GeometryPrior prior,
+                                           const FixedVector<JointLimits, kMaxJoints>& limits,
+                                           std::size_t tool) {
+  const bool sweeps_alone =
+      std::ranges::none_of(evidence.rows, [](const EvidenceRow& row) { return row.sweep == 0; });
+  if (!sweeps_alone) return std::nullopt;
+  const std::vector<EvidenceRow> from = sound_rows(evidence, estimate);
+  if (from.empty()) return std::nullopt;
+  const WholeModel model(evidence.arm, estimate, from);
+  const Rows rows = linearised(model, estimate, from, prior);
+  Fit fit(model, rows, prior == GeometryPrior::kDrawing ? 1 : kAboutEstimate);
+  const Posterior straight = fit(false);
+  const Posterior bent = fit(true);
+  UnseenBending found;
+  found.stated_m = uncertainty::predicted_rms(estimate, limits, tool, kJudgedPoses);
+  found.probability = 1 / (1 + std::exp(straight.log_evidence - bent.log_evidence));
+  const auto square_of = [&](const Posterior& posterior) {
+    return expected_square(model, posterior, estimate, limits, tool);
+  };
+  const double more = std::max(0.0, square_of(bent) - square_of(straight));
+  found.expected_m = std::sqrt(found.stated_m * found.stated_m + found.probability * more);
+  // What is unexplained in every pose is no part of the covariance.
+  const double axes = found.stated_m * found.stated_m -
+                      3 * estimate.quality.unexplained_m * estimate.quality.unexplained_m;
+  if (axes > 0) found.factor = std::sqrt(1 + found.probability * more / axes);
+  return found;
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// All that may move a target of an arm, linearised about an estimate of it: base, targets, five
+// deviations a joint, gravity, and the map of every joint's reading as a Gaussian process at the
+// readings that were measured (section 8 of ALGORITHMS; Rasmussen and Williams, Gaussian Processes
+// for Machine Learning, 2006, section 2.2).
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/arm_model/model.hpp"
+#include "core/refinement/refined.hpp"
+#include "firmware/host_tool/diagnosis/evidence.hpp"
+
+namespace armsig::tool {
+
+// Columns whose prior has one scale: N(0, (precision / scale)^-1).
+struct PriorBlock {
+  Eigen::Index first = 0;
+  Eigen::MatrixXd precision;
+  double log_determinant = 0;  // of the precision
+
+  [[nodiscard]] Eigen::Index size() const { return precision.rows(); }
+};
+
+class WholeModel {
+ public:
+  // `rows` are those whose readings the maps are told at. Both are kept as references.
+  WholeModel(const Arm& drawing, const refinement::Refined& estimate,
+             std::span<const EvidenceRow> rows);
+
+  // What moves the target at readings `readings`.
+  struct At {
+    Eigen::Matrix<double, 3, Eigen::Dynamic> columns;
+    Vector3 p_S = Vector3::Zero();          // where the estimate has it
+    Vector3 bent = Vector3::Zero();         // what the estimate's own gravity and maps are of that
+    std::array<double, kMaxJoints> open{};  // variance left in each map, of unit scale [m^2]
+  };
+  [[nodiscard]] At at(const JointVector& readings, std::size_t target) const;
+
+  [[nodiscard]] Eigen::Index columns() const { return columns_; }
+  // Base, targets, deviations: the first columns.
+  [[nodiscard]] Eigen::Index geometry_columns() const { return geometry_; }
+  // Gravity, then the map of every joint.
+  [[nodiscard]] const std::vector<PriorBlock>& blocks() const { return blocks_; }
+
+ private:
+  // How the target moves with each joint.
+  using Motions = std::array<Vector3, kMaxJoints>;
+  // The readings of one joint at which its map is told, with K^-1.
+  struct Knots {
+    std::vector<double> phase;  // on one turn of the map
+    Eigen::MatrixXd precision;
+  };
+
+  void add_block(Eigen::MatrixXd precision);
+  void add_knots(std::size_t joint, std::span<const EvidenceRow> rows);
+  [[nodiscard]] double phase(std::size_t joint, double reading) const;
+  // Returns how the target moves with the joint.
+  [[nodiscard]] Vector3 add_deviations(std::size_t joint, const Pose& X_SJ, At& at) const;
+  void add_gravity(const JointVector& readings, const Motions& motion, At& at) const;
+  void add_map(std::size_t joint, double reading, const Vector3& motion, At& at) const;
+
+  const refinement::Refined& estimate_;
+  calibration::ArmModel drawn_;
+  std::array<Knots, kMaxJoints> knots_;
+  std::vector<PriorBlock> blocks_;
+  Eigen::Index geometry_ = 0;
+  Eigen::Index columns_ = 0;
+};
+
+}  // namespace armsig::tool
