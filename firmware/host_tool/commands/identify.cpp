@@ -218,15 +218,15 @@ int run(IdentifyOptions options) {
     return fail(explained(problem, collector.evidence(), arm->limits), kNoAnswer, options);
   };
   if (!taken) return refuse(taken.error());
-  auto found = refine ? identified_by_refinement(identification, *further)
-                      : identified_by_features(options, arm->arm, identification);
+  const auto found = refine ? identified_by_refinement(identification, *further)
+                            : identified_by_features(options, arm->arm, identification);
   if (!found) return refuse(found.error());
 
   SignatureRecord record = record_of(found->identified, *arm, options.method, options.serial);
   const std::size_t receivers = sensor ? sensor->receivers_S.size() : 0;
   double enlarged = 1;  // what is stated, over what the method itself predicts
   if (refine) {
-    enlarged = add_refinement(record, *found->refinement, receivers, collector.evidence());
+    add_refinement(record, *found->refinement, receivers);
   } else {
     enlarged = add_features(record, found->validation, collector.evidence());
   }

@@ -8,7 +8,6 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
-#include "core/calibration/geometry_alone.hpp"
 #include "core/measurement/receivers.hpp"
 #include "core/uncertainty/feature_information.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
@@ -73,30 +72,6 @@ double enlarge(SignatureRecord& record, const std::optional<UnseenBending>& bend
   return factor;
 }
 
-// The same of a fit to everything, gravity and maps in it.
-double enlarge(SignatureRecord& record, RefinementOutcome& outcome, const Evidence& evidence) {
-  refinement::Refined& refined = *outcome.refined;
-  const auto tool = tool_target(refined.signature);
-  if (!tool) return 1;
-  const FixedVector<JointLimits, kMaxJoints>& limits = record.nominal.limits;
-  const double factor = enlarge(
-      record, judge_bending(evidence, refined, GeometryPrior::kDrawing, limits, *tool), refined);
-  if (factor == 1) return 1;
-  const double over_limits_m = uncertainty::predicted_rms(refined, limits, *tool);
-  outcome.predicted_tool_error_m = over_limits_m;
-  if (!outcome.deflections) return factor;
-  const auto wider = std::make_shared<calibration::ArmModel>(*outcome.deflections);
-  for (calibration::JointModel& joint : wider->joints) {
-    for (float& variance : joint.map_variance) variance *= static_cast<float>(square(factor));
-  }
-  outcome.deflections = wider;
-  refined.readings.deflections = wider.get();
-  outcome.predicted_over_limits_m = uncertainty::predicted_rms(refined, limits, *tool);
-  outcome.predicted_tool_error_m =
-      uncertainty::predicted_rms(refined, calibration::covered_limits(*wider, limits), *tool);
-  return factor;
-}
-
 }  // namespace
 
 SignatureRecord record_of(const Identified& identified, const ArmDescription& arm,
@@ -115,9 +90,8 @@ SignatureRecord record_of(const Identified& identified, const ArmDescription& ar
   return record;
 }
 
-double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::size_t receivers,
-                      const Evidence& evidence) {
-  const double enlarged = enlarge(record, outcome, evidence);
+void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
+                    std::size_t receivers) {
   const refinement::Refined& refined = *outcome.refined;
   add_covariance(record, refined);
   record.sigma_m = refined.quality.sigma_m;
@@ -133,7 +107,6 @@ double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::
   record.scale = refined.scale;
   record.fit = FitRecord{refined.quality.rows_used, refined.quality.rows_rejected,
                          refined.quality.rms_m, left_out(outcome.cross_validation)};
-  return enlarged;
 }
 
 double add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation,
@@ -164,8 +137,7 @@ double add_features(SignatureRecord& record, const std::optional<CrossValidation
   }
   const auto tool = tool_target(signature);
   if (tool) {
-    const auto bending =
-        judge_bending(evidence, *estimate, GeometryPrior::kNone, record.nominal.limits, *tool);
+    const auto bending = judge_bending(evidence, *estimate, record.nominal.limits, *tool);
     enlarged *= enlarge(record, bending, *estimate);
   }
   add_covariance(record, *estimate);

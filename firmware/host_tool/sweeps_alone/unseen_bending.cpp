@@ -18,16 +18,16 @@ constexpr std::size_t kMostRows = 300;
 constexpr std::size_t kFewestRows = 12;
 constexpr double kBlunderGate = 6;  // of the rows' own robust scale
 constexpr int kScaleRounds = 25;
-constexpr int kJudgedPoses = 200;      // as uncertainty::predicted_rms()
-constexpr double kAboutEstimate = 25;  // variance over that about the drawing: says next to nothing
-constexpr double kQuickShare = 0.7;    // see engine_scales.cpp
+constexpr int kJudgedPoses = 200;  // as uncertainty::predicted_rms()
+// Variance of the geometry about the estimate, over that about a drawing: says next to nothing.
+constexpr double kGeometryVariance = 25;
+constexpr double kQuickShare = 0.7;  // see engine_scales.cpp
 constexpr double kLeastBlockScale = 1e-6;
 
 // The rows: y = A x + e.
 struct Rows {
   Eigen::MatrixXd A;
   Eigen::VectorXd y;
-  Eigen::VectorXd gradient;  // A^T y, less what the prior of the geometry holds against it
 };
 
 struct Posterior {
@@ -42,20 +42,20 @@ struct Posterior {
 // (MacKay, 1992; Dempster, Laird and Rubin, 1977), with the whole covariance.
 class Fit {
  public:
-  Fit(const WholeModel& model, const Rows& rows, double geometry_variance)
-      : model_(model), rows_(rows), geometry_variance_(geometry_variance) {}
+  Fit(const WholeModel& model, const Rows& rows) : model_(model), rows_(rows) {}
 
   [[nodiscard]] Posterior operator()(bool bends) {
     const Eigen::Index size = bends ? model_.columns() : model_.geometry_columns();
     const Eigen::MatrixXd A = rows_.A.leftCols(size);
     const Eigen::MatrixXd squares = A.transpose() * A;
+    const Eigen::VectorXd gradient = A.transpose() * rows_.y;
     const std::size_t blocks = bends ? model_.blocks().size() : 0;
     Posterior found;
     found.scale.assign(blocks, 1.0);
     found.variance = rows_.y.squaredNorm() / static_cast<double>(rows_.y.size());
     for (int round = 0; round < kScaleRounds; ++round) {
       const Eigen::LLT<Eigen::MatrixXd> factor(information(squares, found));
-      found.x = factor.solve(rows_.gradient.head(size) / found.variance);
+      found.x = factor.solve(gradient / found.variance);
       found.covariance = factor.solve(Eigen::MatrixXd::Identity(size, size));
       const double errors = (rows_.y - A * found.x).squaredNorm();
       found.log_evidence = log_evidence(found, errors, factor);
@@ -68,7 +68,7 @@ class Fit {
   [[nodiscard]] Eigen::MatrixXd information(const Eigen::MatrixXd& squares,
                                             const Posterior& found) const {
     Eigen::MatrixXd H = squares / found.variance;
-    H.diagonal().head(model_.geometry_columns()).array() += 1 / geometry_variance_;
+    H.diagonal().head(model_.geometry_columns()).array() += 1 / kGeometryVariance;
     for (std::size_t b = 0; b < found.scale.size(); ++b) {
       const PriorBlock& block = model_.blocks()[b];
       H.block(block.first, block.first, block.size(), block.size()) +=
@@ -80,7 +80,7 @@ class Fit {
   void update(Posterior& found, double errors) const {
     const Eigen::Index geometry = model_.geometry_columns();
     double determined = static_cast<double>(geometry) -
-                        found.covariance.diagonal().head(geometry).sum() / geometry_variance_;
+                        found.covariance.diagonal().head(geometry).sum() / kGeometryVariance;
     for (std::size_t b = 0; b < found.scale.size(); ++b) {
       const PriorBlock& block = model_.blocks()[b];
       if (block.size() == 0) continue;
@@ -105,12 +105,9 @@ class Fit {
                                     const Eigen::LLT<Eigen::MatrixXd>& factor) const {
     const Eigen::Index geometry = model_.geometry_columns();
     const auto d = found.x.head(geometry);
-    const Eigen::VectorXd held =
-        rows_.A.leftCols(geometry).transpose() * rows_.y - rows_.gradient.head(geometry);
-    double cost =
-        (errors + 2 * d.dot(held)) / found.variance + d.squaredNorm() / geometry_variance_;
+    double cost = errors / found.variance + d.squaredNorm() / kGeometryVariance;
     double log_determinants = static_cast<double>(rows_.y.size()) * std::log(found.variance) +
-                              static_cast<double>(geometry) * std::log(geometry_variance_);
+                              static_cast<double>(geometry) * std::log(kGeometryVariance);
     for (std::size_t b = 0; b < found.scale.size(); ++b) {
       const PriorBlock& block = model_.blocks()[b];
       const auto x = found.x.segment(block.first, block.size());
@@ -126,7 +123,6 @@ class Fit {
 
   const WholeModel& model_;
   const Rows& rows_;
-  double geometry_variance_;
 };
 
 // The target of a row by its index, or nothing.
@@ -156,23 +152,14 @@ std::vector<EvidenceRow> sound_rows(const Evidence& evidence, const refinement::
 }
 
 Rows linearised(const WholeModel& model, const refinement::Refined& estimate,
-                std::span<const EvidenceRow> from, GeometryPrior prior) {
+                std::span<const EvidenceRow> from) {
   const auto numbers = 3 * static_cast<Eigen::Index>(from.size());
-  Rows rows{.A = Eigen::MatrixXd(numbers, model.columns()),
-            .y = Eigen::VectorXd(numbers),
-            .gradient = {}};
-  Eigen::VectorXd residual(numbers);
+  Rows rows{.A = Eigen::MatrixXd(numbers, model.columns()), .y = Eigen::VectorXd(numbers)};
   for (std::size_t k = 0; k < from.size(); ++k) {
     const auto first = 3 * static_cast<Eigen::Index>(k);
     const WholeModel::At at = model.at(from[k].q, *index_of(estimate.signature, from[k].target));
     rows.A.middleRows<3>(first) = at.columns;
-    residual.segment<3>(first) = from[k].p_S - at.p_S;
-    rows.y.segment<3>(first) = residual.segment<3>(first) + at.bent;
-  }
-  rows.gradient = rows.A.transpose() * rows.y;
-  if (prior == GeometryPrior::kDrawing) {
-    const Eigen::Index geometry = model.geometry_columns();
-    rows.gradient.head(geometry) -= rows.A.leftCols(geometry).transpose() * residual;
+    rows.y.segment<3>(first) = from[k].p_S - at.p_S + at.bent;
   }
   return rows;
 }
@@ -198,7 +185,7 @@ double expected_square(const WholeModel& model, const Posterior& posterior,
 }  // namespace
 
 std::optional<UnseenBending> judge_bending(const Evidence& evidence,
-                                           const refinement::Refined& estimate, GeometryPrior prior,
+                                           const refinement::Refined& estimate,
                                            const FixedVector<JointLimits, kMaxJoints>& limits,
                                            std::size_t tool) {
   const bool sweeps_alone =
@@ -207,8 +194,8 @@ std::optional<UnseenBending> judge_bending(const Evidence& evidence,
   const std::vector<EvidenceRow> from = sound_rows(evidence, estimate);
   if (from.empty()) return std::nullopt;
   const WholeModel model(evidence.arm, estimate, from);
-  const Rows rows = linearised(model, estimate, from, prior);
-  Fit fit(model, rows, prior == GeometryPrior::kDrawing ? 1 : kAboutEstimate);
+  const Rows rows = linearised(model, estimate, from);
+  Fit fit(model, rows);
   const Posterior straight = fit(false);
   const Posterior bent = fit(true);
   UnseenBending found;

@@ -11,12 +11,6 @@
 
 namespace armsig::tool {
 
-// What the priors of the geometry are about.
-enum class GeometryPrior : std::uint8_t {
-  kNone,     // the estimate came from the rows alone
-  kDrawing,  // the estimate is where rows and drawing are in balance
-};
-
 struct UnseenBending {
   double stated_m = 0;     // RMS error at the tool, by the covariance of the estimate
   double expected_m = 0;   // and by what gravity and maps may be, given the same sweeps
@@ -24,12 +18,12 @@ struct UnseenBending {
   double factor = 1;       // that sigmas of the estimate need, to come to what is expected
 };
 
-// Of an estimate from sweeps alone, over the work volume within `limits`. The arm with gravity and
-// maps is estimated from the same rows by the joint Gaussian of everything; where it differs from
-// the estimate, and how uncertain it is itself, is what is to be expected. Nothing where poses
-// with sweep 0 are among the rows, or the rows are few.
+// Of an estimate by features from sweeps alone, over the work volume within `limits`. The arm with
+// gravity and maps is estimated from the same rows by the joint Gaussian of everything; where it
+// differs from the estimate, and how uncertain it is itself, is what is to be expected. Nothing
+// where poses with sweep 0 are among the rows, or the rows are few.
 [[nodiscard]] std::optional<UnseenBending> judge_bending(
-    const Evidence& evidence, const refinement::Refined& estimate, GeometryPrior prior,
+    const Evidence& evidence, const refinement::Refined& estimate,
     const FixedVector<JointLimits, kMaxJoints>& limits, std::size_t tool);
 
 }  // namespace armsig::tool
