@@ -5,20 +5,17 @@
 #include <array>
 #include <cmath>
 
-#include "core/numerics/cholesky.hpp"
 #include "core/numerics/quantiles.hpp"
 
 namespace armsig::controller {
 namespace {
-
-using Numbers = FixedVector<double, Repeats::kMost>;
 
 constexpr double kSigmas = 5;
 constexpr int kRounds = 12;
 constexpr double kFiner = 8;            // by which the limit of a wrong point comes down in a round
 constexpr double kUndetermined = 1e-9;  // of the parameters' information, so that each has some
 
-double median_of(Numbers numbers) {
+double median_of(FixedVector<double, Repeats::kMost> numbers) {
   // By insertion: they are few.
   for (auto at = numbers.begin(); at != numbers.end(); ++at) {
     std::rotate(std::upper_bound(numbers.begin(), at, *at), at, at + 1);
@@ -39,67 +36,71 @@ void Repeats::add(const Matrix3& R_SL, const Vector3& difference_S, double varia
   all_.push_back(one);
 }
 
+Vector3 Repeats::One::moved(Motions One::* cause, const numerics::Column& by) const {
+  const Motions& motions = this->*cause;
+  Vector3 moved = Vector3::Zero();
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    moved += by(static_cast<Eigen::Index>(i)) * motions[i];
+  }
+  return moved;
+}
+
+// One step of reweighted least squares: a pose whose square is the limit weighs a quarter.
+bool Repeats::solve(Motions One::* cause, double limit, const Numbers& squares,
+                    numerics::Column& by) const {
+  numerics::Square information = numerics::Square::Zero();
+  by.setZero();
+  for (std::size_t p = 0; p < all_.size(); ++p) {
+    const Motions& motions = all_[p].*cause;
+    const double share = limit / (limit + squares[p]);
+    const double weight = share * share / all_[p].variance_m2;
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      by(row) += weight * motions[i].dot(all_[p].difference_S);
+      for (std::size_t k = 0; k <= i; ++k) {
+        information(row, static_cast<Eigen::Index>(k)) += weight * motions[i].dot(motions[k]);
+      }
+    }
+  }
+  const auto n = static_cast<Eigen::Index>((all_[0].*cause).size());
+  information.diagonal().head(n).array() += kUndetermined * information.trace();
+  return numerics::solve_positive(information, by, n);
+}
+
 // Least squares of the cause's parameters with the loss of Geman and McClure, whose limit comes
 // down from where no point is wrong (graduated non-convexity: Yang, Antonante, Tzoumas and Carlone,
 // 2020).
 Repeats::Explained Repeats::explained_by(Motions One::* cause) const {
   const std::size_t count = (all_[0].*cause).size();
-  const auto n = static_cast<Eigen::Index>(count);
   if (count == 0) return {};
-  const auto loss = [](double squares) {
-    return squares * kOneInThousand / (squares + kOneInThousand);
-  };
+  numerics::Column by = numerics::Column::Zero();
   Numbers squares;  // of what is not explained, in sigmas
-  double largest = 0;
-  double before = 0;
+  const auto loss = [&] {
+    double sum = 0;
+    for (const double x : squares) sum += x * kOneInThousand / (x + kOneInThousand);
+    return sum;
+  };
   for (const One& one : all_) {
     squares.push_back(one.difference_S.squaredNorm() / one.variance_m2);
-    largest = std::max(largest, squares.back());
-    before += loss(squares.back());
   }
-  numerics::Column found;
+  const double before = loss();
+  const double largest = *std::ranges::max_element(squares);
   for (int round = 0; round < kRounds; ++round) {
     const double limit = std::max(largest / std::pow(kFiner, round), kOneInThousand);
-    numerics::Square information = numerics::Square::Zero();
-    found.setZero();
+    if (!solve(cause, limit, squares, by)) return {};
     for (std::size_t p = 0; p < all_.size(); ++p) {
-      const Motions& motions = all_[p].*cause;
-      const double share = limit / (limit + squares[p]);
-      const double weight = share * share / all_[p].variance_m2;
-      for (std::size_t i = 0; i < count; ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        found(row) += weight * motions[i].dot(all_[p].difference_S);
-        for (std::size_t k = 0; k <= i; ++k) {
-          information(row, static_cast<Eigen::Index>(k)) += weight * motions[i].dot(motions[k]);
-        }
-      }
-    }
-    information.diagonal().head(n).array() += kUndetermined * information.trace();
-    if (!numerics::solve_positive(information, found, n)) return {};
-    for (std::size_t p = 0; p < all_.size(); ++p) {
-      Vector3 left = all_[p].difference_S;
-      for (std::size_t i = 0; i < count; ++i) {
-        left -= found(static_cast<Eigen::Index>(i)) * (all_[p].*cause)[i];
-      }
+      const Vector3 left = all_[p].difference_S - all_[p].moved(cause, by);
       squares[p] = left.squaredNorm() / all_[p].variance_m2;
     }
   }
-  Explained explained;
-  double after = 0;
   double moved_m2 = 0;
-  for (std::size_t p = 0; p < all_.size(); ++p) {
-    after += loss(squares[p]);
-    explained.left += squares[p] > kOneInThousand ? 1 : 0;
-    Vector3 moved = Vector3::Zero();
-    for (std::size_t i = 0; i < count; ++i) {
-      moved += found(static_cast<Eigen::Index>(i)) * (all_[p].*cause)[i];
-    }
-    moved_m2 += moved.squaredNorm();
-  }
-  explained.by_m = std::sqrt(moved_m2 / static_cast<double>(all_.size()));
-  explained.beyond =
-      before - after - numerics::chi_square_quantile(static_cast<double>(count), kSigmas);
-  return explained;
+  for (const One& one : all_) moved_m2 += one.moved(cause, by).squaredNorm();
+  const auto poses = static_cast<double>(all_.size());
+  const double chance = numerics::chi_square_quantile(static_cast<double>(count), kSigmas);
+  return {.beyond = before - loss() - chance,
+          .by_m = std::sqrt(moved_m2 / poses),
+          .left = static_cast<std::size_t>(
+              std::ranges::count_if(squares, [](double x) { return x > kOneInThousand; }))};
 }
 
 Repeats::Change Repeats::change(double wrong, double least_m) const {

@@ -8,6 +8,7 @@
 #include "core/base/arm.hpp"
 #include "core/base/fixed_vector.hpp"
 #include "core/base/pose.hpp"
+#include "core/numerics/cholesky.hpp"
 
 namespace armsig::controller {
 
@@ -48,13 +49,19 @@ class Repeats {
     Motions by_target = {};
     Motions by_sensor = {};
     Motions by_load = {};
+
+    // How far the target is, by these parameters of a cause.
+    [[nodiscard]] Vector3 moved(Motions One::* cause, const numerics::Column& by) const;
   };
+  using Numbers = FixedVector<double, kMost>;  // one a pose
   // What one cause explains.
   struct Explained {
     double beyond = 0;  // chance: of the sum of squares it takes away, by so much
     double by_m = 0;
     std::size_t left = 0;  // poses that are beyond chance still
   };
+  [[nodiscard]] bool solve(Motions One::* cause, double limit, const Numbers& squares,
+                           numerics::Column& by) const;
   [[nodiscard]] Explained explained_by(Motions One::* cause) const;
 
   FixedVector<One, kMost> all_;
