@@ -194,47 +194,41 @@ TEST(MasterStartUp, begins_the_set_up_anew_when_power_up_and_reset_cross) {
   script.bus.expect_all_consumed();
 }
 
-TEST(MasterStartUp, gives_up_a_drive_that_does_not_stay_up) {
-  MasterScript script;
-  script.bus.expect("77F#05");
-  test::script_reset(script.bus, false);
-  script.tick({});
-  script.tick({});
+void boot_three_times(MasterScript& script) {
   for (int i = 0; i < 3; ++i) {
     script.bus.bring("701#00");
     script.bus.expect("601#4000100000000000");
     script.tick({});
   }
+}
+
+// Once more than a drive may.
+void boot_too_often(MasterScript& script) {
+  script.bus.expect("77F#05");
+  test::script_reset(script.bus, false);
+  script.tick({});
+  script.tick({});
+  boot_three_times(script);
   script.bus.bring("701#00");
   script.tick({});
   script.tick({});
+}
+
+TEST(MasterStartUp, gives_up_a_drive_that_does_not_stay_up) {
+  MasterScript script;
+  boot_too_often(script);
   EXPECT_EQ(script.master->status(0).fault, Error::kDriveRebooted);
   script.bus.expect_all_consumed();
 }
 
 TEST(MasterStartUp, lets_a_drive_boot_as_often_again_after_the_operators_reset) {
   MasterScript script;
-  script.bus.expect("77F#05");
-  test::script_reset(script.bus, false);
-  script.tick({});
-  script.tick({});
-  for (int i = 0; i < 3; ++i) {
-    script.bus.bring("701#00");
-    script.bus.expect("601#4000100000000000");
-    script.tick({});
-  }
-  script.bus.bring("701#00");
-  script.tick({});
-  script.tick({});
+  boot_too_often(script);
   ASSERT_EQ(script.master->status(0).fault, Error::kDriveRebooted);
   script.master->reset_faults();
   script.bus.expect("000#8201");
   script.tick({});
-  for (int i = 0; i < 3; ++i) {
-    script.bus.bring("701#00");
-    script.bus.expect("601#4000100000000000");
-    script.tick({});
-  }
+  boot_three_times(script);
   EXPECT_FALSE(script.master->status(0).fault);
   script.bus.expect_all_consumed();
 }
