@@ -71,6 +71,11 @@ struct Workspace {
   numerics::LogHistogram lengths;  // of the residuals
   std::array<double, kMaxGeometry> step{};
   std::array<double, kMaxGeometry> gradient{};
+
+ protected:
+  // Owned as what it is, a WorkspaceFor: not by a pointer to its part.
+  Workspace() = default;
+  ~Workspace() = default;
 };
 // For arms of up to kJoints joints: 39 kB for eight, 33 kB for six.
 template <std::size_t kJoints>

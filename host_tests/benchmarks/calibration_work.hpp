@@ -47,7 +47,7 @@ class CalibrationWork {
   std::vector<calibration::FitRow> rows_;
   std::vector<calibration::ChainFrames> cache_;
   std::vector<double> matrix_;
-  std::unique_ptr<calibration::Workspace> work_ =
+  std::unique_ptr<calibration::WorkspaceFor<kMaxJoints>> work_ =
       std::make_unique<calibration::WorkspaceFor<kMaxJoints>>();
   calibration::Scales scales_;
 };

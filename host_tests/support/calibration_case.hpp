@@ -127,7 +127,7 @@ class Calibration {
   std::vector<calibration::ModelTarget> start_targets_;
   std::unique_ptr<calibration::ArmModel> model_ = std::make_unique<calibration::ArmModel>();
   std::unique_ptr<calibration::ArmModel> start_ = std::make_unique<calibration::ArmModel>();
-  std::unique_ptr<calibration::Workspace> work_ =
+  std::unique_ptr<calibration::WorkspaceFor<kMaxJoints>> work_ =
       std::make_unique<calibration::WorkspaceFor<kMaxJoints>>();
   std::unique_ptr<calibration::Engine> engine_;
 };

@@ -58,7 +58,7 @@ class Fitting {
   std::vector<calibration::FitRow> rows_;
   std::vector<calibration::ChainFrames> cache_;
   std::vector<double> matrix_;
-  std::unique_ptr<calibration::Workspace> work_ =
+  std::unique_ptr<calibration::WorkspaceFor<kMaxJoints>> work_ =
       std::make_unique<calibration::WorkspaceFor<kMaxJoints>>();
   std::unique_ptr<calibration::Engine> engine_;
   double stated_variance_ = 0;
