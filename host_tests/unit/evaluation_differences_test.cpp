@@ -279,10 +279,14 @@ TEST(Differences, scatter_by_the_sigma_they_state) {
     for (std::size_t i = 0; i < drawing.joints.size(); ++i) {
       Pose& X_SL = estimate->signature.X_SL[i];
       const std::size_t c = layout->axis[i];
-      X_SL.p += X_SL.R.col(0) * (normal(generator) * sigma[c + 2]) +
-                X_SL.R.col(1) * (normal(generator) * sigma[c + 3]);
-      X_SL.R = X_SL.R * rotation_about(Vector3::UnitX(), normal(generator) * sigma[c]) *
-               rotation_about(Vector3::UnitY(), normal(generator) * sigma[c + 1]);
+      // One after the other: the order in an expression is the compiler's.
+      const double shift_y_m = normal(generator) * sigma[c + 3];
+      const double shift_x_m = normal(generator) * sigma[c + 2];
+      const double tilt_y_rad = normal(generator) * sigma[c + 1];
+      const double tilt_x_rad = normal(generator) * sigma[c];
+      X_SL.p += X_SL.R.col(0) * shift_x_m + X_SL.R.col(1) * shift_y_m;
+      X_SL.R = X_SL.R * rotation_about(Vector3::UnitX(), tilt_x_rad) *
+               rotation_about(Vector3::UnitY(), tilt_y_rad);
     }
     const Differences differences = found(drawing, *estimate);
     ASSERT_EQ(differences.all.size(), true_differences.all.size());

@@ -5,22 +5,16 @@ target_compile_options(armsig_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wdouble-promotion -Wold-style-cast
   -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wformat=2 -Wimplicit-fallthrough -Wundef)
 if(ARMSIG_SANITIZE)
-  # The check of dynamic types needs RTTI, which the controller's libraries are built without.
+  # Branches are counted for the fuzzer. The check of dynamic types needs RTTI, which the controller's libraries are built
+  # without. Warnings are the other builds' business.
   target_compile_options(armsig_warnings INTERFACE
-    -fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer
-    -D_GLIBCXX_ASSERTIONS)
+    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer
+    -D_GLIBCXX_ASSERTIONS -w)
   target_link_options(armsig_warnings INTERFACE -fsanitize=address,undefined)
 endif()
 if(ARMSIG_SANITIZE_THREADS)
   target_compile_options(armsig_warnings INTERFACE -fsanitize=thread -fno-omit-frame-pointer)
   target_link_options(armsig_warnings INTERFACE -fsanitize=thread)
-endif()
-if(ARMSIG_FUZZ)
-  # Everything that a fuzzer drives counts its branches, and is checked as above; but for what AddressSanitizer sees as well
-  # (a null pointer is an address) and what takes half of the compiler's time. Warnings are the other builds' business.
-  target_compile_options(armsig_warnings INTERFACE
-    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize=vptr,null,alignment,object-size -fno-sanitize-recover=all
-    -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -w)
 endif()
 
 # GCC clears and copies structures of more than 128 bytes by "rep stos" and "rep movs" on x86-64: in the time that these
@@ -40,7 +34,7 @@ endif()
 # default. Held by host_tests/toolchain/hardened. core does without: it takes values that hal and firmware have checked,
 # reads nothing from outside, and is what every tick waits for.
 set(ARMSIG_HARDENED OFF)
-if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT ARMSIG_SANITIZE AND NOT ARMSIG_SANITIZE_THREADS AND NOT ARMSIG_FUZZ)
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT ARMSIG_SANITIZE AND NOT ARMSIG_SANITIZE_THREADS)
   set(ARMSIG_HARDENED ON)
 endif()
 macro(armsig_harden)

@@ -15,8 +15,6 @@ namespace {
 
 constexpr std::size_t kFewestRows = 24;
 constexpr std::size_t kFewestOfPart = 4;  // rows before and after
-constexpr double kHuber = 2.5;            // in sigmas per axis
-constexpr double kLeastSigma_m = 2e-6;
 constexpr double kFarthest = 30;
 constexpr double kUsualSize = 0.03;  // of a change, 1 sigma: metres, radians, a share
 
@@ -152,10 +150,9 @@ class ScoreTest {
   void weigh() {
     std::vector<double> lengths;
     for (const Vector3& residual : residuals_) lengths.push_back(residual.norm());
-    const double sigma_m = std::max(kLeastSigma_m, median_of(lengths) / kMedianLengthOf3);
+    const double sigma_m = std::max(kLeastSigma_m, sigma_by_median(lengths));
     for (const double length : lengths) {
-      const double in_sigma = length / (sigma_m * std::sqrt(3.0));
-      weights_.push_back(std::min(1.0, kHuber / in_sigma) / (sigma_m * sigma_m));
+      weights_.push_back(huber_weight(length, sigma_m));
       weight_ += weights_.back();
     }
   }

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t kFewestForNoise = 8;
 constexpr double kTrimmedShare = 0.7;
+constexpr double kMedianLengthOf3 = 1.538;  // of three unit normal errors
+constexpr double kHuber = 2.5;              // in sigmas per axis
 
 // What is left of positions about a + b f + c g, per axis, by the median of the lengths.
 double left_about(const std::vector<const EvidenceRow*>& rows, const Eigen::MatrixX3d& regressors) {
@@ -24,7 +26,7 @@ double left_about(const std::vector<const EvidenceRow*>& rows, const Eigen::Matr
       positions - regressors * regressors.colPivHouseholderQr().solve(positions);
   std::vector<double> lengths;
   for (Eigen::Index k = 0; k < left.rows(); ++k) lengths.push_back(left.row(k).norm());
-  return median_of(std::move(lengths)) / kMedianLengthOf3;
+  return sigma_by_median(std::move(lengths));
 }
 
 double left_by_reading(const std::vector<const EvidenceRow*>& rows, JointType type,
@@ -48,7 +50,7 @@ double left_by_order(const std::vector<const EvidenceRow*>& rows) {
         rows[k]->p_S - 3 * rows[k - 1]->p_S + 3 * rows[k - 2]->p_S - rows[k - 3]->p_S;
     lengths.push_back(third.norm() / std::sqrt(20.0));
   }
-  return median_of(std::move(lengths)) / kMedianLengthOf3;
+  return sigma_by_median(std::move(lengths));
 }
 
 }  // namespace
@@ -57,6 +59,15 @@ double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
+}
+
+double sigma_by_median(std::vector<double> lengths) {
+  return median_of(std::move(lengths)) / kMedianLengthOf3;
+}
+
+double huber_weight(double length_m, double sigma_m) {
+  const double in_sigma = length_m / (sigma_m * std::sqrt(3.0));
+  return std::min(1.0, kHuber / in_sigma) / (sigma_m * sigma_m);
 }
 
 double trimmed_rms(std::vector<double> lengths) {

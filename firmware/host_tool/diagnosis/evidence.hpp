@@ -11,13 +11,17 @@
 
 namespace armsig::tool {
 
-// Median length of three unit normal errors.
-inline constexpr double kMedianLengthOf3 = 1.538;
 // Multiples of it modulo 1 are spread evenly, without a period.
 inline constexpr double kGoldenShare = 0.6180339887498949;
 
 // Precondition: not empty.
 [[nodiscard]] double median_of(std::vector<double> values);
+// 1 sigma per axis of errors in space of these lengths, by their median. Precondition: not empty.
+[[nodiscard]] double sigma_by_median(std::vector<double> lengths);
+// No measurement is believed to be better [m].
+inline constexpr double kLeastSigma_m = 2e-6;
+// Huber's weight of an error of this length, over the variance.
+[[nodiscard]] double huber_weight(double length_m, double sigma_m);
 // RMS of the smallest seven tenths of lengths. Precondition: not empty.
 [[nodiscard]] double trimmed_rms(std::vector<double> lengths);
 

@@ -13,9 +13,7 @@
 namespace armsig::tool {
 namespace {
 
-constexpr double kLeastSigma_m = 2e-6;
-constexpr double kHuber = 2.5;      // in sigmas per axis
-constexpr double kRejected = 10.0;  // of these, nothing is believed any more
+constexpr double kRejected = 10.0;  // sigmas per axis from which on nothing is believed
 constexpr int kGentleSteps = 3;     // in which no row is given up yet
 constexpr double kLeastDamping = 1e-9;
 constexpr double kClip = 0.1;
@@ -89,7 +87,7 @@ class Fit {
       fit.clipped_m += std::pow(std::min(lengths.back(), kClip * fit.reach_m), 2);
     }
     fit.clipped_m = std::sqrt(fit.clipped_m / static_cast<double>(lengths.size()));
-    fit.sigma_m = median_of(lengths) / kMedianLengthOf3;
+    fit.sigma_m = sigma_by_median(lengths);
     fit.best_rms_m = trimmed_rms(std::move(lengths));
     return fit;
   }
@@ -110,12 +108,12 @@ class Fit {
       weights_.assign(lengths.size(), 1 / (sigma_m_ * sigma_m_));
       return;
     }
-    sigma_m_ = std::max(kLeastSigma_m, median_of(lengths) / kMedianLengthOf3);
+    sigma_m_ = std::max(kLeastSigma_m, sigma_by_median(lengths));
     weights_.assign(lengths.size(), 0);
     for (std::size_t k = 0; k < lengths.size(); ++k) {
       const double in_sigma = lengths[k] / (sigma_m_ * std::sqrt(3.0));
       if (how == Weighing::kStrict && in_sigma > kRejected) continue;
-      weights_[k] = std::min(1.0, kHuber / in_sigma) / (sigma_m_ * sigma_m_);
+      weights_[k] = huber_weight(lengths[k], sigma_m_);
     }
   }
 

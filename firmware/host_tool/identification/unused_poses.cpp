@@ -32,7 +32,7 @@ std::optional<UnusedPoses> judge_unused_poses(const Evidence& evidence,
   UnusedPoses found{.count = lengths_m.size()};
   predicted /= static_cast<double>(found.count);
   found.predicted_m = std::sqrt(predicted);
-  const double axis_m = median_of(std::move(lengths_m)) / kMedianLengthOf3;
+  const double axis_m = sigma_by_median(std::move(lengths_m));
   found.missed_m = std::sqrt(kAxes * std::max(0.0, axis_m * axis_m - noise_m * noise_m));
   return found;
 }

@@ -17,8 +17,6 @@ constexpr double kNoShare = 0.01;
 constexpr double kAtLimit_rad = 0.02;
 constexpr double kAtLimit_m = 0.002;
 
-double square(double value) { return value * value; }
-
 std::string millimetres(double metres) {
   return metres < 5e-7 ? "< 0.0005 mm" : fmt::format("{:.3f} mm", 1e3 * metres);
 }
@@ -31,8 +29,8 @@ std::string rows_in_words(const SignatureRecord& record) {
 void add_scatter(const SignatureRecord& record, double predicted_m, UncertaintyBudget& budget) {
   const double sensor_m = record.sigma_m.value_or(0);
   const double model_m = record.unexplained_m;
-  const double in_each_pose = std::min(3 * square(model_m), square(predicted_m));
-  const double by_the_fit = square(predicted_m) - in_each_pose;
+  const double in_each_pose = std::min(3 * model_m * model_m, predicted_m * predicted_m);
+  const double by_the_fit = predicted_m * predicted_m - in_each_pose;
   if (sensor_m <= kNoShare * model_m) {
     const double scatter_m = std::hypot(sensor_m, model_m);
     const std::string found =
@@ -44,7 +42,7 @@ void add_scatter(const SignatureRecord& record, double predicted_m, UncertaintyB
                               predicted_m});
     return;
   }
-  const double share = square(sensor_m) / (square(sensor_m) + square(model_m));
+  const double share = sensor_m * sensor_m / (sensor_m * sensor_m + model_m * model_m);
   budget.sources.push_back({"Sensor",
                             fmt::format("type A: its scatter of {} per axis, through the fit of {}",
                                         millimetres(sensor_m), rows_in_words(record)),

@@ -143,7 +143,7 @@ std::vector<EvidenceRow> sound_rows(const Evidence& evidence, const refinement::
     lengths.push_back((row.p_S - uncertainty::tool_position(estimate, row.q, *target)).norm());
   }
   if (rows.size() < kFewestRows) return {};
-  const double gate = kBlunderGate * median_of(lengths) / kMedianLengthOf3;
+  const double gate = kBlunderGate * sigma_by_median(lengths);
   std::vector<EvidenceRow> sound;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (lengths[k] <= gate) sound.push_back(rows[k]);
