@@ -28,7 +28,7 @@ void SelfCalibration::note_findings() {
   const double k = findings_.held_out.factor;
   const double play_m2 = prediction_.play_m2 / samples;
   findings_.model_m = k * std::sqrt(prediction_.model_m2 / samples);
-  findings_.play_m = std::sqrt(play_m2);
+  findings_.play_m = std::sqrt(std::max(play_m2, 0.0));
   findings_.budget =
       budget_of(prediction_, types_of(configuration_.drawing.joints), findings_.model_m);
   findings_.fitted = static_cast<std::size_t>(

@@ -30,14 +30,18 @@ void HeldOutJudge::add(const calibration::Engine& engine, const calibration::Fit
                        static_cast<float>(row.residual.dot(S.inverse() * row.residual))});
 }
 
-void HeldOutJudge::add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it) {
+std::optional<LeftOut> left_out(const Vector3& residual,
+                                const calibration::Engine::Stated& with_it) {
   const Matrix3 left = with_it.row - with_it.model;  // covariance of the residual
-  if (left.determinant() < kLeastLeft * with_it.row.determinant()) return;
-  const Vector3 weighed = left.inverse() * residual;
-  const Matrix3 all = with_it.row * left.inverse() * with_it.row;  // of the error without the row
-  fitted_.add({.squares_m2 = static_cast<float>((with_it.row * weighed).squaredNorm()),
-               .row_m2 = static_cast<float>(with_it.row.trace()),
-               .model_m2 = static_cast<float>((all - with_it.row).trace()),
+  if (left.determinant() < kLeastLeft * with_it.row.determinant()) return std::nullopt;
+  const Matrix3 whole = with_it.row * left.inverse();
+  return LeftOut{whole * residual, whole * with_it.row};
+}
+
+void HeldOutJudge::add_fitted(const LeftOut& row, const Matrix3& row_m2) {
+  fitted_.add({.squares_m2 = static_cast<float>(row.error_m.squaredNorm()),
+               .row_m2 = static_cast<float>(row_m2.trace()),
+               .model_m2 = static_cast<float>((row.covariance_m2 - row_m2).trace()),
                .normalised = 0});
 }
 
@@ -124,8 +128,8 @@ Budget budget_of(const Prediction& prediction, const JointTypes& types, double m
       sum += squares[i];
       if (squares[i] > squares[whole.joint]) whole.joint = i;
     }
-    whole.length_m = std::sqrt(sum / poses);
-    whole.of_joint_m = std::sqrt(squares[whole.joint] / poses);
+    whole.length_m = std::sqrt(std::max(sum, 0.0) / poses);
+    whole.of_joint_m = std::sqrt(std::max(squares[whole.joint], 0.0) / poses);
     return whole;
   };
   Budget budget;

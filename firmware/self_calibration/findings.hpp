@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "core/calibration/engine.hpp"
@@ -17,14 +18,25 @@ inline constexpr std::size_t kFewestSelfHeldOut = 12;
 
 // Poses held out of a fit, one after the other; and fitted ones, each judged by what the fit would
 // be without it.
+// A fitted row as if it had been left out of its fit: what it would be missed by, and by how much
+// it is to be expected.
+struct LeftOut {
+  Vector3 error_m = Vector3::Zero();
+  Matrix3 covariance_m2 = Matrix3::Zero();
+};
+
+// By the linear fit, from the row's residual and what was stated for it with the row (Cook and
+// Weisberg, Residuals and Influence in Regression, 1982, section 2.2). Nothing of a row that alone
+// determines something.
+[[nodiscard]] std::optional<LeftOut> left_out(const Vector3& residual,
+                                              const calibration::Engine::Stated& with_it);
+
 class HeldOutJudge {
  public:
   void add(const calibration::Engine& engine, const calibration::FitRow& row,
            const calibration::ChainFrames& frames);
-  // A fitted row by its residual, and what was stated for it with the row: what it would be missed
-  // by without it, by the linear fit (Cook and Weisberg, Residuals and Influence in Regression,
-  // 1982, section 2.2). A row that alone determines something tells nothing.
-  void add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it);
+  // A fitted row that has `row_m2` as the covariance of its own error.
+  void add_fitted(const LeftOut& row, const Matrix3& row_m2);
 
   [[nodiscard]] std::size_t count() const { return held_out_.size(); }
 

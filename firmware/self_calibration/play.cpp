@@ -17,10 +17,13 @@ constexpr double kLeastInformation = 1e-12;
 
 }  // namespace
 
-void PlayEstimate::add(Sides sides, const Motions& motions, const Vector3& residual) {
+void PlayEstimate::add(Sides sides, const Motions& motions, const Vector3& error_m,
+                       const Matrix3& covariance_m2) {
+  poses_ += 1;
+  traces_m2_ += covariance_m2.trace();
   for (std::size_t i = 0; i < joints_; ++i) {
     const Vector3 a = -side_of(sides, i) * motions[i];
-    pull_(static_cast<Index>(i)) += a.dot(residual);
+    pull_(static_cast<Index>(i)) += a.dot(error_m);
     for (std::size_t j = 0; j < joints_; ++j) {
       information_(static_cast<Index>(i), static_cast<Index>(j)) -=
           side_of(sides, j) * a.dot(motions[j]);
@@ -28,9 +31,12 @@ void PlayEstimate::add(Sides sides, const Motions& motions, const Vector3& resid
   }
 }
 
-double PlayEstimate::Half::squared() const { return is_seen() ? value * value - sigma * sigma : 0; }
+double PlayEstimate::Half::squared() const {
+  return std::isfinite(sigma) ? value * value - sigma * sigma : 0;
+}
 
-PlayEstimate::Halves PlayEstimate::result(double sigma_m) const {
+PlayEstimate::Halves PlayEstimate::result() const {
+  const double sigma_m = poses_ > 0 ? std::sqrt(traces_m2_ / (3 * poses_)) : 0;
   Matrix damped = information_ + kLeastInformation * Matrix::Identity();
   const Eigen::LLT<Matrix> factor(damped);
   const Eigen::Matrix<double, kMaxJoints, 1> h = factor.solve(pull_);

@@ -29,25 +29,28 @@ class PlayEstimate {
  public:
   explicit PlayEstimate(std::size_t joints = 0) : joints_(joints) {}
 
-  void add(Sides sides, const Motions& motions, const Vector3& residual);
+  // A pose, by what a fit without it misses it by, of this covariance.
+  void add(Sides sides, const Motions& motions, const Vector3& error_m,
+           const Matrix3& covariance_m2);
 
   struct Half {
     double value = 0;  // rad or m
     double sigma = 0;  // infinite: the poses do not tell
 
-    [[nodiscard]] bool is_seen() const { return std::abs(value) > 2 * sigma; }
-    // Square of what is there, as far as more than chance shows it.
+    // Square of what is there, right in the mean over what chance does: below zero as often as it
+    // is too large where there is none, so that only a sum of many means something.
     [[nodiscard]] double squared() const;
   };
   using Halves = FixedVector<Half, kMaxJoints>;
 
-  // `sigma_m`: of a residual, per axis.
-  [[nodiscard]] Halves result(double sigma_m) const;
+  [[nodiscard]] Halves result() const;
 
  private:
   using Matrix = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;
 
   std::size_t joints_;
+  double poses_ = 0;
+  double traces_m2_ = 0;  // of the errors' covariances
   Matrix information_ = Matrix::Zero();
   Eigen::Matrix<double, kMaxJoints, 1> pull_ = Eigen::Matrix<double, kMaxJoints, 1>::Zero();
 };

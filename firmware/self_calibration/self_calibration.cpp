@@ -282,15 +282,19 @@ void SelfCalibration::play_step() {
     squares_m2_ += row.residual.squaredNorm();
     covered_.add(effective_readings(configuration_.drawing.couplings, row.readings));
     if (row.sweep != 0) continue;
-    judge_.add_fitted(row.residual, engine_->covariance_of(row, memory_.cache[index_]));
-    play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
-              row.residual);
+    // By the row's own residual play would be too small: the fit has followed it.
+    const calibration::Engine::Stated stated = engine_->covariance_of(row, memory_.cache[index_]);
+    if (const auto missed = left_out(row.residual, stated)) {
+      judge_.add_fitted(*missed, stated.row);
+      play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
+                missed->error_m, missed->covariance_m2);
+    }
     ++index_;
     break;  // the covariance is a step's work
   }
   if (index_ < count_) return;
   findings_.sensor_m = std::sqrt(scales_.sigma_squared);
-  findings_.play = play_.result(findings_.sensor_m);
+  findings_.play = play_.result();
   index_ = 0;
   stage_ = Stage::kJudging;
 }
