@@ -34,7 +34,7 @@ export function parameterTable(report) {
       let difference = row.actual[key] - row.nominal[key];
       if (unit === '°') difference = turn(difference);
       const tr = element('tr', k === 0 ? { class: 'first' } : {},
-        cell(k === 0 ? `${row.joint} ${row.revolute ? 'revolute' : 'prismatic'}` : '', 'text'),
+        k === 0 ? element('td', { class: 'text' }, String(row.joint), element('span', { class: 'type' }, row.revolute ? ' revolute' : ' prismatic')) : cell('', 'text'),
         cell(`${name}, ${unit}${free ? ' †' : ''}${large ? ' *' : ''}`, 'text'),
         cell(fixed(scale(row.nominal[key]), least)),
         cell(fixed(scale(row.actual[key]), decimals), 'actual'),
