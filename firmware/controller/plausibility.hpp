@@ -60,7 +60,7 @@ inline constexpr Bounds kAirStep{0.01, 20, "a thermometer's noise, or a fire"};
 inline constexpr Bounds kRangeSigma{1e-7, 0.1, "of one range, in metres: millimetres as metres?"};
 inline constexpr Bounds kReceiver{-100, 100, "a receiver a hundred metres away hears nothing"};
 inline constexpr Bounds kEmitter{-10, 10,
-                                 "no target is as far from its hand: millimetres as metres?"};
+                                 "no target is as far from a flange: millimetres as metres?"};
 inline constexpr Bounds kPollPeriod{1e-3, 10, "no sensor measures as often or as seldom"};
 inline constexpr Bounds kAnswerTimeout{1e-3, 10, "no sensor answers as soon or as late"};
 inline constexpr Bounds kSecondsAStep{1e-12, 1e-4, "of a flight time, in seconds"};
@@ -78,7 +78,7 @@ inline constexpr Bounds kAxisSigma{1e-7, 0.1, "of an axis, in radians: degrees a
 inline constexpr Bounds kPointSigma{1e-8, 0.1, "of a point, in metres: millimetres as metres?"};
 inline constexpr Bounds kHeldOutReach{1e-3, 1, "a part of the joint limits"};
 inline constexpr Bounds kWorkspace{-100, 100, "no arm is as large: millimetres as metres?"};
-inline constexpr Bounds kHand{0, 5, "no hand is as long: millimetres as metres?"};
+inline constexpr Bounds kHand{0, 5, "no tool is as long: millimetres as metres?"};
 inline constexpr Bounds kGridSize{1e-3, 20,
                                   "an edge of the grid, in metres: millimetres as metres?"};
 inline constexpr Bounds kGridDwell{0, 3600, "the tool would stay at each vertex for as long"};

@@ -110,9 +110,9 @@ void SelfCalibration::tell_advice(Line& line) const {
   if (outcome_ == Outcome::kChanged) {
     line.text("what was measured first is elsewhere when it is measured again; look at the ")
         .text(change_.what == "arm" ? "arm's load and what holds its parts" : change_.what)
-        .text(change_.what == "load" ? " on the hand: weights bend the joints by another amount"
+        .text(change_.what == "load" ? " on the flange: weights bend the joints by another amount"
                                      : "")
-        .text(change_.what == "target" ? " on the hand and how it is fixed" : "")
+        .text(change_.what == "target" ? " on the flange and how it is fixed" : "")
         .text(change_.what == "sensor" ? " and what it stands on, and at what the arm carries" : "")
         .text(", then identify once more");
     return;

@@ -203,7 +203,7 @@ class ReportPage(unittest.TestCase):
         for source in ("Repeatability of the arm", "Temperature", "Scale of the instrument"):
             self.assertIn(source, self.page.ids["budget"])
         self.assertIn("RP): not measured", self.page.ids["accuracy"])
-        self.assertIn("Readings beyond the sweeps", self.page.ids["not-measured"])
+        self.assertIn("Readings beyond those measured, which the limits allow: joint 6 beyond −180° to 180°.", self.page.ids["not-measured"])
         self.assertEqual(told["operator"], "")
 
     def test_tells_sensor_and_model_apart_where_the_sensor_is_stated(self):
@@ -222,6 +222,20 @@ class ReportPage(unittest.TestCase):
         self.assertAlmostEqual(math.hypot(by_source["Sensor"], by_source["Model"]), told["combined_m"], delta=1e-12)
         self.assertGreater(by_source["Sensor"], by_source["Model"])  # the arm is as the model says
         self.assertIn("left out of the fit in turn", page.ids["accuracy"])
+
+    def test_counts_poses_beside_the_sweeps_as_measured_where_the_method_uses_them(self):
+        run("simulate", "--arm", "ur10e", "--tolerances", "1", "--arc", "60", "--sigma-mm", "0.1", "--mixed-poses", "40", "--out",
+            "mixed.csv")
+        beyond = {}
+        for method in ("encoder", "refined"):
+            run("identify", "--arm", "ur10e", "--measurements", "mixed.csv", "--method", method, "--out", "mixed.yaml")
+            run("report", "--signature", "mixed.yaml", "--measurements", "mixed.csv", "--out", "mixed.html")
+            with open("mixed.html") as file:
+                told = json.loads(re.search(r'id="report">(.*?)</script>', file.read(), re.S)[1])["certificate"]["not_measured"]
+            beyond[method] = [int(upper) for upper in re.findall(r"joint \d beyond −\d+° to (\d+)°", " ".join(told))]
+        self.assertEqual(beyond["encoder"], [30] * 6)
+        self.assertEqual(len(beyond["refined"]), 6)
+        self.assertGreater(min(beyond["refined"]), 180)
 
     def test_takes_no_serial_number_but_the_signatures(self):
         run("identify", "--arm", "demo/puma560.yaml", "--measurements", "demo/robot1-measurements.csv", "--sensor",

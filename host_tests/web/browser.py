@@ -123,8 +123,10 @@ class Tab:
         if not done:
             raise AssertionError(f"{selector} can't be clicked")
 
-    def picture(self, path, whole=False):
-        told = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
+    def picture(self, path, whole=False, clip=None):
+        """Of the window, of the whole page, or of a part of it."""
+        part = {"clip": clip} if clip else {}
+        told = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole or clip is not None, **part)
         with open(path, "wb") as file:
             file.write(base64.b64decode(told["data"]))
 

@@ -57,6 +57,9 @@ class LivePage(unittest.TestCase):
         (tab or self.tab).wait(f"!document.querySelector('[data-verb={verb}]').disabled", kSlow)
         (tab or self.tab).click(f"[data-verb={verb}]")
 
+    def shown(self, identifier, tab=None):
+        return (tab or self.tab).ask(f"document.getElementById('{identifier}').getClientRects().length > 0")
+
     def stop_is_within_reach(self):
         for width, height in WIDTHS:
             self.tab.look(width, height)
@@ -88,6 +91,7 @@ class LivePage(unittest.TestCase):
         self.mode("idle")
         self.headline("Without torque")
         self.stop_is_within_reach()
+        self.assertFalse(self.shown("read-only"))  # who came first holds the controls
         before = self.tab.ask("document.getElementById('arm').toDataURL()")
         self.press("enable")
         self.mode("holding")
@@ -198,6 +202,7 @@ class LivePage(unittest.TestCase):
         self.mode("idle", second)
         second.wait("!document.getElementById('read-only').hidden")
         self.assertTrue(second.ask("document.querySelector('[data-verb=enable]').disabled"))
+        self.assertTrue(self.shown("read-only", second))
         second.click("#take-over")
         self.press("enable", second)
         self.mode("holding")

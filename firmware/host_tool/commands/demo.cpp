@@ -212,7 +212,7 @@ void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::
       "Robot 1 again, by the command for your own arm:\n"
       "  armsig identify --arm {}/{} --measurements {}/{} --sensor {}/{} --out signature.yaml\n",
       options.out, options.out, kArmFile, options.out, kMeasurementsFile, options.out, kSensorFile);
-  if (report) say("\nThe report of robot 1, to open in a browser: {}\n", *report);
+  if (report) say("\nNext: open the report of robot 1 in a browser: {}\n", *report);
 }
 
 int run(const DemoOptions& options) {

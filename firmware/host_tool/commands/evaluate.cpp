@@ -82,7 +82,7 @@ void add_evaluate(CLI::App& app, int& status) {
   auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command =
       app.add_subcommand("evaluate", "the grid-touching task with and without the signature");
-  command->add_option("--arm", options->arm, "arm description (YAML): the ideal model")->required();
+  command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
   command->add_option("--signature", options->signature, "signature under test (YAML)")->required();
   command
       ->add_option("--truth", options->truth,

@@ -15,6 +15,7 @@
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/exports/urdf_correction.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 
 namespace armsig::tool {
@@ -34,6 +35,12 @@ void tell_loss(std::string_view format, bool tables, double rms_m, double larges
       "tool are lost, {:.3f} at most, over the readings measured\n",
       format, tables ? "gravity" : "gravity and the maps of the readings", 1e3 * rms_m,
       1e3 * largest_m);
+}
+
+std::string next_of(std::string_view format, const std::string& file) {
+  if (format == "urdf") return "check_urdf " + file;
+  if (format == "json") return "read it by any program; docs/formats.md names its keys";
+  return "read its first lines: they say what loads it, and how";
 }
 
 int run_format(const ExportOptions& options, const SignatureRecord& record) {
@@ -66,9 +73,8 @@ int run_format(const ExportOptions& options, const SignatureRecord& record) {
                 {"lost_largest_m", exported->lost_largest_m}});
   } else {
     say("{}: {} joints as {}\n", record.arm_name, record.signature.joint_count(), options.format);
-    for (const std::string& file : files) say("Written: {}\n", file);
-    say("Next: {}\n", options.format == "urdf" ? "check_urdf " + options.out
-                                               : "read its head, then load it where it belongs");
+    for (const std::string& file : files) say("Written: {}\n", file_in_words(file));
+    say("Next: {}\n", next_of(options.format, file_or(options.out, "arm.urdf")));
   }
   return kDone;
 }
@@ -94,11 +100,11 @@ void print_corrected(const ExportOptions& options, const SignatureRecord& record
   }
   say("{}: {} corrected from {} to {}\n\n{}\nEverything else in the file is as it was.\n",
       record.arm_name, options.into, corrected.base, corrected.tip, table.render());
-  for (const std::string& file : files) say("Written: {}\n", file);
+  for (const std::string& file : files) say("Written: {}\n", file_in_words(file));
   if (files.size() > 1) {
     say("Next: paste the origins of {} into {}\n", files.back(), corrected.made_by_xacro_from);
   } else {
-    say("Next: check_urdf {}\n", options.out);
+    say("Next: check_urdf {}\n", file_or(options.out, "arm.urdf"));
   }
 }
 

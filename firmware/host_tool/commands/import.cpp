@@ -9,6 +9,7 @@
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace armsig::tool {
@@ -47,8 +48,8 @@ int run(const ImportOptions& options) {
   }
   say("\n{}", paragraph(names));
   for (const std::string& note : imported->notes) say("{}", paragraph("Note: " + note + "."));
-  say("\nWritten: {}\nNext: armsig plan --arm {} --out sweeps-to-measure.csv\n", options.out,
-      options.out);
+  say("\nWritten: {}\nNext: armsig plan --arm {} --out sweeps-to-measure.csv\n",
+      file_in_words(options.out), file_or(options.out, "arm.yaml"));
   return kDone;
 }
 

@@ -12,6 +12,7 @@
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -63,7 +64,8 @@ void print_joined(const JoinOptions& options, const Joined& joined,
   say("  several joints moved: {} points\n", joined.rows.size() - swept);
   const bool all = std::ranges::all_of(sweeps, [](std::size_t count) { return count > 0; });
   say("\nWritten: {}\nNext: armsig identify --arm {} --measurements {}{} --out signature.yaml\n",
-      options.out, options.arm, options.out, all ? "" : " --method refined");
+      file_in_words(options.out), options.arm, file_or(options.out, "measurements.csv"),
+      all ? "" : " --method refined");
 }
 
 int run(const JoinOptions& options) {

@@ -7,6 +7,7 @@
 #include "firmware/host_tool/commands/pose_options.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/presentation/wrapping.hpp"
@@ -120,7 +121,7 @@ int run(const PlanOptions& options) {
                             "around.",
                             poses.size(), duration_in_words(duration_s(arm, *plan, {})))));
   say("Written: {}\nNext: measure at each, then armsig join, or armsig identify --arm {}\n",
-      options.out, options.arm);
+      file_in_words(options.out), options.arm);
   return kDone;
 }
 

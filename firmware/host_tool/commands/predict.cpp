@@ -11,6 +11,7 @@
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 #include "firmware/host_tool/signature/model.hpp"
 
@@ -111,12 +112,13 @@ int run(const PredictOptions& options) {
     if (options.sigma) json["rms_sigma_m"] = rms_length(sigmas_m);
     print_json(json);
   } else {
-    say("{} poses of {} in {}\n", poses.size(), what, options.out);
+    say("{} poses of {} in {}\n", poses.size(), what, file_in_words(options.out));
     if (options.sigma) {
       say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(sigmas_m));
     }
     say("Next: armsig solve --signature {} --poses {}{} --out readings.csv\n", options.signature,
-        options.out, *target ? fmt::format(" --target {}", (*target)->number) : "");
+        file_or(options.out, "poses.csv"),
+        *target ? fmt::format(" --target {}", (*target)->number) : "");
   }
   return kDone;
 }

@@ -7,6 +7,7 @@
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/report/report_input.hpp"
 
@@ -64,7 +65,7 @@ int run(const ReportOptions& options) {
   for (const auto& sentence : report["verdict"]["sentences"]) {
     say("{}", paragraph(sentence.get<std::string>()));
   }
-  say("\nWritten: {}\nNext: open it in a browser\n", options.out);
+  say("\nWritten: {}\nNext: open it in a browser\n", file_in_words(options.out));
   return kDone;
 }
 

@@ -10,6 +10,7 @@
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/refinement/tolerances_option.hpp"
 #include "firmware/host_tool/signature/record.hpp"
@@ -188,11 +189,11 @@ int run(const SimulateOptions& options) {
                 {"truth_out", options.truth_out}});
     return kDone;
   }
-  say("{}: {} rows in {}; the sweeps would take {} on the arm\n", arm->name, total, options.out,
-      duration_in_words(seconds));
+  say("{}: {} rows in {}; the sweeps would take {} on the arm\n", arm->name, total,
+      file_in_words(options.out), duration_in_words(seconds));
   if (!options.truth_out.empty()) say("The truth is in {}\n", options.truth_out);
   say("Next: armsig identify --arm {} --measurements {} --out signature.yaml\n", options.arm,
-      options.out);
+      file_or(options.out, "measurements.csv"));
   return kDone;
 }
 

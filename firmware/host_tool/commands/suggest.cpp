@@ -7,6 +7,7 @@
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/pose_options.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/presentation/wrapping.hpp"
@@ -110,7 +111,7 @@ int run(const SuggestOptions& options) {
         100 * kWorthwhile);
   }
   say("Written: {}\nNext: measure there, then armsig identify --method refined with all rows\n",
-      options.out);
+      file_in_words(options.out));
   return kDone;
 }
 

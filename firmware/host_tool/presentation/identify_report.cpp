@@ -8,6 +8,7 @@
 #include "firmware/host_tool/presentation/differences.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/presentation/wrapping.hpp"
 
@@ -36,8 +37,9 @@ void print_head(const ReportedFiles& files, const SignatureRecord& record,
   if (!signature.features.empty()) {
     say("What the sweeps say (residuals are root mean squares)\n\n{}\n", sweep_table(signature));
   }
-  say("Pseudo Denavit-Hartenberg parameters\n\n{}\n{}", dh_table(signature.pseudo_dh),
-      near_parallel_note(signature));
+  const std::string note = near_parallel_note(signature);
+  say("Pseudo Denavit-Hartenberg parameters\n\n{}{}{}", dh_table(signature.pseudo_dh),
+      note.empty() ? "" : "\n", note);
 }
 
 void print_corrections(const refinement::Refined& refined) {
@@ -150,9 +152,9 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
   }
   if (record.predicted_tool_error_m) print_predicted(found, *record.predicted_tool_error_m);
   if (found.identified.counts.mixed == 0 && found.identified.counts.rows > 0) {
-    say("{}", paragraph("found from sweeps alone, which hardly show gravity, play or what errs "
-                        "many times a turn: some 30 poses with all joints anywhere (armsig "
-                        "suggest) have them stated too"));
+    say("{}", paragraph("found from sweeps alone, in which gravity, readings that err and tilted "
+                        "axes look alike: what that leaves open is counted, play is not; some 30 "
+                        "poses with all joints anywhere (armsig suggest) tell them apart"));
   }
 }
 
@@ -206,7 +208,7 @@ void print_identified(const Found& found, const SignatureRecord& record, const R
   }
   print_accuracy(found, record);
   say("\nWritten: {}\nNext: armsig report --signature {} --measurements {} --out report.html\n",
-      files.out, files.out, files.measurements);
+      file_in_words(files.out), file_or(files.out, "signature.yaml"), files.measurements);
 }
 
 nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record,

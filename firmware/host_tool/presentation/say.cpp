@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "firmware/formats/characters.hpp"
+#include "firmware/formats/standard_output.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 
 namespace armsig::tool {
@@ -33,6 +34,14 @@ bool asks_for_standard_output(std::span<const std::string> words) {
 }
 
 void leave_standard_output_to_the_file() { output_is_the_file = true; }
+
+std::string file_in_words(const std::string& file) {
+  return file == kStandardOutput ? "standard output" : file;
+}
+
+std::string file_or(const std::string& file, std::string_view name) {
+  return file == kStandardOutput ? std::string(name) : file;
+}
 
 void put(std::FILE* stream, std::string_view text) {
   if (output_is_the_file && stream == stdout) stream = stderr;

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
@@ -79,12 +81,12 @@ std::string dh_table(const DhRows& rows) {
 }
 
 std::string near_parallel_note(const Signature& signature) {
-  std::string links;
+  std::vector<std::string> links;
   double moved_m = 0;
   for (std::size_t i = 0; i < signature.pseudo_dh.size(); ++i) {
     const DhJoint& row = signature.pseudo_dh[i];
     if (std::abs(row.d_m) <= kLargeOffset_m) continue;
-    links += fmt::format("{}{}", links.empty() ? "" : ", ", i + 1);
+    links.push_back(std::to_string(i + 1));
     // d is a distance across over the sine of the angle between the axes.
     moved_m =
         std::max(moved_m, std::abs(row.d_m) * kMicroradian / std::abs(std::sin(row.alpha_rad)));
@@ -93,19 +95,18 @@ std::string near_parallel_note(const Signature& signature) {
   const std::string moved =
       moved_m < 1 ? fmt::format("{:.2g} mm", 1e3 * moved_m) : fmt::format("{:.2g} m", moved_m);
   return paragraph(fmt::format(
-      "The d of link {} is large because two axes there are nearly parallel: their common normal "
-      "is "
+      "The d of {} {} is large because two axes there are nearly parallel: their common normal is "
       "far away, and a microradian of tilt moves it by {}. Only the product of the rows means "
       "something; compare predicted positions, or what is different joint by joint, never these "
       "parameters.",
-      links, moved));
+      links.size() == 1 ? "link" : "links", fmt::join(links, " and "), moved));
 }
 
 std::string comparison_table(const evaluation::Comparison& comparison) {
   const evaluation::Indices& a = comparison.ideal;
   const evaluation::Indices& b = comparison.with_signature;
   const std::array<double, 4> factors = improvement(comparison);
-  Table table({"Index", "Ideal model", "With signature", "Improvement"});
+  Table table({"Index", "Drawing", "Signature", "Better by"});
   const auto add = [&](const char* name, const std::string& ideal, const std::string& signature,
                        double factor) {
     table.add_row({name, ideal, signature, fmt::format("{:.1f}", factor)});

@@ -4,6 +4,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace armsig::tool {
 
@@ -12,5 +13,11 @@ namespace armsig::tool {
 
 // From now on what is said on standard output is said on standard error.
 void leave_standard_output_to_the_file();
+
+// What a person is told of `file`, the argument of --out.
+[[nodiscard]] std::string file_in_words(const std::string& file);
+
+// `file` in a command to be typed next; `name` where it went to standard output.
+[[nodiscard]] std::string file_or(const std::string& file, std::string_view name);
 
 }  // namespace armsig::tool

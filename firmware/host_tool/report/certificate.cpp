@@ -112,7 +112,8 @@ std::vector<std::string> accuracy_in_words(const SignatureRecord& record) {
 }
 
 std::vector<std::string> not_measured(const SignatureRecord& record,
-                                      const std::vector<SweepPicture>& sweeps) {
+                                      const std::vector<SweepPicture>& sweeps,
+                                      const FixedVector<JointLimits, kMaxJoints>& mixed_reach) {
   std::vector<std::string> words{
       "Pose accuracy and repeatability by the cycles, cube, load and speed of ISO 9283 (AP, RP), "
       "their variation with direction (vAP), and drift.",
@@ -124,17 +125,20 @@ std::vector<std::string> not_measured(const SignatureRecord& record,
     if (sweep.joint >= record.nominal.limits.size()) continue;
     const JointLimits& limits = record.nominal.limits[sweep.joint];
     const features::SweepQuality& quality = sweep.feature.quality;
+    JointLimits reach{quality.lowest_reading, quality.highest_reading};
+    if (record.method == "refined" && sweep.joint < mixed_reach.size()) {
+      reach.lower = std::min(reach.lower, mixed_reach[sweep.joint].lower);
+      reach.upper = std::max(reach.upper, mixed_reach[sweep.joint].upper);
+    }
     const JointType type = sweep.feature.type;
     const double near = type == JointType::kRevolute ? kAtLimit_rad : kAtLimit_m;
-    const bool whole = quality.lowest_reading < limits.lower + near &&
-                       quality.highest_reading > limits.upper - near;
-    if (whole) continue;
-    joints += fmt::format("{}{} ({})", joints.empty() ? "" : ", ", sweep.joint + 1,
-                          range_in_words(type, quality.lowest_reading, quality.highest_reading));
+    if (reach.lower < limits.lower + near && reach.upper > limits.upper - near) continue;
+    joints += fmt::format("{}joint {} beyond {}", joints.empty() ? "" : ", ", sweep.joint + 1,
+                          range_in_words(type, reach.lower, reach.upper));
   }
   if (!joints.empty()) {
-    words.push_back(fmt::format(
-        "Readings beyond the sweeps, as far as the limits allow them: of joint {}.", joints));
+    words.push_back(
+        fmt::format("Readings beyond those measured, which the limits allow: {}.", joints));
   }
   return words;
 }

@@ -38,7 +38,9 @@ struct UncertaintyBudget {
 
 // In the words of ISO 9283, as far as the data support them.
 [[nodiscard]] std::vector<std::string> accuracy_in_words(const SignatureRecord& record);
-[[nodiscard]] std::vector<std::string> not_measured(const SignatureRecord& record,
-                                                    const std::vector<SweepPicture>& sweeps);
+// `mixed_reach`: of every joint's reading over poses outside the sweeps, empty without such.
+[[nodiscard]] std::vector<std::string> not_measured(
+    const SignatureRecord& record, const std::vector<SweepPicture>& sweeps,
+    const FixedVector<JointLimits, kMaxJoints>& mixed_reach);
 
 }  // namespace armsig::tool

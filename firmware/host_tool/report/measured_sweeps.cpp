@@ -11,6 +11,11 @@ namespace armsig::tool {
 void MeasuredSweeps::add(const LocatedRow& row) {
   if (row.sweep == 0) {
     ++mixed;
+    for (std::size_t i = 0; i < row.q.size(); ++i) {
+      if (mixed_reach.size() == i) mixed_reach.push_back({row.q[i], row.q[i]});
+      mixed_reach[i].lower = std::min(mixed_reach[i].lower, row.q[i]);
+      mixed_reach[i].upper = std::max(mixed_reach[i].upper, row.q[i]);
+    }
     return;
   }
   const std::size_t joint = row.sweep - 1;

@@ -28,8 +28,9 @@ struct MeasuredSweep {
 struct MeasuredSweeps {
   std::vector<MeasuredSweep> sweeps;  // by joint, then target
   std::size_t rows = 0;
-  std::size_t not_located = 0;  // no position, or ranges that do not meet
-  std::size_t mixed = 0;        // poses in which any joint may have moved
+  std::size_t not_located = 0;                       // no position, or ranges that do not meet
+  std::size_t mixed = 0;                             // poses in which any joint may have moved
+  FixedVector<JointLimits, kMaxJoints> mixed_reach;  // of every joint's reading over those poses
 
   void add(const LocatedRow& row);
 };

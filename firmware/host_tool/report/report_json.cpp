@@ -215,7 +215,9 @@ Json certificate_json(const ReportInput& input, const std::vector<SweepPicture>&
           {"combined_m", or_null(budget.combined_m)},
           {"over", map ? map->over : ""},
           {"accuracy", accuracy_in_words(input.record)},
-          {"not_measured", not_measured(input.record, sweeps)}};
+          {"not_measured", not_measured(input.record, sweeps,
+                                        input.measured ? input.measured->mixed_reach
+                                                       : FixedVector<JointLimits, kMaxJoints>())}};
 }
 
 Json verdict_json(const Verdict& verdict) {

@@ -87,8 +87,7 @@ void judge_without_covariance(const std::optional<ToolErrorMap>& map, Verdict& v
 }
 
 // How sure: what the scatter says, and what it cannot.
-void say_how_sure(const SignatureRecord& record, const std::vector<SweepPicture>& sweeps,
-                  Verdict& verdict) {
+void say_how_sure(const SignatureRecord& record, Verdict& verdict) {
   std::size_t used = 0;
   std::size_t rejected = 0;
   for (const features::JointFeature& feature : record.signature.features) {
@@ -112,13 +111,11 @@ void say_how_sure(const SignatureRecord& record, const std::vector<SweepPicture>
         "square), the sensor's own noise included.",
         length_in_words(record.fit->left_out->rms_m)));
   }
-  const auto waves = std::ranges::count_if(
-      sweeps, [](const SweepPicture& sweep) { return sweep.wave && sweep.wave->significant(); });
   if (record.method != "exact") {
-    verdict.sentences.push_back(fmt::format(
-        "The 1σ comes from the scatter of the points. What repeats in every sweep alike "
-        "(load, heat, a bent link{}) is not in it; poses measured apart show it.",
-        waves > 0 ? ", the encoder errors below" : ""));
+    verdict.sentences.emplace_back(
+        "The 1σ comes from the scatter of the points and from what they leave open. What was alike "
+        "at all of them (load, heat) is not in it; poses measured another day, or under another "
+        "load, show it.");
   }
 }
 
@@ -157,7 +154,7 @@ Verdict verdict(const SignatureRecord& record, const std::vector<SweepPicture>& 
   } else {
     judge_without_covariance(map, verdict);
   }
-  say_how_sure(record, sweeps, verdict);
+  say_how_sure(record, verdict);
   add_joint_steps(sweeps, verdict);
   if (map && !map->joint_share.empty()) {
     const auto most = std::ranges::max_element(map->joint_share);
@@ -170,13 +167,14 @@ Verdict verdict(const SignatureRecord& record, const std::vector<SweepPicture>& 
   }
   if (record.method == "encoder" || record.method == "paper") {
     verdict.next_steps.emplace_back(
-        "Identify with --method refined: it uses all measurements at once, and further poses.");
+        "Identify with --method refined: it uses all measurements at once, and poses beside the "
+        "sweeps too.");
   } else if (record.covariance) {
     verdict.next_steps.emplace_back(
-        "Ask armsig suggest for the next poses worth measuring, if this is not enough.");
+        "If this is not enough: armsig suggest names the poses worth measuring next.");
   }
   verdict.next_steps.emplace_back(
-      "Measure ten poses that had no part in this, and let armsig check judge.");
+      "Measure ten poses that had no part in this: armsig check says whether they agree.");
   return verdict;
 }
 

@@ -10,6 +10,12 @@ function parse(text) {
   return { names, rows: lines.map((line) => line.split(',')) };
 }
 
+// The least of 1, 2 and 5 times a power of ten that is not below `size`.
+function roundStep(size) {
+  const decade = 10 ** Math.floor(Math.log10(size));
+  return decade * [1, 2, 5, 10].find((step) => step * decade >= size * 0.999);
+}
+
 export class BlackBox {
   constructor(section, tell) {
     this.section = section;
@@ -58,7 +64,7 @@ export class BlackBox {
     const [actual, commanded] = [column(`q${joint}_${unit}`), column(`q${joint}_commanded_${unit}`)];
     const off = actual.map((value, k) => value - commanded[k]);
     this.charts.replaceChildren(
-      this.#chart(seconds, [[commanded, 'nominal'], [actual, 'actual']], sign, `Joint ${joint}: commanded (orange) and actual (green)`),
+      this.#chart(seconds, [[commanded, 'nominal'], [actual, 'actual']], sign, `Joint ${joint}: commanded (orange), actual (green)`),
       this.#chart(seconds, [[off, 'rejected']], sign, `Joint ${joint}: actual less commanded`));
   }
 
@@ -79,11 +85,12 @@ export class BlackBox {
     const at = (value) => left + ((width - left - 8) * (value - x[0])) / (x.at(-1) - x[0] || 1);
     const up = (value) => top + ((height - top - bottom) * (high - value)) / (high - low);
     pen.fillStyle = colour('soft');
-    pen.fillText(words, left, 13);
+    pen.fillText(words, 8, 13);
     pen.strokeStyle = colour('line');
-    const digits = Math.max(0, Math.min(4, 1 - Math.floor(Math.log10(high - low))));
-    for (let k = 0; k <= 3; ++k) {
-      const value = low + ((high - low) * (k + 0.5)) / 4;
+    const step = roundStep((high - low) / 4);
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    for (let k = Math.ceil(low / step); k * step <= high; ++k) {
+      const value = k * step;
       pen.beginPath();
       pen.moveTo(left, up(value));
       pen.lineTo(width - 8, up(value));
@@ -105,10 +112,10 @@ export class BlackBox {
       pen.strokeStyle = colour(name);
       pen.lineWidth = 1.6;
       pen.beginPath();
-      const step = Math.max(1, Math.floor(y.length / kMostColumns));
-      for (let k = 0; k < y.length; k += step) {
-        const piece = y.slice(k, k + step);
-        for (const value of step > 1 ? [Math.min(...piece), Math.max(...piece)] : piece) {
+      const ticks = Math.max(1, Math.floor(y.length / kMostColumns));
+      for (let k = 0; k < y.length; k += ticks) {
+        const piece = y.slice(k, k + ticks);
+        for (const value of ticks > 1 ? [Math.min(...piece), Math.max(...piece)] : piece) {
           if (Number.isFinite(value)) pen.lineTo(at(x[k]), up(value));
         }
       }

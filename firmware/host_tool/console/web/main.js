@@ -165,7 +165,7 @@ function showFault({ status }) {
   byId('fault').hidden = !faulted;
   if (faulted) {
     const { happened, todo } = adviceFor(status.fault);
-    tell('fault-happened', markdown(happened ?? ''));
+    tell('fault-happened', upper(markdown(happened ?? '')));
     tell('fault-todo', markdown(todo ?? ''));
     tell('fault-device', status.fault_says ? `The drive says: ${status.fault_says} (${status.fault_code})` : '');
   }
@@ -174,14 +174,14 @@ function showFault({ status }) {
 
 function showFacts({ status, signature, sigmas }) {
   const trouble = troubleOf(status);
-  const facts = [['model', status.model], ['sensor', trouble ? markdown(adviceFor(trouble).words ?? trouble) : 'well']];
+  const facts = [['model', status.model], ['sensor', trouble ? markdown(adviceFor(trouble).words ?? trouble) : 'answers']];
   if (status.sensor_says) facts.push(['sensor says', status.sensor_says]);
   if (status.store) facts.push(['store', markdown(adviceFor(status.store).words ?? status.store)]);
   if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);
   if (signature.held_out_rms_mm) facts.push(['signature', `number ${signature.sequence}, ${rough(Number(signature.held_out_rms_mm))} mm RMS on poses held out, ${signature.air_c} \u00b0C`]);
   const shares = dials.shares(sigmas).filter(Number.isFinite);
-  if (shares.length > 0) facts.push(['tool', `\u00b1 ${rough(Math.hypot(...shares))} mm by the ${shares.length === joints.length ? 'axes' : `${shares.length} of ${joints.length} axes`} known so far`]);
-  facts.push(['tick late', `${rough(Number(status.late_max_us ?? 0))} \u00b5s at most`]);
+  if (shares.length > 0) facts.push(['tool', `\u00b1 ${rough(Math.hypot(...shares))} mm by the ${shares.length === joints.length ? 'axes found' : `${shares.length} of ${joints.length} axes known so far`}`]);
+  facts.push(['control tick', `at most ${rough(Number(status.late_max_us ?? 0))} \u00b5s late`]);
   const key = JSON.stringify(facts);
   if (byId('facts').dataset.key === key) return;
   byId('facts').dataset.key = key;

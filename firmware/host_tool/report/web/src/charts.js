@@ -143,7 +143,7 @@ export function readingMapChart(host, joint) {
     axes: [
       axis('', 26, joint.revolute ? '°' : ' mm'),
       { ...axis(joint.revolute ? 'map, °' : 'map, mm', 72), values: ticks(largest) },
-      { ...axis('at the tool, mm', 64), scale: 'tool', side: 1, grid: { show: false }, values: ticks(largest * atTool) },
+      { ...axis('at the tool, mm', 64), scale: 'tool', side: 1, space: 22, grid: { show: false }, values: ticks(largest * atTool) },
     ],
     series: [{ label: 'reading' }, line('+2σ', 'line', 0), line('-2σ', 'line', 0),
       line('map', 'actual', 2), line('not measured', 'soft', 1)],

@@ -35,16 +35,16 @@ function words({ joint, what, value, sigma, unit }) {
   return `Joint ${joint}, ${what}: ${fixed(value, decimals)}${unit}${sigma === null ? '' : ` ± ${fixed(sigma, decimals)}`}`;
 }
 
-function panel(lines, joints) {
+function panel(lines) {
   const { unit, kind } = lines[0];
   const largest = 1.04 * Math.max(1e-9, ...lines.map(({ value, sigma }) => Math.abs(value) + (sigma ?? 0)));
   const [zero, half] = [(kLeft + kRight) / 2, (kRight - kLeft) / 2];
   const at = (value) => zero + (half * value) / largest;
   const parts = [];
   let y = 6;
-  for (const joint of joints) {
+  for (const joint of new Set(lines.map((line) => line.joint))) {
     const own = lines.filter((line) => line.joint === joint);
-    const height = kLine * Math.max(1, own.length) + kGap;
+    const height = kLine * own.length + kGap;
     const middle = y + height / 2;
     parts.push(shape('line', { class: 'rule', x1: 0, x2: kRight, y1: y, y2: y }), shape('text', { x: 0, y: middle + 4 }, `joint ${joint}`));
     own.forEach((line, k) => {
@@ -77,9 +77,8 @@ export function differencesPicture({ differences }) {
     host?.remove();
     return;
   }
-  const joints = [...new Set(lines.map(({ joint }) => joint))];
   const order = Object.keys(kNames);
   const rank = ({ kind }) => (order.includes(kind) ? order.indexOf(kind) : order.length);
   const panels = [...new Set(lines.toSorted((a, b) => rank(a) - rank(b)).map((line) => line.panel))];
-  host.append(...panels.map((name) => panel(lines.filter((line) => line.panel === name), joints)));
+  host.append(...panels.map((name) => panel(lines.filter((line) => line.panel === name))));
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The tool error over the work volume: classes of size, places relative to the first axis.
 import { mapChart } from './charts.js';
-import { element, fixed, length } from './text.js';
+import { element, fixed, length, phrase } from './text.js';
 import { valueTable } from './values.js';
 
 const kColours = ['#3b4cc0', '#4f8fd0', '#4fb3a0', '#e0a93f', '#c8442f'];
@@ -55,7 +55,7 @@ export function showErrorMap(report, view) {
     section.querySelector('.values')?.remove();
     valueTable(section, `Values of the map, ${choice.name}`, ['from the first axis, m', 'along it, m', 'error, mm'],
       () => classed.map(({ r, z, error_m: error }) => [fixed(r, 3), fixed(z, 3), fixed(1e3 * error, 3)]));
-    document.getElementById('map-lead').textContent = choice.words;
+    document.getElementById('map-lead').replaceChildren(...phrase(choice.words));
     document.getElementById('map-classes').replaceChildren(...classes.map(({ colour, from, to }) =>
       element('span', {}, element('i', { style: `background:${colour}` }), `${length(from)} to ${length(to)}`)));
     view?.showMap(classed.map(({ place }) => place), classed.map((at) => classes[at.class].colour));

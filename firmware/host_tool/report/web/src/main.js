@@ -8,7 +8,7 @@ import { differencesPicture } from './differences_picture.js';
 import { showErrorMap } from './error_map.js';
 import { showReadingMaps } from './reading_maps.js';
 import { aboutTable, differenceTable, gridTable, parameterTable } from './tables.js';
-import { bounded, degrees, element, fixed, length } from './text.js';
+import { bounded, degrees, element, fixed, length, phrase } from './text.js';
 import { valueTable } from './values.js';
 import './page.css';
 
@@ -20,9 +20,9 @@ function verdict() {
   const { about, map } = report;
   document.title = `${about.arm}: arm signature`;
   by('eyebrow').textContent = [about.arm, about.serial && `no. ${about.serial}`, about.time.slice(0, 10)].filter(Boolean).join(', ');
-  by('headline').textContent = report.verdict.headline;
-  by('sentences').append(...report.verdict.sentences.map((text) => element('p', {}, text)));
-  by('next-steps').append(...report.verdict.next_steps.map((text) => element('li', {}, text)));
+  by('headline').append(...phrase(report.verdict.headline));
+  by('sentences').append(...report.verdict.sentences.map((text) => element('p', {}, ...phrase(text))));
+  by('next-steps').append(...report.verdict.next_steps.map((text) => element('li', {}, ...phrase(text))));
   by('warnings').append(...about.warnings.map((text) => element('p', { class: 'warning' }, text)));
   by('version').textContent = about.version;
   if (map === null) return;

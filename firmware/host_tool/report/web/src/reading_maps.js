@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the arm does beyond its geometry: the map of each reading with its band, gravity's share.
 import { readingMapChart } from './charts.js';
-import { degrees, element, fixed, length } from './text.js';
+import { degrees, element, fixed, length, phrase } from './text.js';
 import { valueTable } from './values.js';
 
 const range = (joint) => joint.covered
@@ -31,8 +31,8 @@ export function showReadingMaps({ reading_maps: maps }) {
   }
   const gravity = maps.gravity_terms === 0 ? 'Gravity has no share that was found.'
     : `Gravity moves the tool by ${length(maps.gravity_rms_m)} RMS, ${length(maps.gravity_largest_m)} at most.`;
-  document.getElementById('maps-lead').textContent = `Transmissions and encoders read a little wrong, each in a way of its own that repeats: `
-    + `that is worth ${length(maps.maps_rms_m)} RMS at the tool over the readings that were measured. ${gravity}`;
+  document.getElementById('maps-lead').append(...phrase(`Transmissions and encoders read a little wrong, each in a way of its own that repeats: `
+    + `that is worth ${length(maps.maps_rms_m)} RMS at the tool over the readings that were measured. ${gravity}`));
   const redraws = maps.joints.map((joint) => {
     const chart = element('div', { class: 'chart', style: 'grid-column: 1 / -1' });
     const card = element('div', { class: 'sweep' },

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The tables: parameters, the grid task, what was measured.
-import { bounded, decimalsFor, degrees, element, fixed, length } from './text.js';
+import { bounded, decimalsFor, degrees, element, fixed, length, phrase } from './text.js';
 
 const cell = (text, kind = '') => element('td', kind ? { class: kind } : {}, text);
 const head = (...names) => element('thead', {}, element('tr', {}, ...names.map((name, k) => element('th', k < 2 ? { class: 'text' } : {}, name))));
@@ -34,7 +34,7 @@ export function parameterTable(report) {
       let difference = row.actual[key] - row.nominal[key];
       if (unit === '°') difference = turn(difference);
       const tr = element('tr', k === 0 ? { class: 'first' } : {},
-        cell(k === 0 ? `${row.joint} ${row.revolute ? 'revolute' : 'prismatic'}` : '', 'text'),
+        k === 0 ? element('td', { class: 'text' }, String(row.joint), element('span', { class: 'type' }, row.revolute ? ' revolute' : ' prismatic')) : cell('', 'text'),
         cell(`${name}, ${unit}${free ? ' †' : ''}${large ? ' *' : ''}`, 'text'),
         cell(fixed(scale(row.nominal[key]), least)),
         cell(fixed(scale(row.actual[key]), decimals), 'actual'),
@@ -54,8 +54,8 @@ export function parameterTable(report) {
 
 const kUnits = {
   rad: { unit: '°', scale: degrees },
-  m: { unit: ' mm', scale: (m) => 1e3 * m },
-  '': { unit: ' %', scale: (share) => 100 * share },
+  m: { unit: '\u00a0mm', scale: (m) => 1e3 * m },
+  '': { unit: '\u00a0%', scale: (share) => 100 * share },
 };
 
 // Not one number: told is the largest over the joint limits.
@@ -67,8 +67,8 @@ export function differenceTable(report) {
     document.getElementById('differences-section').remove();
     return;
   }
-  document.getElementById('differences-lead').textContent =
-    `The drawing, its base and tool fitted, is ${length(differences.total_rms_m)} (root mean square over the joint limits) from this arm. From where that comes:`;
+  document.getElementById('differences-lead').append(...phrase(
+    `The drawing, its base and tool fitted, is ${length(differences.total_rms_m)} (root mean square over the joint limits) from this arm. From where that comes:`));
   const millimetres = (metres) => fixed(1e3 * metres, 3);
   const body = element('tbody');
   let joint = 0;

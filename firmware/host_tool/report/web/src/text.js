@@ -11,6 +11,12 @@ export function element(tag, attributes = {}, ...children) {
   return made;
 }
 
+// A text in which no line ends between a number and its unit, and what is to be typed looks like it.
+export function phrase(text) {
+  const parts = text.split(/(\d[\d.]* (?:mm|µm|m|%)(?!\w)|\barmsig [a-z]+ --[a-z -]+|\barmsig (?:check|suggest)|--[a-z]+ refined)/);
+  return parts.map((part, k) => (k % 2 === 0 ? part : element(/^\d/.test(part) ? 'span' : 'code', /^\d/.test(part) ? { class: 'whole' } : {}, part)));
+}
+
 export const degrees = (radians) => (radians * 180) / Math.PI;
 
 // A minus sign as long as a plus.
