@@ -47,8 +47,8 @@ using GeometryFactor = TriangularFactor<10>;
 // 1, x, y, z, xx, xy, xz, yy, yz, zz.
 [[nodiscard]] GeometryFactor::Row geometry_columns(const Vector3& p);
 
-// The variance that rounding alone may give a coordinate of this point: of the coordinates
-// themselves, and of the reading at the speed with which it moves the point.
+// The variance that rounding alone may give a coordinate of this point, 16 units in the last place:
+// of the coordinates themselves, and of the reading at the speed with which it moves the point.
 [[nodiscard]] double rounding_variance(const SweepPoint& point, double speed);
 
 // What the encoder-referenced fits need of a sweep. Every point enters with the weight 1 /

@@ -29,8 +29,7 @@ bool inside_limits(const Chain& chain, const InverseSolution& solution, const Jo
 
 // Whether the last three of six joints are revolute, as the Newton step takes them.
 bool has_turning_wrist(const Chain& chain) {
-  return chain.joint_count == 6 &&
-         (!chain.has_prismatic || (chain.revolute[3] && chain.revolute[4] && chain.revolute[5]));
+  return chain.joint_count == 6 && chain.revolute[3] && chain.revolute[4] && chain.revolute[5];
 }
 
 }  // namespace

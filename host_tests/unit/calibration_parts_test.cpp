@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/arm_model/gravity_choice.hpp"
+#include "core/arm_model/model.hpp"
 #include "core/calibration/cyclic_band.hpp"
 #include "core/calibration/fit_row.hpp"
 #include "host_tests/support/dense_prior.hpp"
@@ -146,6 +147,26 @@ TEST(GroupPoses, keeps_repeated_readings_together_whatever_the_order) {
     ++counts[rows[k].fold];
   }
   for (const int count : counts) EXPECT_EQ(count, 24);
+}
+
+// What a correction of the reading adds is linear in each of its coefficients.
+TEST(TurnBy, is_what_one_unit_of_a_correction_adds) {
+  using refinement::Parameter;
+  using refinement::ParameterKind;
+  constexpr std::uint8_t kElbow = 2;
+  for (const Parameter& parameter : {Parameter{ParameterKind::kReadingGain, kElbow, 0},
+                                     Parameter{ParameterKind::kReadingFirst, kElbow, 0},
+                                     Parameter{ParameterKind::kReadingFirst, kElbow, 1},
+                                     Parameter{ParameterKind::kReadingSecond, kElbow, 0},
+                                     Parameter{ParameterKind::kReadingSecond, kElbow, 1}}) {
+    ArmModel model = model_of(test::puma560(), {});
+    value_of(model, parameter) = 1;
+    for (const double reading : {-2.0, 0.3, 1.1}) {
+      const double added =
+          refinement::corrected(model.joints[kElbow].correction, reading) - reading;
+      EXPECT_NEAR(turn_by(parameter, reading), added, 1e-15) << reading;
+    }
+  }
 }
 
 }  // namespace

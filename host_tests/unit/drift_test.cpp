@@ -142,6 +142,28 @@ TEST(Drift, StepAndRampAreToldApart) {
   }
 }
 
+// By hand, in millimetres of z and with a sigma of a tenth: a step explains (sum e)^2 / m of the
+// squares, a ramp (sum u e)^2 / sum u^2.
+TEST(Drift, AnExactStepAndAnExactRampAreFoundWhole) {
+  const auto of_z = [](std::initializer_list<double> millimetres) {
+    std::vector<Vector3> checks;
+    for (const double z : millimetres) checks.emplace_back(0, 0, kMillimetre * z);
+    return course_of(checks, 0.1 * kMillimetre);
+  };
+  const auto step = of_z({0, 0, 0, 1, 1});  // 2 of it, where the best ramp explains 9 / 5
+  ASSERT_TRUE(step);
+  EXPECT_EQ(step->course, Course::kStep);
+  EXPECT_EQ(step->step_checks, 2);
+  EXPECT_NEAR(step->step_m.z(), kMillimetre, 1e-15);
+  EXPECT_NEAR(step->evidence, (2 - 1.8) / 0.02, 1e-9);
+  const auto ramp = of_z({0, 0, 1, 2, 3});  // 14, where the best step explains 25 / 2
+  ASSERT_TRUE(ramp);
+  EXPECT_EQ(ramp->course, Course::kRamp);
+  EXPECT_EQ(ramp->ramp_checks, 3);
+  EXPECT_NEAR(ramp->ramp_m_per_check.z(), kMillimetre, 1e-15);
+  EXPECT_NEAR(ramp->evidence, (12.5 - 14) / 0.02, 1e-9);
+}
+
 TEST(Drift, FewChecksDecideNothing) {
   const std::vector<Vector3> checks{Vector3::Zero(), {1e-5, 0, 0}, {2e-5, 0, 0}};
   const auto report = course_of(checks, 0.025 * kMillimetre);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Maps of the readings and gravity among what is different about an arm.
+#include <cmath>
 #include <memory>
 
 #include "core/base/links.hpp"
+#include "core/evaluation/bends.hpp"
 #include "core/evaluation/differences.hpp"
 #include "core/identification.hpp"
 #include "host_tests/support/known_arms.hpp"
@@ -112,6 +114,23 @@ TEST_F(BentArm, arm_that_gives_way_as_the_other_does_is_no_different) {
   lay_cosine(kSize_rad, actual->model);
   actual->model.gravity.push_back({kShoulder, 3, 1e-3});
   EXPECT_LT(by({actual->bending, actual->bending}).total_rms_m, 1e-12);
+}
+
+// Both count from rest, where either is nought; by hand, at 0.4 rad from it.
+TEST_F(BentArm, as_drawn_gives_way_by_map_and_gravity_together) {
+  const auto drawn = bent(drawing, configuration);
+  lay_cosine(kSize_rad, drawn->model);
+  const double lever_m = drawing.joints[kShoulder].a_m;
+  drawn->model.gravity.push_back({kShoulder, kShoulder + 1, kSize_rad / lever_m});
+  JointVector q = configuration;
+  q[kShoulder] += 0.4;
+  const Bend bend = Bends({.drawn = drawn->bending, .actual = {}}).at(q, q);
+  const double each = -kSize_rad * std::sin(0.4);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(bend.drawn[i], i == kShoulder ? 2 * each : 0, 2e-6) << i;
+    EXPECT_NEAR(bend.more_by_map[i], i == kShoulder ? -each : 0, 2e-6) << i;
+    EXPECT_NEAR(bend.more_by_gravity[i], i == kShoulder ? -each : 0, 2e-6) << i;
+  }
 }
 
 // A map that is the same everywhere is none: the axes were found with it.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/evaluation/grid_touching.hpp"
+#include "core/evaluation/tool_pose.hpp"
 #include "core/kinematics/forward.hpp"
 #include "host_tests/support/failure_of.hpp"
 
@@ -28,6 +29,23 @@ ToolModel puma560(double theta_3_offset_deg = 0, double alpha_2_deg = 0) {
     limits.push_back({radians(lower), radians(upper)});
   }
   return {kinematics::make_chain(rows, limits), Vector3(0, 0, 0.1)};
+}
+
+// Row by row, layer by layer; each row and each layer is begun from the one before, so that no move
+// is longer than a spacing.
+TEST(VertexWalk, goes_through_all_vertices_each_from_one_beside_it) {
+  const Grid grid{.size_m = {0.1, 0.2, 0.3}, .count = {2, 3, 4}};
+  const auto readings = [](const Vector3& p) { return JointVector{p.x(), p.y(), p.z()}; };
+  VertexWalk walk(grid, readings(Vector3::Zero()));
+  for (int n = 0; n < 24; ++n) {
+    ASSERT_TRUE(walk.next()) << n;
+    const Vector3 expected = 0.1 * Vector3(n % 2, n / 2 % 3, n / 6);
+    EXPECT_LT((walk.vertex() - expected).norm(), 1e-15) << n;
+    const Vector3 from(walk.seed()[0], walk.seed()[1], walk.seed()[2]);
+    EXPECT_LT((expected - from).norm(), 0.1 + 1e-15) << n;
+    walk.reached(readings(expected));
+  }
+  EXPECT_FALSE(walk.next());
 }
 
 TEST(PlaceGrid, finds_room_for_the_papers_grid_in_a_puma_560) {

@@ -282,5 +282,12 @@ TEST(EncoderFits, of_a_single_reading_are_refused) {
   EXPECT_EQ(test::failure_of(encoder_line(statistics)), Error::kSingular);
 }
 
+TEST(EncoderCircle, of_a_target_that_stands_still_is_refused) {
+  SweepStatistics statistics(JointType::kRevolute, SweepPoint{});
+  for (int i = 0; i < 5; ++i) statistics.add({0.1 * i, Vector3::Zero(), Matrix3::Identity()});
+  ASSERT_FALSE(encoder_circle(statistics));
+  EXPECT_EQ(test::failure_of(encoder_circle(statistics)), Error::kSingular);
+}
+
 }  // namespace
 }  // namespace armsig::features

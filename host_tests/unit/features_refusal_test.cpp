@@ -95,6 +95,18 @@ TEST(SweepEstimator, refuses_one_reading_repeated) {
   EXPECT_GT(r.needed, 0);
 }
 
+// One and a half nanoradians apart are two readings, where three are due; half of one is none.
+TEST(SweepEstimator, tells_readings_apart_from_a_nanoradian_on) {
+  const auto of_range = [](double range) {
+    SweepEstimator estimator(kRevolute);
+    for (int i = 0; i < 20; ++i)
+      EXPECT_TRUE(estimator.add(range * (i % 2), Vector3(0.1 * i, 0, 1), Matrix3::Zero()));
+    return refusal(estimator);
+  };
+  EXPECT_EQ(of_range(1.5e-9).error, Error::kTooFewPoints);
+  EXPECT_EQ(of_range(0.5e-9).error, Error::kJointDidNotMove);
+}
+
 TEST(SweepEstimator, refuses_points_that_are_all_equal) {
   for (const SweepConfig& config : {kRevolute, kPrismatic}) {
     SweepEstimator estimator(config);
@@ -152,6 +164,17 @@ TEST(SweepEstimator, refuses_a_travel_too_short_for_its_noise) {
       measured(kPrismatic, {some_motion(JointType::kPrismatic, 0), 6e-3, 9, kSigma, kSigma}));
   EXPECT_EQ(r.error, Error::kArcTooShort);
   EXPECT_GT(r.needed, 6e-3);
+}
+
+// A twentieth of the radius, where a fiftieth is the most.
+TEST(SweepEstimator, refuses_noise_that_nobody_stated_by_its_share_of_the_radius) {
+  for (const double radius_m : {0.1, 2.0}) {
+    const Sweep sweep{some_motion(JointType::kRevolute, radius_m), 2, 60, radius_m / 20};
+    const Refusal r = refusal(measured(kRevolute, sweep));
+    EXPECT_EQ(r.error, Error::kNotACircle);
+    EXPECT_NEAR(r.found, radius_m / 20, 0.3 * radius_m / 20);
+    EXPECT_NEAR(r.needed, radius_m / 50, 0.1 * radius_m / 50);
+  }
 }
 
 TEST(SweepEstimator, refuses_when_no_circle_explains_half_of_the_points) {

@@ -53,5 +53,13 @@ TEST(MotionStatistics, covariance_of_the_score_is_the_sum_over_the_points) {
   }
 }
 
+// 16 units in the last place of what is as large as 1 + 3: 2^4 * 2^-52 * 2^2 = 2^-46.
+TEST(RoundingVariance, is_that_of_the_largest_coordinate_and_of_what_the_reading_moves) {
+  const SweepPoint point{-6, Vector3(0.5, -1, 0.25), Matrix3::Identity()};
+  EXPECT_EQ(rounding_variance(point, 0.5), std::ldexp(1.0, -92));
+  EXPECT_EQ(rounding_variance({0, Vector3(0, 0, 1), Matrix3::Identity()}, 0.5),
+            std::ldexp(1.0, -96));
+}
+
 }  // namespace
 }  // namespace armsig::features

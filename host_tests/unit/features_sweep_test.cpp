@@ -65,6 +65,13 @@ TEST(SweepEstimator, accepts_an_exact_arc_of_ten_degrees) {
         measured(kRevolute, {some_motion(JointType::kRevolute), radians(10), 20}).estimate(method));
 }
 
+// Readings that an encoder or a file has rounded to a picoradian.
+TEST(SweepEstimator, accepts_the_least_arc_with_readings_as_they_come_rounded) {
+  const SweepEstimator estimator =
+      measured(kRevolute, {some_motion(JointType::kRevolute), radians(5) - 1e-12, 20});
+  for (const Method method : kMethods) EXPECT_TRUE(estimator.estimate(method));
+}
+
 TEST(SweepEstimator, readings_of_ten_thousand_turns_cost_no_digits) {
   TrueMotion motion = some_motion(JointType::kRevolute);
   motion.first_reading = 2 * kPi * 1e4;

@@ -12,62 +12,10 @@
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/pose_difference.hpp"
 
 namespace armsig::kinematics {
 namespace {
-
-constexpr Posture kPostures[] = {{false, false, false}, {false, false, true}, {false, true, false},
-                                 {false, true, true},   {true, false, false}, {true, false, true},
-                                 {true, true, false},   {true, true, true}};
-
-double pose_difference(const Pose& X, const Pose& Y) {
-  return std::max((X.p - Y.p).norm(), angle_between(X.R, Y.R));
-}
-
-TEST(ClosedForm, knows_the_designs_of_the_known_arms) {
-  EXPECT_EQ(closed_form(make_chain(test::puma560().joints)).design, Design::kSphericalWrist);
-  EXPECT_EQ(closed_form(make_chain(test::puma560_robot1().joints)).design, Design::kSphericalWrist);
-  EXPECT_EQ(closed_form(make_chain(test::ur5().joints)).design, Design::kParallelAxes);
-  EXPECT_EQ(closed_form(make_chain(test::ur10e_individual_a().joints)).design,
-            Design::kParallelAxes);
-  EXPECT_EQ(closed_form(make_chain(test::stanford().joints)).design, Design::kOther);
-  EXPECT_EQ(closed_form(make_chain(test::iiwa7().joints)).design, Design::kOther);
-}
-
-TEST(ClosedForm, is_exact_for_arms_that_are_as_drawn) {
-  std::mt19937_64 random(1);
-  test::KnownArm folded = test::puma560();  // axes 2 and 3 parallel the other way round
-  folded.joints[1].alpha_rad = kPi;
-  folded.joints[2].d_m = 0.05;
-  test::KnownArm offset_base = test::puma560();  // as most industrial arms
-  offset_base.joints[0].a_m = 0.15;
-  offset_base.joints[0].d_m = 0.4;
-  for (const test::KnownArm& arm :
-       {test::puma560(), test::ur5(), test::ur10e(), folded, offset_base}) {
-    const Chain chain = make_chain(arm.joints);
-    const ClosedForm form = closed_form(chain);
-    ASSERT_NE(form.design, Design::kOther);
-    for (int k = 0; k < 500; ++k) {
-      const Pose X = *forward(chain, test::random_readings(arm, random));
-      for (const Posture& posture : kPostures) {
-        const Start start = solve_closed_form(form, X, posture);
-        if (!start.reachable || start.near_fold) continue;
-        EXPECT_LT(pose_difference(*forward(chain, start.q), X), 1e-8) << arm.name;
-        EXPECT_EQ(posture_of(form, start.q), posture) << arm.name;
-      }
-    }
-  }
-}
-
-// Joint 1 at zero points the Puma along +x with its upper arm at y = +149 mm: to the left. With the
-// forearm hanging from a raised upper arm the elbow is above.
-TEST(Posture, of_the_puma_is_named_as_in_val) {
-  const ClosedForm form = closed_form(make_chain(test::puma560().joints));
-  const Posture posture = posture_of(form, {0, radians(-45), radians(150), 0, radians(30), 0});
-  EXPECT_TRUE(posture.lefty);
-  EXPECT_TRUE(posture.above);
-  EXPECT_FALSE(posture.flip);
-}
 
 TEST(ColdStart, finds_all_eight_named_solutions_of_an_identified_puma) {
   std::mt19937_64 random(2);
@@ -79,7 +27,7 @@ TEST(ColdStart, finds_all_eight_named_solutions_of_an_identified_puma) {
   std::set<std::string> names;
   for (const NamedSolution& s : solutions) {
     names.insert(name(s));
-    EXPECT_LT(pose_difference(*forward(chain, s.solution.q), X), 1e-9);
+    EXPECT_LT(test::pose_difference(*forward(chain, s.solution.q), X), 1e-9);
   }
   EXPECT_EQ(names.size(), 8U);
   EXPECT_TRUE(names.contains("lefty above noflip"));
@@ -162,7 +110,8 @@ TEST(ColdStart, finds_a_solution_for_arms_without_a_closed_form) {
       const Solutions solutions = *cold_start(chain, closed_form(chain), X);
       ASSERT_FALSE(solutions.empty()) << arm.name;
       EXPECT_STREQ(name(solutions[0]), "solution");
-      EXPECT_LT(pose_difference(*forward(chain, solutions[0].solution.q), X), 1e-9) << arm.name;
+      EXPECT_LT(test::pose_difference(*forward(chain, solutions[0].solution.q), X), 1e-9)
+          << arm.name;
     }
   }
 }
@@ -231,7 +180,7 @@ TEST(ColdStart, finds_solutions_of_joints_without_limits) {
       ASSERT_FALSE(solutions->empty()) << arm.name;
       const InverseSolution& first = (*solutions)[0].solution;
       EXPECT_NE(first.verdict, Verdict::kJointLimit) << arm.name;
-      EXPECT_LT(pose_difference(*forward(chain, first.q), X), 1e-9) << arm.name;
+      EXPECT_LT(test::pose_difference(*forward(chain, first.q), X), 1e-9) << arm.name;
     }
   }
 }
@@ -262,7 +211,7 @@ TEST(ColdStart, lists_no_solution_that_misses_the_pose) {
       const auto solutions = cold_start(chain, form, X, q);
       ASSERT_TRUE(solutions.has_value());
       for (const NamedSolution& s : *solutions) {
-        EXPECT_LT(pose_difference(*forward(chain, s.solution.q), X), 1e-9) << arm.name;
+        EXPECT_LT(test::pose_difference(*forward(chain, s.solution.q), X), 1e-9) << arm.name;
       }
     }
   }
@@ -275,6 +224,31 @@ TEST(ColdStart, refuses_a_pose_that_is_not_finite) {
   for (const ClosedForm& form : {closed_form(chain), ClosedForm{}}) {
     EXPECT_EQ(test::failure_of(cold_start(chain, form, X)), Error::kNotFinite);
   }
+}
+
+// The middle of all angles is zero.
+TEST(ColdStart, of_a_joint_without_limits_takes_the_reading_nearest_to_zero) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Chain chain =
+      make_chain(DhRows{{JointType::kRevolute, 0, 0, 0.5, 0}}, {{-kInfinity, kInfinity}});
+  for (const double reading : {-3.0, 0.4, 3.0}) {
+    const Solutions solutions = *cold_start(chain, closed_form(chain), *forward(chain, {reading}));
+    ASSERT_EQ(solutions.size(), 1U);
+    EXPECT_NEAR(solutions[0].solution.q[0], reading, 1e-9);
+  }
+}
+
+// The middle of the turn that begins at -1 is 2.14: 1.8 is nearer to it than 1.2, where the other
+// elbow is.
+TEST(ColdStart, of_a_joint_with_one_limit_begins_at_the_middle_of_a_turn_from_it) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const DhJoint link{JointType::kRevolute, 0, 0, 0.5, 0};
+  const Chain chain = make_chain(DhRows{link, link, link}, {{-1, kInfinity}, {-3, 3}, {-3, 3}});
+  const Pose X = *forward(chain, {1.2, 0.6, -0.3});
+  const Solutions solutions = *cold_start(chain, closed_form(chain), X);
+  ASSERT_EQ(solutions.size(), 2U);
+  EXPECT_NEAR(solutions[0].solution.q[0], 1.8, 1e-7);
+  EXPECT_NEAR(solutions[1].solution.q[0], 1.2, 1e-7);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The inverse of arms other than those with six joints and a turning wrist.
+#include <cmath>
 #include <random>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "core/kinematics/closed_form.hpp"
@@ -46,6 +48,24 @@ TEST(InverseOfPrismaticWrist, meets_what_it_says_it_meets) {
   EXPECT_GT(met, 450);
 }
 
+// The turn of a joint that slides is none: a wrist of two turning joints is not the servo step's.
+TEST(InverseOfPrismaticWrist, states_the_manipulability) {
+  for (std::size_t slide = 3; slide < 6; ++slide) {
+    DhRows rows = test::puma560().joints;
+    for (DhJoint& row : rows) row.alpha_rad += 0.3;  // so that no two motions are alike
+    rows[slide].type = JointType::kPrismatic;
+    const Chain chain = make_chain(rows);
+    const JointVector q{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
+    const PoseAndJacobian at = *forward_with_jacobian(chain, q);
+    const double expected =
+        std::abs(at.J.leftCols<6>().determinant()) / (chain.length * chain.length);
+    const auto solution = inverse(chain, at.X_0n, q);
+    ASSERT_TRUE(solution.has_value());
+    EXPECT_GT(expected, 0.01);
+    EXPECT_NEAR(solution->regularity, expected, 1e-6 * expected) << slide;
+  }
+}
+
 TEST(InverseOfAScara, meets_the_pose_and_says_which_dimensions_it_can_meet) {
   const test::KnownArm arm = test::cobra600();
   const Chain chain = make_chain(arm.joints, arm.limits);
@@ -77,6 +97,20 @@ TEST(InverseOfThreeJoints, meets_the_position_and_gives_up_the_orientation) {
   const InverseSolution solution = *inverse(chain, X, {0.2, -0.4, 0.7});
   EXPECT_EQ(solution.verdict, Verdict::kConverged);
   EXPECT_LT(solution.position_error_m, 1e-9);
+}
+
+// An orientation that a short arm cannot choose is no reason to look for another posture.
+TEST(InverseOfThreeJoints, gives_up_the_orientation_without_a_search) {
+  const Chain chain = make_chain(first_rows(3));
+  const JointVector q{0.3, -0.5, 0.8};
+  for (const double angle : {-0.3, -0.1, 0.1, 0.3}) {
+    Pose X = *forward(chain, q);
+    X.R = X.R * rotation_x(angle);
+    const auto solution = inverse(chain, X, {0.2, -0.4, 0.7});
+    ASSERT_TRUE(solution.has_value());
+    EXPECT_EQ(solution->verdict, Verdict::kConverged);
+    EXPECT_LE(solution->iterations, 40) << angle;
+  }
 }
 
 TEST(InverseOfThreeJoints, meets_the_position_of_the_point_that_it_is_asked_for) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -89,11 +91,28 @@ TEST(CheckDrift, finds_a_healthy_arm_consistent) {
   Identified identified = identified_puma(2);
   Log held_out;
   test::add_poses(identified.cell, 20, kSigma, identified.random, held_out);
-  const auto report = check(identified, held_out);
+  std::vector<RowOutcome> outcomes;
+  const auto report = check(identified, held_out, outcomes);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->verdict, DriftVerdict::kConsistent);
   EXPECT_EQ(report->freedom, 60U);
   EXPECT_NEAR(report->rms_m, std::sqrt(3.0) * kSigma, kSigma);
+  double largest = 0;
+  for (const RowOutcome& row : outcomes) largest = std::max(largest, row.residual_m);
+  EXPECT_EQ(report->largest_m, largest);
+}
+
+// Far off for its neighbours' sensor, as expected of its own.
+TEST(CheckDrift, judges_each_row_by_its_own_sigma) {
+  Identified identified = identified_puma(2);
+  Log held_out;
+  test::add_poses(identified.cell, 10, kSigma, identified.random, held_out);
+  test::add_poses(identified.cell, 1, 100 * kSigma, identified.random, held_out);
+  test::add_poses(identified.cell, 10, kSigma, identified.random, held_out);
+  const auto report = check(identified, held_out);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->rows_rejected, 0U);
+  EXPECT_EQ(report->rows, 21U);
 }
 
 TEST(CheckDrift, tells_a_moved_base_from_a_worse_sensor) {

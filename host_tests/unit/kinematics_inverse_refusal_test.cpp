@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// What the inverse refuses to answer.
+#include <limits>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "core/kinematics/inverse.hpp"
+#include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/known_arms.hpp"
+
+namespace armsig::kinematics {
+namespace {
+
+Chain puma() { return make_chain(test::puma560().joints, test::puma560().limits); }
+const JointVector kReady{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
+
+DhRows first_rows(std::size_t count) {
+  DhRows rows = test::puma560().joints;
+  rows.resize(count);
+  return rows;
+}
+
+TEST(Inverse, refuses_a_pose_or_a_seed_that_is_not_finite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Pose X = *forward(puma(), kReady);
+  X.p.y() = nan;
+  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady)), Error::kNotFinite);
+  X = *forward(puma(), kReady);
+  X.R(2, 1) = nan;
+  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady)), Error::kNotFinite);
+  JointVector seed = kReady;
+  seed[3] = nan;
+  EXPECT_EQ(test::failure_of(inverse(puma(), *forward(puma(), kReady), seed)), Error::kNotFinite);
+}
+
+TEST(Inverse, refuses_a_target_that_is_not_a_rotation) {
+  const Pose X = *forward(puma(), kReady);
+  const Chain three = make_chain(first_rows(3));
+  Matrix3 mirrored = X.R;
+  mirrored.col(2) *= -1;
+  Matrix3 skewed = X.R;
+  skewed.col(1) += 1e-6 * X.R.col(0);
+  for (const Matrix3& R : {Matrix3(Matrix3::Zero()), Matrix3(2 * X.R), mirrored, skewed,
+                           Matrix3(-X.R), Matrix3(X.R * (1 + 1e-6))}) {
+    const Pose target{R, X.p};
+    const auto six = inverse(puma(), target, kReady);
+    ASSERT_FALSE(six.has_value());
+    EXPECT_EQ(test::failure_of(six), Error::kNotARotation);
+    const auto few = inverse(three, target, {0.2, -0.8, 0.9});
+    ASSERT_FALSE(few.has_value());
+    EXPECT_EQ(test::failure_of(few), Error::kNotARotation);
+  }
+}
+
+TEST(Inverse, refuses_options_that_are_no_numbers_or_out_of_range) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Pose X = *forward(puma(), kReady);
+  const auto error_of = [&](const InverseOptions& options) {
+    JointVector seed = kReady;
+    seed[1] += 1.5;  // beyond the reach of Newton
+    const auto solution = inverse(puma(), X, seed, options);
+    return solution ? std::optional<Error>() : solution.error();
+  };
+  EXPECT_EQ(error_of({.p_nP = {0, kNan, 0}}), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady, {.p_nP = {0, kNan, 0}})),
+            Error::kNotFinite);
+  EXPECT_EQ(error_of({.p_nP = {0, kInfinity, 0}}), Error::kNotFinite);
+  EXPECT_EQ(error_of({.position_tolerance_m = kNan}), Error::kNotFinite);
+  EXPECT_EQ(error_of({.max_iterations = 0}), Error::kOutOfRange);
+  InverseOptions step;
+  step.max_step = JointVector(6, 0.02);
+  step.max_step[3] = kNan;
+  EXPECT_EQ(error_of(step), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady, step)), Error::kNotFinite);
+  step.max_step[3] = -0.02;
+  EXPECT_EQ(error_of(step), Error::kOutOfRange);
+  step.max_step = JointVector(6, kInfinity);
+  EXPECT_EQ(error_of(step), std::nullopt);
+}
+
+TEST(Inverse, refuses_what_is_too_far_for_a_verdict) {
+  Pose X = *forward(puma(), kReady);
+  X.p.x() = 1e200;
+  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady)), Error::kOutOfReach);
+  JointVector seed = kReady;
+  seed[0] = 1e200;
+  EXPECT_EQ(test::failure_of(inverse(puma(), *forward(puma(), kReady), seed)), Error::kOutOfRange);
+}
+
+// What is off is off, however far from the pose an answer may be.
+TEST(Inverse, refuses_what_is_no_rotation_where_the_tolerance_is_loose) {
+  Pose X = *forward(puma(), kReady);
+  X.R = X.R * rotation_x(8e-4);
+  const InverseOptions options{.rotation_tolerance_rad = 1e-3};
+  EXPECT_TRUE(inverse(puma(), X, kReady, options));
+  X.R.col(2) *= 1 + 5e-4;
+  const auto solution = inverse(puma(), X, kReady, options);
+  ASSERT_FALSE(solution.has_value());
+  EXPECT_EQ(test::failure_of(solution), Error::kNotARotation);
+}
+
+// An axis too long by d is off by d.
+TEST(Inverse, takes_for_a_rotation_what_is_off_by_a_billionth_and_no_more) {
+  const DhRows slide{{JointType::kPrismatic, 0, 0, 0, 0}};
+  const Chain chain = make_chain(slide);
+  Pose X;
+  X.R(2, 2) = 1 + 0.9e-9;
+  EXPECT_TRUE(inverse(chain, X, {0.1}));
+  X.R(2, 2) = 1 + 1.1e-9;
+  const auto solution = inverse(chain, X, {0.1});
+  ASSERT_FALSE(solution.has_value());
+  EXPECT_EQ(test::failure_of(solution), Error::kNotARotation);
+}
+
+}  // namespace
+}  // namespace armsig::kinematics

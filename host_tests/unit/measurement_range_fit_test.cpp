@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// The point that spheres meet in, before anybody asks which side it is on.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/measurement/range_fit.hpp"
+
+namespace armsig::measurement {
+namespace {
+
+double uniform(std::mt19937_64& random, double lower, double upper) {
+  return std::uniform_real_distribution(lower, upper)(random);
+}
+
+// Four receivers in a plane, long and narrow: the search begins at the solution, and need not find
+// its way along the valleys between it and other points.
+TEST(FitPoint, of_exact_ranges_to_a_narrow_array_is_the_target) {
+  constexpr double kSigma = 1e-6;
+  std::mt19937_64 random(5);
+  for (int k = 0; k < 500; ++k) {
+    const Vector3 target(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, 0.2, 2));
+    Spheres spheres;
+    for (int i = 0; i < 4; ++i) {
+      const Vector3 centre(uniform(random, -1, 1), uniform(random, -0.3, 0.3), 0);
+      spheres.push_back({centre, (target - centre).norm(), kSigma});
+    }
+    bool found = false;
+    for (const PointFit& fit : fit_point(spheres))
+      found = found || (fit.determined && (fit.p_S - target).norm() < kSigma);
+    EXPECT_TRUE(found) << target.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace armsig::measurement
