@@ -15,33 +15,21 @@ namespace {
 
 // Of the errors' own scale, squared: none beyond it is chance.
 constexpr double kBlunder = 36;
-// Of a row's own variance, what the fit leaves in its residual.
-constexpr double kLeastLeft = 1e-3;
 
 }  // namespace
 
-void HeldOutJudge::add(const calibration::Engine& engine, const calibration::FitRow& row,
-                       const calibration::ChainFrames& frames) {
-  const calibration::Engine::Stated stated = engine.covariance_of(row, frames);
+void HeldOutJudge::add(const Vector3& residual, const calibration::Engine::Stated& stated) {
   const Matrix3 S = stated.row + stated.model;
-  held_out_.push_back({static_cast<float>(row.residual.squaredNorm()),
+  held_out_.push_back({static_cast<float>(residual.squaredNorm()),
                        static_cast<float>(stated.row.trace()),
                        static_cast<float>(stated.model.trace()),
-                       static_cast<float>(row.residual.dot(S.inverse() * row.residual))});
+                       static_cast<float>(residual.dot(S.inverse() * residual))});
 }
 
-std::optional<LeftOut> left_out(const Vector3& residual,
-                                const calibration::Engine::Stated& with_it) {
-  const Matrix3 left = with_it.row - with_it.model;  // covariance of the residual
-  if (left.determinant() < kLeastLeft * with_it.row.determinant()) return std::nullopt;
-  const Matrix3 whole = with_it.row * left.inverse();
-  return LeftOut{whole * residual, whole * with_it.row};
-}
-
-void HeldOutJudge::add_fitted(const LeftOut& row, const Matrix3& row_m2) {
+void HeldOutJudge::add_fitted(const LeftOut& row) {
   fitted_.add({.squares_m2 = static_cast<float>(row.error_m.squaredNorm()),
-               .row_m2 = static_cast<float>(row_m2.trace()),
-               .model_m2 = static_cast<float>((row.covariance_m2 - row_m2).trace()),
+               .row_m2 = static_cast<float>(row.row_m2.trace()),
+               .model_m2 = static_cast<float>((row.covariance_m2 - row.row_m2).trace()),
                .normalised = 0});
 }
 

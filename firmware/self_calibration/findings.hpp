@@ -4,10 +4,10 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <span>
 
 #include "core/calibration/engine.hpp"
+#include "firmware/self_calibration/left_out.hpp"
 #include "firmware/self_calibration/play.hpp"
 
 namespace armsig::controller {
@@ -18,25 +18,11 @@ inline constexpr std::size_t kFewestSelfHeldOut = 12;
 
 // Poses held out of a fit, one after the other; and fitted ones, each judged by what the fit would
 // be without it.
-// A fitted row as if it had been left out of its fit: what it would be missed by, and by how much
-// it is to be expected.
-struct LeftOut {
-  Vector3 error_m = Vector3::Zero();
-  Matrix3 covariance_m2 = Matrix3::Zero();
-};
-
-// By the linear fit, from the row's residual and what was stated for it with the row (Cook and
-// Weisberg, Residuals and Influence in Regression, 1982, section 2.2). Nothing of a row that alone
-// determines something.
-[[nodiscard]] std::optional<LeftOut> left_out(const Vector3& residual,
-                                              const calibration::Engine::Stated& with_it);
-
 class HeldOutJudge {
  public:
-  void add(const calibration::Engine& engine, const calibration::FitRow& row,
-           const calibration::ChainFrames& frames);
-  // A fitted row that has `row_m2` as the covariance of its own error.
-  void add_fitted(const LeftOut& row, const Matrix3& row_m2);
+  // A row that was held out, by its residual and what is stated for it.
+  void add(const Vector3& residual, const calibration::Engine::Stated& stated);
+  void add_fitted(const LeftOut& row);
 
   [[nodiscard]] std::size_t count() const { return held_out_.size(); }
 
@@ -127,8 +113,9 @@ struct Findings {
   HeldOutJudge::Score held_out;
   // RMS length of what the model leaves open, enlarged by the factor.
   double model_m = 0;
-  double play_m = 0;    // and of what play adds
-  double sensor_m = 0;  // 1 sigma of a measured point per axis, as the rows show it
+  double play_m = 0;        // and of what play adds
+  double play_least_m = 0;  // of that, what chance does not show in one of forty
+  double sensor_m = 0;      // 1 sigma of a measured point per axis, as the rows show it
   PlayEstimate::Halves play;
   Budget budget = {};
   std::size_t fitted = 0;    // rows

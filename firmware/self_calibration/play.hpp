@@ -29,9 +29,8 @@ class PlayEstimate {
  public:
   explicit PlayEstimate(std::size_t joints = 0) : joints_(joints) {}
 
-  // A pose, by what a fit without it misses it by, of this covariance.
-  void add(Sides sides, const Motions& motions, const Vector3& error_m,
-           const Matrix3& covariance_m2);
+  // A pose, by what a fit without it misses it by, and the inverse of that error's covariance.
+  void add(Sides sides, const Motions& motions, const Vector3& error_m, const Matrix3& information);
 
   struct Half {
     double value = 0;  // rad or m
@@ -40,6 +39,8 @@ class PlayEstimate {
     // Square of what is there, right in the mean over what chance does: below zero as often as it
     // is too large where there is none, so that only a sum of many means something.
     [[nodiscard]] double squared() const;
+    // Of it, 1 sigma squared: of x^2 for a normal x of this mean and sigma.
+    [[nodiscard]] double squared_variance() const;
   };
   using Halves = FixedVector<Half, kMaxJoints>;
 
@@ -49,8 +50,6 @@ class PlayEstimate {
   using Matrix = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;
 
   std::size_t joints_;
-  double poses_ = 0;
-  double traces_m2_ = 0;  // of the errors' covariances
   Matrix information_ = Matrix::Zero();
   Eigen::Matrix<double, kMaxJoints, 1> pull_ = Eigen::Matrix<double, kMaxJoints, 1>::Zero();
 };

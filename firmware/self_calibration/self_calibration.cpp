@@ -282,12 +282,12 @@ void SelfCalibration::play_step() {
     squares_m2_ += row.residual.squaredNorm();
     covered_.add(effective_readings(configuration_.drawing.couplings, row.readings));
     if (row.sweep != 0) continue;
-    // By the row's own residual play would be too small: the fit has followed it.
+    // By the residual itself play would be too small: the fit has followed it.
     const calibration::Engine::Stated stated = engine_->covariance_of(row, memory_.cache[index_]);
     if (const auto missed = left_out(row.residual, stated)) {
-      judge_.add_fitted(*missed, stated.row);
+      judge_.add_fitted(*missed);
       play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
-                missed->error_m, missed->covariance_m2);
+                missed->error_m, missed->information);
     }
     ++index_;
     break;  // the covariance is a step's work
@@ -303,7 +303,8 @@ void SelfCalibration::play_step() {
 void SelfCalibration::judge_step() {
   while (index_ < count_ && !memory_.rows[index_].held_out) ++index_;
   if (index_ < count_ && judge_.count() < kMostSelfHeldOut) {
-    judge_.add(*engine_, memory_.rows[index_], memory_.cache[index_]);
+    const calibration::FitRow& row = memory_.rows[index_];
+    judge_.add(row.residual, engine_->covariance_of(row, memory_.cache[index_]));
     ++index_;
     return;
   }

@@ -30,7 +30,7 @@ TEST(PlayEstimate, finds_the_play_of_every_joint_among_noise) {
       motions[i] = Vector3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
       residual -= side_of(sides, i) * static_cast<double>(i) * kHalf * motions[i];
     }
-    estimate.add(sides, motions, residual, kSigma_m * kSigma_m * Matrix3::Identity());
+    estimate.add(sides, motions, residual, Matrix3::Identity() / (kSigma_m * kSigma_m));
   }
   const auto halves = estimate.result();
   ASSERT_EQ(halves.size(), 3U);
@@ -53,7 +53,7 @@ TEST(PlayEstimate, counts_no_play_where_there_is_none) {
       Motions motions;
       motions[0] = random.normal_vector();
       estimate.add(dealt_sides(20 * trial + n), motions, 1e-4 * random.normal_vector(),
-                   1e-8 * Matrix3::Identity());
+                   1e8 * Matrix3::Identity());
     }
     const PlayEstimate::Half half = estimate.result()[0];
     counted += half.squared();
@@ -95,8 +95,8 @@ TEST(PlayEstimate, is_as_large_where_a_fit_has_followed_the_play) {
           kSigma_m * kSigma_m * A.middleRows<3>(row) * C * A.middleRows<3>(row).transpose();
       const auto missed = left_out(residual.segment<3>(row), {.row = row_m2, .model = model});
       ASSERT_TRUE(missed);
-      estimate.add(dealt_sides(n), motions[n], missed->error_m, missed->covariance_m2);
-      by_residuals.add(dealt_sides(n), motions[n], residual.segment<3>(row), row_m2);
+      estimate.add(dealt_sides(n), motions[n], missed->error_m, missed->information);
+      by_residuals.add(dealt_sides(n), motions[n], residual.segment<3>(row), row_m2.inverse());
     }
     mean += estimate.result()[0].value / 20;
     mean_by_residuals += by_residuals.result()[0].value / 20;
@@ -136,7 +136,7 @@ TEST(HeldOutJudge, says_of_a_fitted_row_what_a_fit_without_it_says) {
     const auto missed =
         left_out(y[i] - A[i] * all, {.row = row_m2, .model = A[i] * C * A[i].transpose()});
     ASSERT_TRUE(missed);
-    judge.add_fitted(*missed, row_m2);
+    judge.add_fitted(*missed);
     const auto [x, C_without] = fit_without(i);
     const Vector3 error = y[i] - A[i] * x;
     const Matrix3 model = A[i] * C_without * A[i].transpose();
