@@ -48,12 +48,7 @@ class DampedSolver {
     evaluate(q_, at_);
     bool stationary = descend();
     if (!met() && stationary && may_be_saddle()) stationary = leave_saddle();
-    if (!met() && n_ < 6) {
-      rotation_weight_ = kLowRotationWeight;
-      stationary = descend();
-      stationary = meet_position() && stationary;
-      if (!position_met() && stationary) stationary = leave_saddle() && meet_position();
-    }
+    if (!met() && n_ < 6) stationary = meet_position();
     if (met() && n_ > 6) approach_seed();
     return finish(stationary);
   }
@@ -227,26 +222,17 @@ class DampedSolver {
     return direction;
   }
 
-  // Least-norm Newton steps on the position alone. False if the iterations were used up.
-  [[gnu::noinline]] bool meet_position() {
-    for (int k = 0; k < 3 && !position_met(); ++k) {
-      if (!another_pass()) return false;
-      Jacobian J = at_.kinematics.J;
-      J.bottomRows<3>().setZero();
-      Vector6 e = at_.error;
-      e.tail<3>().setZero();
-      Joints dq = Joints::Zero();
-      if (!damped_step(J, e, 1e-13 * J.squaredNorm(), n_, dq)) return true;
-      // Where two axes coincide, rounding alone turns one against the other, by any amount.
-      shorten(dq);
-      const Joints q = box_.clamped(q_ + dq);
-      State next;
-      evaluate(q, next);
-      if (next.error.head<3>().norm() >= at_.error.head<3>().norm()) return true;
-      q_ = q;
-      at_ = next;
-    }
-    return true;
+  // The position, and with it the orientation as well as it goes. False if the iterations were used
+  // up.
+  bool meet_position() {
+    rotation_weight_ = kLowRotationWeight;
+    if (!descend()) return false;
+    rotation_weight_ = 0;
+    if (!descend() || position_met()) return position_met();
+    rotation_weight_ = kLowRotationWeight;
+    if (!leave_saddle()) return false;
+    rotation_weight_ = 0;
+    return descend();
   }
 
   // Moves along the self-motion of the arm to the solution nearest to the seed.

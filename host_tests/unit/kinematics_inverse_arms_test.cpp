@@ -113,6 +113,29 @@ TEST(InverseOfThreeJoints, gives_up_the_orientation_without_a_search) {
   }
 }
 
+// Near a fold the orientation that is given up still pulls the position away, more than Newton's
+// last steps on it could make good.
+TEST(InverseOfFewJoints, says_of_no_position_beside_the_seed_that_it_is_out_of_reach) {
+  std::mt19937_64 random(11);
+  for (const std::size_t joints : {2U, 3U, 4U, 5U}) {
+    const Chain chain = make_chain(first_rows(joints));
+    for (int trial = 0; trial < 1'500; ++trial) {
+      JointVector q;
+      JointVector seed;
+      for (std::size_t i = 0; i < joints; ++i) {
+        q.push_back(test::uniform(random, -3, 3));
+        seed.push_back(q[i] + test::uniform(random, -0.1, 0.1));
+      }
+      Pose X = *forward(chain, q);
+      X.R = X.R * rotation_about(Vector3::UnitX(), test::uniform(random, -0.5, 0.5));
+      const auto solution = inverse(chain, X, seed);
+      ASSERT_TRUE(solution.has_value());
+      EXPECT_NE(solution->verdict, Verdict::kOutOfReach)
+          << joints << " joints, off by " << solution->position_error_m << " m";
+    }
+  }
+}
+
 TEST(InverseOfThreeJoints, meets_the_position_of_the_point_that_it_is_asked_for) {
   const Chain chain = make_chain(first_rows(3));
   Pose X = *forward(chain, {0.3, -0.5, 0.8});
