@@ -16,8 +16,8 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Orientation weighs this much against position once both cannot be met: small enough that the
-// position error it leaves is taken away by two Newton steps on the position alone.
+// Orientation weighs this much against position once both cannot be met: small enough that what it
+// leaves of the position is mended beside it.
 constexpr double kLowRotationWeight = 1e-4;
 constexpr double kLargestStep = 0.4;  // rad or m in one iteration, to stay near the seed
 constexpr double kFoldError = 0.03;   // m or rad: what a nudge of 0.2 rad on a fold can make up for

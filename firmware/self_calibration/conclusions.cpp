@@ -28,13 +28,7 @@ void SelfCalibration::note_findings() {
   const double k = findings_.held_out.factor;
   const double play_m2 = prediction_.play_m2 / samples;
   findings_.model_m = k * std::sqrt(prediction_.model_m2 / samples);
-  double variance_m4 = 0;
-  for (std::size_t i = 0; i < findings_.play.size(); ++i) {
-    const double lever_m2 = prediction_.levers_m2[i] / samples;
-    variance_m4 += lever_m2 * lever_m2 * findings_.play[i].squared_variance();
-  }
-  findings_.play_m = std::sqrt(std::max(play_m2, 0.0));
-  findings_.play_least_m = std::sqrt(std::max(play_m2 - 2 * std::sqrt(variance_m4), 0.0));
+  findings_.play_m = std::sqrt(play_m2);
   findings_.budget =
       budget_of(prediction_, types_of(configuration_.drawing.joints), findings_.model_m);
   findings_.fitted = static_cast<std::size_t>(
@@ -68,8 +62,8 @@ std::optional<SelfCalibration::Outcome> SelfCalibration::end_of_run() const {
     return Outcome::kReached;
   }
   if (const auto over = end_of_visits(now_)) return over;
-  const bool never = findings_.is_believed() && findings_.play_least_m >= aim_.accuracy_m;
-  return never ? std::optional(Outcome::kPlay) : std::nullopt;
+  const bool never = !std::isfinite(findings_.times_more(aim_.accuracy_m));
+  return findings_.is_believed() && never ? std::optional(Outcome::kPlay) : std::nullopt;
 }
 
 // After a fit of the whole model.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "core/calibration/engine_detail.hpp"
@@ -15,22 +17,42 @@ namespace {
 
 // Of the errors' own scale, squared: none beyond it is chance.
 constexpr double kBlunder = 36;
+// Of a row's own variance in a direction, what the fit leaves in its residual. Where less is left,
+// the least bend of the model counts many times.
+constexpr double kLeastLeft = 0.2;
 
 }  // namespace
 
-void HeldOutJudge::add(const Vector3& residual, const calibration::Engine::Stated& stated) {
+void HeldOutJudge::add(const calibration::Engine& engine, const calibration::FitRow& row,
+                       const calibration::ChainFrames& frames) {
+  const calibration::Engine::Stated stated = engine.covariance_of(row, frames);
   const Matrix3 S = stated.row + stated.model;
-  held_out_.push_back({static_cast<float>(residual.squaredNorm()),
+  held_out_.push_back({static_cast<float>(row.residual.squaredNorm()),
                        static_cast<float>(stated.row.trace()),
                        static_cast<float>(stated.model.trace()),
-                       static_cast<float>(residual.dot(S.inverse() * residual))});
+                       static_cast<float>(row.residual.dot(S.inverse() * row.residual))});
 }
 
-void HeldOutJudge::add_fitted(const LeftOut& row) {
-  fitted_.add({.squares_m2 = static_cast<float>(row.error_m.squaredNorm()),
-               .row_m2 = static_cast<float>(row.row_m2.trace()),
-               .model_m2 = static_cast<float>((row.covariance_m2 - row.row_m2).trace()),
-               .normalised = 0});
+void HeldOutJudge::add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it) {
+  const Eigen::LLT<Matrix3> row(with_it.row);
+  const auto L = row.matrixL();
+  // Covariance of the residual, in units of the row's own error.
+  const Matrix3 half = L.solve(Matrix3(with_it.row - with_it.model));
+  const Eigen::SelfAdjointEigenSolver<Matrix3> left(L.solve(Matrix3(half.transpose())));
+  const Vector3 unit_residual = L.solve(residual);
+  Vector3 error = Vector3::Zero();  // without the row
+  One one;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double share = left.eigenvalues()(k);
+    if (share < kLeastLeft) continue;
+    const Vector3 e = left.eigenvectors().col(k);
+    const Vector3 along = L * e;
+    error += along * (e.dot(unit_residual) / share);
+    one.row_m2 += static_cast<float>(along.squaredNorm());
+    one.model_m2 += static_cast<float>(along.squaredNorm() * (1 / share - 1));
+  }
+  one.squares_m2 = static_cast<float>(error.squaredNorm());
+  fitted_.add(one);
 }
 
 void HeldOutJudge::Sums::add(const One& one) {
@@ -116,8 +138,8 @@ Budget budget_of(const Prediction& prediction, const JointTypes& types, double m
       sum += squares[i];
       if (squares[i] > squares[whole.joint]) whole.joint = i;
     }
-    whole.length_m = std::sqrt(std::max(sum, 0.0) / poses);
-    whole.of_joint_m = std::sqrt(std::max(squares[whole.joint], 0.0) / poses);
+    whole.length_m = std::sqrt(sum / poses);
+    whole.of_joint_m = std::sqrt(squares[whole.joint] / poses);
     return whole;
   };
   Budget budget;

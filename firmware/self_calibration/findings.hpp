@@ -7,7 +7,6 @@
 #include <span>
 
 #include "core/calibration/engine.hpp"
-#include "firmware/self_calibration/left_out.hpp"
 #include "firmware/self_calibration/play.hpp"
 
 namespace armsig::controller {
@@ -20,9 +19,12 @@ inline constexpr std::size_t kFewestSelfHeldOut = 12;
 // be without it.
 class HeldOutJudge {
  public:
-  // A row that was held out, by its residual and what is stated for it.
-  void add(const Vector3& residual, const calibration::Engine::Stated& stated);
-  void add_fitted(const LeftOut& row);
+  void add(const calibration::Engine& engine, const calibration::FitRow& row,
+           const calibration::ChainFrames& frames);
+  // A fitted row by its residual, and what was stated for it with the row: what it would be missed
+  // by without it, by the linear fit (Cook and Weisberg, Residuals and Influence in Regression,
+  // 1982, section 2.2). A direction that the row determines to more than four fifths tells nothing.
+  void add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it);
 
   [[nodiscard]] std::size_t count() const { return held_out_.size(); }
 
@@ -113,9 +115,8 @@ struct Findings {
   HeldOutJudge::Score held_out;
   // RMS length of what the model leaves open, enlarged by the factor.
   double model_m = 0;
-  double play_m = 0;        // and of what play adds
-  double play_least_m = 0;  // of that, what chance does not show in one of forty
-  double sensor_m = 0;      // 1 sigma of a measured point per axis, as the rows show it
+  double play_m = 0;    // and of what play adds
+  double sensor_m = 0;  // 1 sigma of a measured point per axis, as the rows show it
   PlayEstimate::Halves play;
   Budget budget = {};
   std::size_t fitted = 0;    // rows

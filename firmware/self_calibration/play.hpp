@@ -29,22 +29,20 @@ class PlayEstimate {
  public:
   explicit PlayEstimate(std::size_t joints = 0) : joints_(joints) {}
 
-  // A pose, by what a fit without it misses it by, and the inverse of that error's covariance.
-  void add(Sides sides, const Motions& motions, const Vector3& error_m, const Matrix3& information);
+  void add(Sides sides, const Motions& motions, const Vector3& residual);
 
   struct Half {
     double value = 0;  // rad or m
     double sigma = 0;  // infinite: the poses do not tell
 
-    // Square of what is there, right in the mean over what chance does: below zero as often as it
-    // is too large where there is none, so that only a sum of many means something.
+    [[nodiscard]] bool is_seen() const { return std::abs(value) > 2 * sigma; }
+    // Square of what is there, as far as more than chance shows it.
     [[nodiscard]] double squared() const;
-    // Of it, 1 sigma squared: of x^2 for a normal x of this mean and sigma.
-    [[nodiscard]] double squared_variance() const;
   };
   using Halves = FixedVector<Half, kMaxJoints>;
 
-  [[nodiscard]] Halves result() const;
+  // `sigma_m`: of a residual, per axis.
+  [[nodiscard]] Halves result(double sigma_m) const;
 
  private:
   using Matrix = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;

@@ -88,8 +88,7 @@ void SelfCalibration::take_again(const MeasuredPoint& point) {
        static_cast<double>(row.relative[5])) /
       3;
   const double variance_m2 =
-      std::max(2 * sigma_m * sigma_m, stated_m2 + point.covariance_m2.trace() / 3) +
-      2 * std::max(play_m2, 0.0);
+      std::max(2 * sigma_m * sigma_m, stated_m2 + point.covariance_m2.trace() / 3) + 2 * play_m2;
   const Vector3 difference = point.p_S - row.p_S;
   stage_ = Stage::kRepeating;
   // Once more, as the second point may be a wrong one as well as the first; the nearer one counts.

@@ -282,19 +282,15 @@ void SelfCalibration::play_step() {
     squares_m2_ += row.residual.squaredNorm();
     covered_.add(effective_readings(configuration_.drawing.couplings, row.readings));
     if (row.sweep != 0) continue;
-    // By the residual itself play would be too small: the fit has followed it.
-    const calibration::Engine::Stated stated = engine_->covariance_of(row, memory_.cache[index_]);
-    if (const auto missed = left_out(row.residual, stated)) {
-      judge_.add_fitted(*missed);
-      play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
-                missed->error_m, missed->information);
-    }
+    judge_.add_fitted(row.residual, engine_->covariance_of(row, memory_.cache[index_]));
+    play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
+              row.residual);
     ++index_;
     break;  // the covariance is a step's work
   }
   if (index_ < count_) return;
   findings_.sensor_m = std::sqrt(scales_.sigma_squared);
-  findings_.play = play_.result();
+  findings_.play = play_.result(findings_.sensor_m);
   index_ = 0;
   stage_ = Stage::kJudging;
 }
@@ -303,8 +299,7 @@ void SelfCalibration::play_step() {
 void SelfCalibration::judge_step() {
   while (index_ < count_ && !memory_.rows[index_].held_out) ++index_;
   if (index_ < count_ && judge_.count() < kMostSelfHeldOut) {
-    const calibration::FitRow& row = memory_.rows[index_];
-    judge_.add(row.residual, engine_->covariance_of(row, memory_.cache[index_]));
+    judge_.add(*engine_, memory_.rows[index_], memory_.cache[index_]);
     ++index_;
     return;
   }

@@ -30,79 +30,17 @@ TEST(PlayEstimate, finds_the_play_of_every_joint_among_noise) {
       motions[i] = Vector3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
       residual -= side_of(sides, i) * static_cast<double>(i) * kHalf * motions[i];
     }
-    estimate.add(sides, motions, residual, Matrix3::Identity() / (kSigma_m * kSigma_m));
+    estimate.add(sides, motions, residual);
   }
-  const auto halves = estimate.result();
+  const auto halves = estimate.result(kSigma_m);
   ASSERT_EQ(halves.size(), 3U);
   EXPECT_NEAR(halves[0].value, 0, 3 * halves[0].sigma);
+  EXPECT_EQ(halves[0].squared(), 0);
   EXPECT_NEAR(halves[1].value, kHalf, 3 * halves[1].sigma);
   EXPECT_NEAR(halves[1].squared(), kHalf * kHalf, 0.3 * kHalf * kHalf);
   // 400 poses, each of a lever whose mean square is one.
   EXPECT_NEAR(halves[1].sigma, kSigma_m / 20, 0.1 * kSigma_m / 20);
   EXPECT_FALSE(std::isfinite(halves[2].sigma)) << "nothing moves by it";
-}
-
-// Chance alone: what is counted over many estimates is nothing, and not what each of them shows.
-TEST(PlayEstimate, counts_no_play_where_there_is_none) {
-  simulated::Random random(7);
-  double counted = 0;
-  double shown = 0;
-  for (std::size_t trial = 0; trial < 400; ++trial) {
-    PlayEstimate estimate(1);
-    for (std::size_t n = 0; n < 20; ++n) {
-      Motions motions;
-      motions[0] = random.normal_vector();
-      estimate.add(dealt_sides(20 * trial + n), motions, 1e-4 * random.normal_vector(),
-                   1e8 * Matrix3::Identity());
-    }
-    const PlayEstimate::Half half = estimate.result()[0];
-    counted += half.squared();
-    shown += half.value * half.value;
-  }
-  EXPECT_LT(std::abs(counted), 0.25 * shown);
-}
-
-// Forty poses, forty unknowns: a third of what play does goes into the fit, and out of its
-// residuals.
-TEST(PlayEstimate, is_as_large_where_a_fit_has_followed_the_play) {
-  constexpr std::size_t kPoses = 40;
-  constexpr Eigen::Index kUnknowns = 40;
-  constexpr double kHalf = 5e-5;
-  constexpr double kSigma_m = 2e-5;
-  simulated::Random random(5);
-  double mean = 0;
-  double mean_by_residuals = 0;
-  for (int trial = 0; trial < 20; ++trial) {
-    Eigen::MatrixXd A(3 * kPoses, kUnknowns);
-    Eigen::VectorXd y(3 * kPoses);
-    std::array<Motions, kPoses> motions;
-    for (std::size_t n = 0; n < kPoses; ++n) {
-      const auto row = static_cast<Eigen::Index>(3 * n);
-      for (Eigen::Index k = 0; k < kUnknowns; ++k) A.block<3, 1>(row, k) = random.normal_vector();
-      motions[n].fill(Vector3::Zero());
-      motions[n][0] = random.normal_vector();
-      y.segment<3>(row) =
-          kSigma_m * random.normal_vector() - side_of(dealt_sides(n), 0) * kHalf * motions[n][0];
-    }
-    const Eigen::MatrixXd C = (A.transpose() * A).inverse();
-    const Eigen::VectorXd residual = y - A * (C * (A.transpose() * y));
-    PlayEstimate estimate(1);
-    PlayEstimate by_residuals(1);
-    const Matrix3 row_m2 = kSigma_m * kSigma_m * Matrix3::Identity();
-    for (std::size_t n = 0; n < kPoses; ++n) {
-      const auto row = static_cast<Eigen::Index>(3 * n);
-      const Matrix3 model =
-          kSigma_m * kSigma_m * A.middleRows<3>(row) * C * A.middleRows<3>(row).transpose();
-      const auto missed = left_out(residual.segment<3>(row), {.row = row_m2, .model = model});
-      ASSERT_TRUE(missed);
-      estimate.add(dealt_sides(n), motions[n], missed->error_m, missed->information);
-      by_residuals.add(dealt_sides(n), motions[n], residual.segment<3>(row), row_m2.inverse());
-    }
-    mean += estimate.result()[0].value / 20;
-    mean_by_residuals += by_residuals.result()[0].value / 20;
-  }
-  EXPECT_NEAR(mean, kHalf, 0.05 * kHalf);
-  EXPECT_LT(mean_by_residuals, 0.75 * kHalf);
 }
 
 // What a line through all points but one says of that one, beside the short way by the residual.
@@ -132,11 +70,8 @@ TEST(HeldOutJudge, says_of_a_fitted_row_what_a_fit_without_it_says) {
   double squares = 0;
   double stated = 0;
   for (std::size_t i = 0; i < kRows; ++i) {
-    const Matrix3 row_m2 = kVariance * Matrix3::Identity();
-    const auto missed =
-        left_out(y[i] - A[i] * all, {.row = row_m2, .model = A[i] * C * A[i].transpose()});
-    ASSERT_TRUE(missed);
-    judge.add_fitted(*missed);
+    judge.add_fitted(y[i] - A[i] * all, {.row = kVariance * Matrix3::Identity(),
+                                         .model = A[i] * C * A[i].transpose()});
     const auto [x, C_without] = fit_without(i);
     const Vector3 error = y[i] - A[i] * x;
     const Matrix3 model = A[i] * C_without * A[i].transpose();
@@ -148,9 +83,21 @@ TEST(HeldOutJudge, says_of_a_fitted_row_what_a_fit_without_it_says) {
 }
 
 // One row too few to be without it.
-TEST(LeftOut, says_nothing_of_a_row_that_alone_determines_something) {
-  EXPECT_FALSE(left_out(Vector3(1e-3, 0, 0),
-                        {.row = 1e-8 * Matrix3::Identity(), .model = 1e-8 * Matrix3::Identity()}));
+TEST(HeldOutJudge, takes_nothing_from_a_row_that_alone_determines_something) {
+  HeldOutJudge judge;
+  judge.add_fitted(Vector3(1e-3, 0, 0),
+                   {.row = 1e-8 * Matrix3::Identity(), .model = 1e-8 * Matrix3::Identity()});
+  EXPECT_EQ(judge.score().factor, 1);
+}
+
+// A decimetre along what the row determines to nine tenths, nothing elsewhere.
+TEST(HeldOutJudge, takes_nothing_from_a_direction_that_a_row_all_but_determines) {
+  HeldOutJudge judge;
+  const Matrix3 model = 1e-8 * Vector3(0.9, 0.1, 0.1).asDiagonal();
+  judge.add_fitted(Vector3(0.1, 0, 0), {.row = 1e-8 * Matrix3::Identity(), .model = model});
+  EXPECT_EQ(judge.score().factor, 1);
+  judge.add_fitted(Vector3(0, 0.1, 0), {.row = 1e-8 * Matrix3::Identity(), .model = model});
+  EXPECT_GT(judge.score().factor, 100);
 }
 
 TEST(Findings, tell_how_many_times_the_measurements_it_takes) {
