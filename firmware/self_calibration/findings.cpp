@@ -19,7 +19,7 @@ namespace {
 constexpr double kBlunder = 36;
 // Of a row's own variance in a direction, what the fit leaves in its residual. Where less is left,
 // the least bend of the model counts many times.
-constexpr double kLeastLeft = 0.2;
+constexpr double kLeastLeft = 0.1;
 
 }  // namespace
 

@@ -23,7 +23,7 @@ class HeldOutJudge {
            const calibration::ChainFrames& frames);
   // A fitted row by its residual, and what was stated for it with the row: what it would be missed
   // by without it, by the linear fit (Cook and Weisberg, Residuals and Influence in Regression,
-  // 1982, section 2.2). A direction that the row determines to more than four fifths tells nothing.
+  // 1982, section 2.2). A direction that the row determines to more than nine tenths tells nothing.
   void add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it);
 
   [[nodiscard]] std::size_t count() const { return held_out_.size(); }

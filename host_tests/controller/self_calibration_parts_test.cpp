@@ -90,10 +90,10 @@ TEST(HeldOutJudge, takes_nothing_from_a_row_that_alone_determines_something) {
   EXPECT_EQ(judge.score().factor, 1);
 }
 
-// A decimetre along what the row determines to nine tenths, nothing elsewhere.
+// A decimetre along what the row determines to 95 parts in 100, nothing elsewhere.
 TEST(HeldOutJudge, takes_nothing_from_a_direction_that_a_row_all_but_determines) {
   HeldOutJudge judge;
-  const Matrix3 model = 1e-8 * Vector3(0.9, 0.1, 0.1).asDiagonal();
+  const Matrix3 model = 1e-8 * Vector3(0.95, 0.1, 0.1).asDiagonal();
   judge.add_fitted(Vector3(0.1, 0, 0), {.row = 1e-8 * Matrix3::Identity(), .model = model});
   EXPECT_EQ(judge.score().factor, 1);
   judge.add_fitted(Vector3(0, 0.1, 0), {.row = 1e-8 * Matrix3::Identity(), .model = model});
