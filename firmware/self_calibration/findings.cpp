@@ -34,12 +34,12 @@ void HeldOutJudge::add(const calibration::Engine& engine, const calibration::Fit
 }
 
 void HeldOutJudge::add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it) {
-  const Eigen::LLT<Matrix3> row(with_it.row);
-  const auto L = row.matrixL();
+  const Matrix3 L = with_it.row.llt().matrixL();
+  const Matrix3 whitening = L.inverse();
   // Covariance of the residual, in units of the row's own error.
-  const Matrix3 half = L.solve(Matrix3(with_it.row - with_it.model));
-  const Eigen::SelfAdjointEigenSolver<Matrix3> left(L.solve(Matrix3(half.transpose())));
-  const Vector3 unit_residual = L.solve(residual);
+  const Eigen::SelfAdjointEigenSolver<Matrix3> left(whitening * (with_it.row - with_it.model) *
+                                                    whitening.transpose());
+  const Vector3 unit_residual = whitening * residual;
   Vector3 error = Vector3::Zero();  // without the row
   One one;
   for (Eigen::Index k = 0; k < 3; ++k) {
