@@ -8,17 +8,18 @@
 #include "core/kinematics/inverse.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/ready_puma.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
-Chain puma() { return make_chain(test::puma560().joints, test::puma560().limits); }
-const JointVector kReady{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
+using test::kReady;
+using test::puma_chain;
 
 TEST(Inverse, finds_the_readings_that_made_the_pose) {
   JointVector seed = kReady;
   for (double& reading : seed) reading += radians(0.5);
-  const InverseSolution solution = *inverse(puma(), *forward(puma(), kReady), seed);
+  const InverseSolution solution = *inverse(puma_chain(), *forward(puma_chain(), kReady), seed);
   EXPECT_EQ(solution.verdict, Verdict::kConverged);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(solution.q[i], kReady[i], 1e-9);
   EXPECT_LE(solution.iterations, 4);
@@ -27,7 +28,7 @@ TEST(Inverse, finds_the_readings_that_made_the_pose) {
 }
 
 TEST(Inverse, says_that_a_pose_is_out_of_reach_and_comes_as_near_as_it_can) {
-  Pose X = *forward(puma(), kReady);
+  Pose X = *forward(puma_chain(), kReady);
   X.p = X.p.normalized() * 1.5;
   const InverseSolution solution = *inverse(make_chain(test::puma560().joints), X, kReady);
   EXPECT_EQ(solution.verdict, Verdict::kOutOfReach);
@@ -37,7 +38,7 @@ TEST(Inverse, says_that_a_pose_is_out_of_reach_and_comes_as_near_as_it_can) {
 
 TEST(Inverse, says_that_a_joint_limit_is_in_the_way_and_stays_inside) {
   const test::KnownArm arm = test::puma560();
-  const Chain chain = puma();
+  const Chain chain = puma_chain();
   JointVector beyond = kReady;
   beyond[4] = arm.limits[4].upper + 0.05;
   JointVector seed = kReady;
@@ -51,7 +52,8 @@ TEST(Inverse, can_leave_the_limits_aside) {
   JointVector beyond = kReady;
   beyond[4] = test::puma560().limits[4].upper + 0.05;
   const InverseOptions options{.respect_limits = false};
-  const InverseSolution solution = *inverse(puma(), *forward(puma(), beyond), kReady, options);
+  const InverseSolution solution =
+      *inverse(puma_chain(), *forward(puma_chain(), beyond), kReady, options);
   EXPECT_EQ(solution.verdict, Verdict::kConverged);
 }
 
@@ -60,7 +62,8 @@ TEST(Inverse, says_that_the_step_is_limited_and_goes_no_further) {
   goal[0] += 0.1;
   InverseOptions options;
   options.max_step = JointVector(6, 0.02);
-  const InverseSolution solution = *inverse(puma(), *forward(puma(), goal), kReady, options);
+  const InverseSolution solution =
+      *inverse(puma_chain(), *forward(puma_chain(), goal), kReady, options);
   EXPECT_EQ(solution.verdict, Verdict::kStepLimit);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_LE(std::abs(solution.q[i] - kReady[i]), 0.02);
 }
@@ -76,11 +79,13 @@ TEST(Inverse, keeps_each_joint_to_its_own_step) {
       InverseOptions options;
       options.max_step = JointVector(6, 1.0);
       options.max_step[slow] = 0.02;
-      const InverseSolution limited = *inverse(puma(), *forward(puma(), goal), seed, options);
+      const InverseSolution limited =
+          *inverse(puma_chain(), *forward(puma_chain(), goal), seed, options);
       EXPECT_LE(std::abs(limited.q[slow] - seed[slow]), 0.02) << slow;
       options.max_step = JointVector(6, 1e-3);
       options.max_step[slow] = 0.2;
-      const InverseSolution reached = *inverse(puma(), *forward(puma(), goal), seed, options);
+      const InverseSolution reached =
+          *inverse(puma_chain(), *forward(puma_chain(), goal), seed, options);
       EXPECT_EQ(reached.verdict, Verdict::kConverged) << slow;
     }
   }
@@ -91,7 +96,8 @@ TEST(Inverse, moves_a_seed_outside_the_limits_towards_them_by_no_more_than_a_ste
   seed[0] = test::puma560().limits[0].upper + 0.5;
   InverseOptions options;
   options.max_step = JointVector(6, 0.02);
-  const InverseSolution solution = *inverse(puma(), *forward(puma(), kReady), seed, options);
+  const InverseSolution solution =
+      *inverse(puma_chain(), *forward(puma_chain(), kReady), seed, options);
   EXPECT_NEAR(solution.q[0], seed[0] - 0.02, 1e-12);
 }
 
@@ -100,7 +106,7 @@ TEST(Inverse, is_degraded_where_the_wrist_is_straight) {
   q[4] = 1e-9;
   JointVector seed = q;
   for (double& reading : seed) reading += 0.003;
-  const InverseSolution solution = *inverse(puma(), *forward(puma(), q), seed);
+  const InverseSolution solution = *inverse(puma_chain(), *forward(puma_chain(), q), seed);
   EXPECT_EQ(solution.verdict, Verdict::kDegraded);
   EXPECT_LT(solution.position_error_m, 1e-9);
   EXPECT_LT(solution.rotation_error_rad, 1e-9);
@@ -111,7 +117,8 @@ TEST(Inverse, stops_at_the_iterations_it_was_given) {
   seed[1] -= 1.0;
   seed[3] += 1.0;
   const InverseOptions options{.max_iterations = 3};
-  const InverseSolution solution = *inverse(puma(), *forward(puma(), kReady), seed, options);
+  const InverseSolution solution =
+      *inverse(puma_chain(), *forward(puma_chain(), kReady), seed, options);
   EXPECT_EQ(solution.verdict, Verdict::kNotConverged);
   EXPECT_LE(solution.iterations, 3);
 }
@@ -119,19 +126,20 @@ TEST(Inverse, stops_at_the_iterations_it_was_given) {
 TEST(Inverse, counts_every_pass_of_every_loop) {
   JointVector seed = kReady;
   for (double& reading : seed) reading += radians(2);
-  Pose unreachable = *forward(puma(), kReady);
+  Pose unreachable = *forward(puma_chain(), kReady);
   unreachable.p *= 1.5;
-  for (const Pose& X : {*forward(puma(), kReady), unreachable}) {
+  for (const Pose& X : {*forward(puma_chain(), kReady), unreachable}) {
     for (int most = 1; most < 30; ++most) {
       const InverseOptions options{.max_iterations = most};
-      const auto solution = inverse(puma(), X, seed, options);
+      const auto solution = inverse(puma_chain(), X, seed, options);
       ASSERT_TRUE(solution.has_value());
       EXPECT_LE(solution->iterations, most);
       EXPECT_GE(solution->iterations, 1);
     }
   }
   const InverseOptions once{.max_iterations = 1};
-  EXPECT_EQ(inverse(puma(), *forward(puma(), seed), seed, once)->verdict, Verdict::kConverged);
+  EXPECT_EQ(inverse(puma_chain(), *forward(puma_chain(), seed), seed, once)->verdict,
+            Verdict::kConverged);
 }
 
 // The same measure by both ways: that of the servo's steps, and that of the damped descent.

@@ -6,11 +6,12 @@
 
 #include "core/kinematics/inverse.hpp"
 #include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/ready_puma.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
-const JointVector kReady{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
+using test::kReady;
 
 DhRows turning_wrist() {
   DhRows wrist;
