@@ -232,7 +232,7 @@ class DampedSolver {
     rotation_weight_ = kLowRotationWeight;
     if (!leave_saddle()) return false;
     rotation_weight_ = 0;
-    return descend();
+    return descend() || position_met();
   }
 
   // Moves along the self-motion of the arm to the solution nearest to the seed.
