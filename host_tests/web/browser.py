@@ -108,9 +108,12 @@ class Tab:
             time.sleep(0.05)
         raise AssertionError(f"not within {timeout} s: {expression}; the page says: {self.ask('document.body.innerText')}")
 
-    def click(self, selector):
-        """What a finger finds at the middle of it is clicked, if that is it."""
-        done = self.ask(f"""(() => {{
+    def click(self, selector, timeout=0):
+        """What a finger finds at the middle of it is clicked, as soon as that is it and it is not disabled.
+
+        Looked at and clicked in one breath: news may disable a button between two questions.
+        """
+        click = f"""(() => {{
           const it = document.querySelector({json.dumps(selector)});
           if (it.getBoundingClientRect().y < 0 || it.getBoundingClientRect().bottom > innerHeight) {{
             it.scrollIntoView({{ block: 'center', behavior: 'instant' }});
@@ -119,8 +122,10 @@ class Tab:
           const there = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
           if (it.disabled || !it.contains(there)) return false;
           it.click();
-          return true; }})()""")
-        if not done:
+          return true; }})()"""
+        if timeout:
+            self.wait(click, timeout)
+        elif not self.ask(click):
             raise AssertionError(f"{selector} can't be clicked")
 
     def picture(self, path, whole=False, clip=None):
