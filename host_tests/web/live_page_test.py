@@ -239,4 +239,4 @@ class LivePage(unittest.TestCase):
         self.mode("holding")
 
 
-unittest.main(argv=[sys.argv[0]])
+unittest.main(argv=sys.argv)

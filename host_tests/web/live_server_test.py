@@ -8,6 +8,7 @@ a reader that does not read is dropped; the console that goes and comes back is 
 import http.client
 import json
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -117,6 +118,12 @@ class LiveServer(unittest.TestCase):
         body = b'{"viewer":"origin","verb":"stop"}'
         self.assertEqual(self.get(f"/{self.page.token}/request", "POST", body=body, Content_Type="text/plain")[0], 400)
         self.assertNotIn("mode=faulted", self.cabinet.ask("status")[0])
+
+    def test_offers_only_the_quick_stop_before_anything_is_known(self):
+        buttons = re.findall(r"<button[^>]*>", self.get(f"/{self.page.token}/")[1])
+        verbs = [re.search(r'data-verb="([^"]*)"', button) for button in buttons if " disabled" not in button]
+        self.assertEqual([verb[1] for verb in verbs if verb], ["stop"])
+        self.assertGreater(len(buttons), 10)
 
     def test_lets_a_page_load_nothing_from_elsewhere(self):
         for name in ("", "live.css", "main.js", "arm.js", "dials.js", "black_box.js", "words.js", "advice.json"):
