@@ -68,15 +68,54 @@ void CyclicFactor::solve(MapCoefficients& b) const {
   }
 }
 
-void CyclicFactor::inverse_rows(std::size_t first, std::size_t last, CyclicBand& band) const {
-  MapCoefficients column;
-  for (std::size_t i = first; i < last; ++i) {
-    column.fill(0);
-    column[i] = 1;
-    solve(column);
-    for (std::size_t k = 0; k < kSplines; ++k) {
-      band[i][k] = static_cast<float>(column[(i + k) % kKnots]);
+void CyclicFactor::invert(CyclicBand& band) const {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  Matrix3 L_border;
+  for (std::size_t b = 0; b < kBorder; ++b) {
+    for (std::size_t c = 0; c < kBorder; ++c) {
+      const double entry = c > b ? 0 : border_[b][kInner + c];
+      L_border(static_cast<Eigen::Index>(b), static_cast<Eigen::Index>(c)) = entry;
     }
+  }
+  const Matrix3 L_inverse = L_border.inverse();
+  // Of the inverse, between the three rows below the present one and the border's three.
+  Matrix6 below = Matrix6::Zero();
+  below.bottomRightCorner<3, 3>() = L_inverse.transpose() * L_inverse;
+  const auto take = [&band](std::size_t i, std::size_t j, double entry) {
+    band[i][(j + kKnots - i) % kKnots] = static_cast<float>(entry);
+  };
+  for (std::size_t b = 0; b < kBorder; ++b) {
+    for (std::size_t c = b; c < kBorder; ++c) {
+      take(kInner + b, kInner + c,
+           below(static_cast<Eigen::Index>(3 + b), static_cast<Eigen::Index>(3 + c)));
+    }
+  }
+  for (std::size_t i = kInner; i-- > 0;) {
+    Vector6 l = Vector6::Zero();  // what of column i of L is below its diagonal
+    for (std::size_t k = 0; k < kBorder; ++k) {
+      const auto near = static_cast<Eigen::Index>(k);
+      if (i + 1 + k < kInner) l[near] = inner_[i + 1 + k][kBorder - 1 - k];
+      l[near + 3] = border_[k][i];
+    }
+    const double diagonal = inner_[i][kBorder];
+    const Vector6 row = below * l / -diagonal;
+    const double own = (1 / diagonal - l.dot(row)) / diagonal;
+    take(i, i, own);
+    for (std::size_t k = 0; k < kBorder; ++k) {
+      const auto near = static_cast<Eigen::Index>(k);
+      if (i + 1 + k < kInner) take(i, i + 1 + k, row[near]);
+      const std::size_t j = kInner + k;  // the border lies after the last row and before the first
+      if (j - i < kSplines) take(i, j, row[near + 3]);
+      if (i + kKnots - j < kSplines) take(j, i, row[near + 3]);
+    }
+    const Matrix6 last = below;
+    below.block<2, 2>(1, 1) = last.block<2, 2>(0, 0);
+    below.block<2, 3>(1, 3) = last.block<2, 3>(0, 3);
+    below.block<1, 2>(0, 1) = row.head<2>().transpose();
+    below.block<1, 3>(0, 3) = row.tail<3>().transpose();
+    below(0, 0) = own;
+    below.triangularView<Eigen::StrictlyLower>() = below.transpose();
   }
 }
 

@@ -19,8 +19,9 @@ class CyclicFactor {
                  const std::array<double, kSplines>& prior, double prior_variance);
   // Replaces b by the solution of L L^T x = b.
   void solve(MapCoefficients& b) const;
-  // The entries of the inverse that lie on the band, of rows `first` up to before `last`.
-  void inverse_rows(std::size_t first, std::size_t last, CyclicBand& band) const;
+  // The entries of the inverse that lie on the band, each from those below it on the pattern of L:
+  // Takahashi's equations (Erisman and Tinney, Communications of the ACM 18, 1975, 177-179).
+  void invert(CyclicBand& band) const;
 
  private:
   static constexpr std::size_t kBorder = kSplines - 1;

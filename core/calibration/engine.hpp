@@ -239,7 +239,7 @@ class Engine {
   void conclude_geometry_scales();
   void begin_map_scales();
   void scale_next_map();
-  void invert_map(Units knots);
+  void invert_map();
   void conclude_map_scale();
   void add_errors(Units rows);
   void conclude_sigma();

@@ -103,15 +103,13 @@ void Engine::scale_next_map() {
   }
   work_.factor.factorise(work_.band[joint_], scales_.sigma_squared, map_prior(),
                          scales_.map[joint_]);
-  agenda_.put({{&Engine::invert_map, kKnots, kMapSolution},
+  agenda_.put({{&Engine::invert_map, kMapFactor},
                &Engine::conclude_map_scale,
                {&Engine::scale_next_map, kMapFactor}});
 }
 
 // Of the map that was factorised.
-void Engine::invert_map(Units knots) {
-  work_.factor.inverse_rows(knots.first, knots.last, work_.covariance);
-}
+void Engine::invert_map() { work_.factor.invert(work_.covariance); }
 
 void Engine::conclude_map_scale() {
   const std::array<double, kSplines> prior = map_prior();
@@ -155,7 +153,7 @@ void Engine::cover_next_map() {
   if (joint_ == model_.joint_count()) return;
   work_.factor.factorise(work_.band[joint_], scales_.sigma_squared, map_prior(),
                          scales_.map[joint_]);
-  agenda_.put({{&Engine::invert_map, kKnots, kMapSolution},
+  agenda_.put({{&Engine::invert_map, kMapFactor},
                &Engine::note_map_variance,
                {&Engine::cover_next_map, kMapFactor}});
 }

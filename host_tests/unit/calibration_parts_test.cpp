@@ -80,13 +80,13 @@ TEST(CyclicFactor, solves_and_inverts_as_dense_algebra_does) {
     EXPECT_NEAR(b[i], x[static_cast<Eigen::Index>(i)], 1e-9 * x.norm());
   }
   CyclicBand inverse;
-  factor.inverse_rows(0, kKnots, inverse);
+  factor.invert(inverse);
   const Eigen::MatrixXd C = A.inverse();
-  for (const std::size_t i : {0U, 1U, 60U, 117U, 119U}) {
+  for (std::size_t i = 0; i < kKnots; ++i) {
     for (std::size_t k = 0; k < kSplines; ++k) {
       EXPECT_NEAR(static_cast<double>(inverse[i][k]),
                   C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>((i + k) % kKnots)),
-                  1e-5 * C(0, 0));
+                  1e-6 * C(0, 0));
     }
   }
 }
