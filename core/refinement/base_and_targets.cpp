@@ -18,15 +18,18 @@ using Matrix63 = Eigen::Matrix<double, 6, 3>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr std::size_t kSearchRows = 150;
+constexpr double kUnweighted = std::numeric_limits<double>::infinity();
 constexpr int kSearchSteps = 12;
 constexpr int kPolishPasses = 12;
 constexpr int kStepsOfAPass = 3;
 constexpr int kMostTries = 8;
 constexpr double kFirstDamping = 1e-4;
+constexpr double kLeastGain = 1e-12;
 
 // Normal equations of base (turn about `centre`, shift) and targets. Rotations keep lengths, so
 // that the block of a target is its weight times the identity.
 struct NormalEquations {
+  double cost = 0;  // Huber's, of all rows
   Vector3 centre = Vector3::Zero();
   Matrix6 H_bb = Matrix6::Zero();
   Vector6 g_b = Vector6::Zero();
@@ -35,44 +38,46 @@ struct NormalEquations {
   std::array<double, kMaxTargets> weight{};
 };
 
-// One fit: which rows, and about which scale their weights are (infinite: all weigh one).
-struct Fit {
-  const DrawnRows& rows;
-  std::size_t stride = 1;
-  double scale_m = std::numeric_limits<double>::infinity();
+// Rows that are gone through many times, with the poses of their targets' links.
+class SearchRows {
+ public:
+  void add(const Observation& row, const Pose& X_BL) { rows_.push_back({&row, X_BL}); }
+
+  template <typename Visit>
+  void for_each(Visit visit) const {
+    for (const Placed& placed : rows_) visit(*placed.row, placed.X_BL);
+  }
+
+ private:
+  struct Placed {
+    const Observation* row = nullptr;
+    Pose X_BL;
+  };
+  FixedVector<Placed, kSearchRows> rows_;
 };
 
-double cost(const Fit& fit, const BaseAndTargets& at) {
-  double sum = 0;
-  fit.rows.for_each(
-      [&](const Observation& row, const Pose& X_BL) {
-        const double residual = (row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).norm();
-        sum += numerics::huber_loss(residual, fit.scale_m);
-      },
-      fit.stride);
-  return sum;
-}
-
-NormalEquations assemble(const Fit& fit, const BaseAndTargets& at) {
+// At `at`; weights are about `scale_m` (infinite: all weigh one).
+template <typename Rows>
+NormalEquations assemble(const Rows& rows, double scale_m, const BaseAndTargets& at) {
   NormalEquations normal;
   normal.H_bt.fill(Matrix63::Zero());
   normal.g_t.fill(Vector3::Zero());
   normal.centre = at.X_SB.p;
-  fit.rows.for_each(
-      [&](const Observation& row, const Pose& X_BL) {
-        const Vector3 x = at.X_SB * (X_BL * at.p_LT[row.target]);
-        const Vector3 residual = row.p_S - x;
-        const double w = numerics::huber_weight(residual.norm(), fit.scale_m);
-        Eigen::Matrix<double, 3, 6> J_b;
-        J_b << -cross_matrix(x - normal.centre), Matrix3::Identity();
-        const Matrix3 J_t = at.X_SB.R * X_BL.R;
-        normal.H_bb += w * J_b.transpose() * J_b;
-        normal.g_b += w * J_b.transpose() * residual;
-        normal.H_bt[row.target] += w * J_b.transpose() * J_t;
-        normal.g_t[row.target] += w * J_t.transpose() * residual;
-        normal.weight[row.target] += w;
-      },
-      fit.stride);
+  rows.for_each([&](const Observation& row, const Pose& X_BL) {
+    const Vector3 x = at.X_SB * (X_BL * at.p_LT[row.target]);
+    const Vector3 residual = row.p_S - x;
+    const double length = residual.norm();
+    const double w = numerics::huber_weight(length, scale_m);
+    Eigen::Matrix<double, 3, 6> J_b;
+    J_b << -cross_matrix(x - normal.centre), Matrix3::Identity();
+    const Matrix3 J_t = at.X_SB.R * X_BL.R;
+    normal.cost += numerics::huber_loss(length, scale_m);
+    normal.H_bb += w * J_b.transpose() * J_b;
+    normal.g_b += w * J_b.transpose() * residual;
+    normal.H_bt[row.target] += w * J_b.transpose() * J_t;
+    normal.g_t[row.target] += w * J_t.transpose() * residual;
+    normal.weight[row.target] += w;
+  });
   return normal;
 }
 
@@ -99,28 +104,34 @@ BaseAndTargets moved(const NormalEquations& normal, double damping, const BaseAn
   return to;
 }
 
-// At most `steps` steps that lower the cost. Returns the cost.
-double descend(const Fit& fit, int steps, BaseAndTargets& at) {
+struct Descent {
+  double cost = 0;
+  bool gained = false;  // more than kLeastGain of the cost
+};
+
+// At most `steps` steps that lower the cost, until one changes it by no more than kLeastGain of it.
+template <typename Rows>
+Descent descend(const Rows& rows, double scale_m, int steps, BaseAndTargets& at) {
   double damping = kFirstDamping;
-  double present = cost(fit, at);
+  NormalEquations present = assemble(rows, scale_m, at);
+  bool gained = false;
   for (int step = 0; step < steps; ++step) {
-    const NormalEquations normal = assemble(fit, at);
     bool lower = false;
-    for (int tries = 0; tries < kMostTries && !lower; ++tries) {
-      const BaseAndTargets candidate = moved(normal, damping, at);
-      const double there = cost(fit, candidate);
-      lower = there < present;
-      if (lower) {
-        at = candidate;
-        present = there;
-        damping *= 0.2;
-      } else {
-        damping *= 10;
-      }
+    bool settled = false;
+    for (int tries = 0; tries < kMostTries && !lower && !settled; ++tries) {
+      const BaseAndTargets candidate = moved(present, damping, at);
+      const NormalEquations there = assemble(rows, scale_m, candidate);
+      lower = there.cost < present.cost;
+      settled = std::abs(present.cost - there.cost) <= kLeastGain * present.cost;
+      damping *= lower ? 0.2 : 10;
+      if (!lower) continue;
+      at = candidate;
+      present = there;
     }
-    if (!lower) break;
+    if (!lower || settled) break;
+    gained = true;
   }
-  return present;
+  return {.cost = present.cost, .gained = gained};
 }
 
 // The 24 rotations of a cube: signed permutations of the axes that do not mirror.
@@ -160,13 +171,15 @@ BaseAndTargets search_base_and_targets(const DrawnRows& rows, std::size_t target
   });
   ARMSIG_CHECK(count > 0);
   const auto n = static_cast<double>(count);
-  const Fit fit{.rows = rows, .stride = count / kSearchRows + 1};
+  SearchRows some;
+  rows.for_each([&](const Observation& row, const Pose& X_BL) { some.add(row, X_BL); },
+                count / kSearchRows + 1);
   BaseAndTargets best;
   double least = std::numeric_limits<double>::infinity();
   for_each_cube_rotation([&](const Matrix3& R) {
     BaseAndTargets candidate{{R, sum_S / n - R * (sum_B / n)}, {}};
     candidate.p_LT.resize(targets, Vector3::Zero());
-    const double squares = descend(fit, kSearchSteps, candidate);
+    const double squares = descend(some, kUnweighted, kSearchSteps, candidate).cost;
     if (!(squares < least)) return;
     least = squares;
     best = candidate;
@@ -176,8 +189,8 @@ BaseAndTargets search_base_and_targets(const DrawnRows& rows, std::size_t target
 
 void polish_base_and_targets(const DrawnRows& rows, BaseAndTargets& at) {
   for (int pass = 0; pass < kPolishPasses; ++pass) {
-    const double scale = residual_scale(rows, at);
-    descend({.rows = rows, .stride = 1, .scale_m = scale}, kStepsOfAPass, at);
+    const double scale_m = residual_scale(rows, at);
+    if (!descend(rows, scale_m, kStepsOfAPass, at).gained) break;
   }
 }
 

@@ -55,11 +55,16 @@ class Fit {
     found.variance = rows_.y.squaredNorm() / static_cast<double>(rows_.y.size());
     for (int round = 0; round < kScaleRounds; ++round) {
       const Eigen::LLT<Eigen::MatrixXd> factor(information(squares, found));
+      // C = root^T root; of a round only its blocks are needed.
+      const Eigen::MatrixXd root = factor.matrixL().solve(Eigen::MatrixXd::Identity(size, size));
       found.x = factor.solve(gradient / found.variance);
-      found.covariance = factor.solve(Eigen::MatrixXd::Identity(size, size));
       const double errors = (rows_.y - A * found.x).squaredNorm();
       found.log_evidence = log_evidence(found, errors, factor);
-      if (round + 1 < kScaleRounds) update(found, errors);
+      if (round + 1 < kScaleRounds) {
+        update(found, root, errors);
+      } else {
+        found.covariance = root.transpose() * root;
+      }
     }
     return found;
   }
@@ -77,20 +82,19 @@ class Fit {
     return H;
   }
 
-  void update(Posterior& found, double errors) const {
+  void update(Posterior& found, const Eigen::MatrixXd& root, double errors) const {
     const Eigen::Index geometry = model_.geometry_columns();
-    double determined = static_cast<double>(geometry) -
-                        found.covariance.diagonal().head(geometry).sum() / kGeometryVariance;
+    double determined =
+        static_cast<double>(geometry) - root.leftCols(geometry).squaredNorm() / kGeometryVariance;
     for (std::size_t b = 0; b < found.scale.size(); ++b) {
       const PriorBlock& block = model_.blocks()[b];
       if (block.size() == 0) continue;
       const auto size = static_cast<double>(block.size());
       const auto x = found.x.segment(block.first, block.size());
       const double squares = x.dot(block.precision * x);
-      const double trace = block.precision
-                               .cwiseProduct(found.covariance.block(block.first, block.first,
-                                                                    block.size(), block.size()))
-                               .sum();
+      const Eigen::MatrixXd columns =  // of a lower triangular matrix
+          root.block(block.first, block.first, root.rows() - block.first, block.size());
+      const double trace = block.precision.cwiseProduct(columns.transpose() * columns).sum();
       const double own = std::clamp(size - trace / found.scale[b], 1e-3, size);
       determined += own;
       found.scale[b] = std::max(kLeastBlockScale,
