@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "firmware/formats/text_file.hpp"
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/commands/examples.hpp"
 #include "firmware/host_tool/commands/usage.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
-#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace {
 

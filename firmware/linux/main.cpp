@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/linux/daemon.hpp"
 #include "firmware/linux/signals.hpp"
 #include "firmware/linux/virtual_run.hpp"
@@ -97,7 +98,7 @@ void tell(const DaemonConfiguration& c) {
 }
 
 int refuse(const tool::Problem& problem) {
-  fmt::print(stderr, "armsigd: {}\n", tool::render(problem));
+  fmt::print(stderr, "{}", tool::for_standard_error("armsigd: " + tool::render(problem)));
   return kWrongUsage;
 }
 

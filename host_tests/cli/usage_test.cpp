@@ -33,6 +33,22 @@ TEST(Usage, names_the_option_that_was_meant) {
                "--help lists");
 }
 
+TEST(Usage, wraps_what_it_refuses_where_it_is_read_on_a_terminal) {
+  const Folder folder;
+  const std::string wrong = "report --frobnicate";
+  const std::string line = run_tool(folder, wrong).err;
+  ASSERT_EQ(line.size(), 97);
+  EXPECT_EQ(shown_on_terminal(folder, wrong, 96), line);
+  EXPECT_EQ(shown_on_terminal(folder, wrong, 95),
+            "armsig: armsig report has no option \"--frobnicate\"; expected one that armsig report "
+            "--help\n  lists\n");
+  const std::string at_80 =
+      "armsig: armsig report has no option \"--frobnicate\"; expected one that armsig\n"
+      "  report --help lists\n";
+  EXPECT_EQ(shown_on_terminal(folder, wrong, 80), at_80);
+  EXPECT_EQ(shown_on_terminal(folder, wrong, 0), at_80);  // a terminal that does not know
+}
+
 TEST(Usage, names_the_word_that_was_meant) {
   expect_words("export --signature s.yaml --format urd --out x",
                "--format: \"urd\" is none of its words; expected urdf");

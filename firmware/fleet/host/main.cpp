@@ -11,6 +11,7 @@
 #include "firmware/fleet/host/http_server.hpp"
 #include "firmware/fleet/host/session.hpp"
 #include "firmware/fleet/program.hpp"
+#include "firmware/formats/wrapping.hpp"
 
 namespace armsig::fleet {
 namespace {
@@ -135,7 +136,9 @@ class Host {
 int run(const char* path, bool check_only) {
   const auto configuration = read_host_configuration(path);
   if (!configuration) {
-    std::fprintf(stderr, "armsig-fleet: %s\n", tool::render(configuration.error()).c_str());
+    std::fputs(
+        tool::for_standard_error("armsig-fleet: " + tool::render(configuration.error())).c_str(),
+        stderr);
     return kWrongUsage;
   }
   const auto drift = settings_of(configuration->drift);

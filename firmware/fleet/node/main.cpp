@@ -20,6 +20,7 @@
 #include "firmware/fleet/node/record_fetch.hpp"
 #include "firmware/fleet/node/resident_memory.hpp"
 #include "firmware/fleet/program.hpp"
+#include "firmware/formats/wrapping.hpp"
 
 namespace armsig::fleet {
 namespace {
@@ -205,7 +206,9 @@ class Reporter {
 int run(const char* path, bool check_only) {
   const auto configuration = read_node_configuration(path);
   if (!configuration) {
-    std::fprintf(stderr, "armsig-node: %s\n", tool::render(configuration.error()).c_str());
+    std::fputs(
+        tool::for_standard_error("armsig-node: " + tool::render(configuration.error())).c_str(),
+        stderr);
     return kWrongUsage;
   }
   if (check_only) {

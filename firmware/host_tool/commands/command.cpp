@@ -13,7 +13,7 @@ constexpr const char* kJsonSchema = "armsig-result/1";
 }  // namespace
 
 int fail(const Problem& problem, ExitStatus status, const CommonOptions& options) {
-  say(stderr, "armsig: {}\n", render(problem));
+  complain("armsig: {}", render(problem));
   if (options.json) {
     nlohmann::ordered_json error{{"what", problem.what}, {"expected", problem.expected}};
     if (!problem.file.empty()) error["file"] = problem.file;

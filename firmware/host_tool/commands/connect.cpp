@@ -69,9 +69,9 @@ bool pass_on(const std::string& request, const Reply& reply, const ConnectOption
   if (!reply.text.empty()) say("{}\n", reply.text);
   std::fflush(stdout);
   if (reply.how == Reply::How::kSilent) {
-    say(stderr, "armsig connect: no reply to \"{}\" within {} s\n", request, options.timeout_s);
+    complain("armsig connect: no reply to \"{}\" within {} s", request, options.timeout_s);
   } else if (reply.how == Reply::How::kGone) {
-    say(stderr, "armsig connect: the controller closed the console\n");
+    complain("armsig connect: the controller closed the console");
   }
   return reply.how == Reply::How::kOk || reply.how == Reply::How::kError;
 }

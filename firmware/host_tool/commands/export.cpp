@@ -30,9 +30,9 @@ struct ExportOptions : CommonOptions {
 };
 
 void tell_loss(std::string_view format, bool tables, double rms_m, double largest_m) {
-  say(stderr,
+  complain(
       "armsig: warning: {} cannot say {}; its geometry is the best without: {:.3f} mm RMS at the "
-      "tool are lost, {:.3f} at most, over the readings measured\n",
+      "tool are lost, {:.3f} at most, over the readings measured",
       format, tables ? "gravity" : "gravity and the maps of the readings", 1e3 * rms_m,
       1e3 * largest_m);
 }

@@ -240,7 +240,7 @@ int run(IdentifyOptions options) {
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);
   for (const std::string& warning : record.warnings) {
-    say(stderr, "armsig: warning: {}\n", shown(warning));
+    complain("armsig: warning: {}", shown(warning));
   }
   const ReportedFiles files{options.measurements, options.out};
   if (options.json) {

@@ -6,11 +6,11 @@
 
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
-#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace armsig::tool {
 namespace {

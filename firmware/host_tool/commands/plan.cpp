@@ -4,13 +4,13 @@
 
 #include "core/base/error.hpp"
 #include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/pose_options.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/simulation/boxed_sweeps.hpp"
 
 namespace armsig::tool {

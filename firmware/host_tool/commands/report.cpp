@@ -5,10 +5,10 @@
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/text_file.hpp"
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
-#include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/report/report_input.hpp"
 
 namespace armsig::tool {

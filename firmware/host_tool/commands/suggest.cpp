@@ -5,12 +5,12 @@
 #include "core/uncertainty/suggestion.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/signature_file.hpp"
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/pose_options.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {

@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 
 #include "core/evaluation/differences.hpp"
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
-#include "firmware/host_tool/presentation/wrapping.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {

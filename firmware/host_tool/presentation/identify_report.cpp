@@ -5,12 +5,12 @@
 
 #include <fmt/core.h>
 
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/differences.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "firmware/formats/wrapping.hpp"
+
 namespace armsig::tool {
 
 // Writes `text` with all but its line feeds escaped. Throws std::system_error where it can't.
@@ -24,6 +26,12 @@ void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... va
 template <typename... Values>
 void say(fmt::format_string<Values...> format, Values&&... values) {
   put(stdout, fmt::format(format, std::forward<Values>(values)...));
+}
+
+// Says on standard error what is refused or doubtful, as one line, or wrapped on a terminal.
+template <typename... Values>
+void complain(fmt::format_string<Values...> format, Values&&... values) {
+  put(stderr, for_standard_error(fmt::format(format, std::forward<Values>(values)...)));
 }
 
 // `json` as text; indent -1 for one line. In its strings what is not printable is escaped, bytes

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/presentation/wrapping.hpp"
 
 namespace armsig::tool {
 namespace {

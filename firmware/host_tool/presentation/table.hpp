@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/host_tool/presentation/wrapping.hpp"
+#include "firmware/formats/wrapping.hpp"
 
 namespace armsig::tool {
 

@@ -13,7 +13,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr std::size_t kLeastPoints = 10;
-constexpr double kLeastArc_rad = kPi;
+constexpr double kArcOfAWave_rad = kPi;
 
 struct Rows {
   Vector6 radial;
@@ -44,7 +44,7 @@ std::optional<EncoderWave> fit_encoder_wave(std::span<const CircleResidual> resi
   if (residuals.size() < kLeastPoints || radius_m <= 0) return std::nullopt;
   const auto [first, last] =
       std::ranges::minmax_element(residuals, {}, &CircleResidual::reading_rad);
-  if (last->reading_rad - first->reading_rad < kLeastArc_rad) return std::nullopt;
+  if (last->reading_rad - first->reading_rad < kArcOfAWave_rad) return std::nullopt;
 
   Matrix6 normal = Matrix6::Zero();
   Vector6 right = Vector6::Zero();

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: MIT
-#include "firmware/host_tool/presentation/wrapping.hpp"
+#include "firmware/formats/wrapping.hpp"
 
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace armsig::tool {
 namespace {
 
 constexpr std::size_t kDefaultWidth = 80;
 
-}  // namespace
-
-std::size_t output_width() {
+// That of the terminal that `file` is, or nothing; a terminal may not know its width.
+std::optional<std::size_t> terminal_width(int file) {
+  if (isatty(file) == 0) return std::nullopt;
   winsize size{};
-  if (isatty(STDOUT_FILENO) == 0 || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 ||
-      size.ws_col == 0) {
-    return kDefaultWidth;
-  }
+  if (ioctl(file, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kDefaultWidth;
   return size.ws_col;
 }
+
+}  // namespace
+
+std::size_t output_width() { return terminal_width(STDOUT_FILENO).value_or(kDefaultWidth); }
 
 std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
@@ -52,6 +54,13 @@ std::string paragraph(std::string_view text, std::size_t indent, std::size_t wid
     lines += std::string(indent, ' ') + line + '\n';
   }
   return lines;
+}
+
+std::string for_standard_error(std::string_view text) {
+  constexpr std::size_t kIndent = 2;
+  const auto width = terminal_width(STDERR_FILENO);
+  if (!width || width_of(text) <= *width) return std::string(text) + '\n';
+  return paragraph(text, kIndent, *width).substr(kIndent);
 }
 
 }  // namespace armsig::tool

@@ -24,4 +24,8 @@ using Lines = std::vector<std::string>;
 [[nodiscard]] std::string paragraph(std::string_view text, std::size_t indent = 2,
                                     std::size_t width = output_width());
 
+// `text`, what a program refuses or warns of, for standard error: where that is a terminal, lines
+// that fit it, the second and later ones indented; elsewhere one line, for what reads it.
+[[nodiscard]] std::string for_standard_error(std::string_view text);
+
 }  // namespace armsig::tool
