@@ -112,13 +112,13 @@ std::optional<std::size_t> first_bad_in_header(std::string_view line, char separ
 
 std::unexpected<Problem> no_header(const std::string& path, const Wanted& wanted,
                                    const std::string& first_line) {
-  std::string names;
+  std::vector<std::string> names;
   for (const MappedColumn& entry : wanted.entries) {
-    if (!entry.theirs.starts_with('#')) names += (names.empty() ? "" : ", ") + entry.theirs;
+    if (!entry.theirs.starts_with('#')) names.push_back(entry.theirs);
   }
   const std::string what =
       names.empty() ? "no line of it names joint readings and a position with their units"
-                    : "no line of it has the columns " + names;
+                    : "no line of it has the columns " + all_of(names);
   return std::unexpected(Problem{path, 0, 0, what,
                                  "a header such as Sweep;Point;A1 [deg];...;X [mm];Y [mm];Z [mm], "
                                  "or --columns with a pair for "
@@ -274,11 +274,9 @@ std::string in_words(const MappedMeasurements& mapped) {
   for (const MappedColumn& column : mapped.columns) {
     words += fmt::format("  {:<10} from  {}\n", column.ours, column.theirs);
   }
-  std::string ignored;
-  for (const std::string& name : mapped.ignored) {
-    if (!name.empty()) ignored += (ignored.empty() ? "" : ", ") + name;
-  }
-  if (!ignored.empty()) words += fmt::format("  not used: {}\n", ignored);
+  std::vector<std::string> ignored = mapped.ignored;
+  std::erase(ignored, "");
+  if (!ignored.empty()) words += fmt::format("  not used: {}\n", all_of(ignored));
   return words + "\n";
 }
 

@@ -30,6 +30,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+std::string list(std::span<const std::string> words, std::string_view before_last) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? before_last : ", ";
+    text += words[i];
+  }
+  return text;
+}
+
 // std::from_chars takes no plus sign; one is tolerated here.
 std::string_view without_plus(std::string_view text) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
@@ -52,14 +61,9 @@ std::string in_quotes(std::string_view text) {
   return quoted;
 }
 
-std::string any_of(std::span<const std::string> words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
-    text += words[i];
-  }
-  return text;
-}
+std::string any_of(std::span<const std::string> words) { return list(words, " or "); }
+
+std::string all_of(std::span<const std::string> words) { return list(words, " and "); }
 
 std::string nearest(std::string_view word, std::span<const std::string> candidates) {
   constexpr std::size_t kLongest = 40;  // nothing that long is one of our names

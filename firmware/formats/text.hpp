@@ -18,6 +18,9 @@ inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 // "a", "a or b", "a, b or c".
 [[nodiscard]] std::string any_of(std::span<const std::string> words);
 
+// "a", "a and b", "a, b and c".
+[[nodiscard]] std::string all_of(std::span<const std::string> words);
+
 // The candidate that `word` most likely meant to be: at most a third of its letters (at least 1)
 // inserted, deleted or replaced. Empty if there is none.
 [[nodiscard]] std::string nearest(std::string_view word, std::span<const std::string> candidates);

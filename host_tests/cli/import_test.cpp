@@ -97,7 +97,7 @@ TEST(Import, reads_continuous_joints_and_limits) {
   const Folder folder;
   const Outcome outcome = import_robot(folder, kRobot);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("1 is j1, 2 is j2"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("1 is j1 and 2 is j2"), std::string::npos) << outcome.out;
   EXPECT_NE(read_file(folder / "a.yaml").find("limits_rad: [-1, 2]"), std::string::npos);
 }
 

@@ -50,7 +50,7 @@ TEST(Predict, takes_a_sigma_for_that_of_the_only_target_on_the_last_link) {
       0);
   const Outcome two = run_tool(folder, sigma);
   EXPECT_EQ(two.status, 2);
-  EXPECT_NE(two.err.find("--target with one of 1, 2"), std::string::npos) << two.err;
+  EXPECT_NE(two.err.find("--target with 1 or 2"), std::string::npos) << two.err;
 }
 
 TEST(Predict, refuses_a_sigma_without_a_covariance) {

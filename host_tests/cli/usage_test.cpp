@@ -94,6 +94,9 @@ TEST(Usage, writes_the_file_to_standard_output_and_its_words_elsewhere) {
     EXPECT_EQ(outcome.out, read_file(folder / "plan.csv"));
     EXPECT_NE(outcome.err.find("Next: "), std::string::npos);
   }
+  const Outcome simulated = run_tool(folder, "simulate --arm arm.yaml --out -");
+  EXPECT_EQ(simulated.status, 0);
+  EXPECT_NE(simulated.err.find(" rows on standard output; "), std::string::npos) << simulated.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "-"));
 }
 

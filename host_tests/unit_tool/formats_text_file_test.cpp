@@ -135,6 +135,15 @@ TEST(InQuotes, clips_long_text_and_shows_bytes) {
   EXPECT_EQ(in_quotes(std::string(50, 'a')), clipped(40));
 }
 
+TEST(Lists, have_commas_but_before_the_last) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(all_of(Words{}), "");
+  EXPECT_EQ(all_of(Words{"1"}), "1");
+  EXPECT_EQ(all_of(Words{"1", "2"}), "1 and 2");
+  EXPECT_EQ(all_of(Words{"1", "2", "3"}), "1, 2 and 3");
+  EXPECT_EQ(any_of(Words{"1", "2", "3"}), "1, 2 or 3");
+}
+
 TEST(Render, leaves_out_what_does_not_apply) {
   EXPECT_EQ(render({"f", 0, 0, "bad", ""}), "f: bad");
   EXPECT_EQ(render({"f", 3, 0, "bad", "good"}), "f:3: bad; expected good");

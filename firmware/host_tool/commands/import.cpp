@@ -2,10 +2,14 @@
 // armsig import: an arm description out of the file of other software.
 #include "firmware/host_tool/imports/import.hpp"
 
+#include <string>
+#include <vector>
+
 #include <fmt/core.h>
 
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/text.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
@@ -41,12 +45,11 @@ int run(const ImportOptions& options) {
     return kDone;
   }
   say("{}\n\n{}", imported->description.name, dh_table(imported->description.arm.joints));
-  std::string names;
-  for (std::size_t i = 0; i < imported->description.joint_names.size(); ++i) {
-    names +=
-        fmt::format("{}{} is {}", i == 0 ? "" : ", ", i + 1, imported->description.joint_names[i]);
+  std::vector<std::string> joints;
+  for (const std::string& joint : imported->description.joint_names) {
+    joints.push_back(fmt::format("{} is {}", joints.size() + 1, joint));
   }
-  say("\n{}", paragraph(names));
+  say("\n{}", paragraph(all_of(joints)));
   for (const std::string& note : imported->notes) say("{}", paragraph("Note: " + note + "."));
   say("\nWritten: {}\nNext: armsig plan --arm {} --out sweeps-to-measure.csv\n",
       file_in_words(options.out), file_or(options.out, "arm.yaml"));

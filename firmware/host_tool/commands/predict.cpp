@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // armsig predict: forward kinematics of a signature.
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -9,6 +11,7 @@
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/poses.hpp"
 #include "firmware/formats/signature_file.hpp"
+#include "firmware/formats/text.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
@@ -62,9 +65,9 @@ Read<std::optional<Target>> target_for(const PredictOptions& options,
   }
   const Target* tool = nullptr;
   int tools = 0;
-  std::string numbers;
+  std::vector<std::string> numbers;
   for (const Target& target : record.signature.targets) {
-    numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", target.number);
+    numbers.push_back(std::to_string(target.number));
     if (target.link != record.signature.joint_count()) continue;
     tool = &target;
     ++tools;
@@ -72,7 +75,7 @@ Read<std::optional<Target>> target_for(const PredictOptions& options,
   if (tools == 1) return *tool;
   return std::unexpected(
       Problem{options.signature, 0, 0, "--sigma does not say of which target",
-              numbers.empty() ? "a signature with targets" : "--target with one of " + numbers});
+              numbers.empty() ? "a signature with targets" : "--target with " + any_of(numbers)});
 }
 
 int run(const PredictOptions& options) {
@@ -112,7 +115,7 @@ int run(const PredictOptions& options) {
     if (options.sigma) json["rms_sigma_m"] = rms_length(sigmas_m);
     print_json(json);
   } else {
-    say("{} poses of {} in {}\n", poses.size(), what, file_in_words(options.out));
+    say("{} poses of {} {}\n", poses.size(), what, place_in_words(options.out));
     if (options.sigma) {
       say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(sigmas_m));
     }

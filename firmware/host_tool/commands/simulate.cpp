@@ -189,8 +189,8 @@ int run(const SimulateOptions& options) {
                 {"truth_out", options.truth_out}});
     return kDone;
   }
-  say("{}: {} rows in {}; the sweeps would take {} on the arm\n", arm->name, total,
-      file_in_words(options.out), duration_in_words(seconds));
+  say("{}: {} rows {}; the sweeps would take {} on the arm\n", arm->name, total,
+      place_in_words(options.out), duration_in_words(seconds));
   if (!options.truth_out.empty()) say("The truth is in {}\n", options.truth_out);
   say("Next: armsig identify --arm {} --measurements {} --out signature.yaml\n", options.arm,
       file_or(options.out, "measurements.csv"));

@@ -167,7 +167,7 @@ int run(const SolveOptions& options) {
                 {"largest_rotation_error_rad", rotation_error_rad},
                 {"out", options.out}});
   } else {
-    say("{} poses solved; joint readings in {}\n", solutions.size(), file_in_words(options.out));
+    say("{} poses solved; joint readings {}\n", solutions.size(), place_in_words(options.out));
     if (rotation_error_rad > kRotationMissed) {
       say("positions are met, orientations missed by up to {:.3g}°: an arm with fewer than six "
           "joints can't choose all of an orientation\n",

@@ -2,11 +2,14 @@
 #include "firmware/host_tool/identification/identification_run.hpp"
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
 
 #include "core/features/near_axis.hpp"
 #include "core/kinematics/s_model_chain.hpp"
+#include "firmware/formats/text.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 
@@ -86,15 +89,16 @@ Problem IdentificationRun::mirrored(const IdentificationFailure& failure) const 
   if (failure.sense.verdict == frames::SenseVerdict::kSensorMirrored) {
     what = "the measured arm is the mirror image of the arm description";
   } else {
-    std::string joints;
+    std::vector<std::string> joints;
     for (std::size_t j = 0; j < failure.sense.reversed.size(); ++j) {
-      if (failure.sense.reversed[j])
-        joints += fmt::format("{}{}", joints.empty() ? "" : ", ", j + 1);
+      if (failure.sense.reversed[j]) joints.push_back(std::to_string(j + 1));
     }
     what = fmt::format(
-        "joint {} turns against the sense of the arm description (an axis is {:.0f}° "
+        "{} against the sense of the arm description (an axis is {:.0f}° "
         "from where the drawing has it)",
-        joints, degrees(failure.refusal.found));
+        joints.size() == 1 ? fmt::format("joint {} turns", joints[0])
+                           : fmt::format("joints {} turn", all_of(joints)),
+        degrees(failure.refusal.found));
   }
   return {file_, 0, 0, what, remedy_in_words(Error::kMirroredSense)};
 }

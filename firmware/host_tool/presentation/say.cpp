@@ -39,6 +39,10 @@ std::string file_in_words(const std::string& file) {
   return file == kStandardOutput ? "standard output" : file;
 }
 
+std::string place_in_words(const std::string& file) {
+  return (file == kStandardOutput ? "on " : "in ") + file_in_words(file);
+}
+
 std::string file_or(const std::string& file, std::string_view name) {
   return file == kStandardOutput ? std::string(name) : file;
 }

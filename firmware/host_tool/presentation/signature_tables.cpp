@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "firmware/formats/text.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
@@ -99,7 +100,7 @@ std::string near_parallel_note(const Signature& signature) {
       "far away, and a microradian of tilt moves it by {}. Only the product of the rows means "
       "something; compare predicted positions, or what is different joint by joint, never these "
       "parameters.",
-      links.size() == 1 ? "link" : "links", fmt::join(links, " and "), moved));
+      links.size() == 1 ? "link" : "links", all_of(links), moved));
 }
 
 std::string comparison_table(const evaluation::Comparison& comparison) {

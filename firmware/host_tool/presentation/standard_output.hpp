@@ -17,6 +17,9 @@ void leave_standard_output_to_the_file();
 // What a person is told of `file`, the argument of --out.
 [[nodiscard]] std::string file_in_words(const std::string& file);
 
+// Where what was written is: `in FILE`, or on standard output.
+[[nodiscard]] std::string place_in_words(const std::string& file);
+
 // `file` in a command to be typed next; `name` where it went to standard output.
 [[nodiscard]] std::string file_or(const std::string& file, std::string_view name);
 

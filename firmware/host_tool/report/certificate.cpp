@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"
 
 namespace armsig::tool {
@@ -120,7 +121,7 @@ std::vector<std::string> not_measured(const SignatureRecord& record,
       "Path accuracy, and anything while the arm moves: each point was taken at standstill.",
       "Other loads than that under which it was measured, and other temperatures.",
       "The orientation of the tool: the target is a point, its orientation follows from the axes."};
-  std::string joints;
+  std::vector<std::string> joints;
   for (const SweepPicture& sweep : sweeps) {
     if (sweep.joint >= record.nominal.limits.size()) continue;
     const JointLimits& limits = record.nominal.limits[sweep.joint];
@@ -133,12 +134,12 @@ std::vector<std::string> not_measured(const SignatureRecord& record,
     const JointType type = sweep.feature.type;
     const double near = type == JointType::kRevolute ? kAtLimit_rad : kAtLimit_m;
     if (reach.lower < limits.lower + near && reach.upper > limits.upper - near) continue;
-    joints += fmt::format("{}joint {} beyond {}", joints.empty() ? "" : ", ", sweep.joint + 1,
-                          range_in_words(type, reach.lower, reach.upper));
+    joints.push_back(fmt::format("joint {} beyond {}", sweep.joint + 1,
+                                 range_in_words(type, reach.lower, reach.upper)));
   }
   if (!joints.empty()) {
     words.push_back(
-        fmt::format("Readings beyond those measured, which the limits allow: {}.", joints));
+        fmt::format("Readings beyond those measured, which the limits allow: {}.", all_of(joints)));
   }
   return words;
 }

@@ -1,24 +1,28 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/signature/model.hpp"
 
+#include <string>
+#include <vector>
+
 #include <fmt/core.h>
 
 #include "core/base/couplings.hpp"
 #include "core/kinematics/forward.hpp"
+#include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
 
 Read<std::optional<Target>> find_target(const SignatureRecord& record, const std::string& file,
                                         std::optional<int> number) {
   if (!number) return std::nullopt;
-  std::string known;
+  std::vector<std::string> known;
   for (const Target& target : record.signature.targets) {
     if (target.number == *number) return target;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", target.number);
+    known.push_back(std::to_string(target.number));
   }
   return std::unexpected(
       Problem{file, 0, 0, fmt::format("there is no target {}", *number),
-              known.empty() ? "a signature with targets" : fmt::format("one of {}", known)});
+              known.empty() ? "a signature with targets" : "target " + any_of(known)});
 }
 
 kinematics::Chain chain_of_record(const SignatureRecord& record) {
