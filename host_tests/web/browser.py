@@ -10,6 +10,8 @@ import subprocess
 import tempfile
 import time
 
+kLaidOut_s = 0.3  # after a change of what there is to see
+
 chromium = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
@@ -131,9 +133,14 @@ class Tab:
     def picture(self, path, whole=False, clip=None):
         """Of the window, of the whole page, or of a part of it."""
         part = {"clip": clip} if clip else {}
+        if whole:  # it is laid out without a scroll bar then, and cut as if there were one
+            self.call("Emulation.setScrollbarsHidden", hidden=True)
+            time.sleep(kLaidOut_s)
         told = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole or clip is not None, **part)
         with open(path, "wb") as file:
             file.write(base64.b64decode(told["data"]))
+        if whole:
+            self.call("Emulation.setScrollbarsHidden", hidden=False)
 
     def complaints(self):
         """What the page said on the console, and requests to elsewhere."""

@@ -81,6 +81,19 @@ class LivePage(unittest.TestCase):
         self.tab.look(*WIDTHS[0])
         self.tab.ask("scrollTo(0, 0)")
 
+    def margins_are_equal(self):
+        """What the bar and the page begin and end with, at the window's widths and on a wide screen with a scroll bar."""
+        for width, height in (*WIDTHS, (1800, 500)):
+            self.tab.look(width, height)
+            left, right, bar, footer = self.tab.ask("""(() => {
+              const box = (which) => document.querySelector(which).getBoundingClientRect();
+              const inside = (which) => box(which).x + parseFloat(getComputedStyle(document.querySelector(which)).paddingLeft);
+              return [box('.wide').left, document.documentElement.clientWidth - box('.wide').right, inside('.bar'), inside('footer')]; })()""")
+            self.assertAlmostEqual(left, right, delta=0.5, msg=width)
+            self.assertAlmostEqual(left, bar, delta=0.5, msg=width)
+            self.assertAlmostEqual(left, footer, delta=0.5, msg=width)
+        self.tab.look(*WIDTHS[0])
+
     def draw(self, name):
         if not pictures:
             return
@@ -99,6 +112,7 @@ class LivePage(unittest.TestCase):
         self.mode("idle")
         self.headline("Without torque")
         self.stop_is_within_reach()
+        self.margins_are_equal()
         self.assertFalse(self.shown("read-only"))  # who came first holds the controls
         before = self.tab.ask("document.getElementById('arm').toDataURL()")
         self.press("enable")
