@@ -3,13 +3,13 @@
 // of the code under test.
 #pragma once
 
-#include <random>
 #include <vector>
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
 #include "core/refinement/refined.hpp"
 #include "core/signature.hpp"
+#include "host_tests/support/random.hpp"
 
 namespace armsig::test {
 
@@ -45,34 +45,6 @@ inline Arm puma() {
                   {limit(-160, 160), limit(-225, 45), limit(-45, 225), limit(-110, 170),
                    limit(-100, 100), limit(-266, 266)});
 }
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double normal(double sigma) { return sigma * normal_(engine_); }
-  double uniform(double low, double high) { return low + (high - low) * uniform_(engine_); }
-  Vector3 normal_vector(double sigma) {
-    const double x = normal(sigma);
-    const double y = normal(sigma);
-    return {x, y, normal(sigma)};
-  }
-  Vector3 direction() { return normal_vector(1).normalized(); }
-  Matrix3 rotation() {
-    const double w = normal(1);
-    const Vector3 v = normal_vector(1);
-    return Eigen::Quaterniond(w, v.x(), v.y(), v.z()).normalized().toRotationMatrix();
-  }
-  JointVector configuration(const Arm& arm) {
-    JointVector q;
-    for (const JointLimits& limit : arm.limits) q.push_back(uniform(limit.lower, limit.upper));
-    return q;
-  }
-
- private:
-  std::mt19937_64 engine_;
-  std::normal_distribution<double> normal_;
-  std::uniform_real_distribution<double> uniform_;
-};
 
 // How far real arms are from their drawing, 1 sigma.
 struct Tolerances {

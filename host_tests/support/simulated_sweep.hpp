@@ -4,27 +4,14 @@
 
 #include <cmath>
 #include <cstddef>
-#include <random>
 
 #include "core/features/feature.hpp"
 #include "core/features/sweep_estimator.hpp"
+#include "host_tests/support/random.hpp"
 
 namespace armsig::testing {
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double uniform(double from, double to) { return from + (to - from) * unit_(engine_); }
-  double normal() { return normal_(engine_); }
-  Vector3 normal_vector() { return {normal(), normal(), normal()}; }
-  Vector3 direction() { return normal_vector().normalized(); }
-  std::mt19937_64& engine() { return engine_; }
-
- private:
-  std::mt19937_64 engine_;
-  std::uniform_real_distribution<double> unit_{0, 1};
-  std::normal_distribution<double> normal_{0, 1};
-};
+using test::Random;
 
 // The true motion of a target: about a circle, or along R_SC's third column where the radius is 0.
 struct TrueMotion {
