@@ -66,10 +66,10 @@ std::array<double, 4> improvement(const Comparison& comparison, const Resolution
 }
 
 Result<Comparison> compare(const Arm& drawing, const Signature& signature, const Signature& truth,
-                           const Grid& grid) {
+                           const Grid& grid, const Turning& of_signature, const Turning& of_truth) {
   const JointVector& configuration = signature.configuration;
   const Signature ideal = signature_of(drawing, configuration, Pose{}, {});
-  const Signature actual = reconfigured(truth, configuration, drawing);
+  const Signature actual = reconfigured(truth, turned(of_truth, configuration), drawing);
   // Sensor frames of signature (S) and truth (A), base frame of the drawing (D).
   const Pose X_DA = frames::align(frames::axis_lines(ideal), frames::axis_lines(actual)).X_AB;
   const Pose X_SA = frames::align(frames::axis_lines(signature), frames::axis_lines(actual)).X_AB;
@@ -86,8 +86,9 @@ Result<Comparison> compare(const Arm& drawing, const Signature& signature, const
   ARMSIG_TRY(through_signature, tool_model(signature, drawing.limits, p_S));
   ARMSIG_TRY(arm, tool_model(actual, drawing.limits, p_A));
   ARMSIG_TRY(placement, place_grid(through_drawing, grid));
-  ARMSIG_TRY(ideal_readings, touch_grid(through_drawing, arm, placement));
-  ARMSIG_TRY(signature_readings, touch_grid(through_signature, arm, placement));
+  ARMSIG_TRY(ideal_readings, touch_grid(through_drawing, arm, placement, {}, of_truth));
+  ARMSIG_TRY(signature_readings,
+             touch_grid(through_signature, arm, placement, of_signature, of_truth));
   quantise(ideal_readings, Resolution{});
   quantise(signature_readings, Resolution{});
   return Comparison{.ideal = indices(placement.grid, ideal_readings),

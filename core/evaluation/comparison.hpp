@@ -25,8 +25,11 @@ struct Comparison {
 // the origin of the drawing's last frame. The drawing is told where the tool really is at the
 // signature configuration, as an operator would teach it. Errors: kOutOfReach, kJointLimit,
 // kNotConverged (a vertex that a model can't reach), kNotFinite. Preconditions: the same joint
-// types in all three; limits for every joint of the drawing.
+// types in all three; limits for every joint of the drawing. Signature and truth turn by their
+// readings as told: a drawing knows of no map and no gravity.
 [[nodiscard]] Result<Comparison> compare(const Arm& drawing, const Signature& signature,
-                                         const Signature& truth, const Grid& grid = {});
+                                         const Signature& truth, const Grid& grid = {},
+                                         const Turning& of_signature = {},
+                                         const Turning& of_truth = {});
 
 }  // namespace armsig::evaluation

@@ -4,6 +4,7 @@
 // arm really takes is read.
 #pragma once
 
+#include "core/arm_model/readings.hpp"
 #include "core/base/error.hpp"
 #include "core/evaluation/indices.hpp"
 #include "core/kinematics/chain.hpp"
@@ -16,6 +17,16 @@ struct ToolModel {
   kinematics::Chain chain;
   Vector3 p_nT = Vector3::Zero();
 };
+
+// What the axes of a model turn by, told its effective readings: corrections, maps and gravity.
+struct Turning {
+  const refinement::ReadingModel* model = nullptr;  // null: by the readings alone; not kept
+  JointVector configuration;  // effective readings at which the axes stand as the readings say
+};
+
+// The readings that the axes stand at, and back. Precondition: as many as joints.
+[[nodiscard]] JointVector turned(const Turning& turning, const JointVector& effective);
+[[nodiscard]] JointVector effective_for(const Turning& turning, const JointVector& axes);
 
 // Joint readings of the arm at the three taught points (origin, on the x axis, in the xy plane).
 using TaughtReadings = std::array<JointVector, 3>;
@@ -31,10 +42,12 @@ struct GridPlacement {
 [[nodiscard]] Result<GridPlacement> place_grid(const ToolModel& drawing, const Grid& grid);
 
 // Sends the arm `truth` to every vertex by way of the inverse kinematics of `model`, and reads its
-// true poses in the workspace frame of the points it was taught. Readings are not quantised.
-// Errors: kOutOfReach, kJointLimit, kNotConverged (a vertex that the model can't reach),
-// kNotFinite.
+// true poses in the workspace frame of the points it was taught; both turn by their readings as
+// told. Readings are not quantised. Errors: kOutOfReach, kJointLimit, kNotConverged (a vertex that
+// the model can't reach), kNotFinite.
 [[nodiscard]] Result<GridReadings> touch_grid(const ToolModel& model, const ToolModel& truth,
-                                              const GridPlacement& placement);
+                                              const GridPlacement& placement,
+                                              const Turning& of_model = {},
+                                              const Turning& of_truth = {});
 
 }  // namespace armsig::evaluation

@@ -100,6 +100,24 @@ TEST(TouchGrid, shows_an_offset_of_joint_3_that_the_model_does_not_know) {
   EXPECT_GT(result.perpendicular_deviation_rad, radians(0.05));
 }
 
+// Joint 2's encoder disc is off its centre, joint 3 hangs on joint 2.
+TEST(TouchGrid, turns_by_the_readings_as_told) {
+  refinement::ReadingModel wave{.couplings = {}, .corrections = {}, .deflections = nullptr};
+  wave.couplings.push_back({.joint = 2, .from = 1, .ratio = -1});
+  for (std::size_t j = 0; j < 6; ++j) wave.corrections.push_back({.sin_1 = j == 1 ? 0.01 : 0});
+  const ToolModel arm = puma560();
+  const Turning turning{&wave, {0.1, -0.8, 1.2, 0.3, 0.4, -0.5}};
+  const auto placement = place_grid(arm, Grid{});
+  ASSERT_TRUE(placement);
+  const auto radial_m = [&](const Turning& of_model, const Turning& of_truth) {
+    const auto readings = touch_grid(arm, arm, *placement, of_model, of_truth);
+    return readings ? indices(placement->grid, *readings).radial_deviation_m : kPi;
+  };
+  EXPECT_LT(radial_m(turning, turning), 1e-7);
+  EXPECT_GT(radial_m({}, turning), 1e-4);
+  EXPECT_GT(radial_m(turning, {}), 1e-4);
+}
+
 TEST(TouchGrid, does_not_see_where_frame_0_and_frame_n_are) {
   ToolModel moved = puma560();
   moved.chain.theta[0] += 0.7;  // frame 0 turned about joint 1

@@ -42,6 +42,8 @@ std::optional<GridTask> grid_task(const SignatureRecord& record,
   }
   if (estimate == nullptr) return std::nullopt;
   const Eigen::MatrixXd half = Eigen::LLT<Eigen::MatrixXd>(covariance_of(*estimate)).matrixL();
+  const refinement::ReadingModel readings = record.readings();
+  const evaluation::Turning turning{&readings, record.signature.configuration};
   simulated::Random random(1);
   std::vector<evaluation::Indices> ideal;
   std::vector<evaluation::Indices> with_signature;
@@ -49,8 +51,9 @@ std::optional<GridTask> grid_task(const SignatureRecord& record,
   for (std::size_t k = 0; k < kDrawnArms; ++k) {
     const Eigen::VectorXd step =
         half * Eigen::VectorXd::NullaryExpr(half.rows(), [&] { return random.normal(); });
-    const auto comparison = evaluation::compare(record.nominal, record.signature,
-                                                moved(*estimate, record.nominal, step));
+    const auto comparison =
+        evaluation::compare(record.nominal, record.signature,
+                            moved(*estimate, record.nominal, step), {}, turning, turning);
     if (!comparison) continue;
     ideal.push_back(comparison->ideal);
     with_signature.push_back(comparison->with_signature);

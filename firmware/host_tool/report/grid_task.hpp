@@ -14,7 +14,8 @@ namespace armsig::tool {
 struct GridTask {
   evaluation::Comparison comparison;
   // 0: on the arm itself, which is known. Otherwise the median over so many arms drawn from the
-  // covariance: the arms that this signature may belong to.
+  // covariance: the arms that this signature may belong to. They have its corrections, maps and
+  // gravity, which the signature knows of and the drawing does not.
   std::size_t drawn_arms = 0;
 };
 
