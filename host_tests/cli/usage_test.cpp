@@ -20,7 +20,7 @@ void expect_words(const std::string& arguments, const std::string& words) {
 TEST(Usage, names_the_command_that_was_meant) {
   expect_words("idenfity --arm a.yaml", "\"idenfity\" is no command; expected identify");
   expect_words("xyz", "\"xyz\" is no command; expected one that armsig --help lists");
-  expect_words("", "no command; expected armsig --help lists them");
+  expect_words("", "no command; expected one that armsig --help lists");
 }
 
 TEST(Usage, names_the_option_that_was_meant) {
@@ -52,6 +52,23 @@ TEST(Usage, wraps_what_it_refuses_where_it_is_read_on_a_terminal) {
 TEST(Usage, names_the_word_that_was_meant) {
   expect_words("export --signature s.yaml --format urd --out x",
                "--format: \"urd\" is none of its words; expected urdf");
+}
+
+TEST(Usage, says_which_numbers_an_option_takes) {
+  const std::string simulate = "simulate --arm ur10e --out m.csv ";
+  expect_words(simulate + "--sigma-mm -1",
+               "--sigma-mm: \"-1\" is out of its range; expected 0 or more");
+  expect_words(simulate + "--target-radius-mm 0",
+               "--target-radius-mm: \"0\" is out of its range; expected a number above 0");
+  expect_words(simulate + "--maps-deg 0.6",
+               "--maps-deg: \"0.6\" is out of its range; expected a number from 0 to 0.5");
+  expect_words("plan --arm ur10e --out p.csv --points five",
+               "--points: \"five\" is not a number; expected a number from 6 to 1000");
+}
+
+TEST(Usage, names_the_option_of_the_program_that_was_meant) {
+  expect_words("--hlep", "armsig has no option \"--hlep\"; expected --help");
+  expect_words("-x", "armsig has no option \"-x\"; expected what armsig --help lists");
 }
 
 TEST(Usage, says_what_is_missing) {

@@ -95,7 +95,7 @@ int run(const SuggestOptions& options) {
     std::string readings;
     for (std::size_t j = 0; j < suggestions[k].readings.size(); ++j) {
       readings +=
-          fmt::format("{}{}", j == 0 ? "" : "  ",
+          fmt::format("{}{:>9}", j == 0 ? "" : " ",
                       reading_in_words(record->signature.types[j], suggestions[k].readings[j]));
     }
     table.add_row({fmt::format("{}", k + 1), readings,
@@ -103,7 +103,7 @@ int run(const SuggestOptions& options) {
   }
   say("{}: poses worth measuring next\n\n{}\n{}\n", record->arm_name, table.render(),
       paragraph(fmt::format("The error is that of the tool after the pose, 1 sigma, RMS over the "
-                            "joint limits less the margin of {} deg and {} mm that every pose "
+                            "joint limits less the margin of {}° and {} mm that every pose "
                             "keeps.",
                             options.margin_deg, options.margin_mm)));
   if (!worthwhile) {

@@ -66,13 +66,48 @@ std::optional<Problem> wrong_word(std::string_view message) {
       nearest_or(word, words, any_of(words)));
 }
 
+// "--count: Value 0 not in range 1 to 1000"; a range without an end goes to the largest double.
+std::optional<Problem> out_of_range(CLI::App& command, std::string_view message) {
+  constexpr std::string_view kValue = ": Value ";
+  constexpr std::string_view kNotIn = " not in range ";
+  constexpr std::string_view kTo = " to ";
+  constexpr double kEndless = 1e300;
+  const std::size_t value = message.find(kValue);
+  const std::size_t range = message.rfind(kNotIn);
+  const std::size_t to = message.rfind(kTo);
+  if (value == std::string_view::npos || range == std::string_view::npos || to < range) {
+    return std::nullopt;
+  }
+  const std::size_t begin = range + kNotIn.size();
+  const auto low = parse_number(message.substr(begin, to - begin));
+  const auto high = parse_number(message.substr(to + kTo.size()));
+  if (!low || !high) return std::nullopt;
+  const std::string option(message.substr(0, value));
+  const std::string_view word =
+      message.substr(value + kValue.size(), range - value - kValue.size());
+  std::string expected = fmt::format("a number from {} to {}", *low, *high);
+  if (*high > kEndless) {
+    const CLI::Option* one = command.get_option_no_throw(option);
+    const bool above = one != nullptr && one->get_type_name().find(":POS") != std::string::npos;
+    expected = above ? "a number above 0" : "0 or more";
+  }
+  return mistake(fmt::format("{}: {}", option,
+                             parse_number(word) ? in_quotes(word) + " is out of its range"
+                                                : why_not_a_number(word)),
+                 std::move(expected));
+}
+
 }  // namespace
 
 Problem usage_problem(CLI::App& app, const CLI::ParseError& error,
                       std::span<const std::string> words) {
   const auto is_option = [](const std::string& word) { return word.starts_with('-'); };
   const auto first = std::ranges::find_if_not(words, is_option);
-  if (first == words.end()) return mistake("no command", "armsig --help lists them");
+  if (first == words.end()) {
+    if (words.empty()) return mistake("no command", "one that armsig --help lists");
+    return mistake("armsig has no option " + in_quotes(words[0]),
+                   nearest_or(words[0], options_of(app), "what armsig --help lists"));
+  }
   CLI::App* const command = command_called(app, *first);
   if (command == nullptr) {
     return mistake(in_quotes(*first) + " is no command",
@@ -88,6 +123,7 @@ Problem usage_problem(CLI::App& app, const CLI::ParseError& error,
   }
   const std::string message = error.what();
   if (auto wrong = wrong_word(message)) return *wrong;
+  if (auto wrong = out_of_range(*command, message)) return *wrong;
   return mistake(message, fmt::format("what armsig {} --help says", *first));
 }
 

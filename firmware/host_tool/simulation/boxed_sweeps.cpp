@@ -39,12 +39,13 @@ bool ReachBox::holds(const Arm& arm, const JointVector& readings) const {
 Read<SweepPlan> sweeps_inside(const Arm& arm, const JointVector& configuration, double arc_rad,
                               std::size_t points, const ReachBox& box) {
   if (!box.holds(arm, configuration)) {
-    const Vector3 p_BT = 1e3 * (flange(arm, configuration) * box.p_FT);
+    const Vector3 p_BT_mm = 1e3 * (flange(arm, configuration) * box.p_FT);
+    const auto whole = [&](int axis) { return std::lround(p_BT_mm[axis]); };  // never -0
     return std::unexpected(
         Problem{"--box-mm", 0, 0,
-                fmt::format("the target is at {:.0f}, {:.0f}, {:.0f} mm in the configuration, "
+                fmt::format("the target is at {}, {}, {} mm in the configuration, "
                             "outside of the box",
-                            p_BT.x(), p_BT.y(), p_BT.z()),
+                            whole(0), whole(1), whole(2)),
                 "--configuration with the target inside, or a larger box"});
   }
   SweepPlan plan = plan_sweeps(arm, configuration, arc_rad, points);
