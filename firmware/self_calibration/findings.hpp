@@ -1,61 +1,15 @@
 // SPDX-License-Identifier: MIT
-// What a fit is worth: how well it predicts poses that were held out of it, and what accuracy may
-// therefore be expected over the poses in which the arm works.
+// What a fit is worth: what accuracy may be expected of it over the poses in which the arm works.
 #pragma once
 
 #include <array>
 #include <span>
 
 #include "core/calibration/engine.hpp"
+#include "firmware/self_calibration/held_out_judge.hpp"
 #include "firmware/self_calibration/play.hpp"
 
 namespace armsig::controller {
-
-inline constexpr std::size_t kMostSelfHeldOut = 256;
-// Fewer say too little to be believed.
-inline constexpr std::size_t kFewestSelfHeldOut = 12;
-
-// Poses held out of a fit, one after the other; and fitted ones, each judged by what the fit would
-// be without it.
-class HeldOutJudge {
- public:
-  void add(const calibration::Engine& engine, const calibration::FitRow& row,
-           const calibration::ChainFrames& frames);
-  // A fitted row by its residual, and what was stated for it with the row: what it would be missed
-  // by without it, by the linear fit (Cook and Weisberg, Residuals and Influence in Regression,
-  // 1982, section 2.2). A direction that the row determines to more than nine tenths tells nothing.
-  void add_fitted(const Vector3& residual, const calibration::Engine::Stated& with_it);
-
-  [[nodiscard]] std::size_t count() const { return held_out_.size(); }
-
-  struct Score {
-    std::size_t poses = 0;
-    std::size_t blunders = 0;  // among them, by the errors' own scale; they do not count below
-    double rms_m = 0;          // of the errors, which the sensor has a part in
-    // By which what the model leaves open exceeds what is stated, by all errors; at least 1.
-    double factor = 1;
-  };
-  [[nodiscard]] Score score() const;
-
- private:
-  struct One {
-    float squares_m2 = 0;
-    float row_m2 = 0;      // of its own
-    float model_m2 = 0;    // of what the model leaves open
-    float normalised = 0;  // e^T S^-1 e; of fitted ones not asked for
-  };
-  struct Sums {
-    double count = 0;
-    double squares_m2 = 0;
-    double row_m2 = 0;
-    double model_m2 = 0;
-    double normalised = 0;
-
-    void add(const One& one);
-  };
-  FixedVector<One, kMostSelfHeldOut> held_out_;
-  Sums fitted_;
-};
 
 // One number a joint.
 using PerJoint = std::array<double, kMaxJoints>;
