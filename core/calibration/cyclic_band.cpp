@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "core/calibration/cyclic_band.hpp"
 
-#include <algorithm>
 #include <cmath>
+
+#include <Eigen/LU>
+
+#include "core/base/pose.hpp"
 
 namespace armsig::calibration {
 
