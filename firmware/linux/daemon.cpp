@@ -12,22 +12,17 @@
 #include "firmware/linux/attendance.hpp"
 #include "firmware/linux/can_sensor.hpp"
 #include "firmware/linux/check_file.hpp"
+#include "firmware/linux/places.hpp"
 #include "firmware/linux/real_time_loop.hpp"
 #include "firmware/linux/self_calibrating.hpp"
 #include "firmware/linux/shut_down.hpp"
 #include "hal/canopen/master.hpp"
-#include "hal/linux/file_memory.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"
 #include "hal/linux/socket_can.hpp"
-#include "hal/linux/socket_console.hpp"
 #include "hal/linux/steady_clock.hpp"
 
 namespace armsig::daemon {
 namespace {
-
-void complain(std::string_view what, std::string_view why) {
-  fmt::print(stderr, "armsigd: {}: {}\n", what, why);
-}
 
 // The sensor, on whichever bus it is.
 struct SensorBackend {
@@ -72,23 +67,15 @@ void warn_about_queue(const DaemonConfiguration& configuration, Journal& journal
 int run_cabinet(const DaemonConfiguration& configuration, const volatile std::sig_atomic_t& stop) {
   const auto drives = canopen::check(configuration.drives);
   if (!drives) return 1;  // refused when the file was read
-  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout, kStoreSpread);
-  if (!memory) {
-    complain(configuration.store, describe(memory.error()));
-    return 1;
-  }
-  auto socket = linux_hal::SocketConsole::open(configuration.console);
-  if (!socket) {
-    complain(configuration.console, describe(socket.error()));
-    return 1;
-  }
+  auto places = open_places(configuration);
+  if (!places) return 1;
   auto backend = start_sensor(configuration);
   if (!backend) {
-    complain("sensor", describe(backend.error()));
+    fmt::print(stderr, "armsigd: sensor: {}\n", describe(backend.error()));
     return 1;
   }
 
-  Attendance attendance(configuration, **socket);
+  Attendance attendance(configuration, *places->console);
   const std::array<hal::Console*, 1> consoles{&attendance.console()};
   warn_about_queue(configuration, attendance.journal());
   linux_hal::SteadyClock clock;
@@ -98,7 +85,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto controller = std::make_unique<controller::Controller>(
-      configuration.controller, master, backend->sensor(), clock, *memory, consoles,
+      configuration.controller, master, backend->sensor(), clock, places->store, consoles,
       &refinement->refinement(), &checks);
   attendance.begin(*controller);
   const RealTimeLoop loop{.controller = *controller,
@@ -117,7 +104,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
                                        configuration.can_interface, configuration.console));
       },
       [&] { at_rest = shut_down(master, clock, configuration.controller.period); }, stop);
-  if (served) controller::keep_positions(*memory, master);
+  if (served) controller::keep_positions(places->store, master);
   attendance.end(stop, at_rest);
   return served ? 0 : 1;
 }

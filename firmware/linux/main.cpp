@@ -5,10 +5,12 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "firmware/command_line/option_problem.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/linux/daemon.hpp"
@@ -139,8 +141,10 @@ int parse_and_run(int argc, char** argv, const volatile std::sig_atomic_t& stop)
   add_options(app, options);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Error& error) {
-    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    return refuse(tool::option_problem(app, "armsigd", error, words));
   }
   return run(options, stop);
 }

@@ -11,11 +11,10 @@
 #include "firmware/linux/attendance.hpp"
 #include "firmware/linux/check_file.hpp"
 #include "firmware/linux/daemon.hpp"
+#include "firmware/linux/places.hpp"
 #include "firmware/linux/real_time_loop.hpp"
 #include "firmware/linux/self_calibrating.hpp"
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
-#include "hal/linux/file_memory.hpp"
-#include "hal/linux/socket_console.hpp"
 #include "hal/linux/steady_clock.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 #include "hal/simulated/tolerances.hpp"
@@ -69,21 +68,17 @@ void pace(cabinet::VirtualCabinet& cabinet, hal::Clock& clock, ProcessWatch& wat
 
 int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& options,
                 const volatile std::sig_atomic_t& stop) {
-  auto memory = linux_hal::FileMemory::open(configuration.store, kStoreLayout, kStoreSpread);
-  auto console = linux_hal::SocketConsole::open(configuration.console);
-  if (!memory || !console) {
-    fmt::print(stderr, "armsigd: {}: {}\n", !memory ? configuration.store : configuration.console,
-               describe(!memory ? memory.error() : console.error()));
-    return 1;
-  }
-  Attendance attendance(configuration, **console);
+  auto places = open_places(configuration);
+  if (!places) return 1;
+  Attendance attendance(configuration, *places->console);
   const std::array<hal::Console*, 1> consoles{&attendance.console()};
   linux_hal::SteadyClock clock;
   const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
-      configuration.controller, configuration.drives, world_of(configuration, options), *memory,
-      consoles, options.real_time ? &clock : nullptr, &refinement->refinement(), &checks);
+      configuration.controller, configuration.drives, world_of(configuration, options),
+      places->store, consoles, options.real_time ? &clock : nullptr, &refinement->refinement(),
+      &checks);
   attendance.begin(cabinet->controller());
   const auto started = [&] {
     attendance.started(fmt::format("{}: virtual cabinet, console at {}", configuration.name,

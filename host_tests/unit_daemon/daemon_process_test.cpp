@@ -48,12 +48,48 @@ TEST(Daemon, refuses_a_wrong_configuration_with_its_place_and_status_2) {
   }
 }
 
-TEST(Daemon, says_what_it_cannot_open) {
-  const Folder folder;
-  const Outcome outcome =
-      run_daemon(folder, "'" ARMSIG_REFERENCE "' --store /nonexistent/store --console ./console");
+void expect_not_opened(const Folder& folder, const std::string& store, const std::string& console,
+                       const std::string& words) {
+  const Outcome outcome = run_daemon(
+      folder, "'" ARMSIG_REFERENCE "' --store '" + store + "' --console '" + console + "'");
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(outcome.err.find("/nonexistent/store"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err, "armsigd: " + words + "\n");
+}
+
+TEST(Daemon, says_why_it_cannot_open_its_store_or_its_console) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "folder");
+  write_file(folder / "text", "no socket");
+  expect_not_opened(folder, "/nonexistent/store", "c",
+                    "/nonexistent/store: the folder /nonexistent is not there");
+  expect_not_opened(folder, "folder", "c", "folder: a folder is there");
+  expect_not_opened(folder, "s", "/nonexistent/c",
+                    "/nonexistent/c: the folder /nonexistent is not there");
+  expect_not_opened(folder, "s", "text", "text: what is there is no socket");
+  const std::string far(120, 'f');
+  expect_not_opened(folder, "s", far,
+                    far + ": the path of a socket has at most 107 bytes, this one 120");
+}
+
+TEST(Daemon, says_that_another_has_its_store_or_its_console) {
+  const Folder folder;
+  const VirtualDaemon running(folder, "1");
+  expect_not_opened(folder, "store", "c", "store: in use: is another armsigd running?");
+  expect_not_opened(folder, "s", "console", "console: in use: is another armsigd running?");
+}
+
+TEST(Daemon, names_what_is_wrong_with_its_command_line) {
+  const Folder folder;
+  const auto expect_words = [&](const std::string& arguments, const std::string& words) {
+    const Outcome outcome = run_daemon(folder, arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(outcome.err, "armsigd: " + words + "\n");
+    EXPECT_EQ(outcome.out, "");
+  };
+  expect_words("--virtaul c.yaml", "armsigd has no option \"--virtaul\"; expected --virtual");
+  expect_words("c.yaml --virtual --speed -1",
+               "--speed: \"-1\" is out of its range; expected 0 or more");
+  expect_words("--check", "configuration is required; expected what armsigd --help says");
 }
 
 TEST(Daemon, has_a_console_for_its_group_and_nobody_else) {

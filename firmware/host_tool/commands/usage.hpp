@@ -13,7 +13,7 @@ namespace armsig::tool {
 
 // Of the words after `armsig` that CLI11 refused with `error`: a command or an option that there is
 // not, or one of an option's words, each with the nearest that there is.
-[[nodiscard]] Problem usage_problem(CLI::App& app, const CLI::ParseError& error,
+[[nodiscard]] Problem usage_problem(const CLI::App& app, const CLI::ParseError& error,
                                     std::span<const std::string> words);
 
 }  // namespace armsig::tool
