@@ -19,7 +19,7 @@ CalibrationWork::CalibrationWork(const CalibrationLog& of) {
   test::Random random(13);
   const test::Cell cell = test::puma_cell(random);
   if (of.points_per_sweep > 0) {
-    test::add_sweeps(cell, test::puma_configuration(), kPi, of.points_per_sweep, 0, random, log_);
+    test::add_sweeps(cell, test::cell_configuration(), kPi, of.points_per_sweep, 0, random, log_);
   }
   test::add_poses(cell, of.mixed_rows, 0, random, log_);
   for (auto& row : log_) {

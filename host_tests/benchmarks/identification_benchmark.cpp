@@ -44,7 +44,7 @@ struct IdentificationWork {
   }
 
   Arm drawing = test::puma();
-  JointVector configuration = test::puma_configuration();
+  JointVector configuration = test::cell_configuration();
   test::Log log;
 };
 

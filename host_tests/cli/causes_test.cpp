@@ -55,7 +55,7 @@ void simulate(const Folder& folder, const char* arm, const std::string& options)
   ASSERT_EQ(outcome.status, 0) << outcome.err;
 }
 
-Outcome identify(const Folder& folder) {
+Outcome identify_by_paper(const Folder& folder) {
   return run_tool(folder,
                   "identify --arm arm.yaml --measurements m.csv --method paper --out s.yaml");
 }
@@ -66,7 +66,7 @@ TEST(Causes, a_small_arm_and_a_noisy_sensor_are_no_wrong_unit_of_the_arms_length
       simulate(folder, kSmallArm,
                "--tolerances 0.5 --sigma-mm 1 --points 40 --mixed-poses 80 --arc 60 --seed 15 "
                "--hand-target-mm 31.94,12.78,38.33"));
-  const Outcome outcome = identify(folder);
+  const Outcome outcome = identify_by_paper(folder);
   ASSERT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("the arc is too short"), std::string::npos) << outcome.err;
   EXPECT_EQ(outcome.err.find("most likely"), std::string::npos) << outcome.err;
@@ -78,7 +78,7 @@ TEST(Causes, short_arcs_of_an_arm_with_slides_are_no_wrong_unit_of_a_reading) {
       simulate(folder, kArmWithSlides,
                "--tolerances 0 --sigma-mm 1 --points 24 --mixed-poses 20 --arc 60 --seed 47 "
                "--maps-deg 0.02 --sag-mm 0.4 --hand-target-mm 80.7,32.3,96.9"));
-  const Outcome outcome = identify(folder);
+  const Outcome outcome = identify_by_paper(folder);
   ASSERT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("the arc is too short"), std::string::npos) << outcome.err;
   EXPECT_EQ(outcome.err.find("most likely"), std::string::npos) << outcome.err;
@@ -89,7 +89,7 @@ TEST(Causes, exact_rows_of_an_exact_arm_are_one_arm_in_one_place) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(
       simulate(folder, kParallelArm, "--sigma-mm 0 --points 24 --arc 180 --seed 6"));
-  EXPECT_EQ(identify(folder).status, 0);
+  EXPECT_EQ(identify_by_paper(folder).status, 0);
 }
 
 }  // namespace

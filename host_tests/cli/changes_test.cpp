@@ -9,7 +9,7 @@
 namespace armsig::cli {
 namespace {
 
-constexpr std::size_t kPoses = 80;
+constexpr std::size_t kMeasured = 80;
 
 // Poses of a Puma whose target is at `target`, always the same ones with the same noise.
 Csv poses(const Folder& folder, const std::string& target = "80,30,120") {
@@ -22,7 +22,7 @@ Csv poses(const Folder& folder, const std::string& target = "80,30,120") {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   Csv rows = Csv::read(folder / "poses.csv");
   keep_mixed(rows);
-  EXPECT_EQ(rows.rows.size(), kPoses);
+  EXPECT_EQ(rows.rows.size(), kMeasured);
   return rows;
 }
 
@@ -70,10 +70,10 @@ TEST(Changes, of_a_target_that_slips_are_told_by_row_and_size) {
   const Folder folder;
   const Csv before = poses(folder);
   Csv after = poses(folder, "80.4,30,120");
-  std::copy_n(before.rows.begin(), kPoses / 2, after.rows.begin());
+  std::copy_n(before.rows.begin(), kMeasured / 2, after.rows.begin());
   expect_said(refine(folder, after), 1, "from line 42 on target 1 is another point, 0.4");
   after = poses(folder, "81,30,120");
-  std::copy_n(before.rows.begin(), kPoses / 2, after.rows.begin());
+  std::copy_n(before.rows.begin(), kMeasured / 2, after.rows.begin());
   expect_said(refine(folder, after), 1, "line 42 on the target is another point");
 }
 

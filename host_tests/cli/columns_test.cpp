@@ -38,7 +38,7 @@ const std::map<std::string, std::string> kTracker{
     {"q2_deg", "Achse2 (deg)"}, {"x_mm", "X [mm]"},         {"y_mm", "\"Y [mm]\""},
     {"z_mm", "Z [mm]"},         {"sigma_mm", "Sigma [mm]"}, {"air_c", "T air [°C]"}};
 
-Outcome identify(const Folder& folder, const std::string& columns) {
+Outcome identify_theirs(const Folder& folder, const std::string& columns) {
   return run_tool(
       folder,
       "identify --arm arm.yaml --measurements theirs.txt --out s.yaml --columns '" + columns + "'");
@@ -58,7 +58,7 @@ TEST(Columns, are_mapped_by_name_and_unit_and_printed_back) {
   const Folder folder;
   simulate_two_joints(folder);
   write_as_others_do(folder, kTracker, "Laser tracker export\r\nOperator;Smith\r\n\r\n");
-  const Outcome outcome = identify(folder, "auto");
+  const Outcome outcome = identify_theirs(folder, "auto");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   for (const char* said :
        {"header in line 4, semicolons, decimal commas", "q1_deg     from  A1 [°]",
@@ -75,7 +75,7 @@ TEST(Columns, are_mapped_as_asked_with_constants_for_what_the_file_lacks) {
   names["x_mm"] = "East";
   names["target"] = "Remark";
   write_as_others_do(folder, names, "", '.');
-  const Outcome outcome = identify(folder, "auto,x_mm=East,target=#1");
+  const Outcome outcome = identify_theirs(folder, "auto,x_mm=East,target=#1");
   // Each joint's sweep has a target of its own, and now all have one number.
   ASSERT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("one target number stands for points that are not one point"),
@@ -92,7 +92,7 @@ TEST(Columns, never_guess_a_unit) {
   auto names = kTracker;
   names["x_mm"] = "X";
   write_as_others_do(folder, names, "");
-  const Outcome outcome = identify(folder, "auto");
+  const Outcome outcome = identify_theirs(folder, "auto");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("there is no column for x"), std::string::npos) << outcome.err;
 }
@@ -101,7 +101,7 @@ TEST(Columns, refuse_a_mapping_against_the_stated_unit) {
   const Folder folder;
   simulate_two_joints(folder);
   write_as_others_do(folder, kTracker, "");
-  const Outcome outcome = identify(folder, "auto,x_m=X [mm]");
+  const Outcome outcome = identify_theirs(folder, "auto,x_m=X [mm]");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("x_m is to come from \"X [mm]\"; expected x_mm"), std::string::npos)
       << outcome.err;
@@ -115,7 +115,7 @@ TEST(Columns, name_the_line_of_the_file_in_problems) {
   const std::size_t third = text.find('\n', text.find('\n', text.find('\n') + 1) + 1) + 1;
   text.replace(third, text.find('\r', third) - third, "1;1;1.234,5;0,0;1,0;2,0;3,0");
   write_file(folder / "theirs.txt", text);
-  const Outcome outcome = identify(folder, "auto");
+  const Outcome outcome = identify_theirs(folder, "auto");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("theirs.txt:4: A1 [°]: \"1.234,5\" has more than a decimal separator"),
             std::string::npos)
@@ -131,7 +131,7 @@ TEST(Columns, never_take_a_thousands_separator_for_a_decimal_comma) {
   const Folder folder;
   simulate_two_joints(folder);
   write_file(folder / "theirs.txt", quoted_numbers("\"-1,211\""));
-  const Outcome outcome = identify(folder, "auto");
+  const Outcome outcome = identify_theirs(folder, "auto");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("theirs.txt:2: X [mm]: \"-1,211\" may have a decimal comma or a "
                              "thousands separator; expected decimal points"),
@@ -146,7 +146,7 @@ TEST(Columns, refuse_decimal_points_and_commas_in_one_file) {
   std::ranges::replace(text, ',', ';');
   text.replace(text.find(";5;"), 2, ",5");
   write_file(folder / "theirs.txt", text);
-  const Outcome outcome = identify(folder, "auto");
+  const Outcome outcome = identify_theirs(folder, "auto");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("theirs.txt:3: X [mm]: \"1.211\" has another decimal separator"),
             std::string::npos)
@@ -159,7 +159,7 @@ TEST(Columns, refuse_a_header_with_control_characters) {
   std::string text = quoted_numbers("1");
   text.replace(text.find("Sweep"), 5, "Sweep,Note \x1b[31m");
   write_file(folder / "theirs.txt", text);
-  const Outcome outcome = identify(folder, "auto");
+  const Outcome outcome = identify_theirs(folder, "auto");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("theirs.txt:1:12: the byte \"\\x1B\" in the header"),
             std::string::npos)
@@ -170,14 +170,14 @@ TEST(Columns, say_what_a_header_should_look_like_where_there_is_none) {
   const Folder folder;
   simulate_two_joints(folder);
   write_file(folder / "theirs.txt", "1;2;3\n4;5;6\n");
-  Outcome outcome = identify(folder, "auto");
+  Outcome outcome = identify_theirs(folder, "auto");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("no line of it names joint readings"), std::string::npos)
       << outcome.err;
-  outcome = identify(folder, "x_mm=East");
+  outcome = identify_theirs(folder, "x_mm=East");
   EXPECT_NE(outcome.err.find("no line of it has the columns East"), std::string::npos)
       << outcome.err;
-  outcome = identify(folder, "x_mm");
+  outcome = identify_theirs(folder, "x_mm");
   EXPECT_NE(outcome.err.find("\"x_mm\" is no mapping"), std::string::npos) << outcome.err;
 }
 

@@ -42,9 +42,9 @@ TEST(DifferenceTable, says_which_joint_differs_and_what_that_does) {
     SCOPED_TRACE(method);
     const Folder folder;
     // The elbow 1 mm further out.
-    const Json json =
+    const Json table =
         Json::parse(identified(folder, "a_mm: 431.8", "a_mm: 432.8", method + " --json").out);
-    const Json& differences = json["differences"];
+    const Json& differences = table["differences"];
     double sum = 0;
     bool found = false;
     for (const Json& line : differences["joints"]) {
@@ -76,11 +76,11 @@ TEST(DifferenceTable, is_printed_for_a_person) {
 
 TEST(DifferenceTable, holds_the_errors_of_the_readings_that_were_found) {
   const Folder folder;
-  const Json json = Json::parse(
+  const Json table = Json::parse(
       identified(folder, "a_mm: 431.8", "a_mm: 432.0", "--method refined --correct gain --json")
           .out);
   int scales = 0;
-  for (const Json& line : json["differences"]["joints"]) {
+  for (const Json& line : table["differences"]["joints"]) {
     if (line["kind"] != "scale") continue;
     ++scales;
     EXPECT_NEAR(line["value"].get<double>(), 0, 4 * line["sigma"].get<double>());

@@ -11,12 +11,12 @@
 namespace armsig::cli {
 namespace {
 
-struct Work {
+struct Command {
   std::string words;
   std::string out;
 };
 
-class FailingMemory : public testing::TestWithParam<Work> {
+class FailingMemory : public testing::TestWithParam<Command> {
  protected:
   void SetUp() override { ASSERT_EQ(measure_two_joints(folder_).status, 0); }
   // Runs the command, whose allocation `failing` fails; 0: none.
@@ -75,8 +75,8 @@ TEST_P(FailingMemory, ends_in_words_with_the_old_file_in_place) {
 
 INSTANTIATE_TEST_SUITE_P(
     , FailingMemory,
-    testing::Values(Work{"export --signature t.yaml --format urdf --out o.urdf", "o.urdf"},
-                    Work{"identify --arm arm.yaml --measurements m.csv --out s.yaml", "s.yaml"}),
+    testing::Values(Command{"export --signature t.yaml --format urdf --out o.urdf", "o.urdf"},
+                    Command{"identify --arm arm.yaml --measurements m.csv --out s.yaml", "s.yaml"}),
     [](const auto& work) { return work.index == 0 ? "of_export" : "of_identify"; });
 
 }  // namespace

@@ -10,7 +10,6 @@
 namespace armsig::cli {
 namespace {
 
-const std::filesystem::path kShared = ARMSIG_SHARED_DATA;
 constexpr std::size_t kChoices = 7;
 constexpr std::size_t kJudged = 200;
 

@@ -23,7 +23,7 @@ double prediction_error_m(const Folder& folder, const std::string& method,
   return largest_distance(predict(folder, "s.yaml", target), predict(folder, "truth.yaml", target));
 }
 
-void simulate(const Folder& folder, const std::string& options) {
+void simulate_exactly(const Folder& folder, const std::string& options) {
   const Outcome outcome =
       run_tool(folder,
                "simulate --arm arm.yaml --sigma-mm 0 --mixed-poses 20 --out good.csv "
@@ -50,7 +50,7 @@ TEST(Identify, answers_exact_data_of_known_arms_exactly) {
     SCOPED_TRACE(arm.filename().string());
     const Folder folder;
     std::filesystem::copy_file(arm, folder / "arm.yaml");
-    simulate(folder, "--arc 45 --points 12");
+    simulate_exactly(folder, "--arc 45 --points 12");
     const Csv rows = Csv::read(folder / "m.csv");
     const std::string last = rows.rows.back()[rows.column("target")];
     EXPECT_LT(prediction_error_m(folder, "encoder", last), kExact_m);
@@ -62,7 +62,7 @@ TEST(Identify, answers_exact_data_of_known_arms_exactly) {
 TEST(Identify, does_not_care_about_the_order_of_rows_and_columns) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
-  simulate(folder, "--tolerances 3 --arc 70");
+  simulate_exactly(folder, "--tolerances 3 --arc 70");
   Csv csv = Csv::read(folder / "good.csv");
   std::mt19937 shuffle(7);
   std::shuffle(csv.rows.begin(), csv.rows.end(), shuffle);
@@ -83,7 +83,7 @@ TEST(Identify, accepts_readings_a_hundred_turns_from_zero) {
              "[100, 600]}\n"
              "  - {type: revolute, theta_deg: 36000, d_mm: 0, a_mm: 250, alpha_deg: 0, limits_deg: "
              "[-36170, -35870]}\n");
-  simulate(folder, "--arc 60");
+  simulate_exactly(folder, "--arc 60");
   EXPECT_LT(prediction_error_m(folder, "encoder", "3"), kExact_m);
   EXPECT_LT(prediction_error_m(folder, "paper", "3"), kExact_m);
 }
@@ -100,7 +100,7 @@ TEST(Identify, identifies_one_joint_and_eight) {
                           "limits_deg: [-120, 150]}\n";
     }
     write_file(folder / "arm.yaml", arm);
-    simulate(folder, "--arc 90 --tolerances 2");
+    simulate_exactly(folder, "--arc 90 --tolerances 2");
     EXPECT_LT(prediction_error_m(folder, "encoder", std::to_string(joints)), kExact_m);
     EXPECT_LT(prediction_error_m(folder, "paper", std::to_string(joints)), kExact_m);
   }
@@ -109,7 +109,8 @@ TEST(Identify, identifies_one_joint_and_eight) {
 TEST(Identify, follows_one_target_on_the_hand_through_all_sweeps) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
-  simulate(folder, "--hand-target-mm 80,20,60 --configuration 10,-20,110,20,40,10 --tolerances 1");
+  simulate_exactly(folder,
+                   "--hand-target-mm 80,20,60 --configuration 10,-20,110,20,40,10 --tolerances 1");
   EXPECT_LT(prediction_error_m(folder, "encoder", "1"), kExact_m);
 }
 
@@ -123,7 +124,7 @@ TEST(Identify, locates_targets_by_their_ranges_to_receivers) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
   write_file(folder / "sensor.yaml", kSensor);
-  simulate(folder, "--sensor sensor.yaml --tolerances 1");
+  simulate_exactly(folder, "--sensor sensor.yaml --tolerances 1");
   EXPECT_LT(prediction_error_m(folder, "encoder", "6", "--sensor sensor.yaml"), kExact_m);
 }
 
@@ -131,7 +132,7 @@ TEST(Identify, asks_for_the_sensor_where_rows_are_ranges) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
   write_file(folder / "sensor.yaml", kSensor);
-  simulate(folder, "--sensor sensor.yaml");
+  simulate_exactly(folder, "--sensor sensor.yaml");
   const Outcome outcome =
       run_tool(folder, "identify --arm arm.yaml --measurements m.csv --out s.yaml");
   EXPECT_NE(outcome.status, 0);

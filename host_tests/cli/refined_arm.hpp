@@ -3,11 +3,14 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include "host_tests/cli/predictions.hpp"
 
 namespace armsig::cli {
+
+inline const std::filesystem::path kShared = ARMSIG_SHARED_DATA;
 
 // Sweeps and mixed poses of a Puma made to the usual tolerances, with one target on its hand.
 inline Csv simulated(const Folder& folder, const std::string& options = "",

@@ -16,8 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-const std::filesystem::path kShared = ARMSIG_SHARED_DATA;
-
 // Rows `first`, `first` + `step`, ... of a shared set, with a stated sigma unless it is empty.
 Csv some_rows(const std::string& file, std::size_t count, const std::string& sigma_mm) {
   Csv all = Csv::read(kShared / file);

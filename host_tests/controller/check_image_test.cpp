@@ -18,18 +18,18 @@ namespace {
 constexpr std::uint32_t kSequence = 7;
 constexpr std::int64_t kIdentified_s = 1'700'000'000;
 constexpr CheckSubject kSubject{.record_crc = 0x12345678, .poses_crc = 0x9ABCDEF0};
-constexpr double kSigma_m = 0.1e-3;
+constexpr double kTrackerSigma_m = 0.1e-3;
 
 // Check `number` of an arm whose second axis grows from check 30 on.
 MeasuredCheck check_of(int number) {
   simulated::Random random(static_cast<std::uint64_t>(number) + 1);
-  MeasuredCheck check{.poses = {}, .places = {}, .sigma_m = kSigma_m};
+  MeasuredCheck check{.poses = {}, .places = {}, .sigma_m = kTrackerSigma_m};
   const double grown_m = number < 30 ? 0 : 2e-5 * (number - 29);
   for (std::uint8_t i = 0; i < kMostCheckPoses; ++i) {
     const double turn = 0.15 * i;
     const Vector3 noise_m(random.normal(), random.normal(), random.normal());
     check.poses.push_back({.p_R = {std::cos(7.0 * i), std::sin(5.0 * i), 0.02 * i * i},
-                           .residual_m = kSigma_m * noise_m +
+                           .residual_m = kTrackerSigma_m * noise_m +
                                          grown_m * Vector3(std::cos(turn), std::sin(turn), 0.3)});
     check.places.push_back(i);
   }

@@ -2,7 +2,6 @@
 // Every bound of the configuration from both sides: what is just within is accepted, what is just
 // beyond is refused by the name of its setting, with what was found and what is needed.
 #include <chrono>
-#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,12 +9,13 @@
 #include "firmware/controller/measurement_log.hpp"
 #include "firmware/controller/plausibility.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/not_finite.hpp"
 #include "host_tests/support/whole_configuration.hpp"
 
 namespace armsig::controller {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 
 hal::Duration lasting_s(double seconds) {
   return std::chrono::round<hal::Duration>(std::chrono::duration<double>(seconds));

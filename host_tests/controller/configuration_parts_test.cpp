@@ -2,17 +2,17 @@
 // What the parts of a configuration must be to each other: an arm with its limits and couplings,
 // readings within them, a sensor near by, a tolerance between following and counts, a grid's
 // corners.
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/not_finite.hpp"
 #include "host_tests/support/whole_configuration.hpp"
 
 namespace armsig::controller {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 
 TEST(ConfigurationArm, is_refused_by_what_is_wrong_with_it) {
   Configuration none = test::whole_configuration();

@@ -7,11 +7,12 @@
 
 #include "firmware/controller/machine.hpp"
 #include "hal/linux/file_memory.hpp"
-#include "host_tests/support/puma_cabinet.hpp"
+#include "host_tests/support/table_3_run.hpp"
 
 namespace armsig::controller {
 namespace {
 
+using test::identify_and_accept;
 using test::PumaCabinet;
 
 Configuration quick() {
@@ -24,11 +25,6 @@ Configuration quick() {
 bool told(const PumaCabinet& puma, std::string_view begin) {
   return std::ranges::any_of(puma.console.told,
                              [&](const std::string& line) { return line.starts_with(begin); });
-}
-
-bool identify_and_accept(PumaCabinet& puma) {
-  return puma.enable() && puma.ask("identify") == "ok" && puma.run_until(Mode::kSweeping, 1) &&
-         puma.run_until(Mode::kHolding, 3600) && puma.ask("accept") == "ok";
 }
 
 // Where lines of the tool are free.

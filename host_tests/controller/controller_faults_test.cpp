@@ -6,25 +6,17 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error_name.hpp"
-#include "host_tests/support/puma_cabinet.hpp"
+#include "host_tests/support/moving_puma.hpp"
 
 namespace armsig::controller {
 namespace {
 
 using cia402::State;
 using test::LineConsole;
+using test::MovingPuma;
 using test::PumaCabinet;
 
 constexpr double kTick_s = 0.002;
-
-struct Moving : PumaCabinet {
-  Moving() {
-    EXPECT_TRUE(enable());
-    EXPECT_EQ(ask("move q1_deg=90 q2_deg=-30"), "ok");
-    run(0.5);
-    EXPECT_EQ(mode(), Mode::kServoing);
-  }
-};
 
 bool any_enabled(PumaCabinet& puma) {
   for (std::size_t i = 0; i < 6; ++i) {
@@ -52,7 +44,7 @@ void expect_recovery(PumaCabinet& puma) {
 }
 
 TEST(BusFaults, sync_that_a_drive_does_not_hear_stops_all_of_them) {
-  Moving puma;
+  MovingPuma puma;
   puma.cabinet->drive(2).inject(simulated::DriveFault::kSyncLost);
   ASSERT_TRUE(puma.run_until(Mode::kFaulted, 0.1));
   EXPECT_EQ(puma.now().fault->error, Error::kFeedbackLost);
@@ -65,7 +57,7 @@ TEST(BusFaults, sync_that_a_drive_does_not_hear_stops_all_of_them) {
 
 // Nothing can be told to the drives then: they stop by themselves for want of SYNC.
 TEST(BusFaults, an_interface_taken_down_and_up_is_told_and_can_be_reset) {
-  Moving puma;
+  MovingPuma puma;
   puma.cabinet->master_port().set_up(false);
   puma.run(kTick_s);
   EXPECT_EQ(puma.mode(), Mode::kFaulted);
@@ -82,7 +74,7 @@ TEST(BusFaults, an_interface_taken_down_and_up_is_told_and_can_be_reset) {
 }
 
 TEST(BusFaults, bus_off_is_told_and_can_be_reset) {
-  Moving puma;
+  MovingPuma puma;
   puma.cabinet->master_port().go_bus_off();
   ASSERT_TRUE(puma.run_until(Mode::kFaulted, 0.01));
   EXPECT_EQ(puma.now().fault->error, Error::kBusOff);
@@ -144,7 +136,7 @@ TEST(PathFaults, a_line_through_a_singularity_and_one_out_of_reach_are_refused) 
 }
 
 TEST(Halt, brings_a_joint_move_to_rest_on_its_path_within_the_limits) {
-  Moving puma;
+  MovingPuma puma;
   const Configuration configuration = test::puma_controller();
   const JointVector from = test::puma_configuration();
   ASSERT_EQ(puma.ask("halt"), "ok");
@@ -208,7 +200,7 @@ TEST(Consoles, two_operators_are_answered_each_and_told_the_same) {
 }
 
 TEST(Consoles, one_that_floods_keeps_neither_the_arm_nor_the_other_waiting) {
-  Moving puma;
+  MovingPuma puma;
   for (int i = 0; i < 20'000; ++i) puma.console.requests.emplace_back("status");
   puma.run(0.02);
   EXPECT_EQ(puma.mode(), Mode::kServoing);

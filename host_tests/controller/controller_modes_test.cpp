@@ -4,12 +4,13 @@
 
 #include "host_tests/support/allocation_guard.hpp"
 #include "host_tests/support/failure_of.hpp"
-#include "host_tests/support/puma_cabinet.hpp"
+#include "host_tests/support/moving_puma.hpp"
 
 namespace armsig::controller {
 namespace {
 
 using cia402::State;
+using test::MovingPuma;
 using test::PumaCabinet;
 
 bool is_error(const std::string& reply) { return reply.starts_with("error "); }
@@ -186,17 +187,8 @@ TEST(Controller, refuses_a_line_through_a_singularity) {
   EXPECT_EQ(puma.mode(), Mode::kHolding);
 }
 
-struct Moving : PumaCabinet {
-  Moving() {
-    EXPECT_TRUE(enable());
-    EXPECT_EQ(ask("move q1_deg=90 q2_deg=-30"), "ok");
-    run(0.5);
-    EXPECT_EQ(mode(), Mode::kServoing);
-  }
-};
-
 TEST(Faults, an_emergency_of_a_drive_ends_in_a_quick_stop) {
-  Moving puma;
+  MovingPuma puma;
   puma.cabinet->drive(3).inject(simulated::DriveFault::kEmergency, 0x2310);
   expect_safe(puma, Error::kDriveEmergency);
   EXPECT_EQ(puma.now().fault->joint, 3U);
@@ -211,13 +203,13 @@ TEST(Faults, an_emergency_of_a_drive_ends_in_a_quick_stop) {
 }
 
 TEST(Faults, a_lost_heartbeat_ends_in_a_quick_stop) {
-  Moving puma;
+  MovingPuma puma;
   puma.cabinet->drive(1).inject(simulated::DriveFault::kHeartbeatLost);
   expect_safe(puma, Error::kHeartbeatLost);
 }
 
 TEST(Faults, a_blocked_motor_ends_in_a_following_error) {
-  Moving puma;
+  MovingPuma puma;
   puma.cabinet->drive(0).inject(simulated::DriveFault::kBlocked);
   expect_safe(puma, Error::kFollowingError);
   EXPECT_EQ(puma.now().fault->joint, 0U);
@@ -237,7 +229,7 @@ TEST(Faults, the_operators_stop_ends_every_mode) {
     expect_safe(holding, Error::kQuickStop);
   }
   {
-    Moving servoing;
+    MovingPuma servoing;
     EXPECT_EQ(servoing.ask("stop"), "ok");
     expect_safe(servoing, Error::kQuickStop);
   }
@@ -254,7 +246,7 @@ TEST(Faults, the_operators_stop_ends_every_mode) {
 }
 
 TEST(Faults, are_left_by_reset_only_and_end_without_torque) {
-  Moving puma;
+  MovingPuma puma;
   ASSERT_EQ(puma.ask("stop"), "ok");
   EXPECT_TRUE(is_error(puma.ask("enable")));
   EXPECT_TRUE(is_error(puma.ask("move q1_deg=0")));
@@ -279,8 +271,8 @@ TEST(Console, survives_garbage) {
 }
 
 TEST(Controller, takes_nothing_from_the_heap_while_it_moves) {
-  Moving puma;
-  const armsig::testing::AllocationGuard guard;
+  MovingPuma puma;
+  const armsig::test::AllocationGuard guard;
   puma.run(0.5);
   const std::size_t allocations = guard.count();
   EXPECT_EQ(allocations, 0U);

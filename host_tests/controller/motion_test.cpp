@@ -5,17 +5,17 @@
 #include "firmware/controller/motion.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/not_finite.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::controller {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 // A minimum-jerk course has these at its steepest and at its most bent.
 const double kSteepest = 30.0 / 16.0;
 const double kMostBent = 10.0 / std::sqrt(3.0);

@@ -9,7 +9,7 @@
 namespace armsig::controller {
 namespace {
 
-constexpr double kSigma_m = 0.1e-3;
+constexpr double kRepeatSigma_m = 0.1e-3;
 
 struct Shown {
   Vector3 in_hand = Vector3::Zero();
@@ -31,8 +31,8 @@ Repeats::Change seen(const Shown& shown, std::uint64_t seed) {
                                    levers.uniform(0, 1) * levers.normal_vector()};
     difference += shown.load * (by_load[0] - by_load[1] / 2);
     if (n < shown.wrong_points) difference += 20e-3 * random.normal_vector().normalized();
-    difference += kSigma_m * random.normal_vector();
-    repeats.add(R_SL, difference, kSigma_m * kSigma_m, by_load);
+    difference += kRepeatSigma_m * random.normal_vector();
+    repeats.add(R_SL, difference, kRepeatSigma_m * kRepeatSigma_m, by_load);
   }
   return repeats.change(shown.wrong_points / 20.0, 0.075e-3);
 }
@@ -72,7 +72,8 @@ TEST(Repeats, name_a_load_beside_a_joint_that_it_does_not_turn) {
   Repeats repeats;
   for (std::size_t n = 0; n < Repeats::kMost; ++n) {
     const Vector3 down(0, 0, -0.2 - 0.05 * static_cast<double>(n));
-    repeats.add(Matrix3::Identity(), 1e-3 * down, kSigma_m * kSigma_m, {Vector3::Zero(), down});
+    repeats.add(Matrix3::Identity(), 1e-3 * down, kRepeatSigma_m * kRepeatSigma_m,
+                {Vector3::Zero(), down});
   }
   EXPECT_EQ(repeats.change(0, 0.075e-3).what, "load");
 }
@@ -89,7 +90,7 @@ TEST(Repeats, see_what_only_a_few_poses_show_where_no_point_is_wrong) {
   Repeats repeats;
   for (std::size_t n = 0; n < Repeats::kMost; ++n) {
     const Vector3 sag(0, 0, n % 6 == 0 ? -1e-3 : 0);
-    repeats.add(Matrix3::Identity(), sag, kSigma_m * kSigma_m);
+    repeats.add(Matrix3::Identity(), sag, kRepeatSigma_m * kRepeatSigma_m);
   }
   EXPECT_EQ(repeats.change(0, 0.075e-3).what, "arm");
   EXPECT_NEAR(repeats.change(0, 0.075e-3).by_m, 1e-3, 1e-9);

@@ -41,7 +41,7 @@ State after(const State& state, const Operation& operation) {
   return {.active = state.former, .former = 0};
 }
 
-RecordImage record_of(int id) {
+RecordImage image_of(int id) {
   RecordImage image{};
   for (std::size_t i = 0; i < image.size(); ++i) {
     image[i] = static_cast<std::uint8_t>(29 * i + 113 * static_cast<std::size_t>(id));
@@ -60,7 +60,7 @@ RecordImage record_of(int id) {
 constexpr int kIds = 10;
 const std::array<RecordImage, kIds> kRecords = [] {
   std::array<RecordImage, kIds> records{};
-  for (int id = 0; id < kIds; ++id) records[static_cast<std::size_t>(id)] = record_of(id);
+  for (int id = 0; id < kIds; ++id) records[static_cast<std::size_t>(id)] = image_of(id);
   return records;
 }();
 

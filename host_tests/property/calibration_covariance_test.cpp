@@ -20,9 +20,9 @@ constexpr ModelParts kGeometry{.gravity = false, .maps = false};
 constexpr double kAlong = 0.01e-3;
 constexpr double kAcross = 6 * kAlong;
 constexpr double kMeanVariance = (kAlong * kAlong + 2 * kAcross * kAcross) / 3;
-constexpr int kArms = 100;
-constexpr int kPoses = 60;
-constexpr int kJudged = 10;
+constexpr int kScatterArms = 100;
+constexpr int kScatterPoses = 60;
+constexpr int kScatterPoints = 10;
 
 // The line of sight first.
 Matrix3 sight(const Vector3& p_S) {
@@ -73,12 +73,12 @@ TEST(PositionCovariance, is_used_whole_and_reaches_the_cramer_rao_bound) {
   double squares = 0;
   double bound = 0;
   double plain_squares = 0;
-  for (int k = 0; k < kArms; ++k) {
+  for (int k = 0; k < kScatterArms; ++k) {
     Random random(400 + static_cast<std::uint64_t>(k));
     const Cell cell = test::puma_cell(random);
     test::Log log;
     std::vector<Matrix3> relative;
-    for (int p = 0; p < kPoses; ++p) {
+    for (int p = 0; p < kScatterPoses; ++p) {
       refinement::Observation row;
       row.readings = random.configuration(cell.arm);
       const Vector3 p_S = cell.point(row.readings, 0);
@@ -92,7 +92,7 @@ TEST(PositionCovariance, is_used_whole_and_reaches_the_cramer_rao_bound) {
     ASSERT_TRUE(fit.fit());
     ASSERT_TRUE(plain.fit());
     Eigen::MatrixXd information;
-    for (int p = 0; p < kPoses; ++p) {
+    for (int p = 0; p < kScatterPoses; ++p) {
       const auto row = static_cast<std::size_t>(p);
       const Eigen::MatrixXd J = jacobian(fit, log[row].readings);
       if (p == 0) information = 1e-2 * Eigen::MatrixXd::Identity(J.cols(), J.cols());
@@ -100,7 +100,7 @@ TEST(PositionCovariance, is_used_whole_and_reaches_the_cramer_rao_bound) {
     }
     const Eigen::MatrixXd C =
         information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
-    for (int p = 0; p < kJudged; ++p) {
+    for (int p = 0; p < kScatterPoints; ++p) {
       const JointVector q = random.configuration(cell.arm);
       const Vector3 truth = cell.point(q, 0);
       Engine::Stated stated;
@@ -108,7 +108,8 @@ TEST(PositionCovariance, is_used_whole_and_reaches_the_cramer_rao_bound) {
       const Matrix3 axes = sight(truth);
       for (Eigen::Index c = 0; c < 3; ++c) {
         const double variance = axes.col(c).dot(stated.model * axes.col(c));
-        normalised[c] += std::pow(axes.col(c).dot(error), 2) / variance / (kArms * kJudged);
+        normalised[c] +=
+            std::pow(axes.col(c).dot(error), 2) / variance / (kScatterArms * kScatterPoints);
       }
       const Eigen::MatrixXd J = jacobian(fit, q);
       squares += error.squaredNorm();

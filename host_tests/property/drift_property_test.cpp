@@ -14,14 +14,13 @@
 namespace armsig::drift {
 namespace {
 
-using simulated::Random;
 using test::settings_for;
 using test::SimulatedArm;
 
 void expect_the_figures(double checks_per_month) {
   const Settings settings = settings_for(checks_per_month);
   const int year = static_cast<int>(12 * checks_per_month);
-  Random random(2026);
+  simulated::Random random(2026);
   constexpr int kArms = 10'000;
   int false_alarms = 0;
   int named = 0;
@@ -59,7 +58,7 @@ TEST(DriftProperty, WeeklyChecksNameADriftAndRarelyAHealthyArm) { expect_the_fig
 // Every arm at the largest noise, as the threshold expects it: nothing in hand.
 TEST(DriftProperty, StatedRateOfFalseAlarmsIsTheOneThatComes) {
   const Settings settings = settings_for(365.25 / 12);
-  Random random(5);
+  simulated::Random random(5);
   constexpr int kArms = 20'000;
   int false_alarms = 0;
   for (int arm = 0; arm < kArms; ++arm) {

@@ -15,9 +15,7 @@
 namespace armsig::features {
 namespace {
 
-using testing::TrueMotion;
-
-constexpr double kSigma = 2e-4;
+using test::TrueMotion;
 
 struct Point {
   double reading = 0;
@@ -29,12 +27,12 @@ struct Point {
 // A fifth of the points off by what an echo too long by 20 to 300 mm on one receiver makes of a
 // position: centimetres to decimetres, in any direction.
 std::vector<Point> contaminated(const TrueMotion& motion, double range, std::size_t count,
-                                testing::Random& random) {
+                                test::Random& random) {
   std::vector<Point> points(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const double reading = testing::even_reading(motion, range, i, count);
-    points[i] = {reading, motion.at(reading) + kSigma * random.normal_vector(), Vector3::Zero(),
-                 i < count / 5};
+    const double reading = test::even_reading(motion, range, i, count);
+    points[i] = {reading, motion.at(reading) + test::kSweepSigma_m * random.normal_vector(),
+                 Vector3::Zero(), i < count / 5};
   }
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t other =
@@ -50,19 +48,19 @@ std::vector<Point> contaminated(const TrueMotion& motion, double range, std::siz
 
 void expect_outliers_harmless(std::size_t count, double arc, double stated_m, bool shuffled,
                               int trials, unsigned seed) {
-  testing::Random random(seed);
+  test::Random random(seed);
   double with = 0;
   double without = 0;
   int moved = 0;
   for (int k = 0; k < trials; ++k) {
-    const TrueMotion motion = testing::random_motion(JointType::kRevolute, random);
+    const TrueMotion motion = test::random_motion(JointType::kRevolute, random);
     std::vector<Point> points = contaminated(motion, arc, count, random);
     if (shuffled) std::shuffle(points.begin(), points.end(), random.engine());
     SweepEstimator clean({JointType::kRevolute, {}});
     SweepEstimator dirty({JointType::kRevolute, {}});
     for (const Point& point : points) {
-      ASSERT_TRUE(clean.add(point.reading, point.good_S, testing::isotropic(stated_m)));
-      ASSERT_TRUE(dirty.add(point.reading, point.bad_S, testing::isotropic(stated_m)));
+      ASSERT_TRUE(clean.add(point.reading, point.good_S, test::isotropic(stated_m)));
+      ASSERT_TRUE(dirty.add(point.reading, point.bad_S, test::isotropic(stated_m)));
     }
     const auto a = clean.estimate(Method::kEncoder);
     const auto b = dirty.estimate(Method::kEncoder);
@@ -86,42 +84,42 @@ void expect_outliers_harmless(std::size_t count, double arc, double stated_m, bo
 
 TEST(Outliers, of_a_fifth_of_a_short_sweep_are_counted_and_harmless) {
   for (const std::size_t count : {std::size_t{10}, std::size_t{36}, std::size_t{120}}) {
-    expect_outliers_harmless(count, radians(60), kSigma, false, 200, 61);
+    expect_outliers_harmless(count, radians(60), test::kSweepSigma_m, false, 200, 61);
     expect_outliers_harmless(count, radians(120), 0, false, 200, 62);
   }
 }
 
 TEST(Outliers, of_a_fifth_of_a_long_sweep_are_counted_and_harmless) {
   for (const bool shuffled : {false, true}) {
-    expect_outliers_harmless(1000, radians(90), kSigma, shuffled, 40, 63);
+    expect_outliers_harmless(1000, radians(90), test::kSweepSigma_m, shuffled, 40, 63);
     expect_outliers_harmless(1000, radians(90), 0, shuffled, 40, 64);
   }
 }
 
 TEST(Outliers, of_exact_data_are_found_too) {
-  testing::Random random(65);
+  test::Random random(65);
   for (int k = 0; k < 50; ++k) {
-    const TrueMotion motion = testing::random_motion(JointType::kRevolute, random);
+    const TrueMotion motion = test::random_motion(JointType::kRevolute, random);
     SweepEstimator estimator({JointType::kRevolute, {}});
     for (std::size_t i = 0; i < 40; ++i) {
-      const double reading = testing::even_reading(motion, 1, i, 40);
+      const double reading = test::even_reading(motion, 1, i, 40);
       const Vector3 off = i % 5 == 2 ? Vector3(0.02 * random.direction()) : Vector3::Zero();
       ASSERT_TRUE(estimator.add(reading, motion.at(reading) + off, Matrix3::Zero()));
     }
     const auto feature = estimator.estimate(Method::kEncoder);
     ASSERT_TRUE(feature);
     EXPECT_EQ(feature->quality.rejected, 8U);
-    EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-12);
+    EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-12);
   }
 }
 
 TEST(Outliers, of_a_prismatic_sweep_are_counted_and_harmless) {
-  testing::Random random(66);
+  test::Random random(66);
   for (int k = 0; k < 100; ++k) {
-    const TrueMotion motion = testing::random_motion(JointType::kPrismatic, random);
+    const TrueMotion motion = test::random_motion(JointType::kPrismatic, random);
     SweepEstimator estimator({JointType::kPrismatic, {}});
     for (const Point& point : contaminated(motion, 0.5, 25, random))
-      ASSERT_TRUE(estimator.add(point.reading, point.bad_S, testing::isotropic(kSigma)));
+      ASSERT_TRUE(estimator.add(point.reading, point.bad_S, test::isotropic(test::kSweepSigma_m)));
     const auto feature = estimator.estimate(Method::kEncoder);
     ASSERT_TRUE(feature);
     EXPECT_EQ(feature->quality.rejected, 5U);
@@ -130,16 +128,17 @@ TEST(Outliers, of_a_prismatic_sweep_are_counted_and_harmless) {
 }
 
 TEST(OrderOfRows, does_not_matter) {
-  testing::Random random(71);
+  test::Random random(71);
   for (int k = 0; k < 50; ++k) {
-    const TrueMotion motion = testing::random_motion(JointType::kRevolute, random);
+    const TrueMotion motion = test::random_motion(JointType::kRevolute, random);
     std::vector<Point> points = contaminated(motion, 2, 100, random);
     std::vector<Vector3> targets;
     std::vector<std::size_t> rejected;
     for (int order = 0; order < 3; ++order) {
       SweepEstimator estimator({JointType::kRevolute, {}});
       for (const Point& point : points)
-        ASSERT_TRUE(estimator.add(point.reading, point.bad_S, testing::isotropic(kSigma)));
+        ASSERT_TRUE(
+            estimator.add(point.reading, point.bad_S, test::isotropic(test::kSweepSigma_m)));
       const auto feature = estimator.estimate(Method::kEncoder);
       ASSERT_TRUE(feature);
       targets.push_back(feature->target_at(1));
@@ -154,17 +153,17 @@ TEST(OrderOfRows, does_not_matter) {
 }
 
 TEST(MillionPoints, take_no_memory_and_lose_no_digits) {
-  testing::Random random(81);
-  const TrueMotion motion = testing::random_motion(JointType::kRevolute, random);
+  test::Random random(81);
+  const TrueMotion motion = test::random_motion(JointType::kRevolute, random);
   constexpr std::size_t kCount = 1'000'000;
   std::size_t refused = 0;
-  const testing::AllocationGuard guard;
+  const test::AllocationGuard guard;
   SweepEstimator estimator({JointType::kRevolute, {}});
   for (std::size_t i = 0; i < kCount; ++i) {
-    const double reading = testing::even_reading(motion, 3, i, kCount);
-    Vector3 p_S = motion.at(reading) + kSigma * random.normal_vector();
+    const double reading = test::even_reading(motion, 3, i, kCount);
+    Vector3 p_S = motion.at(reading) + test::kSweepSigma_m * random.normal_vector();
     if (i % 5 == 3) p_S += random.uniform(0.02, 0.3) * random.direction();
-    if (!estimator.add(reading, p_S, testing::isotropic(kSigma))) ++refused;
+    if (!estimator.add(reading, p_S, test::isotropic(test::kSweepSigma_m))) ++refused;
   }
   const auto feature = estimator.estimate(Method::kEncoder);
   const auto by_paper = estimator.estimate(Method::kPaper);
@@ -176,13 +175,13 @@ TEST(MillionPoints, take_no_memory_and_lose_no_digits) {
   EXPECT_EQ(feature->quality.used + feature->quality.rejected, kCount);
   EXPECT_GE(feature->quality.rejected, kCount / 5);
   EXPECT_LE(feature->quality.rejected, kCount / 5 + 200);
-  const Eigen::Matrix<double, 7, 1> e = testing::feature_error(*feature, motion);
+  const Eigen::Matrix<double, 7, 1> e = test::feature_error(*feature, motion);
   EXPECT_LT(e.dot(feature->covariance.ldlt().solve(e)), 30);  // 7 degrees of freedom
   EXPECT_LT(e.norm(), 5e-6);
 }
 
 TEST(AllocationGuard, sees_an_allocation) {
-  const testing::AllocationGuard guard;
+  const test::AllocationGuard guard;
   const std::vector<double> numbers(1000);
   const std::size_t allocations = guard.count();
   EXPECT_EQ(allocations, 1U);

@@ -15,11 +15,9 @@
 namespace armsig::features {
 namespace {
 
-using testing::TrueMotion;
+using test::TrueMotion;
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
-
-constexpr double kSigma = 2e-4;
 
 // Fisher information of (centre, rotation vector, radius) from the points' covariances, written out
 // from p = c + R (r cos t, r sin t, 0) alone.
@@ -41,11 +39,11 @@ struct Trial {
   std::vector<Matrix3> covariances;
 };
 
-Trial isotropic_trial(JointType type, double range, std::size_t count, testing::Random& random) {
-  Trial trial{testing::random_motion(type, random), {}, {}};
+Trial isotropic_trial(JointType type, double range, std::size_t count, test::Random& random) {
+  Trial trial{test::random_motion(type, random), {}, {}};
   for (std::size_t i = 0; i < count; ++i) {
-    trial.readings.push_back(testing::even_reading(trial.motion, range, i, count));
-    trial.covariances.push_back(testing::isotropic(kSigma));
+    trial.readings.push_back(test::even_reading(trial.motion, range, i, count));
+    trial.covariances.push_back(test::isotropic(test::kSweepSigma_m));
   }
   return trial;
 }
@@ -58,12 +56,12 @@ void make_anisotropic(Trial& trial) {
     const Vector3 sight = p_S.normalized();
     const Matrix3 along = sight * sight.transpose();
     const double across = 2 * p_S.norm() / 2.5;
-    trial.covariances[i] =
-        kSigma * kSigma * (along + across * across * (Matrix3::Identity() - along));
+    trial.covariances[i] = test::kSweepSigma_m * test::kSweepSigma_m *
+                           (along + across * across * (Matrix3::Identity() - along));
   }
 }
 
-Judged<JointFeature> measure(const Trial& trial, Method method, testing::Random& random) {
+Judged<JointFeature> measure(const Trial& trial, Method method, test::Random& random) {
   SweepEstimator estimator({trial.motion.type, {}});
   for (std::size_t i = 0; i < trial.readings.size(); ++i) {
     const Matrix3 root = trial.covariances[i].llt().matrixL();
@@ -80,7 +78,7 @@ struct Efficiency {
 };
 
 Efficiency efficiency(double arc, std::size_t count, int trials, unsigned seed) {
-  testing::Random random(seed);
+  test::Random random(seed);
   double axis = 0;
   double axis_bound = 0;
   double centre = 0;
@@ -91,7 +89,7 @@ Efficiency efficiency(double arc, std::size_t count, int trials, unsigned seed) 
     const auto feature = measure(trial, Method::kEncoder, random);
     EXPECT_TRUE(feature);
     if (!feature) return {};
-    const Vector7 e = testing::feature_error(*feature, trial.motion);
+    const Vector7 e = test::feature_error(*feature, trial.motion);
     const Matrix7 information = fisher_information(trial.motion, trial.readings, trial.covariances);
     const Matrix7 bound = information.inverse();
     const Vector3 n = trial.motion.R_SC.col(2);
@@ -139,7 +137,7 @@ TEST(EncoderFeature, is_within_five_percent_of_its_cramer_rao_bound_for_thousand
 // freedom / 1000).
 double mean_square_error(JointType type, double range, std::size_t count, bool anisotropic,
                          Method method, unsigned seed) {
-  testing::Random random(seed);
+  test::Random random(seed);
   double sum = 0;
   for (int k = 0; k < 1000; ++k) {
     Trial trial = isotropic_trial(type, range, count, random);
@@ -147,7 +145,7 @@ double mean_square_error(JointType type, double range, std::size_t count, bool a
     const auto feature = measure(trial, method, random);
     EXPECT_TRUE(feature);
     if (!feature) return 0;
-    const Vector7 e = testing::feature_error(*feature, trial.motion);
+    const Vector7 e = test::feature_error(*feature, trial.motion);
     if (type == JointType::kRevolute) {
       sum += e.dot(feature->covariance.ldlt().solve(e));
       continue;
@@ -197,12 +195,12 @@ TEST(StatedCovariance, of_a_line_is_true_by_both_methods) {
 TEST(EncoderFeature, beats_the_papers_fit_most_on_short_arcs) {
   double previous = 10;
   for (const double arc : {60.0, 300.0}) {
-    testing::Random random(41);
+    test::Random random(41);
     double paper = 0;
     double encoder = 0;
     for (int k = 0; k < 300; ++k) {
       const Trial trial = isotropic_trial(JointType::kRevolute, radians(arc), 30, random);
-      testing::Random same = random;
+      test::Random same = random;
       const auto by_paper = measure(trial, Method::kPaper, same);
       const auto by_encoder = measure(trial, Method::kEncoder, random);
       ASSERT_TRUE(by_paper && by_encoder);
@@ -218,10 +216,10 @@ TEST(EncoderFeature, beats_the_papers_fit_most_on_short_arcs) {
 
 // Exact data, sensor 3 m away, readings near 1,000 rad, either sense.
 TEST(ExactData, gives_the_exact_feature_by_both_methods) {
-  testing::Random random(51);
+  test::Random random(51);
   for (int k = 0; k < 300; ++k) {
-    TrueMotion motion = testing::random_motion(
-        k % 3 == 0 ? JointType::kPrismatic : JointType::kRevolute, random, 0.2);
+    TrueMotion motion =
+        test::random_motion(k % 3 == 0 ? JointType::kPrismatic : JointType::kRevolute, random, 0.2);
     motion.point_S = 3 * random.direction();
     motion.first_reading = 1000 * random.normal();
     const bool revolute = motion.type == JointType::kRevolute;
@@ -229,14 +227,14 @@ TEST(ExactData, gives_the_exact_feature_by_both_methods) {
     const auto count = static_cast<std::size_t>(random.uniform(5, 200));
     SweepEstimator estimator({motion.type, {}});
     for (std::size_t i = 0; i < count; ++i) {
-      const double reading = testing::even_reading(motion, range, i, count);
+      const double reading = test::even_reading(motion, range, i, count);
       ASSERT_TRUE(estimator.add(reading, motion.at(reading), Matrix3::Zero()));
     }
     for (const Method method : {Method::kPaper, Method::kEncoder}) {
       const auto feature = estimator.estimate(method);
       ASSERT_TRUE(feature) << k;
       EXPECT_EQ(feature->quality.rejected, 0U);
-      EXPECT_LT(testing::feature_error(*feature, motion).cwiseAbs().maxCoeff(), 1e-12) << k;
+      EXPECT_LT(test::feature_error(*feature, motion).cwiseAbs().maxCoeff(), 1e-12) << k;
     }
   }
 }

@@ -16,9 +16,9 @@
 namespace armsig {
 namespace {
 
+using test::ExactArm;
 using test::kR;
-using testing::ExactArm;
-using testing::Random;
+using test::Random;
 
 struct WorstErrors {
   double position_m = 0;
@@ -45,7 +45,7 @@ ModelErrors errors_of(const Signature& signature, const ExactArm& exact, Random&
   for (int i = 0; i < 20; ++i) {
     const JointVector q = random.readings(exact.arm, kPi, 0.5);
     const Pose truth = exact.tool_pose(q);
-    const Pose X_Sn = testing::plain_dh_pose(signature.pseudo_dh, q, n, signature.X_SL[0]);
+    const Pose X_Sn = test::plain_dh_pose(signature.pseudo_dh, q, n, signature.X_SL[0]);
     worst.pseudo_dh.take(X_Sn * X_FL * X_LF, truth, exact.p_F);
     worst.link_frames.take(kinematics::link_pose(signature, q, n) * X_LF, truth, exact.p_F);
   }
@@ -53,7 +53,7 @@ ModelErrors errors_of(const Signature& signature, const ExactArm& exact, Random&
 }
 
 void expect_exact(const ExactArm& exact, const Arm& nominal, Random& random) {
-  const auto signature = identify(testing::exact_features(exact), exact.q_s, nominal);
+  const auto signature = identify(test::exact_features(exact), exact.q_s, nominal);
   ASSERT_TRUE(signature);
   EXPECT_TRUE(signature->description_matches);
   const ModelErrors worst = errors_of(*signature, exact, random);
@@ -79,7 +79,7 @@ TEST(IdentificationOfRandomArms, is_exact_at_any_readings) {
   Random random(2);
   for (int i = 0; i < 200; ++i) {
     SCOPED_TRACE(i);
-    const Arm arm = testing::random_arm(random);
+    const Arm arm = test::random_arm(random);
     expect_exact({arm, random.readings(arm, 3, 0.5), random.pose(3)}, arm, random);
   }
 }
@@ -88,7 +88,7 @@ TEST(IdentificationOfRandomArms, is_exact_many_turns_from_zero) {
   Random random(3);
   for (int i = 0; i < 50; ++i) {
     SCOPED_TRACE(i);
-    const Arm arm = testing::random_arm(random);
+    const Arm arm = test::random_arm(random);
     expect_exact({arm, random.readings(arm, 500, 5), random.pose(3)}, arm, random);
   }
 }
@@ -97,9 +97,9 @@ TEST(IdentificationOfRandomArms, does_not_depend_on_the_drawing_that_chooses_the
   Random random(4);
   for (int i = 0; i < 50; ++i) {
     SCOPED_TRACE(i);
-    const Arm arm = testing::random_arm(random);
+    const Arm arm = test::random_arm(random);
     const ExactArm exact{arm, random.readings(arm, 3, 0.5), random.pose(3)};
-    auto signature = identify(testing::exact_features(exact), exact.q_s, arm);
+    auto signature = identify(test::exact_features(exact), exact.q_s, arm);
     ASSERT_TRUE(signature);
     Arm other = arm;
     for (DhJoint& row : other.joints) row.alpha_rad = random.uniform(-kPi, kPi);
@@ -136,8 +136,7 @@ WorstErrors pseudo_dh_errors(double tilt_rad) {
     const Pose X_FL = pseudo_dh::link_frame_in_dh_frame(signature.s_model[2]);
     for (int i = 0; i < 20; ++i) {
       const JointVector q{random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)};
-      const Pose found =
-          testing::plain_dh_pose(signature.pseudo_dh, q, 3, signature.X_SL[0]) * X_FL;
+      const Pose found = test::plain_dh_pose(signature.pseudo_dh, q, 3, signature.X_SL[0]) * X_FL;
       worst.take(found, kinematics::link_pose(signature, q, 3), Vector3(0.1, 0.1, 0.1));
     }
   }
@@ -173,7 +172,7 @@ TEST(MirroredSense, of_one_joint_is_found_in_any_known_arm) {
     for (std::size_t joint = 0; joint < known.joints.size(); ++joint) {
       SCOPED_TRACE(known.name);
       const ExactArm exact{known, random.readings(known, 2.5, 0.5), random.pose(3)};
-      auto features = testing::exact_features(exact);
+      auto features = test::exact_features(exact);
       JointVector q = exact.q_s;
       features[joint].axis_S *= -1.0;
       features[joint].reference_reading *= -1.0;
@@ -196,7 +195,7 @@ TEST(MirroredSense, is_not_seen_where_the_drawing_has_its_zeros_wrong) {
       for (DhJoint& row : drawing.joints) {
         if (row.type == kR) row.theta_rad += radians(random.uniform(-40, 40));
       }
-      EXPECT_TRUE(identify(testing::exact_features(exact), exact.q_s, drawing));
+      EXPECT_TRUE(identify(test::exact_features(exact), exact.q_s, drawing));
     }
   }
 }

@@ -18,7 +18,6 @@ namespace {
 using measurement::Position;
 using measurement::Ranges;
 using measurement::ReceiverArray;
-using simulated::Random;
 
 // Table 1 of the paper with a target on the hand, limits of the Mark II.
 simulated::SimulatedArm puma() {
@@ -37,7 +36,7 @@ simulated::SimulatedArm puma() {
   return puma;
 }
 
-Vector3 random_target(const simulated::SimulatedArm& arm, Random& random) {
+Vector3 random_target(const simulated::SimulatedArm& arm, simulated::Random& random) {
   JointVector readings;
   for (const JointLimits& limits : arm.arm.limits)
     readings.push_back(random.uniform(limits.lower, limits.upper));
@@ -75,7 +74,7 @@ TEST(DemoSensor, passes_the_check_and_stands_clear_of_the_arm) {
 TEST(DemoSensor, error_per_axis_is_an_eighth_to_a_fifth_of_a_millimetre_everywhere) {
   const auto arm = puma();
   const ReceiverArray array = demo_array();
-  Random random(1);
+  simulated::Random random(1);
   double best = 1;
   double worst = 0;
   double worst_axis = 0;
@@ -110,9 +109,9 @@ TEST(Trilateration, covariance_is_true_for_any_number_of_receivers) {
   const auto arm = puma();
   constexpr int kTrials = 2000;
   for (std::size_t receivers = 3; receivers <= 8; ++receivers) {
-    simulated::UltrasonicField field(simulated::demo_sensor(), Random(20, receivers));
+    simulated::UltrasonicField field(simulated::demo_sensor(), simulated::Random(20, receivers));
     const ReceiverArray array = demo_array(receivers);
-    Random random(21);
+    simulated::Random random(21);
     double sum = 0;
     int solved = 0;
     for (int i = 0; i < kTrials; ++i) {
@@ -132,9 +131,9 @@ TEST(Trilateration, covariance_is_true_for_any_number_of_receivers) {
 TEST(Trilateration, covariance_is_true_next_to_the_plane_of_a_flat_array_or_refused) {
   simulated::UltrasonicConfig config = simulated::demo_sensor();
   config.receivers_S.resize(4, Vector3::Zero());
-  simulated::UltrasonicField field(config, Random(25));
+  simulated::UltrasonicField field(config, simulated::Random(25));
   const ReceiverArray array = demo_array(4);
-  Random random(26);
+  simulated::Random random(26);
   double sum = 0;
   int solved = 0;
   int refused = 0;
@@ -156,9 +155,9 @@ TEST(Trilateration, covariance_is_true_next_to_the_plane_of_a_flat_array_or_refu
 
 TEST(Trilateration, covariance_of_medians_of_pings_is_true) {
   const auto arm = puma();
-  simulated::UltrasonicField field(simulated::demo_sensor(), Random(30));
+  simulated::UltrasonicField field(simulated::demo_sensor(), simulated::Random(30));
   const ReceiverArray array = demo_array();
-  Random random(31);
+  simulated::Random random(31);
   constexpr int kTrials = 2000;
   double sum = 0;
   for (int i = 0; i < kTrials; ++i) {
@@ -194,9 +193,9 @@ MultipathCount with_multipath(std::size_t receivers) {
   ReceiverArray array = demo_array();
   array.p_S = config.receivers_S;
 
-  simulated::UltrasonicField field(config, Random(40, receivers));
+  simulated::UltrasonicField field(config, simulated::Random(40, receivers));
   const auto arm = puma();
-  Random random(41);
+  simulated::Random random(41);
   MultipathCount count;
   for (int i = 0; i < kMultipathTrials; ++i) {
     const Vector3 target = random_target(arm, random);

@@ -107,7 +107,7 @@ JointVector stretched() {
 }
 
 Trials run(int trials, bool same_arm, double arc_deg, int mixed, double outliers = 0,
-           const JointVector& configuration = test::puma_configuration()) {
+           const JointVector& configuration = test::cell_configuration()) {
   Trials sum;
   const auto refined = std::make_unique<Refined>();
   const auto scratch = std::make_unique<refinement::SquareRootFactor>();
@@ -153,7 +153,7 @@ TEST(RefinementAccuracy, reaches_the_cramer_rao_bound_and_predicts_its_own_error
   Random random(1);
   const Cell cell = test::puma_cell(random);
   Log log;
-  test::add_sweeps(cell, test::puma_configuration(), kPi, 30, kSigma, random, log);
+  test::add_sweeps(cell, test::cell_configuration(), kPi, 30, kSigma, random, log);
   // The mixed poses differ from trial to trial: the bound is averaged over a few draws of them.
   double bound = 0;
   for (int draw = 0; draw < 10; ++draw) {
@@ -173,7 +173,7 @@ TEST(RefinementAccuracy, reaches_the_cramer_rao_bound_and_predicts_its_own_error
 TEST(RefinementAccuracy, predicts_the_bound_of_an_independent_model) {
   Random random(1);
   const Cell cell = test::puma_cell(random);
-  const JointVector configuration = test::puma_configuration();
+  const JointVector configuration = test::cell_configuration();
   Log log;
   test::add_sweeps(cell, configuration, kPi / 2, 30, kSigma, random, log);
   // Enough rows that the tolerances of the drawing have nothing to add.
@@ -230,7 +230,7 @@ TEST(RefinementAccuracy, a_fifth_of_gross_outliers_costs_less_than_a_quarter) {
 TEST(RefinementAccuracy, suggested_poses_beat_random_ones) {
   const auto refined = std::make_unique<Refined>();
   const auto search = std::make_unique<uncertainty::SuggestionSearch>();
-  const JointVector configuration = test::puma_configuration();
+  const JointVector configuration = test::cell_configuration();
   double suggested = 0;
   double random_chosen = 0;
   for (std::uint64_t trial = 0; trial < 10; ++trial) {

@@ -6,7 +6,7 @@
 
 #include "hal/linux/heap_calls.hpp"
 
-namespace armsig::testing {
+namespace armsig::test {
 
 // Counts the allocations of this thread since its construction. Use:
 //   const AllocationGuard guard;
@@ -22,4 +22,4 @@ class AllocationGuard {
   std::uint64_t before_ = linux_hal::heap_calls_of_this_thread();
 };
 
-}  // namespace armsig::testing
+}  // namespace armsig::test

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <random>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -13,8 +12,9 @@
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
 #include "core/features/feature.hpp"
+#include "host_tests/support/random.hpp"
 
-namespace armsig::testing {
+namespace armsig::test {
 
 // 64-bit mantissa on x86-64; elsewhere it may be no more than double.
 using Long = long double;
@@ -107,41 +107,6 @@ inline FixedVector<features::JointFeature, kMaxJoints> exact_features(const Exac
   return features;
 }
 
-// Random values with a seed; uniform in the bounds given.
-class Random {
- public:
-  explicit Random(unsigned seed) : generator_(seed) {}
-
-  double uniform(double lower, double upper) {
-    return std::uniform_real_distribution<double>(lower, upper)(generator_);
-  }
-  std::size_t index(std::size_t count) {
-    return std::uniform_int_distribution<std::size_t>(0, count - 1)(generator_);
-  }
-  Vector3 vector(double extent) {
-    return {uniform(-extent, extent), uniform(-extent, extent), uniform(-extent, extent)};
-  }
-  Matrix3 rotation() {
-    Eigen::Vector4d q;
-    std::normal_distribution<double> normal;
-    for (double& value : q) value = normal(generator_);
-    return Eigen::Quaterniond(q.normalized()).toRotationMatrix();
-  }
-  Pose pose(double extent) { return {rotation(), vector(extent)}; }
-  // Readings of `arm`: revolute in +-`turn`, prismatic in +-`travel`.
-  JointVector readings(const Arm& arm, double turn, double travel) {
-    JointVector q;
-    for (const DhJoint& row : arm.joints) {
-      const double extent = row.type == JointType::kRevolute ? turn : travel;
-      q.push_back(uniform(-extent, extent));
-    }
-    return q;
-  }
-
- private:
-  std::mt19937 generator_;
-};
-
 // 1 to 8 joints, a quarter of them prismatic; twists among the usual right angles, exactly parallel
 // and antiparallel, slightly off parallel, and any; a and d often zero, so that axes also meet.
 inline Arm random_arm(Random& random) {
@@ -178,4 +143,4 @@ inline Arm random_arm(Random& random) {
   return arm;
 }
 
-}  // namespace armsig::testing
+}  // namespace armsig::test

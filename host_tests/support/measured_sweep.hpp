@@ -6,7 +6,7 @@
 
 #include "host_tests/support/simulated_sweep.hpp"
 
-namespace armsig::testing {
+namespace armsig::test {
 
 struct Sweep {
   TrueMotion motion;
@@ -34,4 +34,4 @@ inline features::SweepEstimator measured(const features::SweepConfig& config, co
   return estimator;
 }
 
-}  // namespace armsig::testing
+}  // namespace armsig::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Random numbers with a seed, for simulated arms and sweeps.
+// Random numbers with a seed, for arms, sweeps and poses.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +31,29 @@ class Random {
   JointVector configuration(const Arm& arm) {
     JointVector q;
     for (const JointLimits& limit : arm.limits) q.push_back(uniform(limit.lower, limit.upper));
+    return q;
+  }
+  // Uniform among `count`.
+  std::size_t index(std::size_t count) {
+    return std::uniform_int_distribution<std::size_t>(0, count - 1)(engine_);
+  }
+  // Each coordinate uniform in +-`extent`.
+  Vector3 vector(double extent) {
+    const double x = uniform(-extent, extent);
+    const double y = uniform(-extent, extent);
+    return {x, y, uniform(-extent, extent)};
+  }
+  Pose pose(double extent) {
+    const Matrix3 R = rotation();
+    return {R, vector(extent)};
+  }
+  // Readings of `arm`: revolute in +-`turn`, prismatic in +-`travel`.
+  JointVector readings(const Arm& arm, double turn, double travel) {
+    JointVector q;
+    for (const DhJoint& row : arm.joints) {
+      const double extent = row.type == JointType::kRevolute ? turn : travel;
+      q.push_back(uniform(-extent, extent));
+    }
     return q;
   }
   std::mt19937_64& engine() { return engine_; }

@@ -160,7 +160,8 @@ inline Cell mixed_cell(Random& random) {
   return cell;
 }
 
-inline JointVector puma_configuration() {
+// Where their signatures are taken.
+inline JointVector cell_configuration() {
   return {radians(10), radians(-60), radians(70), radians(20), radians(40), radians(10)};
 }
 

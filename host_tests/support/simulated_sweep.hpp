@@ -9,9 +9,10 @@
 #include "core/features/sweep_estimator.hpp"
 #include "host_tests/support/random.hpp"
 
-namespace armsig::testing {
+namespace armsig::test {
 
-using test::Random;
+// Noise of each coordinate in the sweeps of tests.
+inline constexpr double kSweepSigma_m = 0.2e-3;
 
 // The true motion of a target: about a circle, or along R_SC's third column where the radius is 0.
 struct TrueMotion {
@@ -67,4 +68,4 @@ inline Eigen::Matrix<double, 7, 1> feature_error(const features::JointFeature& f
 
 inline Matrix3 isotropic(double sigma_m) { return sigma_m * sigma_m * Matrix3::Identity(); }
 
-}  // namespace armsig::testing
+}  // namespace armsig::test

@@ -102,7 +102,7 @@ Misbuilt misbuilt(test::Random& random, bool with_slide) {
   test::Cell cell = test::puma_cell(random, bad);
   Arm drawing = test::puma();
   if (with_slide) cell.arm.joints[3].type = drawing.joints[3].type = kP;
-  const JointVector q = test::puma_configuration();
+  const JointVector q = test::cell_configuration();
   return {moved(cell.X_SB, axis_lines(cell.arm, q)), axis_lines(drawing, q)};
 }
 

@@ -16,7 +16,6 @@
 namespace armsig::drift {
 namespace {
 
-using simulated::Random;
 using test::failure_of;
 
 constexpr double kMillimetre = 1e-3;
@@ -113,7 +112,7 @@ TEST(Drift, DetectionSaysWhatAThresholdFinds) {
   EXPECT_LT(unmoved->within, 0.002);
 }
 
-std::vector<Vector3> checks_with(Course course, Random& random) {
+std::vector<Vector3> checks_with(Course course, simulated::Random& random) {
   std::vector<Vector3> checks;
   for (int i = 0; i < 40; ++i) {
     const double mm = i < 20 ? 0.0 : course == Course::kStep ? 0.1 : 0.01 * (i - 19);
@@ -123,7 +122,7 @@ std::vector<Vector3> checks_with(Course course, Random& random) {
 }
 
 TEST(Drift, StepAndRampAreToldApart) {
-  Random random(7);
+  simulated::Random random(7);
   for (const Course course : {Course::kStep, Course::kRamp}) {
     int right = 0;
     for (int run = 0; run < 200; ++run) {
@@ -177,7 +176,7 @@ TEST(Drift, FewChecksDecideNothing) {
 
 // Sixteen poses about a work space of a metre; a link of 400 mm that turned on its axis, in a frame
 // of its own at every pose, is what a change of the arm looks like.
-std::vector<PoseResidual> sixteen_poses(Moved moved, double size_mm, Random& random) {
+std::vector<PoseResidual> sixteen_poses(Moved moved, double size_mm, simulated::Random& random) {
   const Vector3 shift{0.6 * size_mm, 0, 0.5 * size_mm};
   const Vector3 turn{0, size_mm, 0.3 * size_mm};
   std::vector<PoseResidual> poses;
@@ -194,7 +193,7 @@ std::vector<PoseResidual> sixteen_poses(Moved moved, double size_mm, Random& ran
 }
 
 TEST(Drift, MovedReferenceIsToldFromAChangedArm) {
-  Random random(8);
+  simulated::Random random(8);
   for (const Moved moved : {Moved::kReference, Moved::kArm}) {
     int right = 0;
     for (int run = 0; run < 500; ++run) {
@@ -208,7 +207,7 @@ TEST(Drift, MovedReferenceIsToldFromAChangedArm) {
 }
 
 TEST(Drift, WhereNothingMovedNothingIsNamed) {
-  Random random(9);
+  simulated::Random random(9);
   int quiet = 0;
   for (int run = 0; run < 1'000; ++run) {
     const auto report = what_moved(sixteen_poses(Moved::kNothing, 0, random), 0.025 * kMillimetre);
@@ -219,7 +218,7 @@ TEST(Drift, WhereNothingMovedNothingIsNamed) {
 }
 
 TEST(Drift, RigidMotionIsMeasured) {
-  Random random(10);
+  simulated::Random random(10);
   std::vector<PoseResidual> poses = sixteen_poses(Moved::kNothing, 0, random);
   const Vector3 turn{1e-4, -2e-4, 3e-4};
   Vector3 centre = Vector3::Zero();

@@ -2,6 +2,7 @@
 // The table of what is different about an arm: what was planted is found, whatever frame it is
 // looked at from, and the effects add up to the displacement of the tool.
 #include <memory>
+#include <vector>
 
 #include "core/base/low_discrepancy.hpp"
 #include "core/evaluation/differences.hpp"
@@ -14,7 +15,7 @@
 namespace armsig::evaluation {
 namespace {
 
-using testing::Random;
+using test::Random;
 
 constexpr int kTool = 1;
 
@@ -198,7 +199,17 @@ TEST(Differences, do_not_depend_on_the_rows_that_describe_the_drawing) {
 double fitted_distance_m(const Arm& drawing, const Arm& arm) {
   constexpr int kCount = 1000;  // as differences() takes
   using Unknowns = Eigen::Matrix<double, 9, 1>;
+  struct Place {
+    Pose X_B6;    // of the drawing
+    Vector3 p_S;  // of the arm's tool
+  };
   const auto types = types_of(arm.joints);
+  std::vector<Place> places;
+  for (int k = 0; k < kCount; ++k) {
+    const JointVector q = evenly_spread_configuration(types, arm.limits, k + 1);
+    places.push_back({test::plain_dh_pose(drawing.joints, q, types.size(), Pose{}),
+                      test::plain_dh_pose(arm.joints, q, types.size(), kBase) * kTool_F});
+  }
   const auto residuals = [&](const Unknowns& x) {
     const double angle = x.head<3>().norm();
     Pose X = kBase;
@@ -206,10 +217,8 @@ double fitted_distance_m(const Arm& drawing, const Arm& arm) {
     if (angle > 0) X.R = X.R * rotation_about(x.head<3>() / angle, angle);
     Eigen::VectorXd apart(3 * kCount);
     for (int k = 0; k < kCount; ++k) {
-      const JointVector q = evenly_spread_configuration(types, arm.limits, k + 1);
-      const Pose X_drawn = testing::plain_dh_pose(drawing.joints, q, types.size(), X);
-      const Pose X_arm = testing::plain_dh_pose(arm.joints, q, types.size(), kBase);
-      apart.segment<3>(3 * k) = X_drawn * Vector3(kTool_F + x.tail<3>()) - X_arm * kTool_F;
+      const Place& place = places[static_cast<std::size_t>(k)];
+      apart.segment<3>(3 * k) = X * (place.X_B6 * Vector3(kTool_F + x.tail<3>())) - place.p_S;
     }
     return apart;
   };

@@ -35,17 +35,17 @@ constexpr Row kNoisyCircle[] = {
 SweepStatistics noisy_circle() {
   SweepStatistics statistics;
   for (const Row& row : kNoisyCircle) {
-    const SweepPoint point{row.reading, Vector3(row.p_S), testing::isotropic(2e-4)};
+    const SweepPoint point{row.reading, Vector3(row.p_S), test::isotropic(2e-4)};
     if (statistics.count == 0) statistics = SweepStatistics(JointType::kRevolute, point);
     statistics.add(point);
   }
   return statistics;
 }
 
-SweepStatistics exact(const testing::TrueMotion& motion, double range, std::size_t count) {
+SweepStatistics exact(const test::TrueMotion& motion, double range, std::size_t count) {
   SweepStatistics statistics;
   for (std::size_t i = 0; i < count; ++i) {
-    const double reading = testing::even_reading(motion, range, i, count);
+    const double reading = test::even_reading(motion, range, i, count);
     const SweepPoint point{reading, motion.at(reading), Matrix3::Identity()};
     if (i == 0) statistics = SweepStatistics(motion.type, point);
     statistics.add(point);
@@ -53,8 +53,8 @@ SweepStatistics exact(const testing::TrueMotion& motion, double range, std::size
   return statistics;
 }
 
-testing::TrueMotion circle_about(const Vector3& axis) {
-  testing::TrueMotion motion;
+test::TrueMotion circle_about(const Vector3& axis) {
+  test::TrueMotion motion;
   motion.point_S = Vector3(0.1, -0.2, 2.5);
   motion.radius_m = 0.5;
   motion.R_SC.col(0) = any_perpendicular(axis);
@@ -120,14 +120,14 @@ TEST(EncoderCircle, states_the_covariance_of_the_normal_equations) {
 // coordinate takes them through Gauss-Newton.
 TEST(EncoderCircle, of_equally_good_directions_is_that_of_nearly_equal_ones) {
   for (const double arc : {0.1, 1.0, 4.0}) {
-    testing::Random random(9);
-    const testing::TrueMotion motion = circle_about(Vector3(0.6, 0, 0.8));
+    test::Random random(9);
+    const test::TrueMotion motion = circle_about(Vector3(0.6, 0, 0.8));
     MotionStatistics equal;
     MotionStatistics nearly;
     for (std::size_t i = 0; i < 25; ++i) {
-      const double reading = testing::even_reading(motion, arc, i, 25);
+      const double reading = test::even_reading(motion, arc, i, 25);
       const Vector3 p_S = motion.at(reading) + 1e-5 * random.normal_vector();
-      SweepPoint point{reading, p_S, testing::isotropic(1e-5)};
+      SweepPoint point{reading, p_S, test::isotropic(1e-5)};
       if (i == 0) equal = nearly = MotionStatistics(motion.type, point);
       equal.add(point);
       point.covariance_m2(2, 2) *= 1 + 1e-9;
@@ -149,16 +149,16 @@ TEST(EncoderRatio, is_that_of_the_unconstrained_fit) {
 }
 
 TEST(EncoderRatio, states_its_sigma) {
-  testing::Random random(8);
-  const testing::TrueMotion motion = circle_about(Vector3::UnitX());
+  test::Random random(8);
+  const test::TrueMotion motion = circle_about(Vector3::UnitX());
   double squares = 0;
   double stated = 0;
   for (int trial = 0; trial < 500; ++trial) {
     SweepStatistics statistics;
     for (std::size_t i = 0; i < 20; ++i) {
-      const double reading = testing::even_reading(motion, 2, i, 20);
+      const double reading = test::even_reading(motion, 2, i, 20);
       const SweepPoint point{reading, motion.at(reading) + 1e-4 * random.normal_vector(),
-                             testing::isotropic(1e-4)};
+                             test::isotropic(1e-4)};
       if (i == 0) statistics = SweepStatistics(motion.type, point);
       statistics.add(point);
     }
@@ -172,8 +172,8 @@ TEST(EncoderRatio, states_its_sigma) {
 
 // The two radii of the ratio share their noise where that is stronger in one direction.
 TEST(EncoderRatio, states_its_sigma_under_noise_that_is_stronger_in_one_direction) {
-  testing::Random random(9);
-  const testing::TrueMotion motion = circle_about(Vector3::UnitX());
+  test::Random random(9);
+  const test::TrueMotion motion = circle_about(Vector3::UnitX());
   for (const double angle : {kPi / 4, -kPi / 4}) {
     const Vector3 strong = rotation_x(angle) * Vector3::UnitY();
     const Matrix3 root = 1e-5 * Matrix3::Identity() + 3e-4 * strong * strong.transpose();
@@ -181,7 +181,7 @@ TEST(EncoderRatio, states_its_sigma_under_noise_that_is_stronger_in_one_directio
     for (int trial = 0; trial < 500; ++trial) {
       SweepStatistics statistics;
       for (std::size_t i = 0; i < 20; ++i) {
-        const double reading = testing::even_reading(motion, 2, i, 20);
+        const double reading = test::even_reading(motion, 2, i, 20);
         const SweepPoint point{reading, motion.at(reading) + root * random.normal_vector(),
                                root * root};
         if (i == 0) statistics = SweepStatistics(motion.type, point);
@@ -205,7 +205,7 @@ TEST(PlaneOfRotation, may_contain_the_sensors_z_axis) {
 
 // Along this short arc the points spread least in a coordinate that lies in their plane.
 TEST(PlaneOfRotation, chooses_a_pivot_out_of_the_plane_on_a_short_arc) {
-  testing::TrueMotion motion;
+  test::TrueMotion motion;
   motion.radius_m = 0.5;
   motion.R_SC.col(1) = Vector3(0.57, 0.58, 0.59).normalized();  // the chord
   motion.R_SC.col(2) = Vector3(0, 0.59, -0.58).normalized();
@@ -216,7 +216,7 @@ TEST(PlaneOfRotation, chooses_a_pivot_out_of_the_plane_on_a_short_arc) {
 }
 
 TEST(PlaneOfRotation, of_points_on_a_line_is_refused) {
-  testing::TrueMotion line;
+  test::TrueMotion line;
   line.type = JointType::kPrismatic;
   const auto plane = plane_of_rotation(exact(line, 1, 10).geometry.matrix());
   ASSERT_FALSE(plane);
@@ -225,7 +225,7 @@ TEST(PlaneOfRotation, of_points_on_a_line_is_refused) {
 
 TEST(LineOfTranslation, is_found_along_every_coordinate) {
   for (int i = 0; i < 3; ++i) {
-    testing::TrueMotion motion;
+    test::TrueMotion motion;
     motion.type = JointType::kPrismatic;
     motion.R_SC.col(2) = (Vector3::Unit(i) + Vector3(0.1, -0.05, 0.02)).normalized();
     const auto line = line_of_translation(exact(motion, 0.4, 9).geometry);
@@ -243,7 +243,7 @@ TEST(LineOfTranslation, of_coincident_points_is_refused) {
 
 TEST(PaperCircle, turns_in_the_positive_sense_of_the_reading) {
   for (const double sense : {1.0, -1.0}) {
-    const testing::TrueMotion motion = circle_about(sense * Vector3(0.6, 0, 0.8));
+    const test::TrueMotion motion = circle_about(sense * Vector3(0.6, 0, 0.8));
     const auto circle = paper_circle(exact(motion, 1, 15));
     ASSERT_TRUE(circle);
     EXPECT_LT((circle->R_SC - motion.R_SC).norm(), 1e-12);
@@ -251,7 +251,7 @@ TEST(PaperCircle, turns_in_the_positive_sense_of_the_reading) {
 }
 
 TEST(PaperLine, points_in_the_positive_sense_of_the_reading) {
-  testing::TrueMotion motion;
+  test::TrueMotion motion;
   motion.type = JointType::kPrismatic;
   motion.R_SC.col(2) = Vector3(-0.6, 0, 0.8);
   const auto line = paper_line(exact(motion, -0.3, 7));

@@ -10,17 +10,15 @@
 namespace armsig::features {
 namespace {
 
-using testing::TrueMotion;
+using test::TrueMotion;
 
-constexpr double kSigma = 2e-4;
-
-JointFeature feature_of(const TrueMotion& motion, double range, testing::Random& random,
-                        double sigma_m = kSigma) {
+JointFeature feature_of(const TrueMotion& motion, double range, test::Random& random,
+                        double sigma_m = test::kSweepSigma_m) {
   SweepEstimator estimator({motion.type, {}});
   for (std::size_t i = 0; i < 30; ++i) {
-    const double reading = testing::even_reading(motion, range, i, 30);
+    const double reading = test::even_reading(motion, range, i, 30);
     const Vector3 p_S = motion.at(reading) + sigma_m * random.normal_vector();
-    EXPECT_TRUE(estimator.add(reading, p_S, testing::isotropic(sigma_m)));
+    EXPECT_TRUE(estimator.add(reading, p_S, test::isotropic(sigma_m)));
   }
   const auto feature = estimator.estimate(Method::kEncoder);
   EXPECT_TRUE(feature);
@@ -43,12 +41,12 @@ double axis_square(const JointFeature& feature, const TrueMotion& truth) {
 
 TEST(Fuse, makes_the_axis_better_than_either_target_alone) {
   for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
-    testing::Random random(11);
+    test::Random random(11);
     double first = 0;
     double second = 0;
     double fused = 0;
     for (int trial = 0; trial < 300; ++trial) {
-      const TrueMotion motion = testing::random_motion(type, random);
+      const TrueMotion motion = test::random_motion(type, random);
       const TrueMotion other = companion(motion);
       const JointFeature a = feature_of(motion, 1.5, random);
       const JointFeature b = feature_of(other, 1.5, random);
@@ -63,13 +61,13 @@ TEST(Fuse, makes_the_axis_better_than_either_target_alone) {
 
 // 7 degrees of freedom; the mean of 300 has a standard deviation of 0.22.
 TEST(Fuse, states_the_covariance_truly) {
-  testing::Random random(12);
+  test::Random random(12);
   double sum = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const TrueMotion motion = testing::random_motion(JointType::kRevolute, random);
+    const TrueMotion motion = test::random_motion(JointType::kRevolute, random);
     const JointFeature a = feature_of(motion, 2, random);
     const JointFeature fused = fuse(a, feature_of(companion(motion), 2, random));
-    const Eigen::Matrix<double, 7, 1> error = testing::feature_error(fused, motion);
+    const Eigen::Matrix<double, 7, 1> error = test::feature_error(fused, motion);
     const Eigen::Matrix<double, 7, 1> solved = fused.covariance.ldlt().solve(error);
     sum += error.dot(solved);
   }
@@ -77,8 +75,8 @@ TEST(Fuse, states_the_covariance_truly) {
 }
 
 TEST(Fuse, keeps_the_first_target) {
-  testing::Random random(13);
-  const TrueMotion motion = testing::random_motion(JointType::kRevolute, random);
+  test::Random random(13);
+  const TrueMotion motion = test::random_motion(JointType::kRevolute, random);
   const JointFeature a = feature_of(motion, 2, random);
   const JointFeature fused = fuse(a, feature_of(companion(motion), 2, random));
   EXPECT_EQ(fused.reference_reading, a.reference_reading);
@@ -89,8 +87,8 @@ TEST(Fuse, keeps_the_first_target) {
 }
 
 TEST(Fuse, tells_the_quality_of_both_sweeps_together) {
-  testing::Random random(13);
-  const TrueMotion motion = testing::random_motion(JointType::kRevolute, random);
+  test::Random random(13);
+  const TrueMotion motion = test::random_motion(JointType::kRevolute, random);
   JointFeature a = feature_of(motion, 2, random);
   JointFeature b = feature_of(companion(motion), 2, random);
   a.quality = {.used = 10,
@@ -132,11 +130,11 @@ TEST(Fuse, tells_the_quality_of_both_sweeps_together) {
 
 TEST(Fuse, of_exact_features_is_exact) {
   for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
-    testing::Random random(14);
-    const TrueMotion motion = testing::random_motion(type, random);
+    test::Random random(14);
+    const TrueMotion motion = test::random_motion(type, random);
     const JointFeature a = feature_of(motion, 2, random, 0);
     const JointFeature fused = fuse(a, feature_of(companion(motion), 2, random, 0));
-    EXPECT_LT(testing::feature_error(fused, motion).norm(), 1e-13);
+    EXPECT_LT(test::feature_error(fused, motion).norm(), 1e-13);
   }
 }
 

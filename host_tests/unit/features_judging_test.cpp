@@ -12,7 +12,7 @@ constexpr double kSigma = 1e-4;
 
 // On a line along x, one metre a metre.
 SweepPoint on_the_line(double reading) {
-  return {reading, Vector3(reading, 0, 0), testing::isotropic(kSigma)};
+  return {reading, Vector3(reading, 0, 0), test::isotropic(kSigma)};
 }
 
 // Of three points alone any two agree with each other: what is accepted already says which is off.

@@ -12,12 +12,11 @@
 namespace armsig::features {
 namespace {
 
-using testing::measured;
-using testing::some_motion;
-using testing::Sweep;
-using testing::TrueMotion;
+using test::measured;
+using test::some_motion;
+using test::Sweep;
+using test::TrueMotion;
 
-constexpr double kSigma = 2e-4;
 const SweepConfig kRevolute{JointType::kRevolute, {}};
 const SweepConfig kPrismatic{JointType::kPrismatic, {}};
 
@@ -55,7 +54,7 @@ TEST(SweepEstimator, numbers_too_large_to_compute_with_give_no_feature) {
   SweepEstimator estimator(kRevolute);
   const TrueMotion motion = some_motion(JointType::kRevolute);
   for (std::size_t i = 0; i < 20; ++i) {
-    const double reading = testing::even_reading(motion, 1.5, i, 20);
+    const double reading = test::even_reading(motion, 1.5, i, 20);
     ASSERT_TRUE(estimator.add(reading, 1e200 * motion.at(reading), Matrix3::Zero()));
   }
   EXPECT_FALSE(estimator.estimate(Method::kEncoder));
@@ -88,7 +87,8 @@ TEST(SweepEstimator, refuses_two_readings_however_often_repeated) {
 TEST(SweepEstimator, refuses_one_reading_repeated) {
   SweepEstimator estimator(kRevolute);
   for (int i = 0; i < 500; ++i)
-    ASSERT_TRUE(estimator.add(0.7, Vector3(0.1, 0, 1e-4 * (i % 7)), testing::isotropic(kSigma)));
+    ASSERT_TRUE(
+        estimator.add(0.7, Vector3(0.1, 0, 1e-4 * (i % 7)), test::isotropic(test::kSweepSigma_m)));
   const Refusal r = refusal(estimator);
   EXPECT_EQ(r.error, Error::kJointDidNotMove);
   EXPECT_EQ(r.found, 0);
@@ -111,31 +111,34 @@ TEST(SweepEstimator, refuses_points_that_are_all_equal) {
   for (const SweepConfig& config : {kRevolute, kPrismatic}) {
     SweepEstimator estimator(config);
     for (int i = 0; i < 20; ++i)
-      ASSERT_TRUE(estimator.add(0.1 * i, Vector3(0.1, 0.2, 3), testing::isotropic(kSigma)));
+      ASSERT_TRUE(
+          estimator.add(0.1 * i, Vector3(0.1, 0.2, 3), test::isotropic(test::kSweepSigma_m)));
     const Refusal r = refusal(estimator);
     EXPECT_EQ(r.error, Error::kCoincidentPoints);
     EXPECT_EQ(r.found, 0);
-    EXPECT_NEAR(r.needed, 10 * kSigma, 1e-15);
+    EXPECT_NEAR(r.needed, 10 * test::kSweepSigma_m, 1e-15);
   }
 }
 
 TEST(SweepEstimator, refuses_a_prismatic_target_that_stays_within_the_noise) {
   TrueMotion motion = some_motion(JointType::kPrismatic, 0);
   motion.R_SC.col(2).setZero();
-  const Refusal r = refusal(measured(kPrismatic, {motion, 0.3, 20, kSigma, kSigma}));
+  const Refusal r =
+      refusal(measured(kPrismatic, {motion, 0.3, 20, test::kSweepSigma_m, test::kSweepSigma_m}));
   EXPECT_EQ(r.error, Error::kCoincidentPoints);
-  EXPECT_NEAR(r.needed, 10 * kSigma, 1e-15);
+  EXPECT_NEAR(r.needed, 10 * test::kSweepSigma_m, 1e-15);
 }
 
 TEST(SweepEstimator, refuses_a_target_on_the_axis) {
   for (const double radius_m : {0.0, 1e-3}) {
     for (const Method method : kMethods) {
-      const Refusal r = refusal(measured(kRevolute, {some_motion(JointType::kRevolute, radius_m), 5,
-                                                     100, kSigma, kSigma}),
-                                method);
+      const Refusal r =
+          refusal(measured(kRevolute, {some_motion(JointType::kRevolute, radius_m), 5, 100,
+                                       test::kSweepSigma_m, test::kSweepSigma_m}),
+                  method);
       EXPECT_EQ(r.error, Error::kRadiusTooSmall);
       EXPECT_LT(r.found, r.needed);
-      EXPECT_NEAR(r.needed, 10 * kSigma, 1e-15);
+      EXPECT_NEAR(r.needed, 10 * test::kSweepSigma_m, 1e-15);
     }
   }
 }
@@ -150,18 +153,20 @@ TEST(SweepEstimator, refuses_an_arc_below_the_least_with_both_arcs) {
 TEST(SweepEstimator, refuses_an_arc_too_short_for_its_noise_with_the_arc_that_would_do) {
   for (const Method method : kMethods) {
     const TrueMotion motion = some_motion(JointType::kRevolute);
-    const Sweep sweep{motion, radians(8), 36, kSigma, kSigma};
+    const Sweep sweep{motion, radians(8), 36, test::kSweepSigma_m, test::kSweepSigma_m};
     const Refusal r = refusal(measured(kRevolute, sweep), method);
     EXPECT_EQ(r.error, Error::kArcTooShort);
     EXPECT_NEAR(r.found, radians(8), 1e-9);
     EXPECT_GT(r.needed, radians(8));
-    EXPECT_TRUE(measured(kRevolute, {motion, 1.5 * r.needed, 36, kSigma, kSigma}).estimate(method));
+    EXPECT_TRUE(
+        measured(kRevolute, {motion, 1.5 * r.needed, 36, test::kSweepSigma_m, test::kSweepSigma_m})
+            .estimate(method));
   }
 }
 
 TEST(SweepEstimator, refuses_a_travel_too_short_for_its_noise) {
-  const Refusal r = refusal(
-      measured(kPrismatic, {some_motion(JointType::kPrismatic, 0), 6e-3, 9, kSigma, kSigma}));
+  const Refusal r = refusal(measured(kPrismatic, {some_motion(JointType::kPrismatic, 0), 6e-3, 9,
+                                                  test::kSweepSigma_m, test::kSweepSigma_m}));
   EXPECT_EQ(r.error, Error::kArcTooShort);
   EXPECT_GT(r.needed, 6e-3);
 }
@@ -179,13 +184,14 @@ TEST(SweepEstimator, refuses_noise_that_nobody_stated_by_its_share_of_the_radius
 
 TEST(SweepEstimator, refuses_when_no_circle_explains_half_of_the_points) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  testing::Random random(4);
+  test::Random random(4);
   SweepEstimator estimator(kRevolute);
   for (std::size_t i = 0; i < 100; ++i) {
-    const double reading = testing::even_reading(motion, 2, i, 100);
-    const Vector3 p_S = i % 9 < 5 ? Vector3(motion.point_S + random.direction())
-                                  : Vector3(motion.at(reading) + kSigma * random.normal_vector());
-    ASSERT_TRUE(estimator.add(reading, p_S, testing::isotropic(kSigma)));
+    const double reading = test::even_reading(motion, 2, i, 100);
+    const Vector3 p_S =
+        i % 9 < 5 ? Vector3(motion.point_S + random.direction())
+                  : Vector3(motion.at(reading) + test::kSweepSigma_m * random.normal_vector());
+    ASSERT_TRUE(estimator.add(reading, p_S, test::isotropic(test::kSweepSigma_m)));
   }
   const Refusal r = refusal(estimator);
   EXPECT_TRUE(r.error == Error::kTooManyOutliers || r.error == Error::kNotACircle);
@@ -197,7 +203,7 @@ TEST(SweepEstimator, refuses_with_the_count_when_most_points_are_outliers) {
   strict.limits.greatest_rejected = 0.1;
   SweepEstimator estimator(strict);
   for (std::size_t i = 0; i < 20; ++i) {
-    const double reading = testing::even_reading(motion, 2, i, 20);
+    const double reading = test::even_reading(motion, 2, i, 20);
     const Vector3 off(i % 4 == 0 ? 0.1 : 0.0, 0, 0);
     ASSERT_TRUE(estimator.add(reading, motion.at(reading) + off, Matrix3::Zero()));
   }
@@ -212,15 +218,15 @@ TEST(SweepEstimator, refuses_a_coupled_joint) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   for (const int column : {0, 2}) {
     const Vector3 coupled_axis = motion.R_SC.col(column);
-    testing::Random random(9);
+    test::Random random(9);
     SweepEstimator estimator(kRevolute);
     for (std::size_t i = 0; i < 36; ++i) {
       const double t = 2.0 * static_cast<double>(i) / 35;
       const Vector3 from_wrist = rotation_about(coupled_axis, 0.3 * t) * motion.R_SC.col(1) * 0.4;
       const Vector3 from_axis = 0.4 * motion.R_SC.col(0) + from_wrist;
       const Vector3 p_S = motion.point_S + rotation_about(motion.R_SC.col(2), t) * from_axis;
-      ASSERT_TRUE(
-          estimator.add(t, p_S + kSigma * random.normal_vector(), testing::isotropic(kSigma)));
+      ASSERT_TRUE(estimator.add(t, p_S + test::kSweepSigma_m * random.normal_vector(),
+                                test::isotropic(test::kSweepSigma_m)));
     }
     const Refusal r = refusal(estimator);
     EXPECT_EQ(r.error, Error::kNotACircle);
@@ -239,7 +245,8 @@ TEST(SweepEstimator, refuses_a_prismatic_reading_in_another_unit) {
 
 TEST(SweepEstimator, refuses_a_line_where_a_circle_is_due) {
   const TrueMotion line = some_motion(JointType::kPrismatic, 0);
-  const Refusal r = refusal(measured(kRevolute, {line, 1, 20, kSigma, kSigma}));
+  const Refusal r =
+      refusal(measured(kRevolute, {line, 1, 20, test::kSweepSigma_m, test::kSweepSigma_m}));
   EXPECT_EQ(r.error, Error::kNotACircle);
 }
 

@@ -120,7 +120,7 @@ TEST(CovarianceRls, agrees_with_the_square_root_form) {
 // of their number, as any digits lost on the way would spoil.
 template <typename Scalar>
 double error_after_a_million_updates(Scalar noise) {
-  testing::Random random(5);
+  test::Random random(5);
   SquareRootRls<3, 3, Scalar> rls;
   const Eigen::Matrix<Scalar, 3, 3> truth{{Scalar(0.2), Scalar(-0.1), Scalar(0.4)},
                                           {Scalar(0.5), Scalar(0.3), Scalar(-0.2)},
@@ -147,7 +147,7 @@ TEST(SquareRootRls, stays_at_noise_level_over_a_million_updates_in_float) {
 
 TEST(TriangularFactor, gives_the_sum_of_squares_of_any_combination_of_columns) {
   TriangularFactor<10> factor;
-  testing::Random random(3);
+  test::Random random(3);
   const GeometryFactor::Row combination = GeometryFactor::Row::LinSpaced(-1, 1);
   double squares = 0;
   for (int i = 0; i < 50; ++i) {
@@ -163,7 +163,7 @@ TEST(TriangularFactor, loses_no_row_wherever_it_is_compressed) {
   const GeometryFactor::Row combination = GeometryFactor::Row::LinSpaced(-1, 1);
   for (int compressed_after = 0; compressed_after <= 40; ++compressed_after) {
     TriangularFactor<10> factor;
-    testing::Random random(3);
+    test::Random random(3);
     double squares = 0;
     for (int i = 0; i < 60; ++i) {
       if (i == compressed_after) factor.compress();

@@ -13,13 +13,13 @@ namespace {
 
 // Some with another covariance than the first, from `differs_from` on.
 std::vector<SweepPoint> points_of(std::size_t count, std::size_t differs_from, double reading_0) {
-  testing::Random random(3);
+  test::Random random(3);
   std::vector<SweepPoint> points;
   for (std::size_t k = 0; k < count; ++k) {
     SweepPoint point;
     point.reading = reading_0 + 0.05 * static_cast<double>(k);
     point.p_S = Vector3(0.3, -0.2, 2) + 0.4 * random.normal_vector();
-    point.covariance_m2 = testing::isotropic(2e-4);
+    point.covariance_m2 = test::isotropic(2e-4);
     if (k >= differs_from) point.covariance_m2(0, 0) *= 1 + 0.1 * static_cast<double>(k);
     points.push_back(point);
   }

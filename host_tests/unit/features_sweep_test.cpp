@@ -10,12 +10,11 @@
 namespace armsig::features {
 namespace {
 
-using testing::measured;
-using testing::some_motion;
-using testing::Sweep;
-using testing::TrueMotion;
+using test::measured;
+using test::some_motion;
+using test::Sweep;
+using test::TrueMotion;
 
-constexpr double kSigma = 2e-4;
 const SweepConfig kRevolute{JointType::kRevolute, {}};
 const SweepConfig kPrismatic{JointType::kPrismatic, {}};
 
@@ -27,7 +26,7 @@ TEST(SweepEstimator, recovers_an_exact_circle_by_both_methods) {
   for (const Method method : kMethods) {
     const auto feature = estimator.estimate(method);
     ASSERT_TRUE(feature);
-    EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-13);
+    EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
     EXPECT_EQ(feature->quality.used, 20U);
     EXPECT_EQ(feature->quality.rejected, 0U);
     EXPECT_NEAR(feature->quality.arc(), 1.5, 1e-15);
@@ -43,7 +42,7 @@ TEST(SweepEstimator, recovers_an_exact_line_by_both_methods) {
   for (const Method method : kMethods) {
     const auto feature = estimator.estimate(method);
     ASSERT_TRUE(feature);
-    EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-13);
+    EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
     EXPECT_NEAR(feature->axis_S.dot(feature->radial_S), 0, 1e-15);
     EXPECT_EQ(feature->radius_m, 0);
   }
@@ -79,7 +78,7 @@ TEST(SweepEstimator, readings_of_ten_thousand_turns_cost_no_digits) {
   for (const Method method : kMethods) {
     const auto feature = estimator.estimate(method);
     ASSERT_TRUE(feature);
-    EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-13);
+    EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
   }
 }
 
@@ -94,29 +93,30 @@ TEST(SweepEstimator, repeated_readings_are_welcome) {
 }
 
 TEST(SweepEstimator, estimates_sigma_where_none_is_stated) {
-  const auto feature = measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100, kSigma, 0})
-                           .estimate(Method::kEncoder);
+  const auto feature =
+      measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100, test::kSweepSigma_m, 0})
+          .estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_TRUE(feature->quality.sigma_is_estimated);
-  EXPECT_NEAR(feature->quality.sigma_m, kSigma, 0.15 * kSigma);
+  EXPECT_NEAR(feature->quality.sigma_m, test::kSweepSigma_m, 0.15 * test::kSweepSigma_m);
 }
 
 TEST(SweepEstimator, keeps_a_stated_sigma_that_the_residuals_do_not_contradict) {
-  const auto feature =
-      measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100, kSigma, kSigma})
-          .estimate(Method::kEncoder);
+  const auto feature = measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100,
+                                            test::kSweepSigma_m, test::kSweepSigma_m})
+                           .estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_FALSE(feature->quality.sigma_is_estimated);
-  EXPECT_NEAR(feature->quality.sigma_m, kSigma, 1e-15);
+  EXPECT_NEAR(feature->quality.sigma_m, test::kSweepSigma_m, 1e-15);
 }
 
 TEST(SweepEstimator, replaces_a_sigma_stated_three_times_too_small) {
-  const auto feature =
-      measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100, 3 * kSigma, kSigma})
-          .estimate(Method::kEncoder);
+  const auto feature = measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100,
+                                            3 * test::kSweepSigma_m, test::kSweepSigma_m})
+                           .estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_TRUE(feature->quality.sigma_is_estimated);
-  EXPECT_NEAR(feature->quality.sigma_m, 3 * kSigma, 0.45 * kSigma);
+  EXPECT_NEAR(feature->quality.sigma_m, 3 * test::kSweepSigma_m, 0.45 * test::kSweepSigma_m);
   EXPECT_EQ(feature->quality.rejected, 0U);
 }
 
@@ -125,10 +125,10 @@ TEST(SweepEstimator, a_row_without_covariance_takes_that_of_the_row_before) {
   SweepEstimator stated(kRevolute);
   SweepEstimator partly(kRevolute);
   for (std::size_t i = 0; i < 20; ++i) {
-    const double reading = testing::even_reading(motion, 2, i, 20);
-    ASSERT_TRUE(stated.add(reading, motion.at(reading), testing::isotropic(kSigma)));
-    ASSERT_TRUE(
-        partly.add(reading, motion.at(reading), testing::isotropic(i % 2 == 0 ? kSigma : 0)));
+    const double reading = test::even_reading(motion, 2, i, 20);
+    ASSERT_TRUE(stated.add(reading, motion.at(reading), test::isotropic(test::kSweepSigma_m)));
+    ASSERT_TRUE(partly.add(reading, motion.at(reading),
+                           test::isotropic(i % 2 == 0 ? test::kSweepSigma_m : 0)));
   }
   const auto a = stated.estimate(Method::kEncoder);
   const auto b = partly.estimate(Method::kEncoder);
@@ -147,15 +147,15 @@ TEST(SweepEstimator, an_outlier_first_is_neither_reference_nor_used) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   SweepEstimator estimator(kRevolute);
   for (std::size_t i = 0; i < 20; ++i) {
-    const double reading = testing::even_reading(motion, 1.5, i, 20);
+    const double reading = test::even_reading(motion, 1.5, i, 20);
     const Vector3 p_S = motion.at(reading) + (i == 0 ? Vector3(1e3, 0, 0) : Vector3::Zero());
     ASSERT_TRUE(estimator.add(reading, p_S, Matrix3::Zero()));
   }
   const auto feature = estimator.estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_EQ(feature->quality.rejected, 1U);
-  EXPECT_EQ(feature->reference_reading, testing::even_reading(motion, 1.5, 1, 20));
-  EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-12);
+  EXPECT_EQ(feature->reference_reading, test::even_reading(motion, 1.5, 1, 20));
+  EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-12);
 }
 
 // Points that agree are taken in as they come; one outlier among them, and all are searched: to the
@@ -163,16 +163,17 @@ TEST(SweepEstimator, an_outlier_first_is_neither_reference_nor_used) {
 TEST(SweepEstimator, points_taken_in_as_they_come_are_those_of_the_search) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   for (const std::size_t points : {36U, 100U, 200U}) {
-    testing::Random random(7);
+    test::Random random(7);
     SweepEstimator as_they_come(kRevolute);
     SweepEstimator searched(kRevolute);
     for (std::size_t i = 0; i < points; ++i) {
-      const double reading = testing::even_reading(motion, 1.5, i, points);
-      const Vector3 p_S = motion.at(reading) + 0.8 * kSigma * random.normal_vector();
-      ASSERT_TRUE(as_they_come.add(reading, p_S, testing::isotropic(kSigma)));
-      ASSERT_TRUE(searched.add(reading, p_S, testing::isotropic(kSigma)));
+      const double reading = test::even_reading(motion, 1.5, i, points);
+      const Vector3 p_S = motion.at(reading) + 0.8 * test::kSweepSigma_m * random.normal_vector();
+      ASSERT_TRUE(as_they_come.add(reading, p_S, test::isotropic(test::kSweepSigma_m)));
+      ASSERT_TRUE(searched.add(reading, p_S, test::isotropic(test::kSweepSigma_m)));
       if (i != 20) continue;
-      ASSERT_TRUE(searched.add(reading, p_S + Vector3(0.1, 0, 0), testing::isotropic(kSigma)));
+      ASSERT_TRUE(
+          searched.add(reading, p_S + Vector3(0.1, 0, 0), test::isotropic(test::kSweepSigma_m)));
     }
     EXPECT_EQ(as_they_come.state().waiting_is_accepted, points < kGateCapacity) << points;
     EXPECT_FALSE(searched.state().waiting_is_accepted);
@@ -194,13 +195,13 @@ TEST(SweepEstimator, points_taken_in_as_they_come_are_those_of_the_search) {
 TEST(SweepEstimator, an_outlier_among_the_first_is_found) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   for (const std::size_t place : {0U, 3U, 7U}) {
-    testing::Random random(8);
+    test::Random random(8);
     SweepEstimator estimator(kRevolute);
     for (std::size_t i = 0; i < 36; ++i) {
-      const double reading = testing::even_reading(motion, 1.5, i, 36);
-      Vector3 p_S = motion.at(reading) + kSigma * random.normal_vector();
-      if (i == place) p_S += 9 * kSigma * random.direction();
-      ASSERT_TRUE(estimator.add(reading, p_S, testing::isotropic(kSigma)));
+      const double reading = test::even_reading(motion, 1.5, i, 36);
+      Vector3 p_S = motion.at(reading) + test::kSweepSigma_m * random.normal_vector();
+      if (i == place) p_S += 9 * test::kSweepSigma_m * random.direction();
+      ASSERT_TRUE(estimator.add(reading, p_S, test::isotropic(test::kSweepSigma_m)));
     }
     const auto feature = estimator.estimate(Method::kEncoder);
     ASSERT_TRUE(feature);
@@ -210,7 +211,8 @@ TEST(SweepEstimator, an_outlier_among_the_first_is_found) {
 
 TEST(SweepEstimator, may_be_asked_again_and_again) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  SweepEstimator estimator = measured(kRevolute, {motion, 1.5, 20, kSigma, kSigma});
+  SweepEstimator estimator =
+      measured(kRevolute, {motion, 1.5, 20, test::kSweepSigma_m, test::kSweepSigma_m});
   const auto first = estimator.estimate(Method::kEncoder);
   const auto second = estimator.estimate(Method::kEncoder);
   ASSERT_TRUE(first && second);
@@ -221,24 +223,24 @@ TEST(SweepEstimator, may_be_asked_again_and_again) {
 // Three hundred pings at each reading: the points before do not predict those at the next reading.
 TEST(SweepEstimator, judges_points_after_a_jump_together) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  testing::Random random(6);
+  test::Random random(6);
   SweepEstimator estimator(kRevolute);
   std::size_t outliers = 0;
   for (int i = 0; i < 6000; ++i) {
     const double reading = motion.first_reading + 0.1 * (i / 300);
-    Vector3 p_S = motion.at(reading) + kSigma * random.normal_vector();
+    Vector3 p_S = motion.at(reading) + test::kSweepSigma_m * random.normal_vector();
     if (random.uniform(0, 1) < 0.2) {
       p_S += random.uniform(0.02, 0.3) * random.direction();
       ++outliers;
     }
-    ASSERT_TRUE(estimator.add(reading, p_S, testing::isotropic(kSigma)));
+    ASSERT_TRUE(estimator.add(reading, p_S, test::isotropic(test::kSweepSigma_m)));
   }
   const auto feature = estimator.estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_GE(feature->quality.rejected, outliers);
   EXPECT_LE(feature->quality.rejected, outliers + 5);
   EXPECT_EQ(feature->quality.used + feature->quality.rejected, 6000U);
-  EXPECT_LT(testing::feature_error(*feature, motion).norm(), 1e-4);
+  EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-4);
 }
 
 }  // namespace

@@ -72,12 +72,12 @@ TEST(LinkFrames, trap_without_a_feature_or_a_reading) {
 }
 
 TEST(KnownLinkFrames, frame_slid_back_along_its_axis_is_the_denavit_hartenberg_frame) {
-  testing::Random random(31);
+  test::Random random(31);
   for (const test::KnownArm& known : test::known_arms()) {
     const JointVector q = random.readings(known, 3, 0.5);
     const KnownLinkFrames frames = link_frames(known.joints, q);
     for (std::size_t k = 0; k < frames.X_0L.size(); ++k) {
-      const Pose X_0F = testing::rounded(testing::dh_pose(known.joints, q, k, Pose{}));
+      const Pose X_0F = test::rounded(test::dh_pose(known.joints, q, k, Pose{}));
       EXPECT_LT((frames.X_0L[k].R - X_0F.R).norm(), 1e-14) << known.name << k;
       const Vector3 slid = X_0F.p + frames.along_m[k] * X_0F.R.col(2);
       EXPECT_LT((frames.X_0L[k].p - slid).norm(), 1e-12) << known.name << k;
@@ -102,7 +102,7 @@ TEST(AxisLines, of_a_drawing_pass_through_its_denavit_hartenberg_origins) {
   const JointVector q{0.3, -0.4, 0.9, 0.2, -0.7, 0.1};
   const AxisLines lines = axis_lines(test::puma560(), q);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Pose X_0F = testing::rounded(testing::dh_pose(test::puma560().joints, q, i, Pose{}));
+    const Pose X_0F = test::rounded(test::dh_pose(test::puma560().joints, q, i, Pose{}));
     EXPECT_LT((lines[i].direction - X_0F.R.col(2)).norm(), 1e-15) << i;
     EXPECT_LT(lines[i].direction.cross(lines[i].point - X_0F.p).norm(), 1e-15) << i;
   }

@@ -17,9 +17,9 @@
 namespace armsig {
 namespace {
 
+using test::ExactArm;
 using test::kP;
 using test::kR;
-using testing::ExactArm;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -84,7 +84,7 @@ TEST(Identify, keeps_types_configuration_and_features) {
 // authors; ours are turned and slid about the same z axis, by the turn and slide measured here.
 void expect_table_2(const Arm& arm) {
   const ExactArm exact{arm, {0.4, -0.7, 0.9, 0.3, 0.8, -0.5}, Pose{rotation_x(0.3), {1, 2, 0.5}}};
-  const auto signature = identify(testing::exact_features(exact), exact.q_s, test::puma560());
+  const auto signature = identify(test::exact_features(exact), exact.q_s, test::puma560());
   ASSERT_TRUE(signature);
   EXPECT_TRUE(signature->description_matches);
   DhRows rows = signature->pseudo_dh;
@@ -93,8 +93,8 @@ void expect_table_2(const Arm& arm) {
   EXPECT_NEAR(X_00.R(2, 2), 1, 1e-14);
   rows[0].theta_rad += std::atan2(X_00.R(1, 0), X_00.R(0, 0));
   rows[0].d_m += X_00.p.z();
-  const Pose X_Sn = signature->X_SL[0] *
-                    testing::rounded(testing::dh_pose(signature->pseudo_dh, exact.q_s, 6, Pose{}));
+  const Pose X_Sn =
+      signature->X_SL[0] * test::rounded(test::dh_pose(signature->pseudo_dh, exact.q_s, 6, Pose{}));
   const Pose X_nn = X_Sn.inverse() * exact.tool_pose(exact.q_s);
   EXPECT_NEAR(X_nn.R(2, 2), 1, 1e-14);
   rows[5].theta_rad += std::atan2(X_nn.R(1, 0), X_nn.R(0, 0));
@@ -116,14 +116,14 @@ TEST(Identify, gives_table_2_of_robot_2_back) { expect_table_2(test::puma560_rob
 TEST(Identify, warns_of_a_drawing_of_another_arm) {
   Arm other = test::puma560();
   for (DhJoint& row : other.joints) row.alpha_rad += radians(60);
-  const auto signature = identify(testing::exact_features(puma()), puma().q_s, other);
+  const auto signature = identify(test::exact_features(puma()), puma().q_s, other);
   ASSERT_TRUE(signature);
   EXPECT_FALSE(signature->description_matches);
 }
 
 TEST(Identify, refuses_a_feature_that_is_not_finite_and_names_the_joint) {
   for (int part = 0; part < 4; ++part) {
-    auto features = testing::exact_features(puma());
+    auto features = test::exact_features(puma());
     if (part == 0) features[3].axis_S.x() = kNaN;
     if (part == 1) features[3].point_S.y() = kNaN;
     if (part == 2) features[3].radial_S.z() = kNaN;
@@ -136,7 +136,7 @@ TEST(Identify, refuses_a_feature_that_is_not_finite_and_names_the_joint) {
 }
 
 TEST(Identify, refuses_an_axis_without_direction) {
-  auto features = testing::exact_features(puma());
+  auto features = test::exact_features(puma());
   features[2].axis_S.setZero();
   const auto signature = identify(features, puma().q_s, test::puma560());
   ASSERT_FALSE(signature);
@@ -147,14 +147,14 @@ TEST(Identify, refuses_an_axis_without_direction) {
 TEST(Identify, refuses_a_reading_that_is_not_finite) {
   JointVector q = puma().q_s;
   q[5] = std::numeric_limits<double>::infinity();
-  const auto signature = identify(testing::exact_features(puma()), q, test::puma560());
+  const auto signature = identify(test::exact_features(puma()), q, test::puma560());
   ASSERT_FALSE(signature);
   EXPECT_EQ(test::failure_of(signature).refusal.error, Error::kNotFinite);
   EXPECT_EQ(test::failure_of(signature).joint, 5U);
 }
 
 TEST(Identify, refuses_a_joint_that_turns_backwards_and_names_it) {
-  auto features = testing::exact_features(puma());
+  auto features = test::exact_features(puma());
   JointVector q = puma().q_s;
   features[1].axis_S *= -1.0;
   features[1].reference_reading *= -1.0;
@@ -168,7 +168,7 @@ TEST(Identify, refuses_a_joint_that_turns_backwards_and_names_it) {
 }
 
 TEST(Identify, refuses_a_left_handed_sensor) {
-  auto features = testing::exact_features(puma());
+  auto features = test::exact_features(puma());
   for (features::JointFeature& feature : features) {
     feature.point_S.z() *= -1.0;
     feature.radial_S.z() *= -1.0;
@@ -182,7 +182,7 @@ TEST(Identify, refuses_a_left_handed_sensor) {
 }
 
 TEST(Identify, traps_when_counts_or_types_differ) {
-  const auto features = testing::exact_features(puma());
+  const auto features = test::exact_features(puma());
   EXPECT_DEATH(EXPECT_FALSE(identify({}, {}, Arm{})), "");
   EXPECT_DEATH(EXPECT_FALSE(identify(features, {0.1}, test::puma560())), "");
   EXPECT_DEATH(EXPECT_FALSE(identify(features, puma().q_s, test::cobra600())), "");
@@ -209,7 +209,7 @@ TEST(SignatureOf, gives_the_rows_of_the_arm_back) {
   for (const test::KnownArm& known : test::known_arms()) {
     SCOPED_TRACE(known.name);
     const JointVector q(known.joints.size(), 0.25);
-    const Signature signature = signature_of(known, q, testing::Random(5).pose(2), {});
+    const Signature signature = signature_of(known, q, test::Random(5).pose(2), {});
     for (std::size_t i = 0; i < q.size(); ++i) {
       const DhJoint& found = signature.pseudo_dh[i];
       const DhJoint& truth = known.joints[i];
@@ -232,7 +232,7 @@ TEST(SignatureOf, ends_in_the_arms_own_last_frame) {
 }
 
 TEST(SignatureOf, predicts_targets_on_any_link_to_a_tenth_of_a_picometre_per_metre) {
-  testing::Random random(41);
+  test::Random random(41);
   for (const test::KnownArm& known : test::known_arms()) {
     SCOPED_TRACE(known.name);
     const Pose X_S0 = random.pose(2);
@@ -241,18 +241,16 @@ TEST(SignatureOf, predicts_targets_on_any_link_to_a_tenth_of_a_picometre_per_met
     // One target near the arm on each link, written in that link's Denavit-Hartenberg frame.
     std::array<KnownTarget, kMaxFrames> targets;
     for (std::size_t k = 0; k <= n; ++k) {
-      const auto X_SF = testing::dh_pose(known.joints, q_s, k, X_S0);
-      const testing::LongVector3 near_base =
-          (X_S0.p + Vector3(0.2, 0.3, 0.4)).cast<testing::Long>();
+      const auto X_SF = test::dh_pose(known.joints, q_s, k, X_S0);
+      const test::LongVector3 near_base = (X_S0.p + Vector3(0.2, 0.3, 0.4)).cast<test::Long>();
       targets[k] = {static_cast<int>(k), k, (X_SF.inverse() * near_base).cast<double>()};
     }
     const Signature signature = signature_of(known, q_s, X_S0, std::span(targets).first(n + 1));
     for (int trial = 0; trial < 20; ++trial) {
       const JointVector q = random.readings(known, 3, 0.5);
       for (std::size_t k = 0; k <= n; ++k) {
-        const testing::LongVector3 truth =
-            testing::dh_pose(known.joints, q, k, X_S0) *
-            testing::LongVector3(targets[k].p_F.cast<testing::Long>());
+        const test::LongVector3 truth = test::dh_pose(known.joints, q, k, X_S0) *
+                                        test::LongVector3(targets[k].p_F.cast<test::Long>());
         const Vector3 predicted = kinematics::target_position(signature, q, signature.targets[k]);
         EXPECT_LT((predicted - truth.cast<double>()).norm(), 3e-13) << k;
       }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // What a chain is prepared with for the solvers.
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "core/base/pose.hpp"
 #include "core/kinematics/chain.hpp"
+#include "host_tests/support/not_finite.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
 
 // The links by hand: frame 1 slides by 0.2 along axis 1, which leaves (0.3, 0.2 sin 30 deg,
 // 0.2 (1 - cos 30 deg)), and frame 2 stands (0.4, 0, 0.1 + 0.2) from it.

@@ -9,16 +9,10 @@
 #include "core/kinematics/closed_form.hpp"
 #include "core/kinematics/inverse.hpp"
 #include "host_tests/support/kinematics_random.hpp"
-#include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/ready_puma.hpp"
 
 namespace armsig::kinematics {
 namespace {
-
-DhRows first_rows(std::size_t count) {
-  DhRows rows = test::puma560().joints;
-  rows.resize(count);
-  return rows;
-}
 
 // Three parallel revolute joints, then three prismatic ones: they turn the tool about one axis.
 TEST(InverseOfPrismaticWrist, meets_what_it_says_it_meets) {
@@ -90,7 +84,7 @@ TEST(InverseOfAScara, meets_the_position_first_where_the_orientation_cannot_be_m
 }
 
 TEST(InverseOfThreeJoints, meets_the_position_and_gives_up_the_orientation) {
-  const Chain chain = make_chain(first_rows(3));
+  const Chain chain = make_chain(test::puma_rows(3));
   Pose X = *forward(chain, {0.3, -0.5, 0.8});
   X.R = X.R * rotation_z(0.3);
   // The wrist point stands off the last frame; its position alone is asked for.
@@ -101,7 +95,7 @@ TEST(InverseOfThreeJoints, meets_the_position_and_gives_up_the_orientation) {
 
 // An orientation that a short arm cannot choose is no reason to look for another posture.
 TEST(InverseOfThreeJoints, gives_up_the_orientation_without_a_search) {
-  const Chain chain = make_chain(first_rows(3));
+  const Chain chain = make_chain(test::puma_rows(3));
   const JointVector q{0.3, -0.5, 0.8};
   for (const double angle : {-0.3, -0.1, 0.1, 0.3}) {
     Pose X = *forward(chain, q);
@@ -118,7 +112,7 @@ TEST(InverseOfThreeJoints, gives_up_the_orientation_without_a_search) {
 TEST(InverseOfFewJoints, says_of_no_position_beside_the_seed_that_it_is_out_of_reach) {
   std::mt19937_64 random(11);
   for (const std::size_t joints : {2U, 3U, 4U, 5U}) {
-    const Chain chain = make_chain(first_rows(joints));
+    const Chain chain = make_chain(test::puma_rows(joints));
     for (int trial = 0; trial < 1'500; ++trial) {
       JointVector q;
       JointVector seed;
@@ -137,7 +131,7 @@ TEST(InverseOfFewJoints, says_of_no_position_beside_the_seed_that_it_is_out_of_r
 }
 
 TEST(InverseOfThreeJoints, meets_the_position_of_the_point_that_it_is_asked_for) {
-  const Chain chain = make_chain(first_rows(3));
+  const Chain chain = make_chain(test::puma_rows(3));
   Pose X = *forward(chain, {0.3, -0.5, 0.8});
   X.R = X.R * rotation_z(0.05);
   const InverseOptions at_tool{.p_nP = {0.02, 0.1, 0.3}};

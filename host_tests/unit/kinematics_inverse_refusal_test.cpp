@@ -7,36 +7,31 @@
 
 #include "core/kinematics/inverse.hpp"
 #include "host_tests/support/failure_of.hpp"
-#include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/ready_puma.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
-Chain puma() { return make_chain(test::puma560().joints, test::puma560().limits); }
-const JointVector kReady{0.2, -0.8, 0.9, 0.3, 0.7, -0.4};
-
-DhRows first_rows(std::size_t count) {
-  DhRows rows = test::puma560().joints;
-  rows.resize(count);
-  return rows;
-}
+using test::kReady;
+using test::puma_chain;
 
 TEST(Inverse, refuses_a_pose_or_a_seed_that_is_not_finite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  Pose X = *forward(puma(), kReady);
+  Pose X = *forward(puma_chain(), kReady);
   X.p.y() = nan;
-  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady)), Error::kNotFinite);
-  X = *forward(puma(), kReady);
+  EXPECT_EQ(test::failure_of(inverse(puma_chain(), X, kReady)), Error::kNotFinite);
+  X = *forward(puma_chain(), kReady);
   X.R(2, 1) = nan;
-  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady)), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(inverse(puma_chain(), X, kReady)), Error::kNotFinite);
   JointVector seed = kReady;
   seed[3] = nan;
-  EXPECT_EQ(test::failure_of(inverse(puma(), *forward(puma(), kReady), seed)), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(inverse(puma_chain(), *forward(puma_chain(), kReady), seed)),
+            Error::kNotFinite);
 }
 
 TEST(Inverse, refuses_a_target_that_is_not_a_rotation) {
-  const Pose X = *forward(puma(), kReady);
-  const Chain three = make_chain(first_rows(3));
+  const Pose X = *forward(puma_chain(), kReady);
+  const Chain three = make_chain(test::puma_rows(3));
   Matrix3 mirrored = X.R;
   mirrored.col(2) *= -1;
   Matrix3 skewed = X.R;
@@ -44,7 +39,7 @@ TEST(Inverse, refuses_a_target_that_is_not_a_rotation) {
   for (const Matrix3& R : {Matrix3(Matrix3::Zero()), Matrix3(2 * X.R), mirrored, skewed,
                            Matrix3(-X.R), Matrix3(X.R * (1 + 1e-6))}) {
     const Pose target{R, X.p};
-    const auto six = inverse(puma(), target, kReady);
+    const auto six = inverse(puma_chain(), target, kReady);
     ASSERT_FALSE(six.has_value());
     EXPECT_EQ(test::failure_of(six), Error::kNotARotation);
     const auto few = inverse(three, target, {0.2, -0.8, 0.9});
@@ -56,15 +51,15 @@ TEST(Inverse, refuses_a_target_that_is_not_a_rotation) {
 TEST(Inverse, refuses_options_that_are_no_numbers_or_out_of_range) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const Pose X = *forward(puma(), kReady);
+  const Pose X = *forward(puma_chain(), kReady);
   const auto error_of = [&](const InverseOptions& options) {
     JointVector seed = kReady;
     seed[1] += 1.5;  // beyond the reach of Newton
-    const auto solution = inverse(puma(), X, seed, options);
+    const auto solution = inverse(puma_chain(), X, seed, options);
     return solution ? std::optional<Error>() : solution.error();
   };
   EXPECT_EQ(error_of({.p_nP = {0, kNan, 0}}), Error::kNotFinite);
-  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady, {.p_nP = {0, kNan, 0}})),
+  EXPECT_EQ(test::failure_of(inverse(puma_chain(), X, kReady, {.p_nP = {0, kNan, 0}})),
             Error::kNotFinite);
   EXPECT_EQ(error_of({.p_nP = {0, kInfinity, 0}}), Error::kNotFinite);
   EXPECT_EQ(error_of({.position_tolerance_m = kNan}), Error::kNotFinite);
@@ -73,7 +68,7 @@ TEST(Inverse, refuses_options_that_are_no_numbers_or_out_of_range) {
   step.max_step = JointVector(6, 0.02);
   step.max_step[3] = kNan;
   EXPECT_EQ(error_of(step), Error::kNotFinite);
-  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady, step)), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(inverse(puma_chain(), X, kReady, step)), Error::kNotFinite);
   step.max_step[3] = -0.02;
   EXPECT_EQ(error_of(step), Error::kOutOfRange);
   step.max_step = JointVector(6, kInfinity);
@@ -81,22 +76,23 @@ TEST(Inverse, refuses_options_that_are_no_numbers_or_out_of_range) {
 }
 
 TEST(Inverse, refuses_what_is_too_far_for_a_verdict) {
-  Pose X = *forward(puma(), kReady);
+  Pose X = *forward(puma_chain(), kReady);
   X.p.x() = 1e200;
-  EXPECT_EQ(test::failure_of(inverse(puma(), X, kReady)), Error::kOutOfReach);
+  EXPECT_EQ(test::failure_of(inverse(puma_chain(), X, kReady)), Error::kOutOfReach);
   JointVector seed = kReady;
   seed[0] = 1e200;
-  EXPECT_EQ(test::failure_of(inverse(puma(), *forward(puma(), kReady), seed)), Error::kOutOfRange);
+  EXPECT_EQ(test::failure_of(inverse(puma_chain(), *forward(puma_chain(), kReady), seed)),
+            Error::kOutOfRange);
 }
 
 // What is off is off, however far from the pose an answer may be.
 TEST(Inverse, refuses_what_is_no_rotation_where_the_tolerance_is_loose) {
-  Pose X = *forward(puma(), kReady);
+  Pose X = *forward(puma_chain(), kReady);
   X.R = X.R * rotation_x(8e-4);
   const InverseOptions options{.rotation_tolerance_rad = 1e-3};
-  EXPECT_TRUE(inverse(puma(), X, kReady, options));
+  EXPECT_TRUE(inverse(puma_chain(), X, kReady, options));
   X.R.col(2) *= 1 + 5e-4;
-  const auto solution = inverse(puma(), X, kReady, options);
+  const auto solution = inverse(puma_chain(), X, kReady, options);
   ASSERT_FALSE(solution.has_value());
   EXPECT_EQ(test::failure_of(solution), Error::kNotARotation);
 }

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 // What the readings of a solution are confined to: limits and steps of each joint, its own.
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "core/kinematics/joint_box.hpp"
 #include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/not_finite.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
 constexpr Eigen::Index kJoints = 3;
 
 // Three joints with limits and steps that no other has.

@@ -60,7 +60,7 @@ TEST(PseudoDh, offset_of_a_joint_many_turns_from_zero_is_within_a_turn) {
 }
 
 TEST(PseudoDh, product_and_last_frame_give_the_s_model_product_at_the_signature_configuration) {
-  testing::Random random(21);
+  test::Random random(21);
   FixedVector<s_model::Parameters, kMaxJoints> s;
   JointTypes types;
   JointVector q;
@@ -73,8 +73,8 @@ TEST(PseudoDh, product_and_last_frame_give_the_s_model_product_at_the_signature_
     S = S * s_model::to_transform(s[i]);  // (3)
   }
   const auto rows = from_s_model(s, types, q);
-  const Pose T = testing::rounded(testing::dh_pose(rows, q, kMaxJoints, Pose{})) *
-                 link_frame_in_dh_frame(s[7]);
+  const Pose T =
+      test::rounded(test::dh_pose(rows, q, kMaxJoints, Pose{})) * link_frame_in_dh_frame(s[7]);
   EXPECT_LT((T.R - S.R).norm(), 1e-14);
   EXPECT_LT((T.p - S.p).norm(), 1e-14);
 }

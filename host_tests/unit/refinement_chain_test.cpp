@@ -108,7 +108,7 @@ TEST(Chain, a_correction_moves_the_last_link_frame_with_its_axis) {
 
 TEST(Layout, counts_four_unknowns_a_revolute_axis_two_a_prismatic_one_three_a_target) {
   Random random(6);
-  const Signature signature = test::signature_of(coupled_cell(random), test::puma_configuration());
+  const Signature signature = test::signature_of(coupled_cell(random), test::cell_configuration());
   EXPECT_EQ(make_layout(signature, {true}, {}, 0)->size(), 25U);
   ParameterRequest request;
   request.receiver_offsets = true;
@@ -118,7 +118,7 @@ TEST(Layout, counts_four_unknowns_a_revolute_axis_two_a_prismatic_one_three_a_ta
 
 TEST(Layout, says_how_many_unknowns_are_too_many) {
   Random random(7);
-  const Signature signature = test::signature_of(coupled_cell(random), test::puma_configuration());
+  const Signature signature = test::signature_of(coupled_cell(random), test::cell_configuration());
   std::array<bool, kMaxTargets> all{};
   all.fill(true);
   const auto layout = make_layout(signature, all, {}, 0);

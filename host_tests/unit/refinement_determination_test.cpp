@@ -20,7 +20,7 @@ constexpr double kSigma = 0.2e-3;
 std::unique_ptr<Refined> named(const Cell& cell, const Log& log,
                                const ParameterRequest& request = {}) {
   auto refined = std::make_unique<Refined>();
-  refined->signature = test::signature_of(cell, test::puma_configuration());
+  refined->signature = test::signature_of(cell, test::cell_configuration());
   if (!request.readings.empty()) refined->readings.corrections.resize(6);
   const auto layout = make_layout(refined->signature, {true}, request, 0);
   EXPECT_TRUE(layout);
@@ -59,7 +59,7 @@ TEST(Determination, names_a_joint_that_rested) {
   Log log;
   for (int k = 0; k < 60; ++k) {
     JointVector q = random.configuration(cell.arm);
-    q[3] = test::puma_configuration()[3];
+    q[3] = test::cell_configuration()[3];
     log.push_back(test::observe(cell, q, 0, kSigma, random));
   }
   const auto refined = named(cell, log);
@@ -74,7 +74,7 @@ TEST(Determination, names_the_gain_of_a_joint_that_hardly_moved) {
   Log log;
   for (int k = 0; k < 60; ++k) {
     JointVector q = random.configuration(cell.arm);
-    q[5] = test::puma_configuration()[5] + random.uniform(-0.1, 0.1);
+    q[5] = test::cell_configuration()[5] + random.uniform(-0.1, 0.1);
     log.push_back(test::observe(cell, q, 0, kSigma, random));
   }
   ParameterRequest request;

@@ -20,7 +20,7 @@ using test::Cell;
 using test::Log;
 using test::Random;
 
-constexpr double kSigma = 0.1e-3;
+constexpr double kPoseSigma_m = 0.1e-3;
 
 std::array<Target, 1> one_target(std::size_t link = 6) {
   std::array<Target, 1> targets;
@@ -115,10 +115,10 @@ TEST(FitBaseAndTool, refuses_what_cannot_be_fitted) {
   Random random(3);
   const Cell cell = test::puma_cell(random);
   Log log;
-  test::add_poses(cell, 3, kSigma, random, log);
+  test::add_poses(cell, 3, kPoseSigma_m, random, log);
   EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), log, one_target())).error,
             Error::kTooFewPoints);
-  test::add_poses(cell, 10, kSigma, random, log);
+  test::add_poses(cell, 10, kPoseSigma_m, random, log);
   EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), log, one_target(3))).error,
             Error::kTooFewPoints);
 

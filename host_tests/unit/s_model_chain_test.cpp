@@ -53,7 +53,7 @@ TEST(SModelChain, target_moves_with_its_own_link_and_not_with_the_next) {
 }
 
 TEST(SModelChain, in_single_precision_is_within_five_micrometres_on_every_arm) {
-  testing::Random random(51);
+  test::Random random(51);
   std::mt19937_64 readings(52);
   double longest_d_m = 0;
   for (const test::KnownArm& arm : test::known_arms()) {

@@ -142,7 +142,7 @@ TEST(FromTransform, snapping_tilts_the_frame_by_the_angle_between_the_axes_and_n
 }
 
 TEST(FromTransform, inverts_to_transform_for_random_parameters) {
-  testing::Random random(11);
+  test::Random random(11);
   for (int i = 0; i < 2000; ++i) {
     const Parameters truth{random.uniform(-3, 3),  random.uniform(-1, 1), random.uniform(-1, 1),
                            random.uniform(0.1, 3), random.uniform(-3, 3), random.uniform(-1, 1)};

@@ -58,7 +58,7 @@ Judged<DriftReport> check(const Identified& identified, const Log& log) {
 TEST(ToolCovariance, grows_away_from_what_was_measured) {
   Random random(1);
   const Cell cell = test::puma_cell(random);
-  const JointVector configuration = test::puma_configuration();
+  const JointVector configuration = test::cell_configuration();
   Log log;
   test::add_sweeps(cell, configuration, radians(60), 30, kSigma, random, log);
   const auto refined = std::make_unique<Refined>();
@@ -243,7 +243,7 @@ TEST(FromFeatures, gives_the_target_of_one_joint_the_covariance_of_its_feature) 
 TEST(FromFeatures, refuses_a_feature_without_a_covariance) {
   Random random(9);
   const Cell cell = test::puma_cell(random);
-  Signature signature = test::signature_of(cell, test::puma_configuration());
+  Signature signature = test::signature_of(cell, test::cell_configuration());
   signature.features.resize(6);
   const auto estimate = std::make_unique<Refined>();
   EXPECT_EQ(test::failure_of(from_features(signature, *estimate)), Error::kSingular);

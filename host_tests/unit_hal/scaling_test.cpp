@@ -2,17 +2,17 @@
 #include "hal/cia402/scaling.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "core/base/pose.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/not_finite.hpp"
 
 namespace armsig::cia402 {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 constexpr ScalingConfiguration kShoulder{.counts_per_revolution = 4000, .gear_ratio = 100};
 constexpr ScalingConfiguration kLift{
     .type = JointType::kPrismatic, .counts_per_revolution = 10000, .gear_ratio = 2, .lead_m = 0.01};
