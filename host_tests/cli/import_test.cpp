@@ -110,7 +110,13 @@ TEST(Import, says_what_is_wrong_with_a_urdf) {
     EXPECT_NE(outcome.err.find(what), std::string::npos) << outcome.err;
     EXPECT_FALSE(std::filesystem::exists(folder / "a.yaml"));
   };
-  expect("<robot", "not XML");
+  expect("<robot", "r.urdf:1: not XML: an element has no end or no name; expected a URDF file");
+  expect("", "r.urdf: not XML: nothing is in it");
+  expect("no robot", "r.urdf:1: not XML: text that is in no element");
+  expect("<robot>\n<link>\n</robot>", "not XML: an element is not closed, or under another name");
+  expect("<robot name=x/>", "not XML: an attribute is not NAME=\"VALUE\"");
+  expect("<robot><xacro:include filename=\"a\"/></robot>",
+         "r.urdf:1: xacro that is not expanded; expected xacro FILE -o arm.urdf first");
   expect("<a/>", "there is no robot in the file");
   expect(kRobot, "there is no link \"hand\"; expected", "--base base --tip hand");
   expect(kRobot, "is not below link", "--base tip --tip base");

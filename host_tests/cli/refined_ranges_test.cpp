@@ -39,6 +39,21 @@ Csv ranges(const Folder& folder, int poses, const std::string& options = "") {
   return rows;
 }
 
+// As `check` and `report` do: the command line is wrong, not the data.
+TEST(RefinedRanges, without_the_sensors_description_are_wrong_usage_by_every_method) {
+  const Folder folder;
+  ranges(folder, 5);
+  for (const std::string method : {"paper", "encoder", "refined"}) {
+    const Outcome outcome = run_tool(
+        folder, "identify --arm arm.yaml --measurements good.csv --out s.yaml --method " + method);
+    EXPECT_EQ(outcome.status, 2) << method;
+    EXPECT_EQ(outcome.err,
+              "armsig: good.csv:3: the rows are ranges to receivers; expected --sensor with a "
+              "description of where the receivers stand\n");
+    EXPECT_FALSE(std::filesystem::exists(folder / "s.yaml"));
+  }
+}
+
 TEST(RefinedRanges, leave_poses_out_and_find_what_the_arm_does_beyond_the_sensors_noise) {
   const Folder folder;
   const Csv good = ranges(folder, 150);

@@ -72,6 +72,28 @@ TEST(PlaceGrid, shrinks_a_grid_that_is_larger_than_the_arm) {
   EXPECT_LT(placement->grid.size_m[0], 1.0);
 }
 
+TEST(PlaceGrid, takes_a_fifth_off_all_sides_until_the_grid_fits_at_most_eleven_times) {
+  const auto placed = [](double size_m) {
+    return place_grid(puma560(),
+                      Grid{.size_m = {size_m, size_m / 2, size_m / 4}, .count = {2, 2, 2}});
+  };
+  const auto fitting = placed(3);
+  ASSERT_TRUE(fitting);
+  const double fits_m = fitting->grid.size_m[0];
+  const double times = std::log(fits_m / 3) / std::log(0.8);
+  EXPECT_GT(times, 0.5);
+  EXPECT_NEAR(times, std::round(times), 1e-9);
+  EXPECT_NEAR(fitting->grid.size_m[1], fits_m / 2, 1e-12);
+  EXPECT_NEAR(fitting->grid.size_m[2], fits_m / 4, 1e-12);
+  const auto as_it_is = placed(fits_m);
+  ASSERT_TRUE(as_it_is);
+  EXPECT_EQ(as_it_is->grid.size_m[0], fits_m);
+  const auto the_most = placed(fits_m / std::pow(0.8, 11));
+  ASSERT_TRUE(the_most);
+  EXPECT_NEAR(the_most->grid.size_m[0], fits_m, 1e-12);
+  EXPECT_EQ(test::failure_of(placed(fits_m / std::pow(0.8, 12))), Error::kOutOfReach);
+}
+
 TEST(PlaceGrid, gives_up_on_a_grid_ten_times_too_large) {
   const auto placement = place_grid(puma560(), Grid{.size_m = {30, 30, 30}, .count = {2, 2, 2}});
   ASSERT_FALSE(placement);

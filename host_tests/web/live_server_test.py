@@ -87,7 +87,8 @@ class LiveServer(unittest.TestCase):
 
     def ask(self, viewer, verb, **changed):
         body = json.dumps({"viewer": viewer, "verb": verb}).encode()
-        return self.get(f"/{self.page.token}/request", "POST", body=body, Content_Type="application/json", **changed)[0]
+        status, self.words = self.get(f"/{self.page.token}/request", "POST", body=body, Content_Type="application/json", **changed)
+        return status
 
     def open(self, viewer):
         stream = Stream(self.page, viewer)
@@ -163,6 +164,7 @@ class LiveServer(unittest.TestCase):
         first.until(lambda state: state["holds"])
         self.assertFalse(second.until(lambda state: state["viewers"] >= 2)["holds"])
         self.assertEqual(self.ask("second", "enable"), 403)
+        self.assertIn("another viewer holds the controls", self.words)
         self.assertEqual(self.ask("nobody", "enable"), 403)
         self.assertEqual(self.ask("nobody", "take-over"), 202)  # who does not look can't take
         self.assertTrue(first.next()["holds"])
@@ -178,6 +180,7 @@ class LiveServer(unittest.TestCase):
         second.close()
         first.until(lambda state: state["free"])
         self.assertEqual(self.ask("first", "enable"), 403)  # free controls are taken as well, not had
+        self.assertIn("nobody holds the controls; take them over first", self.words)
 
     def test_bounds_how_many_look(self):
         streams = []

@@ -26,22 +26,19 @@ bool same_types(const JointTypes& types, const Arm& arm) {
   return true;
 }
 
-// The truth is an arm description (exact parameters) or a signature.
-Read<Signature> read_truth(const std::string& path, const Signature& signature) {
-  const auto tag = read_tag(path);
-  if (!tag) return std::unexpected(tag.error());
-  if (*tag == kSignatureTag) {
-    auto record = read_signature_file(path);
-    if (!record) return std::unexpected(record.error());
-    return record->signature;
-  }
-  const auto arm = read_arm_file(path);
-  if (!arm) return std::unexpected(arm.error());
-  if (!same_types(signature.types, arm->arm)) {
+// The truth is an arm description (exact parameters, which reads as it turns) or a signature.
+Read<SignatureRecord> read_truth(const std::string& path, const Signature& signature) {
+  ARMSIG_TRY(tag, read_tag(path));
+  if (tag == kSignatureTag) return read_signature_file(path);
+  ARMSIG_TRY(arm, read_arm_file(path));
+  if (!same_types(signature.types, arm.arm)) {
     return std::unexpected(Problem{path, 0, 0, "its joints are not those of the signature",
                                    "an arm with the same joint types"});
   }
-  return signature_of(arm->arm, signature.configuration, Pose{}, {});
+  SignatureRecord truth;
+  truth.nominal = arm.arm;
+  truth.signature = signature_of(arm.arm, signature.configuration, Pose{}, {});
+  return truth;
 }
 
 int run(const EvaluateOptions& options) {
@@ -51,13 +48,18 @@ int run(const EvaluateOptions& options) {
   if (!record) return fail(record.error(), kBadInput, options);
   const auto truth = read_truth(options.truth, record->signature);
   if (!truth) return fail(truth.error(), kBadInput, options);
-  if (!same_types(record->signature.types, arm->arm) || !same_types(truth->types, arm->arm)) {
+  if (!same_types(record->signature.types, arm->arm) ||
+      !same_types(truth->signature.types, arm->arm)) {
     return fail({options.signature, 0, 0, "the joints of signature, truth and arm differ",
                  "three models of one arm"},
                 kBadInput, options);
   }
 
-  const auto comparison = evaluation::compare(arm->arm, record->signature, *truth);
+  const refinement::ReadingModel readings = record->readings();
+  const refinement::ReadingModel true_readings = truth->readings();
+  const auto comparison = evaluation::compare(arm->arm, record->signature, truth->signature, {},
+                                              {&readings, record->signature.configuration},
+                                              {&true_readings, truth->signature.configuration});
   if (!comparison) {
     return fail({options.signature, 0, 0,
                  fmt::format("the grid can't be touched: {}", describe(comparison.error())),

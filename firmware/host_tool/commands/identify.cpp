@@ -19,6 +19,7 @@
 #include "firmware/host_tool/presentation/identify_report.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/reading/ranging.hpp"
 #include "firmware/host_tool/signature/record.hpp"
 
 namespace armsig::tool {
@@ -209,6 +210,8 @@ int run(IdentifyOptions options) {
   Read<void> taken;  // the first row that was refused says why; the others are evidence
   const auto read = read_all(options, arm->arm, "Reading measurements",
                              [&](const MeasurementRow& row) -> Read<void> {
+                               const auto scale = range_scale(row, sensor, options.measurements);
+                               if (!scale) return std::unexpected(scale.error());
                                collector.add(row);
                                if (taken) taken = identification.take(row);
                                return {};

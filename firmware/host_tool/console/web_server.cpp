@@ -257,7 +257,10 @@ void WebServer::post(const httplib::Request& request, httplib::Response& respons
     viewers_.take_over(viewer);
     board_.touch();
   } else if (verb != "stop" && !viewers_.holds(viewer)) {
-    return refuse(response, kForbidden, "another viewer holds the controls");
+    const bool free = viewers_.told(viewer)["free"];
+    return refuse(response, kForbidden,
+                  free ? "nobody holds the controls; take them over first"
+                       : "another viewer holds the controls");
   } else if (!watch_.request(verb)) {
     return refuse(response, 409, "another request is under way");
   }

@@ -101,17 +101,6 @@ std::string xacro_source(std::string_view text) {
   return std::string(trimmed(rest.substr(0, rest.find_first_of("|\n"))));
 }
 
-Read<void> refuse_xacro(const XMLElement& robot) {
-  for (const XMLElement* element = robot.FirstChildElement(); element != nullptr;
-       element = element->NextSiblingElement()) {
-    if (!std::string_view(element->Name()).starts_with("xacro:")) continue;
-    return problem_at(*element, "xacro that is not expanded",
-                      "xacro FILE -o arm.urdf first, then --into arm.urdf: it writes the lines to "
-                      "paste into the xacro");
-  }
-  return {};
-}
-
 // The links that the joints of the record are between.
 Read<UrdfEnds> ends_of(const XMLElement& robot, const UrdfEnds& given,
                        const SignatureRecord& record) {
@@ -177,7 +166,10 @@ Read<CorrectedUrdf> corrected_urdf(std::string_view text, const UrdfEnds& given,
                                    const SignatureRecord& record) {
   tinyxml2::XMLDocument document;
   ARMSIG_TRY(robot, parse_urdf(text, document));
-  if (auto expanded = refuse_xacro(*robot); !expanded) {
+  if (auto expanded = refuse_xacro(*robot,
+                                   "xacro FILE -o arm.urdf first, then --into arm.urdf: it "
+                                   "writes the lines to paste into the xacro");
+      !expanded) {
     return std::unexpected(std::move(expanded).error());
   }
   ARMSIG_TRY(ends, ends_of(*robot, given, record));

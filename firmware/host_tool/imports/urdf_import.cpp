@@ -144,6 +144,9 @@ Read<ImportedArm> import_urdf(const std::string& path, const std::string& base,
   const auto parse = [&]() -> Read<ImportedArm> {
     tinyxml2::XMLDocument document;
     ARMSIG_TRY(robot, parse_urdf(text, document));
+    if (auto expanded = refuse_xacro(*robot, "xacro FILE -o arm.urdf first"); !expanded) {
+      return std::unexpected(std::move(expanded).error());
+    }
     return ChainReader(*robot, base, tip).read();
   };
   return in_file(path, parse());

@@ -105,6 +105,27 @@ Read<void> find_link(const XMLElement& robot, const std::string& name) {
                     meant.empty() ? any_of(names) : meant);
 }
 
+std::string_view why_not_xml(tinyxml2::XMLError error) {
+  switch (error) {
+    case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
+      return "nothing is in it";
+    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+      return "an element is not closed, or under another name";
+    case tinyxml2::XML_ERROR_PARSING_ELEMENT:
+      return "an element has no end or no name";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+      return "an attribute is not NAME=\"VALUE\"";
+    case tinyxml2::XML_ERROR_PARSING_TEXT:
+      return "text that is in no element";
+    case tinyxml2::XML_ERROR_PARSING_COMMENT:
+      return "a comment has no end";
+    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
+      return "elements too deep inside each other";
+    default:
+      return "it can't be parsed";
+  }
+}
+
 }  // namespace
 
 std::unexpected<Problem> problem_at(const XMLElement& element, std::string what,
@@ -138,9 +159,19 @@ Read<void> check_urdf_name(const XMLElement& element, std::string_view whose) {
   return {};
 }
 
+Read<void> refuse_xacro(const XMLElement& robot, std::string expected) {
+  for (const XMLElement* element = robot.FirstChildElement(); element != nullptr;
+       element = element->NextSiblingElement()) {
+    if (!std::string_view(element->Name()).starts_with("xacro:")) continue;
+    return problem_at(*element, "xacro that is not expanded", std::move(expected));
+  }
+  return {};
+}
+
 Read<const XMLElement*> parse_urdf(std::string_view text, tinyxml2::XMLDocument& document) {
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    return problem_at(document.ErrorLineNum(), 0, fmt::format("not XML: {}", document.ErrorName()),
+    return problem_at(document.ErrorLineNum(), 0,
+                      fmt::format("not XML: {}", why_not_xml(document.ErrorID())),
                       "a URDF file; xacro must be expanded before");
   }
   const XMLElement* robot = document.FirstChildElement("robot");

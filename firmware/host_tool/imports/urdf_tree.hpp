@@ -26,9 +26,12 @@ struct UrdfJoint {
   const tinyxml2::XMLElement* mimic = nullptr;  // of a joint that follows another
 };
 
-// The robot of a document that was parsed from `text`; xacro must be expanded before.
+// The robot of a document that was parsed from `text`.
 [[nodiscard]] Read<const tinyxml2::XMLElement*> parse_urdf(std::string_view text,
                                                            tinyxml2::XMLDocument& document);
+
+// Refuses a robot with xacro in it, which must be expanded before; `expected`: how.
+[[nodiscard]] Read<void> refuse_xacro(const tinyxml2::XMLElement& robot, std::string expected);
 
 // The joints from link `base` to link `tip`, base first. Refuses links that are not there or not
 // below one another, a joint that is neither revolute, continuous, prismatic nor fixed, and a place

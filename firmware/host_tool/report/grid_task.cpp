@@ -34,16 +34,19 @@ evaluation::Indices median(const std::vector<evaluation::Indices>& all) {
 
 std::optional<GridTask> grid_task(const SignatureRecord& record,
                                   const refinement::Refined* estimate,
-                                  const std::optional<Signature>& truth) {
+                                  const std::optional<SignatureRecord>& truth) {
+  const refinement::ReadingModel readings = record.readings();
+  const evaluation::Turning turning{&readings, record.signature.configuration};
   if (truth) {
-    const auto comparison = evaluation::compare(record.nominal, record.signature, *truth);
+    const refinement::ReadingModel true_readings = truth->readings();
+    const auto comparison =
+        evaluation::compare(record.nominal, record.signature, truth->signature, {}, turning,
+                            {&true_readings, truth->signature.configuration});
     if (!comparison) return std::nullopt;
     return GridTask{.comparison = *comparison};
   }
   if (estimate == nullptr) return std::nullopt;
   const Eigen::MatrixXd half = Eigen::LLT<Eigen::MatrixXd>(covariance_of(*estimate)).matrixL();
-  const refinement::ReadingModel readings = record.readings();
-  const evaluation::Turning turning{&readings, record.signature.configuration};
   simulated::Random random(1);
   std::vector<evaluation::Indices> ideal;
   std::vector<evaluation::Indices> with_signature;

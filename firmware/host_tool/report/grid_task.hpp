@@ -23,6 +23,6 @@ struct GridTask {
 // signature may be from the arm. `estimate` may be null.
 [[nodiscard]] std::optional<GridTask> grid_task(const SignatureRecord& record,
                                                 const refinement::Refined* estimate,
-                                                const std::optional<Signature>& truth);
+                                                const std::optional<SignatureRecord>& truth);
 
 }  // namespace armsig::tool

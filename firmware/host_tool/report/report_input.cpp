@@ -66,7 +66,7 @@ Read<ReportInput> read_report_input(const ReportFiles& files) {
       return std::unexpected(Problem{files.truth, 0, 0, "its joints are not those of the signature",
                                      "the exact signature of the same arm"});
     }
-    input.truth = truth.signature;
+    input.truth = truth;
   }
   return input;
 }

@@ -30,7 +30,7 @@ struct ReportInput {
   ReportSource signature;  // its own crc32 line
   std::optional<MeasuredSweeps> measured;
   std::optional<ReportSource> measurements;
-  std::optional<Signature> truth;  // where the arm is simulated
+  std::optional<SignatureRecord> truth;  // where the arm is simulated
   CertificateNames names;
 };
 

@@ -74,43 +74,63 @@ std::unique_ptr<refinement::Refined> known(const Signature& signature,
   return arm;
 }
 
-void compare_with_truth(const SignatureRecord& record, const Arm& drawing, const Signature& truth,
-                        int tool, ToolErrorMap& map) {
-  const auto* found = std::ranges::find(truth.targets, tool, &Target::number);
-  if (found == truth.targets.end()) return;
-  const auto rms = [&](const Signature& model, const Pose& X_AM) {
-    return evaluation::rms_tool_error(model, truth, tool, X_AM, drawing.limits, kRmsConfigurations);
-  };
-  const auto arm = known(truth, {.couplings = record.nominal.couplings, .corrections = {}});
-  const auto index = static_cast<std::size_t>(found - truth.targets.begin());
-  map.true_drawing_rms_m = rms(drawn_model(drawing, *arm, index), Pose{});
-  map.true_rms_m = rms(record.signature, Pose{});
+// Where the arm of a record has its target while the encoders read `q`.
+Vector3 target_at(const SignatureRecord& arm, const Target& target, const JointVector& q) {
+  const Signature& signature = arm.signature;
+  return kinematics::target_position(
+      signature, refinement::true_readings(arm.readings(), signature.configuration, q), target);
+}
+
+const Target* target_numbered(const Signature& signature, int number) {
+  const auto* found = std::ranges::find(signature.targets, number, &Target::number);
+  return found == signature.targets.end() ? nullptr : found;
+}
+
+// Where the drawing, laid over an arm as `drawn`, has it.
+Vector3 drawn_target_at(const Signature& drawn, int number, const Arm& drawing,
+                        const JointVector& q) {
+  return kinematics::target_position(drawn, effective_readings(drawing, q),
+                                     *target_numbered(drawn, number));
+}
+
+void compare_with_truth(const SignatureRecord& record, const Arm& drawing,
+                        const SignatureRecord& truth, const Target& target, ToolErrorMap& map) {
+  const Signature& arm = truth.signature;
+  const Target* true_target = target_numbered(arm, target.number);
+  if (true_target == nullptr) return;
+  const auto index = static_cast<std::size_t>(true_target - arm.targets.begin());
+  const Signature drawn = drawn_model(drawing, *known(arm, truth.readings()), index);
+  double drawing_squares = 0;
+  double squares = 0;
+  for (int n = 1; n <= kRmsConfigurations; ++n) {
+    const JointVector q = evenly_spread_configuration(arm.types, drawing.limits, n);
+    const Vector3 p_S = target_at(truth, *true_target, q);
+    drawing_squares += (drawn_target_at(drawn, target.number, drawing, q) - p_S).squaredNorm();
+    squares += (target_at(record, target, q) - p_S).squaredNorm();
+  }
+  map.true_drawing_rms_m = std::sqrt(drawing_squares / kRmsConfigurations);
+  map.true_rms_m = std::sqrt(squares / kRmsConfigurations);
 }
 
 }  // namespace
 
 std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
                                            const refinement::Refined* estimate,
-                                           const std::optional<Signature>& truth) {
+                                           const std::optional<SignatureRecord>& truth) {
   const auto tool = tool_target(record.signature);
   if (!tool || record.nominal.limits.size() != record.signature.joint_count()) return std::nullopt;
   const Signature& signature = record.signature;
   const Target& target = signature.targets[*tool];
   const Arm drawing = judged_drawing(record);
   const Signature drawn = drawn_model(drawing, *known(signature, record.readings()), *tool);
-  const auto* drawn_tool = std::ranges::find(drawn.targets, target.number, &Target::number);
   ToolErrorMap map;
   map.over = record.deflections ? "the readings measured" : "the joint limits";
   double squares = 0;
   for (int n = 1; n <= kRmsConfigurations; ++n) {
     const JointVector q = evenly_spread_configuration(signature.types, drawing.limits, n);
     ToolErrorAt at;
-    const JointVector turned =
-        refinement::true_readings(record.readings(), signature.configuration, q);
-    at.p_S = kinematics::target_position(signature, turned, target);
-    const Vector3 p_drawn =
-        kinematics::target_position(drawn, effective_readings(record.nominal, q), *drawn_tool);
-    at.drawing_m = (p_drawn - at.p_S).norm();
+    at.p_S = target_at(record, target, q);
+    at.drawing_m = (drawn_target_at(drawn, target.number, drawing, q) - at.p_S).norm();
     squares += at.drawing_m * at.drawing_m;
     if (n > kMapPoints) continue;
     if (estimate != nullptr) {
@@ -126,7 +146,7 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
     }
     map.joint_share = joint_share(record, drawing.limits, *estimate, *tool);
   }
-  if (truth) compare_with_truth(record, drawing, *truth, target.number, map);
+  if (truth) compare_with_truth(record, drawing, *truth, target, map);
   return map;
 }
 

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// The paper's task on an arm whose readings err and that gravity bends: signature and truth turn by
+// what they know, the drawing knows of neither.
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "host_tests/cli/refined_arm.hpp"
+
+namespace armsig::cli {
+namespace {
+
+using nlohmann::json;
+
+// As drawn but for its readings and gravity.
+void refine_a_bent_arm(const Folder& folder) {
+  write_file(folder / "arm.yaml", kPuma560);
+  const Outcome outcome =
+      run_tool(folder,
+               "simulate --arm arm.yaml --hand-target-mm 80,30,120 --sigma-mm 0.02 --maps-deg 0.05 "
+               "--sag-mm 2 --mixed-poses 300 --seed 5 --out good.csv --truth-out truth.yaml");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  Csv rows = Csv::read(folder / "good.csv");
+  keep_mixed(rows);
+  const Outcome refined = refine(folder, rows);
+  ASSERT_EQ(refined.status, 0) << refined.err;
+}
+
+json evaluation(const Folder& folder, const std::string& truth) {
+  const Outcome outcome =
+      run_tool(folder, "evaluate --arm arm.yaml --signature s.yaml --json --truth " + truth);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  return json::parse(outcome.out)["evaluation"];
+}
+
+double radial_m(const json& of_model) { return of_model["radial_deviation_m"]; }
+
+TEST(Evaluate, touches_with_the_maps_and_the_gravity_of_the_arm_and_of_the_signature) {
+  const Folder folder;
+  ASSERT_NO_FATAL_FAILURE(refine_a_bent_arm(folder));
+  const json bent = evaluation(folder, "truth.yaml");
+  EXPECT_GT(radial_m(bent["ideal"]), 0.2e-3);
+  EXPECT_LT(radial_m(bent["with_signature"]), 0.3 * radial_m(bent["ideal"]));
+  // An arm that reads as it turns is not the one of this signature.
+  const json straight = evaluation(folder, "arm.yaml");
+  EXPECT_GT(radial_m(straight["with_signature"]), 3 * radial_m(bent["with_signature"]));
+}
+
+TEST(Report, compares_with_an_arm_that_bends_where_its_tool_really_is) {
+  const Folder folder;
+  ASSERT_NO_FATAL_FAILURE(refine_a_bent_arm(folder));
+  const Outcome outcome =
+      run_tool(folder, "report --signature s.yaml --truth truth.yaml --out r.html");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string page = read_file(folder / "r.html");
+  const auto number = [&](const std::string& key) {
+    const std::size_t at = page.find("\"" + key + "\":");
+    return at == std::string::npos ? -1 : std::stod(page.substr(at + key.size() + 3));
+  };
+  const double predicted_m = number("predicted_rms_m");
+  ASSERT_GT(predicted_m, 0);
+  EXPECT_GT(number("true_rms_m"), 0.4 * predicted_m);
+  EXPECT_LT(number("true_rms_m"), 1.6 * predicted_m);
+  EXPECT_GT(number("true_drawing_rms_m"), 0.3e-3);
+}
+
+}  // namespace
+}  // namespace armsig::cli
