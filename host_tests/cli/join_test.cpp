@@ -47,6 +47,30 @@ TEST(Join, puts_together_what_was_taken_apart_and_finds_the_sweeps) {
   EXPECT_EQ(found.status, 0) << found.err;
 }
 
+TEST(Join, refuses_files_that_end_with_their_header) {
+  const Folder folder;
+  const std::string header = "Name;A1 [deg];A2 [deg];A3 [deg];A4 [deg];A5 [deg];A6 [deg]\n";
+  write_file(folder / "log.txt", header + "P1;1;2;3;4;5;6\n");
+  write_file(folder / "no-poses.txt", header);
+  write_file(folder / "points.txt", "Name;X [mm];Y [mm];Z [mm]\nP1;1;2;3\n");
+  write_file(folder / "no-points.txt", "Name;X [mm];Y [mm];Z [mm]\n");
+  const auto expect = [&](const std::string& log, const std::string& points,
+                          const std::string& words) {
+    for (const std::string by : {"name", "order", "time"}) {
+      const Outcome joined = run_tool(folder, "join --arm puma560 --joints " + log + " --points " +
+                                                  points + " --out joined.csv --by " + by);
+      EXPECT_EQ(joined.status, 2) << by;
+      EXPECT_EQ(joined.err, "armsig: " + words + "\n") << by;
+    }
+  };
+  expect("log.txt", "no-points.txt",
+         "no-points.txt:1: no rows below the header; expected a row for each point, with its "
+         "position");
+  expect("no-poses.txt", "points.txt",
+         "no-poses.txt:1: no rows below the header; expected a row for each pose, with the joints' "
+         "readings");
+}
+
 TEST(Join, refuses_in_one_line_with_status_2) {
   const Folder folder;
   write_file(folder / "log.txt", "Name;A1 [deg]\nP1;10\n");

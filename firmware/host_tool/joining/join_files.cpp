@@ -18,8 +18,13 @@ LoggedTime time_of(const ForeignRow& row, const std::optional<std::size_t>& colu
   return {field, field.empty() ? std::nullopt : seconds_of(field)};
 }
 
-std::span<const ForeignRow> data_of(const ForeignTable& table, const Columns& columns) {
-  return std::span(table.rows).subspan(columns.first_row);
+// The rows below the header; `expected`: what stands in each.
+Read<std::span<const ForeignRow>> data_of(const ForeignTable& table, const Columns& columns,
+                                          const char* expected) {
+  const auto rows = std::span(table.rows).subspan(columns.first_row);
+  if (!rows.empty()) return rows;
+  return std::unexpected(Problem{table.file, static_cast<int>(table.rows.back().line), 0,
+                                 "no rows below the header", expected});
 }
 
 Read<LoggedPose> logged_pose(const ForeignTable& table, const ForeignRow& row,
@@ -65,8 +70,9 @@ Read<std::vector<LoggedPose>> read_joint_log(const std::string& path, const Join
         fmt::format("no header with the readings of {} joints and their units", types.size()),
         "such as A1 [deg] or q1_deg, or A1 and --units deg,mm"});
   }
+  ARMSIG_TRY(rows, data_of(table, columns, "a row for each pose, with the joints' readings"));
   std::vector<LoggedPose> poses;
-  for (const ForeignRow& row : data_of(table, columns)) {
+  for (const ForeignRow& row : rows) {
     ARMSIG_TRY(pose, logged_pose(table, row, columns));
     poses.push_back(pose);
   }
@@ -83,8 +89,9 @@ Read<std::vector<TrackedPoint>> read_tracked_points(const std::string& path,
                                    "no header with x, y, z and their unit",
                                    "such as X [mm], or X and --units mm"});
   }
+  ARMSIG_TRY(rows, data_of(table, columns, "a row for each point, with its position"));
   std::vector<TrackedPoint> points;
-  for (const ForeignRow& row : data_of(table, columns)) {
+  for (const ForeignRow& row : rows) {
     ARMSIG_TRY(point, tracked_point(table, row, columns));
     points.push_back(point);
   }
