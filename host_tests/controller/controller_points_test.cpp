@@ -152,6 +152,21 @@ TEST(Identify, ends_where_the_arm_is_moved_at_every_try) {
   EXPECT_TRUE(puma.last("# identify ended").ends_with(" joint=5"));
 }
 
+TEST(Identify, counts_the_tries_of_each_point_alone) {
+  Measured puma;
+  puma.measure(2);
+  int tries = 0;
+  for (int i = 0; i < 50'000 && puma.sequence().points_done() < 4; ++i) {
+    if (puma.now().settled == std::chrono::milliseconds(250) && tries++ % 3 < 2) {
+      puma.cabinet->drive(4).push(5e-4 * test::kPumaCountsPerRadian);
+    }
+    puma.cabinet->step();
+  }
+  EXPECT_EQ(puma.sequence().points_done(), 4U);
+  EXPECT_EQ(puma.told("# identify point refused error=ARM_MOVED "), 4U);
+  EXPECT_TRUE(puma.sequence().is_running());
+}
+
 TEST(Identify, ends_by_a_halt_and_by_a_fault_with_its_joint) {
   Measured halted;
   halted.measure(1);
