@@ -69,6 +69,21 @@ TEST(SweepOfASlide, goes_between_its_limits_whatever_the_arc) {
   EXPECT_FALSE(sweep.next());
 }
 
+TEST(Sweep, of_more_than_a_turn_does_not_measure_its_first_place_again) {
+  Configuration c = test::puma_controller();
+  c.drawing.limits[5] = {radians(-270), radians(270)};
+  c.sweeps.configuration[5] = 0;
+  c.sweeps.arc_rad = radians(180);
+  c.sweeps.points = 7;
+  c.sweeps.most_points = 14;
+  Sweep sweep(c, 5);
+  for (const double place : {-90, -60, -30, 0, 30, 60, 90, 120, 150, 180, 210, 240, 225, 195}) {
+    ASSERT_TRUE(sweep.next());
+    EXPECT_NEAR(degrees(*sweep.next()), place, 1e-9);
+    sweep.skip();
+  }
+}
+
 TEST(Sweep, has_no_feature_before_it_is_asked_for_and_worked_out) {
   const Configuration c = narrow();
   Sweep sweep(c, 0);
