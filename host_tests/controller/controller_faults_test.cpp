@@ -99,8 +99,8 @@ TEST(BusFaults, in_the_middle_of_an_identification_end_it) {
 }
 
 // From q with the forearm bent, where lines of the tool are free.
-struct Bent : PumaCabinet {
-  Bent() {
+struct Elbow : PumaCabinet {
+  Elbow() {
     EXPECT_TRUE(enable());
     EXPECT_EQ(ask("move q3_deg=10 q5_deg=40"), "ok");
     EXPECT_TRUE(run_until(Mode::kServoing, 0.1));
@@ -119,7 +119,7 @@ struct Bent : PumaCabinet {
 };
 
 TEST(PathFaults, a_line_that_meets_a_joint_limit_in_its_middle_is_refused_before_it_begins) {
-  Bent puma;
+  Elbow puma;
   ASSERT_EQ(puma.ask("move q4_deg=0 q5_deg=95"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
   ASSERT_TRUE(puma.run_until(Mode::kHolding));
@@ -131,7 +131,7 @@ TEST(PathFaults, a_line_through_a_singularity_and_one_out_of_reach_are_refused) 
   PumaCabinet straight;  // axes 4 and 6 are one line
   ASSERT_TRUE(straight.enable());
   EXPECT_TRUE(straight.ask("move dx_mm=-150 dy_mm=150").starts_with("error SINGULAR_PATH "));
-  Bent puma;
+  Elbow puma;
   puma.expect_refused("move x_mm=3000 y_mm=0 z_mm=0", Error::kOutOfReach);
 }
 

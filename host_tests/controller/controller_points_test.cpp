@@ -152,6 +152,37 @@ TEST(Identify, ends_where_the_arm_is_moved_at_every_try) {
   EXPECT_TRUE(puma.last("# identify ended").ends_with(" joint=5"));
 }
 
+TEST(Identify, counts_the_tries_of_each_point_alone) {
+  Measured puma;
+  puma.measure(2);
+  int tries = 0;
+  for (int i = 0; i < 50'000 && puma.sequence().points_done() < 4; ++i) {
+    if (puma.now().settled == std::chrono::milliseconds(250) && tries++ % 3 < 2) {
+      puma.cabinet->drive(4).push(5e-4 * test::kPumaCountsPerRadian);
+    }
+    puma.cabinet->step();
+  }
+  EXPECT_EQ(puma.sequence().points_done(), 4U);
+  EXPECT_EQ(puma.told("# identify point refused error=ARM_MOVED "), 4U);
+  EXPECT_TRUE(puma.sequence().is_running());
+}
+
+TEST(Identify, tells_what_it_found_to_a_tenth_of_a_micrometre) {
+  Measured puma;
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
+  const auto decimals = [](const std::string& line, const std::string& key) {
+    const std::size_t point = line.find('.', line.find(key));
+    return std::min(line.find(' ', point), line.size()) - point - 1;
+  };
+  const std::string candidate = puma.ask("candidate");
+  EXPECT_EQ(decimals(candidate, " candidate_rms_mm="), 4U) << candidate;
+  EXPECT_EQ(decimals(candidate, " active_rms_mm="), 4U);
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  const std::string signature = puma.ask("signature");
+  EXPECT_EQ(decimals(signature, " held_out_rms_mm="), 4U) << signature;
+  EXPECT_EQ(decimals(signature, " predicted_sigma_mm="), 4U);
+}
+
 TEST(Identify, ends_by_a_halt_and_by_a_fault_with_its_joint) {
   Measured halted;
   halted.measure(1);

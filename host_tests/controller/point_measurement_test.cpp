@@ -203,5 +203,43 @@ TEST(PointMeasurement, gives_up_with_the_reason_when_the_pings_allowed_are_used_
   EXPECT_EQ(pings, static_cast<int>(point.configuration.dwell.most_pings));
 }
 
+TEST(PointMeasurement, begun_anew_while_it_is_worked_out_begins_with_the_next_ping) {
+  Point point;
+  point.measurement.begin(point.now);
+  for (std::size_t i = 0; i < point.configuration.dwell.pings; ++i) {
+    ASSERT_TRUE(point.step(point.heard()));
+  }
+  ASSERT_TRUE(point.measurement.is_computing());
+  point.measurement.begin(point.now);
+  EXPECT_FALSE(point.measurement.is_computing());
+}
+
+// A slow processor works longer than a sensor may be silent.
+TEST(PointMeasurement, blames_no_sensor_for_the_time_in_which_it_does_not_listen) {
+  const auto timeout =
+      std::chrono::duration_cast<milliseconds>(test::puma_controller().sensor.reading_timeout);
+  for (const bool located : {true, false}) {
+    Point point;
+    point.measurement.begin(point.now);
+    for (std::size_t i = 0; i < point.configuration.dwell.pings; ++i) {
+      hal::RangeReading reading = point.heard();
+      for (std::size_t k = 2; k < reading.receivers.size() && !located; ++k) {
+        reading.receivers[k].valid = false;
+      }
+      ASSERT_TRUE(point.step(reading));
+    }
+    for (int i = 0; i < 1000 && point.measurement.is_computing(); ++i) {
+      EXPECT_TRUE(point.silence(timeout));
+    }
+    EXPECT_TRUE(point.silence(timeout)) << "pings are waited for as long as before";
+    const Stepped later = point.silence(milliseconds(1));
+    if (located) {
+      EXPECT_TRUE(later) << "nothing is waited for where the point is found";
+    } else {
+      EXPECT_EQ(test::failure_of(later), Error::kSensorSilent);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace armsig::controller

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/crc32.hpp"
+#include "firmware/controller/record_store.hpp"
 #include "host_tests/support/ram_memory.hpp"
 #include "host_tests/support/set_drives.hpp"
 
@@ -126,6 +127,31 @@ TEST(PositionKeeper, keeps_nothing_in_a_memory_without_its_sector) {
   EXPECT_FALSE(keeper.load(6));
   keeper.begin(readings_of(1));
   EXPECT_FALSE(keeper.is_writing());
+}
+
+TEST(PositionKeeper, that_loads_again_knows_only_what_is_there_now) {
+  test::RamMemory memory;
+  keep(memory, 1);
+  PositionKeeper keeper(memory, kSector);
+  ASSERT_TRUE(keeper.load(6));
+  ASSERT_TRUE(memory.erase_sector(kSector));
+  EXPECT_FALSE(keeper.load(6));
+}
+
+TEST(PositionKeeper, neither_takes_nor_keeps_any_in_pages_too_small_or_too_large_for_it) {
+  test::RamMemory good;
+  keep(good, 1);
+  for (const std::size_t page_bytes : {std::size_t{64}, kLargestPage + 1}) {
+    test::RamMemory memory(
+        {.page_bytes = page_bytes, .pages_per_sector = 8, .sectors = kSector + 1});
+    const std::size_t begin = kSector * memory.layout().sector_bytes();
+    std::copy_n(good.bytes.begin() + kBegin, kImage,
+                memory.bytes.begin() + static_cast<std::ptrdiff_t>(begin));
+    PositionKeeper keeper(memory, kSector);
+    EXPECT_FALSE(keeper.load(6)) << page_bytes;
+    keeper.begin(readings_of(2));
+    EXPECT_FALSE(keeper.is_writing()) << page_bytes;
+  }
 }
 
 TEST(KeepPositions, is_for_drives_without_torque_alone) {

@@ -53,6 +53,24 @@ TEST(RecordDecoding, takes_what_was_encoded_with_its_hand_target_or_without_one)
   }
 }
 
+// So that a record is the same bytes whatever was in the memory, of a reader of another maker too.
+TEST(RecordEncoding, leaves_zeros_where_an_arm_has_no_joint_no_target_and_no_map) {
+  SignatureRecord record = good();
+  record.signature.targets.clear();
+  const RecordImage image = encode(record);
+  constexpr std::size_t kReadings = 24;
+  constexpr std::size_t kTarget = kReadings + 8 * 8 + 9 * 12 * 8;
+  constexpr std::size_t kMaps = 1416;
+  const auto zeros = [&image](std::size_t begin, std::size_t end) {
+    return std::all_of(image.begin() + begin, image.begin() + end,
+                       [](std::uint8_t byte) { return byte == 0; });
+  };
+  EXPECT_FALSE(zeros(kReadings + 5 * 8, kReadings + 6 * 8));
+  EXPECT_TRUE(zeros(kReadings + 6 * 8, kReadings + 8 * 8));
+  EXPECT_TRUE(zeros(kTarget, kTarget + 8 + 3 * 8));
+  EXPECT_TRUE(zeros(kMaps, kRecordBytes - 4));
+}
+
 TEST(RecordDecoding, refuses_another_magic_version_or_length_and_no_joint_or_nine) {
   for (const std::size_t at : {0U, 1U, 2U, 3U, 4U, 5U, 8U, 9U, 10U, 11U}) {
     EXPECT_EQ(refusal_of([at](RecordImage& image) { image[at] ^= 1; }), Error::kRecordCorrupt)

@@ -2,6 +2,7 @@
 // When the servo tick gives torque, how far a move is at each tick, how a halt ends it, and what it
 // publishes.
 #include <chrono>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -159,6 +160,27 @@ TEST(ServoHalt, ends_a_move_by_the_ramp_of_the_joint_that_has_the_longest_to_bra
   EXPECT_EQ(bench.follow().mode, Mode::kHolding);
 }
 
+TEST(ServoHalt, said_again_while_it_brakes_changes_nothing) {
+  Bench once;
+  Bench twice;
+  for (Bench* bench : {&once, &twice}) {
+    ASSERT_NO_FATAL_FAILURE(bench->hold());
+    ASSERT_EQ(bench->send(bench->move_by(2, -1.0)), std::nullopt);
+    for (int i = 0; i < 400; ++i) bench->follow();
+    ASSERT_EQ(bench->send(CommandKind::kHalt), std::nullopt);
+    for (int i = 0; i < 60; ++i) bench->follow();
+    ASSERT_TRUE(bench->link.snapshot.read().moving);
+  }
+  once.tick();
+  ASSERT_EQ(twice.send(CommandKind::kHalt), std::nullopt);
+  for (int i = 0; i < 200; ++i) {
+    once.follow();
+    twice.follow();
+    ASSERT_EQ(twice.drives.targets[2], once.drives.targets[2]) << i;
+  }
+  EXPECT_FALSE(twice.link.snapshot.read().moving);
+}
+
 // The background may send the next move of a sequence before it has seen that the tick took a halt.
 TEST(ServoHalt, leaves_a_sequence_no_further_move) {
   Bench bench;
@@ -192,6 +214,34 @@ TEST(ServoPublishes, how_long_the_arm_has_stood_within_the_tolerance) {
   EXPECT_EQ(bench.send(CommandKind::kDisable), std::nullopt);
   bench.tick();
   EXPECT_EQ(bench.tick().settled, hal::Duration::zero()) << "without torque";
+}
+
+TEST(ServoPublishes, that_the_arm_does_not_stand_where_any_joint_is_off_its_place) {
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    Bench bench;
+    ASSERT_NO_FATAL_FAILURE(bench.hold());
+    ASSERT_GT(bench.tick().settled, hal::Duration::zero());
+    bench.drives.actual[joint] += 1.1e-4;
+    EXPECT_EQ(bench.tick().settled, hal::Duration::zero()) << joint;
+  }
+}
+
+TEST(ServoPublishes, each_tick_to_who_looks_on) {
+  class Ticks final : public TickObserver {
+   public:
+    std::vector<hal::Duration> lateness;
+
+   private:
+    void do_take(const Snapshot& snapshot, hal::Duration late) override {
+      EXPECT_EQ(snapshot.lateness.total, lateness.size() + 1);
+      lateness.push_back(late);
+    }
+  } ticks;
+  Bench bench;
+  bench.link.observer = &ticks;
+  bench.tick();
+  bench.tick(milliseconds(1));
+  EXPECT_EQ(ticks.lateness, (std::vector<hal::Duration>{{}, milliseconds(1)}));
 }
 
 TEST(ServoPublishes, what_the_drives_say_joint_by_joint) {
