@@ -38,13 +38,13 @@ Csv with_a_moved_tracker(Csv rows, double shift_mm) {
   return rows;
 }
 
-struct Judged {
+struct JudgedSweeps {
   double ratio = 0;  // observed over stated tool error
   nlohmann::json left_out;
   std::string err;
 };
 
-Judged judge(const Folder& folder, const Csv& rows, const std::string& method) {
+JudgedSweeps judge_sweeps(const Folder& folder, const Csv& rows, const std::string& method) {
   rows.write(folder / "m.csv");
   const Outcome outcome = run_tool(
       folder,
@@ -66,7 +66,7 @@ TEST(ContradictingSweeps, are_not_found_in_a_sound_file) {
   const Folder folder;
   const Csv rows = sweeps_of_a_puma(folder);
   for (const std::string method : {"paper", "encoder"}) {
-    const Judged sound = judge(folder, rows, method);
+    const JudgedSweeps sound = judge_sweeps(folder, rows, method);
     EXPECT_GT(sound.ratio, 0.5) << method;
     EXPECT_LT(sound.ratio, 2) << method;  // of one arm
     EXPECT_EQ(sound.left_out["rows"], kRows);
@@ -78,7 +78,7 @@ TEST(ContradictingSweeps, are_counted_and_stated) {
   const Folder folder;
   const Csv rows = with_a_moved_tracker(sweeps_of_a_puma(folder), 1);
   for (const std::string method : {"paper", "encoder"}) {
-    const Judged moved = judge(folder, rows, method);
+    const JudgedSweeps moved = judge_sweeps(folder, rows, method);
     EXPECT_LT(moved.ratio, 1.2) << method;  // 4 by the features alone
     EXPECT_GT(moved.ratio, 0.3) << method;
     EXPECT_EQ(moved.left_out["rows"], kRows);
@@ -94,7 +94,7 @@ TEST(ContradictingSweeps, are_told_from_blunders) {
   for (const std::size_t k : {5U, 40U, 77U}) {
     rows.rows[k][rows.column("x_mm")] = std::to_string(rows.number(k, "x_mm") + 40);
   }
-  const Judged blundered = judge(folder, rows, "encoder");
+  const JudgedSweeps blundered = judge_sweeps(folder, rows, "encoder");
   EXPECT_LT(blundered.ratio, 2);
   EXPECT_EQ(blundered.left_out["rows"], kRows);
   EXPECT_GT(blundered.left_out["largest_m"], 30e-3);
