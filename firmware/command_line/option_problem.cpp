@@ -73,6 +73,19 @@ std::optional<Problem> out_of_range(const CLI::App& command, std::string_view me
                      std::move(expected));
 }
 
+constexpr std::string_view kNotFinite = " is not a finite number";
+
+std::optional<Problem> not_finite(std::string_view message) {
+  if (!message.ends_with(kNotFinite)) return std::nullopt;
+  return wrong_usage(std::string(message), "a number");
+}
+
+// Words that are no number at all are left to the parser, which says so.
+std::string refused_where_not_finite(const std::string& word) {
+  const std::string why = parse_number(word) ? "" : why_not_a_number(word);
+  return why.ends_with(kNotFinite) ? why : "";
+}
+
 }  // namespace
 
 Problem wrong_usage(std::string what, std::string expected) {
@@ -105,7 +118,18 @@ Problem option_problem(const CLI::App& command, std::string_view called,
   const std::string message = error.what();
   if (auto wrong = wrong_word(message)) return *wrong;
   if (auto wrong = out_of_range(command, message)) return *wrong;
+  if (auto wrong = not_finite(message)) return *wrong;
   return wrong_usage(message, fmt::format("what {} --help says", called));
+}
+
+void demand_finite_numbers(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({})) demand_finite_numbers(*command);
+  for (CLI::Option* option : app.get_options()) {
+    // The type of an option with a check is followed by the check's name.
+    if (option->get_type_name().starts_with("FLOAT")) {
+      option->check(CLI::Validator(refused_where_not_finite, ""));
+    }
+  }
 }
 
 }  // namespace armsig::tool

@@ -31,4 +31,8 @@ namespace armsig::tool {
                                      const CLI::ParseError& error,
                                      std::span<const std::string> words);
 
+// No option of `app` and its commands that takes numbers takes "nan" or "inf": comparisons with a
+// range let the former pass.
+void demand_finite_numbers(CLI::App& app);
+
 }  // namespace armsig::tool

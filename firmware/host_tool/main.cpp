@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/command_line/option_problem.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/command.hpp"
@@ -82,6 +83,7 @@ int run(int argc, char** argv) {
   add_join(app, status);
   add_connect(app, status);
   add_examples(app);
+  demand_finite_numbers(app);
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (asks_for_standard_output(words)) leave_standard_output_to_the_file();
   try {

@@ -50,6 +50,11 @@ TEST(Check, compares_with_another_drawing_where_it_is_given_one) {
     return json::parse(outcome.out)["nominal"]["rms_m"].get<double>();
   };
   EXPECT_GT(nominal_rms_m("--arm other.yaml"), 2 * nominal_rms_m(""));
+  other.replace(other.find("a_mm: 531.8"), 11, "a_mm: 2531.8");
+  write_file(folder / "other.yaml", other);
+  ASSERT_GT(nominal_rms_m("--arm other.yaml"), 0.1);
+  EXPECT_NE(check(folder, held, "--arm other.yaml").out.find("base and tool fitted "),
+            std::string::npos);
   write_file(folder / "other.yaml", kTwoJointArm);
   EXPECT_EQ(check(folder, held, "--arm other.yaml").status, 2);
 }

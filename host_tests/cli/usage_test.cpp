@@ -66,6 +66,18 @@ TEST(Usage, says_which_numbers_an_option_takes) {
                "--points: \"five\" is not a number; expected a number from 6 to 1000");
 }
 
+// A comparison with a range lets "nan" pass.
+TEST(Usage, takes_no_number_that_is_not_finite) {
+  const std::string plan = "plan --arm ur10e --out p.csv ";
+  expect_words(plan + "--arc nan", "--arc: \"nan\" is not a finite number; expected a number");
+  expect_words(plan + "--box-mm 0,0,-inf,1,1,1",
+               "--box-mm: \"-inf\" is not a finite number; expected a number");
+  expect_words("suggest --signature s.yaml --out n.csv --sigma-mm nan",
+               "--sigma-mm: \"nan\" is not a finite number; expected a number");
+  expect_words("simulate --arm ur10e --out m.csv --sigma-mm NaN",
+               "--sigma-mm: \"NaN\" is not a finite number; expected a number");
+}
+
 TEST(Usage, names_the_option_of_the_program_that_was_meant) {
   expect_words("--hlep", "armsig has no option \"--hlep\"; expected --help");
   expect_words("-x", "armsig has no option \"-x\"; expected what armsig --help lists");

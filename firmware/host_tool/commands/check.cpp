@@ -55,7 +55,7 @@ struct Checked {
 };
 
 void print_residuals(const char* of, double rms_m, double mean_m, double largest_m) {
-  say("  {:<37}{:7.3f} mm RMS, {:.3f} mean, {:.3f} at most\n", of, 1e3 * rms_m, 1e3 * mean_m,
+  say("  {:<37} {:6.3f} mm RMS, {:.3f} mean, {:.3f} at most\n", of, 1e3 * rms_m, 1e3 * mean_m,
       1e3 * largest_m);
 }
 

@@ -21,6 +21,7 @@
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 #include "firmware/host_tool/signature/record.hpp"
+#include "firmware/host_tool/signature/scale_in_doubt.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -239,6 +240,7 @@ int run(IdentifyOptions options) {
     record.warnings.push_back(doubt->refuses
                                   ? "accepted as a different arm: " + problem.what
                                   : fmt::format("{}: {}", problem.what, problem.expected));
+    state_scale(record, doubt->lengths_factor, doubt->lengths_probability);
   }
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);

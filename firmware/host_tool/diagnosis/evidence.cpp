@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kFewestForNoise = 8;
 constexpr double kTrimmedShare = 0.7;
 constexpr double kMedianLengthOf3 = 1.538;  // of three unit normal errors
+constexpr double kBlunder = 3.8;            // medians
 constexpr double kHuber = 2.5;              // in sigmas per axis
 
 // What is left of positions about a + b f + c g, per axis, by the median of the lengths.
@@ -63,6 +64,10 @@ double median_of(std::vector<double> values) {
 
 double sigma_by_median(std::vector<double> lengths) {
   return median_of(std::move(lengths)) / kMedianLengthOf3;
+}
+
+double blunder_gate_m(std::vector<double> lengths_m) {
+  return kBlunder * median_of(std::move(lengths_m));
 }
 
 double huber_weight(double length_m, double sigma_m) {

@@ -22,6 +22,9 @@ inline constexpr double kGoldenShare = 0.6180339887498949;
 inline constexpr double kLeastSigma_m = 2e-6;
 // Huber's weight of an error of this length, over the variance.
 [[nodiscard]] double huber_weight(double length_m, double sigma_m);
+// Beyond it an error in space is a blunder among errors of these lengths: so many times their
+// median, which is 5.9 sigma. Precondition: not empty.
+[[nodiscard]] double blunder_gate_m(std::vector<double> lengths_m);
 // RMS of the smallest seven tenths of lengths. Precondition: not empty.
 [[nodiscard]] double trimmed_rms(std::vector<double> lengths);
 

@@ -137,7 +137,9 @@ std::optional<Doubt> doubt_of_scale(const Evidence& evidence, const NearFit& fit
       .cause = fmt::format("divided by it the axes are within {} of the drawing's, instead of {}",
                            short_length(scale->after_m), short_length(scale->before_m)),
       .expected = kMendOfScale,
-      .refuses = scale->evidence > kStrongEvidence && off > kLeastFactor};
+      .refuses = scale->evidence > kStrongEvidence && off > kLeastFactor,
+      .lengths_factor = scale->factor,
+      .lengths_probability = 1 / (1 + std::exp(kFairEvidence - scale->evidence))};
 }
 
 // What changed while it was measured: said where it has evidence and explains something, refused

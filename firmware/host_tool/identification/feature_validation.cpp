@@ -6,32 +6,49 @@
 
 #include "core/calibration/fit_row.hpp"
 #include "core/kinematics/s_model_chain.hpp"
+#include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {
 namespace {
 
 // Mixed poses say more of an arm than its sweeps, once there are as many as two a fold.
 constexpr std::size_t kEnoughMixed = 2 * calibration::kFolds;
-// Residuals beyond so many times their median are gross outliers: for the lengths of errors of
-// three coordinates, 5.9 sigma.
-constexpr double kGate = 3.8;
-
-CrossValidation summary(std::vector<double> residuals_m) {
+// Each set is judged by its own median: a sweep that is missed as a whole holds no blunders.
+CrossValidation summary(const std::map<std::pair<std::size_t, int>, std::vector<double>>& sets_m) {
   CrossValidation result;
-  if (residuals_m.empty()) return result;
-  const auto middle = residuals_m.begin() + static_cast<std::ptrdiff_t>(residuals_m.size() / 2);
-  std::ranges::nth_element(residuals_m, middle);
-  const double gate_m = kGate * *middle;
-  for (const double residual_m : residuals_m) {
-    if (residual_m > gate_m) continue;
-    ++result.rows;
-    result.mean_m += residual_m;
-    result.rms_m += residual_m * residual_m;
-    result.largest_m = std::max(result.largest_m, residual_m);
+  double mean = 0;
+  double squares = 0;
+  double mean_kept = 0;
+  double squares_kept = 0;
+  for (const auto& [of, lengths_m] : sets_m) {
+    const double gate_m = blunder_gate_m(lengths_m);
+    for (const double length_m : lengths_m) {
+      ++result.rows;
+      mean += length_m;
+      squares += length_m * length_m;
+      result.largest_m = std::max(result.largest_m, length_m);
+      if (length_m > gate_m) {
+        ++result.far_off;
+      } else {
+        mean_kept += length_m;
+        squares_kept += length_m * length_m;
+      }
+    }
   }
-  result.mean_m /= static_cast<double>(result.rows);
-  result.rms_m = std::sqrt(result.rms_m / static_cast<double>(result.rows));
+  if (result.rows == 0) return result;
+  const auto rows = static_cast<double>(result.rows);
+  const auto kept = static_cast<double>(result.rows - result.far_off);
+  result.mean_m = mean / rows;
+  result.rms_m = std::sqrt(squares / rows);
+  result.mean_kept_m = mean_kept / kept;
+  result.rms_kept_m = std::sqrt(squares_kept / kept);
   return result;
+}
+
+std::size_t rows_of(const std::map<std::pair<std::size_t, int>, std::vector<double>>& sets_m) {
+  std::size_t rows = 0;
+  for (const auto& [of, lengths_m] : sets_m) rows += lengths_m.size();
+  return rows;
 }
 
 }  // namespace
@@ -71,12 +88,14 @@ void FeatureValidation::score(const LocatedRow& row) {
   const auto* target = std::ranges::find(model.targets, row.target, &Target::number);
   if (target == model.targets.end()) return;
   const double residual_m = (row.p_S - kinematics::target_position(model, row.q, *target)).norm();
-  (row.sweep == 0 ? mixed_residuals_m_ : swept_residuals_m_).push_back(residual_m);
+  auto& set_m =
+      row.sweep == 0 ? mixed_residuals_m_[{}] : swept_residuals_m_[{row.sweep, row.target}];
+  set_m.push_back(residual_m);
 }
 
 CrossValidation FeatureValidation::result() const {
-  return summary(mixed_residuals_m_.size() >= kEnoughMixed ? mixed_residuals_m_
-                                                           : swept_residuals_m_);
+  return summary(rows_of(mixed_residuals_m_) >= kEnoughMixed ? mixed_residuals_m_
+                                                             : swept_residuals_m_);
 }
 
 }  // namespace armsig::tool

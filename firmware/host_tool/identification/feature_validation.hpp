@@ -31,7 +31,6 @@ class FeatureValidation {
   void score(const LocatedRow& row);
 
   // Over the mixed poses where there are enough of them, otherwise over the rows of the sweeps.
-  // Gross outliers do not count.
   [[nodiscard]] CrossValidation result() const;
 
  private:
@@ -40,9 +39,10 @@ class FeatureValidation {
 
   std::vector<SweepSet> folds_;
   std::vector<Signature> models_;
-  std::map<std::pair<std::size_t, int>, std::size_t> dealt_;
-  std::vector<double> swept_residuals_m_;
-  std::vector<double> mixed_residuals_m_;
+  using OfSweep = std::pair<std::size_t, int>;  // a sweep and its target
+  std::map<OfSweep, std::size_t> dealt_;
+  std::map<OfSweep, std::vector<double>> swept_residuals_m_;
+  std::map<OfSweep, std::vector<double>> mixed_residuals_m_;  // of all targets, one entry
 };
 
 }  // namespace armsig::tool

@@ -135,7 +135,12 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
     const CrossValidation& left_out = *found.validation;
     say("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
         left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
-    if (found.refinement && found.refinement->left_out) print_left_out(*found.refinement->left_out);
+    if (found.refinement && found.refinement->left_out) {
+      print_left_out(*found.refinement->left_out);
+    } else if (left_out.far_off > 0) {
+      say("  without the {} of them that are far off: {:.3f} mm RMS, {:.3f} mm mean\n",
+          left_out.far_off, 1e3 * left_out.rms_kept_m, 1e3 * left_out.mean_kept_m);
+    }
   } else {
     say("  too few rows to leave some of them out of the fit\n");
   }
@@ -240,6 +245,10 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
     json["cross_validation"]["stated_rms_m"] = score.stated_rms_m;
     json["cross_validation"]["enlarged_by"] = score.factor;
     json["cross_validation"]["region_squares"] = score.region_squares;
+  } else if (found.validation && found.validation->rows > 0) {
+    json["cross_validation"]["rejected"] = found.validation->far_off;
+    json["cross_validation"]["mean_kept_m"] = found.validation->mean_kept_m;
+    json["cross_validation"]["rms_kept_m"] = found.validation->rms_kept_m;
   }
   if (record.predicted_tool_error_m) {
     json["predicted_tool_error_m"] = *record.predicted_tool_error_m;

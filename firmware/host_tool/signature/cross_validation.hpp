@@ -13,6 +13,10 @@ struct CrossValidation {
   double mean_m = 0;
   double rms_m = 0;
   double largest_m = 0;
+  // Without those that are far from the others of their sweep.
+  std::size_t far_off = 0;
+  double mean_kept_m = 0;
+  double rms_kept_m = 0;
 };
 
 }  // namespace armsig::tool
