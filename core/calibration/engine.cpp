@@ -46,7 +46,7 @@ void Engine::evaluate_rows(Units rows) {
 }
 
 void Engine::evaluate(FitRow& row, const ChainFrames& frames) const {
-  const Vector3 p_S = frames.X_SL * targets_[row.target].p_L;
+  const Vector3 p_S = frames.X_SL * targets_[row.target].p_L + behind(row, frames);
   const SensorModel& sensor = model_.sensor;
   if (!row.is_range()) {
     row.residual = row.p_S - (1 + sensor.scale) * p_S;
@@ -100,6 +100,7 @@ void Engine::move(double fraction) {
     if (!maps_on_) continue;
     for (std::size_t k = 0; k < kKnots; ++k) joint.map[k] += fraction * work_.map_step[j][k];
   }
+  if (play_on_) play_->half += fraction * play_->step;
   for (std::size_t k = 0; k < model_.further.size(); ++k) {
     value_of(model_, model_.further[k]) += fraction * step[further_column() + k];
   }

@@ -4,8 +4,8 @@
 // and 9 of ALGORITHMS).
 //
 // Maximum a posteriori by Gauss-Newton steps. The unknowns are blocks: the geometry with gravity
-// (base 6, target 3 each, 5 deviations a joint, corrections, gravity terms), and the map of every
-// joint. A round
+// (base 6, target 3 each, 5 deviations a joint, corrections, gravity terms), the map of every
+// joint, and the play of the joints where it is asked for (play_block.hpp). A round
 // linearises all rows, improves the blocks in turn (symmetric block Gauss-Seidel), takes the step
 // if it lowers the cost (a proximal term shortens it otherwise), and finds sigma and the scales of
 // the priors anew: MacKay's and the EM fixed point mixed (MacKay, Bayesian interpolation, Neural
@@ -23,6 +23,7 @@
 #include "core/calibration/agenda.hpp"
 #include "core/calibration/cyclic_band.hpp"
 #include "core/calibration/fit_row.hpp"
+#include "core/calibration/play_block.hpp"
 #include "core/numerics/robust.hpp"
 #include "core/signature.hpp"
 
@@ -55,6 +56,7 @@ struct Scales {
   double zero = 1;
   double reading = 1;
   double gravity = 1;
+  double play = 1;
   std::array<double, kMaxJoints> map{1, 1, 1, 1, 1, 1, 1, 1};
   // Rotation, shift and zero stay as they are: where the start was found from the same rows, how
   // near the fit comes to it says nothing of how near it is to be expected.
@@ -133,6 +135,9 @@ class Engine {
   // Where the mean of the variances stated for the rows is known; scales to begin with.
   void set_stated_variance(double variance) { stated_variance_ = variance; }
   void set_scales(const Scales& scales) { scales_ = scales; }
+  // Where it is known from which sides the joints came to the rows: their play is found too, from
+  // what `play` has of it. Kept as a pointer.
+  void find_play(PlayBlock& play) { play_ = &play; }
 
   // Fits the rows that are not held out. Errors: kTooFewPoints (no row); kSingular.
   [[nodiscard]] Result<FitSummary> run(const ModelParts& parts);
@@ -200,6 +205,7 @@ class Engine {
   void begin_last();
   void conclude();
   void begin_descent();
+  void put_assembly();
   void note_before();
   void begin_try();
   void take_step();
@@ -207,6 +213,7 @@ class Engine {
   void judge_try();
   void shorten();
   void begin_improvement();
+  void clear_steps();
   void improve_geometry();
   void improve_maps();
   void improve_next_map();
@@ -233,10 +240,31 @@ class Engine {
   void follow_map(Units rows);
   template <typename Visit>
   void for_rows_of_map(Units rows, Visit visit);
+  // engine_play.cpp
+  using PlayColumns = std::array<Vector3, kMaxJoints>;
+  bool fill(const FitRow& row, const ChainFrames& frames, PlayColumns& columns) const;
+  [[nodiscard]] Vector3 behind(const FitRow& row, const ChainFrames& frames) const;
+  [[nodiscard]] double play_variance(std::size_t joint) const;
+  [[nodiscard]] double play_squares() const;
+  void assemble_play(const FitRow& row, const ChainFrames& frames, const Matrix3& W);
+  void factorise_play();
+  void improve_play();
+  void begin_play();
+  void pull_play(Units rows);
+  void solve_play();
+  void follow_play(Units rows);
+  [[nodiscard]] PriorGroup play_group();
+  void cover_play();
+  void probe_next_play();
+  void lay_play(Units rows);
+  void add_left_of_play(Units rows);
+  void end_probe();
+  [[nodiscard]] Matrix3 play_covariance(const FitRow& row, const ChainFrames& frames) const;
   // engine_scales.cpp
   void begin_scales();
   void add_variances(Units columns);
   void conclude_geometry_scales();
+  void scale_play();
   void begin_map_scales();
   void scale_next_map();
   void invert_map();
@@ -269,11 +297,14 @@ class Engine {
   [[nodiscard]] std::size_t frames_work() const {
     return kLook + (cache_.empty() ? evaluation_work() : 0);
   }
+  // Of the block of the joints' play: of a row, and of its factor.
+  static constexpr std::size_t kPlayRow = 20 * kMaxJoints;
+  static constexpr std::size_t kPlayFactor = kMaxJoints * kMaxJoints * kMaxJoints;
   [[nodiscard]] std::size_t filling_work() const {
     return frames_work() + 30 * model_.joint_count() + 12 * columns_;
   }
   [[nodiscard]] std::size_t squaring_work() const {
-    return filling_work() + 2 * columns_ * columns_;
+    return filling_work() + 2 * columns_ * columns_ + (play_on_ ? 2 * kPlayRow : 0);
   }
   [[nodiscard]] Task of_rows(Task::Pass pass, std::size_t work) const {
     return {pass, rows_.size(), work};
@@ -303,7 +334,9 @@ class Engine {
   std::array<double, 6> base_moved_{};
   Scales scales_;
   ModelParts parts_;
+  PlayBlock* play_ = nullptr;
   bool maps_on_ = false;
+  bool play_on_ = false;
   bool uniform_ = true;  // every row has the same relative covariance, a multiple of one
   double stated_variance_ = 0;
   double trust_ = 1;      // t of the proximal term
@@ -330,6 +363,8 @@ class Engine {
   int passes_left_ = 0;
   int tries_ = 0;
   bool proximal_ = false;  // of the matrix that is factorised
+  bool probes_ = false;    // it is about how the other unknowns follow a joint's play
+  std::size_t joint_probed_ = 0;
   std::size_t joint_ = 0;  // whose map it is about
   std::size_t visit_ = 0;  // of the joints, there and back
   enum : std::size_t { kTurns, kShifts, kZeros, kReadings, kSags, kOpen, kGroups };

@@ -80,7 +80,7 @@ double Engine::prior_squares() const {
   for (std::size_t j = 0; maps_on_ && j < model_.joint_count(); ++j) {
     sum += map_prior_squares(model_.joints[j].map) / scales_.map[j];
   }
-  return sum;
+  return sum + play_squares();
 }
 
 void Engine::fill(const ChainFrames& frames, std::size_t target, GeometryColumns& columns) const {
@@ -146,6 +146,7 @@ void Engine::begin_assembly() {
     for (std::size_t j = i; j < columns_; ++j) upper(i, j) = 0;
   }
   for (CyclicBand& band : work_.band) band = {};
+  if (play_ != nullptr) play_->information.setZero();
 }
 
 void Engine::assemble(Units rows) {
@@ -157,6 +158,7 @@ void Engine::assemble(Units rows) {
     const ChainFrames& frames = frames_of(k);
     fill(row, frames, J);
     const Matrix3 W = row.weight * precision(row);
+    assemble_play(row, frames, W);
     for (std::size_t c = 0; c < columns_; ++c) {
       for (std::size_t i = 0; i < 3; ++i) {
         const auto r = static_cast<Eigen::Index>(i);
@@ -219,8 +221,9 @@ void Engine::solve_upper(std::array<double, kMaxGeometry>& b) const {
 
 void Engine::begin_geometry() {
   for (std::size_t c = 0; c < columns_; ++c) {
-    work_.gradient[c] =
-        -(deviation(c) + work_.step[c]) / prior_variance(c) - work_.step[c] / proximal_variance(c);
+    work_.gradient[c] = probes_ ? -work_.step[c] / prior_variance(c)
+                                : -(deviation(c) + work_.step[c]) / prior_variance(c) -
+                                      work_.step[c] / proximal_variance(c);
   }
 }
 

@@ -26,8 +26,8 @@ void Engine::begin_map() {
   const MapCoefficients& own = model_.joints[joint_].map;
   const MapCoefficients& step = work_.map_step[joint_];
   for (std::size_t k = 0; k < kKnots; ++k) {
-    work_.map_gradient[k] =
-        -(map_prior_times(own, k) + map_prior_times(step, k)) / scales_.map[joint_];
+    const double from_own = probes_ ? 0 : map_prior_times(own, k);
+    work_.map_gradient[k] = -(from_own + map_prior_times(step, k)) / scales_.map[joint_];
   }
 }
 

@@ -41,6 +41,7 @@ void Engine::begin_scales() {
   agenda_.put({factorisation(),
                {&Engine::add_variances, columns_, columns_ * columns_ / 2},
                &Engine::conclude_geometry_scales,
+               {&Engine::scale_play, 2 * kPlayFactor},
                &Engine::begin_map_scales,
                of_rows(&Engine::add_errors, kLook),
                &Engine::conclude_sigma});
@@ -87,6 +88,10 @@ void Engine::conclude_geometry_scales() {
   scales_.rotation = found.rotation;
   scales_.shift = found.shift;
   scales_.zero = found.zero;
+}
+
+void Engine::scale_play() {
+  if (play_on_) effective_ += update(play_group(), scales_.play);
 }
 
 void Engine::begin_map_scales() {
@@ -142,7 +147,10 @@ void Engine::conclude_sigma() {
 void Engine::begin_covariance() {
   proximal_ = false;
   joint_ = 0;
-  agenda_.put({factorisation(), &Engine::cover_next_map});
+  agenda_.put({factorisation(), {&Engine::cover_play, kPlayFactor}, &Engine::cover_next_map});
+  // Where the last step was a long one, a matrix of the place before it takes what no row tells for
+  // what they all do.
+  if (play_on_) put_assembly();
 }
 
 void Engine::cover_next_map() {
@@ -183,7 +191,9 @@ Engine::Stated Engine::covariance_of(const FitRow& row, const ChainFrames& frame
   fill(row, frames, J);
   Matrix3 own = scales_.sigma_squared * row_covariance(row.relative);
   if (row.is_range()) own = own(0, 0) * Matrix3::Identity();
-  return stated(J, frames, row.target, own);
+  Stated stated_of = stated(J, frames, row.target, own);
+  stated_of.model += play_covariance(row, frames);
+  return stated_of;
 }
 
 // J is used up.

@@ -88,6 +88,7 @@ void Engine::note_start() { scales_.sigma_squared = scale_ * scale_; }
 
 void Engine::begin_round() {
   maps_on_ = parts_.maps && summary_.rounds > 0;
+  play_on_ = play_ != nullptr && summary_.rounds > 0;
   sigma_squared_before_ = scales_.sigma_squared;
   passes_ = kPasses;
   agenda_.put({lengths(), &Engine::conclude_lengths, &Engine::choose_weights,
@@ -133,11 +134,13 @@ void Engine::conclude() {
 // One step, as long as the cost allows.
 void Engine::begin_descent() {
   tries_ = 0;
+  agenda_.put({costs(), &Engine::note_before, &Engine::begin_try});
+  put_assembly();
+}
+
+void Engine::put_assembly() {
   agenda_.put({{&Engine::begin_assembly, columns_ * columns_ / 2 + kMapFactor},
-               of_rows(&Engine::assemble, squaring_work()),
-               costs(),
-               &Engine::note_before,
-               &Engine::begin_try});
+               of_rows(&Engine::assemble, squaring_work())});
 }
 
 void Engine::note_before() { cost_before_ = cost(); }
@@ -178,11 +181,16 @@ void Engine::shorten() {
 }
 
 void Engine::begin_improvement() {
-  work_.step.fill(0);
-  for (MapCoefficients& step : work_.map_step) step.fill(0);
+  clear_steps();
   proximal_ = true;
   passes_left_ = passes_;
   agenda_.put({factorisation(), &Engine::improve_geometry, &Engine::improve_maps});
+}
+
+void Engine::clear_steps() {
+  work_.step.fill(0);
+  for (MapCoefficients& step : work_.map_step) step.fill(0);
+  if (play_on_) play_->step.setZero();
 }
 
 void Engine::improve_geometry() {
@@ -192,17 +200,18 @@ void Engine::improve_geometry() {
                of_rows(&Engine::follow_geometry, filling_work())});
 }
 
-// There and back over the joints, and the geometry; then again.
+// There and back over the joints, their play, and the geometry; then again.
 void Engine::improve_maps() {
-  if (!maps_on_ || passes_left_ == 0) return;
+  if (!(maps_on_ || play_on_) || passes_left_ == 0) return;
   --passes_left_;
   visit_ = 0;
-  agenda_.put({&Engine::improve_next_map, &Engine::improve_geometry, &Engine::improve_maps});
+  agenda_.put({&Engine::improve_next_map, &Engine::improve_play, &Engine::improve_geometry,
+               &Engine::improve_maps});
 }
 
 void Engine::improve_next_map() {
   const std::size_t n = model_.joint_count();
-  if (visit_ == 2 * n - 1) return;
+  if (!maps_on_ || visit_ == 2 * n - 1) return;
   joint_ = visit_ < n ? visit_ : 2 * (n - 1) - visit_;
   ++visit_;
   agenda_.put({{&Engine::begin_map, 2 * kSplines * kKnots},

@@ -26,9 +26,13 @@ struct FitRow {
   std::uint8_t fold = 0;                // kNoFold: always fitted
   std::uint8_t receiver = kNoReceiver;  // of a range
   bool held_out = false;                // of the present fit
-  std::uint32_t index = 0;              // in the caller's log
-  std::uint32_t pose = 0;               // rows with one number repeat one pose
-  std::uint64_t hash = 0;               // of the pose's readings
+  // From which sides the joints came to the pose: bit j of `sides` set, the reading of joint j
+  // grew; only where bit j of `sided` is set.
+  std::uint8_t sides = 0;
+  std::uint8_t sided = 0;
+  std::uint32_t index = 0;  // in the caller's log
+  std::uint32_t pose = 0;   // rows with one number repeat one pose
+  std::uint64_t hash = 0;   // of the pose's readings
 
   [[nodiscard]] bool is_range() const { return receiver != kNoReceiver; }
   [[nodiscard]] std::size_t scalars() const { return is_range() ? 1 : 3; }

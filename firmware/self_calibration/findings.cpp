@@ -23,7 +23,7 @@ Motions motions_at(const calibration::ArmModel& model, const calibration::ChainF
 
 void Prediction::add(const calibration::Engine& engine, const calibration::ChainFrames& frames,
                      const JointVector& readings, const Covered& covered, const Motions& motions,
-                     const PlayEstimate::Halves& play) {
+                     const HalfPlays& play) {
   ++poses;
   const calibration::Engine::Stated stated = engine.covariance_at(frames, 0, {1, 0, 0, 1, 0, 1});
   model_m2 += stated.model.trace();

@@ -39,7 +39,7 @@ struct Prediction {
 
   void add(const calibration::Engine& engine, const calibration::ChainFrames& frames,
            const JointVector& readings, const Covered& covered, const Motions& motions,
-           const PlayEstimate::Halves& play);
+           const HalfPlays& play);
 };
 
 // The parts of what is predicted [m], RMS over the poses, and the joint that has most of one.
@@ -71,7 +71,7 @@ struct Findings {
   double model_m = 0;
   double play_m = 0;    // and of what play adds
   double sensor_m = 0;  // 1 sigma of a measured point per axis, as the rows show it
-  PlayEstimate::Halves play;
+  HalfPlays play;
   Budget budget = {};
   std::size_t fitted = 0;    // rows
   std::size_t rejected = 0;  // of them, as blunders

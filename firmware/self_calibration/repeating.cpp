@@ -51,7 +51,7 @@ void SelfCalibration::choose_again() {
       if (pull_at(index_) > pull_at(again_)) again_ = index_;
     }
   }
-  Sides sides = memory_.sides[again_];
+  Sides sides = memory_.rows[again_].sides;
   JointVector pose =
       effective_readings(configuration_.drawing.couplings, memory_.rows[again_].readings);
   for (std::size_t i = 0; i < pose.size(); ++i) {

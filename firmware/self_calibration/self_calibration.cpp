@@ -31,6 +31,8 @@ Result<std::size_t> SelfCalibration::do_begin(const Aim& aim, const Machine& mac
   refused_.reset();
   aim_ = aim;
   visiting_since_.reset();
+  coming_.forget();
+  recalls_ = false;
   count_ = visited_ = recalled_ = repeated_ = offered_ = looked_at_ = passed_over_ = 0;
   look_ = {};
   change_ = {};
@@ -49,6 +51,9 @@ std::optional<KeptPoint> SelfCalibration::do_recall(std::size_t sweep, const Joi
   if (journal_ == nullptr) return std::nullopt;
   auto kept = journal_->next(sweep, wanted);
   if (kept && kept->point && sweep == 0) ++recalled_;
+  // Where those points are from that were kept, the arm has not been since.
+  if (recalls_ && !kept) coming_.forget();
+  recalls_ = kept.has_value();
   return kept;
 }
 
@@ -62,6 +67,7 @@ Result<void> SelfCalibration::do_forget() {
 
 void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
                               const MeasuredPoint& point) {
+  note_way(sweep, readings);
   if (stage_ == Stage::kMeasuringAgain) {
     take_again(point);
     return;
@@ -77,11 +83,20 @@ void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
   row.sweep = static_cast<std::uint8_t>(sweep);
   row.index = row.pose = static_cast<std::uint32_t>(count_);
   row.held_out = sweep == 0 && ++visited_ % kHeldOutEvery == 0;
-  memory_.sides[count_] = sweep == 0 ? sides_ : 0;
+  row.sides = coming_.sides();
+  row.sided = coming_.sided();
   memory_.rows[count_++] = row;
 }
 
+// Also where the point is not taken.
+void SelfCalibration::note_way(std::size_t sweep, const JointVector& readings) {
+  const JointTypes types = types_of(configuration_.drawing.joints);
+  if (sweep == 0) coming_.go_to(types, visit_.approach);
+  coming_.go_to(types, readings);
+}
+
 void SelfCalibration::do_lose() {
+  note_way(0, visit_.pose);
   differed_.reset();
   stage_ = stage_ == Stage::kMeasuringAgain ? Stage::kRepeating : Stage::kChoosing;
 }
@@ -173,6 +188,7 @@ void SelfCalibration::begin_visits() {
   evaluate(signature_.configuration, frames);
   target_[0].p_L = frames.X_SL.inverse() * signature_.targets[0].p_S;
   scales_ = {};
+  play_.half.setZero();
   stage_ = Stage::kChoosing;
 }
 
@@ -237,10 +253,10 @@ WayLook::Says SelfCalibration::look_at_offer(const JointVector& pose) {
 
 void SelfCalibration::take_offer(const JointVector& pose) {
   looked_at_ = 0;
-  sides_ = dealt_sides(offered_);
+  Sides sides = dealt_sides(offered_);
   visit_.again = false;
   visit_.pose = pose;
-  visit_.approach = approach_to(configuration_, pose, sides_);
+  visit_.approach = approach_to(configuration_, pose, sides);
   stage_ = Stage::kVisiting;
 }
 
@@ -252,6 +268,7 @@ void SelfCalibration::begin_fit(const calibration::ModelParts& parts) {
   knows_ = false;
   engine_->set_stated_variance(reference_m2_);
   engine_->set_scales(scales_);
+  engine_->find_play(play_);
   engine_->begin(parts);
   stage_ = Stage::kFitting;
 }
@@ -266,7 +283,6 @@ void SelfCalibration::finish_fit() {
   index_ = 0;
   squares_m2_ = 0;
   kept_ = 0;
-  play_ = PlayEstimate(model_.joint_count());
   judge_ = {};
   covered_ = {};
   prediction_ = {};
@@ -283,14 +299,12 @@ void SelfCalibration::play_step() {
     covered_.add(effective_readings(configuration_.drawing.couplings, row.readings));
     if (row.sweep != 0) continue;
     judge_.add_fitted(row.residual, engine_->covariance_of(row, memory_.cache[index_]));
-    play_.add(memory_.sides[index_], motions_at(model_, memory_.cache[index_], target_[0].p_L),
-              row.residual);
     ++index_;
     break;  // the covariance is a step's work
   }
   if (index_ < count_) return;
   findings_.sensor_m = std::sqrt(scales_.sigma_squared);
-  findings_.play = play_.result(findings_.sensor_m);
+  findings_.play = half_plays(play_, model_.joint_count());
   index_ = 0;
   stage_ = Stage::kJudging;
 }

@@ -21,6 +21,7 @@
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/refinement.hpp"
 #include "firmware/controller/workspace.hpp"
+#include "firmware/self_calibration/coming.hpp"
 #include "firmware/self_calibration/findings.hpp"
 #include "firmware/self_calibration/point_journal.hpp"
 #include "firmware/self_calibration/repeats.hpp"
@@ -47,7 +48,6 @@ template <std::size_t kPoints, std::size_t kJoints = kMaxJoints>
 struct SelfCalibrationMemory {
   std::array<calibration::FitRow, kPoints> rows;
   std::array<calibration::ChainFrames, kPoints> cache;
-  std::array<Sides, kPoints> sides{};
   std::array<LogEntry, kPoints> log;
   FitMemory<kJoints> fit;
 };
@@ -57,7 +57,6 @@ class SelfCalibration final : public Refinement {
   struct Memory {
     std::span<calibration::FitRow> rows;
     std::span<calibration::ChainFrames> cache;
-    std::span<Sides> sides;
     std::span<LogEntry> log;
     std::span<double> matrix;
     calibration::Workspace* work = nullptr;
@@ -68,10 +67,10 @@ class SelfCalibration final : public Refinement {
   template <std::size_t kPoints, std::size_t kJoints>
   SelfCalibration(const Configuration& configuration,
                   SelfCalibrationMemory<kPoints, kJoints>& memory, PointJournal* journal = nullptr)
-      : SelfCalibration(configuration,
-                        Memory{memory.rows, memory.cache, memory.sides, memory.log,
-                               memory.fit.matrix, &memory.fit.work},
-                        journal) {}
+      : SelfCalibration(
+            configuration,
+            Memory{memory.rows, memory.cache, memory.log, memory.fit.matrix, &memory.fit.work},
+            journal) {}
   SelfCalibration(const Configuration& configuration, const Memory& memory,
                   PointJournal* journal = nullptr)
       : configuration_(configuration), memory_(memory), journal_(journal) {}
@@ -124,6 +123,7 @@ class SelfCalibration final : public Refinement {
   [[nodiscard]] std::size_t do_planned() const override { return planned_; }
   Result<void> do_write(SignatureRecord& record) const override;
 
+  void note_way(std::size_t sweep, const JointVector& readings);
   void work();
   void begin_model();
   void begin_visits();
@@ -194,11 +194,13 @@ class SelfCalibration final : public Refinement {
   double best_m2_ = 0;
   JointVector best_;
   Visit visit_;
-  Sides sides_ = 0;
+  Coming coming_;
+  bool recalls_ = false;  // the last point was one that had been kept
 
   calibration::ArmModel model_;
   std::array<calibration::ModelTarget, 1> target_;
   calibration::Scales scales_;
+  calibration::PlayBlock play_;
   std::optional<calibration::Engine> engine_;
   bool knows_ = false;  // the engine has a covariance
   calibration::ModelParts parts_;
@@ -210,7 +212,6 @@ class SelfCalibration final : public Refinement {
   Repeats::Change change_;
   double squares_m2_ = 0;
   std::size_t kept_ = 0;
-  PlayEstimate play_;
   HeldOutJudge judge_;
   Covered covered_;
   Prediction prediction_;

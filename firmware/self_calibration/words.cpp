@@ -89,7 +89,7 @@ void SelfCalibration::tell_outcome(Line& line) const {
 
 void SelfCalibration::tell_play(Line& line) const {
   line.text("# identify play");
-  const PlayEstimate::Halves& halves = best()->findings.play;
+  const HalfPlays& halves = best()->findings.play;
   for (std::size_t i = 0; i < halves.size(); ++i) {
     const bool turns = configuration_.drawing.joints[i].type == JointType::kRevolute;
     const auto number = [&](double half) { return 2 * (turns ? degrees(half) : 1e3 * half); };
@@ -102,6 +102,15 @@ void SelfCalibration::tell_play(Line& line) const {
     line.number(number(std::abs(halves[i].value)), 5);
     line.text(" s").integer(i + 1).text(unit).number(number(halves[i].sigma), 5);
   }
+  // Of the others no more than chance shows.
+  line.text(" seen=");
+  bool any = false;
+  for (std::size_t i = 0; i < halves.size(); ++i) {
+    if (!halves[i].is_seen()) continue;
+    line.text(any ? "," : "").integer(i + 1);
+    any = true;
+  }
+  if (!any) line.text("none");
 }
 
 // Why it was not reached, and what would help.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/controller/pose_visit.hpp"
+#include "firmware/self_calibration/coming.hpp"
 #include "firmware/self_calibration/findings.hpp"
 #include "firmware/self_calibration/pose_choice.hpp"
 #include "hal/simulated/random.hpp"
@@ -16,23 +17,25 @@
 namespace armsig::controller {
 namespace {
 
-TEST(PlayEstimate, finds_the_play_of_every_joint_among_noise) {
+// What a fit leaves to be said where its prior is so narrow that it found nothing.
+TEST(HalfPlays, finds_the_play_of_every_joint_among_noise) {
   constexpr double kSigma_m = 0.1e-3;
   constexpr double kHalf = 5e-5;
   simulated::Random random(1);
-  PlayEstimate estimate(3);
+  calibration::PlayBlock found;
   for (std::size_t n = 0; n < 400; ++n) {
     const Sides sides = dealt_sides(n);
-    Motions motions;
-    motions.fill(Vector3::Zero());
+    Eigen::Matrix<double, 3, kMaxJoints> columns = Eigen::Matrix<double, 3, kMaxJoints>::Zero();
     Vector3 residual = kSigma_m * random.normal_vector();
-    for (std::size_t i = 0; i < 2; ++i) {
-      motions[i] = Vector3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-      residual -= side_of(sides, i) * static_cast<double>(i) * kHalf * motions[i];
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      const Vector3 motion(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      columns.col(i) = -side_of(sides, static_cast<std::size_t>(i)) * motion;
+      residual += static_cast<double>(i) * kHalf * columns.col(i);
     }
-    estimate.add(sides, motions, residual);
+    found.gradient += columns.transpose() * residual / (kSigma_m * kSigma_m);
+    found.told += columns.transpose() * columns / (kSigma_m * kSigma_m);
   }
-  const auto halves = estimate.result(kSigma_m);
+  const auto halves = half_plays(found, 3);
   ASSERT_EQ(halves.size(), 3U);
   EXPECT_NEAR(halves[0].value, 0, 3 * halves[0].sigma);
   EXPECT_EQ(halves[0].squared(), 0);
@@ -41,6 +44,35 @@ TEST(PlayEstimate, finds_the_play_of_every_joint_among_noise) {
   // 400 poses, each of a lever whose mean square is one.
   EXPECT_NEAR(halves[1].sigma, kSigma_m / 20, 0.1 * kSigma_m / 20);
   EXPECT_FALSE(std::isfinite(halves[2].sigma)) << "nothing moves by it";
+}
+
+TEST(HalfPlays, are_what_the_fit_found_and_what_its_prior_held_back) {
+  calibration::PlayBlock found;
+  found.half(0) = 3e-5;
+  found.told(0, 0) = 1e10;
+  found.gradient(0) = 1e10 * 2e-5;
+  EXPECT_NEAR(half_plays(found, 1)[0].value, 5e-5, 1e-12);
+  EXPECT_NEAR(half_plays(found, 1)[0].sigma, 1e-5, 1e-12);
+}
+
+TEST(Coming, knows_the_side_of_a_joint_once_it_has_moved_and_while_it_stands) {
+  const JointTypes types{JointType::kRevolute, JointType::kPrismatic};
+  Coming coming;
+  coming.go_to(types, {0.0, 0.1});
+  EXPECT_EQ(coming.sided(), 0U) << "nobody knows how it came there";
+  coming.go_to(types, {0.1, 0.1});
+  EXPECT_EQ(coming.sided(), 1U);
+  EXPECT_EQ(coming.sides() & 1U, 1U);
+  coming.go_to(types, {0.1 + 1e-5, 0.09});
+  EXPECT_EQ(coming.sided(), 3U);
+  EXPECT_EQ(coming.sides(), 1U) << "the one stands, the other came down";
+  coming.go_to(types, {0.0, 0.09});
+  EXPECT_EQ(coming.sides(), 0U);
+  coming.go_to(types, {0.001, 0.09});
+  EXPECT_EQ(coming.sided(), 2U) << "its play may not have been taken up";
+  coming.forget();
+  coming.go_to(types, {0.5, 0.5});
+  EXPECT_EQ(coming.sided(), 0U);
 }
 
 // What a line through all points but one says of that one, beside the short way by the residual.
