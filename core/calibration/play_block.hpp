@@ -11,11 +11,10 @@
 
 #include <array>
 
-#include <Eigen/Cholesky>
-
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
 #include "core/calibration/fit_row.hpp"
+#include "core/numerics/cholesky.hpp"
 
 namespace armsig::calibration {
 
@@ -26,8 +25,8 @@ namespace armsig::calibration {
 }
 
 struct PlayBlock {
-  using Numbers = Eigen::Matrix<double, kMaxJoints, 1>;
-  using Square = Eigen::Matrix<double, kMaxJoints, kMaxJoints>;
+  using Numbers = numerics::Column;
+  using Square = numerics::Square;
 
   Numbers half = Numbers::Zero();  // of each joint's play [rad or m]: what was found
   // After a fit: what the rows pull at it, J^T W r over sigma^2, as much as the prior holds it
@@ -38,7 +37,7 @@ struct PlayBlock {
   // Of the engine's computation under way.
   Numbers step = Numbers::Zero();
   Square information = Square::Zero();  // J^T W J of the rows
-  Eigen::LLT<Square> factor;            // of the covariance's inverse
+  Square factor = Square::Zero();       // Cholesky's, lower, of the covariance's inverse
 };
 
 }  // namespace armsig::calibration

@@ -20,16 +20,24 @@ bool factor_positive(Square& a, Eigen::Index n) {
   return true;
 }
 
+void solve_lower(const Square& lower, Column& b, Eigen::Index n) {
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) b[i] -= lower(i, k) * b[k];
+    b[i] /= lower(i, i);
+  }
+}
+
+void solve_lower_transposed(const Square& lower, Column& b, Eigen::Index n) {
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    for (Eigen::Index k = i + 1; k < n; ++k) b[i] -= lower(k, i) * b[k];
+    b[i] /= lower(i, i);
+  }
+}
+
 bool solve_positive(Square& a, Column& b, Eigen::Index n) {
   if (!factor_positive(a, n)) return false;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index k = 0; k < i; ++k) b[i] -= a(i, k) * b[k];
-    b[i] /= a(i, i);
-  }
-  for (Eigen::Index i = n - 1; i >= 0; --i) {
-    for (Eigen::Index k = i + 1; k < n; ++k) b[i] -= a(k, i) * b[k];
-    b[i] /= a(i, i);
-  }
+  solve_lower(a, b, n);
+  solve_lower_transposed(a, b, n);
   return true;
 }
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/self_calibration/play.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
+#include "core/numerics/cholesky.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -23,18 +22,20 @@ double HalfPlay::squared() const { return is_seen() ? value * value - sigma * si
 HalfPlays half_plays(const calibration::PlayBlock& found, std::size_t joints) {
   // Symmetric but for what the other unknowns had still to go.
   const Square told = (found.told + found.told.transpose()) / 2;
-  const Eigen::LLT<Square> factor(told + kLeastInformation * Square::Identity());
-  const Numbers h = found.half + factor.solve(found.gradient);
+  Square factor = told + kLeastInformation * Square::Identity();
+  const bool tells = numerics::factor_positive(factor, kMaxJoints);
   HalfPlays halves;
   for (std::size_t i = 0; i < joints; ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    if (!(told(k, k) > kLeastInformation)) {
+    if (!tells || !(told(k, k) > kLeastInformation)) {
       halves.push_back({0, std::numeric_limits<double>::infinity()});
       continue;
     }
-    const Numbers unit = Numbers::Unit(k);
-    const Numbers column = factor.solve(unit);
-    halves.push_back({h(k), std::sqrt(std::max(column(k), 0.0))});
+    Numbers row = Numbers::Unit(k);  // of the covariance
+    numerics::solve_lower(factor, row, kMaxJoints);
+    const double variance = row.squaredNorm();
+    numerics::solve_lower_transposed(factor, row, kMaxJoints);
+    halves.push_back({found.half(k) + row.dot(found.gradient), std::sqrt(variance)});
   }
   return halves;
 }

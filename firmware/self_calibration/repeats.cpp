@@ -84,10 +84,9 @@ Repeats::Explained Repeats::explained_by(Motions One::* cause) const {
     squares.push_back(one.difference_S.squaredNorm() / one.variance_m2);
   }
   const double before = loss();
-  const double largest = *std::ranges::max_element(squares);
-  for (int round = 0; round < kRounds; ++round) {
-    const double limit = std::max(largest / std::pow(kFiner, round), kOneInThousand);
-    if (!solve(cause, limit, squares, by)) return {};
+  double limit = *std::ranges::max_element(squares);
+  for (int round = 0; round < kRounds; ++round, limit /= kFiner) {
+    if (!solve(cause, std::max(limit, kOneInThousand), squares, by)) return {};
     for (std::size_t p = 0; p < all_.size(); ++p) {
       const Vector3 left = all_[p].difference_S - all_[p].moved(cause, by);
       squares[p] = left.squaredNorm() / all_[p].variance_m2;
