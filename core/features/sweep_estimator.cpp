@@ -55,10 +55,11 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
   if (statistics.motion.rank() < motion_unknowns(statistics.type))
     return Refusal{Error::kArcTooShort, arc, std::max(limits.least_arc_rad, 2 * arc)};
 
-  if (noise.misfit > limits.greatest_misfit)
-    return Refusal{Error::kNotACircle, noise.misfit * noise.stated_sigma_m,
-                   limits.greatest_misfit * noise.stated_sigma_m};
   const double speed = statistics.motion.solve().row(1).norm();
+  const double greatest_m = std::max(limits.greatest_misfit * noise.stated_sigma_m,
+                                     revolute ? limits.greatest_reading_error_rad * speed : 0.0);
+  if (noise.misfit * noise.stated_sigma_m > greatest_m)
+    return Refusal{Error::kNotACircle, noise.misfit * noise.stated_sigma_m, greatest_m};
   const double size = revolute ? speed : speed * arc;
   const double least_size = limits.least_radius_sigmas * noise.sigma_m;
   if (size < least_size)

@@ -27,6 +27,9 @@ struct SweepLimits {
   double least_radius_sigmas = 10;
   // RMS residual over the sigma stated: a sigma stated three times too small still passes.
   double greatest_misfit = 6;
+  // Of a revolute joint besides: what a sound encoder and gear err by within a turn (RMS), as seen
+  // at the radius of the circle, where no sensor is as coarse.
+  double greatest_reading_error_rad = 5e-4;
   // RMS residual over radius or travel, where no sigma is stated.
   double greatest_unstated_sigma = 0.02;
   // Fraction of the points rejected.

@@ -171,6 +171,35 @@ TEST(SweepEstimator, refuses_a_travel_too_short_for_its_noise) {
   EXPECT_GT(r.needed, 6e-3);
 }
 
+// Far beyond the noise of the sensor; a larger one is no encoder's.
+TEST(SweepEstimator, takes_readings_that_err_as_a_sound_encoder_does_whatever_sigma_is_stated) {
+  const TrueMotion motion = some_motion(JointType::kRevolute, 0.8);
+  for (const double wave_rad : {radians(0.03), radians(0.1)}) {
+    test::Random random(5);
+    SweepEstimator estimator(kRevolute);
+    for (std::size_t i = 0; i < 60; ++i) {
+      const double turned = test::even_reading(motion, 3, i, 60);
+      ASSERT_TRUE(estimator.add(turned - wave_rad * std::sin(17 * turned),
+                                motion.at(turned) + 5e-6 * random.normal_vector(),
+                                test::isotropic(5e-6)));
+    }
+    for (const Method method : kMethods) {
+      const auto feature = estimator.estimate(method);
+      if (wave_rad > radians(0.05)) {
+        ASSERT_FALSE(feature);
+        EXPECT_EQ(feature.error().error, Error::kNotACircle);
+        EXPECT_NEAR(feature.error().needed, 5e-4 * 0.8, 0.01 * 5e-4 * 0.8);
+        continue;
+      }
+      ASSERT_TRUE(feature);
+      EXPECT_TRUE(feature->quality.sigma_is_estimated);
+      EXPECT_GT(feature->quality.sigma_m, 10 * 5e-6);  // of the wave, not of the sensor
+      EXPECT_EQ(feature->quality.rejected, 0U);
+      EXPECT_NEAR(feature->radius_m, 0.8, 4 * feature->quality.sigma_m);
+    }
+  }
+}
+
 // A twentieth of the radius, where a fiftieth is the most.
 TEST(SweepEstimator, refuses_noise_that_nobody_stated_by_its_share_of_the_radius) {
   for (const double radius_m : {0.1, 2.0}) {
