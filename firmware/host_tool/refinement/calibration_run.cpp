@@ -76,9 +76,9 @@ class CalibrationFit {
   bool attempt(const FitStart& from, bool upright) {
     auto geometry = candidates_.geometry(from);
     if (!geometry) return note(geometry.error());
+    const bool unasked = may_correct(*geometry);
     std::optional<Candidate> corrected;
-    if (log_.choose_readings || may_correct(*geometry))
-      corrected = candidates_.corrected(*geometry);
+    if (log_.choose_readings || unasked) corrected = candidates_.corrected(*geometry);
     if (corrected && log_.choose_readings) {
       geometry = std::move(*corrected);
       corrected.reset();
@@ -92,6 +92,10 @@ class CalibrationFit {
         found_.offered =
             OfferedCorrections{corrected->request.readings[0], corrected->left_out->score.mean_m};
       }
+    }
+    if (unasked && chosen.whole) {
+      auto geared = candidates_.geared(chosen.geometry, *chosen.whole);
+      if (geared) chosen = choose(std::move(*geared), upright);
     }
     if (const auto done = adopt(std::move(chosen)); !done) return note(done.error());
     return true;

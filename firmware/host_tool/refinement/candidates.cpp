@@ -7,6 +7,7 @@
 
 #include "core/calibration/packed_deflections.hpp"
 #include "core/calibration/signature_of_model.hpp"
+#include "core/refinement/determination.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -21,8 +22,12 @@ constexpr double kWorthDeflections = 0.98;
 constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
 constexpr calibration::ModelParts kGravity{.gravity = true, .maps = false};
 constexpr calibration::ModelParts kWhole{};
-constexpr std::array<refinement::ReadingTerms, 4> kCorrections{
-    {{false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
+constexpr refinement::ReadingTerms kGears{true, false, false};
+constexpr std::array<refinement::ReadingTerms, 5> kCorrections{
+    {kGears, {false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
+// Errors of gears larger than this are no encoder's; and beyond so many sigmas no chance.
+constexpr double kNotableGain = 5e-4;
+constexpr double kSignificantGain = 4;
 
 bool fits_the_engine(const FitStart& start) {
   return calibration::Engine::columns(start.model, start.targets.size()) <=
@@ -54,6 +59,15 @@ std::size_t taken_back(const Candidate& candidate, const Candidate& other) {
     if (other.verdicts[k].rejected && !candidate.verdicts[k].rejected) ++count;
   }
   return count;
+}
+
+bool is_off_by_its_gear(const refinement::Refined& refined, std::size_t joint) {
+  const auto& corrections = refined.readings.corrections;
+  const std::size_t column = refined.layout.gain[joint];
+  if (joint >= corrections.size() || column == refinement::kNoColumn) return false;
+  const double gain = std::abs(corrections[joint].gain);
+  return gain >= kNotableGain &&
+         gain > kSignificantGain * refinement::parameter_sigma(refined.information, column);
 }
 
 double Candidates::most_m() const {
@@ -153,6 +167,19 @@ std::optional<Candidate> Candidates::corrected(const Candidate& plain) {
     }
   }
   return best;
+}
+
+std::optional<Candidate> Candidates::geared(const Candidate& plain, const Candidate& whole) {
+  auto candidate = with_terms(plain, kGears);
+  if (!candidate) return std::nullopt;
+  bool off = false;
+  for (std::size_t j = 0; j < log_.nominal.joints.size(); ++j) {
+    off = off || is_off_by_its_gear(*candidate->refined, j);
+  }
+  if (!off) return std::nullopt;
+  candidate->left_out = fitting_.score(candidate->end, kGeometry);
+  if (!predicts_better(*candidate, whole, 1)) return std::nullopt;
+  return candidate;
 }
 
 std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {

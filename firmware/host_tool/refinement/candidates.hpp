@@ -36,6 +36,9 @@ struct Candidate {
 // How many rows `other` rejects and `candidate` does not.
 [[nodiscard]] std::size_t taken_back(const Candidate& candidate, const Candidate& other);
 
+// Whether a joint's reading is proportionally off by more than encoders are, beyond chance.
+[[nodiscard]] bool is_off_by_its_gear(const refinement::Refined& refined, std::size_t joint);
+
 class Candidates {
  public:
   explicit Candidates(const CalibrationLog& log) : log_(log), fitting_(log) {}
@@ -47,6 +50,10 @@ class Candidates {
   // With those corrections of the readings that predict poses left out better than fewer of them,
   // if any do.
   [[nodiscard]] std::optional<Candidate> corrected(const Candidate& plain);
+
+  // With gears that are off, where they predict poses left out as well as `whole` does: a map can
+  // stand in for a gear, and says nothing of readings beyond those measured.
+  [[nodiscard]] std::optional<Candidate> geared(const Candidate& plain, const Candidate& whole);
 
   // With gravity and maps too, where poses left out are predicted better with them; without maps
   // where those found are no arm's.

@@ -10,6 +10,7 @@
 #include "core/identification.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/refinement/candidates.hpp"
 #include "firmware/host_tool/refinement/refinement_words.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 
@@ -21,8 +22,6 @@ constexpr double kContradictingShare = 0.5;
 constexpr std::size_t kFewestMixed = 6;
 // Radians or metres; zeros nearer to the drawing's are nothing to mention.
 constexpr double kNotableShift = 0.05;
-// Errors of gears larger than this are no encoder's.
-constexpr double kNotableGain = 5e-4;
 // Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
 constexpr std::size_t kToTellNoise = 3;
 
@@ -48,7 +47,7 @@ class Run {
                                const FurtherUnknowns& further);
   [[nodiscard]] Read<void> check_counts(const std::optional<Signature>& start) const;
   void note_zeros(const JointVector& shifts);
-  void note_gears(const refinement::ReadingModel& readings);
+  void note_gears(const refinement::Refined& refined);
   [[nodiscard]] std::size_t unknowns() const;
   [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
   [[nodiscard]] std::unexpected<Problem> refuse(const Refusal& refusal) const;
@@ -137,10 +136,10 @@ void Run::note_zeros(const JointVector& shifts) {
   }
 }
 
-void Run::note_gears(const refinement::ReadingModel& readings) {
-  for (std::size_t j = 0; j < readings.corrections.size(); ++j) {
-    const double gain = readings.corrections[j].gain;
-    if (std::abs(gain) < kNotableGain) continue;
+void Run::note_gears(const refinement::Refined& refined) {
+  for (std::size_t j = 0; j < refined.readings.corrections.size(); ++j) {
+    if (!is_off_by_its_gear(refined, j)) continue;
+    const double gain = refined.readings.corrections[j].gain;
     notes_.push_back(
         fmt::format("joint {}: its reading is {:.4f} times what it moves, which the signature "
                     "corrects; look at the gear ratio",
@@ -186,7 +185,7 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
   if (!done) return start ? refuse(done.error()) : refuse_start(done.error());
   calibrated_ = std::move(*done);
   note_zeros(calibrated_.zero_shifts);
-  note_gears(calibrated_.refined->readings);
+  note_gears(*calibrated_.refined);
   if (start) return mixed_agree();
   drawing_rms_m_ = calibrated_.drawing_rms_m;
   return {};
