@@ -20,8 +20,8 @@
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
+#include "firmware/host_tool/signature/doubt_stated.hpp"
 #include "firmware/host_tool/signature/record.hpp"
-#include "firmware/host_tool/signature/scale_in_doubt.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -178,6 +178,16 @@ Problem problem_of(const Doubt& doubt, const std::string& file) {
   return {file, 0, 0, doubt.what + cause, doubt.expected};
 }
 
+// What the doubt leaves open is part of what is stated.
+void state(const Doubt& doubt, SignatureRecord& record, Found& found) {
+  const double stated_m = state_doubt(record, doubt);
+  found.scale_stated = found.scale_stated || (doubt.lengths_factor != 1 && stated_m > 0);
+  if (found.refinement && found.refinement->predicted_over_limits_m) {
+    double& over_limits_m = *found.refinement->predicted_over_limits_m;
+    over_limits_m = std::hypot(over_limits_m, stated_m);
+  }
+}
+
 int run(IdentifyOptions options) {
   const auto apart = check_roles({{"--arm", options.arm},
                                   {"--measurements", options.measurements},
@@ -222,8 +232,8 @@ int run(IdentifyOptions options) {
     return fail(explained(problem, collector.evidence(), arm->limits), kNoAnswer, options);
   };
   if (!taken) return refuse(taken.error());
-  const auto found = refine ? identified_by_refinement(identification, *further)
-                            : identified_by_features(options, arm->arm, identification);
+  auto found = refine ? identified_by_refinement(identification, *further)
+                      : identified_by_features(options, arm->arm, identification);
   if (!found) return refuse(found.error());
 
   SignatureRecord record = record_of(found->identified, *arm, options.method, options.serial);
@@ -234,13 +244,18 @@ int run(IdentifyOptions options) {
   } else {
     enlarged = add_features(record, found->validation, collector.evidence());
   }
-  if (const auto doubt = doubt_of(collector.evidence(), arm->limits, record, sensor, enlarged)) {
+  const auto doubt = doubt_of(collector.evidence(), arm->limits, record, sensor, enlarged);
+  if (doubt) {
     const Problem problem = problem_of(*doubt, options.measurements);
     if (doubt->refuses && !options.accept_different_arm) return fail(problem, kNoAnswer, options);
     record.warnings.push_back(doubt->refuses
                                   ? "accepted as a different arm: " + problem.what
                                   : fmt::format("{}: {}", problem.what, problem.expected));
-    state_scale(record, doubt->lengths_factor, doubt->lengths_probability);
+    state(*doubt, record, *found);
+  }
+  if (const auto slide = doubt_of_slide(record.signature); slide && !found->scale_stated) {
+    record.warnings.push_back(fmt::format("{}: {}", slide->what, slide->expected));
+    state(*slide, record, *found);
   }
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);

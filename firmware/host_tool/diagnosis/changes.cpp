@@ -6,16 +6,23 @@
 #include <utility>
 
 #include <Eigen/Dense>
-#include <fmt/core.h>
 
-#include "firmware/host_tool/diagnosis/explanation.hpp"
+#include "core/base/low_discrepancy.hpp"
 
 namespace armsig::tool {
+
+Matrix3 strain_of(const Strains& e) {
+  Matrix3 strain;
+  strain << e[0], e[2], e[3], e[2], e[1], e[4], e[3], e[4], -e[0] - e[1];
+  return strain;
+}
+
 namespace {
 
 constexpr std::size_t kFewestRows = 24;
 constexpr std::size_t kFewestOfPart = 4;  // rows before and after
 constexpr double kFarthest = 30;
+constexpr int kJudged = 200;         // configurations, as uncertainty::predicted_rms()
 constexpr double kUsualSize = 0.03;  // of a change, 1 sigma: metres, radians, a share
 
 struct Candidate {
@@ -38,6 +45,12 @@ std::vector<Candidate> candidates_of(const Evidence& evidence, const DeviatingCh
                    chain.of_target(t)});
   }
   return all;
+}
+
+Eigen::Matrix<double, 3, kStrains> moved_by_strains(const Vector3& p) {
+  Eigen::Matrix<double, 3, kStrains> moved;
+  for (Eigen::Index i = 0; i < kStrains; ++i) moved.col(i) = strain_of(Strains::Unit(i)) * p;
+  return moved;
 }
 
 // The inverse of a matrix of normal equations; what the rows do not tell is left as it is. Beyond
@@ -100,34 +113,45 @@ class ScoreTest {
                 std::size_t from) {
     for (const Candidate& candidate : candidates) {
       const auto [first, count] = candidate.columns;
-      const Eigen::MatrixXd across = sums.once.middleCols(first, count);
-      Eigen::MatrixXd usual = sums.twice.block(first, first, count, count);
-      usual.diagonal().array() += 1 / (kUsualSize * kUsualSize);
-      const Eigen::MatrixXd left = usual - across.transpose() * inverse_ * across;
-      const Eigen::VectorXd score = sums.score.segment(first, count) - across.transpose() * step_;
-      const Eigen::VectorXd size = inverse_of(left, usual.diagonal()) * score;
-      const double gain = std::clamp(score.dot(size), 0.0, (1 - 1e-12) * squares_);
-      const double freedom = 3 * static_cast<double>(weights_.size()) - static_cast<double>(size_);
-      const double tried = static_cast<double>(candidates.size() * weights_.size());
-      const double evidence = -0.5 * freedom * std::log1p(-gain / squares_) -
-                              0.5 * static_cast<double>(count) * std::log(freedom) -
-                              std::log(tried);
-      if (best_ && evidence <= best_->evidence) continue;
-      const double before_m = std::sqrt(squares_ / weight_);
-      const double shift_m = moved_by(candidate, size, from);
-      // What moves the rows by far more than they miss is hardly told from the arm itself.
-      if (shift_m > kFarthest * before_m) continue;
-      best_ = Change{.of = candidate.of,
-                     .index = candidate.index,
-                     .slow = slow,
-                     .first_line = evidence_.rows[from].line,
-                     .last_line = evidence_.rows.back().line,
-                     .size = size,
-                     .shift_m = shift_m,
-                     .before_m = before_m,
-                     .after_m = std::sqrt((squares_ - gain) / weight_),
-                     .evidence = evidence};
+      Judged judged(sums.once.middleCols(first, count),
+                    sums.twice.block(first, first, count, count), sums.score.segment(first, count));
+      judge(judged, candidates.size());
+      if (best_ && judged.evidence <= best_->evidence) continue;
+      const double shift_m = moved_by(candidate, judged.size, from);
+      if (!is_told(shift_m)) continue;
+      best_ = change_of(judged);
+      best_->of = candidate.of;
+      best_->index = candidate.index;
+      best_->slow = slow;
+      best_->first_line = evidence_.rows[from].line;
+      best_->shift_m = shift_m;
+      best_->after_it.segment(first, count) -= judged.size;
     }
+  }
+
+  // A strain is no unknown of the arm: rows know it by where they are.
+  void consider_strain(std::size_t candidates) {
+    Vector3 middle = Vector3::Zero();
+    for (const EvidenceRow& row : evidence_.rows) middle += row.p_S;
+    middle /= static_cast<double>(evidence_.rows.size());
+    Judged judged(Eigen::MatrixXd::Zero(size_, kStrains), Eigen::MatrixXd::Zero(kStrains, kStrains),
+                  Eigen::VectorXd::Zero(kStrains));
+    for (std::size_t k = 0; k < weights_.size(); ++k) {
+      const auto strained = moved_by_strains(evidence_.rows[k].p_S - middle);
+      judged.across.noalias() += weights_[k] * (derivatives_[k].transpose() * strained);
+      judged.usual.noalias() += weights_[k] * (strained.transpose() * strained);
+      judged.score.noalias() += weights_[k] * (strained.transpose() * residuals_[k]);
+    }
+    judge(judged, candidates);
+    if (best_ && judged.evidence <= best_->evidence) return;
+    double squares = 0;
+    for (const EvidenceRow& row : evidence_.rows) {
+      squares += (strain_of(judged.size) * (row.p_S - middle)).squaredNorm();
+    }
+    best_ = change_of(judged);
+    best_->of = Change::Of::kStrain;
+    best_->first_line = evidence_.rows.front().line;
+    best_->shift_m = std::sqrt(squares / static_cast<double>(evidence_.rows.size()));
   }
 
   std::optional<Change> run(const std::vector<Candidate>& candidates) {
@@ -143,10 +167,55 @@ class ScoreTest {
       growing.add(derivatives_[k], residuals_[k], weights_[k], share);
     }
     consider(candidates, growing, true, 0);
+    consider_strain(candidates.size());
     return best_;
   }
 
  private:
+  // A candidate: what the rows say of it, and what that makes of it.
+  struct Judged {
+    Judged(Eigen::MatrixXd with_arm, Eigen::MatrixXd own, Eigen::VectorXd scores)
+        : across(std::move(with_arm)), usual(std::move(own)), score(std::move(scores)) {}
+
+    Eigen::MatrixXd across;
+    Eigen::MatrixXd usual;
+    Eigen::VectorXd score;
+    Eigen::VectorXd size;
+    double gain = 0;
+    double evidence = 0;
+  };
+
+  void judge(Judged& judged, std::size_t candidates) const {
+    judged.usual.diagonal().array() += 1 / (kUsualSize * kUsualSize);
+    const Eigen::MatrixXd left =
+        judged.usual - judged.across.transpose() * inverse_ * judged.across;
+    judged.score -= judged.across.transpose() * step_;
+    judged.size = inverse_of(left, judged.usual.diagonal()) * judged.score;
+    judged.gain = std::clamp(judged.score.dot(judged.size), 0.0, (1 - 1e-12) * squares_);
+    const double freedom = 3 * static_cast<double>(weights_.size()) - static_cast<double>(size_);
+    const double tried = static_cast<double>(candidates * weights_.size());
+    judged.evidence = -0.5 * freedom * std::log1p(-judged.gain / squares_) -
+                      0.5 * static_cast<double>(judged.size.size()) * std::log(freedom) -
+                      std::log(tried);
+  }
+
+  // What moves the rows by far more than they miss is hardly told from the arm itself.
+  [[nodiscard]] bool is_told(double shift_m) const {
+    return shift_m <= kFarthest * std::sqrt(squares_ / weight_);
+  }
+
+  [[nodiscard]] Change change_of(const Judged& judged) const {
+    Change change;
+    change.last_line = evidence_.rows.back().line;
+    change.size = judged.size;
+    change.before_m = std::sqrt(squares_ / weight_);
+    change.after_m = std::sqrt((squares_ - judged.gain) / weight_);
+    change.evidence = judged.evidence;
+    change.before_it = inverse_ * (judged.across * judged.size);
+    change.after_it = change.before_it;
+    return change;
+  }
+
   void weigh() {
     std::vector<double> lengths;
     for (const Vector3& residual : residuals_) lengths.push_back(residual.norm());
@@ -180,17 +249,6 @@ class ScoreTest {
   std::optional<Change> best_;
 };
 
-std::string when(const Change& change) {
-  if (!change.slow) return fmt::format("from line {} on", change.first_line);
-  return fmt::format("from line {} to line {}", change.first_line, change.last_line);
-}
-
-std::string of_reading(const Change& change, const Arm& arm) {
-  const double off = -change.size[0];
-  if (arm.joints[change.index].type == JointType::kPrismatic) return short_length(off);
-  return fmt::format("{:+.3f}°", degrees(off));
-}
-
 }  // namespace
 
 std::optional<Change> likeliest_change(const Evidence& evidence, const DeviatingChain& chain,
@@ -202,53 +260,25 @@ std::optional<Change> likeliest_change(const Evidence& evidence, const Deviating
   return change;
 }
 
-std::string in_words(const Change& change, const Arm& arm) {
-  const std::string by = short_length(change.shift_m);
-  const std::string at = when(change);
-  switch (change.of) {
-    case Change::Of::kSensor:
-      return change.slow ? fmt::format("the positions drift by {} {}", by, at)
-                         : fmt::format("{} the positions are shifted by {}", at, by);
-    case Change::Of::kTarget:
-      return change.slow
-                 ? fmt::format("target {} creeps by {} {}", change.index, by, at)
-                 : fmt::format("{} target {} is another point, {} away", at, change.index, by);
-    case Change::Of::kZero: {
-      const std::string off = of_reading(change, arm);
-      return change.slow
-                 ? fmt::format("the reading of joint {} drifts by {} {}", change.index + 1, off, at)
-                 : fmt::format("{} the reading of joint {} is off by {}", at, change.index + 1,
-                               off);
-    }
-    case Change::Of::kLink:
-      return change.slow
-                 ? fmt::format("the axis after joint {} creeps, and the target with it by {}, {}",
-                               change.index + 1, by, at)
-                 : fmt::format("{} the axis after joint {} stands elsewhere, and the target by {}",
-                               at, change.index + 1, by);
-    case Change::Of::kLengths:
-      return fmt::format("{} all lengths {} by {:.0f} ppm", at,
-                         change.size[0] > 0 ? "grow" : "shrink", 1e6 * std::abs(change.size[0]));
+double moved_by_change_m(const Change& change, const Evidence& evidence,
+                         const DeviatingChain& chain) {
+  const auto tool =
+      std::ranges::find(chain.targets(), evidence.arm.joints.size(), &SeenTarget::link);
+  if (tool == chain.targets().end()) return 0;
+  JointTypes types;
+  for (const DhJoint& joint : evidence.arm.joints) types.push_back(joint.type);
+  EvidenceRow row;
+  row.target = tool->number;
+  Eigen::Matrix3Xd J(3, chain.all().count);
+  double before = 0;
+  double after = 0;
+  for (int k = 1; k <= kJudged; ++k) {
+    row.q = work_configuration(types, evidence.arm.limits, k);
+    chain.derivatives(row, J);
+    before += (J * change.before_it).squaredNorm();
+    after += (J * change.after_it).squaredNorm();
   }
-  return {};
-}
-
-std::string mend_of(const Change& change) {
-  switch (change.of) {
-    case Change::Of::kSensor:
-      return "the sensor fixed to the ground that the arm stands on, and warm; the first pose "
-             "measured once more at the end tells";
-    case Change::Of::kTarget:
-      return "a target that is fixed firmly; the first pose measured once more at the end tells";
-    case Change::Of::kZero:
-      return fmt::format("a look at the encoder of joint {} and how it is clamped",
-                         change.index + 1);
-    case Change::Of::kLink:
-      return "an arm that carries the same load all along, and touched nothing";
-    case Change::Of::kLengths:
-      return "arm and sensor warm before the first row is measured";
-  }
-  return {};
+  return std::sqrt(std::max(before, after) / kJudged);
 }
 
 }  // namespace armsig::tool

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What changed while the arm was measured: at once from one row on, or slowly from the first row to
-// the last. A score test: the residuals of an arm that stays as it is, against what each change
-// would make of them, all that an unchanging arm could do about it taken out.
+// the last; or what was wrong with the sensor all along: axes of different scale. A score test: the
+// residuals of an arm that stays as it is, against what each change would make of them, all that an
+// unchanging arm could do about it taken out.
 #pragma once
 
 #include <cstddef>
@@ -14,26 +15,39 @@
 namespace armsig::tool {
 
 struct Change {
-  enum class Of { kSensor, kTarget, kZero, kLink, kLengths };
+  enum class Of { kSensor, kTarget, kZero, kLink, kLengths, kStrain };
   Of of = Of::kSensor;
   std::size_t index = 0;       // of the joint, from 0, or the number of the target
   bool slow = false;           // grows from the first row to the last
   std::size_t first_line = 0;  // from which on
   std::size_t last_line = 0;
-  Eigen::VectorXd size;  // turns and shifts of what changed, or the one number of a zero or factor
-  double shift_m = 0;    // by which the rows are moved in the end, RMS
-  double before_m = 0;   // what an unchanging arm misses the rows by, RMS
-  double after_m = 0;    // and what is left with the change
-  double evidence = 0;   // logarithm of the ratio of likelihoods, the number tried counted
+  Eigen::VectorXd size;       // turns and shifts, the one number of a zero or factor, or strains
+  double shift_m = 0;         // by which the rows are moved in the end, RMS
+  double before_m = 0;        // what an unchanging arm misses the rows by, RMS
+  double after_m = 0;         // and what is left with the change
+  double evidence = 0;        // logarithm of the ratio of likelihoods, the number tried counted
+  Eigen::VectorXd before_it;  // by which the unchanging arm is off from what was there before it
+  Eigen::VectorXd after_it;   // and from what was there in the end: unknowns of the chain
 
   [[nodiscard]] double explains() const { return before_m / after_m; }
 };
+
+// Strains without growth, which is of all lengths: xx, yy, xy, xz, yz.
+inline constexpr int kStrains = 5;
+using Strains = Eigen::Matrix<double, kStrains, 1>;
+[[nodiscard]] Matrix3 strain_of(const Strains& e);
 
 // The change with the most evidence, for an arm like `chain`. `residuals_S`: of the arm that was
 // found, a row each. Nothing for fewer than 24 rows, or where no change has evidence.
 [[nodiscard]] std::optional<Change> likeliest_change(const Evidence& evidence,
                                                      const DeviatingChain& chain,
                                                      const std::vector<Vector3>& residuals_S);
+
+// By how much a target on the last link is off if there was this change and nobody knew of it: of
+// the unchanging arm from the one before it and the one after it, the farther of the two; RMS over
+// the joint limits. 0 without such a target.
+[[nodiscard]] double moved_by_change_m(const Change& change, const Evidence& evidence,
+                                       const DeviatingChain& chain);
 
 // "from line 42 on target 1 is another point, 1.02 mm away", and what to do about it.
 [[nodiscard]] std::string in_words(const Change& change, const Arm& arm);

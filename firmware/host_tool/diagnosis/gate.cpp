@@ -138,8 +138,8 @@ std::optional<Doubt> doubt_of_scale(const Evidence& evidence, const NearFit& fit
                            short_length(scale->after_m), short_length(scale->before_m)),
       .expected = kMendOfScale,
       .refuses = scale->evidence > kStrongEvidence && off > kLeastFactor,
-      .lengths_factor = scale->factor,
-      .lengths_probability = 1 / (1 + std::exp(kFairEvidence - scale->evidence))};
+      .probability = 1 / (1 + std::exp(kFairEvidence - scale->evidence)),
+      .lengths_factor = scale->factor};
 }
 
 // What changed while it was measured: said where it has evidence and explains something, refused
@@ -177,13 +177,14 @@ std::optional<Doubt> doubt_of_change(const Evidence& evidence, const Reference& 
       std::ranges::any_of(evidence.rows, [](const EvidenceRow& row) { return row.sweep != 0; });
   const Explaining& explaining = swept ? kOfSweeps : kOfPoses;
   if (change->explains() < explaining.something) return std::nullopt;
-  return Doubt{
-      .what = "something changed while the arm was measured: " + in_words(*change, evidence.arm),
-      .cause = fmt::format("with that undone the rows fit within {}, instead of {}",
-                           short_length(change->after_m), short_length(change->before_m)),
-      .expected = mend_of(*change),
-      .refuses = change->explains() > explaining.too_much &&
-                 change->before_m > kMissesNothing * reference.fit.reach_m};
+  return Doubt{.what = in_words(*change, evidence.arm),
+               .cause = fmt::format("with that undone the rows fit within {}, instead of {}",
+                                    short_length(change->after_m), short_length(change->before_m)),
+               .expected = mend_of(*change),
+               .refuses = change->explains() > explaining.too_much &&
+                          change->before_m > kMissesNothing * reference.fit.reach_m,
+               .probability = 1,
+               .tool_off_m = moved_by_change_m(*change, evidence, reference.chain)};
 }
 
 }  // namespace

@@ -23,10 +23,12 @@ struct Doubt {
   std::string cause;  // "the positions are in metres: times 1000 they fit within 0.1 mm"; or none
   std::string expected;  // what to change
   bool refuses = true;   // or is only worth saying
-  // Of all lengths seen against the drawing's, and how likely it is that there is one: where not 0,
-  // nobody knows whether the sensor errs by it or the drawing.
+  // How likely it is so, and then by how much the tool is off, RMS over the joint limits; or, where
+  // it is one factor on all lengths that were seen, by which: nobody knows whether the sensor errs
+  // by it or the drawing.
+  double probability = 0;
+  double tool_off_m = 0;
   double lengths_factor = 1;
-  double lengths_probability = 0;
 };
 
 // Nothing where the arm is believable. With `found` absent (identification was refused) a cause is

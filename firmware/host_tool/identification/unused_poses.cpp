@@ -11,7 +11,7 @@ namespace armsig::tool {
 namespace {
 
 constexpr std::size_t kFewest = 12;
-constexpr double kAxes = 3;
+constexpr double kCoordinates = 3;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ std::optional<UnusedPoses> judge_unused_poses(const Evidence& evidence,
   predicted /= static_cast<double>(found.count);
   found.predicted_m = std::sqrt(predicted);
   const double axis_m = sigma_by_median(std::move(lengths_m));
-  found.missed_m = std::sqrt(kAxes * std::max(0.0, axis_m * axis_m - noise_m * noise_m));
+  found.missed_m = std::sqrt(kCoordinates * std::max(0.0, axis_m * axis_m - noise_m * noise_m));
   return found;
 }
 

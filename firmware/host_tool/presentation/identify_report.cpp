@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/presentation/identify_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/core.h>
@@ -11,6 +12,7 @@
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/signature/doubt_stated.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -129,6 +131,16 @@ void print_predicted(const Found& found, double error_m) {
                 1e3 * error_m, where)));
 }
 
+// What nothing that was measured tells, unless a slide's reading says how long a millimetre is.
+constexpr double kScaleToName = 1e-4;
+std::optional<double> moved_by_unseen_scale_m(const Found& found, const SignatureRecord& record) {
+  const bool slides = std::ranges::find(record.signature.types, JointType::kPrismatic) !=
+                      record.signature.types.end();
+  const bool asked = found.refinement && found.refinement->fitted.scale;
+  if (slides || asked || found.scale_stated || !record.predicted_tool_error_m) return std::nullopt;
+  return moved_by_scale_m(record, 1 + kScaleToName);
+}
+
 void print_accuracy(const Found& found, const SignatureRecord& record) {
   say("\nHow accurate it is\n\n");
   if (found.validation && found.validation->rows > 0) {
@@ -156,6 +168,12 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
         terms_in_words(found.refinement->offered->terms));
   }
   if (record.predicted_tool_error_m) print_predicted(found, *record.predicted_tool_error_m);
+  if (const auto moved_m = moved_by_unseen_scale_m(found, record)) {
+    say("{}", paragraph(fmt::format("not in it: the scale of the sensor, which angles do not tell; "
+                                    "{:.0f} ppm of all lengths move the tool by {:.3f} mm, base "
+                                    "and tool fitted",
+                                    1e6 * kScaleToName, 1e3 * *moved_m)));
+  }
   if (found.identified.counts.mixed == 0 && found.identified.counts.rows > 0) {
     say("{}", paragraph("found from sweeps alone, in which gravity, readings that err and tilted "
                         "axes look alike: what that leaves open is counted, play is not; some 30 "
@@ -255,6 +273,9 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
   }
   if (found.refinement && found.refinement->predicted_over_limits_m) {
     json["predicted_over_limits_m"] = *found.refinement->predicted_over_limits_m;
+  }
+  if (const auto moved_m = moved_by_unseen_scale_m(found, record)) {
+    json["moved_by_100_ppm_scale_m"] = *moved_m;
   }
   json["differences"] = nullptr;
   if (const auto differences = difference_table(record))

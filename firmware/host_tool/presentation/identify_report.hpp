@@ -17,6 +17,7 @@ struct Found {
   Identified identified;
   std::optional<RefinementOutcome> refinement;
   std::optional<CrossValidation> validation;
+  bool scale_stated = false;  // a scale of the sensor is part of the predicted tool error
 };
 
 struct ReportedFiles {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "firmware/formats/signature_record.hpp"
+#include "firmware/host_tool/diagnosis/gate.hpp"
 
 namespace armsig::tool {
 
@@ -11,8 +12,11 @@ namespace armsig::tool {
 // 0 without a target on the last link.
 [[nodiscard]] double moved_by_scale_m(const SignatureRecord& record, double factor);
 
-// States in the record that the tool may be off by so much, as probably as `probability`, and says
-// it in its last warning. Nothing where that is 0.
-void state_scale(SignatureRecord& record, double factor, double probability);
+// A slide that goes farther than it reads, or less: the reading may err, or the sensor by a scale.
+[[nodiscard]] std::optional<Doubt> doubt_of_slide(const Signature& signature);
+
+// States in the record what the tool may be off by if its last warning, `doubt`, is right, as
+// probably as it is, and says so there; that much, RMS. Nothing where that has no probability.
+double state_doubt(SignatureRecord& record, const Doubt& doubt);
 
 }  // namespace armsig::tool
