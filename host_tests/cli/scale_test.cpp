@@ -77,5 +77,40 @@ TEST(Scale, is_part_of_the_predicted_error_where_the_drawing_shows_it) {
   EXPECT_GT(stretched.observed_m, 0.5 * stretched.stated_m);
 }
 
+// How long a millimetre is, a slide's reading says as well as the sensor: one of them errs.
+TEST(Scale, is_part_of_the_predicted_error_where_a_slide_contradicts_it) {
+  const Folder folder;
+  const Outcome outcome = run_tool(
+      folder,
+      "simulate --arm stanford --tolerances 1 --points 24 --hand-target-mm 100,50,150 --sigma-mm "
+      "0.05 --seed 4 --out m.csv --truth-out truth.yaml");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  times(Csv::read(folder / "m.csv"), 1.002).write(folder / "m.csv");
+  for (const std::string method : {"encoder", "refined"}) {
+    const Outcome found = run_tool(
+        folder,
+        "identify --arm stanford --measurements m.csv --out s.yaml --json --method " + method);
+    ASSERT_EQ(found.status, 0) << found.err;
+    EXPECT_NE(found.err.find("joint 3 is seen to go 1.00"), std::string::npos) << found.err;
+    const auto result = nlohmann::json::parse(found.out);
+    EXPECT_GT(result["predicted_tool_error_m"], 0.5e-3) << method;  // 0.1 mm by noise alone
+    EXPECT_FALSE(result.contains("moved_by_100_ppm_scale_m"));
+  }
+}
+
+// What no row tells is said beside what is stated.
+TEST(Scale, of_the_sensor_is_named_as_no_part_of_the_predicted_error_of_turning_joints) {
+  const Folder folder;
+  poses_of_a_ur10e(folder);
+  const std::string identify =
+      "identify --arm ur10e --measurements m.csv --method refined --out s.yaml";
+  const Outcome found = run_tool(folder, identify);
+  EXPECT_NE(found.out.find("not in it: the scale of the sensor"), std::string::npos) << found.out;
+  const auto result = nlohmann::json::parse(run_tool(folder, identify + " --json").out);
+  // A ten-thousandth of a metre's reach, base and tool fitted.
+  EXPECT_GT(result["moved_by_100_ppm_scale_m"], 0.02e-3);
+  EXPECT_LT(result["moved_by_100_ppm_scale_m"], 0.15e-3);
+}
+
 }  // namespace
 }  // namespace armsig::cli

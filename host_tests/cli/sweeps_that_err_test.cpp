@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// Sweeps of an arm whose encoders, gears or clamps err: what is stated holds where nothing was
+// measured.
+#include <cmath>
+#include <functional>
+
+#include <nlohmann/json.hpp>
+
+#include "host_tests/cli/predictions.hpp"
+
+namespace armsig::cli {
+namespace {
+
+constexpr const char* kSimulate =
+    "simulate --arm arm.yaml --hand-target-mm 120,50,180 --points 25 --arc 120 ";
+
+// Sweeps in m.csv, poses anywhere in held.csv, the arm in truth.yaml.
+Csv sweeps_of_a_puma(const Folder& folder, const std::string& options) {
+  write_file(folder / "arm.yaml", kPuma560);
+  for (const std::string rest : {"--tolerances 1 --truth-out truth.yaml --out m.csv",
+                                 "--truth truth.yaml --mixed-poses 100 --out held.csv"}) {
+    const Outcome outcome = run_tool(folder, kSimulate + options + rest);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  }
+  return Csv::read(folder / "m.csv");
+}
+
+void change(Csv& rows, const std::string& name,
+            const std::function<double(double reading, std::size_t row)>& to) {
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    rows.rows[k][rows.column(name)] = std::to_string(to(rows.number(k, name), k));
+  }
+}
+
+struct JudgedSweeps {
+  double observed_m = 0;
+  double stated_m = 0;  // over all that the joint limits allow
+  std::string err;
+};
+
+// `as_read`: what was done to the readings of the sweeps, for the poses to predict.
+JudgedSweeps judge(
+    const Folder& folder, const Csv& rows, const std::string& method,
+    const std::function<void(Csv& poses)>& as_read = [](Csv&) {}) {
+  rows.write(folder / "m.csv");
+  const Outcome outcome = run_tool(
+      folder,
+      "identify --arm arm.yaml --measurements m.csv --out s.yaml --json --method " + method);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  if (outcome.status != 0) return {};
+  const auto result = nlohmann::json::parse(outcome.out);
+  Csv held = Csv::read(folder / "held.csv");
+  write_joint_poses(held, folder / "q.csv");
+  const Csv truth = predict(folder, "truth.yaml", "1");
+  as_read(held);
+  write_joint_poses(held, folder / "q.csv");
+  return {rms_distance(predict(folder, "s.yaml", "1"), truth),
+          result.value("predicted_over_limits_m", result["predicted_tool_error_m"].get<double>()),
+          outcome.err};
+}
+
+TEST(SweepsThatErr, are_no_reason_to_refuse_an_arm_that_a_fine_sensor_sees) {
+  const Folder folder;
+  const Csv rows = sweeps_of_a_puma(folder, "--maps-deg 0.04 --sigma-mm 0.01 --seed 6 ");
+  for (const std::string method : {"paper", "encoder"}) {
+    const JudgedSweeps found = judge(folder, rows, method);
+    EXPECT_GT(found.observed_m, 0.1e-3) << method;
+    EXPECT_LT(found.observed_m, 1.25 * found.stated_m) << method;
+    EXPECT_GT(found.observed_m, 0.25 * found.stated_m) << method;
+  }
+}
+
+// A map of the readings explains the rows as well, and says nothing of readings beyond them.
+TEST(SweepsThatErr, by_a_gear_are_told_from_those_that_err_by_waves) {
+  const Folder folder;
+  Csv rows = sweeps_of_a_puma(folder, "--sigma-mm 0.05 --seed 6 ");
+  const JudgedSweeps sound = judge(folder, rows, "refined");
+  EXPECT_EQ(sound.err.find("gear"), std::string::npos) << sound.err;
+  const auto by_gear = [](Csv& poses) {
+    change(poses, "q1_deg", [](double q, std::size_t) { return 1.0015 * q; });
+  };
+  by_gear(rows);
+  const JudgedSweeps geared = judge(folder, rows, "refined", by_gear);
+  EXPECT_NE(geared.err.find("joint 1: its reading is 1.001"), std::string::npos) << geared.err;
+  EXPECT_LT(geared.observed_m, 1.25 * geared.stated_m);
+  EXPECT_LT(geared.stated_m, 2 * sound.stated_m);
+}
+
+// Too little to refuse, and more than the rows' own noise states.
+TEST(SweepsThatErr, by_a_slip_are_named_and_stated) {
+  const Folder folder;
+  Csv rows = sweeps_of_a_puma(folder, "--sigma-mm 0.05 --seed 6 ");
+  const JudgedSweeps sound = judge(folder, rows, "refined");
+  change(rows, "q5_deg", [&](double q, std::size_t k) { return k < 75 ? q : q - 0.06; });
+  const JudgedSweeps slipped = judge(folder, rows, "refined", [](Csv& poses) {
+    change(poses, "q5_deg", [](double q, std::size_t) { return q - 0.06; });
+  });
+  EXPECT_NE(slipped.err.find("the reading of joint 5 is off by -0.0"), std::string::npos)
+      << slipped.err;
+  EXPECT_NE(slipped.err.find("if so the tool is off by"), std::string::npos) << slipped.err;
+  EXPECT_GT(slipped.observed_m, 1.5 * sound.stated_m);
+  EXPECT_LT(slipped.observed_m, 1.25 * slipped.stated_m);
+}
+
+}  // namespace
+}  // namespace armsig::cli
