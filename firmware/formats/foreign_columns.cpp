@@ -152,6 +152,8 @@ class Mapper {
     return mapped_.header_line == 0 ? look_for_header(line, number) : take_row(line, number);
   }
 
+  [[nodiscard]] bool began() const { return !first_line_.empty(); }
+
   [[nodiscard]] Read<MappedMeasurements> finish() && {
     if (mapped_.header_line == 0) return no_header(path_, wanted_, first_line_);
     return std::move(mapped_);
@@ -258,6 +260,10 @@ Read<MappedMeasurements> map_measurements(const std::string& path, std::string_v
   Mapper mapper(path, std::move(wanted), types);
   for (;;) {
     ARMSIG_TRY(more, lines.next());
+    if (!more && !mapper.began()) {
+      return std::unexpected(Problem{path, 0, 0, std::string(lines.what_it_is()),
+                                     "a header line, then one row a line"});
+    }
     if (!more) return std::move(mapper).finish();
     if (auto taken = mapper.take(lines.line(), lines.number()); !taken) {
       return std::unexpected(std::move(taken).error());

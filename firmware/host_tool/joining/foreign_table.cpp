@@ -46,9 +46,10 @@ std::vector<std::string> split(std::string_view line, char separator) {
 }
 
 std::vector<std::pair<std::size_t, std::string_view>> lines_of(std::string_view text) {
+  const char line_end = has_lone_returns(text) ? '\r' : '\n';
   std::vector<std::pair<std::size_t, std::string_view>> lines;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::size_t end = std::min(text.find(line_end), text.size());
     std::string_view line = text.substr(0, end);
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (!is_comment(trimmed(line))) lines.emplace_back(number, line);
@@ -73,7 +74,11 @@ Read<ForeignTable> read_foreign_table(const std::string& path) {
                                    "UTF-8: save it so, or iconv -f WINDOWS-1252 -t UTF-8"});
   }
   const auto lines = lines_of(*text);
-  if (lines.empty()) return std::unexpected(Problem{path, 0, 0, "no rows", "a row a line"});
+  if (lines.empty()) {
+    return std::unexpected(
+        Problem{path, 0, 0, trimmed(*text).empty() ? "the file is empty" : "the file holds no rows",
+                "a row a line; //, # and ! begin comments"});
+  }
   char separator = kBlanks;
   for (const char candidate : {',', '\t', ';'}) {
     if (std::ranges::any_of(
