@@ -19,6 +19,7 @@
 #include "firmware/host_tool/presentation/identify_report.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/reading/range_health.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 #include "firmware/host_tool/signature/record.hpp"
 #include "firmware/host_tool/signature/scale_in_doubt.hpp"
@@ -208,17 +209,23 @@ int run(IdentifyOptions options) {
   IdentificationRun identification(arm->arm, sensor, options.measurements,
                                    refine ? Purpose::kRefinement : Purpose::kValidatedFeatures);
   EvidenceCollector collector(arm->arm, sensor);
+  RangeHealth health(sensor);
   Read<void> taken;  // the first row that was refused says why; the others are evidence
   const auto read = read_all(options, arm->arm, "Reading measurements",
                              [&](const MeasurementRow& row) -> Read<void> {
                                const auto scale = range_scale(row, sensor, options.measurements);
                                if (!scale) return std::unexpected(scale.error());
                                collector.add(row);
+                               health.add(row, *scale);
                                if (taken) taken = identification.take(row);
                                return {};
                              });
   if (!read && taken) return fail(read.error(), kBadInput, options);
   const auto refuse = [&](const Problem& problem) {
+    // Of rows without a position nothing else can be said.
+    if (const auto ranges = health.problem(options.measurements)) {
+      return fail(*ranges, kNoAnswer, options);
+    }
     return fail(explained(problem, collector.evidence(), arm->limits), kNoAnswer, options);
   };
   if (!taken) return refuse(taken.error());
