@@ -19,6 +19,7 @@
 #include "firmware/host_tool/presentation/identify_report.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/reading/copied_rows.hpp"
 #include "firmware/host_tool/reading/range_health.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 #include "firmware/host_tool/signature/record.hpp"
@@ -71,18 +72,24 @@ Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const 
   return reader;
 }
 
-// Gives every row of the file to `take`.
-Read<void> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
-                    const std::function<Read<void>(const MeasurementRow&)>& take) {
+// So many rows back a copy is found: of features, whose memory does not grow with the file, fewer.
+constexpr std::size_t kRemembered = std::size_t{8} << 10U;
+constexpr std::size_t kRememberedToRefine = std::size_t{4} << 20U;
+
+// Gives every row of the file but copies to `take`, and says how many copies there are.
+Read<std::size_t> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
+                           const std::function<Read<void>(const MeasurementRow&)>& take) {
   auto reader = open_measurements(options, types_of(arm.joints));
   if (!reader) return std::unexpected(reader.error());
   Progress progress(what, 1000);
+  CopiedRows copies(options.method == "refined" ? kRememberedToRefine : kRemembered);
   for (MeasurementRow row;;) {
     auto more = reader->next(row);
     if (!more && options.mapped) more.error().column = 0;
     if (!more) return std::unexpected(more.error());
-    if (!*more) return {};
-    if (auto taken = take(row); !taken) return taken;
+    if (!*more) return copies.count();
+    if (copies.is_copy(row)) continue;
+    if (auto taken = take(row); !taken) return std::unexpected(std::move(taken).error());
     if (const auto share = reader->progress()) {
       progress.update(static_cast<std::size_t>(1000 * *share));
     }
@@ -248,6 +255,11 @@ int run(IdentifyOptions options) {
                                   ? "accepted as a different arm: " + problem.what
                                   : fmt::format("{}: {}", problem.what, problem.expected));
     state_scale(record, doubt->lengths_factor, doubt->lengths_probability);
+  }
+  if (*read > 0) {
+    record.warnings.push_back(
+        fmt::format("{}: {} rows are copies of others to the last digit, and count once",
+                    options.measurements, *read));
   }
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);
