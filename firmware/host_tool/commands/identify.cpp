@@ -233,7 +233,10 @@ int run(IdentifyOptions options) {
     if (const auto ranges = health.problem(options.measurements)) {
       return fail(*ranges, kNoAnswer, options);
     }
-    return fail(explained(problem, collector.evidence(), arm->limits), kNoAnswer, options);
+    Problem said = explained(problem, collector.evidence(), arm->limits);
+    if (read && *read > 0)
+      said.what += fmt::format("; {} rows are copies of others, and count once", *read);
+    return fail(said, kNoAnswer, options);
   };
   if (!taken) return refuse(taken.error());
   const auto found = refine ? identified_by_refinement(identification, *further)
