@@ -104,6 +104,19 @@ TEST(Join, takes_a_long_log_and_warns_where_most_points_go_with_no_pose) {
       << few.out;
 }
 
+TEST(Join, never_guesses_which_of_two_columns_is_meant) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kTwoJointArm);
+  write_file(folder / "log.csv", "Name;A1 [deg];A2 [deg];J1 [deg];J2 [deg]\nP1;10;20;11;21\n");
+  write_file(folder / "points.csv", "Name;X [mm];Y [mm];Z [mm]\nP1;1;2;3\n");
+  const Outcome outcome =
+      run_tool(folder, "join --arm arm.yaml --joints log.csv --points points.csv --out joined.csv");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err,
+            "armsig: log.csv:1: columns \"A1 [deg]\" and \"J1 [deg]\" are of one quantity; "
+            "expected one of the two, the other left out or under another name\n");
+}
+
 TEST(Join, names_a_control_character) {
   const Folder folder;
   write_file(folder / "arm.yaml", kTwoJointArm);
