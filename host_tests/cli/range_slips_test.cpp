@@ -81,6 +81,19 @@ TEST(RangeSlips, ranges_out_and_back_and_in_metres_are_named) {
               "ranges and receivers in the units of their names");
 }
 
+TEST(RangeSlips, receivers_in_metres_under_the_name_of_millimetres_are_named) {
+  const Folder folder;
+  ASSERT_NO_FATAL_FAILURE(measure(folder));
+  write_sensor(folder,
+               {kReceivers[0], "{x_mm: 0.8, y_mm: -0.5, z_mm: 1.7}", kReceivers[2], kReceivers[3]});
+  expect_said(folder, "with a thousand times the place of receiver 2",
+              "the place of every receiver in the unit of its name");
+  write_sensor(folder, {"{x_mm: -0.6, y_mm: -0.7, z_mm: 1.5}", "{x_mm: 0.8, y_mm: -0.5, z_mm: 1.7}",
+                        "{x_mm: -0.5, y_mm: 0.9, z_mm: 1.6}", "{x_mm: 0.7, y_mm: 0.6, z_mm: 1.3}"});
+  expect_said(folder, "with a thousandth the ranges",
+              "ranges and receivers in the units of their names");
+}
+
 TEST(RangeSlips, a_receiver_elsewhere_is_told_by_what_to_look_at) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(measure(folder));

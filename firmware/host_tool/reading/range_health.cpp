@@ -13,6 +13,8 @@ namespace armsig::tool {
 namespace {
 
 constexpr std::size_t kSampled = 60;
+// A slip with which none of so many meets is given up: of 16 receivers there are 156 to try.
+constexpr std::size_t kEnoughToGiveUp = 6;
 // A slip is named where so large a share of the rows that failed meets in a point with it.
 constexpr double kMost = 0.7;
 
@@ -45,31 +47,45 @@ void RangeHealth::add(const MeasurementRow& row, double scale) {
 }
 
 std::size_t RangeHealth::located_by(const SensorDescription& sensor, double factor) const {
-  return static_cast<std::size_t>(std::ranges::count_if(sample_, [&](const Kept& kept) {
-    return locate(kept.row, sensor, factor * kept.scale).has_value();
-  }));
+  std::size_t located = 0;
+  for (std::size_t k = 0; k < sample_.size(); ++k) {
+    if (k == kEnoughToGiveUp && located == 0) return 0;
+    located += locate(sample_[k].row, sensor, factor * sample_[k].scale) ? 1 : 0;
+  }
+  return located;
 }
 
+// The larger of ranges and receivers is left as it is: against its sigma the noise is its own.
 std::optional<RangeHealth::Slip> RangeHealth::likeliest_slip() const {
   std::size_t most = 0;
   Slip likeliest;
   const auto try_out = [&](const SensorDescription& sensor, double factor, std::string words,
-                           std::string mend) {
+                           const char* mend) {
     const std::size_t located = located_by(sensor, factor);
     if (located <= most) return;
     most = located;
-    likeliest = {.words = std::move(words), .mend = std::move(mend)};
+    likeliest = {.words = std::move(words), .mend = mend};
   };
+  const char* units =
+      "ranges and receivers in the units of their names, and distances, not ways out and back";
   for (const auto& [factor, words] : {std::pair{1e-3, "a thousandth"},
                                       {1e3, "a thousand times"},
                                       {0.5, "half"},
                                       {2.0, "twice"}}) {
-    try_out(*sensor_, factor, fmt::format("with {} the ranges", words),
-            "ranges and receivers in the units of their names, and distances, not ways out and "
-            "back");
+    SensorDescription enlarged = *sensor_;
+    for (Vector3& p_S : enlarged.receivers_S) p_S /= std::min(factor, 1.0);
+    try_out(enlarged, std::max(factor, 1.0), fmt::format("with {} the ranges", words), units);
   }
-  for (std::size_t a = 0; a < sensor_->receivers_S.size(); ++a) {
-    for (std::size_t b = a + 1; b < sensor_->receivers_S.size(); ++b) {
+  const std::size_t receivers = sensor_->receivers_S.size();
+  for (std::size_t a = 0; a < receivers; ++a) {
+    for (const auto& [factor, words] :
+         {std::pair{1e-3, "a thousandth"}, {1e3, "a thousand times"}}) {
+      SensorDescription other_unit = *sensor_;
+      other_unit.receivers_S[a] *= factor;
+      try_out(other_unit, 1, fmt::format("with {} the place of receiver {}", words, a + 1),
+              "the place of every receiver in the unit of its name");
+    }
+    for (std::size_t b = a + 1; b < receivers; ++b) {
       SensorDescription swapped = *sensor_;
       std::swap(swapped.receivers_S[a], swapped.receivers_S[b]);
       try_out(swapped, 1, fmt::format("with receivers {} and {} swapped", a + 1, b + 1),
