@@ -34,8 +34,9 @@ Read<LineReader> LineReader::open(const std::string& path) {
   reader.handle_ = std::move(*handle);
   reader.buffer_.resize(kBuffer);
   if (auto begun = reader.refill(); !begun) return std::unexpected(std::move(begun).error());
-  if (!is_utf16({reader.buffer_.data(), reader.end_})) return reader;
-  return reader.from_utf16();
+  if (is_utf16({reader.buffer_.data(), reader.end_})) return reader.from_utf16();
+  reader.choose_line_end();
+  return reader;
 }
 
 // A line of UTF-16 has no end that is a byte: the whole of it is turned into UTF-8 first.
@@ -61,7 +62,17 @@ LineReader LineReader::over(std::string_view text, std::string_view file) {
   reader.buffer_.assign(text.begin(), text.end());
   reader.end_ = text.size();
   reader.size_ = text.size();
+  reader.choose_line_end();
   return reader;
+}
+
+void LineReader::choose_line_end() {
+  if (has_lone_returns({buffer_.data(), end_})) line_end_ = '\r';
+}
+
+std::string_view LineReader::what_it_is() const {
+  if (commented_) return "the file holds only comments";
+  return number_ > 0 ? "the file holds only blank lines" : "the file is empty";
 }
 
 std::optional<double> LineReader::progress() const {
@@ -90,23 +101,23 @@ Read<bool> LineReader::next_raw() {
   for (std::size_t searched = 0;;) {
     const char* unread = buffer_.data() + start_;
     const std::size_t count = end_ - start_;
-    const void* feed =
-        count > searched ? std::memchr(unread + searched, '\n', count - searched) : nullptr;
-    if (feed == nullptr && count <= kLongestLine && handle_) {
+    const void* end =
+        count > searched ? std::memchr(unread + searched, line_end_, count - searched) : nullptr;
+    if (end == nullptr && count <= kLongestLine && handle_) {
       searched = count;
       if (auto more = refill(); !more) return std::unexpected(std::move(more).error());
       continue;
     }
-    if (feed == nullptr && count == 0) return false;
+    if (end == nullptr && count == 0) return false;
     ++number_;
     line_start_ = start_;
     line_length_ =
-        feed == nullptr ? count : static_cast<std::size_t>(static_cast<const char*>(feed) - unread);
+        end == nullptr ? count : static_cast<std::size_t>(static_cast<const char*>(end) - unread);
     if (line_length_ > kLongestLine) {
       return std::unexpected(Problem{file_, static_cast<int>(number_), 0, "the line is too long",
                                      fmt::format("at most {} characters", kLongestLine)});
     }
-    start_ += line_length_ + (feed == nullptr ? 0 : 1);
+    start_ += line_length_ + (end == nullptr ? 0 : 1);
     if (line_length_ > 0 && unread[line_length_ - 1] == '\r') --line_length_;
     return true;
   }
@@ -122,6 +133,7 @@ Read<bool> LineReader::next() {
     }
     const std::string_view content = trimmed(line());
     if (!content.empty() && content.front() != '#') return true;
+    commented_ = commented_ || !content.empty();
   }
 }
 

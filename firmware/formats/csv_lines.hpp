@@ -14,8 +14,8 @@
 
 namespace armsig::tool {
 
-// Skips blank lines, comment lines (#) and a UTF-8 byte order mark; takes LF and CRLF, and a last
-// line without either. A file whose byte order mark says UTF-16 is read as UTF-8.
+// Skips blank lines, comment lines (#) and a UTF-8 byte order mark; takes LF and CRLF, CR in a file
+// that begins without any LF, and a last line without an end. A file in UTF-16 is read as UTF-8.
 class LineReader {
  public:
   [[nodiscard]] static Read<LineReader> open(const std::string& path);
@@ -31,6 +31,9 @@ class LineReader {
   [[nodiscard]] std::size_t number() const { return number_; }  // of line(), from 1
   [[nodiscard]] const std::string& file() const { return file_; }
 
+  // Of a file in which next() has found nothing: that it is empty, or has only comments.
+  [[nodiscard]] std::string_view what_it_is() const;
+
   // How much of the file has been read, 0 to 1; nothing where its size is unknown (a pipe).
   [[nodiscard]] std::optional<double> progress() const;
 
@@ -39,6 +42,7 @@ class LineReader {
   [[nodiscard]] Read<bool> next_raw();
   [[nodiscard]] Read<void> refill();
   [[nodiscard]] Read<LineReader> from_utf16();
+  void choose_line_end();
 
   std::string file_;
   FileHandle handle_;  // null once everything is in the buffer
@@ -49,6 +53,8 @@ class LineReader {
   std::size_t line_start_ = 0;
   std::size_t line_length_ = 0;
   std::size_t number_ = 0;
+  char line_end_ = '\n';
+  bool commented_ = false;        // a comment was passed over
   std::size_t bytes_before_ = 0;  // of the file, before the buffer
 };
 

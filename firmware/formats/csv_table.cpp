@@ -169,8 +169,8 @@ Read<CsvTable::Column> CsvTable::column_named(std::string_view name, std::size_t
 Read<void> CsvTable::read_header() {
   ARMSIG_TRY(more, lines_.next());
   if (!more) {
-    return std::unexpected(
-        Problem{lines_.file(), 0, 0, "the file is empty", "a header line, then one row a line"});
+    return std::unexpected(Problem{lines_.file(), 0, 0, std::string(lines_.what_it_is()),
+                                   "a header line, then one row a line"});
   }
   for (Fields fields(lines_.line()); fields.next();) {
     ARMSIG_TRY(column, column_named(fields.text(), fields.position()));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/formats/encoding.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "firmware/formats/text.hpp"
@@ -10,6 +11,26 @@ namespace {
 
 constexpr std::string_view kLittleEndian = "\xFF\xFE";
 constexpr std::string_view kBigEndian = "\xFE\xFF";
+
+// Text without a mark is judged by its beginning: letters, digits and signs of ASCII but for a few.
+constexpr std::size_t kJudged = 1024;  // bytes
+constexpr double kMostlyAscii = 0.7;
+
+enum class Order : std::uint8_t { kNone, kLittle, kBig };
+
+Order order_by_zeros(std::string_view bytes) {
+  const std::size_t units = std::min(bytes.size(), kJudged) / 2;
+  std::size_t first = 0;
+  std::size_t second = 0;
+  for (std::size_t k = 0; k < units; ++k) {
+    first += bytes[2 * k] == '\0' ? 1 : 0;
+    second += bytes[2 * k + 1] == '\0' ? 1 : 0;
+  }
+  const double enough = kMostlyAscii * static_cast<double>(units);
+  if (units == 0 || (first > 0 && second > 0)) return Order::kNone;
+  if (static_cast<double>(second) >= enough) return Order::kLittle;
+  return static_cast<double>(first) >= enough ? Order::kBig : Order::kNone;
+}
 
 void append_utf8(std::string& text, std::uint32_t code) {
   const auto byte = [&](std::uint32_t bits) { text += static_cast<char>(bits); };
@@ -58,14 +79,22 @@ std::optional<std::string> from_utf16(std::string_view bytes, bool little_endian
 }  // namespace
 
 bool is_utf16(std::string_view bytes) {
-  return bytes.starts_with(kLittleEndian) || bytes.starts_with(kBigEndian);
+  return bytes.starts_with(kLittleEndian) || bytes.starts_with(kBigEndian) ||
+         order_by_zeros(bytes) != Order::kNone;
 }
 
 std::optional<std::string> in_utf8(std::string_view bytes) {
   if (bytes.starts_with(kLittleEndian)) return from_utf16(bytes.substr(2), true);
   if (bytes.starts_with(kBigEndian)) return from_utf16(bytes.substr(2), false);
+  if (const Order order = order_by_zeros(bytes); order != Order::kNone) {
+    return from_utf16(bytes, order == Order::kLittle);
+  }
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   return std::string(bytes);
+}
+
+bool has_lone_returns(std::string_view bytes) {
+  return bytes.find('\r') != std::string_view::npos && bytes.find('\n') == std::string_view::npos;
 }
 
 }  // namespace armsig::tool

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "firmware/formats/text.hpp"
+#include "firmware/formats/text_file.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -60,6 +61,14 @@ Read<void> check_roles(std::initializer_list<FileRole> read,
   for (const FileRole* file = written.begin(); file != written.end(); ++file) {
     for (const FileRole& other : read) {
       if (auto apart = check_apart(*file, other); !apart) return apart;
+    }
+    // What may be left out is empty then; --out may not.
+    if (file->path.empty() && file->option == "--out") {
+      return std::unexpected(
+          Problem{"--out", 0, 0, "an empty name", "a file, or - for standard output"});
+    }
+    if (!file->path.empty()) {
+      if (auto writable = check_writable(std::string(file->path)); !writable) return writable;
     }
     for (const FileRole* earlier = written.begin(); earlier != file; ++earlier) {
       if (auto apart = check_apart(*file, *earlier); !apart) return apart;

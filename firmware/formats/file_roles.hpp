@@ -15,7 +15,8 @@ struct FileRole {
 };
 
 // Refuses a file of `written` that is one of `read`, or another of `written`: by whatever name,
-// link or case. What is no regular file (a terminal, a pipe, /dev/null) may be both.
+// link or case. What is no regular file (a terminal, a pipe, /dev/null) may be both. Refuses,
+// before the work is done, a file of `written` that check_writable() says can't be.
 [[nodiscard]] Read<void> check_roles(std::initializer_list<FileRole> read,
                                      std::initializer_list<FileRole> written);
 

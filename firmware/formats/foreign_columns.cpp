@@ -141,6 +141,26 @@ std::optional<Problem> contradiction(const std::string& path, const MappedMeasur
   return std::nullopt;
 }
 
+// Two columns of the header that `auto` would take for the same: commanded and actual readings, or
+// nominal and measured positions. Which is meant nobody can guess.
+std::optional<Problem> ambiguity(const std::string& path, const MappedMeasurements& mapped,
+                                 const Wanted& wanted, const JointTypes& types) {
+  for (std::size_t c = wanted.entries.size(); c < mapped.columns.size(); ++c) {
+    const MappedColumn& taken = mapped.columns[c];
+    for (const std::string& theirs : mapped.ignored) {
+      const auto ours = our_name_of(theirs, types);
+      if (!ours || quantity_of(*ours) != quantity_of(taken.ours)) continue;
+      return Problem{path, static_cast<int>(mapped.header_line), 0,
+                     fmt::format("{} may come from {} or from {}", quantity_of(taken.ours),
+                                 in_quotes(taken.theirs), in_quotes(theirs)),
+                     theirs == taken.theirs ? std::string("another name for one of the two columns")
+                                            : fmt::format("--columns auto,{}={}, or {}={}",
+                                                          taken.ours, taken.theirs, *ours, theirs)};
+    }
+  }
+  return std::nullopt;
+}
+
 class Mapper {
  public:
   Mapper(std::string path, Wanted wanted, const JointTypes& types)
@@ -151,6 +171,8 @@ class Mapper {
     if (first_line_.empty()) first_line_ = line;
     return mapped_.header_line == 0 ? look_for_header(line, number) : take_row(line, number);
   }
+
+  [[nodiscard]] bool began() const { return !first_line_.empty(); }
 
   [[nodiscard]] Read<MappedMeasurements> finish() && {
     if (mapped_.header_line == 0) return no_header(path_, wanted_, first_line_);
@@ -176,6 +198,9 @@ class Mapper {
         if (std::ranges::find(places_, k) == places_.end()) mapped_.ignored.push_back(header[k]);
       }
       if (auto problem = contradiction(path_, mapped_, types_)) return std::unexpected(*problem);
+      if (auto problem = ambiguity(path_, mapped_, wanted_, types_)) {
+        return std::unexpected(*problem);
+      }
       std::vector<std::string> names;
       names.reserve(mapped_.columns.size());
       for (const MappedColumn& column : mapped_.columns) names.push_back(column.ours);
@@ -258,6 +283,10 @@ Read<MappedMeasurements> map_measurements(const std::string& path, std::string_v
   Mapper mapper(path, std::move(wanted), types);
   for (;;) {
     ARMSIG_TRY(more, lines.next());
+    if (!more && !mapper.began()) {
+      return std::unexpected(Problem{path, 0, 0, std::string(lines.what_it_is()),
+                                     "a header line, then one row a line"});
+    }
     if (!more) return std::move(mapper).finish();
     if (auto taken = mapper.take(lines.line(), lines.number()); !taken) {
       return std::unexpected(std::move(taken).error());

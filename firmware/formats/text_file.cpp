@@ -33,6 +33,18 @@ std::string directory_of(const std::string& path) {
   return directory.empty() ? "." : directory;
 }
 
+// What the symbolic links from `path` on end in, be it there or not; as many as the system follows.
+std::string end_of_links(std::string path) {
+  constexpr int kMostLinks = 40;
+  for (int k = 0; k < kMostLinks; ++k) {
+    std::error_code no_link;
+    const std::filesystem::path next = std::filesystem::read_symlink(path, no_link);
+    if (no_link) break;
+    path = (std::filesystem::path(path).parent_path() / next).string();
+  }
+  return path;
+}
+
 // The temporary files there are now, for the handler of signals: fixed places, since a handler may
 // not allocate. A file beyond them is only left behind by a signal.
 struct Temporary {
@@ -90,7 +102,11 @@ int open_temporary(const std::string& path, mode_t mode, std::string& temporary_
 
 Read<FileHandle> open_file(const std::string& path) {
   FileHandle file(std::fopen(path.c_str(), "rbe"));
-  if (!file) return system_problem(path, "can't be opened", errno);
+  if (!file) {
+    auto problem = system_problem(path, "can't be opened", errno);
+    if (path == "-") problem.error().expected = "the name of a file; /dev/stdin is standard input";
+    return problem;
+  }
   struct stat status{};
   if (::fstat(::fileno(file.get()), &status) == 0 && S_ISDIR(status.st_mode)) {
     return system_problem(path, "can't be read", EISDIR);
@@ -133,6 +149,10 @@ Read<AtomicFile> AtomicFile::create(const std::string& path) {
   struct stat status{};
   const bool exists = path != kStandardOutput && ::stat(path.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return system_problem(path, "can't be written", EISDIR);
+  if (!exists && path != kStandardOutput) {
+    if (errno == ELOOP) return system_problem(path, "can't be written", ELOOP);
+    file.real_path_ = end_of_links(path);
+  }
   if (path == kStandardOutput) {
     file.descriptor_ = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
   } else if (exists && !S_ISREG(status.st_mode)) {
@@ -157,6 +177,21 @@ Read<AtomicFile> AtomicFile::create(const std::string& path) {
     return system_problem(path, "can't be written", error);
   }
   return file;
+}
+
+Read<void> check_writable(const std::string& path) {
+  if (path == kStandardOutput) return {};
+  struct stat status{};
+  if (::stat(path.c_str(), &status) != 0) {
+    if (errno == ELOOP) return system_problem(path, "can't be written", ELOOP);
+    const std::string directory = directory_of(end_of_links(path));
+    if (::stat(directory.c_str(), &status) != 0) {
+      return system_problem(path, fmt::format("can't be written: {}", directory), errno);
+    }
+    return {};
+  }
+  if (S_ISDIR(status.st_mode)) return system_problem(path, "can't be written", EISDIR);
+  return {};
 }
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept

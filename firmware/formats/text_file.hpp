@@ -36,9 +36,9 @@ inline constexpr std::size_t kLargestUrdf = std::size_t{4} << 20U;
 void remove_temporaries_on_signals();
 
 // A file that appears under its name only when it is complete: written beside it under a temporary
-// name, synchronised to the disk, then renamed. Without commit() the temporary file is removed and
-// whatever stood under the name before is untouched. What is no regular file (a pipe, a terminal)
-// is written to directly.
+// name, synchronised to the disk, then renamed. Of a symbolic link the file that it names. Without
+// commit() the temporary file is removed and whatever stood under the name before is untouched.
+// What is no regular file (a pipe, a terminal) is written to directly.
 class AtomicFile {
  public:
   [[nodiscard]] static Read<AtomicFile> create(const std::string& path);
@@ -63,6 +63,10 @@ class AtomicFile {
   int first_errno_ = 0;  // of the first write that failed
   std::string buffer_;
 };
+
+// Can a file be made under the name `path`, or is there one that can be written to? Said before the
+// work whose result would be lost, and no promise.
+[[nodiscard]] Read<void> check_writable(const std::string& path);
 
 // Writes `text` to `path` through an AtomicFile.
 [[nodiscard]] Read<void> write_text_file(const std::string& path, std::string_view text);

@@ -15,6 +15,7 @@
 #include <yaml-cpp/parser.h>
 
 #include "firmware/formats/characters.hpp"
+#include "firmware/formats/encoding.hpp"
 #include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
@@ -177,12 +178,19 @@ Read<void> check_size(std::string_view text) {
       fmt::format("at most {} lines, commas, colons, quotes and brackets", kMostMarks));
 }
 
+// Of text without a document.
+std::string what_it_is(std::string_view text) {
+  if (text.empty()) return "the file is empty";
+  return text.find('#') == std::string_view::npos ? "the file holds only blank lines"
+                                                  : "the file holds only comments";
+}
+
 Read<YamlNode> parse_with_yaml_cpp(std::string_view text) {
   std::istringstream stream{std::string(text)};
   YAML::Parser parser(stream);
   TreeBuilder document;
   if (!parser.HandleNextDocument(document)) {
-    return problem_at(0, 0, "the file is empty", "a YAML document");
+    return problem_at(0, 0, what_it_is(text), "a YAML document");
   }
   TreeBuilder second;
   if (parser.HandleNextDocument(second)) {
@@ -202,6 +210,17 @@ const YamlNode* YamlNode::find(std::string_view key) const {
 
 Read<YamlNode> parse_yaml(std::string_view text) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  if (is_utf16(text)) {
+    return problem_at(
+        0, 0, "text in UTF-16",
+        "UTF-8: save it so, or iconv -f UTF-16 -t UTF-8 (-f UTF-16LE without a mark)");
+  }
+  std::string with_line_feeds;
+  if (has_lone_returns(text)) {
+    with_line_feeds = text;
+    std::ranges::replace(with_line_feeds, '\r', '\n');
+    text = with_line_feeds;
+  }
   if (auto small = check_size(text); !small) return std::unexpected(std::move(small).error());
   if (auto clean = check_bytes(text); !clean) return std::unexpected(std::move(clean).error());
   try {

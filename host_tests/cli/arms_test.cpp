@@ -48,6 +48,19 @@ TEST(KnownArms, a_name_is_taken_in_capitals_too) {
             0);
 }
 
+TEST(KnownArms, is_shown_by_a_name_in_capitals_and_a_slip_names_the_nearest) {
+  const Folder folder;
+  const Outcome shown = run_tool(folder, "arms --show UR10E");
+  EXPECT_EQ(shown.status, 0) << shown.err;
+  EXPECT_EQ(shown.out, run_tool(folder, "arms --show ur10e").out);
+  for (const std::string slip : {"UR-10E", "Ur10ee", "ur10 e"}) {
+    const Outcome near = run_tool(folder, "arms --show '" + slip + "'");
+    EXPECT_EQ(near.status, 2);
+    EXPECT_NE(near.err.find(slip + ": no known arm; expected ur10e, or another"), std::string::npos)
+        << near.err;
+  }
+}
+
 TEST(KnownArms, a_name_that_is_not_known_is_refused_with_the_nearest_one) {
   const Folder folder;
   const Outcome slip = run_tool(folder, "identify --measurements m.csv --out s.yaml --arm ur10w");

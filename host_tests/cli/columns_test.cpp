@@ -97,6 +97,29 @@ TEST(Columns, never_guess_a_unit) {
   EXPECT_NE(outcome.err.find("there is no column for x"), std::string::npos) << outcome.err;
 }
 
+TEST(Columns, never_guess_which_of_two_is_meant) {
+  const Folder folder;
+  simulate_two_joints(folder);
+  auto names = kTracker;
+  names["target"] = "J1 [deg]";
+  write_as_others_do(folder, names, "");
+  const Outcome two = identify_theirs(folder, "auto");
+  EXPECT_EQ(two.status, 2);
+  EXPECT_NE(two.err.find("theirs.txt:1: q1 may come from \"J1 [deg]\" or from \"A1 [°]\"; "
+                         "expected --columns auto,q1_deg=J1 [deg], or q1_deg=A1 [°]"),
+            std::string::npos)
+      << two.err;
+  // As it says.
+  EXPECT_EQ(identify_theirs(folder, "auto,q1_deg=A1 [°],target=#1").err.find("may come from"),
+            std::string::npos);
+  names["target"] = "X [mm]";
+  write_as_others_do(folder, names, "");
+  const Outcome same = identify_theirs(folder, "auto");
+  EXPECT_EQ(same.status, 2);
+  EXPECT_NE(same.err.find("expected another name for one of the two columns"), std::string::npos)
+      << same.err;
+}
+
 TEST(Columns, refuse_a_mapping_against_the_stated_unit) {
   const Folder folder;
   simulate_two_joints(folder);

@@ -47,6 +47,35 @@ TEST(Evaluate, touches_with_the_maps_and_the_gravity_of_the_arm_and_of_the_signa
   EXPECT_GT(radial_m(straight["with_signature"]), 3 * radial_m(bent["with_signature"]));
 }
 
+TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
+  const Folder folder;
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm puma560 --tolerances 1 --hand-target-mm 80,30,120 --seed 2 "
+                     "--out m.csv --truth-out truth.yaml")
+                .status,
+            0);
+  ASSERT_EQ(run_tool(folder, "identify --arm puma560 --measurements m.csv --out s.yaml").status, 0);
+  const auto evaluate = [&](const std::string& arm, const std::string& truth) {
+    return run_tool(folder, "evaluate --signature s.yaml --arm " + arm + " --truth " + truth);
+  };
+  EXPECT_EQ(evaluate("puma560", "truth.yaml").status, 0);
+  // As drawn, but for the forearm.
+  std::string longer = kPuma560;
+  longer.replace(longer.find("430.7"), 5, "470.7");
+  write_file(folder / "longer.yaml", longer);
+  for (const std::string arm : {"ur10e", "longer.yaml"}) {
+    const Outcome other = evaluate(arm, "truth.yaml");
+    EXPECT_EQ(other.status, 1) << arm;
+    EXPECT_NE(other.err.find("s.yaml: it is not of the arm of " + arm), std::string::npos)
+        << other.err;
+    EXPECT_NE(other.err.find("--arm with the drawing of the signature"), std::string::npos);
+  }
+  const Outcome false_truth = evaluate("puma560", "longer.yaml");
+  EXPECT_EQ(false_truth.status, 1);
+  EXPECT_NE(false_truth.err.find("longer.yaml: it is not of the arm of puma560"), std::string::npos)
+      << false_truth.err;
+}
+
 TEST(Report, compares_with_an_arm_that_bends_where_its_tool_really_is) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(refine_a_bent_arm(folder));

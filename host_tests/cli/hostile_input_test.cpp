@@ -92,6 +92,37 @@ TEST(Output, is_never_one_of_the_inputs) {
       run_tool(folder, "simulate --arm arm.yaml --out /dev/null --truth-out /dev/null").status, 0);
 }
 
+TEST(Output, is_refused_before_the_work_where_no_file_can_be) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kTwoJointArm);
+  std::filesystem::create_directory(folder / "folder");
+  std::filesystem::create_symlink("loop", folder / "loop");
+  // There are no measurements: they would be said if they had been looked for first.
+  const std::string identify = "identify --arm arm.yaml --measurements none.csv --out ";
+  expect_refused(run_tool(folder, identify + "''"),
+                 "--out: an empty name; expected a file, or - for standard output");
+  expect_refused(run_tool(folder, identify + "folder"), "folder: can't be written: Is a directory");
+  expect_refused(run_tool(folder, identify + "none/s.yaml"),
+                 "none/s.yaml: can't be written: none: No such file or directory");
+  expect_refused(run_tool(folder, identify + "loop"), "loop: can't be written: Too many levels");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "loop"));
+}
+
+TEST(Output, by_a_link_to_nothing_yet_is_the_file_that_it_names) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kTwoJointArm);
+  std::filesystem::create_directory(folder / "results");
+  std::filesystem::create_symlink("results/m.csv", folder / "link.csv");
+  ASSERT_EQ(run_tool(folder, "simulate --arm arm.yaml --out link.csv").status, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.csv"));
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder / "results/m.csv"));
+  std::filesystem::remove(folder / "link.csv");
+  std::filesystem::create_symlink("nowhere/m.csv", folder / "link.csv");
+  expect_refused(run_tool(folder, "simulate --arm arm.yaml --out link.csv"),
+                 "link.csv: can't be written: nowhere: No such file or directory");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.csv"));
+}
+
 TEST(Output, that_no_disk_has_room_for_is_told) {
   const Folder folder;
   write_file(folder / "arm.yaml", kTwoJointArm);

@@ -71,6 +71,63 @@ TEST(Join, refuses_files_that_end_with_their_header) {
          "readings");
 }
 
+// A log of 100,000 rows, of which two are wanted: larger than any description.
+TEST(Join, takes_a_long_log_and_warns_where_most_points_go_with_no_pose) {
+  const Folder folder;
+  std::string log = "Time;A1 [deg];A2 [deg]\n";
+  for (int k = 0; k < 100000; ++k) {
+    log += std::to_string(0.1 * k) + (k < 50000 ? ";10;20\n" : ";30;20\n");
+  }
+  write_file(folder / "arm.yaml", kTwoJointArm);
+  write_file(folder / "log.csv", log);
+  const auto join = [&](const std::string& points) {
+    write_file(folder / "points.csv", "Time;X [mm];Y [mm];Z [mm]\n" + points);
+    return run_tool(folder,
+                    "join --arm arm.yaml --joints log.csv --points points.csv --by time "
+                    "--out joined.csv");
+  };
+  const Outcome both = join("1000;1;2;3\n9000;4;5;6\n");
+  EXPECT_EQ(both.status, 0) << both.err;
+  EXPECT_EQ(both.err, "");
+  const Csv rows = Csv::read(folder / "joined.csv");
+  ASSERT_EQ(rows.rows.size(), 2U);
+  EXPECT_EQ(rows.number(1, "q1_deg"), 30);
+  // The arm moved at 5,000 s.
+  const Outcome few = join("5000;1;2;3\n5000.1;1;2;3\n9000;4;5;6\n");
+  EXPECT_EQ(few.status, 0);
+  EXPECT_NE(few.err.find("warning: points.csv: 2 of 3 points go with no pose; are both times of "
+                         "one clock"),
+            std::string::npos)
+      << few.err;
+  EXPECT_NE(few.out.find("1 point with its pose, by time\n  2 points without a pose"),
+            std::string::npos)
+      << few.out;
+}
+
+TEST(Join, never_guesses_which_of_two_columns_is_meant) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kTwoJointArm);
+  write_file(folder / "log.csv", "Name;A1 [deg];A2 [deg];J1 [deg];J2 [deg]\nP1;10;20;11;21\n");
+  write_file(folder / "points.csv", "Name;X [mm];Y [mm];Z [mm]\nP1;1;2;3\n");
+  const Outcome outcome =
+      run_tool(folder, "join --arm arm.yaml --joints log.csv --points points.csv --out joined.csv");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err,
+            "armsig: log.csv:1: columns \"A1 [deg]\" and \"J1 [deg]\" are of one quantity; "
+            "expected one of the two, the other left out or under another name\n");
+}
+
+TEST(Join, names_a_control_character) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kTwoJointArm);
+  write_file(folder / "log.csv", "Name;A1 [deg];A2 [deg]\nP1;10;20\nP\x1B[31m;30;20\n");
+  write_file(folder / "points.csv", "Name;X [mm];Y [mm];Z [mm]\nP1;1;2;3\n");
+  const Outcome outcome =
+      run_tool(folder, "join --arm arm.yaml --joints log.csv --points points.csv --out joined.csv");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "armsig: log.csv:3: the character \"\\x1B\"; expected printable text\n");
+}
+
 TEST(Join, refuses_in_one_line_with_status_2) {
   const Folder folder;
   write_file(folder / "log.txt", "Name;A1 [deg]\nP1;10\n");

@@ -115,8 +115,19 @@ TEST(Refined, names_what_is_missing) {
 
   Csv equal = good;
   keep_mixed(equal);
-  for (Fields& row : equal.rows) row = equal.rows.front();
+  const double x_mm = equal.number(0, "x_mm");
+  for (std::size_t k = 0; k < equal.rows.size(); ++k) {
+    equal.rows[k] = equal.rows.front();
+    equal.rows[k][equal.column("x_mm")] = std::to_string(x_mm + 0.001 * static_cast<double>(k));
+  }
   expect_refused(folder, refine(folder, equal), 1, "all poses are equal");
+
+  Csv copied = good;
+  keep_mixed(copied);
+  for (Fields& row : copied.rows) row = copied.rows.front();
+  const std::string copies = std::to_string(copied.rows.size() - 1);
+  expect_refused(folder, refine(folder, copied), 1,
+                 "; " + copies + " rows are copies of others, and count once");
 
   Csv stuck = good;
   keep_mixed(stuck);

@@ -244,12 +244,16 @@ TEST(ArmFile, refuses_what_is_not_utf_8) {
   EXPECT_EQ(message_of(std::string("\xFF\xFE"
                                    "a\0",
                                    4)),
-            "A.yaml:1:1: the byte \"\\xFF\"; expected UTF-8 text");
+            "A.yaml: text in UTF-16; expected UTF-8: save it so, or iconv -f UTF-16 -t UTF-8 (-f "
+            "UTF-16LE without a mark)");
 }
 
 TEST(ArmFile, refuses_an_empty_file) {
   EXPECT_EQ(message_of(""), "A.yaml: the file is empty; expected a YAML document");
-  EXPECT_EQ(message_of("# nothing\n"), "A.yaml: the file is empty; expected a YAML document");
+  EXPECT_EQ(message_of("# nothing\n"),
+            "A.yaml: the file holds only comments; expected a YAML document");
+  EXPECT_EQ(message_of("\n\n"),
+            "A.yaml: the file holds only blank lines; expected a YAML document");
 }
 
 TEST(ArmFile, refuses_what_is_no_map) {

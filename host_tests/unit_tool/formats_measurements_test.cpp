@@ -114,7 +114,7 @@ TEST_P(RefusedMeasurements, say_where_what_is_wrong_and_what_was_expected) {
 const Refused kRefused[] = {
     {"an_empty_file", "", "M.csv: the file is empty; expected a header line, then one row a line"},
     {"a_file_with_comments_only", "# only a comment\n",
-     "M.csv: the file is empty; expected a header line, then one row a line"},
+     "M.csv: the file holds only comments; expected a header line, then one row a line"},
     {"a_file_with_a_header_only", kHeader,
      "M.csv:1: the file ends after its header; expected rows of measurements"},
     {"a_missing_column__there_is_no_column_for_sweep", "target,q1_deg,q2_mm,x_mm,y_mm,z_mm\n",

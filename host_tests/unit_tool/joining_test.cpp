@@ -94,6 +94,27 @@ TEST_F(Joining, takes_a_header_with_units_and_decimal_commas) {
   EXPECT_EQ(result->rows[0].p_S, Vector3(1.0005, 0.002, 0.003));
 }
 
+TEST(Encoding, of_text_without_a_mark_is_told_by_its_zeros) {
+  const auto wide = [](std::string_view text, bool little_endian) {
+    std::string bytes;
+    for (const char c : text) {
+      if (!little_endian) bytes += '\0';
+      bytes += c;
+      if (little_endian) bytes += '\0';
+    }
+    return bytes;
+  };
+  const std::string text = "Name;A1 [deg]\nP1;10\n";
+  EXPECT_EQ(in_utf8(wide(text, true)), text);
+  EXPECT_EQ(in_utf8(wide(text, false)), text);
+  // Neither text of UTF-8, be it short, nor bytes that happen to have a zero.
+  for (const std::string_view other :
+       {std::string_view(""), std::string_view("a"), std::string_view("a,b\0c\n", 6),
+        std::string_view("\0\0\0\0", 4)}) {
+    EXPECT_FALSE(is_utf16(other));
+  }
+}
+
 TEST_F(Joining, takes_utf_16_with_names_beyond_the_basic_plane) {
   EXPECT_EQ(in_utf8(std::string_view("\xFF\xFE"
                                      "A\0\x3D\xD8\x00\xDE",

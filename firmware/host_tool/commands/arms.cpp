@@ -2,7 +2,6 @@
 // armsig arms: the arms whose drawing comes with the command.
 #include <fmt/core.h>
 
-#include "firmware/formats/text.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
@@ -15,18 +14,12 @@ struct ArmsOptions : CommonOptions {
 };
 
 int show(const ArmsOptions& options) {
-  for (const KnownArm& arm : known_arms()) {
-    if (arm.name != options.show) continue;
-    say("{}", arm.text);
+  if (const KnownArm* arm = find_known_arm(options.show)) {
+    say("{}", arm->text);
     return kDone;
   }
-  std::vector<std::string> names;
-  for (const KnownArm& arm : known_arms()) names.emplace_back(arm.name);
-  const std::string meant = nearest(options.show, names);
-  return fail({options.show, 0, 0, "no known arm",
-               meant.empty() ? "a name that `armsig arms` lists"
-                             : meant + ", or another that `armsig arms` lists"},
-              kBadInput, options);
+  return fail({options.show, 0, 0, "no known arm", known_arm_like(options.show)}, kBadInput,
+              options);
 }
 
 int list(const ArmsOptions& options) {

@@ -52,7 +52,11 @@ struct Checked {
   std::optional<Place> place;       // where that is another one than at the identification
   std::optional<ResidualSummary> nominal;
   std::vector<std::size_t> rejected_lines;
+  std::vector<DisbelievedReceiver> disbelieved;
 };
+
+// No sensor is so bad: what is wrong is a unit, a column, or the arm.
+constexpr double kNoNoise = 300;
 
 void print_residuals(const char* of, double rms_m, double mean_m, double largest_m) {
   say("  {:<37} {:6.3f} mm RMS, {:.3f} mean, {:.3f} at most\n", of, 1e3 * rms_m, 1e3 * mean_m,
@@ -63,8 +67,12 @@ std::string_view next_step(const Checked& checked) {
   if (checked.place) return "identify from there, or put the sensor back";
   switch (checked.report.verdict) {
     case uncertainty::DriftVerdict::kConsistent:
+      if (!checked.disbelieved.empty()) return "look after the receiver named";
       return "nothing; check again after a collision, a repair, or a season";
     case uncertainty::DriftVerdict::kSensorWorse:
+      if (checked.report.noise_factor > kNoNoise) {
+        return "look at the units and columns of the measurements, and whose arm they are of";
+      }
       return "measure one pose ten times. Where it scatters more than is stated, look after\n"
              "the sensor: targets, air, its own check. Where it does not, identify with these\n"
              "poses too, --method refined";
@@ -87,14 +95,26 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
     say("  most likely {}\n", what_moved(report, joints));
   }
   if (report.verdict == uncertainty::DriftVerdict::kSensorWorse) {
-    // Errors that are no noise look like it at poses that are each measured once.
-    say("  the noise is {:.1f} times the one stated; or gravity and the readings do to the\n"
-        "  arm what its signature does not know, as sweeps alone hardly show it\n",
-        report.noise_factor);
+    if (report.noise_factor > kNoNoise) {
+      say("  the rows miss by {:.0f} times the noise stated, which no sensor does: they are not "
+          "of\n"
+          "  this arm and tool, or not in the units and columns that their header says\n",
+          report.noise_factor);
+    } else {
+      // Errors that are no noise look like it at poses that are each measured once.
+      say("  the noise is {:.1f} times the one stated; or gravity and the readings do to the\n"
+          "  arm what its signature does not know, as sweeps alone hardly show it\n",
+          report.noise_factor);
+    }
   }
   say("  {} rows, {} of them outliers\n", report.rows + report.rows_rejected, report.rows_rejected);
   if (!checked.rejected_lines.empty()) {
     say("  outliers, by line: {}\n", lines_in_words(checked.rejected_lines));
+  }
+  for (const DisbelievedReceiver& receiver : checked.disbelieved) {
+    say("  receiver {}: {} of its {} ranges are outliers: it is not where the sensor description\n"
+        "  has it, or hears something else\n",
+        receiver.number, receiver.rejected, receiver.ranges);
   }
   if (checked.nominal) {
     const ResidualSummary& nominal = *checked.nominal;
@@ -127,6 +147,12 @@ nlohmann::ordered_json json_of(const Checked& checked, int status) {
       {"rms_m", report.rms_m},
       {"mean_m", report.mean_m},
       {"largest_m", report.largest_m}};
+  json["receivers_rejected"] = nlohmann::ordered_json::array();
+  for (const DisbelievedReceiver& receiver : checked.disbelieved) {
+    json["receivers_rejected"].push_back({{"receiver", receiver.number},
+                                          {"rejected", receiver.rejected},
+                                          {"ranges", receiver.ranges}});
+  }
   if (checked.place) {
     json["place"] = {{"shift_m", checked.place->shift_m},
                      {"turn_rad", checked.place->turn_rad},
@@ -248,7 +274,8 @@ int run(const CheckOptions& options) {
                   .nominal = nominal_residuals(*drawing, log->observations(), log->positions(),
                                                {signature.targets.data(), signature.targets.size()},
                                                receivers, outcomes),
-                  .rejected_lines = log->rejected_lines(outcomes)};
+                  .rejected_lines = log->rejected_lines(outcomes),
+                  .disbelieved = log->disbelieved_receivers(outcomes)};
   const bool healthy =
       report->verdict == uncertainty::DriftVerdict::kConsistent && !judgement.place;
   const int status = healthy ? kDone : kNoAnswer;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // armsig evaluate: the grid-touching task of the paper, Table 3.
+#include <algorithm>
+
 #include <fmt/core.h>
 
 #include "core/evaluation/comparison.hpp"
@@ -7,6 +9,7 @@
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/diagnosis/another_arm.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
@@ -41,6 +44,33 @@ Read<SignatureRecord> read_truth(const std::string& path, const Signature& signa
   return truth;
 }
 
+bool is_drawing_of(const SignatureRecord& record, const Arm& arm) {
+  return std::ranges::equal(record.nominal.joints, arm.joints, [](const auto& a, const auto& b) {
+    return a.theta_rad == b.theta_rad && a.d_m == b.d_m && a.a_m == b.a_m &&
+           a.alpha_rad == b.alpha_rad;
+  });
+}
+
+// Signature and truth have to be of an arm built to the drawing. What `identify` has accepted as
+// far from its own drawing is taken, and a truth that is as far.
+Read<void> check_one_arm(const EvaluateOptions& options, const ArmDescription& arm,
+                         const SignatureRecord& record, const SignatureRecord& truth) {
+  const auto refuse = [&](const std::string& file, const std::string& words, const char* which) {
+    return std::unexpected(Problem{
+        file, 0, 0,
+        fmt::format("it is not of the arm of {} ({}): {}", options.arm, arm.name, words), which});
+  };
+  const Farness found = farness_of(record, arm.arm, arm.limits);
+  if (found.times_allowed > 1 && !is_drawing_of(record, arm.arm)) {
+    return refuse(options.signature, found.words, "--arm with the drawing of the signature");
+  }
+  const Farness real = farness_of(truth, arm.arm, arm.limits);
+  if (real.times_allowed > std::max(1.0, 1.5 * found.times_allowed)) {
+    return refuse(options.truth, real.words, "--truth of the arm that the signature is of");
+  }
+  return {};
+}
+
 int run(const EvaluateOptions& options) {
   const auto arm = read_arm(options.arm);
   if (!arm) return fail(arm.error(), kBadInput, options);
@@ -55,6 +85,8 @@ int run(const EvaluateOptions& options) {
                 kBadInput, options);
   }
 
+  const auto one_arm = check_one_arm(options, *arm, *record, *truth);
+  if (!one_arm) return fail(one_arm.error(), kNoAnswer, options);
   const refinement::ReadingModel readings = record->readings();
   const refinement::ReadingModel true_readings = truth->readings();
   const auto comparison = evaluation::compare(arm->arm, record->signature, truth->signature, {},

@@ -19,6 +19,8 @@
 #include "firmware/host_tool/presentation/identify_report.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/reading/copied_rows.hpp"
+#include "firmware/host_tool/reading/range_health.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 #include "firmware/host_tool/signature/doubt_stated.hpp"
 #include "firmware/host_tool/signature/record.hpp"
@@ -70,18 +72,24 @@ Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const 
   return reader;
 }
 
-// Gives every row of the file to `take`.
-Read<void> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
-                    const std::function<Read<void>(const MeasurementRow&)>& take) {
+// So many rows back a copy is found: of features, whose memory does not grow with the file, fewer.
+constexpr std::size_t kRemembered = std::size_t{8} << 10U;
+constexpr std::size_t kRememberedToRefine = std::size_t{4} << 20U;
+
+// Gives every row of the file but copies to `take`, and says how many copies there are.
+Read<std::size_t> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
+                           const std::function<Read<void>(const MeasurementRow&)>& take) {
   auto reader = open_measurements(options, types_of(arm.joints));
   if (!reader) return std::unexpected(reader.error());
   Progress progress(what, 1000);
+  CopiedRows copies(options.method == "refined" ? kRememberedToRefine : kRemembered);
   for (MeasurementRow row;;) {
     auto more = reader->next(row);
     if (!more && options.mapped) more.error().column = 0;
     if (!more) return std::unexpected(more.error());
-    if (!*more) return {};
-    if (auto taken = take(row); !taken) return taken;
+    if (!*more) return copies.count();
+    if (copies.is_copy(row)) continue;
+    if (auto taken = take(row); !taken) return std::unexpected(std::move(taken).error());
     if (const auto share = reader->progress()) {
       progress.update(static_cast<std::size_t>(1000 * *share));
     }
@@ -218,18 +226,27 @@ int run(IdentifyOptions options) {
   IdentificationRun identification(arm->arm, sensor, options.measurements,
                                    refine ? Purpose::kRefinement : Purpose::kValidatedFeatures);
   EvidenceCollector collector(arm->arm, sensor);
+  RangeHealth health(sensor);
   Read<void> taken;  // the first row that was refused says why; the others are evidence
   const auto read = read_all(options, arm->arm, "Reading measurements",
                              [&](const MeasurementRow& row) -> Read<void> {
                                const auto scale = range_scale(row, sensor, options.measurements);
                                if (!scale) return std::unexpected(scale.error());
                                collector.add(row);
+                               health.add(row, *scale);
                                if (taken) taken = identification.take(row);
                                return {};
                              });
   if (!read && taken) return fail(read.error(), kBadInput, options);
   const auto refuse = [&](const Problem& problem) {
-    return fail(explained(problem, collector.evidence(), arm->limits), kNoAnswer, options);
+    // Of rows without a position nothing else can be said.
+    if (const auto ranges = health.problem(options.measurements)) {
+      return fail(*ranges, kNoAnswer, options);
+    }
+    Problem said = explained(problem, collector.evidence(), arm->limits);
+    if (read && *read > 0)
+      said.what += fmt::format("; {} rows are copies of others, and count once", *read);
+    return fail(said, kNoAnswer, options);
   };
   if (!taken) return refuse(taken.error());
   auto found = refine ? identified_by_refinement(identification, *further)
@@ -256,6 +273,11 @@ int run(IdentifyOptions options) {
   if (const auto slide = doubt_of_slide(record.signature); slide && !found->scale_stated) {
     record.warnings.push_back(fmt::format("{}: {}", slide->what, slide->expected));
     state(*slide, record, *found);
+  }
+  if (*read > 0) {
+    record.warnings.push_back(
+        fmt::format("{}: {} rows are copies of others to the last digit, and count once",
+                    options.measurements, *read));
   }
   const auto written = write_signature_file(options.out, record);
   if (!written) return fail(written.error(), kBadInput, options);

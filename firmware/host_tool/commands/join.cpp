@@ -48,14 +48,29 @@ Read<void> write_rows(const JoinOptions& options, const Joined& joined, const Jo
   return writer.commit();
 }
 
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+// Most points without a pose are no gaps in a log: the files do not belong together as was said.
+void warn_of_most_left(const JoinOptions& options, const Joined& joined) {
+  if (joined.points_left.size() <= joined.rows.size()) return;
+  complain("armsig: warning: {}: {} of {} points go with no pose; {}", options.points,
+           joined.points_left.size(), joined.points_left.size() + joined.rows.size(),
+           options.by == "time" ? "are both times of one clock, and did the arm stand still for "
+                                  "--within-s before and after?"
+                                : "are the names those of the poses?");
+}
+
 void print_joined(const JoinOptions& options, const Joined& joined,
                   const std::vector<std::size_t>& sweeps) {
-  say("{} points with their poses, by {}\n", joined.rows.size(), options.by);
+  say("{} with {}, by {}\n", counted(joined.rows.size(), "point"),
+      joined.rows.size() == 1 ? "its pose" : "their poses", options.by);
   if (!joined.points_left.empty()) {
-    say("  {} points without a pose, the first in line {} of {}\n", joined.points_left.size(),
-        joined.points_left.front(), options.points);
+    say("  {} without a pose, the first in line {} of {}\n",
+        counted(joined.points_left.size(), "point"), joined.points_left.front(), options.points);
   }
-  if (joined.poses_left > 0) say("  {} poses without a point\n", joined.poses_left);
+  if (joined.poses_left > 0) say("  {} without a point\n", counted(joined.poses_left, "pose"));
   std::size_t swept = 0;
   for (std::size_t j = 0; j < sweeps.size(); ++j) {
     swept += sweeps[j];
@@ -82,6 +97,7 @@ int run(const JoinOptions& options) {
   if (const auto written = write_rows(options, *joined, types); !written) {
     return fail(written.error(), kBadInput, options);
   }
+  warn_of_most_left(options, *joined);
   if (options.json) {
     print_json({{"status", 0},
                 {"rows", joined->rows.size()},

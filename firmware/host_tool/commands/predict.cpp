@@ -15,6 +15,7 @@
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
+#include "firmware/host_tool/reading/beyond_limits.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 #include "firmware/host_tool/signature/model.hpp"
 
@@ -78,6 +79,11 @@ Read<std::optional<Target>> target_for(const PredictOptions& options,
               numbers.empty() ? "a signature with targets" : "--target with " + any_of(numbers)});
 }
 
+std::string in_words(const BeyondLimits& beyond, std::size_t rows) {
+  return fmt::format("{} of {} rows {} beyond the joint limits, farthest row {}: {}", beyond.rows,
+                     rows, beyond.rows == 1 ? "is" : "are", beyond.worst + 1, beyond.words);
+}
+
 int run(const PredictOptions& options) {
   const auto apart = check_roles({{"--signature", options.signature}, {"--joints", options.joints}},
                                  {{"--out", options.out}});
@@ -89,6 +95,13 @@ int run(const PredictOptions& options) {
   if (!target) return fail(target.error(), kBadInput, options);
   const auto joints = read_joint_poses(options.joints, signature.types);
   if (!joints) return fail(joints.error(), kBadInput, options);
+  const auto beyond = beyond_limits(record->nominal, *joints);
+  if (beyond && beyond->out_of_question) {
+    return fail({options.joints, 0, 0, in_words(*beyond, joints->size()),
+                 "readings in the unit that the column's name says; whole turns taken off a joint "
+                 "that turns without an end"},
+                kNoAnswer, options);
+  }
 
   std::vector<Pose> poses;
   poses.reserve(joints->size());
@@ -109,9 +122,17 @@ int run(const PredictOptions& options) {
       options.out, poses,
       fmt::format("{}: poses of {} in the sensor frame", record->arm_name, what), sigmas_m);
   if (!written) return fail(written.error(), kBadInput, options);
+  std::vector<std::string> warnings;
+  if (beyond) {
+    warnings.push_back(in_words(*beyond, joints->size()) + "; nothing was measured there");
+    complain("armsig: warning: {}: {}", options.joints, warnings.back());
+  }
   if (options.json) {
-    nlohmann::ordered_json json{
-        {"status", 0}, {"poses", poses.size()}, {"of", what}, {"out", options.out}};
+    nlohmann::ordered_json json{{"status", 0},
+                                {"poses", poses.size()},
+                                {"of", what},
+                                {"warnings", warnings},
+                                {"out", options.out}};
     if (options.sigma) json["rms_sigma_m"] = rms_length(sigmas_m);
     print_json(json);
   } else {

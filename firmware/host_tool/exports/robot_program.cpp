@@ -17,7 +17,7 @@
 namespace armsig::tool {
 namespace {
 
-constexpr std::size_t kAxes = 6;  // of the robots that these languages move
+constexpr std::size_t kRobotAxes = 6;  // of the robots that these languages move
 
 // "a, b, c" of the readings in `unit` (1: radians, else degrees).
 std::string list_of(const JointVector& q, bool in_degrees) {
@@ -57,7 +57,7 @@ std::string krl(const Programme& programme, std::span<const JointVector> poses) 
       programme.comment);
   for (std::size_t k = 0; k < poses.size(); ++k) {
     std::string axes;
-    for (std::size_t i = 0; i < kAxes; ++i) {
+    for (std::size_t i = 0; i < kRobotAxes; ++i) {
       axes += fmt::format("{}A{} {:.6f}", i == 0 ? "" : ", ", i + 1, degrees(poses[k][i]));
     }
     text +=
@@ -87,7 +87,7 @@ Read<std::string> program_text(const Programme& programme, const JointTypes& typ
   ARMSIG_CHECK(language != kLanguages.end());
   const bool all_turn =
       std::ranges::all_of(types, [](JointType type) { return type == JointType::kRevolute; });
-  if (types.size() != kAxes || !all_turn) {
+  if (types.size() != kRobotAxes || !all_turn) {
     return std::unexpected(Problem{"--format", 0, 0,
                                    fmt::format("{} moves no such arm", programme.format),
                                    "six revolute joints; csv holds any"});

@@ -83,7 +83,10 @@ class DhReader {
 
   Read<void> read_header() {
     ARMSIG_TRY(more, lines_.next());
-    if (!more) return problem_at(0, 0, "the file is empty", "a header line, then a row a joint");
+    if (!more) {
+      return problem_at(0, 0, std::string(lines_.what_it_is()),
+                        "a header line, then a row a joint");
+    }
     const auto fields = fields_of(lines_.line());
     for (std::size_t position = 0; position < fields.size(); ++position) {
       if (auto taken = take_column(fields[position], position); !taken) return taken;

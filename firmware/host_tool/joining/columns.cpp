@@ -62,6 +62,10 @@ Columns from_header(const std::vector<std::string>& header, std::size_t first_ro
       .first_row = first_row, .name = {}, .time = {}, .target = {}, .joints = {}, .position = {}};
   std::array<std::optional<NumberColumn>, kMaxJoints> joints;
   std::array<std::optional<NumberColumn>, 3> position;
+  const auto take = [&](std::optional<NumberColumn>& place, const NumberColumn& column) {
+    if (place && !columns.doubled) columns.doubled.emplace(place->index, column.index);
+    place = column;
+  };
   for (std::size_t k = 0; k < header.size(); ++k) {
     const std::string letters = letters_of(header[k]);
     if (is_one_of(letters, kTimeWords)) columns.time = k;
@@ -71,11 +75,11 @@ Columns from_header(const std::vector<std::string>& header, std::size_t first_ro
     if (*ours == "target" && letters == "target") columns.target = k;
     if (ours->front() == 'q') {
       const auto joint = static_cast<std::size_t>((*ours)[1] - '1');
-      joints[joint] = number_column(k, *ours, dimension_of(types[joint]));
+      take(joints[joint], number_column(k, *ours, dimension_of(types[joint])));
     }
     const std::size_t axis = std::string_view("xyz").find(ours->front());
     if (axis != std::string_view::npos && (*ours)[1] == '_') {
-      position[axis] = number_column(k, *ours, Dimension::kLength);
+      take(position[axis], number_column(k, *ours, Dimension::kLength));
     }
   }
   if (position[0] && position[1] && position[2])
@@ -89,6 +93,16 @@ std::unexpected<Problem> in_table(const ForeignTable& table, std::string what,
                                   std::string expected) {
   return std::unexpected(Problem{table.file, static_cast<int>(table.rows.front().line), 0,
                                  std::move(what), std::move(expected)});
+}
+
+// Commanded and actual readings, say: which is meant nobody can guess.
+std::unexpected<Problem> two_columns(const ForeignTable& table, const ForeignRow& header,
+                                     const std::pair<std::size_t, std::size_t>& doubled) {
+  return std::unexpected(Problem{
+      table.file, static_cast<int>(header.line), 0,
+      fmt::format("columns {} and {} are of one quantity", in_quotes(header.fields[doubled.first]),
+                  in_quotes(header.fields[doubled.second])),
+      "one of the two, the other left out or under another name"});
 }
 
 Read<Columns> without_header(const ForeignTable& table, const StatedUnits& units) {
@@ -150,7 +164,9 @@ Read<Columns> columns_of(const ForeignTable& table, const JointTypes& types,
   const std::size_t last = std::min(table.rows.size(), kMostTitleRows);
   for (std::size_t row = 0; row < last; ++row) {
     const Columns columns = from_header(table.rows[row].fields, row + 1, types, units);
-    if (!columns.joints.empty() || columns.position) return columns;
+    if (columns.joints.empty() && !columns.position) continue;
+    if (columns.doubled) return two_columns(table, table.rows[row], *columns.doubled);
+    return columns;
   }
   const bool has_number = std::ranges::any_of(
       table.rows.front().fields,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "firmware/formats/measurements.hpp"
 #include "firmware/formats/units.hpp"
@@ -37,6 +38,8 @@ struct Columns {
   std::optional<std::size_t> target;                    // its number
   FixedVector<NumberColumn, kMaxJoints> joints;         // all, or none
   std::optional<std::array<NumberColumn, 3>> position;  // x, y, z
+  // The first two columns, by their places, that are of one reading or coordinate.
+  std::optional<std::pair<std::size_t, std::size_t>> doubled = std::nullopt;
 };
 
 // By the header, its units or those stated: the first of the first kMostTitleRows rows that names

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
+#include "firmware/formats/characters.hpp"
 #include "firmware/formats/encoding.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
@@ -12,6 +13,20 @@ namespace armsig::tool {
 namespace {
 
 constexpr char kBlanks = ' ';
+
+// A day's log of a controller, ten rows a second.
+constexpr std::size_t kLargestTable = std::size_t{64} << 20U;
+
+// What is wrong with the byte at the start of `text`, which is no text of a table.
+Problem bad_text(const std::string& path, std::size_t line, std::string_view text) {
+  const Character character = first_character(text);
+  if (character.length > 0) {
+    return {path, static_cast<int>(line), 0,
+            "the character " + in_quotes(text.substr(0, character.length)), "printable text"};
+  }
+  return {path, static_cast<int>(line), 0, "a byte that is no text of UTF-8 or UTF-16",
+          "UTF-8: save it so, or iconv -f WINDOWS-1252 -t UTF-8"};
+}
 
 bool is_comment(std::string_view line) {
   return line.empty() || line.starts_with("//") || line.front() == '#' || line.front() == '!';
@@ -46,9 +61,10 @@ std::vector<std::string> split(std::string_view line, char separator) {
 }
 
 std::vector<std::pair<std::size_t, std::string_view>> lines_of(std::string_view text) {
+  const char line_end = has_lone_returns(text) ? '\r' : '\n';
   std::vector<std::pair<std::size_t, std::string_view>> lines;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::size_t end = std::min(text.find(line_end), text.size());
     std::string_view line = text.substr(0, end);
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (!is_comment(trimmed(line))) lines.emplace_back(number, line);
@@ -60,20 +76,24 @@ std::vector<std::pair<std::size_t, std::string_view>> lines_of(std::string_view 
 }  // namespace
 
 Read<ForeignTable> read_foreign_table(const std::string& path) {
-  ARMSIG_TRY(bytes, read_text_file(path));
+  ARMSIG_TRY(bytes, read_text_file(path, kLargestTable));
   const auto text = in_utf8(bytes);
   if (!text) {
     return std::unexpected(
         Problem{path, 0, 0, "its UTF-16 breaks off in mid-character", "a whole file"});
   }
   if (const auto bad = first_bad_byte(*text)) {
-    const auto line = 1 + std::count(text->begin(), text->begin() + static_cast<long>(*bad), '\n');
-    return std::unexpected(Problem{path, static_cast<int>(line), 0,
-                                   "a byte that is no text of UTF-8 or UTF-16",
-                                   "UTF-8: save it so, or iconv -f WINDOWS-1252 -t UTF-8"});
+    const auto before = std::string_view(*text).substr(0, *bad);
+    const auto line = 1 + std::ranges::count(before, has_lone_returns(*text) ? '\r' : '\n');
+    return std::unexpected(
+        bad_text(path, static_cast<std::size_t>(line), std::string_view(*text).substr(*bad)));
   }
   const auto lines = lines_of(*text);
-  if (lines.empty()) return std::unexpected(Problem{path, 0, 0, "no rows", "a row a line"});
+  if (lines.empty()) {
+    return std::unexpected(
+        Problem{path, 0, 0, trimmed(*text).empty() ? "the file is empty" : "the file holds no rows",
+                "a row a line; //, # and ! begin comments"});
+  }
   char separator = kBlanks;
   for (const char candidate : {',', '\t', ';'}) {
     if (std::ranges::any_of(

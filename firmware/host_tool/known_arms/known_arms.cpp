@@ -39,19 +39,27 @@ std::string source_of(const KnownArm& arm) {
   return source;
 }
 
+const KnownArm* find_known_arm(std::string_view name) {
+  const std::span<const KnownArm> arms = known_arms();
+  const auto found = std::ranges::find(arms, in_lower_case(name), &KnownArm::name);
+  return found == arms.end() ? nullptr : &*found;
+}
+
+std::string known_arm_like(std::string_view name) {
+  std::vector<std::string> names;
+  for (const KnownArm& arm : known_arms()) names.emplace_back(arm.name);
+  const std::string meant = nearest(in_lower_case(name), names);
+  return meant.empty() ? "a name that `armsig arms` lists"
+                       : fmt::format("{}, or another that `armsig arms` lists", meant);
+}
+
 Read<ArmDescription> read_arm(const std::string& file_or_name) {
   if (is_a_path(file_or_name)) return read_arm_file(file_or_name);
-  const std::string name = in_lower_case(file_or_name);
-  std::vector<std::string> names;
-  for (const KnownArm& arm : known_arms()) {
-    if (arm.name == name) return parse_arm(arm.text, arm.name);
-    names.emplace_back(arm.name);
-  }
-  const std::string meant = nearest(name, names);
+  if (const KnownArm* arm = find_known_arm(file_or_name)) return parse_arm(arm->text, arm->name);
+  const std::string like = known_arm_like(file_or_name);
   return std::unexpected(
       Problem{file_or_name, 0, 0, "neither a file nor a known arm",
-              meant.empty() ? "a file, or a name that `armsig arms` lists"
-                            : fmt::format("{}, or another that `armsig arms` lists", meant)});
+              like.starts_with("a name") ? fmt::format("a file, or {}", like) : like});
 }
 
 }  // namespace armsig::tool

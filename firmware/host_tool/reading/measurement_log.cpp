@@ -80,6 +80,26 @@ std::vector<std::size_t> MeasurementLog::rejected_lines(
   return lines;
 }
 
+std::vector<DisbelievedReceiver> MeasurementLog::disbelieved_receivers(
+    const std::vector<refinement::RowOutcome>& outcomes) const {
+  constexpr std::size_t kFewest = 3;
+  std::map<std::size_t, DisbelievedReceiver> all;
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    const refinement::Observation& row = observations_[k];
+    if (row.kind != refinement::ObservationKind::kRange) continue;
+    DisbelievedReceiver& receiver = all[row.receiver];
+    receiver.number = row.receiver + 1;
+    ++receiver.ranges;
+    receiver.rejected += outcomes[k].rejected ? 1 : 0;
+  }
+  std::vector<DisbelievedReceiver> disbelieved;
+  for (const auto& [index, receiver] : all) {
+    if (receiver.rejected < kFewest || 2 * receiver.rejected <= receiver.ranges) continue;
+    disbelieved.push_back(receiver);
+  }
+  return disbelieved;
+}
+
 std::vector<Target> MeasurementLog::targets(std::size_t joints) const {
   std::vector<Target> targets;
   targets.reserve(outermost_sweep_.size());

@@ -11,6 +11,12 @@
 
 namespace armsig::tool {
 
+struct DisbelievedReceiver {
+  std::size_t number = 0;  // from 1
+  std::size_t rejected = 0;
+  std::size_t ranges = 0;  // rejected or not
+};
+
 class MeasurementLog {
  public:
   // `scale` multiplies the row's ranges (speed of sound). A row with neither position nor range is
@@ -45,6 +51,9 @@ class MeasurementLog {
   }
   // The lines whose observations were rejected, each once.
   [[nodiscard]] std::vector<std::size_t> rejected_lines(
+      const std::vector<refinement::RowOutcome>& outcomes) const;
+  // The receivers of which most ranges were rejected.
+  [[nodiscard]] std::vector<DisbelievedReceiver> disbelieved_receivers(
       const std::vector<refinement::RowOutcome>& outcomes) const;
   // Line of the file that observation k came from.
   [[nodiscard]] std::size_t line(std::size_t k) const { return lines_[k]; }

@@ -56,7 +56,8 @@ std::optional<Problem> SweepSet::add(const LocatedRow& row) {
       return at(row.line,
                 fmt::format("sweep {} moves joint {} as well: {} here, {} in line {}", row.sweep,
                             j + 1, reading(j, row.q[j]), reading(j, held.reading), held.line),
-                "every joint but the swept one to be held");
+                "every joint but the swept one to be held; or sweep 0, any pose, and --method "
+                "refined");
     }
   }
   const auto estimator =

@@ -15,7 +15,8 @@ struct GridTask {
   evaluation::Comparison comparison;
   // 0: on the arm itself, which is known. Otherwise the median over so many arms drawn from the
   // covariance: the arms that this signature may belong to. They have its corrections, maps and
-  // gravity, which the signature knows of and the drawing does not.
+  // gravity, which the signature knows of and the drawing does not; how uncertain those are is left
+  // out, as a signature keeps the variances of a map and not their covariances.
   std::size_t drawn_arms = 0;
 };
 

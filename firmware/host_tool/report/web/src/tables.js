@@ -105,7 +105,7 @@ export function gridTable(report) {
     (grid.drawn_arms === 0
       ? 'The true arm is known, as it is simulated.'
       : `The true arm is not known: medians over ${grid.drawn_arms} arms that the measurements allow` +
-        `${report.reading_maps ? ', gravity and the maps of the readings as they were found' : ''}.`);
+        `${report.reading_maps ? ', all with gravity and the maps of the readings as they were found: how uncertain those are is not in this table' : ''}.`);
   // The measuring machine of the task rounds (core/evaluation/indices.hpp): nought is below half of its step.
   const rounded = (words, half) => (value) => (value === 0 ? `< ${words(half)}` : words(value));
   const angle = rounded((radians) => `${bounded(degrees(radians), 3)}°`, (0.005 * Math.PI) / 180);
