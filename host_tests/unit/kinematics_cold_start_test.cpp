@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <set>
 #include <string>
@@ -12,10 +11,13 @@
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/known_arms.hpp"
+#include "host_tests/support/not_finite.hpp"
 #include "host_tests/support/pose_difference.hpp"
 
 namespace armsig::kinematics {
 namespace {
+
+using test::kInfinity;
 
 TEST(ColdStart, finds_all_eight_named_solutions_of_an_identified_puma) {
   std::mt19937_64 random(2);
@@ -163,7 +165,6 @@ TEST(ColdStart, is_empty_where_nothing_reaches) {
 // A joint that turns without end, or a rail of any length: looked for within a turn, or an arm's
 // length.
 TEST(ColdStart, finds_solutions_of_joints_without_limits) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::mt19937_64 random(5);
   for (const test::KnownArm& arm : {test::puma560(), test::cobra600(), test::iiwa7()}) {
     FixedVector<JointLimits, kMaxJoints> limits(arm.joints.size(), {-kInfinity, kInfinity});
@@ -220,7 +221,7 @@ TEST(ColdStart, lists_no_solution_that_misses_the_pose) {
 TEST(ColdStart, refuses_a_pose_that_is_not_finite) {
   const Chain chain = make_chain(test::puma560().joints);
   Pose X;
-  X.p.x() = std::numeric_limits<double>::infinity();
+  X.p.x() = kInfinity;
   for (const ClosedForm& form : {closed_form(chain), ClosedForm{}}) {
     EXPECT_EQ(test::failure_of(cold_start(chain, form, X)), Error::kNotFinite);
   }
@@ -228,7 +229,6 @@ TEST(ColdStart, refuses_a_pose_that_is_not_finite) {
 
 // The middle of all angles is zero.
 TEST(ColdStart, of_a_joint_without_limits_takes_the_reading_nearest_to_zero) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Chain chain =
       make_chain(DhRows{{JointType::kRevolute, 0, 0, 0.5, 0}}, {{-kInfinity, kInfinity}});
   for (const double reading : {-3.0, 0.4, 3.0}) {
@@ -241,7 +241,6 @@ TEST(ColdStart, of_a_joint_without_limits_takes_the_reading_nearest_to_zero) {
 // The middle of the turn that begins at -1 is 2.14: 1.8 is nearer to it than 1.2, where the other
 // elbow is.
 TEST(ColdStart, of_a_joint_with_one_limit_begins_at_the_middle_of_a_turn_from_it) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const DhJoint link{JointType::kRevolute, 0, 0, 0.5, 0};
   const Chain chain = make_chain(DhRows{link, link, link}, {{-1, kInfinity}, {-3, 3}, {-3, 3}});
   const Pose X = *forward(chain, {1.2, 0.6, -0.3});

@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: MIT
 // What the inverse refuses to answer.
-#include <limits>
 #include <optional>
 
 #include <gtest/gtest.h>
 
 #include "core/kinematics/inverse.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/not_finite.hpp"
 #include "host_tests/support/ready_puma.hpp"
 
 namespace armsig::kinematics {
 namespace {
 
+using test::kInfinity;
+using test::kNan;
 using test::kReady;
 using test::puma_chain;
 
 TEST(Inverse, refuses_a_pose_or_a_seed_that_is_not_finite) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   Pose X = *forward(puma_chain(), kReady);
-  X.p.y() = nan;
+  X.p.y() = kNan;
   EXPECT_EQ(test::failure_of(inverse(puma_chain(), X, kReady)), Error::kNotFinite);
   X = *forward(puma_chain(), kReady);
-  X.R(2, 1) = nan;
+  X.R(2, 1) = kNan;
   EXPECT_EQ(test::failure_of(inverse(puma_chain(), X, kReady)), Error::kNotFinite);
   JointVector seed = kReady;
-  seed[3] = nan;
+  seed[3] = kNan;
   EXPECT_EQ(test::failure_of(inverse(puma_chain(), *forward(puma_chain(), kReady), seed)),
             Error::kNotFinite);
 }
@@ -49,8 +50,6 @@ TEST(Inverse, refuses_a_target_that_is_not_a_rotation) {
 }
 
 TEST(Inverse, refuses_options_that_are_no_numbers_or_out_of_range) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Pose X = *forward(puma_chain(), kReady);
   const auto error_of = [&](const InverseOptions& options) {
     JointVector seed = kReady;
