@@ -154,6 +154,21 @@ TEST(GeometryAlone, turns_the_last_link_with_the_mean_of_its_map) {
   EXPECT_NEAR(rotation_vector(turn).dot(axis), radians(0.02), radians(0.002));
 }
 
+// What the poses do not tell stays, also after a fit that moved it.
+TEST(GeometryAlone, leaves_the_axis_of_a_joint_that_rested) {
+  Random random(15);
+  Case made = make_case(test::puma(), random, 100);
+  Signature fitted = made.signature;
+  ASSERT_TRUE(fit_geometry_alone(made.whole(), made.rigid(), made.poses, fitted));
+  for (JointVector& q : made.poses) q[3] = made.signature.configuration[3];
+  made.model.gravity.clear();
+  made.model.joints[3].map.fill(0);
+  fitted = made.signature;
+  ASSERT_TRUE(fit_geometry_alone(made.whole(), made.rigid(), made.poses, fitted));
+  EXPECT_LT((fitted.X_SL[3].R - made.signature.X_SL[3].R).norm(), 1e-12);
+  EXPECT_GT((fitted.X_SL[2].R - made.signature.X_SL[2].R).norm(), 1e-6);
+}
+
 TEST(GeometryAlone, needs_a_pose) {
   Random random(11);
   const Case made = make_case(test::puma(), random, 1);
