@@ -106,6 +106,51 @@ TEST(Chain, a_correction_moves_the_last_link_frame_with_its_axis) {
   EXPECT_LT(angle_between(before.R, after.R), 1e-15);
 }
 
+// Moved one by one, as far as a turn and more, the joints are where motion() has them.
+TEST(Chain, moves_single_joints_as_all_together) {
+  Random random(8);
+  const Cell cell = coupled_cell(random);
+  const Signature signature = test::signature_of(cell, random.configuration(cell.arm));
+  const PoeChain chain(signature, readings_of(cell));
+  const JointVector q = random.configuration(cell.arm);
+  const JointMotion together = chain.motion(q);
+  JointMotion single;
+  for (std::size_t i = 0; i < 6; ++i) chain.move(single, i, together.joints[i].moved);
+  EXPECT_LT((chain.point(single, signature.targets[0]) - cell.point(q, 0)).norm(), 1e-13);
+  // A slide turns nothing, however far it goes.
+  EXPECT_EQ(signature.types[3], JointType::kPrismatic);
+  EXPECT_NE(single.joints[3].moved, 0);
+  EXPECT_EQ(single.joints[3].cosine, 1);
+  EXPECT_EQ(single.joints[3].sine, 0);
+  // Back at rest it is exactly there.
+  for (std::size_t i = 0; i < 6; ++i) chain.move(single, i, 0);
+  EXPECT_EQ(chain.point(single, signature.targets[0]), signature.targets[0].p_S);
+}
+
+TEST(Chain, a_target_that_is_no_unknown_adds_to_none) {
+  Random random(9);
+  const Cell cell = coupled_cell(random);
+  const Signature signature = test::signature_of(cell, random.configuration(cell.arm));
+  const Layout all = make_layout(signature, {true}, {}, 0).value();
+  const Layout axes = make_layout(signature, {false}, {}, 0).value();
+  ASSERT_EQ(axes.size() + 3, all.size());
+  const PoeChain chain(signature, readings_of(cell));
+  const JointMotion motion = chain.motion(random.configuration(cell.arm));
+  PointJacobian jacobian;
+  chain.point_and_jacobian(motion, signature.targets[0], jacobian);
+  RowBlock<3> with_target;
+  RowBlock<3> without;
+  with_target.clear(all.size());
+  without.clear(all.size());
+  add_derivatives(all, signature, chain, motion, 0, jacobian, 1.0, with_target);
+  add_derivatives(axes, signature, chain, motion, 0, jacobian, 1.0, without);
+  for (int c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_EQ(without.rows[c][i], i < axes.size() ? with_target.rows[c][i] : 0) << i;
+    }
+  }
+}
+
 TEST(Layout, counts_four_unknowns_a_revolute_axis_two_a_prismatic_one_three_a_target) {
   Random random(6);
   const Signature signature = test::signature_of(coupled_cell(random), test::cell_configuration());

@@ -108,5 +108,36 @@ TEST(Determination, asks_only_rows_that_are_fitted_and_not_rejected) {
   for (std::size_t j = 0; j < 6; ++j) EXPECT_EQ(alone->motion[j], 0);
 }
 
+TEST(Determination, names_anew_what_later_rows_leave_open) {
+  Random random(17);
+  const Cell cell = test::puma_cell(random);
+  Log log;
+  const auto refined = named(cell, log);
+  EXPECT_EQ(refined->undetermined.size(), 7U);  // six axes and the target
+  test::add_poses(cell, 60, kSigma, random, log);
+  const std::vector<RowOutcome> outcomes(log.size());
+  const auto alone = std::make_unique<RowsAlone>();
+  gather_rows(log, outcomes, {}, kSigma, *refined, *alone);
+  name_undetermined(*alone, *refined);
+  EXPECT_TRUE(refined->undetermined.empty());
+}
+
+// An unknown scale is an error of the fit, not an entry of a list.
+TEST(Determination, never_names_the_scale) {
+  Refined refined;
+  Random random(18);
+  refined.signature = test::signature_of(test::puma_cell(random), test::cell_configuration());
+  ParameterRequest request;
+  request.scale = true;
+  const auto layout = make_layout(refined.signature, {false}, request, 0);
+  ASSERT_TRUE(layout);
+  refined.layout = *layout;
+  RowsAlone alone;
+  gather_rows({}, {}, {}, kSigma, refined, alone);
+  name_undetermined(alone, refined);
+  EXPECT_EQ(refined.undetermined.size(), 6U);
+  for (const Undetermined& open : refined.undetermined) EXPECT_EQ(open.open, Open::kJointAtRest);
+}
+
 }  // namespace
 }  // namespace armsig::refinement

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// What is suspected of the readings where a drawing does not explain a log.
+#include <gtest/gtest.h>
+
+#include "core/refinement/reading_suspicion.hpp"
+#include "host_tests/support/simulated_arm.hpp"
+
+namespace armsig::refinement {
+namespace {
+
+using test::Cell;
+using test::Log;
+using test::Random;
+
+// Poses of an arm that is its drawing but for couplings.
+Log poses_of(const JointCouplings& couplings, Random& random) {
+  Cell cell = test::puma_cell(random, {0, 0, 0});
+  cell.arm.couplings = couplings;
+  Log log;
+  test::add_poses(cell, 20, 0, random, log);
+  return log;
+}
+
+std::optional<ReadingSuspicion> suspected(const Arm& drawing, const Log& log) {
+  const std::array<Target, 1> targets{Target{.number = 1, .link = 6}};
+  return suspect_readings(drawing, log, targets);
+}
+
+TEST(ReadingSuspicion, finds_a_coupling_of_any_ratio_near_one) {
+  Random random(91);
+  for (const double ratio : {-1.0, 0.8, 1.2, -0.75}) {
+    const auto found = suspected(test::puma(), poses_of({{2, 1, ratio}}, random));
+    ASSERT_TRUE(found) << ratio;
+    EXPECT_EQ(found->coupling.joint, 2U);
+    EXPECT_EQ(found->coupling.from, 1U);
+    EXPECT_NEAR(found->coupling.ratio, ratio, 1e-3);
+    EXPECT_LT(found->rms_m, 1e-3);
+    EXPECT_GT(found->plain_rms_m, 0.01);
+  }
+}
+
+TEST(ReadingSuspicion, finds_each_joint_that_turns_against_its_reading) {
+  Random random(92);
+  for (std::size_t joint = 1; joint < 5; ++joint) {
+    const auto found = suspected(test::puma(), poses_of({{joint, joint, -2}}, random));
+    ASSERT_TRUE(found) << joint;
+    EXPECT_TRUE(found->reversed());
+    EXPECT_EQ(found->coupling.joint, joint);
+    EXPECT_LT(found->rms_m, 1e-6);
+  }
+}
+
+// A wrong gain is not a matter of the sense: what is said of a reversed joint stays plain.
+TEST(ReadingSuspicion, of_a_reversed_joint_is_its_sense_alone) {
+  Random random(93);
+  const auto found = suspected(test::puma(), poses_of({{1, 1, -1.98}}, random));
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->reversed());
+  EXPECT_EQ(found->coupling.ratio, -2);
+}
+
+TEST(ReadingSuspicion, finds_a_coupling_that_only_the_drawing_has) {
+  Random random(94);
+  Arm drawing = test::puma();
+  drawing.couplings.push_back({2, 1, -1});
+  const auto found = suspected(drawing, poses_of({}, random));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->coupling.joint, 2U);
+  EXPECT_EQ(found->coupling.from, 1U);
+  EXPECT_EQ(found->coupling.ratio, 0);
+}
+
+TEST(ReadingSuspicion, says_nothing_of_an_arm_like_its_drawing) {
+  Random random(95);
+  EXPECT_FALSE(suspected(test::puma(), poses_of({}, random)));
+}
+
+}  // namespace
+}  // namespace armsig::refinement

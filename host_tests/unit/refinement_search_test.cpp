@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// The searches for base and target of an arm known by its drawing: from anywhere to the minimum.
+#include <gtest/gtest.h>
+
+#include "core/base/links.hpp"
+#include "core/refinement/base_and_targets.hpp"
+#include "core/refinement/base_and_tool.hpp"
+#include "core/refinement/rotation_search.hpp"
+#include "host_tests/support/simulated_arm.hpp"
+
+namespace armsig::refinement {
+namespace {
+
+using test::Cell;
+using test::Log;
+using test::Random;
+
+Cell exact_cell(Random& random) { return test::puma_cell(random, {0, 0, 0}); }
+
+Moments moments_of(const Cell& cell, int poses, Random& random) {
+  Moments moments;
+  for (int k = 0; k < poses; ++k) {
+    const JointVector q = random.configuration(cell.arm);
+    const Pose X_BL = dh_frames(cell.arm.joints, q).back();
+    Vector12 g;
+    g << X_BL.p, X_BL.R.col(0), X_BL.R.col(1), X_BL.R.col(2);
+    moments.add(cell.point(q, 0), g, 1);
+  }
+  return moments;
+}
+
+TEST(RotationSearch, ends_in_the_minimum_to_rounding) {
+  Random random(71);
+  for (int k = 0; k < 10; ++k) {
+    const Cell cell = exact_cell(random);
+    const Moments moments = moments_of(cell, 12, random);
+    const Candidate found = search(moments);
+    EXPECT_LT(angle_between(found.R, cell.X_SB.R), 1e-7);
+    EXPECT_LT((found.u - cell.p_tool[0]).norm(), 1e-7);
+  }
+}
+
+TEST(RotationSearch, polishes_a_rough_candidate_to_rounding) {
+  Random random(72);
+  for (int k = 0; k < 10; ++k) {
+    const Cell cell = exact_cell(random);
+    Candidate candidate;
+    candidate.R = cell.X_SB.R * rotation_about(random.direction(), 0.5);
+    candidate.u = cell.p_tool[0] + 0.1 * random.direction();
+    polish(moments_of(cell, 12, random), candidate);
+    EXPECT_LT(angle_between(candidate.R, cell.X_SB.R), 1e-7);
+    EXPECT_LT((candidate.u - cell.p_tool[0]).norm(), 1e-7);
+  }
+}
+
+// Of an arm that only slides neither the turn about its line nor the target is told.
+TEST(RotationSearch, fits_a_straight_line_of_which_the_turn_is_open) {
+  for (std::uint64_t seed = 1; seed < 100; ++seed) {
+    Random random(seed);
+    const Matrix3 R = random.rotation();
+    Moments moments;
+    for (int k = 0; k < 8; ++k) {
+      const Vector3 t(0.1 * k, 0, 0);
+      Vector12 g;
+      g << t, Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ();
+      moments.add(R * t, g, 1);
+    }
+    Candidate candidate{random.rotation(), random.vector(0.1)};
+    polish(moments, candidate);
+    EXPECT_LT(candidate.squares, 1e-10) << seed;
+    EXPECT_LT((candidate.R.col(0) - R.col(0)).norm(), 1e-5) << seed;
+  }
+}
+
+// Targets of which one was never seen, from a rough start, one row in five a blunder.
+TEST(BaseAndTargets, are_polished_past_blunders_and_a_target_without_rows) {
+  Random random(73);
+  Cell cell = exact_cell(random);
+  cell.p_tool = {Vector3(0.08, 0.03, 0.12), Vector3(-0.1, 0.1, 0.05), Vector3(0.05, -0.1, 0.1)};
+  Log log;
+  for (int k = 0; k < 80; ++k) {
+    const std::size_t target = k % 2 == 0 ? 0 : 2;
+    log.push_back(test::observe(cell, random.configuration(cell.arm), target, 0, random));
+    if (k % 5 == 0) log.back().p_S += 0.3 * random.direction();
+  }
+  std::array<Target, 3> targets;
+  for (Target& target : targets) target.link = 6;
+  BaseAndTargets at;
+  at.X_SB = {cell.X_SB.R * rotation_about(Vector3(1, 2, 2) / 3, 0.05),
+             cell.X_SB.p + Vector3(0.02, 0.01, -0.03)};
+  for (const Vector3& p : cell.p_tool) at.p_LT.push_back(p + Vector3(0.01, -0.02, 0.01));
+  const Vector3 unseen = at.p_LT[1];
+  polish_base_and_targets(DrawnRows(cell.arm, log, targets), at);
+  EXPECT_LT(angle_between(at.X_SB.R, cell.X_SB.R), 1e-4);
+  EXPECT_LT((at.X_SB.p - cell.X_SB.p).norm(), 1e-4);
+  EXPECT_LT((at.p_LT[0] - cell.p_tool[0]).norm(), 1e-4);
+  EXPECT_LT((at.p_LT[2] - cell.p_tool[2]).norm(), 1e-4);
+  EXPECT_EQ(at.p_LT[1], unseen);
+}
+
+TEST(FitBaseAndTool, places_as_many_targets_as_there_may_be) {
+  Random random(74);
+  Cell cell = exact_cell(random);
+  std::array<Target, kMaxTargets> targets;
+  for (Target& target : targets) {
+    target.link = 6;
+    cell.p_tool.push_back(0.2 * random.direction());
+  }
+  cell.p_tool.resize(kMaxTargets);
+  Log log;
+  test::add_poses(cell, 20, 0, random, log);
+  for (std::size_t t = 1; t < kMaxTargets; ++t) {
+    for (int k = 0; k < 2; ++k) {
+      log.push_back(test::observe(cell, random.configuration(cell.arm), t, 0, random));
+    }
+  }
+  const auto fitted = fit_base_and_tool(cell.arm, log, targets);
+  ASSERT_TRUE(fitted);
+  for (std::size_t t = 0; t < kMaxTargets; ++t) {
+    EXPECT_LT((fitted->p_LT[t] - cell.p_tool[t]).norm(), 1e-6) << t;
+  }
+}
+
+}  // namespace
+}  // namespace armsig::refinement
