@@ -155,6 +155,14 @@ TEST(ConfigurationDwell, is_finer_than_following_and_no_finer_than_a_count) {
   EXPECT_EQ(refusal.needed, c.resolution[5]);
 }
 
+// A hand that was turned where it is teaches another place of a tool that is out of its axis.
+TEST(ConfigurationGrid, may_be_taught_by_turning_the_hand) {
+  Configuration c = test::whole_configuration();
+  c.grid.taught[1] = c.grid.taught[0];
+  c.grid.taught[1][5] += 0.5;
+  EXPECT_TRUE(check(c));
+}
+
 TEST(ConfigurationGrid, is_taught_at_three_places_that_are_not_in_a_line) {
   // A joint that moves the tool of the taught readings by less than a millimetre teaches nothing.
   for (const std::size_t corner : {1U, 2U}) {

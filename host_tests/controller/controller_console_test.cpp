@@ -107,8 +107,13 @@ TEST(ShownFigures, are_those_of_the_log_the_report_and_the_record) {
   EXPECT_TRUE(puma.ask("candidate").starts_with("error NO_CANDIDATE "));
   ASSERT_EQ(puma.ask("identify"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
-  ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
   const IdentificationSequence& sequence = puma.cabinet->state().identification();
+  EXPECT_EQ(word(puma.ask("status"), "axis_sigma_deg"), "");
+  for (int i = 0; i < 300 && !sequence.axis_sigma_rad(); ++i) puma.run(1);
+  const std::string sigma_deg = word(puma.ask("status"), "axis_sigma_deg");
+  ASSERT_NE(sigma_deg, "");
+  EXPECT_NEAR(std::stod(sigma_deg), degrees(*sequence.axis_sigma_rad()), 1e-5);
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
   const LogEntry& row = sequence.log()[41];
   const std::string logged = puma.ask("log row=42");
   EXPECT_EQ(word(logged, "sweep"), std::to_string(row.sweep()));

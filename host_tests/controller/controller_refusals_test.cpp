@@ -23,6 +23,22 @@ TEST(Refusals, a_move_that_names_nothing_or_nothing_known_is_an_unknown_request)
   EXPECT_EQ(puma.mode(), Mode::kHolding);
 }
 
+TEST(Refusals, of_joints_units_and_rows_that_there_are_not) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  for (const char* request : {"move q0_deg=1", "move q7_deg=1", "move q1_cm=1", "move q12_deg=1",
+                              "log row=1 row=2", "log rows=1"}) {
+    EXPECT_TRUE(puma.ask(request).starts_with("error UNKNOWN_REQUEST ")) << request;
+  }
+  for (const char* request : {"log row=one", "log row=1", "identify accuracy_mm=1 anew=maybe"}) {
+    EXPECT_TRUE(puma.ask(request).starts_with("error OUT_OF_RANGE ")) << request;
+  }
+  for (const char* request : {"pause", "resume"}) {
+    EXPECT_TRUE(puma.ask(request).starts_with("error WRONG_MODE ")) << request;
+  }
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
 TEST(Refusals, a_grid_that_was_never_taught_can_t_be_touched) {
   PumaCabinet puma;
   ASSERT_TRUE(puma.enable());
@@ -102,6 +118,20 @@ TEST(Refusals, a_candidate_that_is_no_better_than_the_active_signature_is_not_ac
   const std::string reply = identify();
   EXPECT_TRUE(reply.starts_with("error CANDIDATE_NO_BETTER ")) << reply;
   EXPECT_EQ(encode(*puma.cabinet->state().active()), active);
+}
+
+TEST(Refusals, a_memory_without_room_for_a_signature_keeps_none) {
+  PumaCabinet puma;
+  test::RamMemory small({.page_bytes = 256, .pages_per_sector = 8, .sectors = 8});
+  puma.device = &small;
+  puma.start(test::puma_controller(), 1);
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
+  EXPECT_TRUE(puma.ask("fetch what=candidate").starts_with("ok bytes="));
+  EXPECT_TRUE(puma.ask("accept").starts_with("error ADDRESS_OUT_OF_RANGE "));
+  EXPECT_FALSE(puma.cabinet->state().active());
 }
 
 }  // namespace

@@ -137,5 +137,17 @@ TEST(FetchedDrawing, of_no_joint_of_nine_or_of_what_is_no_number_is_none) {
   EXPECT_EQ(test::failure_of(decode_drawing(encode_drawing(drawing))), Error::kRecordCorrupt);
 }
 
+// Maps are of what the encoders read, everything else that is told is of the joints.
+TEST(Fetching, refuses_maps_of_an_arm_whose_joints_are_coupled) {
+  Store store;
+  store.fetchable.signature = &store.record;
+  store.drawing.couplings.push_back({.joint = 2, .from = 1, .ratio = -1});
+  EXPECT_TRUE(store.ask("fetch what=signature")) << "couplings, and no maps";
+  store.record.deflections.maps.resize(6);
+  EXPECT_EQ(test::failure_of(store.ask("fetch what=signature")), Error::kUnsupported);
+  store.drawing.couplings.clear();
+  EXPECT_TRUE(store.ask("fetch what=signature")) << "maps, and no couplings";
+}
+
 }  // namespace
 }  // namespace armsig::controller

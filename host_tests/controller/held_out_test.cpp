@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host_tests/support/puma_cabinet.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::controller {
@@ -74,6 +75,12 @@ TEST_F(HeldOut, the_drawing_is_laid_over_the_candidate) {
   EXPECT_LT(report.candidate_rms_m, 1e-9);
   EXPECT_GT(report.active_rms_m, 1e-4);
   EXPECT_LT(report.active_rms_m, 0.05);
+}
+
+TEST_F(HeldOut, without_a_pose_no_candidate_is_better) {
+  const HeldOutReport report = HeldOutComparison(*candidate, active.get(), test::puma()).report();
+  EXPECT_EQ(report.poses, 0U);
+  EXPECT_FALSE(report.is_better());
 }
 
 }  // namespace

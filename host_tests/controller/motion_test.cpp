@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/links.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/not_finite.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
@@ -100,6 +101,21 @@ TEST(JointMove, of_a_coupled_joint_keeps_the_limits_of_the_motor_too) {
   arm.configuration.drawing.couplings.push_back({.joint = 5, .from = 4, .ratio = 2});
   EXPECT_NEAR(plan_joint_move(arm.configuration, arm.from, arm.moved(4, 0.9))->duration_s,
               kSteepest * 1.8, 1e-9);
+}
+
+// The reading of the joint is its motor's and what joint 5 adds: each has its own way to go.
+TEST(JointMove, of_a_coupled_joint_ends_at_the_limits_of_the_joint_as_well) {
+  Arm6 arm;
+  arm.configuration.drawing.couplings.push_back({.joint = 5, .from = 4, .ratio = 1});
+  const auto [lower, upper] = arm.configuration.drawing.limits[5];
+  for (const auto& [beyond, wrist] : {std::pair(upper + 0.2, 0.5), std::pair(lower - 0.2, -0.5)}) {
+    JointVector to = arm.from;
+    to[4] = wrist;
+    to[5] = beyond;
+    const auto refusal = test::failure_of(plan_joint_move(arm.configuration, arm.from, to));
+    EXPECT_EQ(refusal.error, Error::kJointLimit);
+    EXPECT_EQ(refusal.joint, 5U);
+  }
 }
 
 TEST(Line, lasts_as_long_as_the_tools_own_limits_ask_where_the_joints_ask_less) {
@@ -204,6 +220,20 @@ TEST(Line, whose_end_is_further_than_the_arm_is_long_is_out_of_reach_at_once) {
   EXPECT_FALSE(planning.step());
 }
 
+TEST(Line, of_an_arm_with_a_slide_may_be_as_long_as_the_slide) {
+  Arm6 arm;
+  arm.configuration.drawing.joints[3].type = JointType::kPrismatic;
+  arm.configuration.drawing.limits[3] = {-0.1, 0.3};
+  Pose to = *tool_pose(arm.model, arm.from);
+  to.p.x() += 6;
+  const auto at_once = [&] {
+    return LinePlanning(arm.configuration, arm.model, arm.from, to, 1).result();
+  };
+  EXPECT_EQ(test::failure_of(at_once()).error, Error::kOutOfReach);
+  arm.configuration.drawing.limits[3].upper = 5;
+  EXPECT_TRUE(at_once());
+}
+
 TEST(Line, that_a_motor_cant_follow_is_refused_for_its_joint) {
   Arm6 arm;
   arm.configuration.drawing.couplings.push_back({.joint = 5, .from = 4, .ratio = 1});
@@ -228,6 +258,35 @@ TEST(ReadingsAt, stay_at_the_end_when_the_time_is_over_and_at_the_start_before_i
   EXPECT_EQ(at(-1)[3], arm.from[3]);
   EXPECT_NEAR(at(move->duration_s / 2)[3], arm.from[3] + 0.5, 1e-12);
   EXPECT_NEAR(at(10 * move->duration_s)[3], arm.from[3] + 1.0, 1e-12);
+}
+
+// In the tick, where a plan would have told before: a line that goes on where the arm does not.
+TEST(ReadingsAt, of_a_place_that_the_arm_does_not_come_to_are_none) {
+  Arm6 arm;
+  for (double& speed : arm.configuration.limits.speed) speed = 1e4;
+  const auto error_of = [&](const JointVector& from, const Vector3& by) {
+    Move line;
+    line.kind = MoveKind::kLine;
+    line.from = line.to = from;
+    line.duration_s = 1;
+    line.X_RT_from = line.X_RT_to = *tool_pose(arm.model, from);
+    line.X_RT_to.p += by;
+    calibration::LatelyTurned lately;
+    return test::failure_of(
+        readings_at(line, arm.configuration, arm.model, from, line.duration_s, lately));
+  };
+  // Stretched, and straight on.
+  JointVector stretched = arm.from;
+  stretched[2] = radians(90);
+  const auto frames = dh_frames(arm.configuration.drawing.joints, stretched);
+  EXPECT_EQ(error_of(stretched, 0.02 * (frames[4].p - frames[1].p).normalized()),
+            Error::kSingularPath);
+  // Round the base, which a joint at its limit does not go.
+  auto limits = arm.configuration.drawing.limits;
+  limits[0] = {arm.from[0] - 1e-4, arm.from[0] + 1e-4};
+  arm.model.chain = kinematics::make_chain(arm.configuration.drawing.joints, limits);
+  const Vector3 p = tool_pose(arm.model, arm.from)->p;
+  EXPECT_EQ(error_of(arm.from, rotation_z(0.02) * p - p), Error::kNotConverged);
 }
 
 }  // namespace

@@ -167,5 +167,16 @@ TEST(KeepPositions, is_for_drives_without_torque_alone) {
   EXPECT_GT(memory.changed, 0U);
 }
 
+// Pages that a foreign tool has put in another order: the highest number is the last.
+TEST(PositionKeeper, takes_the_highest_number_wherever_its_page_is) {
+  test::RamMemory memory;
+  keep(memory, 1);
+  keep(memory, 2);
+  const auto page = static_cast<std::ptrdiff_t>(test::RamMemory::kLayout.page_bytes);
+  const auto first = memory.bytes.begin() + static_cast<std::ptrdiff_t>(kBegin);
+  std::swap_ranges(first, first + page, first + page);
+  EXPECT_EQ(kept(memory), at(2));
+}
+
 }  // namespace
 }  // namespace armsig::controller

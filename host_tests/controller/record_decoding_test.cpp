@@ -117,5 +117,14 @@ TEST(RecordDecoding, of_other_joints_than_the_drawings_is_unsuitable) {
   }
 }
 
+TEST(RecordDecoding, finds_no_checksum_in_an_image_of_no_records_length) {
+  RecordImage image{};
+  EXPECT_EQ(crc_of(image), 0U);
+  EXPECT_FALSE(is_whole(image));
+  image = encode(good());
+  EXPECT_NE(crc_of(image), 0U);
+  EXPECT_TRUE(is_whole(image));
+}
+
 }  // namespace
 }  // namespace armsig::controller

@@ -33,6 +33,12 @@ TEST(ReadingMap, has_a_prior_of_unit_point_deviation_everywhere) {
   }
 }
 
+// What the coefficients of every map that is stored are told in.
+TEST(ReadingMap, counts_in_hundredths_of_a_degree_or_tenths_of_a_millimetre) {
+  EXPECT_DOUBLE_EQ(degrees(map_unit(JointType::kRevolute)), 0.01);
+  EXPECT_DOUBLE_EQ(map_unit(JointType::kPrismatic), 1e-4);
+}
+
 TEST(ReadingMap, goes_on_smoothly_over_its_knots_and_its_turn) {
   Random random(3);
   MapCoefficients c;

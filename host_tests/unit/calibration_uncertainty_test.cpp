@@ -19,7 +19,7 @@ using test::Random;
 
 constexpr double kFineSigma_m = 1e-5;
 constexpr ModelParts kWithMaps{.gravity = false, .maps = true};
-constexpr std::size_t kTargetColumn = 6;  // first column of the target
+constexpr Eigen::Index kTargetColumn = 6;  // first column of the target
 
 std::vector<FitRow> narrow_positions(const Cell& cell, int poses, std::size_t link,
                                      Random& random) {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The parts of a record from outside.
+#include "firmware/controller/receiving.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "host_tests/support/failure_of.hpp"
+
+namespace armsig::controller {
+namespace {
+
+constexpr std::size_t kAllParts = (kRecordBytes + kPartBytes - 1) / kPartBytes;
+
+// Part `part` of an image of zeros.
+Result<bool> take_part(Receiving& receiving, std::size_t part) {
+  const std::size_t bytes = std::min(kPartBytes, kRecordBytes - (part - 1) * kPartBytes);
+  const std::string request = "send part=" + std::to_string(part) +
+                              " bytes=" + std::to_string(kRecordBytes) +
+                              " hex=" + std::string(2 * bytes, '0');
+  const auto parsed = parse_request(request);
+  EXPECT_TRUE(parsed);
+  return receiving.take(*parsed);
+}
+
+TEST(Receiving, takes_parts_in_their_order_none_after_the_last_and_the_first_at_any_time) {
+  Receiving receiving;
+  for (std::size_t part = 1; part <= kAllParts; ++part) {
+    const auto whole = take_part(receiving, part);
+    ASSERT_TRUE(whole) << part;
+    EXPECT_EQ(*whole, part == kAllParts) << part;
+  }
+  EXPECT_EQ(test::failure_of(take_part(receiving, kAllParts)), Error::kOutOfRange);
+  ASSERT_TRUE(take_part(receiving, 1));
+  EXPECT_EQ(test::failure_of(take_part(receiving, 3)), Error::kOutOfRange);
+  EXPECT_TRUE(take_part(receiving, 2));
+}
+
+}  // namespace
+}  // namespace armsig::controller
