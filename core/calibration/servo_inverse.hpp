@@ -14,8 +14,10 @@ namespace armsig::calibration {
 
 // The readings, near the readings `seed`, at which forward() is X_0n, as kinematics::inverse()
 // finds them. `chain` has joints.turned_limits(), or none; the limits of the readings and
-// options.max_step are kept by the readings. `lately`: of the inverse before, where this one
-// follows it. Errors: those of kinematics::inverse() and ServoReadings::readings().
+// options.max_step are kept by the readings of a pose that is reached (kConverged, kDegraded);
+// those of another verdict may be off them by twice joints.largest(). `lately`: of the inverse
+// before, where this one follows it. Errors: those of kinematics::inverse() and
+// ServoReadings::readings().
 [[nodiscard]] Result<kinematics::InverseSolution> inverse(const kinematics::Chain& chain,
                                                           const ServoReadings& joints,
                                                           const Pose& X_0n, const JointVector& seed,
