@@ -58,7 +58,17 @@ TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
   const auto evaluate = [&](const std::string& arm, const std::string& truth) {
     return run_tool(folder, "evaluate --signature s.yaml --arm " + arm + " --truth " + truth);
   };
-  EXPECT_EQ(evaluate("puma560", "truth.yaml").status, 0);
+  const Outcome same = evaluate("puma560", "truth.yaml");
+  EXPECT_EQ(same.status, 0);
+  EXPECT_EQ(same.err, "");
+  // Another drawing, and near enough.
+  std::string near = kPuma560;
+  near.replace(near.find("430.7"), 5, "431.7");
+  write_file(folder / "near.yaml", near);
+  const Outcome beside = evaluate("near.yaml", "truth.yaml");
+  EXPECT_EQ(beside.status, 0) << beside.err;
+  EXPECT_EQ(beside.err,
+            "armsig: warning: s.yaml: found with another drawing than that of near.yaml\n");
   // As drawn, but for the forearm.
   std::string longer = kPuma560;
   longer.replace(longer.find("430.7"), 5, "470.7");
