@@ -86,6 +86,40 @@ TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
       << false_truth.err;
 }
 
+TEST(Report, refuses_measurements_and_a_truth_that_are_not_of_its_arm) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  const std::string simulate = "simulate --hand-target-mm 80,30,120 --seed 2 ";
+  ASSERT_EQ(run_tool(folder, simulate + "--arm arm.yaml --tolerances 1 --out m.csv "
+                                        "--truth-out truth.yaml")
+                .status,
+            0);
+  ASSERT_EQ(run_tool(folder, simulate + "--arm ur5 --out u.csv --truth-out u.yaml").status, 0);
+  ASSERT_EQ(run_tool(folder, "identify --arm arm.yaml --measurements m.csv --out s.yaml").status,
+            0);
+  Csv rows = Csv::read(folder / "m.csv");
+  for (std::string& name : rows.header) {
+    if (name.ends_with("_mm")) name.replace(name.size() - 2, 2, "m");
+  }
+  rows.write(folder / "metres.csv");
+  const auto report = [&](const std::string& with) {
+    return run_tool(folder, "report --signature s.yaml --out r.html " + with);
+  };
+  EXPECT_EQ(report("--measurements m.csv --truth truth.yaml").status, 0);
+  for (const std::string file : {"u.csv", "metres.csv"}) {
+    const Outcome other = report("--measurements " + file);
+    EXPECT_EQ(other.status, 1) << file;
+    EXPECT_NE(other.err.find(file + ": the signature misses half of the rows by"),
+              std::string::npos)
+        << other.err;
+  }
+  const Outcome other = report("--truth u.yaml");
+  EXPECT_EQ(other.status, 1);
+  EXPECT_NE(other.err.find("u.yaml: it is not of the arm of the signature's drawing"),
+            std::string::npos)
+      << other.err;
+}
+
 TEST(Report, compares_with_an_arm_that_bends_where_its_tool_really_is) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(refine_a_bent_arm(folder));
