@@ -58,5 +58,17 @@ TEST(BeyondLimits, by_turns_are_refused) {
   EXPECT_FALSE(std::filesystem::exists(folder / "p.csv"));
 }
 
+TEST(BeyondLimits, of_a_seed_by_turns_are_refused) {
+  const Folder folder;
+  ASSERT_NO_FATAL_FAILURE(identify_two_joints(folder));
+  ASSERT_EQ(predict_at(folder, "q1_deg,q2_deg\n10,20\n").status, 0);
+  write_file(folder / "seed.csv", "q1_deg,q2_deg\n1e308,0\n");
+  const Outcome outcome =
+      run_tool(folder, "solve --signature s.yaml --poses p.csv --seed seed.csv --out r.csv");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.err.find("seed.csv: row 1: joint 1 reads 1e+308°"), std::string::npos)
+      << outcome.err;
+}
+
 }  // namespace
 }  // namespace armsig::cli

@@ -58,7 +58,17 @@ TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
   const auto evaluate = [&](const std::string& arm, const std::string& truth) {
     return run_tool(folder, "evaluate --signature s.yaml --arm " + arm + " --truth " + truth);
   };
-  EXPECT_EQ(evaluate("puma560", "truth.yaml").status, 0);
+  const Outcome same = evaluate("puma560", "truth.yaml");
+  EXPECT_EQ(same.status, 0);
+  EXPECT_EQ(same.err, "");
+  // Another drawing, and near enough.
+  std::string near = kPuma560;
+  near.replace(near.find("430.7"), 5, "431.7");
+  write_file(folder / "near.yaml", near);
+  const Outcome beside = evaluate("near.yaml", "truth.yaml");
+  EXPECT_EQ(beside.status, 0) << beside.err;
+  EXPECT_EQ(beside.err,
+            "armsig: warning: s.yaml: found with another drawing than that of near.yaml\n");
   // As drawn, but for the forearm.
   std::string longer = kPuma560;
   longer.replace(longer.find("430.7"), 5, "470.7");
@@ -74,6 +84,40 @@ TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
   EXPECT_EQ(false_truth.status, 1);
   EXPECT_NE(false_truth.err.find("longer.yaml: it is not of the arm of puma560"), std::string::npos)
       << false_truth.err;
+}
+
+TEST(Report, refuses_measurements_and_a_truth_that_are_not_of_its_arm) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  const std::string simulate = "simulate --hand-target-mm 80,30,120 --seed 2 ";
+  ASSERT_EQ(run_tool(folder, simulate + "--arm arm.yaml --tolerances 1 --out m.csv "
+                                        "--truth-out truth.yaml")
+                .status,
+            0);
+  ASSERT_EQ(run_tool(folder, simulate + "--arm ur5 --out u.csv --truth-out u.yaml").status, 0);
+  ASSERT_EQ(run_tool(folder, "identify --arm arm.yaml --measurements m.csv --out s.yaml").status,
+            0);
+  Csv rows = Csv::read(folder / "m.csv");
+  for (std::string& name : rows.header) {
+    if (name.ends_with("_mm")) name.replace(name.size() - 2, 2, "m");
+  }
+  rows.write(folder / "metres.csv");
+  const auto report = [&](const std::string& with) {
+    return run_tool(folder, "report --signature s.yaml --out r.html " + with);
+  };
+  EXPECT_EQ(report("--measurements m.csv --truth truth.yaml").status, 0);
+  for (const std::string file : {"u.csv", "metres.csv"}) {
+    const Outcome other = report("--measurements " + file);
+    EXPECT_EQ(other.status, 1) << file;
+    EXPECT_NE(other.err.find(file + ": the signature misses half of the rows by"),
+              std::string::npos)
+        << other.err;
+  }
+  const Outcome other = report("--truth u.yaml");
+  EXPECT_EQ(other.status, 1);
+  EXPECT_NE(other.err.find("u.yaml: it is not of the arm of the signature's drawing"),
+            std::string::npos)
+      << other.err;
 }
 
 TEST(Report, compares_with_an_arm_that_bends_where_its_tool_really_is) {

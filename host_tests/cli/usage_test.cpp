@@ -58,6 +58,8 @@ TEST(Usage, says_which_numbers_an_option_takes) {
   const std::string simulate = "simulate --arm ur10e --out m.csv ";
   expect_words(simulate + "--sigma-mm -1",
                "--sigma-mm: \"-1\" is out of its range; expected 0 or more");
+  expect_words(simulate + "--mixed-poses -1",
+               "--mixed-poses: \"-1\" is out of its range; expected a number from 0 to 100000000");
   expect_words(simulate + "--target-radius-mm 0",
                "--target-radius-mm: \"0\" is out of its range; expected a number above 0");
   expect_words(simulate + "--maps-deg 0.6",

@@ -96,9 +96,9 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
   }
   if (report.verdict == uncertainty::DriftVerdict::kSensorWorse) {
     if (report.noise_factor > kNoNoise) {
-      say("  the rows miss by {:.0f} times the noise stated, which no sensor does: they are not "
-          "of\n"
-          "  this arm and tool, or not in the units and columns that their header says\n",
+      say("  the rows miss by {:.0f} times the noise stated, as no sensor does: they\n"
+          "  are not of this arm and tool, or\n"
+          "  not in the units and columns that their header says\n",
           report.noise_factor);
     } else {
       // Errors that are no noise look like it at poses that are each measured once.
@@ -112,8 +112,8 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
     say("  outliers, by line: {}\n", lines_in_words(checked.rejected_lines));
   }
   for (const DisbelievedReceiver& receiver : checked.disbelieved) {
-    say("  receiver {}: {} of its {} ranges are outliers: it is not where the sensor description\n"
-        "  has it, or hears something else\n",
+    say("  receiver {}: {} of its {} ranges are outliers: it is not where the\n"
+        "  sensor description has it, or hears something else\n",
         receiver.number, receiver.rejected, receiver.ranges);
   }
   if (checked.nominal) {

@@ -87,6 +87,10 @@ int run(const EvaluateOptions& options) {
 
   const auto one_arm = check_one_arm(options, *arm, *record, *truth);
   if (!one_arm) return fail(one_arm.error(), kNoAnswer, options);
+  if (!is_drawing_of(*record, arm->arm)) {
+    complain("armsig: warning: {}: found with another drawing than that of {}", options.signature,
+             options.arm);
+  }
   const refinement::ReadingModel readings = record->readings();
   const refinement::ReadingModel true_readings = truth->readings();
   const auto comparison = evaluation::compare(arm->arm, record->signature, truth->signature, {},

@@ -2,11 +2,16 @@
 // armsig report: a signature for the eye.
 #include "firmware/host_tool/report/report.hpp"
 
+#include <algorithm>
+
+#include <fmt/core.h>
+
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/diagnosis/another_arm.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/report/report_input.hpp"
@@ -35,6 +40,30 @@ Read<void> check_names(const CertificateNames& names, const SignatureRecord& rec
   return {};
 }
 
+// Pictures of measurements that are not those of the signature would show another arm's errors.
+Read<void> check_measurements(const ReportFiles& files, const ReportInput& input) {
+  constexpr double kNotItsOwn = 0.05;  // of how far the rows are spread
+  const double share = input.measured ? input.measured->missed_share() : 0;
+  if (share <= kNotItsOwn) return {};
+  return std::unexpected(Problem{
+      files.measurements, 0, 0,
+      fmt::format("the signature misses half of the rows by {:.0f} % of their spread, or more",
+                  100 * share),
+      "the measurements that the signature was found from, in the units of their header"});
+}
+
+// Compared with the truth of another arm nothing of the report holds.
+Read<void> check_truth(const ReportFiles& files, const ReportInput& input) {
+  const SignatureRecord& record = input.record;
+  if (!input.truth || record.nominal.limits.size() != record.signature.joint_count()) return {};
+  const Farness found = farness_of(record, record.nominal, {});
+  const Farness real = farness_of(*input.truth, record.nominal, {});
+  if (real.times_allowed <= std::max(1.0, 1.5 * found.times_allowed)) return {};
+  return std::unexpected(Problem{files.truth, 0, 0,
+                                 "it is not of the arm of the signature's drawing: " + real.words,
+                                 "--truth of the arm that the signature is of"});
+}
+
 int run(const ReportOptions& options) {
   const auto apart = check_roles({{"--signature", options.files.signature},
                                   {"--measurements", options.files.measurements},
@@ -46,6 +75,10 @@ int run(const ReportOptions& options) {
   if (!input) return fail(input.error(), kBadInput, options);
   const auto good = check_names(options.names, input->record);
   if (!good) return fail(good.error(), kBadInput, options);
+  for (const auto& fits :
+       {check_measurements(options.files, *input), check_truth(options.files, *input)}) {
+    if (!fits) return fail(fits.error(), kNoAnswer, options);
+  }
   input->names = options.names;
   const auto report = report_json(*input);
   const auto page = report_page(report);

@@ -242,6 +242,7 @@ void add_simulate(CLI::App& app, int& status) {
   command
       ->add_option("--mixed-poses", options->mixed_poses,
                    "further rows (sweep 0) with all joints anywhere within their limits")
+      ->check(CLI::Range(std::size_t{0}, std::size_t{100'000'000}))
       ->capture_default_str();
   command->add_option("--sensor", options->sensor,
                       "sensor description (YAML): write ranges to its receivers, not positions");

@@ -12,6 +12,7 @@
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
+#include "firmware/host_tool/reading/beyond_limits.hpp"
 #include "firmware/host_tool/signature/model.hpp"
 
 namespace armsig::tool {
@@ -137,6 +138,12 @@ int run(const SolveOptions& options) {
       return fail({options.seed, 0, 0, fmt::format("{} seeds", read->size()),
                    fmt::format("one, or one for each of the {} poses", poses->size())},
                   kBadInput, options);
+    }
+    const auto beyond = beyond_limits(record->nominal, *read);
+    if (beyond && beyond->out_of_question) {
+      return fail({options.seed, 0, 0, fmt::format("row {}: {}", beyond->worst + 1, beyond->words),
+                   "readings in the unit that the column's name says"},
+                  kNoAnswer, options);
     }
     seeds = std::move(*read);
   }

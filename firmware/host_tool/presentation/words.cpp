@@ -10,8 +10,12 @@
 namespace armsig::tool {
 
 std::string reading_in_words(JointType type, double reading) {
-  return type == JointType::kRevolute ? fmt::format("{:.3f}°", degrees(reading))
-                                      : fmt::format("{:.3f} mm", 1e3 * reading);
+  constexpr double kTooLongToSpell = 1e9;
+  const bool turns = type == JointType::kRevolute;
+  const double value = turns ? degrees(reading) : 1e3 * reading;
+  const char* unit = turns ? "°" : " mm";
+  return std::abs(value) < kTooLongToSpell ? fmt::format("{:.3f}{}", value, unit)
+                                           : fmt::format("{:.3g}{}", value, unit);
 }
 
 std::string refusal_in_words(const Refusal& refusal, JointType type) {

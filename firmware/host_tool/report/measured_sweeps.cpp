@@ -2,8 +2,10 @@
 #include "firmware/host_tool/report/measured_sweeps.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/kinematics/s_model_chain.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 
 namespace armsig::tool {
@@ -25,6 +27,21 @@ void MeasuredSweeps::add(const LocatedRow& row) {
     place = sweeps.insert(place, {.joint = joint, .target = row.target, .points = {}});
   }
   place->points.push_back({row.q[joint], row.p_S, row.covariance_m2});
+}
+
+void MeasuredSweeps::compare(const LocatedRow& row, const Vector3& predicted_S) {
+  misses_m.push_back((row.p_S - predicted_S).norm());
+  sum_S += row.p_S;
+  squares_m2 += row.p_S.squaredNorm();
+}
+
+double MeasuredSweeps::missed_share() const {
+  if (misses_m.empty()) return 0;
+  std::vector<double> sorted = misses_m;
+  std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
+  const auto count = static_cast<double>(sorted.size());
+  const double spread_m2 = squares_m2 / count - (sum_S / count).squaredNorm();
+  return sorted[sorted.size() / 2] / std::sqrt(std::max(spread_m2, 1e-12));
 }
 
 namespace {
@@ -56,11 +73,20 @@ Read<std::optional<LocatedRow>> located(const MeasurementRow& row, const Arm& no
 Read<MeasuredSweeps> read_measured_sweeps(const std::string& path, const SignatureRecord& record,
                                           const std::optional<SensorDescription>& sensor) {
   MeasuredSweeps measured;
+  const Signature& signature = record.signature;
+  const refinement::ReadingModel readings = record.readings();
+  const auto compare = [&](const MeasurementRow& row, const LocatedRow& found) {
+    const auto* target = std::ranges::find(signature.targets, row.target, &Target::number);
+    if (target == signature.targets.end()) return;
+    const JointVector turned = refinement::true_readings(readings, signature.configuration, row.q);
+    measured.compare(found, kinematics::target_position(signature, turned, *target));
+  };
   const auto rows =
       read_measurements(path, record.signature.types, [&](const MeasurementRow& row) -> Read<void> {
         ARMSIG_TRY(found, located(row, record.nominal, sensor, path));
         if (found) {
           measured.add(*found);
+          compare(row, *found);
         } else {
           ++measured.not_located;
         }

@@ -32,7 +32,15 @@ struct MeasuredSweeps {
   std::size_t mixed = 0;                             // poses in which any joint may have moved
   FixedVector<JointLimits, kMaxJoints> mixed_reach;  // of every joint's reading over those poses
 
+  std::vector<double> misses_m;  // what the signature misses the rows of its targets by
+  Vector3 sum_S = Vector3::Zero();
+  double squares_m2 = 0;  // of those rows' positions
+
   void add(const LocatedRow& row);
+  void compare(const LocatedRow& row, const Vector3& predicted_S);
+
+  // The median of the misses, as a share of how far the rows are spread; 0 without rows.
+  [[nodiscard]] double missed_share() const;
 };
 
 // Reads the measurements of the arm that `record` describes. Problems are those of the file, and of
