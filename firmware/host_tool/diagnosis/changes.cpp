@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "core/base/low_discrepancy.hpp"
+#include "firmware/host_tool/diagnosis/gravity_columns.hpp"
 
 namespace armsig::tool {
 
@@ -88,23 +89,36 @@ struct Sums {
 
 class ScoreTest {
  public:
+  // `gravity`: what an unchanging arm may do besides, or nullptr.
   ScoreTest(const Evidence& evidence, const DeviatingChain& chain,
-            const std::vector<Vector3>& residuals_S)
-      : evidence_(evidence), residuals_(residuals_S), size_(chain.all().count) {
+            const std::vector<Vector3>& residuals_S, const GravityColumns* gravity)
+      : evidence_(evidence),
+        residuals_(residuals_S),
+        size_(chain.all().count + (gravity != nullptr ? gravity->count() : 0)) {
     weigh();
-    const auto normal = chain.normal(evidence, residuals_S, weights_);
-    inverse_ = inverse_of(normal.H, normal.H.diagonal());
-    Eigen::Matrix3Xd J(3, size_);
+    const Eigen::Index links = chain.all().count;
+    Eigen::Matrix3Xd J(3, links);
     Sums whole(size_);
     for (std::size_t k = 0; k < weights_.size(); ++k) {
       chain.derivatives(evidence.rows[k], J);
-      derivatives_.push_back(J);
-      whole.add(J, residuals_S[k], weights_[k], 1);
+      Eigen::Matrix3Xd all(3, size_);
+      all.leftCols(links) = J;
+      if (gravity != nullptr) {
+        all.rightCols(gravity->count()) = gravity->of(evidence.rows[k], chain, J);
+      }
+      whole.add(all, residuals_S[k], weights_[k], 1);
       squares_ += weights_[k] * residuals_S[k].squaredNorm();
+      derivatives_.push_back(std::move(all));
     }
     // The lengths are no unknown of an unchanging arm.
-    inverse_.row(chain.of_lengths().first).setZero();
-    inverse_.col(chain.of_lengths().first).setZero();
+    const Eigen::Index lengths = chain.of_lengths().first;
+    Eigen::MatrixXd normal = whole.once;
+    normal.topLeftCorner(links, links) = chain.normal(evidence, residuals_S, weights_).H;
+    normal.row(lengths).tail(size_ - links).setZero();
+    normal.col(lengths).tail(size_ - links).setZero();
+    inverse_ = inverse_of(normal, normal.diagonal());
+    inverse_.row(lengths).setZero();
+    inverse_.col(lengths).setZero();
     step_ = inverse_ * whole.score;
     squares_ -= whole.score.dot(step_);
   }
@@ -130,7 +144,7 @@ class ScoreTest {
   }
 
   // A strain is no unknown of the arm: rows know it by where they are.
-  void consider_strain(std::size_t candidates) {
+  [[nodiscard]] Change strain() const {
     Vector3 middle = Vector3::Zero();
     for (const EvidenceRow& row : evidence_.rows) middle += row.p_S;
     middle /= static_cast<double>(evidence_.rows.size());
@@ -142,16 +156,16 @@ class ScoreTest {
       judged.usual.noalias() += weights_[k] * (strained.transpose() * strained);
       judged.score.noalias() += weights_[k] * (strained.transpose() * residuals_[k]);
     }
-    judge(judged, candidates);
-    if (best_ && judged.evidence <= best_->evidence) return;
+    judge(judged, 1);
     double squares = 0;
     for (const EvidenceRow& row : evidence_.rows) {
       squares += (strain_of(judged.size) * (row.p_S - middle)).squaredNorm();
     }
-    best_ = change_of(judged);
-    best_->of = Change::Of::kStrain;
-    best_->first_line = evidence_.rows.front().line;
-    best_->shift_m = std::sqrt(squares / static_cast<double>(evidence_.rows.size()));
+    Change found = change_of(judged);
+    found.of = Change::Of::kStrain;
+    found.first_line = evidence_.rows.front().line;
+    found.shift_m = std::sqrt(squares / static_cast<double>(evidence_.rows.size()));
+    return found;
   }
 
   std::optional<Change> run(const std::vector<Candidate>& candidates) {
@@ -167,7 +181,6 @@ class ScoreTest {
       growing.add(derivatives_[k], residuals_[k], weights_[k], share);
     }
     consider(candidates, growing, true, 0);
-    consider_strain(candidates.size());
     return best_;
   }
 
@@ -254,8 +267,12 @@ class ScoreTest {
 std::optional<Change> likeliest_change(const Evidence& evidence, const DeviatingChain& chain,
                                        const std::vector<Vector3>& residuals_S) {
   if (evidence.rows.size() < kFewestRows) return std::nullopt;
-  ScoreTest test(evidence, chain, residuals_S);
+  ScoreTest test(evidence, chain, residuals_S, nullptr);
   auto change = test.run(candidates_of(evidence, chain));
+  // What gravity bends looks like a strain of what is seen.
+  const GravityColumns gravity(evidence.arm);
+  const Change strain = ScoreTest(evidence, chain, residuals_S, &gravity).strain();
+  if (!change || strain.evidence > change->evidence) change = strain;
   if (!change || !(change->evidence > 0)) return std::nullopt;
   return change;
 }
@@ -275,8 +292,8 @@ double moved_by_change_m(const Change& change, const Evidence& evidence,
   for (int k = 1; k <= kJudged; ++k) {
     row.q = work_configuration(types, evidence.arm.limits, k);
     chain.derivatives(row, J);
-    before += (J * change.before_it).squaredNorm();
-    after += (J * change.after_it).squaredNorm();
+    before += (J * change.before_it.head(J.cols())).squaredNorm();
+    after += (J * change.after_it.head(J.cols())).squaredNorm();
   }
   return std::sqrt(std::max(before, after) / kJudged);
 }

@@ -21,13 +21,15 @@ struct Change {
   bool slow = false;           // grows from the first row to the last
   std::size_t first_line = 0;  // from which on
   std::size_t last_line = 0;
-  Eigen::VectorXd size;       // turns and shifts, the one number of a zero or factor, or strains
-  double shift_m = 0;         // by which the rows are moved in the end, RMS
-  double before_m = 0;        // what an unchanging arm misses the rows by, RMS
-  double after_m = 0;         // and what is left with the change
-  double evidence = 0;        // logarithm of the ratio of likelihoods, the number tried counted
-  Eigen::VectorXd before_it;  // by which the unchanging arm is off from what was there before it
-  Eigen::VectorXd after_it;   // and from what was there in the end: unknowns of the chain
+  Eigen::VectorXd size;  // turns and shifts, the one number of a zero or factor, or strains
+  double shift_m = 0;    // by which the rows are moved in the end, RMS
+  double before_m = 0;   // what an unchanging arm misses the rows by, RMS
+  double after_m = 0;    // and what is left with the change
+  double evidence = 0;   // logarithm of the ratio of likelihoods, the number tried counted
+  // By which the unchanging arm is off from what was there before it, and in the end: unknowns of
+  // the chain, and more behind them.
+  Eigen::VectorXd before_it;
+  Eigen::VectorXd after_it;
 
   [[nodiscard]] double explains() const { return before_m / after_m; }
 };
