@@ -89,36 +89,23 @@ struct Sums {
 
 class ScoreTest {
  public:
-  // `gravity`: what an unchanging arm may do besides, or nullptr.
   ScoreTest(const Evidence& evidence, const DeviatingChain& chain,
-            const std::vector<Vector3>& residuals_S, const GravityColumns* gravity)
-      : evidence_(evidence),
-        residuals_(residuals_S),
-        size_(chain.all().count + (gravity != nullptr ? gravity->count() : 0)) {
+            const std::vector<Vector3>& residuals_S)
+      : evidence_(evidence), chain_(chain), residuals_(residuals_S), size_(chain.all().count) {
     weigh();
-    const Eigen::Index links = chain.all().count;
-    Eigen::Matrix3Xd J(3, links);
+    const auto normal = chain.normal(evidence, residuals_S, weights_);
+    inverse_ = inverse_of(normal.H, normal.H.diagonal());
+    Eigen::Matrix3Xd J(3, size_);
     Sums whole(size_);
     for (std::size_t k = 0; k < weights_.size(); ++k) {
       chain.derivatives(evidence.rows[k], J);
-      Eigen::Matrix3Xd all(3, size_);
-      all.leftCols(links) = J;
-      if (gravity != nullptr) {
-        all.rightCols(gravity->count()) = gravity->of(evidence.rows[k], chain, J);
-      }
-      whole.add(all, residuals_S[k], weights_[k], 1);
+      derivatives_.push_back(J);
+      whole.add(J, residuals_S[k], weights_[k], 1);
       squares_ += weights_[k] * residuals_S[k].squaredNorm();
-      derivatives_.push_back(std::move(all));
     }
     // The lengths are no unknown of an unchanging arm.
-    const Eigen::Index lengths = chain.of_lengths().first;
-    Eigen::MatrixXd normal = whole.once;
-    normal.topLeftCorner(links, links) = chain.normal(evidence, residuals_S, weights_).H;
-    normal.row(lengths).tail(size_ - links).setZero();
-    normal.col(lengths).tail(size_ - links).setZero();
-    inverse_ = inverse_of(normal, normal.diagonal());
-    inverse_.row(lengths).setZero();
-    inverse_.col(lengths).setZero();
+    inverse_.row(chain.of_lengths().first).setZero();
+    inverse_.col(chain.of_lengths().first).setZero();
     step_ = inverse_ * whole.score;
     squares_ -= whole.score.dot(step_);
   }
@@ -127,8 +114,13 @@ class ScoreTest {
                 std::size_t from) {
     for (const Candidate& candidate : candidates) {
       const auto [first, count] = candidate.columns;
-      Judged judged(sums.once.middleCols(first, count),
-                    sums.twice.block(first, first, count, count), sums.score.segment(first, count));
+      const Eigen::MatrixXd across = sums.once.middleCols(first, count);
+      Judged judged{.across = across,
+                    .usual = sums.twice.block(first, first, count, count),
+                    .left = sums.twice.block(first, first, count, count) -
+                            across.transpose() * inverse_ * across,
+                    .score = sums.score.segment(first, count) - across.transpose() * step_,
+                    .squares = squares_};
       judge(judged, candidates.size());
       if (best_ && judged.evidence <= best_->evidence) continue;
       const double shift_m = moved_by(candidate, judged.size, from);
@@ -143,19 +135,39 @@ class ScoreTest {
     }
   }
 
-  // A strain is no unknown of the arm: rows know it by where they are.
+  // A strain is no unknown of the arm: rows know it by where they are. What gravity bends looks
+  // like one, and is taken out first.
   [[nodiscard]] Change strain() const {
+    const GravityColumns gravity(evidence_.arm);
     Vector3 middle = Vector3::Zero();
     for (const EvidenceRow& row : evidence_.rows) middle += row.p_S;
     middle /= static_cast<double>(evidence_.rows.size());
-    Judged judged(Eigen::MatrixXd::Zero(size_, kStrains), Eigen::MatrixXd::Zero(kStrains, kStrains),
-                  Eigen::VectorXd::Zero(kStrains));
+    const Eigen::Index bent = gravity.count();
+    const Eigen::Index count = bent + kStrains;
+    Eigen::MatrixXd across = Eigen::MatrixXd::Zero(size_, count);
+    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(count, count);
+    Eigen::VectorXd score = Eigen::VectorXd::Zero(count);
+    Eigen::Matrix3Xd E(3, count);
     for (std::size_t k = 0; k < weights_.size(); ++k) {
-      const auto strained = moved_by_strains(evidence_.rows[k].p_S - middle);
-      judged.across.noalias() += weights_[k] * (derivatives_[k].transpose() * strained);
-      judged.usual.noalias() += weights_[k] * (strained.transpose() * strained);
-      judged.score.noalias() += weights_[k] * (strained.transpose() * residuals_[k]);
+      E.leftCols(bent) = gravity.of(evidence_.rows[k], chain_, derivatives_[k]);
+      E.rightCols<kStrains>() = moved_by_strains(evidence_.rows[k].p_S - middle);
+      across.noalias() += weights_[k] * (derivatives_[k].transpose() * E);
+      own.noalias() += weights_[k] * (E.transpose() * E);
+      score.noalias() += weights_[k] * (E.transpose() * residuals_[k]);
     }
+    const Eigen::MatrixXd left = own - across.transpose() * inverse_ * across;
+    score -= across.transpose() * step_;
+    const Eigen::MatrixXd by_gravity =
+        inverse_of(left.topLeftCorner(bent, bent), own.diagonal().head(bent));
+    // What gravity makes of the residuals, and of each strain.
+    const Eigen::VectorXd sag = by_gravity * score.head(bent);
+    const Eigen::MatrixXd sags = by_gravity * left.topRightCorner(bent, kStrains);
+    Judged judged{.across = across.rightCols<kStrains>() - across.leftCols(bent) * sags,
+                  .usual = own.bottomRightCorner<kStrains, kStrains>(),
+                  .left = left.bottomRightCorner<kStrains, kStrains>() -
+                          left.bottomLeftCorner(kStrains, bent) * sags,
+                  .score = score.tail<kStrains>() - left.bottomLeftCorner(kStrains, bent) * sag,
+                  .squares = squares_ - score.head(bent).dot(sag)};
     judge(judged, 1);
     double squares = 0;
     for (const EvidenceRow& row : evidence_.rows) {
@@ -187,27 +199,25 @@ class ScoreTest {
  private:
   // A candidate: what the rows say of it, and what that makes of it.
   struct Judged {
-    Judged(Eigen::MatrixXd with_arm, Eigen::MatrixXd own, Eigen::VectorXd scores)
-        : across(std::move(with_arm)), usual(std::move(own)), score(std::move(scores)) {}
-
-    Eigen::MatrixXd across;
-    Eigen::MatrixXd usual;
-    Eigen::VectorXd score;
-    Eigen::VectorXd size;
+    Eigen::MatrixXd across;  // with the unknowns of an unchanging arm
+    Eigen::MatrixXd usual;   // of its own
+    Eigen::MatrixXd left;    // of that, what an unchanging arm can not do
+    Eigen::VectorXd score;   // and of the residuals
+    double squares = 0;      // left of them without it
+    Eigen::VectorXd size = {};
     double gain = 0;
     double evidence = 0;
   };
 
   void judge(Judged& judged, std::size_t candidates) const {
-    judged.usual.diagonal().array() += 1 / (kUsualSize * kUsualSize);
-    const Eigen::MatrixXd left =
-        judged.usual - judged.across.transpose() * inverse_ * judged.across;
-    judged.score -= judged.across.transpose() * step_;
-    judged.size = inverse_of(left, judged.usual.diagonal()) * judged.score;
-    judged.gain = std::clamp(judged.score.dot(judged.size), 0.0, (1 - 1e-12) * squares_);
+    constexpr double kWeight = 1 / (kUsualSize * kUsualSize);
+    judged.usual.diagonal().array() += kWeight;
+    judged.left.diagonal().array() += kWeight;
+    judged.size = inverse_of(judged.left, judged.usual.diagonal()) * judged.score;
+    judged.gain = std::clamp(judged.score.dot(judged.size), 0.0, (1 - 1e-12) * judged.squares);
     const double freedom = 3 * static_cast<double>(weights_.size()) - static_cast<double>(size_);
     const double tried = static_cast<double>(candidates * weights_.size());
-    judged.evidence = -0.5 * freedom * std::log1p(-judged.gain / squares_) -
+    judged.evidence = -0.5 * freedom * std::log1p(-judged.gain / judged.squares) -
                       0.5 * static_cast<double>(judged.size.size()) * std::log(freedom) -
                       std::log(tried);
   }
@@ -221,8 +231,8 @@ class ScoreTest {
     Change change;
     change.last_line = evidence_.rows.back().line;
     change.size = judged.size;
-    change.before_m = std::sqrt(squares_ / weight_);
-    change.after_m = std::sqrt((squares_ - judged.gain) / weight_);
+    change.before_m = std::sqrt(judged.squares / weight_);
+    change.after_m = std::sqrt((judged.squares - judged.gain) / weight_);
     change.evidence = judged.evidence;
     change.before_it = inverse_ * (judged.across * judged.size);
     change.after_it = change.before_it;
@@ -251,6 +261,7 @@ class ScoreTest {
   }
 
   const Evidence& evidence_;
+  const DeviatingChain& chain_;
   const std::vector<Vector3>& residuals_;
   Eigen::Index size_;
   std::vector<double> weights_;
@@ -267,11 +278,9 @@ class ScoreTest {
 std::optional<Change> likeliest_change(const Evidence& evidence, const DeviatingChain& chain,
                                        const std::vector<Vector3>& residuals_S) {
   if (evidence.rows.size() < kFewestRows) return std::nullopt;
-  ScoreTest test(evidence, chain, residuals_S, nullptr);
+  ScoreTest test(evidence, chain, residuals_S);
   auto change = test.run(candidates_of(evidence, chain));
-  // What gravity bends looks like a strain of what is seen.
-  const GravityColumns gravity(evidence.arm);
-  const Change strain = ScoreTest(evidence, chain, residuals_S, &gravity).strain();
+  const Change strain = test.strain();
   if (!change || strain.evidence > change->evidence) change = strain;
   if (!change || !(change->evidence > 0)) return std::nullopt;
   return change;
@@ -292,8 +301,8 @@ double moved_by_change_m(const Change& change, const Evidence& evidence,
   for (int k = 1; k <= kJudged; ++k) {
     row.q = work_configuration(types, evidence.arm.limits, k);
     chain.derivatives(row, J);
-    before += (J * change.before_it.head(J.cols())).squaredNorm();
-    after += (J * change.after_it.head(J.cols())).squaredNorm();
+    before += (J * change.before_it).squaredNorm();
+    after += (J * change.after_it).squaredNorm();
   }
   return std::sqrt(std::max(before, after) / kJudged);
 }

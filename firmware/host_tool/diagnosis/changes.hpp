@@ -27,7 +27,7 @@ struct Change {
   double after_m = 0;    // and what is left with the change
   double evidence = 0;   // logarithm of the ratio of likelihoods, the number tried counted
   // By which the unchanging arm is off from what was there before it, and in the end: unknowns of
-  // the chain, and more behind them.
+  // the chain.
   Eigen::VectorXd before_it;
   Eigen::VectorXd after_it;
 

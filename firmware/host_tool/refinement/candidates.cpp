@@ -23,8 +23,8 @@ constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
 constexpr calibration::ModelParts kGravity{.gravity = true, .maps = false};
 constexpr calibration::ModelParts kWhole{};
 constexpr refinement::ReadingTerms kGears{true, false, false};
-constexpr std::array<refinement::ReadingTerms, 5> kCorrections{
-    {kGears, {false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
+constexpr std::array<refinement::ReadingTerms, 4> kCorrections{
+    {{false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
 // Errors of gears larger than this are no encoder's; and beyond so many sigmas no chance.
 constexpr double kNotableGain = 5e-4;
 constexpr double kSignificantGain = 4;
