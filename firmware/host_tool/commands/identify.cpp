@@ -257,7 +257,7 @@ int run(IdentifyOptions options) {
   const std::size_t receivers = sensor ? sensor->receivers_S.size() : 0;
   double enlarged = 1;  // what is stated, over what the method itself predicts
   if (refine) {
-    add_refinement(record, *found->refinement, receivers);
+    enlarged = add_refinement(record, *found->refinement, receivers, collector.evidence());
   } else {
     enlarged = add_features(record, found->validation, collector.evidence());
   }

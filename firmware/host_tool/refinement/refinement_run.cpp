@@ -247,24 +247,28 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
         fmt::format("target {}: a single row sees it, and nothing checks that row",
                     refined.signature.targets[t].number));
   }
-  if (const auto tool = tool_target(refined.signature)) {
-    outcome.predicted_tool_error_m = uncertainty::predicted_rms(refined, nominal_.limits, *tool);
-    if (calibrated_.deflections) {  // a map says nothing of readings that were not measured
-      outcome.predicted_over_limits_m = outcome.predicted_tool_error_m;
-      outcome.predicted_tool_error_m = uncertainty::predicted_rms(
-          refined, calibration::covered_limits(*calibrated_.deflections, nominal_.limits), *tool);
-    }
-  }
   if (calibrated_.deflections) outcome.geometry_left_out_mean_m = calibrated_.geometry->mean_m;
   if (const auto& score = calibrated_.left_out) {
     outcome.cross_validation =
         CrossValidation{score->rows, score->mean_m, score->rms_m, score->largest_m};
   }
   outcome.refined = std::move(calibrated_.refined);
+  predict_tool_error(nominal_, outcome);
   return outcome;
 }
 
 }  // namespace
+
+void predict_tool_error(const Arm& nominal, RefinementOutcome& outcome) {
+  const refinement::Refined& refined = *outcome.refined;
+  const auto tool = tool_target(refined.signature);
+  if (!tool) return;
+  outcome.predicted_tool_error_m = uncertainty::predicted_rms(refined, nominal.limits, *tool);
+  if (!outcome.deflections) return;  // a map says nothing of readings that were not measured
+  outcome.predicted_over_limits_m = outcome.predicted_tool_error_m;
+  outcome.predicted_tool_error_m = uncertainty::predicted_rms(
+      refined, calibration::covered_limits(*outcome.deflections, nominal.limits), *tool);
+}
 
 Read<RefinementOutcome> run_refinement(const Arm& nominal, const std::optional<Signature>& start,
                                        MeasurementLog& log,

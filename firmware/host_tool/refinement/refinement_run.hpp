@@ -53,4 +53,7 @@ struct RefinementOutcome {
                                                      const FurtherUnknowns& further,
                                                      const std::string& file);
 
+// What the outcome's own covariance predicts: its figures of the tool.
+void predict_tool_error(const Arm& nominal, RefinementOutcome& outcome);
+
 }  // namespace armsig::tool

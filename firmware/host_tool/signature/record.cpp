@@ -50,6 +50,16 @@ void enlarge(SignatureRecord& record, refinement::Refined& estimate, double fact
   for (Target& target : record.signature.targets) target.covariance_m2 *= square(factor);
 }
 
+void enlarge_maps(RefinementOutcome& outcome, double factor) {
+  if (!outcome.deflections) return;
+  auto wider = std::make_shared<calibration::ArmModel>(*outcome.deflections);
+  for (calibration::JointModel& joint : wider->joints) {
+    for (float& variance : joint.map_variance) variance *= static_cast<float>(square(factor));
+  }
+  outcome.refined->readings.deflections = wider.get();
+  outcome.deflections = std::move(wider);
+}
+
 // How many times more than the features say is to be stated, and the reason where that is notable.
 struct Enlargement {
   double factor = 1;
@@ -94,11 +104,13 @@ Enlargement by_bending(const Evidence& evidence, const refinement::Refined& esti
                        const Arm& nominal, std::size_t tool) {
   const auto bending = judge_bending(evidence, estimate, nominal.limits, tool);
   if (!bending) return {};
+  const bool by_features = estimate.readings.deflections == nullptr;
   return {bending->factor,
           fmt::format("the sweeps show that the arm bends, and not how: at the tool {:.3f} mm are "
-                      "stated, {:.1f} times what the axes alone predict; further poses (sweep 0) "
-                      "and --method refined tell",
-                      1e3 * bending->expected_m, bending->expected_m / bending->stated_m)};
+                      "stated, {:.1f} times what {} predict{}; further poses (sweep 0){} tell",
+                      1e3 * bending->expected_m, bending->expected_m / bending->stated_m,
+                      by_features ? "the axes alone" : "the fit", by_features ? "" : "s",
+                      by_features ? " and --method refined" : "")};
 }
 
 // The largest: each tells of the same parameters.
@@ -133,9 +145,18 @@ SignatureRecord record_of(const Identified& identified, const ArmDescription& ar
   return record;
 }
 
-void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
-                    std::size_t receivers) {
-  const refinement::Refined& refined = *outcome.refined;
+double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::size_t receivers,
+                      const Evidence& evidence) {
+  refinement::Refined& refined = *outcome.refined;
+  Enlargement more;
+  // A fit that needs neither gravity nor maps to predict rows left out needs no more of them.
+  const auto tool = tool_target(refined.signature);
+  if (tool && outcome.deflections) more = by_bending(evidence, refined, record.nominal, *tool);
+  if (more.factor > 1) {
+    enlarge(record, refined, more.factor);
+    enlarge_maps(outcome, more.factor);
+    predict_tool_error(record.nominal, outcome);
+  }
   add_covariance(record, refined);
   record.sigma_m = refined.quality.sigma_m;
   record.unexplained_m = refined.quality.unexplained_m;
@@ -150,6 +171,8 @@ void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
   record.scale = refined.scale;
   record.fit = FitRecord{refined.quality.rows_used, refined.quality.rows_rejected,
                          refined.quality.rms_m, left_out(outcome.cross_validation)};
+  if (more.factor >= kNotable) record.warnings.push_back(more.why);
+  return more.factor;
 }
 
 double add_features(SignatureRecord& record, const std::optional<CrossValidation>& validation,

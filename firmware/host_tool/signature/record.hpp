@@ -16,9 +16,11 @@ namespace armsig::tool {
 [[nodiscard]] SignatureRecord record_of(const Identified& identified, const ArmDescription& arm,
                                         const std::string& method, const std::string& serial);
 
-// What the refinement found beside the signature, and says of its own accuracy.
-void add_refinement(SignatureRecord& record, const RefinementOutcome& outcome,
-                    std::size_t receivers);
+// What the refinement found beside the signature, and says of its own accuracy. Where sweeps alone
+// leave open how the arm bends, that much more is stated, in `outcome` too; returns how many times
+// what the fit says.
+double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::size_t receivers,
+                      const Evidence& evidence);
 
 // What the features say of their own accuracy; nothing where their covariances do not tell. Where
 // poses of `evidence` that they do not use are missed by more, that much more is stated; returns

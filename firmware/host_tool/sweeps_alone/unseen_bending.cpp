@@ -208,7 +208,10 @@ std::optional<UnseenBending> judge_bending(const Evidence& evidence,
   const auto square_of = [&](const Posterior& posterior) {
     return expected_square(model, posterior, estimate, limits, tool);
   };
-  const double more = std::max(0.0, square_of(bent) - square_of(straight));
+  // An estimate that bends is judged by itself, one that does not by what bending adds.
+  const double without = estimate.readings.deflections != nullptr ? found.stated_m * found.stated_m
+                                                                  : square_of(straight);
+  const double more = std::max(0.0, square_of(bent) - without);
   found.expected_m = std::sqrt(found.stated_m * found.stated_m + found.probability * more);
   // What is unexplained in every pose is no part of the covariance.
   const double axes = found.stated_m * found.stated_m -

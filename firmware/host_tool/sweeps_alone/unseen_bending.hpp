@@ -18,7 +18,7 @@ struct UnseenBending {
   double factor = 1;       // that sigmas of the estimate need, to come to what is expected
 };
 
-// Of an estimate by features from sweeps alone, over the work volume within `limits`. The arm with
+// Of an estimate from sweeps alone, over the work volume within `limits`. The arm with
 // gravity and maps is estimated from the same rows by the joint Gaussian of everything; where it
 // differs from the estimate, and how uncertain it is itself, is what is to be expected. Nothing
 // where poses with sweep 0 are among the rows, or the rows are few.
