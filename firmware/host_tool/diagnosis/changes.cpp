@@ -59,6 +59,7 @@ Eigen::Matrix<double, 3, kStrains> moved_by_strains(const Vector3& p) {
 constexpr double kTold = 1e-9;
 
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal, const Eigen::VectorXd& scale) {
+  if (normal.size() == 0) return normal;  // an arm on which gravity has no lever
   const Eigen::VectorXd unit =
       scale.unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.0; });
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> in(unit.asDiagonal() * normal *
