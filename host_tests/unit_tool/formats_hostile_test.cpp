@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Bounds of the readers: characters, sizes, depth, and memory per byte of input.
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <functional>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -14,6 +9,7 @@
 #include "firmware/formats/measurements.hpp"
 #include "firmware/formats/yaml_tree.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/peak_memory.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -106,27 +102,6 @@ TEST(Names, are_at_most_two_hundred_bytes_long) {
             "A:2:7: name: 201 bytes; expected printable UTF-8 text of at most 200 bytes");
 }
 
-// The most memory that a child process had in use, after `work`, KiB.
-long peak_kib(const std::function<void()>& work) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    work();
-    ::_exit(0);
-  }
-  int status = 0;
-  rusage usage{};
-  ::wait4(child, &status, 0, &usage);
-  EXPECT_EQ(status, 0);
-  return usage.ru_maxrss;
-}
-
-// Memory beyond that of the process itself for reading `text`, in bytes.
-template <typename Reader>
-double cost_of(const std::string& text, const Reader& read) {
-  const long base = peak_kib([] {});
-  return 1024.0 * static_cast<double>(peak_kib([&] { read(text); }) - base);
-}
-
 // Of every kind of file that costs yaml-cpp most: the bound that docs/formats.md states.
 TEST(Memory, of_a_yaml_file_is_bounded) {
   constexpr double kMost = 128 << 20U;
@@ -135,7 +110,8 @@ TEST(Memory, of_a_yaml_file_is_bounded) {
                             "\"", "#\n", ", ", "!!a "}) {
     for (const char* start : {"", "["}) {
       const std::string text = start + repeated(piece, kBytes / std::string(piece).size());
-      EXPECT_LT(cost_of(text, [](const std::string& t) { (void)parse_yaml(t); }), kMost) << piece;
+      EXPECT_LT(test::cost_of(text, [](const std::string& t) { (void)parse_yaml(t); }), kMost)
+          << piece;
     }
   }
 }
@@ -153,7 +129,7 @@ TEST(Memory, of_measurements_does_not_grow_with_their_number) {
   const double copy_and_buffers = 4 << 20U;
   for (const char* rows : {"1,1,1,2,3,4\n", "\n", "#\n", ",,,,,\n"}) {
     const std::string text = header + repeated(rows, 400'000 / std::string(rows).size());
-    EXPECT_LT(cost_of(text, read), copy_and_buffers) << rows;
+    EXPECT_LT(test::cost_of(text, read), copy_and_buffers) << rows;
   }
 }
 

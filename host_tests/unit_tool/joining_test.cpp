@@ -13,6 +13,7 @@
 #include "firmware/formats/encoding.hpp"
 #include "firmware/host_tool/joining/join.hpp"
 #include "firmware/host_tool/joining/timestamp.hpp"
+#include "host_tests/support/peak_memory.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -266,6 +267,38 @@ TEST_F(Joining, a_run_in_which_one_joint_moves_one_way_is_its_sweep) {
   EXPECT_EQ(rows[6].sweep, 2U);
   EXPECT_EQ(rows[12].sweep, 2U);
   for (std::size_t k = 13; k < rows.size(); ++k) EXPECT_EQ(rows[k].sweep, 0U) << k;
+}
+
+// Of the shortest columns and rows there are, which cost most: the bound that docs/formats.md
+// states.
+TEST_F(Joining, costs_a_bounded_memory) {
+  constexpr double kMost = 512 << 20U;
+  constexpr std::size_t kLargest = std::size_t{16} << 20U;
+  for (const std::size_t columns : {2U, 17U, 8193U}) {
+    std::string row;
+    for (std::size_t k = 1; k < columns; ++k) row += "1;";
+    row += "1\n";
+    std::string text = "Name;A1 [deg];A2 [deg]\n";
+    for (std::size_t k = 1; k < 1'000'000 && text.size() + row.size() <= kLargest; ++k) text += row;
+    joints(text);
+    const double cost = test::cost_of(files_.joints, [&](const std::string& path) {
+      (void)read_joint_log(path, types_, *stated_units(""));
+    });
+    EXPECT_LT(cost, kMost) << columns;
+    EXPECT_GT(cost, 2.0 * static_cast<double>(text.size())) << columns;  // it was read
+  }
+}
+
+TEST_F(Joining, refuses_files_and_tables_that_are_too_large) {
+  points("Name;X [mm];Y [mm];Z [mm]\nP1;1;2;3\n");
+  joints(std::string((std::size_t{16} << 20U) + 1, '1'));
+  EXPECT_NE(refusal(JoinBy::kOrder).find("the file is too large; expected at most 16384 KiB"),
+            std::string::npos);
+  std::string rows;
+  for (int k = 0; k <= 1'000'000; ++k) rows += "1;1\n";
+  joints(rows);
+  EXPECT_NE(refusal(JoinBy::kOrder).find("1000001 rows; expected at most 1000000"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <fmt/core.h>
+
 #include "core/base/error.hpp"
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/encoding.hpp"
@@ -14,8 +16,10 @@ namespace {
 
 constexpr char kBlanks = ' ';
 
-// A day's log of a controller, ten rows a second.
-constexpr std::size_t kLargestTable = std::size_t{64} << 20U;
+// Hours of a controller's log, ten rows a second. A column takes 32 bytes in memory and a row some
+// 100 more, however short they are in the file.
+constexpr std::size_t kLargestTable = std::size_t{16} << 20U;
+constexpr std::size_t kMostRows = 1'000'000;
 
 // What is wrong with the byte at the start of `text`, which is no text of a table.
 Problem bad_text(const std::string& path, std::size_t line, std::string_view text) {
@@ -57,6 +61,7 @@ std::vector<std::string> split(std::string_view line, char separator) {
   }
   for (std::string& field : fields) field = std::string(trimmed(field));
   while (!fields.empty() && fields.back().empty()) fields.pop_back();
+  fields.shrink_to_fit();
   return fields;
 }
 
@@ -94,6 +99,10 @@ Read<ForeignTable> read_foreign_table(const std::string& path) {
         Problem{path, 0, 0, trimmed(*text).empty() ? "the file is empty" : "the file holds no rows",
                 "a row a line; //, # and ! begin comments"});
   }
+  if (lines.size() > kMostRows) {
+    return std::unexpected(Problem{path, 0, 0, fmt::format("{} rows", lines.size()),
+                                   fmt::format("at most {}", kMostRows)});
+  }
   char separator = kBlanks;
   for (const char candidate : {',', '\t', ';'}) {
     if (std::ranges::any_of(
@@ -102,6 +111,7 @@ Read<ForeignTable> read_foreign_table(const std::string& path) {
     }
   }
   ForeignTable table{.file = path, .decimal_comma = separator != ',', .rows = {}};
+  table.rows.reserve(lines.size());
   for (const auto& [number, line] : lines) table.rows.push_back({number, split(line, separator)});
   return table;
 }

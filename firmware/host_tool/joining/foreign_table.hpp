@@ -22,10 +22,10 @@ struct ForeignTable {
   std::vector<ForeignRow> rows;  // comments and blank lines left out; a header is the first of them
 };
 
-// Reads UTF-8 or UTF-16, at most 16 MiB. Columns are separated by semicolons, tabs, commas, or
-// blanks: the first of these that the file uses outside of quotes; lines that begin with //, # or
-// ! are comments; empty columns at the end of a line are dropped. Where columns are not separated
-// by commas, a comma between digits is a decimal one.
+// Reads UTF-8 or UTF-16, at most 16 MiB and a million rows. Columns are separated by semicolons,
+// tabs, commas, or blanks: the first of these that the file uses outside of quotes; lines that
+// begin with //, # or ! are comments; empty columns at the end of a line are dropped. Where columns
+// are not separated by commas, a comma between digits is a decimal one.
 [[nodiscard]] Read<ForeignTable> read_foreign_table(const std::string& path);
 
 // The number that `field` spells, with a decimal comma where the table has them; or nothing.
