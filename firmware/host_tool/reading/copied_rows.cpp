@@ -2,25 +2,12 @@
 #include "firmware/host_tool/reading/copied_rows.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <functional>
 #include <optional>
+#include <string>
 
 namespace armsig::tool {
 namespace {
-
-// FNV-1a over whole words, mixed once more: of a million rows no two differ and look alike.
-class Digest {
- public:
-  void add(std::uint64_t word) {
-    hash_ = (hash_ ^ word) * 0x100000001B3U;
-    hash_ ^= hash_ >> 29U;
-  }
-  void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
-  [[nodiscard]] std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 0xCBF29CE484222325U;
-};
 
 bool was_seen(const MeasurementRow& row) {
   return row.p_S || std::ranges::any_of(row.ranges_m, [](const std::optional<double>& range_m) {
@@ -28,24 +15,26 @@ bool was_seen(const MeasurementRow& row) {
          });
 }
 
-std::uint64_t digest_of(const MeasurementRow& row) {
-  Digest digest;
-  digest.add(static_cast<std::uint64_t>(row.sweep));
-  digest.add(static_cast<std::uint64_t>(row.target));
-  for (const double reading : row.q) digest.add(reading);
-  if (row.p_S) {
-    for (const double coordinate : *row.p_S) digest.add(coordinate);
-  }
-  for (const std::optional<double>& range_m : row.ranges_m) digest.add(range_m.value_or(-1.0));
-  digest.add(row.sigma_m.value_or(-1.0));
-  return digest.value();
+// Of a million rows no two differ and look alike.
+std::size_t digest_of(const MeasurementRow& row) {
+  std::string bytes;
+  const auto add = [&](double number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  add(static_cast<double>(row.sweep));
+  add(static_cast<double>(row.target));
+  std::ranges::for_each(row.q, add);
+  if (row.p_S) std::ranges::for_each(*row.p_S, add);
+  for (const std::optional<double>& range_m : row.ranges_m) add(range_m.value_or(-1.0));
+  add(row.sigma_m.value_or(-1.0));
+  return std::hash<std::string>{}(bytes);
 }
 
 }  // namespace
 
 bool CopiedRows::is_copy(const MeasurementRow& row) {
   if (!was_seen(row)) return false;
-  const std::uint64_t digest = digest_of(row);
+  const std::size_t digest = digest_of(row);
   if (!known_.insert(digest).second) {
     ++count_;
     return true;

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <unordered_set>
 #include <vector>
 
@@ -25,8 +24,8 @@ class CopiedRows {
 
  private:
   std::size_t remembered_;
-  std::unordered_set<std::uint64_t> known_;
-  std::vector<std::uint64_t> order_;  // a ring
+  std::unordered_set<std::size_t> known_;
+  std::vector<std::size_t> order_;  // a ring
   std::size_t next_ = 0;
   std::size_t count_ = 0;
 };
