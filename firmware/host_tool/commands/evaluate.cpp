@@ -65,7 +65,7 @@ Read<void> check_one_arm(const EvaluateOptions& options, const ArmDescription& a
     return refuse(options.signature, found.words, "--arm with the drawing of the signature");
   }
   const Farness real = farness_of(truth, arm.arm, arm.limits);
-  if (real.times_allowed > std::max(1.0, 1.5 * found.times_allowed)) {
+  if (is_of_another_arm(real, found)) {
     return refuse(options.truth, real.words, "--truth of the arm that the signature is of");
   }
   return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/diagnosis/another_arm.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include <fmt/core.h>
@@ -18,6 +19,7 @@ const Vector3 kTool{0.12, 0.05, 0.1};
 // Of the reach: what the nearest arm may miss by. Gravity and maps, of which it knows nothing, stay
 // far below.
 constexpr double kExplained = 5e-3;
+constexpr double kAsFar = 1.5;
 
 // Where the arm of `record` puts a tool at readings all over the limits of `drawing`.
 Evidence evidence_of(const SignatureRecord& record, const Arm& drawing) {
@@ -47,6 +49,10 @@ Farness farness_of(const SignatureRecord& record, const Arm& drawing, const ArmL
                                     1e3 * fit->best_rms_m)};
   }
   return {fit->farthest(limits, drawing), deviation_in_words(*fit, limits, drawing)};
+}
+
+bool is_of_another_arm(const Farness& truth, const Farness& found) {
+  return truth.times_allowed > std::max(1.0, kAsFar * found.times_allowed);
 }
 
 }  // namespace armsig::tool

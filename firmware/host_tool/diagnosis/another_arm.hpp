@@ -20,4 +20,8 @@ struct Farness {
 [[nodiscard]] Farness farness_of(const SignatureRecord& record, const Arm& drawing,
                                  const ArmLimits& limits);
 
+// Whether what is as far as `truth` is another arm than one that was found as far as `found`: what
+// `identify` has accepted as far from its own drawing may have a truth that is as far.
+[[nodiscard]] bool is_of_another_arm(const Farness& truth, const Farness& found);
+
 }  // namespace armsig::tool
