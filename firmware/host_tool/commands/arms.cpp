@@ -18,8 +18,9 @@ int show(const ArmsOptions& options) {
     say("{}", arm->text);
     return kDone;
   }
-  return fail({options.show, 0, 0, "no known arm", known_arm_like(options.show)}, kBadInput,
-              options);
+  return fail({options.show, 0, 0, "no known arm",
+               known_arm_like(options.show, "a name that `armsig arms` lists")},
+              kBadInput, options);
 }
 
 int list(const ArmsOptions& options) {

@@ -45,21 +45,20 @@ const KnownArm* find_known_arm(std::string_view name) {
   return found == arms.end() ? nullptr : &*found;
 }
 
-std::string known_arm_like(std::string_view name) {
+std::string known_arm_like(std::string_view name, std::string_view otherwise) {
   std::vector<std::string> names;
   for (const KnownArm& arm : known_arms()) names.emplace_back(arm.name);
   const std::string meant = nearest(in_lower_case(name), names);
-  return meant.empty() ? "a name that `armsig arms` lists"
+  return meant.empty() ? std::string(otherwise)
                        : fmt::format("{}, or another that `armsig arms` lists", meant);
 }
 
 Read<ArmDescription> read_arm(const std::string& file_or_name) {
   if (is_a_path(file_or_name)) return read_arm_file(file_or_name);
   if (const KnownArm* arm = find_known_arm(file_or_name)) return parse_arm(arm->text, arm->name);
-  const std::string like = known_arm_like(file_or_name);
   return std::unexpected(
       Problem{file_or_name, 0, 0, "neither a file nor a known arm",
-              like.starts_with("a name") ? fmt::format("a file, or {}", like) : like});
+              known_arm_like(file_or_name, "a file, or a name that `armsig arms` lists")});
 }
 
 }  // namespace armsig::tool

@@ -24,8 +24,8 @@ struct KnownArm {
 // The known arm called `name`, small or capital; null where there is none.
 [[nodiscard]] const KnownArm* find_known_arm(std::string_view name);
 
-// What to expect instead of a name that is not known: the one spelt most like it.
-[[nodiscard]] std::string known_arm_like(std::string_view name);
+// What to expect instead of a name that is not known: the one spelt most like it, or `otherwise`.
+[[nodiscard]] std::string known_arm_like(std::string_view name, std::string_view otherwise);
 
 // The arm description in the file `file_or_name`; where there is no such file, the known arm of
 // that name, small or capital. Problems are those of read_arm_file(); of a name that is neither,
