@@ -116,23 +116,23 @@ class ScoreTest {
     for (const Candidate& candidate : candidates) {
       const auto [first, count] = candidate.columns;
       const Eigen::MatrixXd across = sums.once.middleCols(first, count);
-      Judged judged{.across = across,
+      Scored scored{.across = across,
                     .usual = sums.twice.block(first, first, count, count),
                     .left = sums.twice.block(first, first, count, count) -
                             across.transpose() * inverse_ * across,
                     .score = sums.score.segment(first, count) - across.transpose() * step_,
                     .squares = squares_};
-      judge(judged, candidates.size());
-      if (best_ && judged.evidence <= best_->evidence) continue;
-      const double shift_m = moved_by(candidate, judged.size, from);
+      score_of(scored, candidates.size());
+      if (best_ && scored.evidence <= best_->evidence) continue;
+      const double shift_m = moved_by(candidate, scored.size, from);
       if (!is_told(shift_m)) continue;
-      best_ = change_of(judged);
+      best_ = change_of(scored);
       best_->of = candidate.of;
       best_->index = candidate.index;
       best_->slow = slow;
       best_->first_line = evidence_.rows[from].line;
       best_->shift_m = shift_m;
-      best_->after_it.segment(first, count) -= judged.size;
+      best_->after_it.segment(first, count) -= scored.size;
     }
   }
 
@@ -163,18 +163,18 @@ class ScoreTest {
     // What gravity makes of the residuals, and of each strain.
     const Eigen::VectorXd sag = by_gravity * score.head(bent);
     const Eigen::MatrixXd sags = by_gravity * left.topRightCorner(bent, kStrains);
-    Judged judged{.across = across.rightCols<kStrains>() - across.leftCols(bent) * sags,
+    Scored scored{.across = across.rightCols<kStrains>() - across.leftCols(bent) * sags,
                   .usual = own.bottomRightCorner<kStrains, kStrains>(),
                   .left = left.bottomRightCorner<kStrains, kStrains>() -
                           left.bottomLeftCorner(kStrains, bent) * sags,
                   .score = score.tail<kStrains>() - left.bottomLeftCorner(kStrains, bent) * sag,
                   .squares = squares_ - score.head(bent).dot(sag)};
-    judge(judged, 1);
+    score_of(scored, 1);
     double squares = 0;
     for (const EvidenceRow& row : evidence_.rows) {
-      squares += (strain_of(judged.size) * (row.p_S - middle)).squaredNorm();
+      squares += (strain_of(scored.size) * (row.p_S - middle)).squaredNorm();
     }
-    Change found = change_of(judged);
+    Change found = change_of(scored);
     found.of = Change::Of::kStrain;
     found.first_line = evidence_.rows.front().line;
     found.shift_m = std::sqrt(squares / static_cast<double>(evidence_.rows.size()));
@@ -199,7 +199,7 @@ class ScoreTest {
 
  private:
   // A candidate: what the rows say of it, and what that makes of it.
-  struct Judged {
+  struct Scored {
     Eigen::MatrixXd across;  // with the unknowns of an unchanging arm
     Eigen::MatrixXd usual;   // of its own
     Eigen::MatrixXd left;    // of that, what an unchanging arm can not do
@@ -210,16 +210,16 @@ class ScoreTest {
     double evidence = 0;
   };
 
-  void judge(Judged& judged, std::size_t candidates) const {
+  void score_of(Scored& scored, std::size_t candidates) const {
     constexpr double kWeight = 1 / (kUsualSize * kUsualSize);
-    judged.usual.diagonal().array() += kWeight;
-    judged.left.diagonal().array() += kWeight;
-    judged.size = inverse_of(judged.left, judged.usual.diagonal()) * judged.score;
-    judged.gain = std::clamp(judged.score.dot(judged.size), 0.0, (1 - 1e-12) * judged.squares);
+    scored.usual.diagonal().array() += kWeight;
+    scored.left.diagonal().array() += kWeight;
+    scored.size = inverse_of(scored.left, scored.usual.diagonal()) * scored.score;
+    scored.gain = std::clamp(scored.score.dot(scored.size), 0.0, (1 - 1e-12) * scored.squares);
     const double freedom = 3 * static_cast<double>(weights_.size()) - static_cast<double>(size_);
     const double tried = static_cast<double>(candidates * weights_.size());
-    judged.evidence = -0.5 * freedom * std::log1p(-judged.gain / judged.squares) -
-                      0.5 * static_cast<double>(judged.size.size()) * std::log(freedom) -
+    scored.evidence = -0.5 * freedom * std::log1p(-scored.gain / scored.squares) -
+                      0.5 * static_cast<double>(scored.size.size()) * std::log(freedom) -
                       std::log(tried);
   }
 
@@ -228,14 +228,14 @@ class ScoreTest {
     return shift_m <= kFarthest * std::sqrt(squares_ / weight_);
   }
 
-  [[nodiscard]] Change change_of(const Judged& judged) const {
+  [[nodiscard]] Change change_of(const Scored& scored) const {
     Change change;
     change.last_line = evidence_.rows.back().line;
-    change.size = judged.size;
-    change.before_m = std::sqrt(judged.squares / weight_);
-    change.after_m = std::sqrt((judged.squares - judged.gain) / weight_);
-    change.evidence = judged.evidence;
-    change.before_it = inverse_ * (judged.across * judged.size);
+    change.size = scored.size;
+    change.before_m = std::sqrt(scored.squares / weight_);
+    change.after_m = std::sqrt((scored.squares - scored.gain) / weight_);
+    change.evidence = scored.evidence;
+    change.before_it = inverse_ * (scored.across * scored.size);
     change.after_it = change.before_it;
     return change;
   }
