@@ -3,8 +3,6 @@
 // them as a whole, which no fold of one sweep tells. It is counted, and stated.
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "host_tests/cli/predictions.hpp"
 
 namespace armsig::cli {
@@ -45,13 +43,8 @@ struct JudgedSweeps {
 };
 
 JudgedSweeps judge_sweeps(const Folder& folder, const Csv& rows, const std::string& method) {
-  rows.write(folder / "m.csv");
-  const Outcome outcome = run_tool(
-      folder,
-      "identify --arm arm.yaml --measurements m.csv --out s.yaml --json --method " + method);
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  if (outcome.status != 0) return {};
-  const auto result = nlohmann::json::parse(outcome.out);
+  const auto [result, err] = identified_rows(folder, rows, method);
+  if (result.is_null()) return {};
   Csv held = Csv::read(folder / "held.csv");
   std::erase_if(held.rows,
                 [&](const Fields& row) { return row[held.column("sweep")] != std::string("0"); });
@@ -59,7 +52,7 @@ JudgedSweeps judge_sweeps(const Folder& folder, const Csv& rows, const std::stri
   const double observed_m =
       rms_distance(predict(folder, "s.yaml", "1"), predict(folder, "truth.yaml", "1"));
   return {observed_m / result["predicted_tool_error_m"].get<double>(), result["cross_validation"],
-          outcome.err};
+          err};
 }
 
 TEST(ContradictingSweeps, are_not_found_in_a_sound_file) {

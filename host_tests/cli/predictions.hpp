@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "host_tests/cli/files.hpp"
 
 namespace armsig::cli {
@@ -55,6 +57,23 @@ inline double rms_distance(const Csv& a, const Csv& b) {
     }
   }
   return std::sqrt(sum / static_cast<double>(a.rows.size()));
+}
+
+struct IdentifiedRows {
+  nlohmann::json result;  // null where it was refused
+  std::string err;
+};
+
+// What `identify` says of `rows` of the arm in arm.yaml; its signature is in s.yaml.
+inline IdentifiedRows identified_rows(const Folder& folder, const Csv& rows,
+                                      const std::string& method) {
+  rows.write(folder / "m.csv");
+  const Outcome outcome = run_tool(
+      folder,
+      "identify --arm arm.yaml --measurements m.csv --out s.yaml --json --method " + method);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  if (outcome.status != 0) return {nullptr, outcome.err};
+  return {nlohmann::json::parse(outcome.out), outcome.err};
 }
 
 }  // namespace armsig::cli

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <functional>
 
-#include <nlohmann/json.hpp>
-
 #include "host_tests/cli/predictions.hpp"
 
 namespace armsig::cli {
@@ -42,13 +40,8 @@ struct JudgedSweeps {
 JudgedSweeps judge(
     const Folder& folder, const Csv& rows, const std::string& method,
     const std::function<void(Csv& poses)>& as_read = [](Csv&) {}) {
-  rows.write(folder / "m.csv");
-  const Outcome outcome = run_tool(
-      folder,
-      "identify --arm arm.yaml --measurements m.csv --out s.yaml --json --method " + method);
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  if (outcome.status != 0) return {};
-  const auto result = nlohmann::json::parse(outcome.out);
+  const auto [result, err] = identified_rows(folder, rows, method);
+  if (result.is_null()) return {};
   Csv held = Csv::read(folder / "held.csv");
   write_joint_poses(held, folder / "q.csv");
   const Csv truth = predict(folder, "truth.yaml", "1");
@@ -56,7 +49,7 @@ JudgedSweeps judge(
   write_joint_poses(held, folder / "q.csv");
   return {rms_distance(predict(folder, "s.yaml", "1"), truth),
           result.value("predicted_over_limits_m", result["predicted_tool_error_m"].get<double>()),
-          outcome.err};
+          err};
 }
 
 TEST(SweepsThatErr, are_no_reason_to_refuse_an_arm_that_a_fine_sensor_sees) {
