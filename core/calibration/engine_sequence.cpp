@@ -17,7 +17,7 @@ constexpr int kMostRounds = 25;
 constexpr int kSoftRounds = 2;
 // Of the residuals' own scale: the coarse one has come down to it.
 constexpr double kSettledScale = 2;
-constexpr int kPasses = 2;
+constexpr int kFirstPasses = 2;
 constexpr int kLastPasses = 8;
 constexpr int kMostTries = 7;
 // Of sigma: a step below it no longer matters. Of sigma^2, as a logarithm.
@@ -90,7 +90,7 @@ void Engine::begin_round() {
   maps_on_ = parts_.maps && summary_.rounds > 0;
   play_on_ = play_ != nullptr && summary_.rounds > 0;
   sigma_squared_before_ = scales_.sigma_squared;
-  passes_ = kPasses;
+  passes_ = kFirstPasses;
   agenda_.put({lengths(), &Engine::conclude_lengths, &Engine::choose_weights,
                &Engine::begin_descent, &Engine::begin_scales, &Engine::end_round});
 }

@@ -31,7 +31,7 @@ struct Hal {
     *data = pins[name] = &memory.back();
     return 0;
   }
-  int add(const char* format, std::va_list arguments, void** data) {
+  [[gnu::format(printf, 2, 0)]] int add(const char* format, std::va_list arguments, void** data) {
     std::array<char, 64> name{};
     // NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): begun by the caller
     std::vsnprintf(name.data(), name.size(), format, arguments);
@@ -99,14 +99,14 @@ inline constexpr int kArmsigComponent = 1;
   return std::calloc(1, static_cast<std::size_t>(size));
 }
 // Of every type the same: C gives each a name, and no way to hand on what follows the format.
-#define ARMSIG_PIN_NEWF(type)                                                                  \
-  [[gnu::used]] inline int hal_pin_##type##_newf(int /*direction*/, void** data,               \
-                                                 int /*component*/, const char* format, ...) { \
-    std::va_list arguments;                                                                    \
-    va_start(arguments, format);                                                               \
-    const int status = armsig::linuxcnc::hal().add(format, arguments, data);                   \
-    va_end(arguments);                                                                         \
-    return status;                                                                             \
+#define ARMSIG_PIN_NEWF(type)                                                       \
+  [[gnu::used, gnu::format(printf, 4, 5)]] inline int hal_pin_##type##_newf(        \
+      int /*direction*/, void** data, int /*component*/, const char* format, ...) { \
+    std::va_list arguments;                                                         \
+    va_start(arguments, format);                                                    \
+    const int status = armsig::linuxcnc::hal().add(format, arguments, data);        \
+    va_end(arguments);                                                              \
+    return status;                                                                  \
   }
 ARMSIG_PIN_NEWF(float)
 ARMSIG_PIN_NEWF(s32)
@@ -122,7 +122,8 @@ ARMSIG_PIN_NEWF(bit)
   return armsig::linuxcnc::hal().add(name, data);
 }
 [[gnu::used]] inline void rtapi_print(const char* /*format*/, ...) {}
-[[gnu::used]] inline void rtapi_print_msg(int /*level*/, const char* format, ...) {
+[[gnu::used, gnu::format(printf, 2, 3)]] inline void rtapi_print_msg(int /*level*/,
+                                                                     const char* format, ...) {
   std::array<char, 256> text{};
   std::va_list arguments;
   va_start(arguments, format);

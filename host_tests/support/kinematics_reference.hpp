@@ -17,8 +17,8 @@ inline Matrix4L dh_matrix(const DhJoint& row, long double reading) {
   const bool revolute = row.type == JointType::kRevolute;
   const long double theta = static_cast<long double>(row.theta_rad) + (revolute ? reading : 0);
   const long double d = static_cast<long double>(row.d_m) + (revolute ? 0 : reading);
-  const long double a = row.a_m;
-  const long double alpha = row.alpha_rad;
+  const long double a = static_cast<long double>(row.a_m);
+  const long double alpha = static_cast<long double>(row.alpha_rad);
   const long double c = std::cos(theta);
   const long double s = std::sin(theta);
   const long double ca = std::cos(alpha);

@@ -21,8 +21,6 @@ using std::chrono::milliseconds;
 using test::EmulatedArm;
 using test::puma_drives;
 
-constexpr double kCountsPerRadian = 400000 / (2 * kPi);
-
 TEST(MasterAndDrives, powers_up_with_every_drive_disabled) {
   EmulatedArm arm(puma_drives());
   ASSERT_TRUE(arm.run_until(DriveCondition::kDisabled));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -42,8 +43,8 @@ TEST(TextIn, is_within_a_rounding_where_no_number_of_the_unit_has_the_bits) {
 }
 
 TEST(TextIn, says_what_is_not_finite) {
-  EXPECT_EQ(text_in(kDegree, NAN), "nan");
-  EXPECT_EQ(text_in(kMillimetre, INFINITY), "inf");
+  EXPECT_EQ(text_in(kDegree, std::numeric_limits<double>::quiet_NaN()), "nan");
+  EXPECT_EQ(text_in(kMillimetre, std::numeric_limits<double>::infinity()), "inf");
 }
 
 }  // namespace

@@ -4,6 +4,10 @@ add_library(armsig_warnings INTERFACE)
 target_compile_options(armsig_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wdouble-promotion -Wold-style-cast
   -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wformat=2 -Wimplicit-fallthrough -Wundef)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # What GCC means by -Wconversion.
+  target_compile_options(armsig_warnings INTERFACE -Wno-sign-conversion)
+endif()
 if(ARMSIG_SANITIZE)
   # Branches are counted for the fuzzer. The check of dynamic types needs RTTI, which the controller's libraries are built
   # without. Warnings are the other builds' business.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -93,7 +94,9 @@ Read<Partners> by_time(const std::vector<LoggedPose>& poses,
     if (!pose.time.seconds) return no_time(files.joints, pose.line, pose.time);
     sorted.push_back(&pose);
   }
-  std::ranges::stable_sort(sorted, {}, [](const LoggedPose* pose) { return *pose->time.seconds; });
+  std::ranges::sort(sorted, {}, [](const LoggedPose* pose) {
+    return std::pair(*pose->time.seconds, pose->line);
+  });
   Partners partners;
   for (const TrackedPoint& point : points) {
     if (!point.time.seconds) return no_time(files.points, point.line, point.time);
