@@ -182,10 +182,11 @@ TEST(MillionPoints, take_no_memory_and_lose_no_digits) {
 
 TEST(AllocationGuard, sees_an_allocation) {
   const test::AllocationGuard guard;
-  const std::vector<double> numbers(1000);
+  // The function, which no compiler leaves out as it may a vector that nobody reads.
+  void* const block = ::operator new(1000);
   const std::size_t allocations = guard.count();
+  ::operator delete(block);
   EXPECT_EQ(allocations, 1U);
-  EXPECT_EQ(numbers.size(), 1000U);
 }
 
 }  // namespace
