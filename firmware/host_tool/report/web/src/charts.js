@@ -17,6 +17,9 @@ const axis = (label, size, unit = '') => ({
   stroke: colour('soft'), grid: { stroke: colour('line'), width: 1 }, ticks: { show: false },
 });
 
+// Of a joint's reading; millimetres stand in its name, as there is no room for them at each tick.
+const readingAxis = ({ joint, revolute }) => axis(`reading of joint ${joint}${revolute ? '' : ', mm'}`, 26, revolute ? '°' : '');
+
 // A finger touches what a mouse points at.
 const kPoint = matchMedia('(pointer: coarse)').matches ? 'Touch' : 'Point at';
 
@@ -102,7 +105,7 @@ export function residualChart(host, sweep) {
       cursor: { drag: { x: true, y: false }, y: false },
       hooks: pointing(tell, words),
       scales: { x: { time: false }, y: { range: [-1.45 * largest, 1.45 * largest] } },
-      axes: [axis(`reading of joint ${sweep.joint}`, 26, sweep.revolute ? '°' : ' mm'), axis('residual, mm', 64)],
+      axes: [readingAxis(sweep), axis('residual, mm', 64)],
       series: drawn,
     };
   }, data.filter(shown));
@@ -144,7 +147,7 @@ export function readingMapChart(host, joint) {
     },
     bands: [{ series: [1, 2], fill: colour('line') }],
     axes: [
-      axis(`reading of joint ${joint.joint}`, 26, joint.revolute ? '°' : ' mm'),
+      readingAxis(joint),
       { ...axis(joint.revolute ? 'map, °' : 'map, mm', 72), values: ticks(largest) },
       { ...axis('at the tool, mm', 64), scale: 'tool', side: 1, space: 22, grid: { show: false }, values: ticks(largest * atTool) },
     ],

@@ -68,7 +68,8 @@ function panel(lines) {
   parts.push(shape('line', { class: 'zero', x1: zero, x2: zero, y1: 6, y2: y }),
     ...(sizes ? [] : [label(kLeft, 'start', `${fixed(-largest, digits)}${unit}`)]), label(zero, 'middle', '0'), label(kRight, 'end', `${fixed(largest, digits)}${unit}`));
   const furthest = lines.reduce((a, b) => (Math.abs(b.value) > Math.abs(a.value) ? b : a));
-  const name = kNames[kind] ?? kind;
+  // A slide's zero is a length, and has a panel of its own.
+  const name = `${kNames[kind] ?? kind}${kind === 'zero' && unit === ' mm' ? ' of a slide' : ''}`;
   return element('figure', {}, element('figcaption', {}, name),
     shape('svg', { viewBox: `0 0 ${kWidth} ${y + 22}`, role: 'img', 'aria-label': `${name} by joint, in the table below; largest: ${words(furthest)}` }, ...parts));
 }
