@@ -5,6 +5,7 @@
 enable, identify, accept, roll back; a quick stop, a drive that lags, a brake that stays shut, a sensor that falls
 silent, with their words and black boxes; a second viewer; the controller and the server that go and come back. With ARMSIG_PICTURES=FOLDER the page is also drawn there.
 """
+import csv
 import json
 import os
 import re
@@ -215,8 +216,14 @@ class LivePage(unittest.TestCase):
         self.assertRegex(name, r"^black-box-.*\.csv$")
         ticks = int(self.tab.text("black-box-lead").split()[0])
         with open(os.path.join(self.folder.name, "black-box", name)) as file:
-            self.assertEqual(ticks, sum(line[0].isdigit() or line[0] == "-" for line in file))
-        self.assertEqual(self.tab.ask("document.getElementById('black-box-joint').value"), "1")  # it was moving
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        self.assertEqual(ticks, len(rows))
+        # A stop is no joint's fault: that which went furthest is in front.
+        went = {}
+        for joint in range(1, 7):
+            readings = [float(row[f"q{joint}_deg"]) for row in rows if row[f"q{joint}_deg"]]
+            went[joint] = max(readings) - min(readings)
+        self.assertEqual(self.tab.ask("document.getElementById('black-box-joint').value"), str(max(went, key=went.get)))
         self.draw("faulted")
         self.press("reset")
         self.mode("idle")
