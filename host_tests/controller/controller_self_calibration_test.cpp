@@ -2,7 +2,10 @@
 // The arm that calibrates itself: a Puma with maps of its readings, sag and play, asked for an
 // accuracy, and judged by its truth on poses that it never measured.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -12,22 +15,39 @@
 namespace armsig::controller {
 namespace {
 
+// ARMSIG_SELF_MM=X: asked for instead, for the table of docs/accuracy.md.
+double asked_mm() {
+  const char* const asked = std::getenv("ARMSIG_SELF_MM");  // NOLINT(concurrency-mt-unsafe)
+  return asked == nullptr ? 0.15 : std::strtod(asked, nullptr);
+}
+
+// A row of that table.
+void tell(double poses, double minutes, double predicted_mm, double true_mm) {
+  std::printf("%.0f poses, %.1f minutes: predicted %.3f mm, true %.3f mm\n", poses, minutes,
+              predicted_mm, true_mm);
+}
+
 TEST(SelfCalibration, reaches_the_accuracy_that_was_asked_for_on_poses_never_measured) {
   BentPuma puma;
-  const SignatureRecord* const record = puma.identified("identify accuracy_mm=0.15 minutes=60");
+  const auto from = puma.cabinet->clock().now();
+  const SignatureRecord* const record =
+      puma.identified("identify accuracy_mm=" + std::to_string(asked_mm()) + " minutes=60");
   ASSERT_NE(record, nullptr) << puma.console.told.back();
+  const std::chrono::duration<double, std::ratio<60>> minutes = puma.cabinet->clock().now() - from;
   const std::string told = puma.heard("# identify accuracy=");
   EXPECT_TRUE(told.starts_with("# identify accuracy=reached model=maps ")) << told;
-  EXPECT_LE(value_after(told, "predicted_mm"), 0.15);
+  const double predicted_mm = value_after(told, "predicted_mm");
+  EXPECT_LE(predicted_mm, asked_mm());
   EXPECT_GT(value_after(told, "geometry_rms_mm"), value_after(told, "held_out_rms_mm"));
   const std::string play = puma.heard("# identify play");
   // Gravity holds most of the other joints at one end of it.
   EXPECT_NEAR(value_after(play, "q1_deg"), 0.005, 3 * value_after(play, "s1_deg")) << play;
   EXPECT_LT(value_after(play, "s1_deg"), 0.0025) << play;
   const double miss_mm = 1e3 * puma.miss_m(*record);
+  tell(value_after(told, "poses"), minutes.count(), predicted_mm, miss_mm);
   EXPECT_LE(miss_mm, 0.15) << told;
   // Stated, and what it is: of 12 held-out poses a quarter is chance.
-  EXPECT_NEAR(value_after(told, "predicted_mm") / miss_mm, 1, 0.3) << told;
+  EXPECT_NEAR(predicted_mm / miss_mm, 1, 0.3) << told;
   EXPECT_EQ(puma.ask("accept"), "ok");
   EXPECT_TRUE(puma.ask("status").contains(" model=signature maps=yes "));
   EXPECT_TRUE(puma.ask("log").contains(" capacity=1076"));
@@ -37,7 +57,9 @@ TEST(SelfCalibration, is_not_what_the_features_alone_reach) {
   BentPuma puma;
   const SignatureRecord* const record = puma.identified("identify");
   ASSERT_NE(record, nullptr);
-  EXPECT_GT(puma.miss_m(*record, 40), 0.25e-3);
+  const double miss_m = puma.miss_m(*record);
+  std::printf("features alone: true %.3f mm\n", 1e3 * miss_m);
+  EXPECT_GT(miss_m, 0.25e-3);
   EXPECT_EQ(puma.ask("accept"), "ok");
   EXPECT_TRUE(puma.ask("status").contains(" model=signature maps=no "));
 }

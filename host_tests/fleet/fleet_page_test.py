@@ -113,7 +113,7 @@ class FleetPage(unittest.TestCase):
         return tab
 
     def look(self, tab, name):
-        across = tab.ask("document.documentElement.scrollWidth - innerWidth")
+        across = tab.ask("document.documentElement.scrollWidth - document.documentElement.clientWidth")
         self.assertLessEqual(across, 0, f"{name} is wider than its window")
         self.assertEqual(tab.complaints(), [])
         self.assertTrue(all(asked.startswith((self.address, "about:")) for asked in tab.asked()), tab.asked())
@@ -144,7 +144,7 @@ class FleetPage(unittest.TestCase):
     def test_the_drifting_arm_stands_first_and_leads_to_what_changed(self):
         tab = self.open("/")
         self.assertIn("1000 arms", tab.ask("document.querySelector('h1').textContent"))
-        self.assertIn("980 there, 1 drifting", tab.ask("document.querySelector('p').textContent"))
+        self.assertIn("980 connected, 20 away, 1 drifting", tab.ask("document.querySelector('p').textContent"))
         tab.click("td a")
         tab.wait("document.querySelector('h1').textContent == 'arm-777'")
         text = tab.ask("document.body.innerText")

@@ -155,7 +155,7 @@ class ReportPage(unittest.TestCase):
         self.assertEqual(len(lines), len(differences["joints"]))
         self.assertEqual({line["joint"] for line in differences["joints"]}, {2, 3, 4, 5, 6})
         for cells, line in zip(lines, differences["joints"], strict=True):
-            self.assertEqual(cells[1], line["what"])
+            self.assertEqual(cells[1].replace("\u00a0", " "), line["what"])
             self.assertAlmostEqual(number(cells[4]), 1e3 * line["effect_rms_m"], delta=0.0006)
         total = 1e3 * differences["total_rms_m"]
         self.assertAlmostEqual(sum(number(cells[5]) for cells in lines), total, delta=0.002 * total + 0.0005 * len(lines))
@@ -236,6 +236,26 @@ class ReportPage(unittest.TestCase):
         self.assertEqual(beyond["encoder"], [30] * 6)
         self.assertEqual(len(beyond["refined"]), 6)
         self.assertGreater(min(beyond["refined"]), 180)
+
+    def test_draws_a_slide_where_the_drawing_has_it_and_says_what_of_its_rows_is_free(self):
+        run("simulate", "--arm", "stanford", "--tolerances", "1", "--sigma-mm", "0.1", "--mixed-poses", "30", "--out", "slide.csv")
+        run("identify", "--arm", "stanford", "--measurements", "slide.csv", "--out", "slide.yaml")
+        run("report", "--signature", "slide.yaml", "--measurements", "slide.csv", "--out", "slide.html")
+        page, console = opened(os.path.abspath("slide.html"), NO_WEBGL)
+        self.assertEqual(console, [])
+        with open("slide.html") as file:
+            told = json.loads(re.search(r'id="report">(.*?)</script>', file.read(), re.S)[1])
+        # The target that was measured is 300 mm beside the slide: no part of the arm is.
+        for frame in told["arm"]["frames"]:
+            for drawn, actual in zip(frame["nominal"], frame["actual"], strict=True):
+                self.assertLess(math.dist(drawn, actual), 0.02)
+        for joint, key in ((2, "d_m"), (2, "a_m"), (3, "a_m")):
+            cells = page.parameter(joint, key)
+            self.assertRegex(cells[1], "[†*]$")
+            self.assertEqual(cells[5], "")
+        self.assertIn("where the line of a slide is put", page.ids["parameter-notes"])
+        self.assertIn("left out of the fit are", page.ids["sentences"])  # poses beside the sweeps: for good, not in turn
+        self.assertIn("positions left out of the fit, one visit each", page.ids["accuracy"])
 
     def test_takes_no_serial_number_but_the_signatures(self):
         run("identify", "--arm", "demo/puma560.yaml", "--measurements", "demo/robot1-measurements.csv", "--sensor",

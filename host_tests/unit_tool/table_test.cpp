@@ -46,6 +46,17 @@ TEST(TableOfText, breaks_headings_before_words_and_never_a_number) {
             "wrist                     -0.5       12.125\n");
 }
 
+TEST(TableOfText, has_no_sign_before_nought) {
+  Table table({"Joint", "d mm", "α °"});
+  table.add_row({"wrist", "-0.00*", "-0.000 ± 0.002"});
+  table.add_row({"elbow", "-0.01", "-10.00"});
+  EXPECT_EQ(table.render(0, 80),
+            "Joint    d mm             α °\n"
+            "─────   ─────   ─────────────\n"
+            "wrist   0.00*   0.000 ± 0.002\n"
+            "elbow   -0.01          -10.00\n");
+}
+
 TEST(TableOfText, fits_every_width_down_to_its_words_and_numbers) {
   const std::string narrowest = measurements().render(2, 1);
   EXPECT_EQ(widest(narrowest), 2U + 8 + 1 + 5 + 1 + 6);

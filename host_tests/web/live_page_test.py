@@ -5,6 +5,7 @@
 enable, identify, accept, roll back; a quick stop, a drive that lags, a brake that stays shut, a sensor that falls
 silent, with their words and black boxes; a second viewer; the controller and the server that go and come back. With ARMSIG_PICTURES=FOLDER the page is also drawn there.
 """
+import csv
 import json
 import os
 import re
@@ -24,10 +25,10 @@ kSlow = 240  # s, on a machine with other work
 WIDTHS = ((1400, 900), (800, 1000), (390, 844))
 
 
-def with_cabinet(changes):
-    """Of a test: what its cabinet's configuration says instead."""
+def with_cabinet(changes, speed=kSpeed, words=()):
+    """Of a test: what its cabinet's configuration says instead, how fast it goes, and further words of its command."""
     def mark(test):
-        test.changes = changes
+        test.changes, test.speed, test.words = changes, speed, words
         return test
     return mark
 
@@ -37,8 +38,10 @@ class LivePage(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        changes = getattr(getattr(self, self._testMethodName), "changes", {})
-        self.cabinet = Cabinet(armsigd, changed(configuration, self.folder.name, changes), self.folder.name, kSpeed)
+        test = getattr(self, self._testMethodName)
+        changes = getattr(test, "changes", {})
+        self.cabinet = Cabinet(armsigd, changed(configuration, self.folder.name, changes), self.folder.name, getattr(test, "speed", kSpeed))
+        self.cabinet.words[1:1] = getattr(test, "words", ())
         self.cabinet.start()
         self.addCleanup(self.cabinet.stop)
         self.page = Page(armsig, self.cabinet.console, "--web", "--token-file", os.path.join(self.folder.name, "token")).start()
@@ -213,10 +216,32 @@ class LivePage(unittest.TestCase):
         self.assertRegex(name, r"^black-box-.*\.csv$")
         ticks = int(self.tab.text("black-box-lead").split()[0])
         with open(os.path.join(self.folder.name, "black-box", name)) as file:
-            self.assertEqual(ticks, sum(line[0].isdigit() or line[0] == "-" for line in file))
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        self.assertEqual(ticks, len(rows))
+        # A stop is no joint's fault: that which went furthest is in front.
+        went = {}
+        for joint in range(1, 7):
+            readings = [float(row[f"q{joint}_deg"]) for row in rows if row[f"q{joint}_deg"]]
+            went[joint] = max(readings) - min(readings)
+        self.assertEqual(self.tab.ask("document.getElementById('black-box-joint').value"), str(max(went, key=went.get)))
         self.draw("faulted")
         self.press("reset")
         self.mode("idle")
+
+    @with_cabinet({}, speed=30, words=("--maps-deg", "0.02", "--sag-mm", "0.5", "--play-deg", "0.005"))
+    def test_a_self_calibration_says_what_it_predicts(self):
+        self.press("enable")
+        self.mode("holding")
+        self.assertEqual(self.cabinet.ask("identify accuracy_mm=0.15 minutes=30"), ["ok"])
+        self.headline("Measuring poses anywhere")
+        self.headline("The candidate is better")
+        said = self.tab.text("said")
+        predicted = float(re.search(r"accuracy=reached .*?predicted_mm=([0-9.]+)", said)[1])
+        told = re.search(r"([0-9.]+) mm RMS predicted, 0.15 mm asked for: reached", self.tab.text("facts"))
+        self.assertAlmostEqual(float(told[1]), predicted, delta=0.006)
+        late = Tab(self.browser, self.page.address)  # who comes later is told the same
+        late.wait("document.getElementById('facts').textContent.includes('0.15 mm asked for: reached')", kSlow)
+        self.draw("self-calibrated")
 
     def test_a_second_viewer_looks_on_until_it_takes_over(self):
         self.mode("idle")

@@ -107,10 +107,13 @@ std::string chart(const Table& checks) {
                           kHeight * (1 - length / largest));
   }
   std::string text = fmt::format(
-      "<h2>Mean residual of the last {} checks</h2><p>The largest is {:.3f} mm.</p>"
-      "<svg viewBox=\"-5 -5 {} {}\" role=img aria-label=\"length of the mean residual, check by "
-      "check; the numbers are below\"><polyline points=\"{}\"/></svg>",
-      checks.size(), largest, kWidth + 10, kHeight + 10, points);
+      "<h2>Mean residual of the last {0} checks</h2><p class=ends><span>{1:.3f} mm</span></p>"
+      "<svg viewBox=\"-5 -5 {2} {3}\" role=img aria-label=\"length of the mean residual, check by "
+      "check; the numbers are below\"><line class=rule x2={4} /><line class=rule x2={4} y1={5} "
+      "y2={5} /><polyline points=\"{6}\"/></svg><p class=ends><span>0 mm, {7}</span><span>{8} "
+      "UTC</span></p>",
+      checks.size(), largest, kWidth + 10, kHeight + 10, kWidth, kHeight, points,
+      escaped(checks.back()[1].value_or("")), escaped(checks.front()[1].value_or("")));
   text += "<details><summary>The numbers</summary>" + table_head("mean residuals") +
           "<tr><th>checked, UTC<th class=n>mean residual, mm</tr>";
   for (const auto& row : checks) {

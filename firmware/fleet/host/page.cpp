@@ -2,6 +2,7 @@
 #include "firmware/fleet/host/page.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -37,10 +38,13 @@ Answer arms(Database& database) {
       std::ranges::count_if(*table, [](const auto& row) { return row[6] == "t"; });
   const auto there = std::ranges::count_if(*table, [](const auto& row) { return row[1] == "t"; });
   page.body += fmt::format(
-      "<h1>{} arms</h1><p>{} there, {} drifting</p>{}<thead><tr>"
+      "<h1>{} arms</h1><p>{} connected, {} away, {} drifting</p><p>Accuracy: of the signature, RMS "
+      "on poses held out. Drift: the sum of all checks over its threshold; from 1 on the arm is "
+      "named.</p>{}<thead><tr>"
       "<th>arm<th>state<th>fault<th class=n>accuracy, mm<th class=n>drift<th>last check, UTC"
       "<th>verdict<th>signature<th>firmware</tr></thead>",
-      table->size(), there, drifting, table_head("arms", " class=arms"));
+      table->size(), there, std::ssize(*table) - there, drifting,
+      table_head("arms", " class=arms"));
   for (std::size_t i = 0; i < table->size(); ++i) {
     const auto& row = (*table)[i];
     if (i % kLot == 0) page.body += "<tbody>";
@@ -55,9 +59,7 @@ Answer arms(Database& database) {
                         : "<td>the drawing</td>";
     page.body += cell(row[10]) + "</tr>";
   }
-  page.body +=
-      "</table></div><p>Drift: the sum of all checks over its threshold; from 1 on the arm "
-      "is named.</p>";
+  page.body += "</table></div>";
   return page;
 }
 

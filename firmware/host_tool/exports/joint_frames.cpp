@@ -46,7 +46,9 @@ JointFrames joint_frames(const SignatureRecord& record) {
     const DhJoint& row = record.nominal.joints[i];
     const double q = signature.configuration[i];
     X_SN = X_SN * Pose{rotation_z(row.theta_rad), Vector3(0, 0, row.d_m)} * motion(row.type, q);
-    const Pose X_SK = moved_onto_axis(X_SN, signature.X_SL[i].p, signature.X_SL[i].R.col(2));
+    // A slide has a direction alone: its line stays where the drawing has it.
+    const Vector3& point = row.type == JointType::kRevolute ? signature.X_SL[i].p : X_SN.p;
+    const Pose X_SK = moved_onto_axis(X_SN, point, signature.X_SL[i].R.col(2));
     frames.X_PJ.push_back(X_SK_before.inverse() * X_SK * motion(row.type, -q));
     frames.X_SK.push_back(X_SK);
     frames.X_SN.push_back(X_SN);

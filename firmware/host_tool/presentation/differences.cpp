@@ -175,10 +175,16 @@ std::string in_words(const DifferenceTable& table, std::size_t joints) {
   return fmt::format(
       "What is different from the drawing, and what it does to the tool\n\n{}{}", text.render(),
       paragraph(fmt::format(
-          "Effects are RMS over the joint limits. Each axis on the link before, base and tool "
-          "fitted; ± is 1 sigma. The base stands on axis 1: the zero of joint 1 is the base's, "
-          "that of joint {} the tool's.",
-          joints)));
+          "Effect: what the line does to the tool by itself, RMS over the joint limits. Adds: its "
+          "part along what all do together; these add up to the last line. Each axis on the link "
+          "before, base and tool fitted; ± is 1 sigma. The base stands on axis 1: the zero of "
+          "joint "
+          "1 is the base's, that of joint {} the tool's.{}",
+          joints,
+          std::ranges::any_of(table.lines, varies)
+              ? " Map of the reading and gravity: the largest change from the signature "
+                "configuration within the joint limits."
+              : "")));
 }
 
 nlohmann::ordered_json json_of(const DifferenceTable& table) {

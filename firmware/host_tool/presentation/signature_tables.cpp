@@ -93,14 +93,18 @@ std::string near_parallel_note(const Signature& signature) {
         std::max(moved_m, std::abs(row.d_m) * kMicroradian / std::abs(std::sin(row.alpha_rad)));
   }
   if (links.empty()) return {};
-  const std::string moved =
-      moved_m < 1 ? fmt::format("{:.2g} mm", 1e3 * moved_m) : fmt::format("{:.2g} m", moved_m);
+  const bool is_small = moved_m < 1;
+  const double moved = (is_small ? 1e3 : 1) * moved_m;
+  // Two digits that count.
+  const double digit = std::pow(10.0, std::floor(std::log10(moved)) - 1);
+  const std::string far =
+      fmt::format("{:.{}f}", std::round(moved / digit) * digit, moved < 10 ? 1 : 0);
   return paragraph(fmt::format(
       "The d of {} {} is large because two axes there are nearly parallel: their common normal is "
       "far away, and a microradian of tilt moves it by {}. Only the product of the rows means "
       "something; compare predicted positions, or what is different joint by joint, never these "
       "parameters.",
-      links.size() == 1 ? "link" : "links", all_of(links), moved));
+      links.size() == 1 ? "link" : "links", all_of(links), far + (is_small ? " mm" : " m")));
 }
 
 std::string comparison_table(const evaluation::Comparison& comparison) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "core/base/check.hpp"
@@ -92,12 +93,22 @@ std::string rendered(const Lines& cells, const Columns& columns, const std::stri
   return text;
 }
 
+// "-0.00": nothing is left of it after rounding, so its sign tells nothing.
+bool is_nought_below_zero(std::string_view cell) {
+  if (!cell.starts_with("-0")) return false;
+  const std::size_t end = cell.find_first_not_of("0.", 1);
+  return end == std::string_view::npos || cell[end] < '0' || cell[end] > '9';
+}
+
 }  // namespace
 
 Table::Table(std::vector<std::string> headings) { rows_.push_back(std::move(headings)); }
 
 void Table::add_row(std::vector<std::string> cells) {
   ARMSIG_CHECK(cells.size() == rows_.front().size());
+  for (std::string& cell : cells) {
+    if (is_nought_below_zero(cell)) cell.erase(0, 1);
+  }
   rows_.push_back(std::move(cells));
 }
 

@@ -8,6 +8,7 @@
 
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"
+#include "firmware/host_tool/report/verdict.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -97,12 +98,13 @@ std::vector<std::string> accuracy_in_words(const SignatureRecord& record) {
   if (record.fit && record.fit->left_out) {
     const FitRecord::LeftOut& out = *record.fit->left_out;
     words.push_back(fmt::format(
-        "Positioning accuracy: at {} positions left out of the fit in turn, one visit each, the "
+        "Positioning accuracy: at {} positions left out of the fit{}, one visit each, the "
         "signature puts the target {} off on the mean and {} root mean square, the sensor's "
         "scatter "
         "included. ISO 9283 has AP for the barycentre of 30 visits to each of five poses: this is "
         "what comes nearest, and it is not AP.",
-        out.rows, millimetres(out.mean_m), millimetres(out.rms_m)));
+        out.rows, left_out_in_turn(record) ? " in turn" : "", millimetres(out.mean_m),
+        millimetres(out.rms_m)));
   } else {
     words.emplace_back("Positioning accuracy (ISO 9283: AP): no positions were held out.");
   }

@@ -107,9 +107,9 @@ void say_how_sure(const SignatureRecord& record, Verdict& verdict) {
   }
   if (record.fit && record.fit->left_out) {
     verdict.sentences.push_back(fmt::format(
-        "Points that were left out of the fit in turn are {} from where it puts them (root mean "
-        "square), the sensor's own noise included.",
-        length_in_words(record.fit->left_out->rms_m)));
+        "Points that were left out of the fit{} are {} from where it puts them (root "
+        "mean square), the sensor's own noise included.",
+        left_out_in_turn(record) ? " in turn" : "", length_in_words(record.fit->left_out->rms_m)));
   }
   if (record.method != "exact") {
     verdict.sentences.emplace_back(
@@ -176,6 +176,12 @@ Verdict verdict(const SignatureRecord& record, const std::vector<SweepPicture>& 
   verdict.next_steps.emplace_back(
       "Measure ten poses that had no part in this: armsig check says whether they agree.");
   return verdict;
+}
+
+bool left_out_in_turn(const SignatureRecord& record) {
+  if (!record.fit || !record.fit->left_out) return false;
+  return record.method == "refined" ||
+         record.fit->left_out->rows == record.fit->rows_used + record.fit->rows_rejected;
 }
 
 std::string residuals_in_words(const SweepPicture& sweep) {

@@ -17,6 +17,10 @@ struct Verdict {
   std::vector<std::string> next_steps;  // the most useful first
 };
 
+// Whether the rows left out were left out of a fit each, and are in the last; the features leave
+// out poses beside their sweeps for good.
+[[nodiscard]] bool left_out_in_turn(const SignatureRecord& record);
+
 [[nodiscard]] Verdict verdict(const SignatureRecord& record,
                               const std::vector<SweepPicture>& sweeps,
                               const std::optional<ToolErrorMap>& map);

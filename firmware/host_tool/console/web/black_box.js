@@ -2,6 +2,7 @@
 // The seconds before a fault: what a joint was commanded, where it was, and the difference.
 import { colour, element, fixed } from './words.js';
 
+const kLeastMargin = 0.01;  // degrees or mm: a joint that stands is a line, not its last digit
 const kMostColumns = 900;  // drawn; more ticks than that are drawn by their extremes
 
 function parse(text) {
@@ -45,9 +46,21 @@ export class BlackBox {
     this.data = parse(await answer.text());
     const joints = this.data.names.map((column) => /^q(\d+)_commanded_/.exec(column)?.[1]).filter(Boolean);
     this.select.replaceChildren(...joints.map((number) => element('option', { value: number }, number)));
-    if (joint && joints.includes(String(joint))) this.select.value = joint;
+    this.select.value = joint && joints.includes(String(joint)) ? joint : this.#furthest(joints);
     this.tell('black-box-lead', `${this.data.rows.length} ticks, from ${name}: commanded and actual reading, and by how much the joint was off.`);
     this.#draw();
+  }
+
+  // The joint that went furthest, where the fault has none of its own.
+  #furthest(joints) {
+    const { names, rows } = this.data;
+    const went = (joint) => {
+      const k = ['deg', 'mm'].map((unit) => names.indexOf(`q${joint}_${unit}`)).find((at) => at >= 0);
+      const [low, high] = rows.map((row) => parseFloat(row[k])).filter(Number.isFinite)
+        .reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
+      return high > low ? high - low : 0;
+    };
+    return joints.reduce((a, b) => (went(b) > went(a) ? b : a), joints[0]);
   }
 
   #draw() {
@@ -69,7 +82,7 @@ export class BlackBox {
   }
 
   #chart(x, lines, sign, words) {
-    const [width, height, left, bottom, top] = [this.charts.clientWidth, 190, 64, 26, 22];
+    const [width, height, bottom, top] = [this.charts.clientWidth, 200, 26, 32];
     const ratio = Math.min(devicePixelRatio, 2);
     const canvas = element('canvas', { class: 'chart', role: 'img', 'aria-label': words });
     canvas.width = width * ratio;
@@ -79,24 +92,26 @@ export class BlackBox {
     pen.font = '12px system-ui';
     const known = lines.flatMap(([y]) => y).filter(Number.isFinite);
     let [low, high] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
-    const margin = Math.max((high - low) * 0.08, 1e-4);
+    const margin = Math.max((high - low) * 0.08, kLeastMargin);
     low -= margin;
     high += margin;
+    const step = roundStep((high - low) / 4);
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    const steps = [];
+    for (let k = Math.ceil(low / step); k * step <= high; ++k) steps.push({ value: k * step, text: fixed(k * step, digits) + sign });
+    const left = 8 + Math.ceil(Math.max(48, ...steps.map(({ text }) => pen.measureText(text).width)));
     const at = (value) => left + ((width - left - 8) * (value - x[0])) / (x.at(-1) - x[0] || 1);
     const up = (value) => top + ((height - top - bottom) * (high - value)) / (high - low);
     pen.fillStyle = colour('soft');
     pen.fillText(words, 8, 13);
     pen.strokeStyle = colour('line');
-    const step = roundStep((high - low) / 4);
-    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-    for (let k = Math.ceil(low / step); k * step <= high; ++k) {
-      const value = k * step;
+    for (const { value, text } of steps) {
       pen.beginPath();
       pen.moveTo(left, up(value));
       pen.lineTo(width - 8, up(value));
       pen.stroke();
       pen.textAlign = 'right';
-      pen.fillText(fixed(value, digits) + sign, left - 8, up(value) + 4);
+      pen.fillText(text, left - 8, up(value) + 4);
     }
     pen.textAlign = 'center';
     const second = Math.max(1, Math.round((x.at(-1) - x[0]) / 6));

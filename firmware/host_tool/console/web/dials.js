@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One dial a joint: the points of its sweep at their readings, off the circle by their magnified residuals, and how
 // its axis gets known.
-import { element, rough, shape } from './words.js';
+import { element, rough, shape, twoDigits } from './words.js';
 
 const kRadius = 62;
 const kLeast = 8;       // points before residuals mean anything
@@ -102,7 +102,7 @@ export class Dials {
     });
     parts.push(shape('text', { y: rows.length > 0 ? -2 : 6 }, `Joint ${i + 1}`));
     if (rows.length > 0) parts.push(shape('text', { class: 'small', y: 15 }, `${rows.length} point${rows.length === 1 ? '' : 's'}`));
-    if (circle) parts.push(shape('text', { class: 'small', y: 31 }, `off \u00d7 ${rough((kLargest / kRadius) * circle.radius / largest)}`));
+    if (circle) parts.push(shape('text', { class: 'small', y: 31 }, `\u00d7 ${twoDigits((kLargest / kRadius) * circle.radius / largest)}`));
     parts.push(...this.#spark(history));
     picture.replaceChildren(...parts);
     const sigma = history.at(-1)?.[1];

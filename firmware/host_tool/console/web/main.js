@@ -23,6 +23,8 @@ let shownAnswer = null;
 let asked = '';      // the verb that was pressed and is not answered yet
 let advice = {};
 let pausedBy = '';   // the name of what paused the measurement, as the controller said
+let refined = null;  // what a self-calibration predicts of the tool, as the controller said last
+let play = null;     // of which joints, likewise
 
 // --- What the server tells -------------------------------------------------------------------------
 
@@ -32,6 +34,16 @@ function rowOf(values) {
     q: joints.map((joint, i) => reading(values, i + 1, joint.revolute)),
     p: ['x_mm', 'y_mm', 'z_mm'].map((key) => values[key] / 1e3),
   };
+}
+
+// The words key=value of a line.
+const valuesOf = (line) => Object.fromEntries([...line.matchAll(/(\w+)=(\S+)/g)].map(([, key, value]) => [key, value]));
+
+// What of a self-calibration a line tells; a new one begins with its sweeps.
+function takeRefined(line) {
+  if (line.startsWith('# identify sweep')) [refined, play] = [null, null];
+  if (/^# identify (refining|accuracy=)/.test(line)) refined = valuesOf(line);
+  if (line.startsWith('# identify play ')) play = valuesOf(line);
 }
 
 function listen() {
@@ -53,6 +65,7 @@ function listen() {
   });
   on('said', (lines) => {
     for (const line of lines) pausedBy = /^# identify paused error=(\S+)/.exec(line)?.[1] ?? (line.startsWith('# identify ') ? '' : pausedBy);
+    lines.forEach(takeRefined);
     const bad = (line) => / error=|faulted|refused|ended|lost/.test(line);
     const items = lines.map((line) => element('li', bad(line) ? { class: 'bad' } : {}, line.replace(/^# /, '')));
     byId('said').prepend(...items.reverse());
@@ -109,7 +122,10 @@ function situation({ status, candidate }) {
     const { words, todo } = adviceFor(name);
     return { headline: 'The measurement is paused', words: name ? `${upper(words ?? name)}. ${upper(markdown(todo ?? ''))}. The arm holds where it is; Resume measures the same point again.` : 'The arm holds where it is; Resume measures the same point again.', next: 'resume' };
   }
-  if (running) return { headline: status.sweep ? `Measuring joint ${status.sweep} of ${joints.length}` : 'Comparing on poses held out', words: 'The arm moves by itself. Keep clear of it.', next: 'pause' };
+  if (running) {
+    const headline = status.sweep ? `Measuring joint ${status.sweep} of ${joints.length}` : status.refining ? 'Measuring poses anywhere' : 'Comparing on poses held out';
+    return { headline, words: 'The arm moves by itself. Keep clear of it.', next: 'pause' };
+  }
   if (status.sequence === 'touching') return { headline: 'Touching the grid', words: 'The arm moves by itself. Keep clear of it.', next: 'halt' };
   if (candidate) {
     const better = candidate.better === 'yes';
@@ -144,7 +160,8 @@ function showProgress({ status }) {
   byId('progress-track').setAttribute('aria-valuemax', planned);
   byId('progress-track').setAttribute('aria-valuenow', points);
   const beyond = points >= planned;
-  tell('progress-points', beyond ? `${points} points: more than the ${planned} planned, until each axis is known` : `${points} of ${planned} points`);
+  const why = status.sweep ? ', until each axis is known' : '';
+  tell('progress-points', beyond ? `${points} points: more than the ${planned} planned${why}` : `${points} of ${planned} points`);
   tell('progress-left', points > 0 && !beyond ? `${duration(Number(status.left_s))} left` : '');
 }
 
@@ -180,12 +197,24 @@ function showFacts({ status, signature, sigmas }) {
   if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);
   if (signature.held_out_rms_mm) facts.push(['signature', `number ${signature.sequence}, ${rough(Number(signature.held_out_rms_mm))} mm RMS on poses held out, ${signature.air_c} \u00b0C`]);
   const shares = dials.shares(sigmas).filter(Number.isFinite);
-  if (shares.length > 0) facts.push(['tool', `\u00b1 ${rough(Math.hypot(...shares))} mm by the ${shares.length === joints.length ? 'axes found' : `${shares.length} of ${joints.length} axes known so far`}`]);
+  if (refined?.predicted_mm) facts.push(...refinedFacts());
+  else if (shares.length > 0) facts.push(['tool', `\u00b1 ${rough(Math.hypot(...shares))} mm by the ${shares.length === joints.length ? 'axes found' : `${shares.length} of ${joints.length} axes known so far`}`]);
   facts.push(['control tick', `at most ${rough(Number(status.late_max_us ?? 0))} \u00b5s late`]);
   const key = JSON.stringify(facts);
   if (byId('facts').dataset.key === key) return;
   byId('facts').dataset.key = key;
   byId('facts').replaceChildren(...facts.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]));
+}
+
+// What a self-calibration says: of the tool, and of the play that it has seen.
+function refinedFacts() {
+  const [predicted, asked] = [Number(refined.predicted_mm), Number(refined.asked_mm)];
+  const reached = refined.accuracy === 'reached' ? ': reached' : refined.accuracy ? ': not reached' : ' so far';
+  const facts = [['tool', `${rough(predicted)} mm RMS predicted, ${fixed(asked, 2)} mm asked for${reached}`]];
+  const size = (joint) => (joints[joint - 1]?.revolute ? `${rough(Number(play[`q${joint}_deg`]))}\u00b0` : `${rough(Number(play[`q${joint}_mm`]))} mm`);
+  const seen = (play?.seen ?? '').split(',').filter((joint) => Number(joint) > 0);
+  if (seen.length > 0) facts.push(['play', seen.map((joint) => `joint ${joint} ${size(joint)}`).join(', ')]);
+  return facts;
 }
 
 function showReadings({ status }) {

@@ -28,6 +28,9 @@ export const fixed = (value, decimals) => {
 // Two digits that count, in as many decimals as that takes.
 export const rough = (value) => fixed(value, value > 0 ? Math.min(5, Math.max(0, 1 - Math.floor(Math.log10(value)))) : 0);
 
+// Of a factor no more than two digits count.
+export const twoDigits = (value) => String(Number(value.toPrecision(2)));
+
 export function duration(seconds) {
   if (!(seconds >= 0)) return '';
   if (seconds < 90) return `${Math.round(seconds)} s`;

@@ -17,6 +17,12 @@ const axis = (label, size, unit = '') => ({
   stroke: colour('soft'), grid: { stroke: colour('line'), width: 1 }, ticks: { show: false },
 });
 
+// Of a joint's reading; millimetres stand in its name, as there is no room for them at each tick.
+const readingAxis = ({ joint, revolute }) => axis(`reading of joint ${joint}${revolute ? '' : ', mm'}`, 26, revolute ? '°' : '');
+
+// A finger touches what a mouse points at.
+const kPoint = matchMedia('(pointer: coarse)').matches ? 'Touch' : 'Point at';
+
 const dots = (name, size) => ({ show: true, size, width: 0, fill: colour(name), stroke: colour(name) });
 
 // The row nearest to the one at `index` that `is` true of; null where there is none.
@@ -82,7 +88,7 @@ export function residualChart(host, sweep) {
     curve('encoder wave, tangential', 'tangential'),
     curve('encoder wave, radial', 'radial'),
   ];
-  const tell = underPointer(host, 'Point at the chart for the values of a reading.');
+  const tell = underPointer(host, `${kPoint} the chart for the values of a reading.`);
   const names = kDirections.map(({ name, flat }) => (sweep.revolute ? name : flat));
   const words = (index) => {
     const row = nearest(rows, index, ({ point }) => point);
@@ -99,7 +105,7 @@ export function residualChart(host, sweep) {
       cursor: { drag: { x: true, y: false }, y: false },
       hooks: pointing(tell, words),
       scales: { x: { time: false }, y: { range: [-1.45 * largest, 1.45 * largest] } },
-      axes: [axis('', 26, sweep.revolute ? '°' : ' mm'), axis('residual, mm', 64)],
+      axes: [readingAxis(sweep), axis('residual, mm', 64)],
       series: drawn,
     };
   }, data.filter(shown));
@@ -122,7 +128,7 @@ export function readingMapChart(host, joint) {
   const digits = (number) => Math.max(0, Math.min(5, 2 - Math.floor(Math.log10(number))));
   const ticks = (number) => (_, values) => values.map((value) => fixed(value, digits(number)));
   const sign = joint.revolute ? '°' : ' mm';
-  const tell = underPointer(host, 'Point at the chart for the map at a reading.');
+  const tell = underPointer(host, `${kPoint} the chart for the map at a reading.`);
   const words = (index) => {
     const at = joint.curve[index];
     return `at ${fixed(unit(at[0]), 1)}${sign}: ${fixed(unit(at[1]), 4)}${sign} ± ${fixed(unit(at[2]), 4)} (1σ), `
@@ -141,7 +147,7 @@ export function readingMapChart(host, joint) {
     },
     bands: [{ series: [1, 2], fill: colour('line') }],
     axes: [
-      axis('', 26, joint.revolute ? '°' : ' mm'),
+      readingAxis(joint),
       { ...axis(joint.revolute ? 'map, °' : 'map, mm', 72), values: ticks(largest) },
       { ...axis('at the tool, mm', 64), scale: 'tool', side: 1, space: 22, grid: { show: false }, values: ticks(largest * atTool) },
     ],
@@ -156,7 +162,7 @@ export function mapChart(host, points, classes) {
   const data = [sorted.map((point) => point.r)];
   classes.forEach((_, k) => data.push(sorted.map((point) => (point.class === k ? point.z : null))));
   const zs = points.map((point) => point.z);
-  const tell = underPointer(host, 'Point at a dot for its error.');
+  const tell = underPointer(host, `${kPoint} a dot for its error.`);
   const words = (_, plot) => {
     const away = (point) => Math.hypot(plot.valToPos(point.r, 'x') - plot.cursor.left, plot.valToPos(point.z, 'y') - plot.cursor.top);
     const point = sorted.reduce((a, b) => (away(b) < away(a) ? b : a));

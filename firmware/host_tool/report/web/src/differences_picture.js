@@ -4,6 +4,7 @@
 import { decimalsFor, degrees, element, fixed } from './text.js';
 
 const kNames = { tilt: 'Tilt', shift: 'Shift', zero: 'Zero of the reading', map: 'Map of the reading, largest', gravity: 'Gravity, largest' };
+const kSizes = ['map', 'gravity'];
 const kUnits = {
   value_rad: { sigma: 'sigma_rad', unit: '°', scale: degrees },
   value_m: { sigma: 'sigma_m', unit: ' mm', scale: (m) => 1e3 * m },
@@ -38,8 +39,10 @@ function words({ joint, what, value, sigma, unit }) {
 function panel(lines) {
   const { unit, kind } = lines[0];
   const largest = 1.04 * Math.max(1e-9, ...lines.map(({ value, sigma }) => Math.abs(value) + (sigma ?? 0)));
-  const [zero, half] = [(kLeft + kRight) / 2, (kRight - kLeft) / 2];
-  const at = (value) => zero + (half * value) / largest;
+  // Sizes have no sign: their line of zero is at the left.
+  const sizes = kSizes.includes(kind);
+  const zero = sizes ? kLeft : (kLeft + kRight) / 2;
+  const at = (value) => zero + ((kRight - zero) * value) / largest;
   const parts = [];
   let y = 6;
   for (const joint of new Set(lines.map((line) => line.joint))) {
@@ -63,9 +66,10 @@ function panel(lines) {
   const digits = Math.max(0, Math.min(4, 1 - Math.floor(Math.log10(largest))));
   const label = (x, anchor, text) => shape('text', { class: 'scale', x, y: y + 16, 'text-anchor': anchor }, text);
   parts.push(shape('line', { class: 'zero', x1: zero, x2: zero, y1: 6, y2: y }),
-    label(kLeft, 'start', `${fixed(-largest, digits)}${unit}`), label(zero, 'middle', '0'), label(kRight, 'end', `${fixed(largest, digits)}${unit}`));
+    ...(sizes ? [] : [label(kLeft, 'start', `${fixed(-largest, digits)}${unit}`)]), label(zero, 'middle', '0'), label(kRight, 'end', `${fixed(largest, digits)}${unit}`));
   const furthest = lines.reduce((a, b) => (Math.abs(b.value) > Math.abs(a.value) ? b : a));
-  const name = kNames[kind] ?? kind;
+  // A slide's zero is a length, and has a panel of its own.
+  const name = `${kNames[kind] ?? kind}${kind === 'zero' && unit === ' mm' ? ' of a slide' : ''}`;
   return element('figure', {}, element('figcaption', {}, name),
     shape('svg', { viewBox: `0 0 ${kWidth} ${y + 22}`, role: 'img', 'aria-label': `${name} by joint, in the table below; largest: ${words(furthest)}` }, ...parts));
 }

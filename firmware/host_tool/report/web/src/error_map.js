@@ -4,7 +4,8 @@ import { mapChart } from './charts.js';
 import { element, fixed, length, phrase } from './text.js';
 import { valueTable } from './values.js';
 
-const kColours = ['#3b4cc0', '#4f8fd0', '#4fb3a0', '#e0a93f', '#c8442f'];
+// From small to large; each is seen on a light and on a dark ground.
+const kColours = ['#5a6fe0', '#4a9bd8', '#4fb3a0', '#e0a93f', '#d9553f'];
 
 function classesOf(values) {
   const sorted = values.slice().sort((a, b) => a - b);

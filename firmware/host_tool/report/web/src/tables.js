@@ -6,7 +6,7 @@ const cell = (text, kind = '') => element('td', kind ? { class: kind } : {}, tex
 const head = (...names) => element('thead', {}, element('tr', {}, ...names.map((name, k) => element('th', k < 2 ? { class: 'text' } : {}, name))));
 
 const kParameters = [
-  { key: 'theta_rad', name: 'θ offset', unit: '°', scale: degrees, least: 3, most: 4 },
+  { key: 'theta_rad', name: 'θ', more: ' offset', unit: '°', scale: degrees, least: 3, most: 4 },
   { key: 'd_m', name: 'd', unit: 'mm', scale: (m) => 1e3 * m, least: 2, most: 4 },
   { key: 'a_m', name: 'a', unit: 'mm', scale: (m) => 1e3 * m, least: 2, most: 4 },
   { key: 'alpha_rad', name: 'α', unit: '°', scale: degrees, least: 3, most: 4 },
@@ -23,19 +23,22 @@ export function parameterTable(report) {
   const last = report.parameters.rows.length;
   let far = false;
   for (const row of report.parameters.rows) {
-    kParameters.forEach(({ key, name, unit, scale, least, most }, k) => {
+    kParameters.forEach(({ key, name, more, unit, scale, least, most }, k) => {
       const sigma = row.sigma === null ? null : scale(row.sigma[key]);
       const decimals = decimalsFor(sigma, sigma !== null && sigma > 1 ? 0 : least, most);
-      // θ and d of the first row and all of the last depend on where their outer frames are put.
-      const free = (row.joint === 1 && k < 2) || row.joint === last;
+      // θ and d of the first row and all of the last depend on where their outer frames are put; d and a on both
+      // sides of a slide on where its line is, which has a direction alone.
+      const slides = !row.revolute || report.parameters.rows[row.joint]?.revolute === false;
+      const outer = (row.joint === 1 && k < 2) || row.joint === last;
       // Beside a far common normal these mean nothing by themselves.
-      const large = !free && Math.abs(row.actual.d_m) > 2 && (key === 'd_m' || (k < 3 && !(sigma < kTelling)));
+      const large = !outer && Math.abs(row.actual.d_m) > 2 && (key === 'd_m' || (k < 3 && !(sigma < kTelling)));
+      const free = outer || (slides && !large && (key === 'd_m' || key === 'a_m'));
       far ||= large;
       let difference = row.actual[key] - row.nominal[key];
       if (unit === '°') difference = turn(difference);
       const tr = element('tr', k === 0 ? { class: 'first' } : {},
         k === 0 ? element('td', { class: 'text' }, String(row.joint), element('span', { class: 'type' }, row.revolute ? ' revolute' : ' prismatic')) : cell('', 'text'),
-        cell(`${name}, ${unit}${free ? ' †' : ''}${large ? ' *' : ''}`, 'text'),
+        element('td', { class: 'text' }, name, ...(more ? [element('span', { class: 'type' }, more)] : []), `, ${unit}${free ? ' †' : ''}${large ? ' *' : ''}`),
         cell(fixed(scale(row.nominal[key]), least)),
         cell(fixed(scale(row.actual[key]), decimals), 'actual'),
         cell(sigma === null || sigma === 0 ? '' : `± ${fixed(sigma, decimals)}`, 'sigma'),
@@ -47,7 +50,8 @@ export function parameterTable(report) {
   }
   table.append(head('Joint', 'Parameter', 'Drawing', 'Signature', '1σ', 'Difference'), body);
   const notes = document.getElementById('parameter-notes');
-  notes.append(element('p', {}, '† depends on the choice of the first and last frame, which is free.'));
+  const line = report.parameters.rows.some(({ revolute }) => !revolute) ? ', or of where the line of a slide is put' : '';
+  notes.append(element('p', {}, `† depends on the choice of the first or last frame${line}, which is free.`));
   if (far) notes.append(element('p', { id: 'near-parallel' }, `* ${report.parameters.near_parallel.replace(/\s+/g, ' ').trim()}`));
   if (report.parameters.rows[0].sigma === null) notes.append(element('p', {}, 'The signature says nothing of its own uncertainty: no 1σ.'));
 }
@@ -58,7 +62,7 @@ const kUnits = {
   '': { unit: '\u00a0%', scale: (share) => 100 * share },
 };
 
-// Not one number: told is the largest over the joint limits.
+// Not one number: told is the largest change from the signature configuration within the joint limits.
 const kVarying = ['map', 'gravity'];
 
 export function differenceTable(report) {
@@ -80,7 +84,7 @@ export function differenceTable(report) {
     const sigma = known ? scale(line[`sigma${suffix}`]) : null;
     const decimals = decimalsFor(sigma, 3, 4);
     const tr = element('tr', line.joint === joint ? {} : { class: 'first' },
-      cell(line.joint === joint ? '' : line.joint, 'text'), cell(line.what, 'text'),
+      cell(line.joint === joint ? '' : line.joint, 'text'), cell(line.what.replace(/ (\d)/g, '\u00a0$1'), 'text'),
       cell(`${kVarying.includes(line.kind) ? 'up to ' : ''}${fixed(scale(line[`value${suffix}`]), decimals)}${unit}`, 'actual'),
       cell(known ? `± ${fixed(sigma, decimals)}` : '', 'sigma'),
       cell(millimetres(line.effect_rms_m)), cell(millimetres(line.adds_m)));
@@ -90,6 +94,7 @@ export function differenceTable(report) {
   }
   body.append(element('tr', { class: 'first' }, cell('all', 'text'), cell('base and tool fitted', 'text'), cell(''), cell(''),
     cell(millimetres(differences.total_rms_m)), cell(millimetres(differences.total_rms_m))));
+  if (!differences.joints.some(({ kind }) => kVarying.includes(kind))) document.getElementById('varying-note').remove();
   document.getElementById('differences').append(head('Joint', 'What', 'Difference', '1σ', 'Effect, mm', 'Adds, mm'), body);
 }
 
