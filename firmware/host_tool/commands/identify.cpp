@@ -74,7 +74,6 @@ Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const 
 
 // So many rows back a copy is found: of features, whose memory does not grow with the file, fewer.
 constexpr std::size_t kRemembered = std::size_t{8} << 10U;
-constexpr std::size_t kRememberedToRefine = std::size_t{4} << 20U;
 
 // Gives every row of the file but copies to `take`, and says how many copies there are.
 Read<std::size_t> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
@@ -82,7 +81,7 @@ Read<std::size_t> read_all(const IdentifyOptions& options, const Arm& arm, const
   auto reader = open_measurements(options, types_of(arm.joints));
   if (!reader) return std::unexpected(reader.error());
   Progress progress(what, 1000);
-  CopiedRows copies(options.method == "refined" ? kRememberedToRefine : kRemembered);
+  CopiedRows copies(options.method == "refined" ? kRememberedInMemory : kRemembered);
   for (MeasurementRow row;;) {
     auto more = reader->next(row);
     if (!more && options.mapped) more.error().column = 0;
