@@ -21,7 +21,6 @@ namespace {
 constexpr std::size_t kFewestRows = 24;
 constexpr std::size_t kFewestOfPart = 4;  // rows before and after
 constexpr double kFarthest = 30;
-constexpr int kJudged = 200;         // configurations, as uncertainty::predicted_rms()
 constexpr double kUsualSize = 0.03;  // of a change, 1 sigma: metres, radians, a share
 
 struct Candidate {
@@ -221,25 +220,23 @@ std::optional<Change> likeliest_change(const Evidence& evidence, const Deviating
   return change;
 }
 
-double moved_by_change_m(const Change& change, const Evidence& evidence,
-                         const DeviatingChain& chain) {
+std::vector<Vector3> moved_by_change(const Change& change, const Evidence& evidence,
+                                     const DeviatingChain& chain) {
   const auto tool =
       std::ranges::find(chain.targets(), evidence.arm.joints.size(), &SeenTarget::link);
-  if (tool == chain.targets().end()) return 0;
-  JointTypes types;
-  for (const DhJoint& joint : evidence.arm.joints) types.push_back(joint.type);
+  if (tool == chain.targets().end()) return {};
   EvidenceRow row;
   row.target = tool->number;
   Eigen::Matrix3Xd J(3, chain.all().count);
-  double before = 0;
-  double after = 0;
-  for (int k = 1; k <= kJudged; ++k) {
-    row.q = work_configuration(types, evidence.arm.limits, k);
+  std::vector<Vector3> before;
+  std::vector<Vector3> after;
+  for (int k = 1; k <= kJudgedConfigurations; ++k) {
+    row.q = work_configuration(types_of(evidence.arm.joints), evidence.arm.limits, k);
     chain.derivatives(row, J);
-    before += (J * change.before_it).squaredNorm();
-    after += (J * change.after_it).squaredNorm();
+    before.emplace_back(J * change.before_it);
+    after.emplace_back(J * change.after_it);
   }
-  return std::sqrt(std::max(before, after) / kJudged);
+  return rms_length(before) > rms_length(after) ? before : after;
 }
 
 }  // namespace armsig::tool

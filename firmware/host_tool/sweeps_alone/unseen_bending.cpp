@@ -18,7 +18,6 @@ constexpr std::size_t kMostRows = 300;
 constexpr std::size_t kFewestRows = 12;
 constexpr double kBlunderGate = 6;  // of the rows' own robust scale
 constexpr int kScaleRounds = 25;
-constexpr int kJudgedPoses = 200;  // as uncertainty::predicted_rms()
 // Variance of the geometry about the estimate, over that about a drawing: says next to nothing.
 constexpr double kGeometryVariance = 25;
 constexpr double kQuickShare = 0.7;  // see engine_scales.cpp
@@ -173,7 +172,7 @@ double expected_square(const WholeModel& model, const Posterior& posterior,
                        const refinement::Refined& estimate,
                        const FixedVector<JointLimits, kMaxJoints>& limits, std::size_t tool) {
   double sum = 0;
-  for (int k = 1; k <= kJudgedPoses; ++k) {
+  for (int k = 1; k <= kJudgedConfigurations; ++k) {
     const JointVector q = work_configuration(estimate.signature.types, limits, k);
     const WholeModel::At at = model.at(q, tool);
     const Eigen::MatrixXd columns = at.columns.leftCols(posterior.x.size());
@@ -183,7 +182,7 @@ double expected_square(const WholeModel& model, const Posterior& posterior,
       sum += posterior.scale[b] * at.open[b - WholeModel::kMaps];
     }
   }
-  return sum / kJudgedPoses;
+  return sum / kJudgedConfigurations;
 }
 
 }  // namespace
@@ -207,7 +206,7 @@ std::optional<UnseenBending> judge_bending(const Evidence& evidence,
   }
   const Posterior bent = fit(model.blocks().size());
   UnseenBending found;
-  found.stated_m = uncertainty::predicted_rms(estimate, limits, tool, kJudgedPoses);
+  found.stated_m = uncertainty::predicted_rms(estimate, limits, tool, kJudgedConfigurations);
   found.probability = 1 / (1 + std::exp(straight.log_evidence - bent.log_evidence));
   const auto square_of = [&](const Posterior& posterior) {
     return expected_square(model, posterior, estimate, limits, tool);
