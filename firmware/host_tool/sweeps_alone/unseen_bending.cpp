@@ -197,7 +197,7 @@ std::optional<UnseenBending> judge_bending(const Evidence& evidence,
   if (!sweeps_alone) return std::nullopt;
   const std::vector<EvidenceRow> from = sound_rows(evidence, estimate);
   if (from.empty()) return std::nullopt;
-  const WholeModel model(evidence.arm, estimate, from);
+  const WholeModel model(evidence.arm, estimate, from, tool);
   const Rows rows = linearised(model, estimate, from);
   Fit fit(model, rows);
   const Posterior straight = fit(WholeModel::kGravity);

@@ -7,7 +7,6 @@
 #include <Eigen/Cholesky>
 
 #include "core/kinematics/s_model_chain.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -40,8 +39,8 @@ double correlation(double a, double b) {
 }  // namespace
 
 WholeModel::WholeModel(const Arm& drawing, const refinement::Refined& estimate,
-                       std::span<const EvidenceRow> rows)
-    : estimate_(estimate), drawn_(calibration::model_of(drawing, {})) {
+                       std::span<const EvidenceRow> rows, std::size_t tool)
+    : estimate_(estimate), drawn_(calibration::model_of(drawing, {})), tool_(tool) {
   const Signature& signature = estimate.signature;
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
     drawn_.joints[i].domain = calibration::map_domain(drawing.joints[i].type, drawing.limits[i]);
@@ -57,8 +56,7 @@ WholeModel::WholeModel(const Arm& drawing, const refinement::Refined& estimate,
   const auto corrections = static_cast<Eigen::Index>(corrections_.size());
   add_block(Eigen::MatrixXd::Identity(corrections, corrections));
   const auto terms = static_cast<Eigen::Index>(drawn_.gravity.size());
-  tool_ = tool_target(signature);
-  const Eigen::Index of_tool = tool_ ? static_cast<Eigen::Index>(signature.joint_count()) : 0;
+  const auto of_tool = static_cast<Eigen::Index>(signature.joint_count());
   add_block(Eigen::MatrixXd::Identity(terms + of_tool, terms + of_tool));
   for (std::size_t i = 0; i < signature.joint_count(); ++i) add_knots(i, rows);
 }
@@ -123,7 +121,7 @@ WholeModel::At WholeModel::at(const JointVector& readings, std::size_t target) c
   for (std::size_t i = 0; i < link; ++i) at.bent += now[i] * motion[i];
   add_readings(readings, motion, at);
   add_gravity(readings, motion, at);
-  if (tool_) add_weight_of_tool(turned, motion, at);
+  add_weight_of_tool(turned, motion, at);
   for (std::size_t i = 0; i < link; ++i) add_map(i, readings[i], motion[i], at);
   return at;
 }
@@ -177,7 +175,7 @@ void WholeModel::add_gravity(const JointVector& readings, const Motions& motion,
 void WholeModel::add_weight_of_tool(const JointVector& turned, const Motions& motion,
                                     At& at) const {
   const Signature& signature = estimate_.signature;
-  const Vector3 tool_S = kinematics::target_position(signature, turned, signature.targets[*tool_]);
+  const Vector3 tool_S = kinematics::target_position(signature, turned, signature.targets[tool_]);
   const Vector3 down_S = -signature.X_SL[0].R.col(2);
   const auto first = blocks_[kGravity].first + static_cast<Eigen::Index>(drawn_.gravity.size());
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,9 +29,10 @@ struct PriorBlock {
 
 class WholeModel {
  public:
-  // `rows` are those whose readings the maps are told at. Both are kept as references.
+  // `rows` are those whose readings the maps are told at, `tool` the target that has the tool's
+  // weight. The estimate is kept as a reference.
   WholeModel(const Arm& drawing, const refinement::Refined& estimate,
-             std::span<const EvidenceRow> rows);
+             std::span<const EvidenceRow> rows, std::size_t tool);
 
   // What moves the target at readings `readings`.
   struct At {
@@ -77,7 +77,7 @@ class WholeModel {
   const refinement::Refined& estimate_;
   std::vector<refinement::Parameter> corrections_;  // of the readings, that the estimate has
   calibration::ArmModel drawn_;
-  std::optional<std::size_t> tool_;  // target on the last link, whose weight the drawing lacks
+  std::size_t tool_;
   std::array<Knots, kMaxJoints> knots_;
   std::vector<PriorBlock> blocks_;
   Eigen::Index geometry_ = 0;

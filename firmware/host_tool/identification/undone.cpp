@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "firmware/host_tool/diagnosis/undone.hpp"
+#include "firmware/host_tool/identification/undone.hpp"
 
 #include <span>
 
