@@ -25,6 +25,9 @@ struct SensorDescription {
   // The ranges of a measurement were computed with the speed of sound at this temperature, and are
   // to be multiplied by c(air)/c(this); nothing: they are taken as they are.
   std::optional<double> calibrated_at_c;
+  // Not of the file: what a range may be off by beside its noise, 1 sigma, where offsets are yet to
+  // be found. Points are told by it from ranges that do not meet, and are no less certain.
+  double unknown_offset_m = 0;
 };
 
 [[nodiscard]] Read<SensorDescription> read_sensor_file(const std::string& path);

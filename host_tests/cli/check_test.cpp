@@ -68,6 +68,24 @@ TEST(Check, answers_for_signatures_of_every_method) {
   }
 }
 
+// A set pasted twenty times says no more than once.
+TEST(Check, counts_copied_rows_once) {
+  const Folder folder;
+  Csv held = identified(folder);
+  const std::vector<Fields> rows = held.rows;
+  const json once = json::parse(check(folder, held, "--json").out);
+  for (int copy = 1; copy < 20; ++copy) {
+    held.rows.insert(held.rows.end(), rows.begin(), rows.end());
+  }
+  const json copied = json::parse(check(folder, held, "--json").out);
+  for (const char* figure : {"verdict", "rows", "degrees_of_freedom", "chi_square", "rms_m"}) {
+    EXPECT_EQ(copied[figure], once[figure]) << figure;
+  }
+  EXPECT_EQ(copied["rows_copied"], 19 * rows.size());
+  EXPECT_NE(check(folder, held).out.find("570 rows are copies of others, and count once"),
+            std::string::npos);
+}
+
 TEST(Check, finds_the_zero_of_a_joint_that_has_moved) {
   const Folder folder;
   Csv held = identified(folder);

@@ -147,5 +147,35 @@ TEST(RefinedRanges, find_the_offset_of_each_receiver) {
   for (const json& offset : offsets) EXPECT_NEAR(offset.get<double>(), 0.7e-3, 0.15e-3);
 }
 
+// One receiver of four reads 3 mm too far: no range meets the others until that is found.
+TEST(RefinedRanges, find_an_offset_by_which_ranges_do_not_meet) {
+  const Folder folder;
+  write_file(folder / "sensor.yaml",
+             "armsig: sensor/1\nname: four receivers\nreceivers:\n"
+             "  - {x_mm: -750, y_mm: 2000, z_mm: -300}\n  - {x_mm: 750, y_mm: 2000, z_mm: -300}\n"
+             "  - {x_mm: -750, y_mm: 2000, z_mm: 1200}\n  - {x_mm: 750, y_mm: 2300, z_mm: 1200}\n"
+             "path: one-way\nrange_sigma_mm: 0.05\n");
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm puma560 --sensor sensor.yaml --sigma-mm 0.05 --tolerances 1 "
+                     "--hand-target-mm 80,30,120 --arc 150 --seed 3 --mixed-poses 100 --out m.csv")
+                .status,
+            0);
+  Csv rows = Csv::read(folder / "m.csv");
+  for (Fields& row : rows.rows) {
+    std::string& range = row[rows.column("r1_mm")];
+    range = std::to_string(std::stod(range) + 3);
+  }
+  rows.write(folder / "m.csv");
+  const Outcome outcome =
+      run_tool(folder,
+               "identify --arm puma560 --measurements m.csv --sensor sensor.yaml --method refined "
+               "--correct range-offsets --out s.yaml --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  EXPECT_NEAR(result["refinement"]["range_offsets_m"][0].get<double>(), 3e-3, 0.3e-3);
+  EXPECT_LT(result["predicted_tool_error_m"], 0.3e-3);
+  EXPECT_EQ(outcome.err.find("bends"), std::string::npos) << outcome.err;
+}
+
 }  // namespace
 }  // namespace armsig::cli

@@ -3,6 +3,7 @@
 // and what the rows cannot tell is said.
 #include <nlohmann/json.hpp>
 
+#include "host_tests/cli/predictions.hpp"
 #include "host_tests/cli/refined_arm.hpp"
 
 namespace armsig::cli {
@@ -212,6 +213,46 @@ TEST(Identify, reports_a_cross_validated_figure_by_every_method) {
     EXPECT_GT(score["rms_m"], 2.5e-4) << method;
     EXPECT_LT(score["rms_m"], 2e-3) << method;
   }
+}
+
+// Joints held to 0.04 degrees either way, farther apart than a held joint is for features: the fit
+// goes by what was read.
+TEST(Refined, takes_sweeps_whose_held_joints_wander) {
+  const Folder folder;
+  ASSERT_EQ(run_tool(folder,
+                     "simulate --arm puma560 --tolerances 1 --hand-target-mm 80,30,120 "
+                     "--sigma-mm 0.05 --seed 3 --out m.csv --truth-out truth.yaml")
+                .status,
+            0);
+  Csv rows = Csv::read(folder / "m.csv");
+  const auto name = [](std::size_t joint) { return "q" + std::to_string(joint) + "_deg"; };
+  std::string poses = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg";
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    for (std::size_t j = 1; j <= 6; ++j) {
+      std::string& reading = rows.rows[k][rows.column(name(j))];
+      const bool swept = rows.rows[k][rows.column("sweep")] == std::to_string(j);
+      const auto phase = static_cast<double>(7 * k + 3 * j);
+      reading = std::to_string(std::stod(reading) + (swept ? 0 : 0.04) * std::sin(phase));
+      poses += (j == 1 ? "\n" : ",") + reading;
+    }
+  }
+  write_file(folder / "q.csv", poses + "\n");
+  const Csv true_points = predict(folder, "truth.yaml", "1");
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    for (const char* axis : {"x", "y", "z"}) {
+      const double noise_mm = 0.07 * std::sin(11 * static_cast<double>(k) + axis[0]);
+      rows.rows[k][rows.column(std::string(axis) + "_mm")] =
+          std::to_string(1e3 * true_points.number(k, std::string(axis) + "_m") + noise_mm);
+    }
+  }
+  rows.write(folder / "m.csv");
+  const Outcome outcome = run_tool(
+      folder, "identify --arm puma560 --measurements m.csv --method refined --out s.yaml --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const double stated_m =
+      nlohmann::json::parse(outcome.out)["predicted_tool_error_m"].get<double>();
+  EXPECT_LT(stated_m, 1e-3);
+  EXPECT_LT(rms_distance(predict(folder, "s.yaml", "1"), true_points), 1.5 * stated_m);
 }
 
 }  // namespace

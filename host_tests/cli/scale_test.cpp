@@ -47,6 +47,7 @@ double observed_about_middle_m(const Folder& folder) {
 
 struct JudgedScale {
   double stated_m = 0;
+  double sigma_m = 0;  // by the covariance that the signature holds
   double observed_m = 0;
   std::string err;
 };
@@ -58,7 +59,10 @@ JudgedScale judge_scale(const Folder& folder, const Csv& rows) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   if (outcome.status != 0) return {};
   write_joint_poses(rows, folder / "q.csv");
+  const Outcome predicted = run_tool(
+      folder, "predict --signature s.yaml --joints q.csv --target 1 --sigma --out p.csv --json");
   return {nlohmann::json::parse(outcome.out)["predicted_tool_error_m"].get<double>(),
+          nlohmann::json::parse(predicted.out)["rms_sigma_m"].get<double>(),
           observed_about_middle_m(folder), outcome.err};
 }
 
@@ -75,6 +79,7 @@ TEST(Scale, is_part_of_the_predicted_error_where_the_drawing_shows_it) {
   EXPECT_GT(stretched.observed_m, 1e-3);
   EXPECT_LT(stretched.observed_m, 1.5 * stretched.stated_m);  // far more without
   EXPECT_GT(stretched.observed_m, 0.5 * stretched.stated_m);
+  EXPECT_NEAR(stretched.sigma_m, stretched.stated_m, 0.2 * stretched.stated_m);
 }
 
 // How long a millimetre is, a slide's reading says as well as the sensor: one of them errs.

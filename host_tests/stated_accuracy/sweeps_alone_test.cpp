@@ -52,20 +52,27 @@ void write_poses(const Folder& folder) {
   cli::write_file(folder / "q.csv", text + "\n");
 }
 
+// An arm as it is, and as it is drawn.
+struct Drawn {
+  std::string made;
+  std::string drawn;
+  const char* hand_mm = "80,30,120";
+};
+
 // Observed over stated RMS error of the tool.
-std::optional<double> judge(const char* arm, const Bent& bent, const char* method, int seed) {
-  const Folder folder;
+std::optional<double> judge(const Folder& folder, const Drawn& arm, const Bent& bent,
+                            const char* method, int seed) {
   const cli::Outcome simulated = cli::run_tool(
       folder, fmt::format("simulate --arm {} --tolerances 1 --points 36 --arc 150 "
-                          "--hand-target-mm 80,30,120 --sigma-mm {} --sag-mm {} --maps-deg {} "
+                          "--hand-target-mm {} --sigma-mm {} --sag-mm {} --maps-deg {} "
                           "--seed {} --out m.csv --truth-out truth.yaml",
-                          arm, bent.sigma_mm, bent.sag_mm, bent.maps_deg, seed));
+                          arm.made, arm.hand_mm, bent.sigma_mm, bent.sag_mm, bent.maps_deg, seed));
   EXPECT_EQ(simulated.status, 0) << simulated.err;
   const cli::Outcome identified =
       cli::run_tool(folder, fmt::format("identify --arm {} --measurements m.csv --method {} "
                                         "--out s.yaml --json",
-                                        arm, method));
-  EXPECT_EQ(identified.status, 0) << arm << identified.err;
+                                        arm.drawn, method));
+  EXPECT_EQ(identified.status, 0) << arm.drawn << identified.err;
   if (identified.status != 0) return std::nullopt;
   const auto json = nlohmann::json::parse(identified.out);
   const double stated_m = json.contains("predicted_over_limits_m")
@@ -94,7 +101,7 @@ void expect_honest(const char* method) {
     int count = 0;
     for (const char* arm : kArms) {
       for (int seed = 1; seed <= seeds(); ++seed) {
-        const auto ratio = judge(arm, bent, method, seed);
+        const auto ratio = judge(Folder(), {arm, arm}, bent, method, seed);
         if (!ratio) continue;
         squares += *ratio * *ratio;
         most = std::max(most, *ratio);
@@ -113,6 +120,34 @@ TEST(SweepsAlone, state_by_features_what_an_arm_that_bends_is_missed_by) {
 }
 
 TEST(SweepsAlone, state_refined_what_an_arm_that_bends_is_missed_by) { expect_honest("refined"); }
+
+// The drawing's last link frame is in the wrist, and no lever of its frames that of the tool.
+TEST(SweepsAlone, state_what_a_weight_at_the_tool_bends) {
+  const cli::Outcome shown = cli::run_tool(Folder(), "arms --show puma560");
+  ASSERT_EQ(shown.status, 0);
+  std::string heavy = shown.out;
+  const std::string last = "d_mm: 0, a_mm: 0, alpha_deg: 0, limits_deg: [-266";
+  ASSERT_NE(heavy.find(last), std::string::npos);
+  heavy.replace(heavy.find(last), last.size(),
+                "d_mm: 120, a_mm: 80, alpha_deg: 0, limits_deg: [-266");
+  for (const char* method : {"encoder", "refined"}) {
+    for (const double sag_mm : {1.0, 2.0, 4.0}) {
+      double squares = 0;
+      const int count = 2 + seeds();
+      for (int seed = 1; seed <= count; ++seed) {
+        const Folder folder;
+        cli::write_file(folder / "heavy.yaml", heavy);
+        const auto ratio =
+            judge(folder, {"heavy.yaml", "puma560", "0,30,20"}, {sag_mm, 0, 0.03}, method, seed);
+        ASSERT_TRUE(ratio.has_value());
+        EXPECT_LT(*ratio, 1.5) << method << sag_mm << " " << seed;
+        squares += *ratio * *ratio / count;
+      }
+      fmt::print("{}, {} mm at the tool: {:.2f}\n", method, sag_mm, std::sqrt(squares));
+      EXPECT_GT(squares, 0.5 * 0.5) << method << sag_mm;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace armsig

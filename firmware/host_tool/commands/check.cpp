@@ -13,6 +13,7 @@
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/reading/copied_rows.hpp"
 #include "firmware/host_tool/reading/measurement_log.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
@@ -53,6 +54,7 @@ struct Checked {
   std::optional<ResidualSummary> nominal;
   std::vector<std::size_t> rejected_lines;
   std::vector<DisbelievedReceiver> disbelieved;
+  std::size_t copied = 0;  // rows that are copies of others
 };
 
 // No sensor is so bad: what is wrong is a unit, a column, or the arm.
@@ -108,6 +110,9 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
     }
   }
   say("  {} rows, {} of them outliers\n", report.rows + report.rows_rejected, report.rows_rejected);
+  if (checked.copied > 0) {
+    say("  {} rows are copies of others, and count once\n", checked.copied);
+  }
   if (!checked.rejected_lines.empty()) {
     say("  outliers, by line: {}\n", lines_in_words(checked.rejected_lines));
   }
@@ -143,6 +148,7 @@ nlohmann::ordered_json json_of(const Checked& checked, int status) {
       {"allowed", report.allowed},
       {"rows", report.rows},
       {"rows_rejected", report.rows_rejected},
+      {"rows_copied", checked.copied},
       {"rejected_lines", checked.rejected_lines},
       {"rms_m", report.rms_m},
       {"mean_m", report.mean_m},
@@ -166,14 +172,15 @@ nlohmann::ordered_json json_of(const Checked& checked, int status) {
   return json;
 }
 
-// Every row of the file, its ranges in metres of its own air.
+// Every row of the file but copies, its ranges in metres of its own air.
 Read<MeasurementLog> read_log(const CheckOptions& options, const Signature& signature,
-                              const std::optional<SensorDescription>& sensor) {
+                              const std::optional<SensorDescription>& sensor, CopiedRows& copies) {
   MeasurementLog log;
   const auto rows = read_measurements(
       options.measurements, signature.types, [&](const MeasurementRow& row) -> Read<void> {
         const auto scale = range_scale(row, sensor, options.measurements);
         if (!scale) return std::unexpected(scale.error());
+        if (copies.is_copy(row)) return {};
         log.add(row, sensor, *scale);
         if (row.ranges_m.empty()) return {};
         if (const auto position = locate(row, *sensor, *scale)) log.add_located(position->p_S);
@@ -259,7 +266,8 @@ int run(const CheckOptions& options) {
     sensor = *read;
   }
   const Signature& signature = record->signature;
-  auto log = read_log(options, signature, sensor);
+  CopiedRows copies(kRememberedInMemory);
+  auto log = read_log(options, signature, sensor, copies);
   if (!log) return fail(log.error(), kBadInput, options);
 
   std::vector<refinement::RowOutcome> outcomes(log->observations().size());
@@ -275,7 +283,8 @@ int run(const CheckOptions& options) {
                                                {signature.targets.data(), signature.targets.size()},
                                                receivers, outcomes),
                   .rejected_lines = log->rejected_lines(outcomes),
-                  .disbelieved = log->disbelieved_receivers(outcomes)};
+                  .disbelieved = log->disbelieved_receivers(outcomes),
+                  .copied = copies.count()};
   const bool healthy =
       report->verdict == uncertainty::DriftVerdict::kConsistent && !judgement.place;
   const int status = healthy ? kDone : kNoAnswer;

@@ -15,6 +15,7 @@
 #include "firmware/host_tool/diagnosis/collector.hpp"
 #include "firmware/host_tool/diagnosis/gate.hpp"
 #include "firmware/host_tool/identification/identification_run.hpp"
+#include "firmware/host_tool/identification/undone.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/identify_report.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
@@ -74,7 +75,6 @@ Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const 
 
 // So many rows back a copy is found: of features, whose memory does not grow with the file, fewer.
 constexpr std::size_t kRemembered = std::size_t{8} << 10U;
-constexpr std::size_t kRememberedToRefine = std::size_t{4} << 20U;
 
 // Gives every row of the file but copies to `take`, and says how many copies there are.
 Read<std::size_t> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
@@ -82,7 +82,7 @@ Read<std::size_t> read_all(const IdentifyOptions& options, const Arm& arm, const
   auto reader = open_measurements(options, types_of(arm.joints));
   if (!reader) return std::unexpected(reader.error());
   Progress progress(what, 1000);
-  CopiedRows copies(options.method == "refined" ? kRememberedToRefine : kRemembered);
+  CopiedRows copies(options.method == "refined" ? kRememberedInMemory : kRemembered);
   for (MeasurementRow row;;) {
     auto more = reader->next(row);
     if (!more && options.mapped) more.error().column = 0;
@@ -95,6 +95,9 @@ Read<std::size_t> read_all(const IdentifyOptions& options, const Arm& arm, const
     }
   }
 }
+
+// Of the ranges of receivers whose offsets are asked for, 1 sigma.
+constexpr double kUnknownOffset_m = 5e-3;
 
 // A file that can be read again: features are validated in a second pass.
 bool is_repeatable(const std::string& path) { return std::filesystem::is_regular_file(path); }
@@ -133,32 +136,9 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
 // Fewer rows than these say nothing against an arm.
 constexpr std::size_t kFewestToDoubt = 12;
 
-// How far the errors of the ranges to the receivers move a point that is found from them: least
-// squares, to first order.
-Vector3 moved_by_offsets(const Vector3& p_S, const SensorDescription& sensor,
-                         std::span<const double> offsets_m) {
-  Matrix3 H = Matrix3::Zero();
-  Vector3 g = Vector3::Zero();
-  for (std::size_t r = 0; r < offsets_m.size(); ++r) {
-    const Vector3 u = (p_S - sensor.receivers_S[r]).normalized();
-    H += u * u.transpose();
-    g += u * offsets_m[r];
-  }
-  return H.ldlt().solve(g);
-}
-
 std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
-                              const SignatureRecord& record,
-                              const std::optional<SensorDescription>& sensor, double enlarged) {
+                              const SignatureRecord& record, double enlarged) {
   if (evidence.rows.size() < kFewestToDoubt) return std::nullopt;
-  // Offsets and a scale that were asked for are undone, and the rest judged.
-  Evidence unscaled = evidence;
-  for (EvidenceRow& row : unscaled.rows) {
-    if (sensor && !record.receiver_offsets_m.empty()) {
-      row.p_S -= moved_by_offsets(row.p_S, *sensor, record.receiver_offsets_m);
-    }
-    row.p_S /= 1 + record.scale;
-  }
   const refinement::PoeChain chain(record.signature, record.readings());
   const auto& targets = record.signature.targets;
   const auto predicted_S = [&](const EvidenceRow& row) -> std::optional<Vector3> {
@@ -166,7 +146,7 @@ std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
     if (target == targets.end()) return std::nullopt;
     return chain.point(chain.motion(row.q), *target);
   };
-  return doubt(unscaled, limits,
+  return doubt(evidence, limits,
                FoundArm{.predicted_S = predicted_S,
                         .predicted_error_m = record.predicted_tool_error_m.value_or(0) / enlarged});
 }
@@ -220,6 +200,7 @@ int run(IdentifyOptions options) {
     const auto read = read_checked_sensor(options.sensor);
     if (!read) return fail(read.error(), kBadInput, options);
     sensor = *read;
+    if (further->receiver_offsets) sensor->unknown_offset_m = kUnknownOffset_m;
   }
 
   const bool refine = options.method == "refined";
@@ -255,13 +236,15 @@ int run(IdentifyOptions options) {
 
   SignatureRecord record = record_of(found->identified, *arm, options.method, options.serial);
   const std::size_t receivers = sensor ? sensor->receivers_S.size() : 0;
+  const Evidence evidence =
+      refine ? undone(collector.evidence(), *found->refinement, sensor) : collector.evidence();
   double enlarged = 1;  // what is stated, over what the method itself predicts
   if (refine) {
-    enlarged = add_refinement(record, *found->refinement, receivers, collector.evidence());
+    enlarged = add_refinement(record, *found->refinement, receivers, evidence);
   } else {
-    enlarged = add_features(record, found->validation, collector.evidence());
+    enlarged = add_features(record, found->validation, evidence);
   }
-  const auto doubt = doubt_of(collector.evidence(), arm->limits, record, sensor, enlarged);
+  const auto doubt = doubt_of(evidence, arm->limits, record, enlarged);
   if (doubt) {
     const Problem problem = problem_of(*doubt, options.measurements);
     if (doubt->refuses && !options.accept_different_arm) return fail(problem, kNoAnswer, options);

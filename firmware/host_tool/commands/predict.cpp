@@ -13,6 +13,7 @@
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/diagnosis/evidence.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/reading/beyond_limits.hpp"
@@ -50,12 +51,6 @@ Read<std::vector<Vector3>> sigmas_of(const SignatureRecord& record, const std::s
     sigmas_m.emplace_back(covariance.diagonal().cwiseSqrt());
   }
   return sigmas_m;
-}
-
-double rms_length(const std::vector<Vector3>& vectors) {
-  double squares = 0;
-  for (const Vector3& v : vectors) squares += v.squaredNorm();
-  return std::sqrt(squares / static_cast<double>(vectors.size()));
 }
 
 // Uncertain is a measured point: a sigma without --target is that of the only one on the last link.

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Dense>
-
 #include "core/base/low_discrepancy.hpp"
-#include "firmware/host_tool/diagnosis/gravity_columns.hpp"
+#include "firmware/host_tool/diagnosis/unchanging_arm.hpp"
 
 namespace armsig::tool {
 
@@ -23,7 +21,6 @@ namespace {
 constexpr std::size_t kFewestRows = 24;
 constexpr std::size_t kFewestOfPart = 4;  // rows before and after
 constexpr double kFarthest = 30;
-constexpr int kJudged = 200;         // configurations, as uncertainty::predicted_rms()
 constexpr double kUsualSize = 0.03;  // of a change, 1 sigma: metres, radians, a share
 
 struct Candidate {
@@ -54,22 +51,6 @@ Eigen::Matrix<double, 3, kStrains> moved_by_strains(const Vector3& p) {
   return moved;
 }
 
-// The inverse of a matrix of normal equations; what the rows do not tell is left as it is. Beyond
-// this part of what `scale` has on its diagonal only rounding is left.
-constexpr double kTold = 1e-9;
-
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal, const Eigen::VectorXd& scale) {
-  if (normal.size() == 0) return normal;  // an arm on which gravity has no lever
-  const Eigen::VectorXd unit =
-      scale.unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> in(unit.asDiagonal() * normal *
-                                                          unit.asDiagonal());
-  const Eigen::VectorXd inverse =
-      in.eigenvalues().unaryExpr([](double x) { return x > kTold ? 1 / x : 0.0; });
-  return unit.asDiagonal() * in.eigenvectors() * inverse.asDiagonal() *
-         in.eigenvectors().transpose() * unit.asDiagonal();
-}
-
 // Sums over the rows, each weighed by its share of the change.
 struct Sums {
   explicit Sums(Eigen::Index size)
@@ -77,14 +58,17 @@ struct Sums {
         twice(Eigen::MatrixXd::Zero(size, size)),
         score(Eigen::VectorXd::Zero(size)) {}
 
-  void add(const Eigen::Matrix3Xd& J, const Vector3& residual, double weight, double share) {
-    once.noalias() += weight * share * (J.transpose() * J);
+  void add(const Eigen::Matrix3Xd& J, const Vector3& residual, double weight) {
+    once.noalias() += weight * (J.transpose() * J);
+    score.noalias() += weight * (J.transpose() * residual);
+  }
+  void add_share(const Eigen::Matrix3Xd& J, const Vector3& residual, double weight, double share) {
+    add(J, residual, weight * share);
     twice.noalias() += weight * share * share * (J.transpose() * J);
-    score.noalias() += weight * share * (J.transpose() * residual);
   }
 
   Eigen::MatrixXd once;
-  Eigen::MatrixXd twice;
+  Eigen::MatrixXd twice;  // by the square of the share; not of whole ones, where it is `once`
   Eigen::VectorXd score;
 };
 
@@ -92,36 +76,19 @@ class ScoreTest {
  public:
   ScoreTest(const Evidence& evidence, const DeviatingChain& chain,
             const std::vector<Vector3>& residuals_S)
-      : evidence_(evidence), chain_(chain), residuals_(residuals_S), size_(chain.all().count) {
-    weigh();
-    const auto normal = chain.normal(evidence, residuals_S, weights_);
-    inverse_ = inverse_of(normal.H, normal.H.diagonal());
-    Eigen::Matrix3Xd J(3, size_);
-    Sums whole(size_);
-    for (std::size_t k = 0; k < weights_.size(); ++k) {
-      chain.derivatives(evidence.rows[k], J);
-      derivatives_.push_back(J);
-      whole.add(J, residuals_S[k], weights_[k], 1);
-      squares_ += weights_[k] * residuals_S[k].squaredNorm();
-    }
-    // The lengths are no unknown of an unchanging arm.
-    inverse_.row(chain.of_lengths().first).setZero();
-    inverse_.col(chain.of_lengths().first).setZero();
-    step_ = inverse_ * whole.score;
-    squares_ -= whole.score.dot(step_);
-  }
+      : evidence_(evidence), residuals_(residuals_S), arm_(evidence, chain, residuals_S) {}
 
   void consider(const std::vector<Candidate>& candidates, const Sums& sums, bool slow,
                 std::size_t from) {
+    const Eigen::MatrixXd& squares = slow ? sums.twice : sums.once;
     for (const Candidate& candidate : candidates) {
-      const auto [first, count] = candidate.columns;
+      const auto [first, count] = arm_.place_of(candidate.columns);
       const Eigen::MatrixXd across = sums.once.middleCols(first, count);
+      const Eigen::MatrixXd own = squares.block(first, first, count, count);
       Scored scored{.across = across,
-                    .usual = sums.twice.block(first, first, count, count),
-                    .left = sums.twice.block(first, first, count, count) -
-                            across.transpose() * inverse_ * across,
-                    .score = sums.score.segment(first, count) - across.transpose() * step_,
-                    .squares = squares_};
+                    .usual = own,
+                    .left = own - across.transpose() * arm_.inverse() * across,
+                    .score = sums.score.segment(first, count) - across.transpose() * arm_.step()};
       score_of(scored, candidates.size());
       if (best_ && scored.evidence <= best_->evidence) continue;
       const double shift_m = moved_by(candidate, scored.size, from);
@@ -132,43 +99,28 @@ class ScoreTest {
       best_->slow = slow;
       best_->first_line = evidence_.rows[from].line;
       best_->shift_m = shift_m;
-      best_->after_it.segment(first, count) -= scored.size;
+      best_->after_it.segment(candidate.columns.first, count) -= scored.size;
     }
   }
 
-  // A strain is no unknown of the arm: rows know it by where they are. What gravity bends looks
-  // like one, and is taken out first.
+  // A strain is no unknown of the arm: rows know it by where they are.
   [[nodiscard]] Change strain() const {
-    const GravityColumns gravity(evidence_.arm);
     Vector3 middle = Vector3::Zero();
     for (const EvidenceRow& row : evidence_.rows) middle += row.p_S;
     middle /= static_cast<double>(evidence_.rows.size());
-    const Eigen::Index bent = gravity.count();
-    const Eigen::Index count = bent + kStrains;
-    Eigen::MatrixXd across = Eigen::MatrixXd::Zero(size_, count);
-    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(count, count);
-    Eigen::VectorXd score = Eigen::VectorXd::Zero(count);
-    Eigen::Matrix3Xd E(3, count);
-    for (std::size_t k = 0; k < weights_.size(); ++k) {
-      E.leftCols(bent) = gravity.of(evidence_.rows[k], chain_, derivatives_[k]);
-      E.rightCols<kStrains>() = moved_by_strains(evidence_.rows[k].p_S - middle);
-      across.noalias() += weights_[k] * (derivatives_[k].transpose() * E);
-      own.noalias() += weights_[k] * (E.transpose() * E);
-      score.noalias() += weights_[k] * (E.transpose() * residuals_[k]);
+    Eigen::MatrixXd across = Eigen::MatrixXd::Zero(arm_.size(), kStrains);
+    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(kStrains, kStrains);
+    Eigen::VectorXd score = Eigen::VectorXd::Zero(kStrains);
+    for (std::size_t k = 0; k < arm_.rows(); ++k) {
+      const auto E = moved_by_strains(evidence_.rows[k].p_S - middle);
+      across.noalias() += arm_.weight(k) * (arm_.derivatives(k).transpose() * E);
+      own.noalias() += arm_.weight(k) * (E.transpose() * E);
+      score.noalias() += arm_.weight(k) * (E.transpose() * residuals_[k]);
     }
-    const Eigen::MatrixXd left = own - across.transpose() * inverse_ * across;
-    score -= across.transpose() * step_;
-    const Eigen::MatrixXd by_gravity =
-        inverse_of(left.topLeftCorner(bent, bent), own.diagonal().head(bent));
-    // What gravity makes of the residuals, and of each strain.
-    const Eigen::VectorXd sag = by_gravity * score.head(bent);
-    const Eigen::MatrixXd sags = by_gravity * left.topRightCorner(bent, kStrains);
-    Scored scored{.across = across.rightCols<kStrains>() - across.leftCols(bent) * sags,
-                  .usual = own.bottomRightCorner<kStrains, kStrains>(),
-                  .left = left.bottomRightCorner<kStrains, kStrains>() -
-                          left.bottomLeftCorner(kStrains, bent) * sags,
-                  .score = score.tail<kStrains>() - left.bottomLeftCorner(kStrains, bent) * sag,
-                  .squares = squares_ - score.head(bent).dot(sag)};
+    Scored scored{.across = across,
+                  .usual = own,
+                  .left = own - across.transpose() * arm_.inverse() * across,
+                  .score = score - across.transpose() * arm_.step()};
     score_of(scored, 1);
     double squares = 0;
     for (const EvidenceRow& row : evidence_.rows) {
@@ -182,16 +134,16 @@ class ScoreTest {
   }
 
   std::optional<Change> run(const std::vector<Candidate>& candidates) {
-    Sums sums(size_);
-    const std::size_t rows = weights_.size();
+    Sums sums(arm_.size());
+    const std::size_t rows = arm_.rows();
     for (std::size_t k = rows; k-- > kFewestOfPart;) {
-      sums.add(derivatives_[k], residuals_[k], weights_[k], 1);
+      sums.add(arm_.derivatives(k), residuals_[k], arm_.weight(k));
       if (k + kFewestOfPart <= rows) consider(candidates, sums, false, k);
     }
-    Sums growing(size_);
+    Sums growing(arm_.size());
     for (std::size_t k = 0; k < rows; ++k) {
       const double share = static_cast<double>(k) / static_cast<double>(rows - 1);
-      growing.add(derivatives_[k], residuals_[k], weights_[k], share);
+      growing.add_share(arm_.derivatives(k), residuals_[k], arm_.weight(k), share);
     }
     consider(candidates, growing, true, 0);
     return best_;
@@ -204,7 +156,6 @@ class ScoreTest {
     Eigen::MatrixXd usual;   // of its own
     Eigen::MatrixXd left;    // of that, what an unchanging arm can not do
     Eigen::VectorXd score;   // and of the residuals
-    double squares = 0;      // left of them without it
     Eigen::VectorXd size = {};
     double gain = 0;
     double evidence = 0;
@@ -215,62 +166,44 @@ class ScoreTest {
     scored.usual.diagonal().array() += kWeight;
     scored.left.diagonal().array() += kWeight;
     scored.size = inverse_of(scored.left, scored.usual.diagonal()) * scored.score;
-    scored.gain = std::clamp(scored.score.dot(scored.size), 0.0, (1 - 1e-12) * scored.squares);
-    const double freedom = 3 * static_cast<double>(weights_.size()) - static_cast<double>(size_);
-    const double tried = static_cast<double>(candidates * weights_.size());
-    scored.evidence = -0.5 * freedom * std::log1p(-scored.gain / scored.squares) -
+    scored.gain = std::clamp(scored.score.dot(scored.size), 0.0, (1 - 1e-12) * arm_.squares());
+    const double freedom = 3 * static_cast<double>(arm_.rows()) - static_cast<double>(arm_.size());
+    const double tried = static_cast<double>(candidates * arm_.rows());
+    scored.evidence = -0.5 * freedom * std::log1p(-scored.gain / arm_.squares()) -
                       0.5 * static_cast<double>(scored.size.size()) * std::log(freedom) -
                       std::log(tried);
   }
 
   // What moves the rows by far more than they miss is hardly told from the arm itself.
   [[nodiscard]] bool is_told(double shift_m) const {
-    return shift_m <= kFarthest * std::sqrt(squares_ / weight_);
+    return shift_m <= kFarthest * std::sqrt(arm_.squares() / arm_.weight());
   }
 
   [[nodiscard]] Change change_of(const Scored& scored) const {
     Change change;
     change.last_line = evidence_.rows.back().line;
     change.size = scored.size;
-    change.before_m = std::sqrt(scored.squares / weight_);
-    change.after_m = std::sqrt((scored.squares - scored.gain) / weight_);
+    change.before_m = std::sqrt(arm_.squares() / arm_.weight());
+    change.after_m = std::sqrt((arm_.squares() - scored.gain) / arm_.weight());
     change.evidence = scored.evidence;
-    change.before_it = inverse_ * (scored.across * scored.size);
+    change.before_it = arm_.without_gravity(scored.across * scored.size);
     change.after_it = change.before_it;
     return change;
   }
 
-  void weigh() {
-    std::vector<double> lengths;
-    for (const Vector3& residual : residuals_) lengths.push_back(residual.norm());
-    const double sigma_m = std::max(kLeastSigma_m, sigma_by_median(lengths));
-    for (const double length : lengths) {
-      weights_.push_back(huber_weight(length, sigma_m));
-      weight_ += weights_.back();
-    }
-  }
-
   [[nodiscard]] double moved_by(const Candidate& candidate, const Eigen::VectorXd& size,
                                 std::size_t from) const {
+    const auto [first, count] = arm_.place_of(candidate.columns);
     double squares = 0;
-    for (std::size_t k = from; k < derivatives_.size(); ++k) {
-      squares +=
-          (derivatives_[k].middleCols(candidate.columns.first, candidate.columns.count) * size)
-              .squaredNorm();
+    for (std::size_t k = from; k < arm_.rows(); ++k) {
+      squares += (arm_.derivatives(k).middleCols(first, count) * size).squaredNorm();
     }
-    return std::sqrt(squares / static_cast<double>(derivatives_.size() - from));
+    return std::sqrt(squares / static_cast<double>(arm_.rows() - from));
   }
 
   const Evidence& evidence_;
-  const DeviatingChain& chain_;
   const std::vector<Vector3>& residuals_;
-  Eigen::Index size_;
-  std::vector<double> weights_;
-  double weight_ = 0;  // of all rows
-  std::vector<Eigen::Matrix3Xd> derivatives_;
-  Eigen::MatrixXd inverse_;
-  Eigen::VectorXd step_;  // what an unchanging arm would still do about the residuals
-  double squares_ = 0;    // weighted, that left out
+  UnchangingArm arm_;
   std::optional<Change> best_;
 };
 
@@ -287,25 +220,23 @@ std::optional<Change> likeliest_change(const Evidence& evidence, const Deviating
   return change;
 }
 
-double moved_by_change_m(const Change& change, const Evidence& evidence,
-                         const DeviatingChain& chain) {
+std::vector<Vector3> moved_by_change(const Change& change, const Evidence& evidence,
+                                     const DeviatingChain& chain) {
   const auto tool =
       std::ranges::find(chain.targets(), evidence.arm.joints.size(), &SeenTarget::link);
-  if (tool == chain.targets().end()) return 0;
-  JointTypes types;
-  for (const DhJoint& joint : evidence.arm.joints) types.push_back(joint.type);
+  if (tool == chain.targets().end()) return {};
   EvidenceRow row;
   row.target = tool->number;
   Eigen::Matrix3Xd J(3, chain.all().count);
-  double before = 0;
-  double after = 0;
-  for (int k = 1; k <= kJudged; ++k) {
-    row.q = work_configuration(types, evidence.arm.limits, k);
+  std::vector<Vector3> before;
+  std::vector<Vector3> after;
+  for (int k = 1; k <= kJudgedConfigurations; ++k) {
+    row.q = work_configuration(types_of(evidence.arm.joints), evidence.arm.limits, k);
     chain.derivatives(row, J);
-    before += (J * change.before_it).squaredNorm();
-    after += (J * change.after_it).squaredNorm();
+    before.emplace_back(J * change.before_it);
+    after.emplace_back(J * change.after_it);
   }
-  return std::sqrt(std::max(before, after) / kJudged);
+  return rms_length(before) > rms_length(after) ? before : after;
 }
 
 }  // namespace armsig::tool

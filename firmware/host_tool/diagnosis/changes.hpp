@@ -45,11 +45,11 @@ using Strains = Eigen::Matrix<double, kStrains, 1>;
                                                      const DeviatingChain& chain,
                                                      const std::vector<Vector3>& residuals_S);
 
-// By how much a target on the last link is off if there was this change and nobody knew of it: of
-// the unchanging arm from the one before it and the one after it, the farther of the two; RMS over
-// the joint limits. 0 without such a target.
-[[nodiscard]] double moved_by_change_m(const Change& change, const Evidence& evidence,
-                                       const DeviatingChain& chain);
+// How far a target on the last link is off if there was this change and nobody knew of it: of the
+// unchanging arm from the one before it or the one after it, whichever is farther; at
+// work_configuration()s 1 to kJudgedConfigurations. Empty without such a target.
+[[nodiscard]] std::vector<Vector3> moved_by_change(const Change& change, const Evidence& evidence,
+                                                   const DeviatingChain& chain);
 
 // "from line 42 on target 1 is another point, 1.02 mm away", and what to do about it.
 [[nodiscard]] std::string in_words(const Change& change, const Arm& arm);

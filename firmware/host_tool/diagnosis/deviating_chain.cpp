@@ -179,7 +179,7 @@ void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
     const Vector3 z = at.full[k - 1].R.col(2);
     const bool revolute = link.drawn.type == JointType::kRevolute;
     J.col(column + 6) = R * (revolute ? Vector3(z.cross(p_B - at.full[k - 1].p)) : z);
-    if (link.inverse_sigma[7] < 1e8) {
+    if (twists(k - 1)) {
       J.col(column + 7) = R * before.R.col(0).cross(p_B - before.p);
     }
   }

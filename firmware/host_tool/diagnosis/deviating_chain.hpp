@@ -52,6 +52,11 @@ class DeviatingChain {
   [[nodiscard]] Columns of_lengths() const { return {kScale, 1}; }
   [[nodiscard]] Columns of_link(std::size_t joint) const { return {link_column(joint), 6}; }
   [[nodiscard]] Columns of_zero(std::size_t joint) const { return {link_column(joint) + 6, 1}; }
+  // Where the drawing's frame is metres away.
+  [[nodiscard]] bool twists(std::size_t joint) const {
+    return links_[joint].inverse_sigma[7] < 1e8;
+  }
+  [[nodiscard]] Columns of_twist(std::size_t joint) const { return {link_column(joint) + 7, 1}; }
   [[nodiscard]] Columns of_target(std::size_t target) const { return {target_column(target), 3}; }
   [[nodiscard]] const std::vector<SeenTarget>& targets() const { return targets_; }
   void derivatives(const EvidenceRow& row, Eigen::Matrix3Xd& J) const {

@@ -66,6 +66,12 @@ double sigma_by_median(std::vector<double> lengths) {
   return median_of(std::move(lengths)) / kMedianLengthOf3;
 }
 
+double rms_length(const std::vector<Vector3>& vectors) {
+  double squares = 0;
+  for (const Vector3& v : vectors) squares += v.squaredNorm();
+  return std::sqrt(squares / static_cast<double>(vectors.size()));
+}
+
 double blunder_gate_m(std::vector<double> lengths_m) {
   return kBlunder * median_of(std::move(lengths_m));
 }

@@ -28,6 +28,11 @@ inline constexpr double kLeastSigma_m = 2e-6;
 // RMS of the smallest seven tenths of lengths. Precondition: not empty.
 [[nodiscard]] double trimmed_rms(std::vector<double> lengths);
 
+// Configurations over which an error of the tool is judged, as uncertainty::predicted_rms() does.
+inline constexpr int kJudgedConfigurations = 200;
+// Precondition: not empty.
+[[nodiscard]] double rms_length(const std::vector<Vector3>& vectors);
+
 struct EvidenceRow {
   std::size_t line = 0;   // of the file, from 1
   std::size_t sweep = 0;  // joint number from 1; 0: any joint may have moved

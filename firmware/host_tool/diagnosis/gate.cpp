@@ -157,7 +157,7 @@ std::optional<Doubt> doubt_of_change(const Evidence& evidence, const Reference& 
                .refuses = change->explains() > explaining.too_much &&
                           change->before_m > kMissesNothing * reference.fit.reach_m,
                .probability = 1,
-               .tool_off_m = moved_by_change_m(*change, evidence, reference.chain)};
+               .tool_off_m = moved_by_change(*change, evidence, reference.chain)};
 }
 
 }  // namespace

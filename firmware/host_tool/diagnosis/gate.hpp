@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "firmware/host_tool/diagnosis/near_fit.hpp"
 
@@ -23,11 +24,11 @@ struct Doubt {
   std::string cause;  // "the positions are in metres: times 1000 they fit within 0.1 mm"; or none
   std::string expected;  // what to change
   bool refuses = true;   // or is only worth saying
-  // How likely it is so, and then by how much the tool is off, RMS over the joint limits; or, where
-  // it is one factor on all lengths that were seen, by which: nobody knows whether the sensor errs
-  // by it or the drawing.
+  // How likely it is so, and then how far the tool is off at work_configuration()s 1 to
+  // kJudgedConfigurations; or, where it is one factor on all lengths that were seen, by which:
+  // nobody knows whether the sensor errs by it or the drawing.
   double probability = 0;
-  double tool_off_m = 0;
+  std::vector<Vector3> tool_off_m = {};
   double lengths_factor = 1;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How the points of an arm move that gravity bends at its joints: one column a term, as
-// core/arm_model/gravity_choice.hpp chooses them.
+// core/arm_model/gravity_choice.hpp chooses them, and one a joint of a weight at the target on the
+// last link, which no term of the drawing's link frames holds.
 #pragma once
 
 #include "core/arm_model/model.hpp"
@@ -14,13 +15,16 @@ class GravityColumns {
   explicit GravityColumns(const Arm& drawing);
 
   [[nodiscard]] Eigen::Index count() const {
-    return static_cast<Eigen::Index>(model_.gravity.size());
+    return static_cast<Eigen::Index>(model_.gravity.size() + model_.joint_count());
   }
   // `J`: of the row, as DeviatingChain::derivatives() gives them.
   [[nodiscard]] Eigen::Matrix3Xd of(const EvidenceRow& row, const DeviatingChain& chain,
                                     const Eigen::Matrix3Xd& J) const;
 
  private:
+  [[nodiscard]] Eigen::Matrix3Xd by_tool(const EvidenceRow& row, const DeviatingChain& chain,
+                                         const Eigen::Matrix3Xd& J) const;
+
   calibration::ArmModel model_;
 };
 

@@ -20,7 +20,7 @@ IdentificationRun::IdentificationRun(const Arm& nominal, std::optional<SensorDes
     : nominal_(nominal),
       sensor_(std::move(sensor)),
       file_(file),
-      sweeps_(nominal, std::move(file)) {
+      sweeps_(nominal, std::move(file), purpose == Purpose::kRefinement) {
   if (purpose == Purpose::kRefinement) log_.emplace();
   if (purpose == Purpose::kValidatedFeatures) validation_.emplace(nominal_, file_);
 }

@@ -12,6 +12,9 @@
 
 namespace armsig::tool {
 
+// Of rows that are all kept in memory, so many are remembered.
+inline constexpr std::size_t kRememberedInMemory = std::size_t{4} << 20U;
+
 class CopiedRows {
  public:
   // Remembers the last `remembered` rows.

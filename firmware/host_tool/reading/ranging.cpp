@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/reading/ranging.hpp"
 
+#include <cmath>
+
 #include <fmt/core.h>
 
 #include "core/measurement/speed_of_sound.hpp"
@@ -51,7 +53,12 @@ Result<measurement::Position> locate(const MeasurementRow& row, const SensorDesc
   }
   measurement::ReceiverArray receivers = receivers_of(sensor);
   if (row.sigma_m) receivers.range_sigma_m = *row.sigma_m;
-  return measurement::trilaterate(receivers, ranges);
+  const double sigma_m = receivers.range_sigma_m;
+  receivers.range_sigma_m = std::hypot(sigma_m, sensor.unknown_offset_m);
+  auto position = measurement::trilaterate(receivers, ranges);
+  const double share = sigma_m / receivers.range_sigma_m;
+  if (position) position->covariance_m2 *= share * share;
+  return position;
 }
 
 }  // namespace armsig::tool

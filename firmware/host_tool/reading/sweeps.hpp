@@ -39,7 +39,7 @@ struct SweptArm {
 
 class SweepSet {
  public:
-  SweepSet(const Arm& nominal, std::string file);
+  SweepSet(const Arm& nominal, std::string file, bool start_alone = false);
 
   // Takes one row. A problem names the line: another joint moved, sweeps disagree about the
   // signature configuration.
@@ -63,6 +63,8 @@ class SweepSet {
     std::map<int, features::SweepEstimator> targets;
   };
 
+  // By how much a joint that is held may wander.
+  [[nodiscard]] double held_tolerance(JointType type) const;
   [[nodiscard]] Problem at(std::size_t line, std::string what, std::string expected) const;
   [[nodiscard]] std::string reading(std::size_t joint, double value) const;
   // Whether sweep `swept` holds every joint beyond at the reading that `configuration` has.
@@ -78,6 +80,7 @@ class SweepSet {
 
   Arm nominal_;
   std::string file_;
+  double share_ = 1;                     // of what held joints may wander by
   std::map<std::size_t, Sweep> sweeps_;  // by joint, from 0
   std::set<int> mixed_targets_;          // seen in rows with sweep 0: on the last link
   std::size_t mixed_rows_ = 0;

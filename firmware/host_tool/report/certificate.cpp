@@ -19,7 +19,7 @@ constexpr double kNoShare = 0.01;
 constexpr double kAtLimit_rad = 0.02;
 constexpr double kAtLimit_m = 0.002;
 
-std::string millimetres(double metres) {
+std::string stated_mm(double metres) {
   return metres < 5e-7 ? "< 0.0005 mm" : fmt::format("{:.3f} mm", 1e3 * metres);
 }
 
@@ -36,7 +36,7 @@ void add_scatter(const SignatureRecord& record, double predicted_m, UncertaintyB
   if (sensor_m <= kNoShare * model_m) {
     const double scatter_m = std::hypot(sensor_m, model_m);
     const std::string found =
-        scatter_m > 0 ? fmt::format(", {} per axis", millimetres(scatter_m)) : std::string();
+        scatter_m > 0 ? fmt::format(", {} per axis", stated_mm(scatter_m)) : std::string();
     budget.sources.push_back({"Sensor and model together",
                               fmt::format("type A: scatter about the fit of {}{}; nothing was "
                                           "stated that would tell them apart",
@@ -47,12 +47,12 @@ void add_scatter(const SignatureRecord& record, double predicted_m, UncertaintyB
   const double share = sensor_m * sensor_m / (sensor_m * sensor_m + model_m * model_m);
   budget.sources.push_back({"Sensor",
                             fmt::format("type A: its scatter of {} per axis, through the fit of {}",
-                                        millimetres(sensor_m), rows_in_words(record)),
+                                        stated_mm(sensor_m), rows_in_words(record)),
                             std::sqrt(share * by_the_fit)});
   const std::string shown = model_m > 0 ? fmt::format(
                                               "type A: {} per axis beyond the sensor's scatter, in "
                                               "each pose and through the fit",
-                                              millimetres(model_m))
+                                              stated_mm(model_m))
                                         : std::string(
                                               "type A: the residuals show nothing beyond the "
                                               "sensor's scatter");
@@ -103,8 +103,8 @@ std::vector<std::string> accuracy_in_words(const SignatureRecord& record) {
         "scatter "
         "included. ISO 9283 has AP for the barycentre of 30 visits to each of five poses: this is "
         "what comes nearest, and it is not AP.",
-        out.rows, left_out_in_turn(record) ? " in turn" : "", millimetres(out.mean_m),
-        millimetres(out.rms_m)));
+        out.rows, left_out_in_turn(record) ? " in turn" : "", stated_mm(out.mean_m),
+        stated_mm(out.rms_m)));
   } else {
     words.emplace_back("Positioning accuracy (ISO 9283: AP): no positions were held out.");
   }

@@ -101,10 +101,9 @@ Enlargement by_missed_sweeps(const Evidence& evidence, const refinement::Refined
 
 // Sweeps do not tell what bends from what is tilted: so much more is stated.
 Enlargement by_bending(const Evidence& evidence, const refinement::Refined& estimate,
-                       const Arm& nominal, std::size_t tool) {
-  const auto bending = judge_bending(evidence, estimate, nominal.limits, tool);
+                       const Arm& nominal, std::size_t tool, bool by_features) {
+  const auto bending = judge_bending(evidence, estimate, nominal.limits, tool, !by_features);
   if (!bending) return {};
-  const bool by_features = estimate.readings.deflections == nullptr;
   return {bending->factor,
           fmt::format("the sweeps show that the arm bends, and not how: at the tool {:.3f} mm are "
                       "stated, {:.1f} times what {} predict{}; further poses (sweep 0){} tell",
@@ -123,7 +122,7 @@ Enlargement enlargement_of(const Evidence& evidence, const refinement::Refined& 
   consider(by_unused_poses(evidence, estimate));
   if (!tool) return most;
   consider(by_missed_sweeps(evidence, estimate, nominal, *tool));
-  consider(by_bending(evidence, estimate, nominal, *tool));
+  consider(by_bending(evidence, estimate, nominal, *tool, true));
   return most;
 }
 
@@ -149,9 +148,9 @@ double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::
                       const Evidence& evidence) {
   refinement::Refined& refined = *outcome.refined;
   Enlargement more;
-  // A fit that needs neither gravity nor maps to predict rows left out needs no more of them.
-  const auto tool = tool_target(refined.signature);
-  if (tool && outcome.deflections) more = by_bending(evidence, refined, record.nominal, *tool);
+  if (const auto tool = tool_target(refined.signature)) {
+    more = by_bending(evidence, refined, record.nominal, *tool, false);
+  }
   if (more.factor > 1) {
     enlarge(record, refined, more.factor);
     enlarge_maps(outcome, more.factor);

@@ -18,7 +18,6 @@ constexpr std::size_t kMostRows = 300;
 constexpr std::size_t kFewestRows = 12;
 constexpr double kBlunderGate = 6;  // of the rows' own robust scale
 constexpr int kScaleRounds = 25;
-constexpr int kJudgedPoses = 200;  // as uncertainty::predicted_rms()
 // Variance of the geometry about the estimate, over that about a drawing: says next to nothing.
 constexpr double kGeometryVariance = 25;
 constexpr double kQuickShare = 0.7;  // see engine_scales.cpp
@@ -38,18 +37,18 @@ struct Posterior {
   double log_evidence = 0;
 };
 
-// x for the first `columns` columns, sigma and scales by the fixed points of the engine
+// The columns of the first blocks, sigma and scales by the fixed points of the engine
 // (MacKay, 1992; Dempster, Laird and Rubin, 1977), with the whole covariance.
 class Fit {
  public:
   Fit(const WholeModel& model, const Rows& rows) : model_(model), rows_(rows) {}
 
-  [[nodiscard]] Posterior operator()(bool bends) {
-    const Eigen::Index size = bends ? model_.columns() : model_.geometry_columns();
+  // Geometry, and so many blocks of the model.
+  [[nodiscard]] Posterior operator()(std::size_t blocks) {
+    const Eigen::Index size = model_.columns_before(blocks);
     const Eigen::MatrixXd A = rows_.A.leftCols(size);
     const Eigen::MatrixXd squares = A.transpose() * A;
     const Eigen::VectorXd gradient = A.transpose() * rows_.y;
-    const std::size_t blocks = bends ? model_.blocks().size() : 0;
     Posterior found;
     found.scale.assign(blocks, 1.0);
     found.variance = rows_.y.squaredNorm() / static_cast<double>(rows_.y.size());
@@ -173,17 +172,17 @@ double expected_square(const WholeModel& model, const Posterior& posterior,
                        const refinement::Refined& estimate,
                        const FixedVector<JointLimits, kMaxJoints>& limits, std::size_t tool) {
   double sum = 0;
-  for (int k = 1; k <= kJudgedPoses; ++k) {
+  for (int k = 1; k <= kJudgedConfigurations; ++k) {
     const JointVector q = work_configuration(estimate.signature.types, limits, k);
     const WholeModel::At at = model.at(q, tool);
     const Eigen::MatrixXd columns = at.columns.leftCols(posterior.x.size());
     sum += (columns * posterior.x - at.bent).squaredNorm() +
            (columns * posterior.covariance).cwiseProduct(columns).sum();
-    for (std::size_t b = 1; b < posterior.scale.size(); ++b) {
-      sum += posterior.scale[b] * at.open[b - 1];
+    for (std::size_t b = WholeModel::kMaps; b < posterior.scale.size(); ++b) {
+      sum += posterior.scale[b] * at.open[b - WholeModel::kMaps];
     }
   }
-  return sum / kJudgedPoses;
+  return sum / kJudgedConfigurations;
 }
 
 }  // namespace
@@ -191,26 +190,29 @@ double expected_square(const WholeModel& model, const Posterior& posterior,
 std::optional<UnseenBending> judge_bending(const Evidence& evidence,
                                            const refinement::Refined& estimate,
                                            const FixedVector<JointLimits, kMaxJoints>& limits,
-                                           std::size_t tool) {
+                                           std::size_t tool, bool tried) {
+  const bool estimate_bends = estimate.readings.deflections != nullptr;
   const bool sweeps_alone =
       std::ranges::none_of(evidence.rows, [](const EvidenceRow& row) { return row.sweep == 0; });
   if (!sweeps_alone) return std::nullopt;
   const std::vector<EvidenceRow> from = sound_rows(evidence, estimate);
   if (from.empty()) return std::nullopt;
-  const WholeModel model(evidence.arm, estimate, from);
+  const WholeModel model(evidence.arm, estimate, from, tool);
   const Rows rows = linearised(model, estimate, from);
   Fit fit(model, rows);
-  const Posterior straight = fit(false);
-  const Posterior bent = fit(true);
+  const Posterior straight = fit(WholeModel::kGravity);
+  if (!estimate_bends && tried && fit(WholeModel::kMaps).log_evidence < straight.log_evidence) {
+    return std::nullopt;
+  }
+  const Posterior bent = fit(model.blocks().size());
   UnseenBending found;
-  found.stated_m = uncertainty::predicted_rms(estimate, limits, tool, kJudgedPoses);
+  found.stated_m = uncertainty::predicted_rms(estimate, limits, tool, kJudgedConfigurations);
   found.probability = 1 / (1 + std::exp(straight.log_evidence - bent.log_evidence));
   const auto square_of = [&](const Posterior& posterior) {
     return expected_square(model, posterior, estimate, limits, tool);
   };
   // An estimate that bends is judged by itself, one that does not by what bending adds.
-  const double without = estimate.readings.deflections != nullptr ? found.stated_m * found.stated_m
-                                                                  : square_of(straight);
+  const double without = estimate_bends ? found.stated_m * found.stated_m : square_of(straight);
   const double more = std::max(0.0, square_of(bent) - without);
   found.expected_m = std::sqrt(found.stated_m * found.stated_m + found.probability * more);
   // What is unexplained in every pose is no part of the covariance.

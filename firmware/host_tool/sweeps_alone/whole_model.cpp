@@ -19,6 +19,7 @@ using calibration::kKnots;
 constexpr double kBaseTurn = 0.1;
 constexpr double kPlace_m = 0.1;
 constexpr std::array<double, kDeviations> kDeviationSigma{2e-3, 2e-3, 1e-3, 1e-3, 1e-2};
+constexpr double kCorrectionSigma = 1e-3;  // of a reading, or per radian of a gear
 constexpr Eigen::Index kBaseColumns = 6;
 
 // Readings this near to each other, in knots of the engine's maps, are one.
@@ -38,8 +39,8 @@ double correlation(double a, double b) {
 }  // namespace
 
 WholeModel::WholeModel(const Arm& drawing, const refinement::Refined& estimate,
-                       std::span<const EvidenceRow> rows)
-    : estimate_(estimate), drawn_(calibration::model_of(drawing, {})) {
+                       std::span<const EvidenceRow> rows, std::size_t tool)
+    : estimate_(estimate), drawn_(calibration::model_of(drawing, {})), tool_(tool) {
   const Signature& signature = estimate.signature;
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
     drawn_.joints[i].domain = calibration::map_domain(drawing.joints[i].type, drawing.limits[i]);
@@ -49,8 +50,14 @@ WholeModel::WholeModel(const Arm& drawing, const refinement::Refined& estimate,
   geometry_ = kBaseColumns + 3 * static_cast<Eigen::Index>(signature.targets.size()) +
               static_cast<Eigen::Index>(kDeviations * signature.joint_count());
   columns_ = geometry_;
+  for (const refinement::Parameter& parameter : estimate.layout.parameters) {
+    if (calibration::of_reading(parameter)) corrections_.push_back(parameter);
+  }
+  const auto corrections = static_cast<Eigen::Index>(corrections_.size());
+  add_block(Eigen::MatrixXd::Identity(corrections, corrections));
   const auto terms = static_cast<Eigen::Index>(drawn_.gravity.size());
-  add_block(Eigen::MatrixXd::Identity(terms, terms));
+  const auto of_tool = static_cast<Eigen::Index>(signature.joint_count());
+  add_block(Eigen::MatrixXd::Identity(terms + of_tool, terms + of_tool));
   for (std::size_t i = 0; i < signature.joint_count(); ++i) add_knots(i, rows);
 }
 
@@ -112,7 +119,9 @@ WholeModel::At WholeModel::at(const JointVector& readings, std::size_t target) c
   }
   const refinement::Deflections now = refinement::deflections_at(estimate_.readings, readings);
   for (std::size_t i = 0; i < link; ++i) at.bent += now[i] * motion[i];
+  add_readings(readings, motion, at);
   add_gravity(readings, motion, at);
+  add_weight_of_tool(turned, motion, at);
   for (std::size_t i = 0; i < link; ++i) add_map(i, readings[i], motion[i], at);
   return at;
 }
@@ -133,13 +142,49 @@ Vector3 WholeModel::add_deviations(std::size_t joint, const Pose& X_SJ, At& at) 
   return motion;
 }
 
+// Of the corrections, the axes hold what they are at the signature configuration.
+void WholeModel::add_readings(const JointVector& readings, const Motions& motion, At& at) const {
+  if (corrections_.empty()) return;
+  const Signature& signature = estimate_.signature;
+  const JointVector effective = effective_readings(estimate_.readings.couplings, readings);
+  Eigen::Index column = blocks_[kReadings].first;
+  for (const refinement::Parameter& parameter : corrections_) {
+    at.columns.col(column++) = kCorrectionSigma *
+                               calibration::turn_by(parameter, effective[parameter.index]) *
+                               motion[parameter.index];
+  }
+  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
+    const auto added = [&](double reading) {
+      return refinement::corrected_reading(estimate_.readings, i, reading) - reading;
+    };
+    at.bent += (added(effective[i]) - added(signature.configuration[i])) * motion[i];
+  }
+}
+
 void WholeModel::add_gravity(const JointVector& readings, const Motions& motion, At& at) const {
   calibration::GravityLevers levers;
   calibration::gravity_levers(drawn_, effective_readings(drawn_.couplings, readings), levers);
   for (std::size_t t = 0; t < drawn_.gravity.size(); ++t) {
     const std::size_t joint = drawn_.gravity[t].joint;
-    at.columns.col(blocks_[0].first + static_cast<Eigen::Index>(t)) =
+    at.columns.col(blocks_[kGravity].first + static_cast<Eigen::Index>(t)) =
         calibration::map_unit(estimate_.signature.types[joint]) * levers[t] * motion[joint];
+  }
+}
+
+// The lever of a weight about an axis is how fast the joint lowers it.
+void WholeModel::add_weight_of_tool(const JointVector& turned, const Motions& motion,
+                                    At& at) const {
+  const Signature& signature = estimate_.signature;
+  const Vector3 tool_S = kinematics::target_position(signature, turned, signature.targets[tool_]);
+  const Vector3 down_S = -signature.X_SL[0].R.col(2);
+  const auto first = blocks_[kGravity].first + static_cast<Eigen::Index>(drawn_.gravity.size());
+  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
+    const Pose X_SJ = kinematics::link_pose(signature, turned, i);
+    const Vector3 z = X_SJ.R.col(2);
+    const bool revolute = signature.types[i] == JointType::kRevolute;
+    const Vector3 moves = revolute ? Vector3(z.cross(tool_S - X_SJ.p)) : z;
+    at.columns.col(first + static_cast<Eigen::Index>(i)) =
+        calibration::map_unit(signature.types[i]) * down_S.dot(moves) * motion[i];
   }
 }
 
@@ -152,7 +197,7 @@ void WholeModel::add_map(std::size_t joint, double reading, const Vector3& motio
   }
   const Eigen::VectorXd weight = knots.precision * like;
   const Vector3 moved = calibration::map_unit(estimate_.signature.types[joint]) * motion;
-  at.columns.middleCols(blocks_[1 + joint].first, like.size()) = moved * weight.transpose();
+  at.columns.middleCols(blocks_[kMaps + joint].first, like.size()) = moved * weight.transpose();
   at.open[joint] = std::max(0.0, 1 - like.dot(weight)) * moved.squaredNorm();
 }
 

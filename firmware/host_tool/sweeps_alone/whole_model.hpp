@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // All that may move a target of an arm, linearised about an estimate of it: base, targets, five
-// deviations a joint, gravity, and the map of every joint's reading as a Gaussian process at the
-// readings that were measured (section 8 of ALGORITHMS; Rasmussen and Williams, Gaussian Processes
-// for Machine Learning, 2006, section 2.2).
+// deviations a joint, those corrections of the readings that the estimate has, gravity, and the map
+// of every joint's reading as a Gaussian process at the readings that were measured (section 8 of
+// ALGORITHMS; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, section 2.2).
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,15 +29,16 @@ struct PriorBlock {
 
 class WholeModel {
  public:
-  // `rows` are those whose readings the maps are told at. Both are kept as references.
+  // `rows` are those whose readings the maps are told at, `tool` the target that has the tool's
+  // weight. The estimate is kept as a reference.
   WholeModel(const Arm& drawing, const refinement::Refined& estimate,
-             std::span<const EvidenceRow> rows);
+             std::span<const EvidenceRow> rows, std::size_t tool);
 
   // What moves the target at readings `readings`.
   struct At {
     Eigen::Matrix<double, 3, Eigen::Dynamic> columns;
     Vector3 p_S = Vector3::Zero();          // where the estimate has it
-    Vector3 bent = Vector3::Zero();         // what the estimate's own gravity and maps are of that
+    Vector3 bent = Vector3::Zero();         // what its own gravity, maps, corrections are of that
     std::array<double, kMaxJoints> open{};  // variance left in each map, of unit scale [m^2]
   };
   [[nodiscard]] At at(const JointVector& readings, std::size_t target) const;
@@ -44,8 +46,14 @@ class WholeModel {
   [[nodiscard]] Eigen::Index columns() const { return columns_; }
   // Base, targets, deviations: the first columns.
   [[nodiscard]] Eigen::Index geometry_columns() const { return geometry_; }
-  // Gravity, then the map of every joint.
+  // Corrections of the readings (kReadings); gravity, and the tool's weight (kGravity); from kMaps
+  // on the map of every joint.
+  enum Block : std::uint8_t { kReadings, kGravity, kMaps };
   [[nodiscard]] const std::vector<PriorBlock>& blocks() const { return blocks_; }
+  // Those before block `block`, which may be one beyond the last.
+  [[nodiscard]] Eigen::Index columns_before(std::size_t block) const {
+    return block < blocks_.size() ? blocks_[block].first : columns_;
+  }
 
  private:
   // How the target moves with each joint.
@@ -61,11 +69,15 @@ class WholeModel {
   [[nodiscard]] double phase(std::size_t joint, double reading) const;
   // Returns how the target moves with the joint.
   [[nodiscard]] Vector3 add_deviations(std::size_t joint, const Pose& X_SJ, At& at) const;
+  void add_readings(const JointVector& readings, const Motions& motion, At& at) const;
   void add_gravity(const JointVector& readings, const Motions& motion, At& at) const;
+  void add_weight_of_tool(const JointVector& turned, const Motions& motion, At& at) const;
   void add_map(std::size_t joint, double reading, const Vector3& motion, At& at) const;
 
   const refinement::Refined& estimate_;
+  std::vector<refinement::Parameter> corrections_;  // of the readings, that the estimate has
   calibration::ArmModel drawn_;
+  std::size_t tool_;
   std::array<Knots, kMaxJoints> knots_;
   std::vector<PriorBlock> blocks_;
   Eigen::Index geometry_ = 0;

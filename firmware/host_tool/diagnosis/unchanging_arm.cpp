@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/host_tool/diagnosis/unchanging_arm.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace armsig::tool {
+namespace {
+
+// Beyond this part of the scale only rounding is left.
+constexpr double kTold = 1e-9;
+// Joints give way by so much under a weight one metre out, 1 sigma [rad, or m of a slide].
+constexpr double kUsualSag = 0.01;
+
+}  // namespace
+
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal, const Eigen::VectorXd& scale) {
+  const Eigen::VectorXd unit =
+      scale.unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> in(unit.asDiagonal() * normal *
+                                                          unit.asDiagonal());
+  const Eigen::VectorXd inverse =
+      in.eigenvalues().unaryExpr([](double x) { return x > kTold ? 1 / x : 0.0; });
+  return unit.asDiagonal() * in.eigenvectors() * inverse.asDiagonal() *
+         in.eigenvectors().transpose() * unit.asDiagonal();
+}
+
+UnchangingArm::UnchangingArm(const Evidence& evidence, const DeviatingChain& chain,
+                             const std::vector<Vector3>& residuals_S)
+    : evidence_(evidence), chain_(chain), residuals_(residuals_S), gravity_(evidence.arm) {
+  weigh();
+  choose_unknowns();
+  differentiate();
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(size_, size_);
+  Eigen::VectorXd score = Eigen::VectorXd::Zero(size_);
+  for (std::size_t k = 0; k < weights_.size(); ++k) {
+    squares.noalias() += weights_[k] * (derivatives_[k].transpose() * derivatives_[k]);
+    score.noalias() += weights_[k] * (derivatives_[k].transpose() * residuals_S[k]);
+    squares_ += weights_[k] * residuals_S[k].squaredNorm();
+  }
+  invert(squares);
+  step_ = inverse_ * score;
+  squares_ -= score.dot(step_);
+}
+
+void UnchangingArm::weigh() {
+  std::vector<double> lengths;
+  for (const Vector3& residual : residuals_) lengths.push_back(residual.norm());
+  const double sigma_m = std::max(kLeastSigma_m, sigma_by_median(lengths));
+  for (const double length : lengths) {
+    weights_.push_back(huber_weight(length, sigma_m));
+    weight_ += weights_.back();
+  }
+}
+
+// Without the sensor's second place, the factor of the readings and the last link, which no row
+// knows.
+void UnchangingArm::choose_unknowns() {
+  const auto add = [&](const DeviatingChain::Columns& columns) {
+    for (Eigen::Index i = 0; i < columns.count; ++i) of_chain_.push_back(columns.first + i);
+  };
+  add(chain_.of_base());
+  add(chain_.of_lengths());
+  for (std::size_t j = 0; j + 1 < evidence_.arm.joints.size(); ++j) {
+    add(chain_.of_link(j));
+    add(chain_.of_zero(j));
+    if (chain_.twists(j)) add(chain_.of_twist(j));
+  }
+  add(chain_.of_zero(evidence_.arm.joints.size() - 1));
+  for (std::size_t t = 0; t < chain_.targets().size(); ++t) add(chain_.of_target(t));
+  stiff_ = static_cast<Eigen::Index>(of_chain_.size());
+  size_ = stiff_ + gravity_.count();
+}
+
+void UnchangingArm::differentiate() {
+  Eigen::Matrix3Xd J(3, chain_.all().count);
+  for (const EvidenceRow& row : evidence_.rows) {
+    chain_.derivatives(row, J);
+    derivatives_.emplace_back(3, size_);
+    derivatives_.back() << J(Eigen::all, of_chain_), gravity_.of(row, chain_, J);
+  }
+}
+
+DeviatingChain::Columns UnchangingArm::place_of(const DeviatingChain::Columns& of_chain) const {
+  return {std::ranges::lower_bound(of_chain_, of_chain.first) - of_chain_.begin(), of_chain.count};
+}
+
+// `squares`: of the derivatives. The lengths are no unknown of an unchanging arm.
+void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
+  constexpr double kWeight = 1 / (kUsualSag * kUsualSag);
+  const Eigen::Index lengths = place_of(chain_.of_lengths()).first;
+  const Eigen::MatrixXd normal = chain_.normal(evidence_, residuals_, weights_).H;
+  Eigen::MatrixXd H = squares;
+  H.topLeftCorner(stiff_, stiff_) = normal(of_chain_, of_chain_);
+  H.bottomRows(size_ - stiff_).col(lengths).setZero();
+  H.row(lengths).tail(size_ - stiff_).setZero();
+  H.diagonal().tail(size_ - stiff_).array() += kWeight;
+  stiff_inverse_ = inverse_of(H.topLeftCorner(stiff_, stiff_), H.diagonal().head(stiff_));
+  inverse_ = inverse_of(H, H.diagonal());
+  for (Eigen::MatrixXd* inverse : {&stiff_inverse_, &inverse_}) {
+    inverse->row(lengths).setZero();
+    inverse->col(lengths).setZero();
+  }
+}
+
+Eigen::VectorXd UnchangingArm::without_gravity(const Eigen::VectorXd& score) const {
+  Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(chain_.all().count);
+  unknowns(of_chain_) = stiff_inverse_ * score.head(stiff_);
+  return unknowns;
+}
+
+}  // namespace armsig::tool

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// What an arm that stays as it is can do about the residuals of its rows: it deviates from its
+// drawing, and gravity bends it, which a drive from one end of a joint to the other shows as if
+// something crept.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "firmware/host_tool/diagnosis/deviating_chain.hpp"
+#include "firmware/host_tool/diagnosis/gravity_columns.hpp"
+
+namespace armsig::tool {
+
+// The inverse of a matrix of normal equations; what the rows do not tell is left as it is. `scale`:
+// what the diagonal would be if the rows told everything.
+[[nodiscard]] Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal,
+                                         const Eigen::VectorXd& scale);
+
+class UnchangingArm {
+ public:
+  // All are kept as references.
+  UnchangingArm(const Evidence& evidence, const DeviatingChain& chain,
+                const std::vector<Vector3>& residuals_S);
+
+  // Unknowns: those of the chain that may change or move any row, then gravity's.
+  [[nodiscard]] Eigen::Index size() const { return size_; }
+  [[nodiscard]] DeviatingChain::Columns place_of(const DeviatingChain::Columns& of_chain) const;
+
+  [[nodiscard]] std::size_t rows() const { return weights_.size(); }
+  [[nodiscard]] const Eigen::Matrix3Xd& derivatives(std::size_t row) const {
+    return derivatives_[row];
+  }
+  [[nodiscard]] double weight(std::size_t row) const { return weights_[row]; }
+  [[nodiscard]] double weight() const { return weight_; }  // of all rows
+
+  [[nodiscard]] const Eigen::MatrixXd& inverse() const { return inverse_; }
+  // What the arm would still do about the residuals, and their weighted squares after that.
+  [[nodiscard]] const Eigen::VectorXd& step() const { return step_; }
+  [[nodiscard]] double squares() const { return squares_; }
+
+  // All unknowns of the chain after a score, of a fit that knows nothing of gravity.
+  [[nodiscard]] Eigen::VectorXd without_gravity(const Eigen::VectorXd& score) const;
+
+ private:
+  void weigh();
+  void choose_unknowns();
+  void differentiate();
+  void invert(const Eigen::MatrixXd& squares);
+
+  const Evidence& evidence_;
+  const DeviatingChain& chain_;
+  const std::vector<Vector3>& residuals_;
+  GravityColumns gravity_;
+  std::vector<Eigen::Index> of_chain_;  // the chain's unknowns among these
+  Eigen::Index stiff_ = 0;              // their number
+  Eigen::Index size_ = 0;
+  std::vector<double> weights_;
+  double weight_ = 0;
+  std::vector<Eigen::Matrix3Xd> derivatives_;
+  Eigen::MatrixXd inverse_;
+  Eigen::MatrixXd stiff_inverse_;
+  Eigen::VectorXd step_;
+  double squares_ = 0;
+};
+
+}  // namespace armsig::tool
