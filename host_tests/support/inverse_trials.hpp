@@ -213,7 +213,8 @@ class InverseTrials {
       }
       const long double gain = merit(error) - merit(true_error(rows_, q, X_0n, options.p_nP));
       // What a slope would bring; a fold brings its square.
-      if (gain > 1e-2L * static_cast<long double>(kBeside) * std::max(merit(error), 1e-6L)) return true;
+      if (gain > 1e-2L * static_cast<long double>(kBeside) * std::max(merit(error), 1e-6L))
+        return true;
     }
     return false;
   }
