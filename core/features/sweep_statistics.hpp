@@ -25,9 +25,9 @@ namespace armsig::features {
 
 // One measured point of a sweep.
 struct SweepPoint {
-  double reading = 0;                       // radians or metres
-  Vector3 p_S = Vector3::Zero();            // metres
-  Matrix3 covariance_m2 = Matrix3::Zero();  // of p_S
+  double reading = 0;             // radians or metres
+  Vector3 p_S = Vector3::Zero();  // metres
+  Matrix3 covariance_m2;          // of p_S
   // Mean variance per axis.
   [[nodiscard]] double variance() const { return covariance_m2.trace() / 3; }
 };
