@@ -27,7 +27,7 @@ namespace armsig::features {
 struct SweepPoint {
   double reading = 0;             // radians or metres
   Vector3 p_S = Vector3::Zero();  // metres
-  Matrix3 covariance_m2;          // of p_S
+  Matrix3 covariance_m2;          // of p_S; unset until it is measured
   // Mean variance per axis.
   [[nodiscard]] double variance() const { return covariance_m2.trace() / 3; }
 };
