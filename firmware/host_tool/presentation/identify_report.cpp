@@ -13,6 +13,7 @@
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/signature/doubt_stated.hpp"
+#include "firmware/host_tool/sweeps_alone/unseen_gear.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -141,6 +142,10 @@ std::optional<double> moved_by_unseen_scale_m(const Found& found, const Signatur
   return moved_by_scale_m(record, 1 + kScaleToName);
 }
 
+bool is_from_sweeps_alone(const Found& found) {
+  return found.identified.counts.mixed == 0 && found.identified.counts.rows > 0;
+}
+
 void print_accuracy(const Found& found, const SignatureRecord& record) {
   say("\nHow accurate it is\n\n");
   if (found.validation && found.validation->rows > 0) {
@@ -174,11 +179,16 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
                                     "and tool fitted",
                                     1e6 * kScaleToName, 1e3 * *moved_m)));
   }
-  if (found.identified.counts.mixed == 0 && found.identified.counts.rows > 0) {
-    say("{}", paragraph("found from sweeps alone, in which gravity, readings that err and tilted "
-                        "axes look alike: what that leaves open is counted, play is not; some 30 "
-                        "poses with all joints anywhere (armsig suggest) tell them apart"));
+  if (!is_from_sweeps_alone(found)) return;
+  if (const auto gear = least_seen_gear(record)) {
+    say("{}", paragraph(fmt::format(
+                  "not in it: the gear of joint {}, which is taken as exact; its sweep tells it to "
+                  "{:.3f} %, and so much moves the tool by {:.3f} mm",
+                  gear->joint + 1, 1e2 * gear->sigma, 1e3 * gear->moved_m)));
   }
+  say("{}", paragraph("found from sweeps alone, in which gravity, readings that err and tilted "
+                      "axes look alike: what that leaves open is counted, play is not; some 30 "
+                      "poses with all joints anywhere (armsig suggest) tell them apart"));
 }
 
 nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::size_t receivers) {
@@ -277,9 +287,12 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
   if (const auto moved_m = moved_by_unseen_scale_m(found, record)) {
     json["moved_by_100_ppm_scale_m"] = *moved_m;
   }
+  if (const auto gear = least_seen_gear(record); gear && is_from_sweeps_alone(found)) {
+    json["least_seen_gear"] = {
+        {"joint", gear->joint + 1}, {"sigma", gear->sigma}, {"moved_m", gear->moved_m}};
+  }
   json["differences"] = nullptr;
-  if (const auto differences = difference_table(record))
-    json["differences"] = json_of(*differences);
+  if (const auto table = difference_table(record)) json["differences"] = json_of(*table);
   if (found.refinement) json["refinement"] = refinement_json(*found.refinement, receivers);
   return json;
 }

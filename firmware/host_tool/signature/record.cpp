@@ -99,14 +99,15 @@ Enlargement by_missed_sweeps(const Evidence& evidence, const refinement::Refined
                       1e3 * sweeps->missed_m, factor)};
 }
 
-// Sweeps do not tell what bends from what is tilted: so much more is stated.
+// Sweeps do not tell what bends, what is tilted and what a gear does apart: so much more is stated.
 Enlargement by_bending(const Evidence& evidence, const refinement::Refined& estimate,
                        const Arm& nominal, std::size_t tool, bool by_features) {
   const auto bending = judge_bending(evidence, estimate, nominal.limits, tool, !by_features);
   if (!bending) return {};
   return {bending->factor,
-          fmt::format("the sweeps show that the arm bends, and not how: at the tool {:.3f} mm are "
-                      "stated, {:.1f} times what {} predict{}; further poses (sweep 0){} tell",
+          fmt::format("the sweeps show that the arm bends or a gear is off, and not which: at the "
+                      "tool {:.3f} mm are stated, {:.1f} times what {} predict{}; further poses "
+                      "(sweep 0){} tell",
                       1e3 * bending->expected_m, bending->expected_m / bending->stated_m,
                       by_features ? "the axes alone" : "the fit", by_features ? "" : "s",
                       by_features ? " and --method refined" : "")};

@@ -96,9 +96,10 @@ class Fit {
       const double trace = block.precision.cwiseProduct(columns.transpose() * columns).sum();
       const double own = std::clamp(size - trace / found.scale[b], 1e-3, size);
       determined += own;
-      found.scale[b] = std::max(kLeastBlockScale,
-                                std::exp(kQuickShare * std::log(std::max(squares, 1e-12) / own) +
-                                         (1 - kQuickShare) * std::log((squares + trace) / size)));
+      const double quick = std::max(squares, 1e-12) / (own + block.zeros);
+      const double sure = (squares + trace) / (size + block.zeros);
+      found.scale[b] = std::max(kLeastBlockScale, std::exp(kQuickShare * std::log(quick) +
+                                                           (1 - kQuickShare) * std::log(sure)));
     }
     const auto numbers = static_cast<double>(rows_.y.size());
     found.variance = std::max(1e-14, errors / std::max(numbers - determined, 0.05 * numbers));
@@ -200,7 +201,7 @@ std::optional<UnseenBending> judge_bending(const Evidence& evidence,
   const WholeModel model(evidence.arm, estimate, from, tool);
   const Rows rows = linearised(model, estimate, from);
   Fit fit(model, rows);
-  const Posterior straight = fit(WholeModel::kGravity);
+  const Posterior straight = fit(WholeModel::kGears);
   if (!estimate_bends && tried && fit(WholeModel::kMaps).log_evidence < straight.log_evidence) {
     return std::nullopt;
   }

@@ -20,6 +20,7 @@ constexpr double kBaseTurn = 0.1;
 constexpr double kPlace_m = 0.1;
 constexpr std::array<double, kDeviations> kDeviationSigma{2e-3, 2e-3, 1e-3, 1e-3, 1e-2};
 constexpr double kCorrectionSigma = 1e-3;  // of a reading, or per radian of a gear
+constexpr double kExactGears = 2;          // gears are exact as a rule
 constexpr Eigen::Index kBaseColumns = 6;
 
 // Readings this near to each other, in knots of the engine's maps, are one.
@@ -53,8 +54,17 @@ WholeModel::WholeModel(const Arm& drawing, const refinement::Refined& estimate,
   for (const refinement::Parameter& parameter : estimate.layout.parameters) {
     if (calibration::of_reading(parameter)) corrections_.push_back(parameter);
   }
-  const auto corrections = static_cast<Eigen::Index>(corrections_.size());
-  add_block(Eigen::MatrixXd::Identity(corrections, corrections));
+  const std::size_t corrected = corrections_.size();
+  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
+    const refinement::Parameter gear{.kind = refinement::ParameterKind::kReadingGain,
+                                     .index = static_cast<std::uint8_t>(i)};
+    if (estimate.layout.gain[i] == refinement::kNoColumn) corrections_.push_back(gear);
+  }
+  for (const std::size_t size : {corrected, corrections_.size() - corrected}) {
+    const auto columns = static_cast<Eigen::Index>(size);
+    add_block(Eigen::MatrixXd::Identity(columns, columns));
+  }
+  blocks_[kGears].zeros = kExactGears;
   const auto terms = static_cast<Eigen::Index>(drawn_.gravity.size());
   const auto of_tool = static_cast<Eigen::Index>(signature.joint_count());
   add_block(Eigen::MatrixXd::Identity(terms + of_tool, terms + of_tool));
@@ -144,7 +154,6 @@ Vector3 WholeModel::add_deviations(std::size_t joint, const Pose& X_SJ, At& at) 
 
 // Of the corrections, the axes hold what they are at the signature configuration.
 void WholeModel::add_readings(const JointVector& readings, const Motions& motion, At& at) const {
-  if (corrections_.empty()) return;
   const Signature& signature = estimate_.signature;
   const JointVector effective = effective_readings(estimate_.readings.couplings, readings);
   Eigen::Index column = blocks_[kReadings].first;

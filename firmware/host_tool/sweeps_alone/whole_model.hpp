@@ -23,6 +23,7 @@ struct PriorBlock {
   Eigen::Index first = 0;
   Eigen::MatrixXd precision;
   double log_determinant = 0;  // of the precision
+  double zeros = 0;            // so many columns more, known to be zero, count for the scale
 
   [[nodiscard]] Eigen::Index size() const { return precision.rows(); }
 };
@@ -46,9 +47,10 @@ class WholeModel {
   [[nodiscard]] Eigen::Index columns() const { return columns_; }
   // Base, targets, deviations: the first columns.
   [[nodiscard]] Eigen::Index geometry_columns() const { return geometry_; }
-  // Corrections of the readings (kReadings); gravity, and the tool's weight (kGravity); from kMaps
-  // on the map of every joint.
-  enum Block : std::uint8_t { kReadings, kGravity, kMaps };
+  // Corrections of the readings that the estimate has (kReadings); a gear of every joint for which
+  // it has none (kGears); gravity, and the tool's weight (kGravity); from kMaps on the map of every
+  // joint.
+  enum Block : std::uint8_t { kReadings, kGears, kGravity, kMaps };
   [[nodiscard]] const std::vector<PriorBlock>& blocks() const { return blocks_; }
   // Those before block `block`, which may be one beyond the last.
   [[nodiscard]] Eigen::Index columns_before(std::size_t block) const {
@@ -75,7 +77,7 @@ class WholeModel {
   void add_map(std::size_t joint, double reading, const Vector3& motion, At& at) const;
 
   const refinement::Refined& estimate_;
-  std::vector<refinement::Parameter> corrections_;  // of the readings, that the estimate has
+  std::vector<refinement::Parameter> corrections_;  // of the readings: of the estimate, then gears
   calibration::ArmModel drawn_;
   std::size_t tool_;
   std::array<Knots, kMaxJoints> knots_;
