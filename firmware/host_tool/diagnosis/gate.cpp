@@ -12,6 +12,7 @@
 #include "firmware/host_tool/diagnosis/deviation_words.hpp"
 #include "firmware/host_tool/diagnosis/explanation.hpp"
 #include "firmware/host_tool/diagnosis/row_groups.hpp"
+#include "firmware/host_tool/diagnosis/unchanging_arm.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 
 namespace armsig::tool {
@@ -99,12 +100,27 @@ constexpr double kStrongEvidence = 9;
 constexpr double kLeastFactor = 2.5e-3;
 constexpr double kLeastSaid = 1e-3;
 
-std::optional<Doubt> doubt_of_scale(const Evidence& evidence, const NearFit& fit,
+std::optional<CommonScale> fair_scale(const Evidence& evidence, const NearFit& fit,
+                                      const ArmLimits& limits) {
+  auto scale = common_scale(evidence, fit, limits);
+  if (!scale || scale->evidence < kFairEvidence) return std::nullopt;
+  if (std::abs(scale->factor - 1) < kLeastSaid) return std::nullopt;
+  return scale;
+}
+
+// Gravity shifts axes as well: the factor must be there without it.
+std::optional<Doubt> doubt_of_scale(const Evidence& evidence, const Reference& reference,
                                     const ArmLimits& limits) {
-  const auto scale = common_scale(evidence, fit, limits);
+  if (!fair_scale(evidence, reference.fit, limits)) return std::nullopt;
+  const UnchangingArm arm(evidence, reference.chain, reference.fit.residuals_S);
+  const std::vector<Vector3> bent_S = arm.bent_S();
+  Evidence weightless = evidence;
+  for (std::size_t k = 0; k < bent_S.size(); ++k) weightless.rows[k].p_S -= bent_S[k];
+  const auto fit = fit_near(weightless, limits);
+  if (!fit) return std::nullopt;
+  const auto scale = fair_scale(weightless, *fit, limits);
   if (!scale) return std::nullopt;
   const double off = std::abs(scale->factor - 1);
-  if (scale->evidence < kFairEvidence || off < kLeastSaid) return std::nullopt;
   return Doubt{
       .what = fmt::format("all lengths seen are {:.4f} times those of the drawing", scale->factor),
       .cause = fmt::format("divided by it the axes are within {} of the drawing's, instead of {}",
@@ -172,7 +188,7 @@ std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
   const bool refused = !result.what.empty() || !found;
   std::optional<Doubt> scale;
   if (!refused) {
-    scale = doubt_of_scale(evidence, reference->fit, limits);
+    scale = doubt_of_scale(evidence, *reference, limits);
     if (scale && scale->refuses) return scale;
   }
   const auto change = doubt_of_change(evidence, *reference, found);

@@ -40,6 +40,7 @@ UnchangingArm::UnchangingArm(const Evidence& evidence, const DeviatingChain& cha
     score.noalias() += weights_[k] * (derivatives_[k].transpose() * residuals_S[k]);
     squares_ += weights_[k] * residuals_S[k].squaredNorm();
   }
+  pull_ = score;
   invert(squares);
   step_ = inverse_ * score;
   squares_ -= score.dot(step_);
@@ -91,9 +92,10 @@ DeviatingChain::Columns UnchangingArm::place_of(const DeviatingChain::Columns& o
 void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
   constexpr double kWeight = 1 / (kUsualSag * kUsualSag);
   const Eigen::Index lengths = place_of(chain_.of_lengths()).first;
-  const Eigen::MatrixXd normal = chain_.normal(evidence_, residuals_, weights_).H;
+  const DeviatingChain::Normal normal = chain_.normal(evidence_, residuals_, weights_);
+  pull_.head(stiff_) = normal.g(of_chain_);
   Eigen::MatrixXd H = squares;
-  H.topLeftCorner(stiff_, stiff_) = normal(of_chain_, of_chain_);
+  H.topLeftCorner(stiff_, stiff_) = normal.H(of_chain_, of_chain_);
   H.bottomRows(size_ - stiff_).col(lengths).setZero();
   H.row(lengths).tail(size_ - stiff_).setZero();
   H.diagonal().tail(size_ - stiff_).array() += kWeight;
@@ -103,6 +105,15 @@ void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
     inverse->row(lengths).setZero();
     inverse->col(lengths).setZero();
   }
+}
+
+std::vector<Vector3> UnchangingArm::bent_S() const {
+  const Eigen::VectorXd gravity = (inverse_ * pull_).tail(gravity_.count());
+  std::vector<Vector3> bent_S;
+  for (const Eigen::Matrix3Xd& J : derivatives_) {
+    bent_S.emplace_back(J.rightCols(gravity.size()) * gravity);
+  }
+  return bent_S;
 }
 
 Eigen::VectorXd UnchangingArm::without_gravity(const Eigen::VectorXd& score) const {

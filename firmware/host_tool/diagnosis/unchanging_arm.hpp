@@ -40,6 +40,9 @@ class UnchangingArm {
   [[nodiscard]] const Eigen::VectorXd& step() const { return step_; }
   [[nodiscard]] double squares() const { return squares_; }
 
+  // What gravity moves each row's point by, as the rows tell it beside an arm near its drawing.
+  [[nodiscard]] std::vector<Vector3> bent_S() const;
+
   // All unknowns of the chain after a score, of a fit that knows nothing of gravity.
   [[nodiscard]] Eigen::VectorXd without_gravity(const Eigen::VectorXd& score) const;
 
@@ -59,6 +62,7 @@ class UnchangingArm {
   std::vector<double> weights_;
   double weight_ = 0;
   std::vector<Eigen::Matrix3Xd> derivatives_;
+  Eigen::VectorXd pull_;  // of the rows and of the drawing
   Eigen::MatrixXd inverse_;
   Eigen::MatrixXd stiff_inverse_;
   Eigen::VectorXd step_;
