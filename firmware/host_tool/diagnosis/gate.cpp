@@ -24,8 +24,11 @@ constexpr double kSigmaTooLarge = 6;
 constexpr std::size_t kFewestForSigma = 30;
 // A method may miss the rows by so much more than the nearest arm does, and than it says itself.
 constexpr double kMethodFactor = 3;
-// What gravity bends a sound arm by, which features know nothing of, as a share of its reach.
+// What gravity bends a sound arm by, which features know nothing of: as a share of its reach
+// always, and where the rows show it, up to a larger share. Elsewhere so many times as much.
 constexpr double kBent = 1e-3;
+constexpr double kBentAtMost = 5e-3;
+constexpr double kBentElsewhere = 1.5;
 // A sweep may miss by so much more than all rows together.
 constexpr double kOfGroup = 2;
 
@@ -58,6 +61,17 @@ bool states_too_much(const Reference& reference, const Evidence& evidence) {
          reference.stated_m > kSigmaTooLarge * scatter_m;
 }
 
+std::vector<Vector3> bent_S(const Evidence& evidence, const Reference& reference) {
+  return UnchangingArm(evidence, reference.chain, reference.fit.residuals_S).bent_S();
+}
+
+// What features may miss a row by because gravity bends the arm.
+double bent_m(const Evidence& evidence, const Reference& reference) {
+  double most_m = 0;
+  for (const Vector3& bent : bent_S(evidence, reference)) most_m = std::max(most_m, bent.norm());
+  return std::min(kBentElsewhere * most_m, kBentAtMost * reference.fit.reach_m);
+}
+
 // What is wrong with the nearest arm, or with the method's against it; empty where nothing is.
 std::string objection(const Evidence& evidence, const Reference& reference, const ArmLimits& limits,
                       const std::optional<FoundArm>& found) {
@@ -83,7 +97,8 @@ std::string objection(const Evidence& evidence, const Reference& reference, cons
     const double noise_m = std::sqrt(3.0) * std::max(reference.stated_m, reference.sweeps_m);
     const double expected_m =
         std::max(fit.best_rms_m, std::hypot(noise_m, found->predicted_error_m));
-    if (worst.length_m > std::max(kBent * fit.reach_m, kMethodFactor * expected_m)) {
+    if (worst.length_m > std::max(kBent * fit.reach_m, kMethodFactor * expected_m) &&
+        worst.length_m > bent_m(evidence, reference)) {
       return fmt::format("the arm found misses {} by {}, where one near the drawing misses by {}",
                          worst.name, short_length(worst.length_m), short_length(fit.best_rms_m));
     }
@@ -112,10 +127,9 @@ std::optional<CommonScale> fair_scale(const Evidence& evidence, const NearFit& f
 std::optional<Doubt> doubt_of_scale(const Evidence& evidence, const Reference& reference,
                                     const ArmLimits& limits) {
   if (!fair_scale(evidence, reference.fit, limits)) return std::nullopt;
-  const UnchangingArm arm(evidence, reference.chain, reference.fit.residuals_S);
-  const std::vector<Vector3> bent_S = arm.bent_S();
+  const std::vector<Vector3> bent = bent_S(evidence, reference);
   Evidence weightless = evidence;
-  for (std::size_t k = 0; k < bent_S.size(); ++k) weightless.rows[k].p_S -= bent_S[k];
+  for (std::size_t k = 0; k < bent.size(); ++k) weightless.rows[k].p_S -= bent[k];
   const auto fit = fit_near(weightless, limits);
   if (!fit) return std::nullopt;
   const auto scale = fair_scale(weightless, *fit, limits);

@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kFewest = 12;
 constexpr double kCoordinates = 3;
+// Of the median's sigma per axis: what gravity does is skew, and beyond it are blunders.
+constexpr double kClip = 5;
 
 }  // namespace
 
@@ -32,8 +34,11 @@ std::optional<UnusedPoses> judge_unused_poses(const Evidence& evidence,
   UnusedPoses found{.count = lengths_m.size()};
   predicted /= static_cast<double>(found.count);
   found.predicted_m = std::sqrt(predicted);
-  const double axis_m = sigma_by_median(std::move(lengths_m));
-  found.missed_m = std::sqrt(kCoordinates * std::max(0.0, axis_m * axis_m - noise_m * noise_m));
+  const double most_m = kClip * sigma_by_median(lengths_m);
+  double squares = 0;
+  for (const double length : lengths_m) squares += std::pow(std::min(length, most_m), 2);
+  squares /= static_cast<double>(found.count);
+  found.missed_m = std::sqrt(std::max(0.0, squares - kCoordinates * noise_m * noise_m));
   return found;
 }
 

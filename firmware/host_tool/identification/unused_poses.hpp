@@ -11,7 +11,7 @@ namespace armsig::tool {
 
 struct UnusedPoses {
   std::size_t count = 0;
-  double missed_m = 0;     // RMS, the sensor's noise taken off, as the median says it
+  double missed_m = 0;     // RMS, blunders cut down, the sensor's noise taken off
   double predicted_m = 0;  // RMS, by the covariance of the estimate
 };
 
