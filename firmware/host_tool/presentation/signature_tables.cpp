@@ -88,11 +88,12 @@ std::string near_parallel_note(const Signature& signature) {
     const DhJoint& row = signature.pseudo_dh[i];
     if (std::abs(row.d_m) <= kLargeOffset_m) continue;
     links.push_back(std::to_string(i + 1));
-    // d is a distance across over the sine of the angle between the axes.
-    moved_m =
-        std::max(moved_m, std::abs(row.d_m) * kMicroradian / std::abs(std::sin(row.alpha_rad)));
+    // d is a distance across over the sine of the angle between the axes. The last row has its d
+    // from the one before: no axis follows it.
+    const double sine = std::abs(std::sin(row.alpha_rad));
+    if (sine > 0) moved_m = std::max(moved_m, std::abs(row.d_m) * kMicroradian / sine);
   }
-  if (links.empty()) return {};
+  if (links.empty() || moved_m == 0) return {};
   const bool is_small = moved_m < 1;
   const double moved = (is_small ? 1e3 : 1) * moved_m;
   // Two digits that count.
