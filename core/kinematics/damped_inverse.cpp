@@ -7,6 +7,7 @@
 #include "core/base/check.hpp"
 #include "core/kinematics/forward_kernel.hpp"
 #include "core/kinematics/joint_box.hpp"
+#include "core/kinematics/motion_directions.hpp"
 #include "core/kinematics/regularity.hpp"
 #include "core/kinematics/verdict.hpp"
 #include "core/numerics/cholesky.hpp"
@@ -192,7 +193,7 @@ class DampedSolver {
     const Joints q_best = q_;
     const State best = at_;
     const double before = merit(best);
-    const Joints weak = weakest_direction();
+    const Joints weak = weakest_direction(at_.kinematics.J, n_);
     for (const double by : {0.03, -0.03, 0.2, -0.2}) {
       // Far from the pose, small ones lead to where the large ones do.
       if (std::abs(by) < 0.1 && before > kFoldError * kFoldError) continue;
@@ -206,20 +207,6 @@ class DampedSolver {
       if (!stationary) return false;
     }
     return true;
-  }
-
-  // The unit direction (largest entry 1) along which frame n moves least.
-  [[nodiscard]] [[gnu::noinline]] Joints weakest_direction() const {
-    const Jacobian& J = at_.kinematics.J;
-    Joints direction = Joints::Zero();
-    direction.head(n_).setOnes();
-    for (int k = 0; k < 3; ++k) {
-      Square normal = J.transpose().lazyProduct(J);
-      normal.diagonal().array() += 1e-9 * J.squaredNorm();
-      if (!numerics::solve_positive(normal, direction, n_)) return Joints::Zero();
-      direction /= direction.cwiseAbs().maxCoeff();
-    }
-    return direction;
   }
 
   // The position, and with it the orientation as well as it goes. False if the iterations were used
@@ -240,7 +227,7 @@ class DampedSolver {
     double fraction = 1;
     while (fraction > 1e-3 && another_pass()) {
       const Joints pull = seed_ - q_;
-      const Joints along = self_motion(pull);
+      const Joints along = self_motion(at_.kinematics.J, pull);
       if (along.cwiseAbs().maxCoeff() < kNearestTolerance) return;
       const Joints q_before = q_;
       const State before = at_;
@@ -253,18 +240,6 @@ class DampedSolver {
         fraction *= 0.5;
       }
     }
-  }
-
-  // The part of `v` that leaves the pose where it is.
-  [[nodiscard]] [[gnu::noinline]] Joints self_motion(const Joints& v) const {
-    const Jacobian& J = at_.kinematics.J;
-    Square normal = Square::Zero();
-    normal.topLeftCorner<6, 6>() = J.lazyProduct(J.transpose());
-    normal.diagonal().array() += 1e-12 * J.squaredNorm();
-    Joints x = Joints::Zero();
-    x.head<6>() = J.lazyProduct(v);
-    if (!numerics::solve_positive(normal, x, 6)) return Joints::Zero();
-    return v - J.transpose().lazyProduct(x.head<6>());
   }
 
   [[nodiscard]] [[gnu::noinline]] InverseSolution finish(bool stationary) const {
