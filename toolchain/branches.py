@@ -1,4 +1,4 @@
-"""Branches of a room in clang's counters: toolchain/branches.py ROOM PROFILE LIBRARY PROGRAMS; see toolchain/coverage."""
+"""Branches of a room in clang's counters: toolchain/branches.py ROOM PROFILE OBJECTS AND PROGRAMS; see toolchain/coverage."""
 import collections
 import json
 import pathlib
@@ -32,9 +32,12 @@ class Source:
 
 
 def functions(profile, objects):
-    told = subprocess.run(["llvm-cov-19", "export", f"-instr-profile={profile}", objects[0],
-                           *(f"-object={name}" for name in objects[1:])], capture_output=True, check=True).stdout
-    return json.loads(told)["data"][0]["functions"]
+    done = subprocess.run(["llvm-cov-19", "export", f"-instr-profile={profile}", objects[0],
+                           *(f"-object={name}" for name in objects[1:])], capture_output=True)
+    # It warns of inline functions that an object does not use.
+    if done.returncode:
+        raise SystemExit(done.stderr.decode())
+    return json.loads(done.stdout)["data"][0]["functions"]
 
 
 def branches(function, room):
@@ -43,7 +46,11 @@ def branches(function, room):
     used = {region[6]: region for region in function["regions"] if region[7] == 1}
     code = [region for region in function["regions"] if region[7] == 0]
     for branch in function["branches"]:
-        start, file = tuple(branch[:2]), branch[6]
+        start, end, file = tuple(branch[:2]), tuple(branch[2:4]), branch[6]
+        # That of "a && b" as a whole, beside those of its parts: a matter of whether clang cleans up behind it.
+        if any(file == other[6] and branch[:4] != other[:4] and start <= tuple(other[:2]) and tuple(other[2:4]) <= end
+               for other in function["branches"]):
+            continue
         around = [region for region in code if region[5] == file and tuple(region[:2]) <= start < tuple(region[2:4])]
         reached = max(around, key=lambda region: tuple(region[:2]))[4] if around else branch[4] + branch[5]
         place, within = branch[:4], ()
@@ -64,7 +71,7 @@ def counted(found, room, source):
             # What the compiler decides has no counts though it is reached. A switch without default names every enumerator.
             if (reached and not any(taken)) or before.endswith(("if constexpr (", "switch (")):
                 continue
-            if "ARMSIG_CHECK" in before + source.text(place):
+            if "ARMSIG_CHECK" in before + source.text(place) or source.line(place).endswith("= default;"):
                 continue
             is_case = re.match(r"(case\b|default:)", source.text(place))
             for way, count in zip(WAYS[:1] if is_case else WAYS, taken):
