@@ -208,5 +208,18 @@ TEST(TargetCovariance, is_that_of_the_parameters_carried_to_the_target) {
   EXPECT_TRUE(feature.target_covariance_at(0.3).isApprox(1e-8 * Matrix3::Identity(), 1e-12));
 }
 
+// The free motion is as fast as ten sigmas, its circle smaller: the readings run ahead.
+TEST(SweepEstimator, refuses_a_circle_that_is_smaller_than_its_motion_was_fast) {
+  constexpr double kSigma_m = 1e-3;
+  SweepEstimator estimator(kRevoluteSweep);
+  for (int k = 0; k < 60; ++k) {
+    const double q = 0.1 * k;
+    const double turned = 1.1 * q;
+    const Vector3 p_S = 9.6 * kSigma_m * Vector3(std::cos(turned), std::sin(turned), 0);
+    ASSERT_TRUE(estimator.add(q, p_S, test::isotropic(kSigma_m)));
+  }
+  EXPECT_FALSE(estimator.estimate(Method::kPaper));
+}
+
 }  // namespace
 }  // namespace armsig::features

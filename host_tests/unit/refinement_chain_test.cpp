@@ -159,6 +159,7 @@ TEST(Layout, counts_four_unknowns_a_revolute_axis_two_a_prismatic_one_three_a_ta
   request.receiver_offsets = true;
   request.scale = true;
   EXPECT_EQ(make_layout(signature, {true}, request, 4)->size(), 30U);
+  EXPECT_EQ(make_layout(signature, {true}, request, 0)->size(), 26U);
 }
 
 TEST(Layout, says_how_many_unknowns_are_too_many) {

@@ -6,10 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/low_discrepancy.hpp"
 #include "core/refinement/determination.hpp"
 #include "core/uncertainty/displacement.hpp"
 #include "core/uncertainty/drift.hpp"
 #include "core/uncertainty/feature_information.hpp"
+#include "core/uncertainty/suggestion.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
 #include "host_tests/support/calibration_case.hpp"
 #include "host_tests/support/failure_of.hpp"
@@ -179,11 +181,11 @@ TEST(FromFeatures, leaves_a_target_that_no_sweep_saw_the_covariance_of_its_own) 
   Random random(66);
   Signature signature = sliding(random);
   signature.targets.push_back(signature.targets[0]);
-  signature.targets[1].p_S += Vector3(0.02, 0.03, 0);  // elsewhere on the link
-  signature.targets[1].covariance_m2 = 9e-8 * Matrix3::Identity();
+  signature.targets[0].p_S += Vector3(0.02, 0.03, 0);  // elsewhere on the link
+  signature.targets[0].covariance_m2 = 9e-8 * Matrix3::Identity();
   const auto estimate = std::make_unique<Refined>();
   ASSERT_TRUE(from_features(signature, *estimate));
-  const Matrix3& found = estimate->signature.targets[1].covariance_m2;
+  const Matrix3& found = estimate->signature.targets[0].covariance_m2;
   EXPECT_TRUE(found.isApprox(9e-8 * Matrix3::Identity(), 1e-3));
 }
 
@@ -199,6 +201,38 @@ TEST(FromFeatures, refuses_more_targets_than_there_is_room_for) {
   const auto wrapped = from_features(signature, *estimate);
   ASSERT_FALSE(wrapped);
   EXPECT_EQ(test::failure_of(wrapped), Error::kCapacityExceeded);
+}
+
+// On the axis nothing says in which direction the radius goes.
+TEST(FromFeatures, refuses_a_target_on_the_axis) {
+  Random random(68);
+  Signature signature = sliding(random);
+  features::JointFeature& feature = signature.features[0];
+  signature.types[0] = feature.type = JointType::kRevolute;
+  feature.radius_m = 1e-3;
+  feature.covariance.diagonal() += Eigen::Matrix<double, 7, 1>::Constant(1e-8);
+  signature.targets[0].p_S = feature.point_S;
+  const auto estimate = std::make_unique<Refined>();
+  const auto wrapped = from_features(signature, *estimate);
+  ASSERT_FALSE(wrapped);
+  EXPECT_EQ(test::failure_of(wrapped), Error::kSingular);
+}
+
+// What stands for the work volume is inside; the few candidates that are looked at are not.
+TEST(Suggestion, says_where_no_candidate_is_inside_the_box) {
+  Checked arm(69);
+  const auto search = std::make_unique<SuggestionSearch>();
+  SuggestionConfig config;
+  config.limits = arm.cell.arm.limits;
+  config.candidates = 1;
+  const JointVector first = work_configuration(arm.refined->signature.types, config.limits, 1);
+  const Vector3 p_S = tool_position(*arm.refined, first, 0);
+  config.box = {p_S - Vector3::Constant(1e-3), p_S + Vector3::Constant(1e-3)};
+  ASSERT_TRUE(search->start(*arm.refined, config));
+  std::vector<Suggestion> suggestions(2);
+  const auto suggested = search->suggest(suggestions);
+  ASSERT_FALSE(suggested);
+  EXPECT_EQ(test::failure_of(suggested), Error::kOutOfReach);
 }
 
 }  // namespace

@@ -45,5 +45,10 @@ TEST(Words, of_a_drift_are_its_own) {
   expect_words_of_their_own(drift::Moved::kUndecided);
 }
 
+TEST(Words, of_a_number_that_is_no_error_are_told_apart) {
+  EXPECT_EQ(name(static_cast<Error>(200)), "ERROR");
+  EXPECT_EQ(name(Error::kNotFinite), "NOT_FINITE");
+}
+
 }  // namespace
 }  // namespace armsig
