@@ -196,5 +196,33 @@ TEST(Freshness, tells_silence_and_standing_still_after_their_times_and_again) {
   EXPECT_FALSE(freshness.overdue(at_ms(340)));
 }
 
+TEST(ModbusRtu, looks_at_both_bytes_of_the_check) {
+  for (const char* answer : {"018402C3C1", "018402C2C0"}) {  // of 018402C2C1
+    const auto decoded = decode({1, 4, {0, 12}}, bytes(answer));
+    ASSERT_FALSE(decoded) << answer;
+    EXPECT_EQ(test::failure_of(decoded).error, Error::kSensorBadCrc) << answer;
+  }
+}
+
+TEST(ModbusProfile, that_contradicts_itself_decodes_nothing) {
+  const std::vector<std::uint16_t> registers(12);
+  const auto reading = decode(Profile{.unit = 0}, registers);
+  ASSERT_FALSE(reading);
+  EXPECT_EQ(test::failure_of(reading), Error::kProfileInvalid);
+}
+
+// A line that never falls silent is read from no longer than it takes; what it brings later is no
+// answer.
+TEST(ModbusRangeSensor, asks_on_a_line_that_babbles) {
+  ScriptedLine line;
+  line.bring(std::vector<std::uint8_t>(5'000, 0x55));
+  RangeSensor sensor({}, line);
+  EXPECT_TRUE(sensor.poll(at_ms(0)));
+  EXPECT_EQ(line.written.size(), 1U);
+  const auto answered = sensor.poll(at_ms(1));
+  ASSERT_FALSE(answered);
+  EXPECT_EQ(test::failure_of(answered), Error::kSensorBadCrc);
+}
+
 }  // namespace
 }  // namespace armsig::modbus
