@@ -129,6 +129,7 @@ TEST(SerialConsole, says_of_a_line_that_is_wrong_twice_what_came_first) {
             describe(Error::kNotText));
   EXPECT_EQ(serial.read(std::string(kMaxConsoleLine + 1, 'a') + "\x01\n"),
             describe(Error::kLineTooLong));
+  EXPECT_EQ(serial.read(std::string(kMaxConsoleLine, 'a') + "\x01\n"), describe(Error::kNotText));
 }
 
 }  // namespace
