@@ -92,17 +92,18 @@ TEST(Play, of_joints_whose_side_is_not_told_stays_open) {
   }
 }
 
+// As if every joint lagged by a quarter more there: too little for the gate.
 TEST(Play, is_not_taken_from_rows_held_out_and_blunders) {
   Random random(74);
   const Cell cell = test::puma_cell(random);
-  std::vector<FitRow> rows = lagging_rows(cell, 160, kAllSix, random);
-  for (std::size_t k = 0; k < 40; ++k) {  // as if every joint lagged by 0.1 degrees more
+  std::vector<FitRow> rows = lagging_rows(cell, 240, kAllSix, random);
+  for (std::size_t k = 0; k < 120; ++k) {
     JointVector q = rows[k].readings;
-    for (std::size_t j = 0; j < 6; ++j) q[j] -= side_at(rows[k], j) * (kHalf + radians(0.1));
+    for (std::size_t j = 0; j < 6; ++j) q[j] -= side_at(rows[k], j) * 1.25 * kHalf;
     rows[k].p_S = cell.point(q, 0);
     rows[k].held_out = true;
   }
-  for (std::size_t k = 40; k < 45; ++k) rows[k].p_S += Vector3(0, 0, 0.02);
+  for (std::size_t k = 120; k < 125; ++k) rows[k].p_S += Vector3(0, 0, 0.02);
   EngineCase fit(test::puma(), cell.X_SB, {cell.p_tool[0]}, rows);
   PlayBlock play;
   fit.engine().find_play(play);

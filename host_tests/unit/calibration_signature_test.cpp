@@ -98,7 +98,7 @@ TEST(SignatureOfModel, leaves_axes_that_stand_as_drawn_and_targets_that_nobody_s
   const Cell drawn{cell.arm, Pose{}, {cell.p_tool[0], Vector3(0, 0, 0.2)}};
   EngineCase fit(cell.arm, Pose{}, drawn.p_tool, {});
   fit.targets[0].rows = 1;
-  fit.targets[0].p_L += Vector3(0, 0, 0.01);
+  for (ModelTarget& target : fit.targets) target.p_L += Vector3(0, 0, 0.01);
   const Signature before = test::signature_of(drawn, test::cell_configuration());
   Signature after = before;
   axes_to_signature(*fit.model, fit.targets, after);
