@@ -26,6 +26,7 @@ using test::Random;
 refinement::ParameterRequest every_correction(std::size_t joints) {
   refinement::ParameterRequest request;
   request.readings.resize(joints, {.gain = true, .first = true, .second = true});
+  request.receiver_offsets = true;  // of the receivers that there are
   return request;
 }
 
@@ -46,6 +47,7 @@ struct Corrected {
       : random(seed),
         cell(test::mixed_cell(random)),
         fit(cell.arm, cell.X_SB, {cell.p_tool[0]}, position_rows(cell, 200, kRowSigma_m, random)) {
+    fit.model->sensor.receivers.push_back(Vector3(2, 0, 0));
     ask_for(every_correction(6), *fit.model);
     EXPECT_TRUE(fit.engine().run(kGeometryAlone));
     refined->signature = test::signature_of(cell, test::cell_configuration());
@@ -59,7 +61,8 @@ struct Corrected {
 TEST(SignatureOfModel, has_of_each_correction_the_variance_that_the_estimator_has) {
   Corrected arm(91);
   const auto& parameters = arm.refined->layout.parameters;
-  ASSERT_EQ(arm.fit.model->further.size(), 6U + 2 * 5 + 2 * 5);  // a slide has no waves
+  // A slide has no waves; one receiver.
+  ASSERT_EQ(arm.fit.model->further.size(), 6U + 2 * 5 + 2 * 5 + 1);
   std::size_t found = 0;
   for (std::size_t k = 0; k < arm.fit.model->further.size(); ++k) {
     const refinement::Parameter& asked = arm.fit.model->further[k];

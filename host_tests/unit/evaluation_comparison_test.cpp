@@ -52,9 +52,12 @@ TEST(Compare, takes_the_truth_at_the_readings_of_the_signature) {
   Compared elsewhere = arm;
   for (double& reading : elsewhere.configuration) reading += 0.2;
   elsewhere.X_S0 = {rotation_z(1.0), Vector3(0.3, 0.2, 0.1)};
+  const auto here = compare(arm.drawing, arm.exact(1), arm.exact(1), kSmallGrid);
   const auto found = compare(arm.drawing, arm.exact(1), elsewhere.exact(1), kSmallGrid);
+  ASSERT_TRUE(here);
   ASSERT_TRUE(found);
   EXPECT_LT(found->with_signature.radial_deviation_m, 5e-5);
+  EXPECT_NEAR(found->ideal.radial_deviation_m, here->ideal.radial_deviation_m, 5e-5);
 }
 
 TEST(Compare, takes_the_tool_of_the_signature_where_the_truth_has_none_of_its_number) {
