@@ -29,6 +29,7 @@ TEST(ArmModel, of_a_slide_without_limits_has_no_map) {
   EXPECT_EQ(model_of(arm, {}).joints[3].domain.per_length, 0);
   arm.limits[3] = {0, std::numeric_limits<double>::infinity()};
   EXPECT_EQ(model_of(arm, {}).joints[3].domain.per_length, 0);
+  EXPECT_EQ(model_of(arm, {}).joints[3].domain.origin, 0);
   arm.limits.clear();
   const ArmModel unlimited = model_of(arm, {});
   EXPECT_EQ(unlimited.joints[3].domain.per_length, 0);

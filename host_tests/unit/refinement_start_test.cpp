@@ -148,6 +148,11 @@ TEST(FitBaseAndTool, takes_positions_that_are_to_be_fitted_and_no_other_rows) {
   const auto fitted = fit_base_and_tool(test::puma(), log, one_target());
   ASSERT_TRUE(fitted);
   EXPECT_LT((fitted->p_LT[0] - cell.p_tool[0]).norm(), 1e-6);
+  log.resize(23);  // three positions, ten ranges
+  const auto few = fit_base_and_tool(test::puma(), log, one_target());
+  ASSERT_FALSE(few);
+  EXPECT_EQ(test::failure_of(few).error, Error::kTooFewPoints);
+  EXPECT_EQ(test::failure_of(few).found, 3);
 }
 
 TEST(FitBaseAndTool, leaves_a_target_that_nobody_saw_at_its_links_origin) {

@@ -57,15 +57,16 @@ struct Checked {
 TEST(CheckDrift, does_not_count_rows_that_are_to_be_ignored) {
   Checked arm(61);
   Log log = arm.poses(40);
-  for (std::size_t k = 0; k < 20; ++k) {
+  for (std::size_t k = 0; k < 30; ++k) {
     log[k].use = RowUse::kIgnore;
     log[k].p_S.x() += 0.1;
   }
+  log[30].p_S.x() += 0.05;  // a blunder beside the others, not beside those that are ignored
   const auto report = arm.check(log);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->verdict, DriftVerdict::kConsistent);
-  EXPECT_EQ(report->rows, 20U);
-  EXPECT_EQ(report->rows_rejected, 0U);
+  EXPECT_EQ(report->rows, 9U);
+  EXPECT_EQ(report->rows_rejected, 1U);
   EXPECT_GT(arm.outcomes[0].residual_m, 0.05) << "is told all the same";
 }
 
