@@ -155,6 +155,7 @@ TEST(HeldOut, says_nothing_of_one_pose_and_no_region_of_a_few) {
   ASSERT_TRUE(nothing);
   EXPECT_EQ(nothing->rows, 0U);
   EXPECT_EQ(nothing->factor, 1);
+  EXPECT_EQ(nothing->rms_kept_m, 0) << "and not nought by nought";
   EngineCase few(test::puma(), cell.X_SB, {cell.p_tool[0]},
                  position_rows(cell, 4, kRowSigma_m, random));
   const auto some = few.held_out(kGeometryAlone);
