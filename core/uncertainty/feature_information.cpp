@@ -55,11 +55,8 @@ Block block_of(const Layout& layout, const Signature& signature, std::size_t joi
       layout.target[static_cast<std::size_t>(target - signature.targets.data())];
   const Vector3 to_target = target->p_S - feature.point_S;
   Vector3 radial = to_target - to_target.dot(feature.axis_S) * feature.axis_S;
-  if (feature.type == JointType::kPrismatic || radial.norm() == 0) {
-    radial.setZero();
-  } else {
-    radial.normalize();
-  }
+  radial.normalize();  // on the axis it stays nought
+  if (feature.type == JointType::kPrismatic) radial.setZero();
   for (int c = 0; c < 3; ++c) {
     const Vector3 unit = Vector3::Unit(c);
     block.add(column + static_cast<std::size_t>(c), unit, to_target.cross(unit), radial[c]);

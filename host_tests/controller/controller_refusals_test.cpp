@@ -26,8 +26,9 @@ TEST(Refusals, a_move_that_names_nothing_or_nothing_known_is_an_unknown_request)
 TEST(Refusals, of_joints_units_and_rows_that_there_are_not) {
   PumaCabinet puma;
   ASSERT_TRUE(puma.enable());
-  for (const char* request : {"move q0_deg=1", "move q7_deg=1", "move q1_cm=1", "move q12_deg=1",
-                              "log row=1 row=2", "log rows=1"}) {
+  for (const char* request :
+       {"move q0_deg=1", "move q7_deg=1", "move q1_cm=1", "move q12_deg=1", "log row=1 row=2",
+        "log row=1 x=2", "log rows=1", "identify anew=no"}) {
     EXPECT_TRUE(puma.ask(request).starts_with("error UNKNOWN_REQUEST ")) << request;
   }
   for (const char* request : {"log row=one", "log row=1", "identify accuracy_mm=1 anew=maybe"}) {

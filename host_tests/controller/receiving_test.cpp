@@ -37,5 +37,21 @@ TEST(Receiving, takes_parts_in_their_order_none_after_the_last_and_the_first_at_
   EXPECT_TRUE(take_part(receiving, 2));
 }
 
+TEST(Receiving, takes_hexadecimal_digits_and_nothing_beside_them) {
+  const auto take_begin = [](const std::string& digits) {
+    const std::string request = "send part=1 bytes=" + std::to_string(kRecordBytes) +
+                                " hex=" + digits + std::string(2 * kPartBytes - 2, '0');
+    const auto parsed = parse_request(request);
+    EXPECT_TRUE(parsed) << digits;
+    return Receiving().take(*parsed);
+  };
+  for (const char* digits : {"09", "90", "af", "fa"}) EXPECT_TRUE(take_begin(digits)) << digits;
+  for (const char* digits : {"/0", "0/", ":0", "0:", "`0", "0`", "g0", "0g", "A0", "0F"}) {
+    const auto taken = take_begin(digits);
+    ASSERT_FALSE(taken) << digits;
+    EXPECT_EQ(test::failure_of(taken), Error::kUnknownRequest) << digits;
+  }
+}
+
 }  // namespace
 }  // namespace armsig::controller

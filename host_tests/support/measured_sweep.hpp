@@ -8,6 +8,11 @@
 
 namespace armsig::test {
 
+inline const features::SweepConfig kRevoluteSweep{JointType::kRevolute, {}};
+inline const features::SweepConfig kPrismaticSweep{JointType::kPrismatic, {}};
+inline constexpr features::Method kBothMethods[] = {features::Method::kPaper,
+                                                    features::Method::kEncoder};
+
 struct Sweep {
   TrueMotion motion;
   double range = 0;

@@ -140,6 +140,7 @@ TEST(Align, looks_no_further_where_nothing_is_left) {
   int steps = 1;
   while (aligning.step()) ++steps;
   EXPECT_EQ(steps, 2);
+  EXPECT_FALSE(aligning.step());
 }
 
 TEST(Align, parallel_axes_are_not_slid_along) {

@@ -243,5 +243,26 @@ TEST(Drift, PosesThatSayNothingAreRefused) {
   EXPECT_EQ(failure_of(what_moved(line, 1e-5)), Error::kNotFinite);
 }
 
+TEST(Drift, WhatCannotBeDetectedIsRefused) {
+  EXPECT_EQ(failure_of(detection(0, 5, 2, 10, {})), Error::kOutOfRange);
+  EXPECT_EQ(failure_of(detection(1, 0, 2, 10, {})), Error::kOutOfRange);
+  EXPECT_EQ(failure_of(detection(1, 5, kNever, 10, {})), Error::kOutOfRange);
+  EXPECT_EQ(failure_of(detection(1, 5, 2, 1'001, {})), Error::kOutOfRange);
+  EXPECT_EQ(failure_of(detection(1, 5, 2, 10, {.sigma_ratio = 11})), Error::kOutOfRange);
+  const auto never = detection(1, 1e6, 0, 2, {});
+  ASSERT_TRUE(never);
+  EXPECT_EQ(never->within, 0);
+  EXPECT_EQ(never->mean_checks, 0);
+}
+
+TEST(Drift, PosesThatAreNoNumbersAreRefused) {
+  std::vector<PoseResidual> poses(4);
+  poses[2].p_R.x() = kNever;
+  EXPECT_EQ(failure_of(what_moved(poses, 1e-4)), Error::kNotFinite);
+  poses[2].p_R.x() = 0;
+  poses[3].residual_m.z() = kNever;
+  EXPECT_EQ(failure_of(what_moved(poses, 1e-4)), Error::kNotFinite);
+}
+
 }  // namespace
 }  // namespace armsig::drift

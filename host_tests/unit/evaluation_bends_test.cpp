@@ -140,5 +140,13 @@ TEST_F(BentArm, what_gives_way_counts_from_the_configuration_of_the_signature) {
   EXPECT_LT(by({.drawn = {}, .actual = actual->bending}).total_rms_m, 1e-9);
 }
 
+TEST_F(BentArm, without_a_domain_has_no_map_whatever_its_coefficients) {
+  const auto actual = bent(drawing, configuration);
+  actual->model.joints[kShoulder].domain = {};
+  actual->model.joints[kShoulder].map.fill(5);
+  const Differences differences = by({.drawn = {}, .actual = actual->bending});
+  for (const Difference& d : differences.all) EXPECT_NE(d.cause, Cause::kMap);
+}
+
 }  // namespace
 }  // namespace armsig::evaluation

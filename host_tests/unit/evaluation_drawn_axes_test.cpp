@@ -31,5 +31,16 @@ TEST(DrawnAxes, first_one_heads_for_the_tool) {
   EXPECT_LT((R.col(2) - Vector3::UnitZ()).norm(), 1e-12);
 }
 
+// A centimetre is no link: parallel axes so near say nothing of where the joint's zero is.
+TEST(DrawnAxes, parallel_ones_tell_the_zero_by_a_link_between_them) {
+  for (const double apart_m : {0.01, 0.3}) {
+    const Arm arm = test::make_arm({{test::kR, 0, 0, apart_m, 0}, {test::kR, 0, 0, 0.2, 0}},
+                                   {{-3, 3}, {-3, 3}});
+    const auto axes = drawn_axes(arm, Vector3(0.1, 0, 0));
+    EXPECT_EQ(axes[1].heading, Heading::kAwayFromAxis) << apart_m;
+    EXPECT_EQ(axes[1].of_zero == Deviation::kShiftY, apart_m > 0.1) << apart_m;
+  }
+}
+
 }  // namespace
 }  // namespace armsig::evaluation

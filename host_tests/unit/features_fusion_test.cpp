@@ -145,5 +145,19 @@ TEST(Fuse, of_different_joint_types_traps) {
   EXPECT_DEATH((void)fuse(a, b), "");
 }
 
+// Two signatures of which nobody knows how many points they rest on, and one that is exact.
+TEST(Fuse, takes_no_share_of_what_says_nothing_of_its_weight) {
+  test::Random random(13);
+  const TrueMotion motion = test::random_motion(JointType::kRevolute, random);
+  JointFeature a = feature_of(motion, 1.5, random);
+  JointFeature b = feature_of(companion(motion), 1.5, random);
+  b.quality.encoder_ratio = 1.5;
+  b.quality.encoder_ratio_sigma = 0;
+  EXPECT_EQ(fuse(a, b).quality.encoder_ratio, a.quality.encoder_ratio);
+  EXPECT_EQ(fuse(b, a).quality.encoder_ratio, 1.5);
+  a.quality.used = b.quality.used = 0;
+  EXPECT_EQ(fuse(a, b).quality.rms_normal_m, 0);
+}
+
 }  // namespace
 }  // namespace armsig::features

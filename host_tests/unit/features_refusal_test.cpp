@@ -12,13 +12,13 @@
 namespace armsig::features {
 namespace {
 
+using test::kBothMethods;
+using test::kPrismaticSweep;
+using test::kRevoluteSweep;
 using test::measured;
 using test::some_motion;
 using test::Sweep;
 using test::TrueMotion;
-
-const SweepConfig kRevolute{JointType::kRevolute, {}};
-const SweepConfig kPrismatic{JointType::kPrismatic, {}};
 
 Refusal refusal(const SweepEstimator& estimator, Method method = Method::kEncoder) {
   const auto feature = estimator.estimate(method);
@@ -26,10 +26,8 @@ Refusal refusal(const SweepEstimator& estimator, Method method = Method::kEncode
   return feature ? Refusal{} : feature.error();
 }
 
-constexpr Method kMethods[] = {Method::kPaper, Method::kEncoder};
-
 TEST(SweepEstimator, refuses_numbers_that_are_not_finite) {
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   EXPECT_EQ(test::failure_of(estimator.add(nan, Vector3::Zero(), Matrix3::Zero())),
@@ -42,7 +40,7 @@ TEST(SweepEstimator, refuses_numbers_that_are_not_finite) {
 }
 
 TEST(SweepEstimator, refuses_a_covariance_that_is_not_positive_definite) {
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   const Matrix3 flat = Vector3(1, 1, 0).asDiagonal();
   EXPECT_EQ(test::failure_of(estimator.add(0, Vector3::Zero(), flat)), Error::kSingular);
   EXPECT_EQ(test::failure_of(estimator.add(0, Vector3::Zero(), -Matrix3::Identity())),
@@ -51,7 +49,7 @@ TEST(SweepEstimator, refuses_a_covariance_that_is_not_positive_definite) {
 }
 
 TEST(SweepEstimator, numbers_too_large_to_compute_with_give_no_feature) {
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   const TrueMotion motion = some_motion(JointType::kRevolute);
   for (std::size_t i = 0; i < 20; ++i) {
     const double reading = test::even_reading(motion, 1.5, i, 20);
@@ -62,20 +60,21 @@ TEST(SweepEstimator, numbers_too_large_to_compute_with_give_no_feature) {
 }
 
 TEST(SweepEstimator, refuses_fewer_points_than_unknowns) {
-  for (const Method method : kMethods) {
+  for (const Method method : kBothMethods) {
     const Refusal r =
-        refusal(measured(kRevolute, {some_motion(JointType::kRevolute), 1.5, 3}), method);
+        refusal(measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 1.5, 3}), method);
     EXPECT_EQ(r.error, Error::kTooFewPoints);
     EXPECT_EQ(r.found, 3);
     EXPECT_EQ(r.needed, 4);
   }
-  EXPECT_EQ(refusal(SweepEstimator(kRevolute)).error, Error::kTooFewPoints);
-  EXPECT_EQ(refusal(measured(kPrismatic, {some_motion(JointType::kPrismatic, 0), 0.3, 2})).error,
-            Error::kTooFewPoints);
+  EXPECT_EQ(refusal(SweepEstimator(kRevoluteSweep)).error, Error::kTooFewPoints);
+  EXPECT_EQ(
+      refusal(measured(kPrismaticSweep, {some_motion(JointType::kPrismatic, 0), 0.3, 2})).error,
+      Error::kTooFewPoints);
 }
 
 TEST(SweepEstimator, refuses_two_readings_however_often_repeated) {
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   for (int i = 0; i < 20; ++i)
     ASSERT_TRUE(estimator.add(i % 2, Vector3(i % 2, 0, 0.01 * i), Matrix3::Zero()));
   const Refusal r = refusal(estimator);
@@ -85,7 +84,7 @@ TEST(SweepEstimator, refuses_two_readings_however_often_repeated) {
 }
 
 TEST(SweepEstimator, refuses_one_reading_repeated) {
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   for (int i = 0; i < 500; ++i)
     ASSERT_TRUE(
         estimator.add(0.7, Vector3(0.1, 0, 1e-4 * (i % 7)), test::isotropic(test::kSweepSigma_m)));
@@ -98,7 +97,7 @@ TEST(SweepEstimator, refuses_one_reading_repeated) {
 // One and a half nanoradians apart are two readings, where three are due; half of one is none.
 TEST(SweepEstimator, tells_readings_apart_from_a_nanoradian_on) {
   const auto of_range = [](double range) {
-    SweepEstimator estimator(kRevolute);
+    SweepEstimator estimator(kRevoluteSweep);
     for (int i = 0; i < 20; ++i)
       EXPECT_TRUE(estimator.add(range * (i % 2), Vector3(0.1 * i, 0, 1), Matrix3::Zero()));
     return refusal(estimator);
@@ -108,7 +107,7 @@ TEST(SweepEstimator, tells_readings_apart_from_a_nanoradian_on) {
 }
 
 TEST(SweepEstimator, refuses_points_that_are_all_equal) {
-  for (const SweepConfig& config : {kRevolute, kPrismatic}) {
+  for (const SweepConfig& config : {kRevoluteSweep, kPrismaticSweep}) {
     SweepEstimator estimator(config);
     for (int i = 0; i < 20; ++i)
       ASSERT_TRUE(
@@ -123,18 +122,18 @@ TEST(SweepEstimator, refuses_points_that_are_all_equal) {
 TEST(SweepEstimator, refuses_a_prismatic_target_that_stays_within_the_noise) {
   TrueMotion motion = some_motion(JointType::kPrismatic, 0);
   motion.R_SC.col(2).setZero();
-  const Refusal r =
-      refusal(measured(kPrismatic, {motion, 0.3, 20, test::kSweepSigma_m, test::kSweepSigma_m}));
+  const Refusal r = refusal(
+      measured(kPrismaticSweep, {motion, 0.3, 20, test::kSweepSigma_m, test::kSweepSigma_m}));
   EXPECT_EQ(r.error, Error::kCoincidentPoints);
   EXPECT_NEAR(r.needed, 10 * test::kSweepSigma_m, 1e-15);
 }
 
 TEST(SweepEstimator, refuses_a_target_on_the_axis) {
   for (const double radius_m : {0.0, 1e-3}) {
-    for (const Method method : kMethods) {
+    for (const Method method : kBothMethods) {
       const Refusal r =
-          refusal(measured(kRevolute, {some_motion(JointType::kRevolute, radius_m), 5, 100,
-                                       test::kSweepSigma_m, test::kSweepSigma_m}),
+          refusal(measured(kRevoluteSweep, {some_motion(JointType::kRevolute, radius_m), 5, 100,
+                                            test::kSweepSigma_m, test::kSweepSigma_m}),
                   method);
       EXPECT_EQ(r.error, Error::kRadiusTooSmall);
       EXPECT_LT(r.found, r.needed);
@@ -144,29 +143,31 @@ TEST(SweepEstimator, refuses_a_target_on_the_axis) {
 }
 
 TEST(SweepEstimator, refuses_an_arc_below_the_least_with_both_arcs) {
-  const Refusal r = refusal(measured(kRevolute, {some_motion(JointType::kRevolute), 0.05, 20}));
+  const Refusal r =
+      refusal(measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 0.05, 20}));
   EXPECT_EQ(r.error, Error::kArcTooShort);
   EXPECT_NEAR(r.found, 0.05, 1e-9);
   EXPECT_NEAR(r.needed, kPi / 36, 1e-15);
 }
 
 TEST(SweepEstimator, refuses_an_arc_too_short_for_its_noise_with_the_arc_that_would_do) {
-  for (const Method method : kMethods) {
+  for (const Method method : kBothMethods) {
     const TrueMotion motion = some_motion(JointType::kRevolute);
     const Sweep sweep{motion, radians(8), 36, test::kSweepSigma_m, test::kSweepSigma_m};
-    const Refusal r = refusal(measured(kRevolute, sweep), method);
+    const Refusal r = refusal(measured(kRevoluteSweep, sweep), method);
     EXPECT_EQ(r.error, Error::kArcTooShort);
     EXPECT_NEAR(r.found, radians(8), 1e-9);
     EXPECT_GT(r.needed, radians(8));
-    EXPECT_TRUE(
-        measured(kRevolute, {motion, 1.5 * r.needed, 36, test::kSweepSigma_m, test::kSweepSigma_m})
-            .estimate(method));
+    EXPECT_TRUE(measured(kRevoluteSweep,
+                         {motion, 1.5 * r.needed, 36, test::kSweepSigma_m, test::kSweepSigma_m})
+                    .estimate(method));
   }
 }
 
 TEST(SweepEstimator, refuses_a_travel_too_short_for_its_noise) {
-  const Refusal r = refusal(measured(kPrismatic, {some_motion(JointType::kPrismatic, 0), 6e-3, 9,
-                                                  test::kSweepSigma_m, test::kSweepSigma_m}));
+  const Refusal r =
+      refusal(measured(kPrismaticSweep, {some_motion(JointType::kPrismatic, 0), 6e-3, 9,
+                                         test::kSweepSigma_m, test::kSweepSigma_m}));
   EXPECT_EQ(r.error, Error::kArcTooShort);
   EXPECT_GT(r.needed, 6e-3);
 }
@@ -176,14 +177,14 @@ TEST(SweepEstimator, takes_readings_that_err_as_a_sound_encoder_does_whatever_si
   const TrueMotion motion = some_motion(JointType::kRevolute, 0.8);
   for (const double wave_rad : {radians(0.03), radians(0.1)}) {
     test::Random random(5);
-    SweepEstimator estimator(kRevolute);
+    SweepEstimator estimator(kRevoluteSweep);
     for (std::size_t i = 0; i < 60; ++i) {
       const double turned = test::even_reading(motion, 3, i, 60);
       ASSERT_TRUE(estimator.add(turned - wave_rad * std::sin(17 * turned),
                                 motion.at(turned) + 5e-6 * random.normal_vector(),
                                 test::isotropic(5e-6)));
     }
-    for (const Method method : kMethods) {
+    for (const Method method : kBothMethods) {
       if (wave_rad > radians(0.05)) {
         const Refusal r = refusal(estimator, method);
         EXPECT_EQ(r.error, Error::kNotACircle);
@@ -204,7 +205,7 @@ TEST(SweepEstimator, takes_readings_that_err_as_a_sound_encoder_does_whatever_si
 TEST(SweepEstimator, refuses_noise_that_nobody_stated_by_its_share_of_the_radius) {
   for (const double radius_m : {0.1, 2.0}) {
     const Sweep sweep{some_motion(JointType::kRevolute, radius_m), 2, 60, radius_m / 20};
-    const Refusal r = refusal(measured(kRevolute, sweep));
+    const Refusal r = refusal(measured(kRevoluteSweep, sweep));
     EXPECT_EQ(r.error, Error::kNotACircle);
     EXPECT_NEAR(r.found, radius_m / 20, 0.3 * radius_m / 20);
     EXPECT_NEAR(r.needed, radius_m / 50, 0.1 * radius_m / 50);
@@ -214,7 +215,7 @@ TEST(SweepEstimator, refuses_noise_that_nobody_stated_by_its_share_of_the_radius
 TEST(SweepEstimator, refuses_when_no_circle_explains_half_of_the_points) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   test::Random random(4);
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   for (std::size_t i = 0; i < 100; ++i) {
     const double reading = test::even_reading(motion, 2, i, 100);
     const Vector3 p_S =
@@ -228,7 +229,7 @@ TEST(SweepEstimator, refuses_when_no_circle_explains_half_of_the_points) {
 
 TEST(SweepEstimator, refuses_with_the_count_when_most_points_are_outliers) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  SweepConfig strict = kRevolute;
+  SweepConfig strict = kRevoluteSweep;
   strict.limits.greatest_rejected = 0.1;
   SweepEstimator estimator(strict);
   for (std::size_t i = 0; i < 20; ++i) {
@@ -248,7 +249,7 @@ TEST(SweepEstimator, refuses_a_coupled_joint) {
   for (const int column : {0, 2}) {
     const Vector3 coupled_axis = motion.R_SC.col(column);
     test::Random random(9);
-    SweepEstimator estimator(kRevolute);
+    SweepEstimator estimator(kRevoluteSweep);
     for (std::size_t i = 0; i < 36; ++i) {
       const double t = 2.0 * static_cast<double>(i) / 35;
       const Vector3 from_wrist = rotation_about(coupled_axis, 0.3 * t) * motion.R_SC.col(1) * 0.4;
@@ -264,7 +265,7 @@ TEST(SweepEstimator, refuses_a_coupled_joint) {
 }
 
 TEST(SweepEstimator, refuses_a_prismatic_reading_in_another_unit) {
-  SweepEstimator estimator(kPrismatic);
+  SweepEstimator estimator(kPrismaticSweep);
   for (int i = 0; i < 20; ++i)
     ASSERT_TRUE(estimator.add(0.01 * i, Vector3(0.000254 * i, 0, 1), Matrix3::Zero()));
   const Refusal r = refusal(estimator);
@@ -275,7 +276,7 @@ TEST(SweepEstimator, refuses_a_prismatic_reading_in_another_unit) {
 TEST(SweepEstimator, refuses_a_line_where_a_circle_is_due) {
   const TrueMotion line = some_motion(JointType::kPrismatic, 0);
   const Refusal r =
-      refusal(measured(kRevolute, {line, 1, 20, test::kSweepSigma_m, test::kSweepSigma_m}));
+      refusal(measured(kRevoluteSweep, {line, 1, 20, test::kSweepSigma_m, test::kSweepSigma_m}));
   EXPECT_EQ(r.error, Error::kNotACircle);
 }
 

@@ -10,20 +10,18 @@
 namespace armsig::features {
 namespace {
 
+using test::kBothMethods;
+using test::kPrismaticSweep;
+using test::kRevoluteSweep;
 using test::measured;
 using test::some_motion;
 using test::Sweep;
 using test::TrueMotion;
 
-const SweepConfig kRevolute{JointType::kRevolute, {}};
-const SweepConfig kPrismatic{JointType::kPrismatic, {}};
-
-constexpr Method kMethods[] = {Method::kPaper, Method::kEncoder};
-
 TEST(SweepEstimator, recovers_an_exact_circle_by_both_methods) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  const SweepEstimator estimator = measured(kRevolute, {motion, 1.5, 20});
-  for (const Method method : kMethods) {
+  const SweepEstimator estimator = measured(kRevoluteSweep, {motion, 1.5, 20});
+  for (const Method method : kBothMethods) {
     const auto feature = estimator.estimate(method);
     ASSERT_TRUE(feature);
     EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
@@ -38,8 +36,8 @@ TEST(SweepEstimator, recovers_an_exact_circle_by_both_methods) {
 
 TEST(SweepEstimator, recovers_an_exact_line_by_both_methods) {
   const TrueMotion motion = some_motion(JointType::kPrismatic, 0);
-  const SweepEstimator estimator = measured(kPrismatic, {motion, 0.4, 9});
-  for (const Method method : kMethods) {
+  const SweepEstimator estimator = measured(kPrismaticSweep, {motion, 0.4, 9});
+  for (const Method method : kBothMethods) {
     const auto feature = estimator.estimate(method);
     ASSERT_TRUE(feature);
     EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
@@ -50,8 +48,8 @@ TEST(SweepEstimator, recovers_an_exact_line_by_both_methods) {
 
 TEST(SweepEstimator, axis_follows_the_sense_of_the_reading) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  const SweepEstimator estimator = measured(kRevolute, {motion, -1.5, 20});
-  for (const Method method : kMethods) {
+  const SweepEstimator estimator = measured(kRevoluteSweep, {motion, -1.5, 20});
+  for (const Method method : kBothMethods) {
     const auto feature = estimator.estimate(method);
     ASSERT_TRUE(feature);
     EXPECT_LT((feature->axis_S - motion.R_SC.col(2)).norm(), 1e-13);
@@ -59,23 +57,23 @@ TEST(SweepEstimator, axis_follows_the_sense_of_the_reading) {
 }
 
 TEST(SweepEstimator, accepts_an_exact_arc_of_ten_degrees) {
-  for (const Method method : kMethods)
-    EXPECT_TRUE(
-        measured(kRevolute, {some_motion(JointType::kRevolute), radians(10), 20}).estimate(method));
+  for (const Method method : kBothMethods)
+    EXPECT_TRUE(measured(kRevoluteSweep, {some_motion(JointType::kRevolute), radians(10), 20})
+                    .estimate(method));
 }
 
 // Readings that an encoder or a file has rounded to a picoradian.
 TEST(SweepEstimator, accepts_the_least_arc_with_readings_as_they_come_rounded) {
   const SweepEstimator estimator =
-      measured(kRevolute, {some_motion(JointType::kRevolute), radians(5) - 1e-12, 20});
-  for (const Method method : kMethods) EXPECT_TRUE(estimator.estimate(method));
+      measured(kRevoluteSweep, {some_motion(JointType::kRevolute), radians(5) - 1e-12, 20});
+  for (const Method method : kBothMethods) EXPECT_TRUE(estimator.estimate(method));
 }
 
 TEST(SweepEstimator, readings_of_ten_thousand_turns_cost_no_digits) {
   TrueMotion motion = some_motion(JointType::kRevolute);
   motion.first_reading = 2 * kPi * 1e4;
-  const SweepEstimator estimator = measured(kRevolute, {motion, 1.5, 20});
-  for (const Method method : kMethods) {
+  const SweepEstimator estimator = measured(kRevoluteSweep, {motion, 1.5, 20});
+  for (const Method method : kBothMethods) {
     const auto feature = estimator.estimate(method);
     ASSERT_TRUE(feature);
     EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
@@ -84,7 +82,7 @@ TEST(SweepEstimator, readings_of_ten_thousand_turns_cost_no_digits) {
 
 TEST(SweepEstimator, repeated_readings_are_welcome) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   for (int i = 0; i < 12; ++i) {
     const double reading = motion.first_reading + 0.5 * (i % 3);
     ASSERT_TRUE(estimator.add(reading, motion.at(reading), Matrix3::Zero()));
@@ -94,7 +92,7 @@ TEST(SweepEstimator, repeated_readings_are_welcome) {
 
 TEST(SweepEstimator, estimates_sigma_where_none_is_stated) {
   const auto feature =
-      measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100, test::kSweepSigma_m, 0})
+      measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 2, 100, test::kSweepSigma_m, 0})
           .estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_TRUE(feature->quality.sigma_is_estimated);
@@ -102,8 +100,8 @@ TEST(SweepEstimator, estimates_sigma_where_none_is_stated) {
 }
 
 TEST(SweepEstimator, keeps_a_stated_sigma_that_the_residuals_do_not_contradict) {
-  const auto feature = measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100,
-                                            test::kSweepSigma_m, test::kSweepSigma_m})
+  const auto feature = measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 2, 100,
+                                                 test::kSweepSigma_m, test::kSweepSigma_m})
                            .estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_FALSE(feature->quality.sigma_is_estimated);
@@ -111,8 +109,8 @@ TEST(SweepEstimator, keeps_a_stated_sigma_that_the_residuals_do_not_contradict) 
 }
 
 TEST(SweepEstimator, replaces_a_sigma_stated_three_times_too_small) {
-  const auto feature = measured(kRevolute, {some_motion(JointType::kRevolute), 2, 100,
-                                            3 * test::kSweepSigma_m, test::kSweepSigma_m})
+  const auto feature = measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 2, 100,
+                                                 3 * test::kSweepSigma_m, test::kSweepSigma_m})
                            .estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_TRUE(feature->quality.sigma_is_estimated);
@@ -122,8 +120,8 @@ TEST(SweepEstimator, replaces_a_sigma_stated_three_times_too_small) {
 
 TEST(SweepEstimator, a_row_without_covariance_takes_that_of_the_row_before) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  SweepEstimator stated(kRevolute);
-  SweepEstimator partly(kRevolute);
+  SweepEstimator stated(kRevoluteSweep);
+  SweepEstimator partly(kRevoluteSweep);
   for (std::size_t i = 0; i < 20; ++i) {
     const double reading = test::even_reading(motion, 2, i, 20);
     ASSERT_TRUE(stated.add(reading, motion.at(reading), test::isotropic(test::kSweepSigma_m)));
@@ -138,14 +136,14 @@ TEST(SweepEstimator, a_row_without_covariance_takes_that_of_the_row_before) {
 
 TEST(SweepEstimator, target_is_predicted_at_any_reading) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  const auto feature = measured(kRevolute, {motion, 1.5, 20}).estimate(Method::kEncoder);
+  const auto feature = measured(kRevoluteSweep, {motion, 1.5, 20}).estimate(Method::kEncoder);
   ASSERT_TRUE(feature);
   EXPECT_LT((feature->target_at(7) - motion.at(7)).norm(), 1e-13);
 }
 
 TEST(SweepEstimator, an_outlier_first_is_neither_reference_nor_used) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   for (std::size_t i = 0; i < 20; ++i) {
     const double reading = test::even_reading(motion, 1.5, i, 20);
     const Vector3 p_S = motion.at(reading) + (i == 0 ? Vector3(1e3, 0, 0) : Vector3::Zero());
@@ -164,8 +162,8 @@ TEST(SweepEstimator, points_taken_in_as_they_come_are_those_of_the_search) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   for (const std::size_t points : {36U, 100U, 200U}) {
     test::Random random(7);
-    SweepEstimator as_they_come(kRevolute);
-    SweepEstimator searched(kRevolute);
+    SweepEstimator as_they_come(kRevoluteSweep);
+    SweepEstimator searched(kRevoluteSweep);
     for (std::size_t i = 0; i < points; ++i) {
       const double reading = test::even_reading(motion, 1.5, i, points);
       const Vector3 p_S = motion.at(reading) + 0.8 * test::kSweepSigma_m * random.normal_vector();
@@ -196,7 +194,7 @@ TEST(SweepEstimator, an_outlier_among_the_first_is_found) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   for (const std::size_t place : {0U, 3U, 7U}) {
     test::Random random(8);
-    SweepEstimator estimator(kRevolute);
+    SweepEstimator estimator(kRevoluteSweep);
     for (std::size_t i = 0; i < 36; ++i) {
       const double reading = test::even_reading(motion, 1.5, i, 36);
       Vector3 p_S = motion.at(reading) + test::kSweepSigma_m * random.normal_vector();
@@ -212,7 +210,7 @@ TEST(SweepEstimator, an_outlier_among_the_first_is_found) {
 TEST(SweepEstimator, may_be_asked_again_and_again) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   SweepEstimator estimator =
-      measured(kRevolute, {motion, 1.5, 20, test::kSweepSigma_m, test::kSweepSigma_m});
+      measured(kRevoluteSweep, {motion, 1.5, 20, test::kSweepSigma_m, test::kSweepSigma_m});
   const auto first = estimator.estimate(Method::kEncoder);
   const auto second = estimator.estimate(Method::kEncoder);
   ASSERT_TRUE(first && second);
@@ -224,7 +222,7 @@ TEST(SweepEstimator, may_be_asked_again_and_again) {
 TEST(SweepEstimator, judges_points_after_a_jump_together) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   test::Random random(6);
-  SweepEstimator estimator(kRevolute);
+  SweepEstimator estimator(kRevoluteSweep);
   std::size_t outliers = 0;
   for (int i = 0; i < 6000; ++i) {
     const double reading = motion.first_reading + 0.1 * (i / 300);

@@ -3,6 +3,8 @@
 // search, and none that is worse than leaving the maps out.
 #include "core/calibration/geometry_alone.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "core/identification.hpp"
@@ -193,6 +195,31 @@ TEST(GeometryAlone, looks_where_the_rows_were) {
     largest = std::max(largest, covered_configuration(unknown, made.arm.limits, k)[2]);
   }
   EXPECT_GT(largest, 2);
+}
+
+// The origin of the last link stands for a tool, where there is room for it.
+TEST(GeometryAlone, takes_the_last_links_origin_where_it_has_no_target) {
+  Random random(31);
+  Case made = make_case(test::puma560(), random, 40);
+  made.signature.targets[0].link = 3;
+  Signature fitted = made.signature;
+  ASSERT_TRUE(fit_geometry_alone(made.whole(), made.rigid(), made.poses, fitted));
+  EXPECT_EQ(fitted.targets.size(), 1U);
+  EXPECT_GT((fitted.X_SL[5].R - made.signature.X_SL[5].R).norm(), 1e-9);
+  made.signature.targets.resize(kMaxTargets, made.signature.targets[0]);
+  const auto refused = fit_geometry_alone(made.whole(), made.rigid(), made.poses, made.signature);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(test::failure_of(refused).error, Error::kCapacityExceeded);
+  EXPECT_EQ(test::failure_of(refused).found, 6 * 4 + 3 * kMaxTargets);
+}
+
+TEST(GeometryAlone, refuses_a_pose_that_is_no_number) {
+  Random random(32);
+  Case made = make_case(test::puma560(), random, 10);
+  made.poses[3][2] = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = fit_geometry_alone(made.whole(), made.rigid(), made.poses, made.signature);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(test::failure_of(refused).error, Error::kSingular);
 }
 
 }  // namespace

@@ -97,5 +97,26 @@ TEST(ClosedForm, starts_within_two_centimetres_of_identified_arms) {
   }
 }
 
+// A bent shoulder, a flat upper arm, a wrist whose axes meet, a forearm.
+TEST(ClosedForm, is_none_where_a_puma_departs_from_the_design) {
+  const auto design_of = [](auto change) {
+    DhRows rows = test::puma560().joints;
+    change(rows);
+    return closed_form(make_chain(rows)).design;
+  };
+  EXPECT_EQ(design_of([](DhRows&) {}), Design::kSphericalWrist);
+  for (const std::size_t bent : {0, 3, 4}) {
+    EXPECT_EQ(design_of([&](DhRows& rows) { rows[bent].alpha_rad = 0; }), Design::kOther) << bent;
+  }
+  EXPECT_EQ(design_of([](DhRows& rows) { rows[1].alpha_rad = kPi / 2; }), Design::kOther);
+  EXPECT_EQ(design_of([](DhRows& rows) { rows[3].a_m = 0.1; }), Design::kOther);
+  EXPECT_EQ(design_of([](DhRows& rows) { rows[4].d_m = 0.1; }), Design::kOther);
+  EXPECT_EQ(design_of([](DhRows& rows) { rows[4].a_m = 0.1; }), Design::kOther);
+  EXPECT_EQ(design_of([](DhRows& rows) { rows[2].a_m = rows[3].d_m = 0; }), Design::kOther);
+  Chain aside = make_chain(test::puma560().joints);
+  aside.y[0] = 0.1;  // across the common normal, as no row of Denavit and Hartenberg has it
+  EXPECT_EQ(closed_form(aside).design, Design::kOther);
+}
+
 }  // namespace
 }  // namespace armsig::kinematics

@@ -109,5 +109,26 @@ TEST(Inverse, takes_for_a_rotation_what_is_off_by_a_billionth_and_no_more) {
   EXPECT_EQ(test::failure_of(solution), Error::kNotARotation);
 }
 
+TEST(Inverse, refuses_each_option_that_is_no_number_or_below_zero) {
+  Pose X = *forward(puma_chain(), kReady);
+  X.p.x() += 3;  // which is not met, so that every option is looked at
+  const auto refused = [&](const InverseOptions& options) {
+    return test::failure_of(inverse(puma_chain(), X, kReady, options));
+  };
+  EXPECT_EQ(refused({.rotation_tolerance_rad = kNan}), Error::kNotFinite);
+  EXPECT_EQ(refused({.degraded_below = kNan}), Error::kNotFinite);
+  EXPECT_EQ(refused({.position_tolerance_m = -1e-6}), Error::kOutOfRange);
+  EXPECT_EQ(refused({.rotation_tolerance_rad = -1e-6}), Error::kOutOfRange);
+}
+
+// Farther than a million metres from corner to corner, and no coordinate is.
+TEST(Inverse, judges_a_pose_whose_coordinates_are_each_within_bounds) {
+  Pose X = *forward(puma_chain(), kReady);
+  X.p = Vector3(9e5, 9e5, 9e5);
+  const auto solution = inverse(puma_chain(), X, kReady);
+  ASSERT_TRUE(solution);
+  EXPECT_NE(solution->verdict, Verdict::kConverged);
+}
+
 }  // namespace
 }  // namespace armsig::kinematics

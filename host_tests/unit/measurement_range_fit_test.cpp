@@ -32,5 +32,29 @@ TEST(FitPoint, of_exact_ranges_to_a_narrow_array_is_the_target) {
   }
 }
 
+// A range to the receiver that the search stands on has no direction: it says how far it is off.
+TEST(FitPoint, begins_on_a_receiver_and_leaves_it) {
+  const std::array<Vector3, 3> centres{Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0)};
+  Spheres spheres;
+  for (const Vector3& centre : centres) spheres.push_back({centre, centre.norm(), 1e-4});
+  bool found = false;
+  for (const PointFit& fit : fit_point(spheres)) found = found || fit.p_S.norm() < 1e-3;
+  EXPECT_TRUE(found);
+}
+
+// What is left when others are set aside may stand on a line: the point then turns about it.
+TEST(FitPoint, of_receivers_on_a_line_is_not_determined) {
+  const Vector3 target(0.3, 0.4, 1);
+  Spheres spheres;
+  for (const double x : {-1.0, 0.0, 1.0}) {
+    const Vector3 centre(x, 0, 0);
+    spheres.push_back({centre, (target - centre).norm(), 1e-4});
+  }
+  for (const PointFit& fit : fit_point(spheres)) {
+    EXPECT_FALSE(fit.determined);
+    EXPECT_TRUE(fit.p_S.allFinite());
+  }
+}
+
 }  // namespace
 }  // namespace armsig::measurement

@@ -304,5 +304,15 @@ TEST(Trilateration, traps_when_ranges_and_receivers_do_not_match) {
   EXPECT_DEATH(EXPECT_FALSE(trilaterate(five(), {})), "");
 }
 
+TEST(Trilateration, is_over_once) {
+  const ReceiverArray array = five();
+  Trilateration search(array, exact_ranges(array, target_S()));
+  while (search.step()) {
+  }
+  EXPECT_FALSE(search.step());
+  ASSERT_TRUE(search.result());
+  EXPECT_TRUE(search.result()->excluded.empty());
+}
+
 }  // namespace
 }  // namespace armsig::measurement

@@ -159,6 +159,7 @@ TEST(Layout, counts_four_unknowns_a_revolute_axis_two_a_prismatic_one_three_a_ta
   request.receiver_offsets = true;
   request.scale = true;
   EXPECT_EQ(make_layout(signature, {true}, request, 4)->size(), 30U);
+  EXPECT_EQ(make_layout(signature, {true}, request, 0)->size(), 26U);
 }
 
 TEST(Layout, says_how_many_unknowns_are_too_many) {
@@ -201,6 +202,37 @@ TEST(Readings, correction_is_gain_and_two_harmonics) {
   model.corrections.push_back({0.01, 0.002, 0.003, 0.004, 0.005});
   // 0.5 * 1.01 + 0.002 cos 0.5 + 0.003 sin 0.5 + 0.004 cos 1 + 0.005 sin 1, by a pocket calculator.
   EXPECT_NEAR(corrected_reading(model, 0, 0.5), 0.5145620, 5e-8);
+}
+
+TEST(Chain, corrections_leave_what_is_no_unknown) {
+  Random random(10);
+  const Cell cell = coupled_cell(random);
+  Signature signature = test::signature_of(cell, random.configuration(cell.arm));
+  const Vector3 target = signature.targets[0].p_S;
+  ReadingModel readings = readings_of(cell);
+  readings.corrections.resize(6, {.gain = 0.5});
+  ParameterRequest request;
+  request.readings.resize(6, ReadingTerms{.first = true});
+  const Layout layout = make_layout(signature, {false}, request, 0).value();
+  StateVector x{};
+  x.fill(1e-3);
+  apply_corrections(layout, x, 1, signature, readings);
+  EXPECT_EQ(readings.corrections[0].gain, 0.5);
+  EXPECT_EQ(readings.corrections[0].cos_1, 1e-3);
+  EXPECT_EQ(signature.targets[0].p_S, target);
+}
+
+TEST(Chain, turns_as_far_as_readings_go) {
+  Random random(11);
+  const Cell cell = test::puma_cell(random);
+  const JointVector configuration = random.configuration(cell.arm);
+  const Signature signature = test::signature_of(cell, configuration);
+  const PoeChain chain(signature, {});
+  JointVector q = random.configuration(cell.arm);
+  const Vector3 near = chain.point(chain.motion(q), signature.targets[0]);
+  q[0] += 2 * kPi * 1e6;  // beyond what sines by lanes are good for
+  EXPECT_LT((chain.point(chain.motion(q), signature.targets[0]) - near).norm(), 1e-8);
+  EXPECT_EQ(chain.frame(chain.motion(configuration), 4).p, signature.X_SL[4].p);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What the rows alone tell, and what is named because they do not.
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -137,6 +139,53 @@ TEST(Determination, never_names_the_scale) {
   name_undetermined(alone, refined);
   EXPECT_EQ(refined.undetermined.size(), 6U);
   for (const Undetermined& open : refined.undetermined) EXPECT_EQ(open.open, Open::kJointAtRest);
+}
+
+TEST(Determination, names_every_correction_that_no_row_tells) {
+  Random random(19);
+  Refined refined;
+  refined.signature = test::signature_of(test::puma_cell(random), test::cell_configuration());
+  refined.readings.corrections.resize(6);
+  ParameterRequest request;
+  request.readings.resize(6, ReadingTerms{.gain = true, .first = true, .second = true});
+  request.receiver_offsets = true;
+  const auto layout = make_layout(refined.signature, {false}, request, 3);
+  ASSERT_TRUE(layout);
+  refined.layout = *layout;
+  RowsAlone alone;
+  gather_rows({}, {}, {}, kSigma, refined, alone);
+  name_undetermined(alone, refined);
+  const auto named_of = [&](Open open) {
+    return std::count_if(refined.undetermined.begin(), refined.undetermined.end(),
+                         [&](const Undetermined& one) { return one.open == open; });
+  };
+  EXPECT_EQ(named_of(Open::kReadingGain), 6);
+  EXPECT_EQ(named_of(Open::kReadingFirst), 6);
+  EXPECT_EQ(named_of(Open::kReadingSecond), 6);
+  EXPECT_EQ(named_of(Open::kReceiverOffset), 3);
+}
+
+// A thousandth of a radian tells by the noise that it moved, and of its axis nothing.
+TEST(Determination, names_direction_and_place_of_an_axis_about_which_little_turned) {
+  Random random(20);
+  Cell cell = test::puma_cell(random);
+  for (const bool on_axis : {false, true}) {
+    if (on_axis) cell.p_tool[0] = Vector3(1e-3, 0, 0.1);
+    const std::size_t joint = on_axis ? 5 : 2;
+    Log log;
+    for (int k = 0; k < 60; ++k) {
+      JointVector q = random.configuration(cell.arm);
+      q[joint] = test::cell_configuration()[joint] + random.uniform(-1e-3, 1e-3);
+      log.push_back(test::observe(cell, q, 0, kSigma, random));
+    }
+    const auto refined = named(cell, log);
+    std::vector<Open> open;
+    for (const Undetermined& one : refined->undetermined) {
+      if (one.index == joint) open.push_back(one.open);
+    }
+    EXPECT_EQ(open, on_axis ? std::vector{Open::kTargetOnAxis}
+                            : (std::vector{Open::kAxisDirection, Open::kAxisPosition}));
+  }
 }
 
 }  // namespace

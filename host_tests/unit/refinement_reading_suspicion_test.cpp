@@ -75,5 +75,55 @@ TEST(ReadingSuspicion, says_nothing_of_an_arm_like_its_drawing) {
   EXPECT_FALSE(suspected(test::puma(), poses_of({}, random)));
 }
 
+TEST(ReadingSuspicion, needs_a_log_that_can_be_fitted) {
+  EXPECT_FALSE(suspected(test::puma(), {}));
+}
+
+// A slide and a turn do not hang on each other.
+TEST(ReadingSuspicion, couples_joints_of_one_kind) {
+  Random random(96);
+  Cell cell = test::puma_cell(random, {0, 0, 0});
+  cell.arm.joints[2].type = JointType::kPrismatic;
+  cell.arm.limits[2] = {-0.2, 0.3};
+  const Arm drawing = cell.arm;
+  cell.arm.couplings.push_back({2, 1, 0.1});
+  Log log;
+  test::add_poses(cell, 20, 0, random, log);
+  const auto found = suspected(drawing, log);
+  if (found) {
+    EXPECT_EQ(drawing.joints[found->coupling.joint].type,
+              drawing.joints[found->coupling.from].type);
+  }
+  cell.arm.couplings = {{4, 3, -1}};
+  log.clear();
+  test::add_poses(cell, 20, 0, random, log);
+  const auto turning = suspected(drawing, log);
+  ASSERT_TRUE(turning);
+  EXPECT_EQ(turning->coupling.joint, 4U);
+  EXPECT_EQ(turning->coupling.from, 3U);
+}
+
+// An arm drawn with as many couplings as there may be is suspected of none more.
+TEST(ReadingSuspicion, changes_only_the_couplings_of_a_drawing_that_has_no_room) {
+  Random random(97);
+  Arm drawing = test::puma();
+  for (const auto& [joint, from] : {std::pair<std::size_t, std::size_t>{1, 0},
+                                    {2, 0},
+                                    {3, 0},
+                                    {3, 1},
+                                    {4, 0},
+                                    {4, 1},
+                                    {5, 0},
+                                    {5, 1}}) {
+    drawing.couplings.push_back({joint, from, 0});
+  }
+  ASSERT_TRUE(drawing.couplings.full());
+  EXPECT_FALSE(suspected(drawing, poses_of({{2, 1, -1}}, random)));
+  const auto drawn = suspected(drawing, poses_of({{3, 1, -1}}, random));
+  ASSERT_TRUE(drawn);
+  EXPECT_EQ(drawn->coupling.joint, 3U);
+  EXPECT_EQ(drawn->coupling.from, 1U);
+}
+
 }  // namespace
 }  // namespace armsig::refinement

@@ -121,5 +121,35 @@ TEST(FitBaseAndTool, places_as_many_targets_as_there_may_be) {
   }
 }
 
+TEST(Moments, take_no_row_that_has_no_weight) {
+  Random random(75);
+  const Moments before = moments_of(exact_cell(random), 5, random);
+  Moments after = before;
+  after.add(Vector3(1e6, 0, 0), Vector12::Constant(1e6), 0);
+  EXPECT_EQ(after.weight, before.weight);
+  EXPECT_EQ(after.mean_p, before.mean_p);
+  Moments none;
+  none.add(Vector3(1, 2, 3), Vector12::Ones(), 0);
+  EXPECT_EQ(none.weight, 0);
+  EXPECT_TRUE(none.mean_p.isZero(0));
+}
+
+// Some hundred of them stand for all.
+TEST(BaseAndTargets, are_found_from_a_log_of_thousands_of_rows) {
+  Random random(76);
+  Cell cell = exact_cell(random);
+  cell.p_tool = {Vector3(0.08, 0.03, 0.12), Vector3(-0.1, 0.1, 0.05)};
+  Log log;
+  for (int k = 0; k < 3000; ++k) {
+    const auto target = static_cast<std::size_t>(k % 2);
+    log.push_back(test::observe(cell, random.configuration(cell.arm), target, 0, random));
+  }
+  std::array<Target, 2> targets;
+  for (Target& target : targets) target.link = 6;
+  const BaseAndTargets found = search_base_and_targets(DrawnRows(cell.arm, log, targets), 2);
+  EXPECT_LT(angle_between(found.X_SB.R, cell.X_SB.R), 1e-6);
+  EXPECT_LT((found.p_LT[1] - cell.p_tool[1]).norm(), 1e-6);
+}
+
 }  // namespace
 }  // namespace armsig::refinement

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <limits>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -155,6 +156,46 @@ TEST(SquareRootFactor, scaling_divides_every_sigma) {
   factor.scale(2);
   EXPECT_NEAR(factor.residual_squares(), 4 * before, 1e-12);
   EXPECT_NEAR((*factor.solve())[0], (*x)[0], 1e-14);
+}
+
+TEST(SquareRootFactor, refuses_to_solve_where_a_number_is_infinite) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  SquareRootFactor factor;
+  factor.reset(2);
+  factor.set_entry(0, 0, kInfinite);
+  factor.set_entry(1, 1, 1);
+  EXPECT_EQ(test::failure_of(factor.solve()), Error::kSingular);
+  factor.set_entry(0, 0, 1);
+  factor.set_entry(0, 2, kInfinite);
+  EXPECT_EQ(test::failure_of(factor.solve()), Error::kSingular);
+  factor.set_entry(0, 2, 3);
+  EXPECT_TRUE(factor.solve());
+}
+
+// The rest of a row set by hand is carried into the rows that follow.
+TEST(SquareRootFactor, goes_on_from_entries_that_were_set) {
+  SquareRootFactor set;
+  SquareRootFactor absorbed;
+  set.reset(3);
+  absorbed.reset(3);
+  RowBlock<1> block;
+  const auto absorb = [&](SquareRootFactor& factor, const std::array<double, 4>& row) {
+    block.clear(3);
+    for (std::size_t c = 0; c < 4; ++c) block.rows[0][c] = row[c];
+    factor.absorb(block);
+  };
+  for (std::size_t i = 0; i < 3; ++i) set.set_entry(i, i, 1);
+  set.set_entry(0, 2, 0.5);
+  set.set_entry(0, 3, 2);  // the right-hand side ties nothing
+  absorb(absorbed, {1, 0, 0.5, 2});
+  absorb(absorbed, {0, 1, 0, 0});
+  absorb(absorbed, {0, 0, 1, 0});
+  for (SquareRootFactor* factor : {&set, &absorbed}) absorb(*factor, {3, 0, 0, 1});
+  const auto expected = absorbed.solve();
+  const auto found = set.solve();
+  ASSERT_TRUE(expected);
+  ASSERT_TRUE(found);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR((*found)[i], (*expected)[i], 1e-12) << i;
 }
 
 }  // namespace

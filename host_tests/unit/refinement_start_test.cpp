@@ -133,5 +133,51 @@ TEST(FitBaseAndTool, refuses_what_cannot_be_fitted) {
   EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), log, one_target())).found, 5);
 }
 
+TEST(FitBaseAndTool, takes_positions_that_are_to_be_fitted_and_no_other_rows) {
+  Random random(4);
+  const Cell cell = test::puma_cell(random, {0, 0, 0});
+  Log log;
+  test::add_poses(cell, 40, 0, random, log);
+  for (std::size_t k = 0; k < 20; ++k) {
+    log[k].p_S = Vector3(std::numeric_limits<double>::quiet_NaN(), 0, 0);
+    log[k].use = RowUse::kIgnore;
+    if (k % 2 == 0) continue;
+    log[k].use = RowUse::kFit;
+    log[k].kind = ObservationKind::kRange;
+  }
+  const auto fitted = fit_base_and_tool(test::puma(), log, one_target());
+  ASSERT_TRUE(fitted);
+  EXPECT_LT((fitted->p_LT[0] - cell.p_tool[0]).norm(), 1e-6);
+  log.resize(23);  // three positions, ten ranges
+  const auto few = fit_base_and_tool(test::puma(), log, one_target());
+  ASSERT_FALSE(few);
+  EXPECT_EQ(test::failure_of(few).error, Error::kTooFewPoints);
+  EXPECT_EQ(test::failure_of(few).found, 3);
+}
+
+TEST(FitBaseAndTool, leaves_a_target_that_nobody_saw_at_its_links_origin) {
+  Random random(5);
+  const Cell cell = test::puma_cell(random, {0, 0, 0});
+  Log log;
+  test::add_poses(cell, 20, 0, random, log);
+  std::array<Target, 2> targets;
+  targets[0].link = 6;
+  targets[1].link = 3;
+  const auto fitted = fit_base_and_tool(test::puma(), log, targets);
+  ASSERT_TRUE(fitted);
+  EXPECT_LT((fitted->p_LT[0] - cell.p_tool[0]).norm(), 1e-6);
+  EXPECT_TRUE(fitted->p_LT[1].isZero(0));
+}
+
+TEST(FitBaseAndTool, refuses_positions_whose_squares_are_no_numbers) {
+  Random random(6);
+  const Cell cell = test::puma_cell(random);
+  Log log;
+  test::add_poses(cell, 20, 0, random, log);
+  for (Observation& row : log) row.p_S *= 1e130;
+  EXPECT_EQ(test::failure_of(fit_base_and_tool(test::puma(), log, one_target())).error,
+            Error::kNotConverged);
+}
+
 }  // namespace
 }  // namespace armsig::refinement

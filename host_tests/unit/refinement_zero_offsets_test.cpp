@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/refinement/zero_offsets.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::refinement {
@@ -96,6 +97,45 @@ TEST(ZeroOffsets, are_found_a_radian_away_of_eight_joints) {
   arm.joints.push_back({test::kR, 0, 0.1, 0.1, 0});
   arm.limits.resize(8, {-2, 2});
   for (std::uint64_t seed = 217; seed < 227; ++seed) expect_found_a_radian_away(arm, 20, seed);
+}
+
+// From the zeros drawn the fit ends in another minimum, decimetres away.
+TEST(ZeroOffsets, are_found_quarters_of_a_turn_away_with_a_slide_and_without) {
+  Random random(1);
+  const Cell turning = test::puma_cell(random, {0, 0, 0});
+  Cell sliding = turning;
+  sliding.arm.joints[3].type = JointType::kPrismatic;
+  sliding.arm.limits[3] = {-0.2, 0.3};
+  for (const Cell& drawn : {turning, sliding}) {
+    for (const double quarters : {1, 2, 3}) {
+      const JointVector zeros{0, 0.5 * kPi * quarters, 0.02, 0.01, -0.01, 0};
+      Log log;
+      test::add_poses(shifted(drawn, zeros), 40, 0, random, log);
+      const std::array<Target, 1> targets{Target{.number = 1, .link = 6}};
+      const auto found = fit_zeros(drawn.arm, log, targets);
+      ASSERT_TRUE(found) << quarters;
+      expect_zeros(found->shifts, zeros, 1e-6);
+    }
+  }
+}
+
+TEST(ZeroOffsets, explain_no_points_that_are_of_no_arm) {
+  Random random(104);
+  const Cell drawn = test::puma_cell(random, {0, 0, 0});
+  Log log;
+  test::add_poses(drawn, 40, 0, random, log);
+  for (Observation& row : log) row.p_S = random.vector(1);
+  const std::array<Target, 1> targets{Target{.number = 1, .link = 6}};
+  const auto found = fit_zeros(drawn.arm, log, targets);
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->fitted.rms_m, 0.1);
+}
+
+TEST(ZeroOffsets, are_not_sought_in_a_log_without_rows) {
+  const std::array<Target, 1> targets{Target{.number = 1, .link = 6}};
+  const auto found = fit_zeros(test::puma(), {}, targets);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(test::failure_of(found).error, Error::kTooFewPoints);
 }
 
 }  // namespace

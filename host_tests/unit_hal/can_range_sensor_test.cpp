@@ -240,5 +240,14 @@ TEST(RangeNode, sends_what_the_sensor_reads_once_it_is_started) {
   EXPECT_DOUBLE_EQ((*reading)->receivers[3].flight_s, 4e-3);
 }
 
+TEST(CanRangeSensor, refuses_more_flights_than_it_has_receivers) {
+  RangeSensor sensor({.receivers = 1});
+  sensor.take({test::frame("1A0#0101E600"), at_ms(0)});
+  sensor.take({test::frame("2A0#60E3160061E31600"), at_ms(0)});
+  const auto reading = sensor.poll(at_ms(0));
+  ASSERT_FALSE(reading);
+  EXPECT_EQ(test::failure_of(reading), Error::kSensorMalformed);
+}
+
 }  // namespace
 }  // namespace armsig::canopen

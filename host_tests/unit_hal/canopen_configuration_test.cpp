@@ -169,5 +169,14 @@ TEST(InterpolationPeriod, takes_the_coarsest_power_of_ten_that_fits) {
   EXPECT_FALSE(cia402::interpolation_period(milliseconds(0)));
 }
 
+TEST(Configuration, refuses_a_heartbeat_shorter_than_its_milliseconds_count) {
+  Configuration configuration = puma_drives(1);
+  configuration.period = microseconds(500);
+  configuration.heartbeat = microseconds(500);
+  const auto checked = check(configuration);
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().error, Error::kPeriodInvalid);
+}
+
 }  // namespace
 }  // namespace armsig::canopen

@@ -392,5 +392,25 @@ TEST(Cia402Setup, refuses_what_is_no_drive_or_counts_otherwise) {
   EXPECT_EQ(contradicting_object(set_up(objects, kSettings).factors, kSettings.scaling), 0x608F);
 }
 
+TEST(Cia402Group, refuses_targets_beyond_either_limit_and_tells_the_first_joint) {
+  Arm arm;
+  arm.enable();
+  const JointVector at = arm.targets;
+  arm.targets[1] = kSettings.limits.lower - 0.1;
+  arm.tick();
+  ASSERT_FALSE(arm.taken);
+  EXPECT_EQ(test::failure_of(arm.taken), Error::kJointLimit);
+  arm.targets[1] = kSettings.limits.upper + 0.1;
+  arm.tick();
+  EXPECT_EQ(test::failure_of(arm.taken), Error::kJointLimit);
+  arm.targets[0] = std::nan("");
+  arm.tick();
+  EXPECT_EQ(test::failure_of(arm.taken), Error::kNotFinite)
+      << "of joint 1, though 2 is refused too";
+  arm.targets = at;
+  arm.tick();
+  EXPECT_TRUE(arm.taken);
+}
+
 }  // namespace
 }  // namespace armsig::cia402

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cstdint>
+#include <set>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -95,6 +97,13 @@ TEST(Cia402, every_goal_is_reached_from_every_state_but_fault) {
 TEST(Cia402, names_every_state) {
   EXPECT_EQ(describe(State::kQuickStopActive), "Quick stop active");
   EXPECT_EQ(describe(State::kNotReadyToSwitchOn), "Not ready to switch on");
+}
+
+TEST(Cia402, has_words_of_its_own_for_each_state) {
+  std::set<std::string_view> words{describe(static_cast<State>(200))};
+  for (const Coding& coding : kStandardCodings) {
+    EXPECT_TRUE(words.insert(describe(coding.state)).second) << describe(coding.state);
+  }
 }
 
 }  // namespace

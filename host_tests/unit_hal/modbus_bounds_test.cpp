@@ -196,5 +196,75 @@ TEST(Freshness, tells_silence_and_standing_still_after_their_times_and_again) {
   EXPECT_FALSE(freshness.overdue(at_ms(340)));
 }
 
+TEST(ModbusRtu, looks_at_both_bytes_of_the_check) {
+  for (const char* answer : {"018402C3C1", "018402C2C0"}) {  // of 018402C2C1
+    const auto decoded = decode({1, 4, {0, 12}}, bytes(answer));
+    ASSERT_FALSE(decoded) << answer;
+    EXPECT_EQ(test::failure_of(decoded).error, Error::kSensorBadCrc) << answer;
+  }
+}
+
+TEST(ModbusProfile, that_contradicts_itself_decodes_nothing) {
+  const std::vector<std::uint16_t> registers(12);
+  const auto reading = decode(Profile{.unit = 0}, registers);
+  ASSERT_FALSE(reading);
+  EXPECT_EQ(test::failure_of(reading), Error::kProfileInvalid);
+}
+
+// A line that never falls silent is read from no longer than it takes; what it brings later is no
+// answer.
+TEST(ModbusRangeSensor, asks_on_a_line_that_babbles) {
+  ScriptedLine line;
+  line.bring(std::vector<std::uint8_t>(5'000, 0x55));
+  RangeSensor sensor({}, line);
+  EXPECT_TRUE(sensor.poll(at_ms(0)));
+  EXPECT_EQ(line.written.size(), 1U);
+  const auto answered = sensor.poll(at_ms(1));
+  ASSERT_FALSE(answered);
+  EXPECT_EQ(test::failure_of(answered), Error::kSensorBadCrc);
+}
+
+// 255 bytes of registers are more than a frame of 256 has room for: it ends where the frame does.
+TEST(ModbusRangeSensor, ends_an_answer_that_is_longer_than_a_frame) {
+  ScriptedLine line;
+  line.answer = bytes("0104FF");
+  line.answer.resize(300);
+  RangeSensor sensor({}, line);
+  EXPECT_TRUE(sensor.poll(at_ms(0)));
+  const auto answered = sensor.poll(at_ms(1));
+  ASSERT_FALSE(answered);
+  EXPECT_EQ(test::failure_of(answered), Error::kSensorBadCrc);
+}
+
+TEST(ModbusRangeSensor, tells_a_sensor_with_fewer_receivers_than_configured) {
+  ScriptedLine line;
+  line.answer = bytes("010418000F000700E60003");
+  line.answer.resize(27);
+  const std::uint16_t crc = crc16(line.answer);
+  line.answer.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  line.answer.push_back(static_cast<std::uint8_t>(crc >> 8U));
+  RangeSensor sensor({}, line);
+  EXPECT_TRUE(sensor.poll(at_ms(0)));
+  const auto answered = sensor.poll(at_ms(1));
+  ASSERT_FALSE(answered);
+  EXPECT_EQ(test::failure_of(answered), Error::kSensorMalformed);
+}
+
+// Reads, and takes nothing.
+class DeafLine final : public hal::ByteStream {
+  Result<void> do_write(std::span<const std::uint8_t> /*out*/) override {
+    return std::unexpected(Error::kBusBusy);
+  }
+  Result<std::size_t> do_read(std::span<std::uint8_t> /*into*/) override { return 0; }
+};
+
+TEST(ModbusRangeSensor, tells_that_its_line_takes_no_request) {
+  DeafLine line;
+  RangeSensor sensor({}, line);
+  const auto polled = sensor.poll(at_ms(0));
+  ASSERT_FALSE(polled);
+  EXPECT_EQ(test::failure_of(polled), Error::kBusBusy);
+}
+
 }  // namespace
 }  // namespace armsig::modbus

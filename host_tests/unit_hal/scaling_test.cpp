@@ -93,5 +93,10 @@ TEST(Scaling, a_distance_has_at_least_one_count) {
   EXPECT_EQ(test::failure_of(scaling.distance_counts(1e9)), Error::kPositionOverflow);
 }
 
+TEST(Scaling, refuses_factors_whose_product_is_no_number) {
+  EXPECT_EQ(test::failure_of(Scaling::make({.counts_per_revolution = 1e200, .gear_ratio = 1e200})),
+            Error::kScaleInvalid);
+}
+
 }  // namespace
 }  // namespace armsig::cia402

@@ -103,5 +103,14 @@ TEST(Sdo, has_words_for_codes_it_does_not_know) {
   EXPECT_EQ(describe_sdo_abort(0x12345678), "unknown abort code");
 }
 
+TEST(SdoTransfer, is_over_once) {
+  SdoTransfer transfer = read_device_type();
+  EXPECT_TRUE(transfer.poll(hal::Instant(milliseconds(0))));
+  transfer.take(frame("585#4300100092010200"));
+  transfer.take(frame("585#4300100011111111"));
+  EXPECT_EQ(transfer.outcome(), SdoOutcome(0x00020192));
+  EXPECT_FALSE(transfer.poll(hal::Instant(milliseconds(500))));
+}
+
 }  // namespace
 }  // namespace armsig::canopen

@@ -115,5 +115,22 @@ TEST(SerialConsole, cuts_what_it_writes_after_1024_characters) {
   }
 }
 
+TEST(SerialConsole, takes_a_tab_for_text_and_a_deletion_not) {
+  Serial serial;
+  EXPECT_EQ(serial.read("a\tb\n"), "a\tb");
+  EXPECT_EQ(serial.read("a\x7F"
+                        "b\n"),
+            describe(Error::kNotText));
+}
+
+TEST(SerialConsole, says_of_a_line_that_is_wrong_twice_what_came_first) {
+  Serial serial;
+  EXPECT_EQ(serial.read("\x01" + std::string(kMaxConsoleLine + 1, 'a') + "\n"),
+            describe(Error::kNotText));
+  EXPECT_EQ(serial.read(std::string(kMaxConsoleLine + 1, 'a') + "\x01\n"),
+            describe(Error::kLineTooLong));
+  EXPECT_EQ(serial.read(std::string(kMaxConsoleLine, 'a') + "\x01\n"), describe(Error::kNotText));
+}
+
 }  // namespace
 }  // namespace armsig::hal

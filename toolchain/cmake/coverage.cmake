@@ -1,9 +1,5 @@
-# Included by toolchain/coverage after project(): the branches of the libraries ARMSIG_COUNTED are counted, those of the
-# tests not. Little is optimised, so that a branch of the source is one of the program.
-function(armsig_count_branches)
-  foreach(target ${ARMSIG_COUNTED})
-    target_compile_options(${target} PRIVATE --coverage -O1 -fno-inline -fno-if-conversion -fno-if-conversion2)
-    target_link_options(${target} INTERFACE --coverage)
-  endforeach()
-endfunction()
-cmake_language(DEFER CALL armsig_count_branches)
+# Included by toolchain/coverage after project(): branches are counted of what counted.txt names, in the libraries and, of
+# their headers, in the tests too, because which of the copies of an inline function runs is the linker's choice.
+set(CMAKE_CXX_FLAGS_RELEASE "-O1")
+add_compile_options(-fprofile-instr-generate -fcoverage-mapping "-fprofile-list=${CMAKE_CURRENT_LIST_DIR}/counted.txt")
+add_link_options(-fprofile-instr-generate)

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Each error and verdict has words of its own.
+#include <set>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/base/error_name.hpp"
+#include "core/drift/course.hpp"
+#include "core/drift/reference.hpp"
+#include "core/refinement/refined.hpp"
+#include "core/uncertainty/drift.hpp"
+
+namespace armsig {
+namespace {
+
+// Of the enumerators from 0 to `last`; none may have the words of what is none of them.
+template <typename Enum>
+void expect_words_of_their_own(Enum last) {
+  const auto count = static_cast<std::size_t>(last) + 1;
+  std::set<std::string_view> words{describe(static_cast<Enum>(200))};
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::string_view said = describe(static_cast<Enum>(k));
+    EXPECT_FALSE(said.empty()) << k;
+    EXPECT_TRUE(words.insert(said).second) << k << ": " << said;
+  }
+}
+
+TEST(Words, of_each_error_are_its_own) {
+  // The last one is that behind which no enumerator has a name.
+  std::size_t count = 0;
+  while (count < error_name_detail::kMost && !name(static_cast<Error>(count)).empty()) ++count;
+  ASSERT_GT(count, 90U);
+  expect_words_of_their_own(static_cast<Error>(count - 1));
+}
+
+TEST(Words, of_what_is_left_open_are_its_own) {
+  expect_words_of_their_own(refinement::Open::kReceiverOffset);
+}
+
+TEST(Words, of_a_drift_are_its_own) {
+  expect_words_of_their_own(uncertainty::DriftVerdict::kSensorWorse);
+  expect_words_of_their_own(drift::Course::kRamp);
+  expect_words_of_their_own(drift::Moved::kUndecided);
+}
+
+TEST(Words, of_a_number_that_is_no_error_are_told_apart) {
+  EXPECT_EQ(name(static_cast<Error>(200)), "ERROR");
+  EXPECT_EQ(name(Error::kNotFinite), "NOT_FINITE");
+}
+
+}  // namespace
+}  // namespace armsig
