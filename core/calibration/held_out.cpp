@@ -72,7 +72,7 @@ HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> r
   for (std::size_t k = 0; k < scores.size(); ++k) {
     const RowScore& row = scores[k];
     if (!row.scored) continue;
-    const double length = static_cast<double>(row.length_m);
+    const auto length = static_cast<double>(row.length_m);
     ++sum.rows;
     sum.mean_m += length;
     sum.rms_m += length * length;

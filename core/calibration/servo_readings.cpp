@@ -58,7 +58,7 @@ ServoReadings::Values ServoReadings::filled(const JointVector& q) const {
 
 const ServoReadings::Values& ServoReadings::encoders(const Values& q, Values& coupled) const {
   if (couplings_.empty()) [[likely]]
-    return q;
+    return q;  // NOLINT(bugprone-return-const-ref-from-parameter): no caller's is a temporary
   JointVector effective;
   for (std::size_t i = 0; i < joint_count_; ++i) effective.push_back(q[i]);
   coupled = filled(readings_for(couplings_, effective));

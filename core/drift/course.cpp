@@ -36,7 +36,7 @@ Result<CourseReport> course_of(std::span<const Vector3> residuals_m, double sigm
   for (std::size_t back = 0; back < residuals_m.size(); ++back) {
     const Vector3& e = residuals_m[residuals_m.size() - 1 - back];
     if (!e.allFinite()) return std::unexpected(Error::kNotFinite);
-    const double m = static_cast<double>(back + 1);
+    const auto m = static_cast<double>(back + 1);
     sum += e;
     weighted += sum;
     const double squares = m * (m + 1) * (2 * m + 1) / 6;

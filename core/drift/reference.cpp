@@ -49,7 +49,7 @@ std::string_view describe(Moved moved) {
 Result<ReferenceReport> what_moved(std::span<const PoseResidual> poses, double sigma_m) {
   if (poses.size() < 4) return std::unexpected(Error::kTooFewPoints);
   if (!(sigma_m > 0)) return std::unexpected(Error::kNotPositive);
-  const double n = static_cast<double>(poses.size());
+  const auto n = static_cast<double>(poses.size());
   ReferenceReport report;
   Vector3 centre = Vector3::Zero();
   for (const PoseResidual& pose : poses) {

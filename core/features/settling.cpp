@@ -9,7 +9,7 @@ void accept(const SweepPoint& point, SweepStatistics& accepted) {
 }
 
 Settling::Settling(const SweepState& state)
-    : state_(state), accepted_(state.accepted), rejected_(state.rejected), stage_(Stage::kReview) {
+    : state_(state), accepted_(state.accepted), rejected_(state.rejected) {
   if (state.waiting.empty()) {
     accepted_.geometry.compress();
     stage_ = Stage::kOver;

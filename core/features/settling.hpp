@@ -57,7 +57,7 @@ class Settling {
   std::optional<Review> review_;
   std::optional<Judging> judging_;
   std::size_t done_ = 0;  // points reviewed, or taken in
-  Stage stage_;
+  Stage stage_ = Stage::kReview;
 };
 
 // Adds `point` to `accepted`, which begins at its first point.

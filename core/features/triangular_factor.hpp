@@ -100,7 +100,7 @@ template <typename Scalar, std::size_t kColumns>
 inline void reflect_column(std::array<Scalar, kColumns>& kept, std::size_t pivot,
                            RowBlock<Scalar, kColumns>& block) {
   const BlockPacks<Scalar> x = packs_of(block.columns[pivot]);
-  const Scalar squares = product_of_packs<Scalar>(x, x);
+  const auto squares = product_of_packs<Scalar>(x, x);
   if (!(squares > 0)) return;
   const Scalar before = kept[pivot];
   kept[pivot] += squares;
@@ -117,7 +117,7 @@ inline void reflect_column(std::array<Scalar, kColumns>& kept, std::size_t pivot
 #pragma GCC unroll 16
     for (std::size_t k = 1; k < x.size(); ++k) sum += x[k] * y(k);
     const Scalar above = kept[j];
-    const Scalar xy = sum_of_lanes<Scalar>(sum);
+    const auto xy = sum_of_lanes<Scalar>(sum);
     kept[j] = (before * above + xy) * inverse;
     const Scalar factor = along * xy - c * above;
 #pragma GCC unroll 16
@@ -167,7 +167,7 @@ class TriangularFactor {
   static constexpr std::size_t kWidth = kColumns;
   static_assert(kWidth <= kBlockRows, "a block is reflected before the next one is full");
 
-  [[gnu::noinline]] Matrix of_a_copy() const {
+  [[nodiscard, gnu::noinline]] Matrix of_a_copy() const {
     TriangularFactor copy = *this;
     copy.compress();
     return copy.taken_in();

@@ -94,8 +94,9 @@ Problem wrong_usage(std::string what, std::string expected) {
 
 std::string nearest_or(const std::string& word, const std::vector<std::string>& known,
                        std::string otherwise) {
-  const std::string meant = nearest(word, known);
-  return meant.empty() ? std::move(otherwise) : meant;
+  std::string meant = nearest(word, known);
+  if (meant.empty()) return otherwise;
+  return meant;
 }
 
 std::optional<Problem> unknown_option(const CLI::App& command, std::string_view called,

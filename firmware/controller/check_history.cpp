@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "core/drift/course.hpp"
@@ -40,11 +41,11 @@ Result<CheckVerdict> what_changed(const MeasuredCheck& checked, double sigma_m,
 // The first check: against the signature itself and what it was accepted with.
 Result<CheckVerdict> against_signature(const MeasuredCheck& checked, double held_out_rms_m) {
   const auto n = static_cast<double>(checked.poses.size());
-  const double stood_m = std::max(held_out_rms_m, std::sqrt(3.0) * checked.sigma_m);
+  const double stood_m = std::max(held_out_rms_m, std::numbers::sqrt3 * checked.sigma_m);
   if (std::sqrt(squares_of(checked) / n) <= kFirstFactor * stood_m) {
     return CheckVerdict::kAsAccepted;
   }
-  return what_changed(checked, stood_m / std::sqrt(3.0), CheckVerdict::kStepped);
+  return what_changed(checked, stood_m / std::numbers::sqrt3, CheckVerdict::kStepped);
 }
 
 }  // namespace

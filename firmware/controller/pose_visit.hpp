@@ -136,7 +136,8 @@ class VisitingSequence {
     }
   }
 
- protected:
+ private:
+  friend Sequence;
   VisitingSequence(const Configuration& configuration, Mover& mover, PointMeasurement& measurement,
                    const Announcer& announcer, std::string_view name)
       : configuration_(configuration),
@@ -145,6 +146,7 @@ class VisitingSequence {
         announcer_(announcer),
         visit_(configuration, mover, measurement, announcer, name) {}
 
+ protected:
   // Whether `q` may be gone to. If not it is passed over; or ready() looks on.
   [[nodiscard]] bool may_go_to(const JointVector& q) {
     const WayLook::Says says = visit_.look_at(q);

@@ -50,8 +50,8 @@ Result<bool> Receiving::take(const Request& request) {
   if (part->bytes > kBytes) return std::unexpected(Error::kCapacityExceeded);
   if (part->bytes != kBytes) return std::unexpected(Error::kRecordCorrupt);
   if (part->number == 1) received_ = 0;
-  if (received_ == kRecordBytes ||
-      part->number != static_cast<double>(received_ / kPartBytes + 1)) {
+  const std::size_t next = received_ / kPartBytes + 1;
+  if (received_ == kRecordBytes || part->number != static_cast<double>(next)) {
     return std::unexpected(Error::kOutOfRange);
   }
   const std::size_t count = std::min(kPartBytes, kRecordBytes - received_);

@@ -60,7 +60,7 @@ Machine read_machine(LittleEndianReader& in, std::size_t joints) {
 }
 
 // Four doubles, and the steps of all knots.
-constexpr std::size_t kBytesOfMap = 4 * 8 + 2 * calibration::kKnots;
+constexpr std::size_t kBytesOfMap = std::size_t{4} * 8 + std::size_t{2} * calibration::kKnots;
 
 void write_deflections(PartWriter& out, const PackedDeflections& deflections) {
   out.integer(deflections.empty() ? 0 : 1, 4);

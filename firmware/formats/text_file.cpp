@@ -74,7 +74,7 @@ extern "C" void remove_temporaries(int signal) {
     if (temporary.used) ::unlink(temporary.path.data());
   }
   // SA_RESETHAND has put the default back: this ends the process as the signal would have.
-  ::raise(signal);
+  (void)::raise(signal);
 }
 
 // A name in the same directory that nobody uses; its file, or -1 with errno set.

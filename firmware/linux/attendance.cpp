@@ -41,7 +41,7 @@ void Attendance::attend() {
 
 void Attendance::started(const std::string& words) {
   fmt::print("armsigd: {}\n", words);
-  std::fflush(stdout);
+  (void)std::fflush(stdout);
   manager_.ready();
 }
 

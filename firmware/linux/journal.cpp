@@ -71,7 +71,7 @@ void Journal::run(const std::function<void()>& chore) {
       if (told) return;
       told = true;
       std::array<char, kLongest> text{};
-      std::snprintf(text.data(), text.size(), "beside the controller: %s", error.what());
+      (void)std::snprintf(text.data(), text.size(), "beside the controller: %s", error.what());
       tell(Priority::kError, text.data());
     }
   };
@@ -93,7 +93,7 @@ void Journal::write_all() {
   const unsigned lost = lost_;
   if (lost == told_lost_ || !can_write(0)) return;
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%u lines of the log were lost", lost - told_lost_);
+  (void)std::snprintf(text.data(), text.size(), "%u lines of the log were lost", lost - told_lost_);
   told_lost_ = lost;
   tell(Priority::kWarning, text.data());
 }

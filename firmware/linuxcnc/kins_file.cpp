@@ -57,9 +57,8 @@ class Words {
  private:
   template <typename Number>
   static bool whole(std::string_view word, Number& value) {
-    const char* end = word.data() + word.size();
-    const auto [stopped, error] = std::from_chars(word.data(), end, value);
-    return !word.empty() && error == std::errc() && stopped == end;
+    const auto [stopped, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return !word.empty() && error == std::errc() && stopped == word.data() + word.size();
   }
 
   std::string_view left_;

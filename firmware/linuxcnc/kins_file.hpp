@@ -24,7 +24,7 @@
 namespace armsig::linuxcnc {
 
 inline constexpr std::string_view kKinsTag = "linuxcnc-kins/1";
-inline constexpr std::size_t kLargestKinsFile = 64 * 1024;
+inline constexpr std::size_t kLargestKinsFile = std::size_t{64} * 1024;
 
 struct KinsRefusal {
   std::size_t line = 0;  // 0: the file as a whole

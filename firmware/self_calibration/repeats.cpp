@@ -85,12 +85,13 @@ Repeats::Explained Repeats::explained_by(Motions One::* cause) const {
   }
   const double before = loss();
   double limit = *std::ranges::max_element(squares);
-  for (int round = 0; round < kRounds; ++round, limit /= kFiner) {
+  for (int round = 0; round < kRounds; ++round) {
     if (!solve(cause, std::max(limit, kOneInThousand), squares, by)) return {};
     for (std::size_t p = 0; p < all_.size(); ++p) {
       const Vector3 left = all_[p].difference_S - all_[p].moved(cause, by);
       squares[p] = left.squaredNorm() / all_[p].variance_m2;
     }
+    limit /= kFiner;
   }
   double moved_m2 = 0;
   for (const One& one : all_) moved_m2 += one.moved(cause, by).squaredNorm();

@@ -27,8 +27,7 @@ void Master::take_answer(const DriveNode& drive, const hal::CanFrame& frame) {
 bool Master::step_inquiries() {
   if (inquiries_.empty()) return false;
   bool over = true;
-  for (std::size_t joint = 0; joint < inquiries_.size(); ++joint) {
-    auto& inquiry = inquiries_[joint];
+  for (auto& inquiry : inquiries_) {
     const auto question = inquiry->poll(now_);
     if (question && !send(*question)) {
       inquiry->begin();  // the bus takes nothing

@@ -20,7 +20,7 @@ constexpr std::string_view kArm = "/arm/";
 constexpr std::string_view kSignature = "/signature/";
 constexpr std::string_view kCompare = "/compare/";
 constexpr std::size_t kHashSize = 64;
-const Answer kNoRecord{.status = 503, .body = "the record does not answer\n"};
+Answer no_record() { return {.status = 503, .body = "the record does not answer\n"}; }
 
 using Table = Database::Table;
 
@@ -129,7 +129,7 @@ std::string of_joint(JointType type, double value, int count) {
 }
 
 // With the sign of a change; none where it is nought in so many decimals.
-std::string with_sign(std::string number) {
+std::string with_sign(const std::string& number) {
   const bool negative = number.starts_with('-');
   if (number.find_first_of("123456789") == std::string::npos) {
     return negative ? number.substr(1) : number;
@@ -208,7 +208,7 @@ Answer one_arm(std::string_view node, Database& database) {
   const auto checks = database.ask(kChecks, name);
   const auto worn = database.ask(kWornNow, name);
   const auto rows = database.ask(kHistory, name);
-  if (!there || !checks || !worn || !rows) return kNoRecord;
+  if (!there || !checks || !worn || !rows) return no_record();
   if (there->empty()) return {.status = 404, .body = "no such arm\n"};
   Answer page{.body = page_head(node)};
   page.body += fmt::format("<p><a href=\"/\">all arms</a></p><h1>{}</h1>", escaped(node));
@@ -249,7 +249,7 @@ std::string bends_of(const DocumentedSignature& signature) {
 Answer signature(const std::string& hash, Database& database) {
   const auto wearers = database.ask(kWearers, {hash});
   const auto document = database.ask(kDocumentByHash, {hash});
-  if (!wearers || !document) return kNoRecord;
+  if (!wearers || !document) return no_record();
   if (wearers->empty() && document->empty()) return {.status = 404, .body = "no such signature\n"};
   Answer page{.body = page_head("Signature " + hash.substr(0, 12))};
   page.body += fmt::format(
@@ -295,7 +295,7 @@ Answer signature(const std::string& hash, Database& database) {
 Answer comparison(const std::string& before, const std::string& actual, Database& database) {
   const auto former = database.ask(kDocumentByHash, {before});
   const auto newer = database.ask(kDocumentByHash, {actual});
-  if (!former || !newer) return kNoRecord;
+  if (!former || !newer) return no_record();
   if (former->empty() || newer->empty()) return {.status = 404, .body = "no such signature\n"};
   Answer page{.body = page_head("Two signatures")};
   page.body += fmt::format("<p><a href=\"/\">all arms</a></p><h1>{} against {}</h1>",

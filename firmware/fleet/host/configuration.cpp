@@ -59,7 +59,7 @@ Read<DriftPlan> read_drift(const YamlMap& root) {
   return plan;
 }
 
-Read<HostConfiguration> configuration_from(const YamlNode& node) {
+Read<HostConfiguration> host_configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, "fleet/1"); !tag) return std::unexpected(tag.error());
   ARMSIG_TRY(
       root, YamlMap::open(node, "the host",
@@ -86,7 +86,7 @@ Read<HostConfiguration> configuration_from(const YamlNode& node) {
 Read<HostConfiguration> parse_host_configuration(std::string_view text, std::string_view file) {
   const auto parse = [&]() -> Read<HostConfiguration> {
     ARMSIG_TRY(root, tool::parse_yaml(text));
-    return configuration_from(root);
+    return host_configuration_from(root);
   };
   return tool::in_file(file, parse());
 }

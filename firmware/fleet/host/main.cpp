@@ -2,6 +2,7 @@
 // armsig-fleet: keeps what the cabinets of one plant report, and shows it. One thread.
 #include <chrono>
 #include <cstdio>
+#include <string>
 
 #include "core/base/error_name.hpp"
 #include "core/drift/cusum.hpp"
@@ -144,7 +145,7 @@ int run(const char* path, bool check_only) {
   const auto drift = settings_of(configuration->drift);
   if (!drift) {
     std::fprintf(stderr, "armsig-fleet: %s: drift: no threshold for these settings: %s\n", path,
-                 describe(drift.error()).data());
+                 std::string(describe(drift.error())).c_str());
     return kWrongUsage;
   }
   if (check_only) {

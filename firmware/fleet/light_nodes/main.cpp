@@ -136,8 +136,10 @@ class Fleet {
   double noise() { return std::normal_distribution<>(0, 0.02)(noise_); }
 
   void make_rows(Cabinet& cabinet, const Now& time, double seconds) {
-    for (cabinet.owed += rate_ * seconds; cabinet.owed >= 1; cabinet.owed -= 1) {
+    cabinet.owed += rate_ * seconds;
+    while (cabinet.owed >= 1) {
       make_row(cabinet, time);
+      cabinet.owed -= 1;
     }
   }
 
@@ -239,7 +241,7 @@ class Fleet {
     cabinet.watched_write = write;
   }
 
-  bool all_acknowledged() const {
+  [[nodiscard]] bool all_acknowledged() const {
     for (const auto& cabinet : cabinets_) {
       if (cabinet->journal.acknowledged() != cabinet->journal.last()) return false;
     }

@@ -12,7 +12,7 @@ extern "C" int clock_gettime(clockid_t clock, timespec* time) noexcept {
   const long result = ::syscall(SYS_clock_gettime, clock, time);
   if (result == 0 && clock == CLOCK_REALTIME) {
     const char* shift = std::getenv("ARMSIG_CLOCK_SHIFT_S");
-    if (shift != nullptr) time->tv_sec += std::atol(shift);
+    if (shift != nullptr) time->tv_sec += std::strtol(shift, nullptr, 10);
   }
   return static_cast<int>(result);
 }

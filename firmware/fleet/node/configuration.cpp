@@ -31,7 +31,7 @@ Read<void> read_period(const YamlMap& root, NodeConfiguration& configuration) {
   return {};
 }
 
-Read<NodeConfiguration> configuration_from(const YamlNode& node) {
+Read<NodeConfiguration> node_configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, "node/1"); !tag) return std::unexpected(tag.error());
   std::vector<std::string> known{"armsig", "console", "journal", "journal_mib", "group",
                                  "node",   "host",    "serial",  "broker"};
@@ -119,7 +119,7 @@ Read<BrokerSettings> read_broker(const YamlMap& root) {
 Read<NodeConfiguration> parse_node_configuration(std::string_view text, std::string_view file) {
   const auto parse = [&]() -> Read<NodeConfiguration> {
     ARMSIG_TRY(root, tool::parse_yaml(text));
-    return configuration_from(root);
+    return node_configuration_from(root);
   };
   return tool::in_file(file, parse());
 }

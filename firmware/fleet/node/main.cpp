@@ -221,13 +221,13 @@ int run(const char* path, bool check_only) {
       configuration->journal, Journal::kFirstSlotAt + configuration->slots * Journal::kSlotSize);
   if (!storage) {
     std::fprintf(stderr, "armsig-node: %s: %s\n", configuration->journal.c_str(),
-                 describe(storage.error()).data());
+                 std::string(describe(storage.error())).c_str());
     return 1;
   }
   auto journal = Journal::open(*storage, configuration->slots, random_bits());
   if (!journal) {
     std::fprintf(stderr, "armsig-node: %s: %s\n", configuration->journal.c_str(),
-                 describe(journal.error()).data());
+                 std::string(describe(journal.error())).c_str());
     return 1;
   }
   Reporter(*configuration, *journal).run();

@@ -28,7 +28,7 @@ int let_go_of(dl_phdr_info* object, std::size_t /*size*/, void* /*none*/) {
 }  // namespace
 
 void let_go_of_start() {
-  ::malloc_trim(0);
+  (void)::malloc_trim(0);
   ::dl_iterate_phdr(let_go_of, nullptr);
 }
 

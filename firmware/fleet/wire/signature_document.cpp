@@ -16,7 +16,7 @@ using calibration::kKnots;
 using calibration::PackedDeflections;
 using calibration::PackedMap;
 
-constexpr double kLargest = 1e9;  // degrees or mm; an arm has none such
+constexpr double kLargestValue = 1e9;  // degrees or mm; an arm has none such
 constexpr double kTravel_m = 1;
 
 std::string_view unit_of(JointType type) { return type == JointType::kPrismatic ? "m" : "rad"; }
@@ -45,7 +45,7 @@ template <typename Number>
 bool read_number(std::string_view text, Number& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc{} && end == text.data() + text.size() &&
-         std::abs(static_cast<double>(value)) < kLargest;
+         std::abs(static_cast<double>(value)) < kLargestValue;
 }
 
 bool take_number(Words& words, const std::string& name, double& value) {

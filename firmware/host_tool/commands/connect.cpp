@@ -67,7 +67,7 @@ Talker talker_of(ConsoleClient& console) {
 // Says the reply; false where the console is of no use any more.
 bool pass_on(const std::string& request, const Reply& reply, const ConnectOptions& options) {
   if (!reply.text.empty()) say("{}\n", reply.text);
-  std::fflush(stdout);
+  (void)std::fflush(stdout);
   if (reply.how == Reply::How::kSilent) {
     complain("armsig connect: no reply to \"{}\" within {} s", request, options.timeout_s);
   } else if (reply.how == Reply::How::kGone) {
@@ -137,7 +137,7 @@ constexpr std::string_view kClearLine = "\r\033[K";
 void draw(const LineEditor& editor) {
   fmt::print("{}{}{}\r\033[{}C", kClearLine, kPrompt, editor.text(),
              kPrompt.size() + editor.cursor());
-  std::fflush(stdout);
+  (void)std::fflush(stdout);
 }
 
 // False when the person wants to leave.

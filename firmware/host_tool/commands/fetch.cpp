@@ -74,7 +74,7 @@ Read<std::size_t> write_log(Fetcher& fetcher, const Arm& drawing, const FetchOpt
 }
 
 int tell(const FetchOptions& options, std::string_view what, std::string_view words,
-         std::string_view next, nlohmann::ordered_json details) {
+         std::string_view next, const nlohmann::ordered_json& details) {
   if (options.json) {
     nlohmann::ordered_json result{{"status", 0}, {"fetched", what}, {"out", options.file}};
     result.update(details);

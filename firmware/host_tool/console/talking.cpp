@@ -17,7 +17,7 @@ constexpr std::string_view kWait = "wait";
 constexpr std::string_view kBound = "timeout_s=";
 constexpr double kUsualBound_s = 3600;  // an identification takes minutes
 constexpr double kLargestBound_s = 1e6;
-constexpr milliseconds kRound{200};  // from one status to the next
+constexpr milliseconds kPause{200};  // from one status to the next
 constexpr std::string_view kBlanks = " \t\r";
 
 // Whether `word` is one of the line's; an empty one always is.
@@ -44,7 +44,7 @@ std::optional<double> bound_of(std::string_view request) {
   if (!word.starts_with(kBound) || !first_word(rest).empty()) return std::nullopt;
   const auto bound_s = parse_number(word.substr(kBound.size()));
   if (!bound_s || !(*bound_s > 0) || *bound_s > kLargestBound_s) return std::nullopt;
-  return *bound_s;
+  return bound_s;
 }
 
 milliseconds milliseconds_of(double seconds) {
@@ -126,7 +126,7 @@ Reply Talker::wait(std::string_view request, milliseconds longest) {
 Reply Talker::wait_for(milliseconds bound, milliseconds longest) {
   const auto until = TalkClock::now() + bound;
   for (;;) {
-    const Reply status = ask("status", longest);
+    Reply status = ask("status", longest);
     if (status.how != Reply::How::kOk) return status;
     if (std::string told = ending_.told(status.text); !told.empty()) {
       const auto how = is_error(told) ? Reply::How::kError : Reply::How::kOk;
@@ -135,7 +135,7 @@ Reply Talker::wait_for(milliseconds bound, milliseconds longest) {
     if (TalkClock::now() >= until) {
       return {Reply::How::kError, "error it is still under way after timeout_s"};
     }
-    const auto next = std::min(until, TalkClock::now() + kRound);
+    const auto next = std::min(until, TalkClock::now() + kPause);
     while (TalkClock::now() < next && !console_.gone()) {
       const auto left = std::chrono::ceil<milliseconds>(next - TalkClock::now());
       if (const auto line = console_.receive(left)) heard(*line);

@@ -35,7 +35,7 @@ Read<std::string> token_of(const std::string& file) {
   const linux_hal::FileDescriptor made(
       ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOwnerOnly));
   if (made.valid()) {
-    const std::string token = random_token();
+    std::string token = random_token();
     const auto written = ::write(made.get(), token.data(), token.size());
     if (written == static_cast<ssize_t>(token.size())) return token;
     return std::unexpected(refused(file, std::strerror(errno)));
@@ -62,7 +62,7 @@ Problem serve_web_page(const WebPageOptions& options) {
             "another port, or none"};
   }
   say("{}\nThe address is a key: who has it can move the arm. Ctrl-C ends.\n", server.address());
-  std::fflush(stdout);
+  (void)std::fflush(stdout);
   (void)server.serve();
   board.close();
   return {"--web", 0, 0, "the server has ended", "a computer with a loopback"};

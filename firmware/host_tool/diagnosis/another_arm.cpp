@@ -14,8 +14,6 @@ namespace armsig::tool {
 namespace {
 
 constexpr int kPoses = 150;
-// Off the last axis, so that its zero and its tilt are seen too.
-const Vector3 kTool{0.12, 0.05, 0.1};
 // Of the reach: what the nearest arm may miss by. Gravity and maps, of which it knows nothing, stay
 // far below.
 constexpr double kExplained = 5e-3;
@@ -23,6 +21,8 @@ constexpr double kAsFar = 1.5;
 
 // Where the arm of `record` puts a tool at readings all over the limits of `drawing`.
 Evidence evidence_of(const SignatureRecord& record, const Arm& drawing) {
+  // Off the last axis, so that its zero and its tilt are seen too.
+  const Vector3 tool(0.12, 0.05, 0.1);
   const Signature& signature = record.signature;
   const refinement::ReadingModel readings = record.readings();
   Evidence evidence{.arm = drawing, .rows = {}};
@@ -32,7 +32,7 @@ Evidence evidence_of(const SignatureRecord& record, const Arm& drawing) {
     row.target = 1;
     row.q = work_configuration(signature.types, drawing.limits, n);
     const JointVector turned = refinement::true_readings(readings, signature.configuration, row.q);
-    row.p_S = kinematics::link_pose(signature, turned, signature.joint_count()) * kTool;
+    row.p_S = kinematics::link_pose(signature, turned, signature.joint_count()) * tool;
     evidence.rows.push_back(row);
   }
   return evidence;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -47,7 +48,7 @@ Normal normal_of(std::span<const PlacedRow> rows, std::size_t targets,
     const PlacedRow& row = rows[k];
     const Vector3 y = row.p_S - normal.mean_S;
     Eigen::Matrix<double, 3, 15> A;
-    for (int j = 0; j < 3; ++j) A.block<3, 3>(0, 3 * j) = y[j] * Matrix3::Identity();
+    for (Eigen::Index j = 0; j < 3; ++j) A.block<3, 3>(0, 3 * j) = y[j] * Matrix3::Identity();
     A.block<3, 3>(0, 9) = -Matrix3::Identity();
     A.block<3, 3>(0, 12) = -row.X_BL.R;
     const Eigen::Matrix<double, 15, 15> AA = weights[k] * A.transpose() * A;
@@ -98,7 +99,7 @@ void descend(const Reduced& reduced, Matrix3& M) {
   double squares = reduced.at(M);
   for (int step = 0; step < kDescentSteps; ++step) {
     Eigen::Matrix<double, 9, 3> J;
-    for (int j = 0; j < 3; ++j) J.block<3, 3>(3 * j, 0) = -cross_matrix(M.col(j));
+    for (Eigen::Index j = 0; j < 3; ++j) J.block<3, 3>(3 * j, 0) = -cross_matrix(M.col(j));
     const Vector9 m = M.reshaped();
     const Vector3 gradient = J.transpose() * (reduced.S * m - reduced.b);
     Matrix3 H = J.transpose() * reduced.S * J;
@@ -137,7 +138,7 @@ Matrix3 spread_start(int k) {
   const double s = k + 0.5;
   const double r = std::sqrt(s / kBaseStarts);
   const double t = std::sqrt(1 - s / kBaseStarts);
-  const double alpha = 2 * kPi * s / std::sqrt(2.0);
+  const double alpha = 2 * kPi * s / std::numbers::sqrt2;
   const double beta = 2 * kPi * s / kPsi;
   return Eigen::Quaterniond(r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta),
                             t * std::cos(beta))

@@ -168,7 +168,7 @@ class ScoreTest {
     scored.size = inverse_of(scored.left, scored.usual.diagonal()) * scored.score;
     scored.gain = std::clamp(scored.score.dot(scored.size), 0.0, (1 - 1e-12) * arm_.squares());
     const double freedom = 3 * static_cast<double>(arm_.rows()) - static_cast<double>(arm_.size());
-    const double tried = static_cast<double>(candidates * arm_.rows());
+    const auto tried = static_cast<double>(candidates * arm_.rows());
     scored.evidence = -0.5 * freedom * std::log1p(-scored.gain / arm_.squares()) -
                       0.5 * static_cast<double>(scored.size.size()) * std::log(freedom) -
                       std::log(tried);

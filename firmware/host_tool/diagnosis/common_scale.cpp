@@ -32,7 +32,7 @@ double shift_squares(const NearFit& fit) {
 std::optional<CommonScale> common_scale(const Evidence& evidence, const NearFit& fit,
                                         const ArmLimits& limits, double start) {
   if (fit.joints.size() < 2) return std::nullopt;
-  const double axes = static_cast<double>(fit.joints.size() - 1);
+  const auto axes = static_cast<double>(fit.joints.size() - 1);
   const double wider = limits.least_shift_m / ArmLimits{}.least_shift_m;  // as the file allows
   const double usual_m = wider * std::max(kUsualShift_m, kUsualShare * fit.reach_m);
   const double usual = kUsual * usual_m * usual_m;

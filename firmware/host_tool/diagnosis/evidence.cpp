@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -77,7 +78,7 @@ double blunder_gate_m(std::vector<double> lengths_m) {
 }
 
 double huber_weight(double length_m, double sigma_m) {
-  const double in_sigma = length_m / (sigma_m * std::sqrt(3.0));
+  const double in_sigma = length_m / (sigma_m * std::numbers::sqrt3);
   return std::min(1.0, kHuber / in_sigma) / (sigma_m * sigma_m);
 }
 

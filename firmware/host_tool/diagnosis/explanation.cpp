@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,7 @@ namespace {
 
 // What gravity, gears and heat leave of a sound arm at most, as a share of its reach.
 constexpr double kModelShare = 0.005;
-constexpr double kOfSigma = 4 * 1.732;
+constexpr double kOfSigma = 4 * std::numbers::sqrt3;
 // Residuals beyond so many times the noise ask for a cause.
 constexpr double kSuspicious = 3;
 constexpr double kSuspiciousClipped = 8;
@@ -246,9 +247,9 @@ std::string short_length(double metres) {
 }
 
 double Reference::noise_length_m() const {
-  if (stated_m <= 0) return std::sqrt(3.0) * sweeps_m;
+  if (stated_m <= 0) return std::numbers::sqrt3 * sweeps_m;
   // Sweeps show more where the arm errs; they show far more where the mistake is in them.
-  return std::sqrt(3.0) * std::max(stated_m, std::min(sweeps_m, 5 * stated_m));
+  return std::numbers::sqrt3 * std::max(stated_m, std::min(sweeps_m, 5 * stated_m));
 }
 
 std::optional<Reference> reference_of(const Evidence& evidence, const ArmLimits& limits) {

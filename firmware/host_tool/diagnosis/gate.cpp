@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <fmt/core.h>
@@ -94,7 +95,7 @@ std::string objection(const Evidence& evidence, const Reference& reference, cons
   if (auto group = objection_to_group(evidence, fit, allowed_m); !group.empty()) return group;
   if (found) {
     const GroupMiss worst = worst_group(evidence, misses_m(evidence, *found));
-    const double noise_m = std::sqrt(3.0) * std::max(reference.stated_m, reference.sweeps_m);
+    const double noise_m = std::numbers::sqrt3 * std::max(reference.stated_m, reference.sweeps_m);
     const double expected_m =
         std::max(fit.best_rms_m, std::hypot(noise_m, found->predicted_error_m));
     if (worst.length_m > std::max(kBent * fit.reach_m, kMethodFactor * expected_m) &&

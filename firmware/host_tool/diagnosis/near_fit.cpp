@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -111,7 +112,7 @@ class Fit {
     sigma_m_ = std::max(kLeastSigma_m, sigma_by_median(lengths));
     weights_.assign(lengths.size(), 0);
     for (std::size_t k = 0; k < lengths.size(); ++k) {
-      const double in_sigma = lengths[k] / (sigma_m_ * std::sqrt(3.0));
+      const double in_sigma = lengths[k] / (sigma_m_ * std::numbers::sqrt3);
       if (how == Weighing::kStrict && in_sigma > kRejected) continue;
       weights_[k] = huber_weight(lengths[k], sigma_m_);
     }

@@ -82,7 +82,7 @@ class Stager {
     return ratio * encoders_[static_cast<std::size_t>(of - names_.begin())] + offset;
   }
 
-  Read<double> read_off(const UrdfJoint& joint) const {
+  [[nodiscard]] Read<double> read_off(const UrdfJoint& joint) const {
     const std::size_t i = chain_.stages.size();
     if (i == record_.signature.joint_count() || type_of(joint) != record_.signature.types[i]) {
       return problem_at(

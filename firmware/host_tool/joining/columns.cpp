@@ -46,7 +46,7 @@ std::optional<std::string> name_with(const std::string& header, const JointTypes
   if (auto ours = our_name_of(header, types)) return ours;
   for (const std::string& unit : {units.angle, units.length}) {
     if (unit.empty()) continue;
-    if (auto ours = our_name_of(header + " " + unit, types)) return ours;
+    if (auto ours = our_name_of(fmt::format("{} {}", header, unit), types)) return ours;
   }
   return std::nullopt;
 }

@@ -14,7 +14,7 @@
 namespace armsig::tool {
 namespace {
 
-constexpr char kBlanks = ' ';
+constexpr char kBlankSeparated = ' ';
 
 // Hours of a controller's log, ten rows a second. A column takes 32 bytes in memory and a row some
 // 100 more, however short they are in the file.
@@ -50,7 +50,7 @@ std::vector<std::string> split(std::string_view line, char separator) {
   std::vector<std::string> fields(1);
   bool quoted = false;
   for (const char c : line) {
-    const bool blank = separator == kBlanks && (c == ' ' || c == '\t');
+    const bool blank = separator == kBlankSeparated && (c == ' ' || c == '\t');
     if (c == '"') {
       quoted = !quoted;
     } else if (!quoted && (c == separator || blank)) {
@@ -103,7 +103,7 @@ Read<ForeignTable> read_foreign_table(const std::string& path) {
     return std::unexpected(Problem{path, 0, 0, fmt::format("{} rows", lines.size()),
                                    fmt::format("at most {}", kMostRows)});
   }
-  char separator = kBlanks;
+  char separator = kBlankSeparated;
   for (const char candidate : {',', '\t', ';'}) {
     if (std::ranges::any_of(
             lines, [&](const auto& line) { return has_outside_quotes(line.second, candidate); })) {

@@ -20,7 +20,7 @@ std::size_t longest(const Lines& lines) {
 }
 
 // How wide each column is, and how wide it has to be.
-struct Columns {
+struct Layout {
   std::vector<std::size_t> widths;
   std::vector<std::size_t> least;
   std::size_t gap = kGap;
@@ -30,9 +30,9 @@ struct Columns {
   }
 };
 
-Columns natural(const std::vector<Lines>& rows) {
-  Columns columns{std::vector<std::size_t>(rows.front().size(), 0),
-                  std::vector<std::size_t>(rows.front().size(), 0)};
+Layout natural(const std::vector<Lines>& rows) {
+  Layout columns{std::vector<std::size_t>(rows.front().size(), 0),
+                 std::vector<std::size_t>(rows.front().size(), 0)};
   for (std::size_t r = 0; r < rows.size(); ++r) {
     for (std::size_t c = 0; c < rows[r].size(); ++c) {
       const std::string& cell = rows[r][c];
@@ -46,7 +46,7 @@ Columns natural(const std::vector<Lines>& rows) {
 }
 
 // Takes one character after the other from the column that has most to give, from `first` on.
-void narrow(Columns& columns, std::size_t first, std::size_t width) {
+void narrow(Layout& columns, std::size_t first, std::size_t width) {
   const auto spare = [&](std::size_t c) { return columns.widths[c] - columns.least[c]; };
   while (columns.total() > width) {
     std::size_t chosen = first;
@@ -58,7 +58,7 @@ void narrow(Columns& columns, std::size_t first, std::size_t width) {
   }
 }
 
-void fit(Columns& columns, std::size_t width) {
+void fit(Layout& columns, std::size_t width) {
   if (columns.total() > width) columns.gap = 2;
   if (columns.widths.size() > 1) narrow(columns, 1, width);
   if (columns.total() > width) columns.gap = 1;
@@ -66,7 +66,7 @@ void fit(Columns& columns, std::size_t width) {
 }
 
 // The lines of one row; a heading stands at the bottom of its cell, all else at the top.
-std::string rendered(const Lines& cells, const Columns& columns, const std::string& margin,
+std::string rendered(const Lines& cells, const Layout& columns, const std::string& margin,
                      bool heading) {
   std::vector<Lines> parts;
   std::size_t height = 1;
@@ -114,7 +114,7 @@ void Table::add_row(std::vector<std::string> cells) {
 
 std::string Table::render(int indent, std::size_t width) const {
   const std::string margin(static_cast<std::size_t>(indent), ' ');
-  Columns columns = natural(rows_);
+  Layout columns = natural(rows_);
   fit(columns, std::max(width, margin.size()) - margin.size());
   std::string text;
   for (std::size_t r = 0; r < rows_.size(); ++r) {

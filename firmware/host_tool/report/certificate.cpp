@@ -74,7 +74,7 @@ UncertaintyBudget uncertainty_budget(const SignatureRecord& record,
                                      const std::optional<ToolErrorMap>& map) {
   UncertaintyBudget budget;
   if (map && map->predicted_rms_m) {
-    budget.combined_m = *map->predicted_rms_m;
+    budget.combined_m = map->predicted_rms_m;
     add_scatter(record, *map->predicted_rms_m, budget);
   }
   budget.sources.push_back(

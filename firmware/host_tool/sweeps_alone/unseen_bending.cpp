@@ -24,7 +24,7 @@ constexpr double kQuickShare = 0.7;  // see engine_scales.cpp
 constexpr double kLeastBlockScale = 1e-6;
 
 // The rows: y = A x + e.
-struct Rows {
+struct LinearRows {
   Eigen::MatrixXd A;
   Eigen::VectorXd y;
 };
@@ -41,7 +41,7 @@ struct Posterior {
 // (MacKay, 1992; Dempster, Laird and Rubin, 1977), with the whole covariance.
 class Fit {
  public:
-  Fit(const WholeModel& model, const Rows& rows) : model_(model), rows_(rows) {}
+  Fit(const WholeModel& model, const LinearRows& rows) : model_(model), rows_(rows) {}
 
   // Geometry, and so many blocks of the model.
   [[nodiscard]] Posterior operator()(std::size_t blocks) {
@@ -126,7 +126,7 @@ class Fit {
   }
 
   const WholeModel& model_;
-  const Rows& rows_;
+  const LinearRows& rows_;
 };
 
 // The target of a row by its index, or nothing.
@@ -155,10 +155,10 @@ std::vector<EvidenceRow> sound_rows(const Evidence& evidence, const refinement::
   return sound;
 }
 
-Rows linearised(const WholeModel& model, const refinement::Refined& estimate,
-                std::span<const EvidenceRow> from) {
+LinearRows linearised(const WholeModel& model, const refinement::Refined& estimate,
+                      std::span<const EvidenceRow> from) {
   const auto numbers = 3 * static_cast<Eigen::Index>(from.size());
-  Rows rows{.A = Eigen::MatrixXd(numbers, model.columns()), .y = Eigen::VectorXd(numbers)};
+  LinearRows rows{.A = Eigen::MatrixXd(numbers, model.columns()), .y = Eigen::VectorXd(numbers)};
   for (std::size_t k = 0; k < from.size(); ++k) {
     const auto first = 3 * static_cast<Eigen::Index>(k);
     const WholeModel::At at = model.at(from[k].q, *index_of(estimate.signature, from[k].target));
@@ -199,7 +199,7 @@ std::optional<UnseenBending> judge_bending(const Evidence& evidence,
   const std::vector<EvidenceRow> from = sound_rows(evidence, estimate);
   if (from.empty()) return std::nullopt;
   const WholeModel model(evidence.arm, estimate, from, tool);
-  const Rows rows = linearised(model, estimate, from);
+  const LinearRows rows = linearised(model, estimate, from);
   Fit fit(model, rows);
   const Posterior straight = fit(WholeModel::kGears);
   if (!estimate_bends && tried && fit(WholeModel::kMaps).log_evidence < straight.log_evidence) {

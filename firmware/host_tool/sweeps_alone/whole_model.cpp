@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 
@@ -33,7 +34,7 @@ constexpr double kTurnOfKnots = 2 * kPi / static_cast<double>(kKnots);
 // Matern 3/2, of length 15 degrees on one turn of the knots.
 double correlation(double a, double b) {
   constexpr double kLength = radians(15);
-  const double apart = std::abs(std::remainder(a - b, 2 * kPi)) * std::sqrt(3.0) / kLength;
+  const double apart = std::abs(std::remainder(a - b, 2 * kPi)) * std::numbers::sqrt3 / kLength;
   return (1 + apart) * std::exp(-apart);
 }
 
