@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The check of the whole controller on an arm that stays, changes, or is looked at from elsewhere.
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <sstream>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -91,6 +93,51 @@ TEST(Check, sensor_that_was_pushed_is_told_apart_from_the_arm) {
   X_S0 = Pose{rotation_z(radians(0.1)), Vector3(2e-3, -1e-3, 1e-3)} * X_S0;
   EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"the reference moved\""));
   EXPECT_TRUE(heard(puma, "# the sensor moved"));
+}
+
+// What stands after `key` in millimetres, a number or several between commas.
+std::vector<double> millimetres(const std::string& line, const std::string& key) {
+  const std::size_t at = line.find(" " + key + "=");
+  if (at == std::string::npos) return {};
+  std::istringstream words(line.substr(at + key.size() + 2));
+  std::vector<double> found;
+  for (double value = 0; words >> value;) {
+    found.push_back(value);
+    if (words.get() != ',') break;
+  }
+  return found;
+}
+
+// The noise of a point is 0.1 mm; what is told of it has three digits, of the whole check four.
+TEST(Check, tells_what_it_found_in_millimetres) {
+  Accepted puma;
+  puma.cabinet->arm().X_S0.p += Vector3(2e-3, -3e-3, 4e-3);
+  const std::string line = checked(puma);
+  const auto told = std::ranges::find_if(puma.console.told, [](const std::string& said) {
+    return said.starts_with("# check residuals");
+  });
+  ASSERT_NE(told, puma.console.told.end());
+  Vector3 sum = Vector3::Zero();
+  double squares = 0;
+  int poses = 0;
+  for (int place = 1; place <= 99; ++place) {
+    const auto residual = millimetres(*told, "r" + std::to_string(place) + "_mm");
+    if (residual.empty()) continue;
+    ASSERT_EQ(residual.size(), 3U) << *told;
+    const Vector3 r(residual[0], residual[1], residual[2]);
+    sum += r;
+    squares += r.squaredNorm();
+    ++poses;
+  }
+  ASSERT_EQ(poses, 16) << *told;
+  EXPECT_LT((sum / poses - Vector3(2, -3, 4)).norm(), 0.5) << *told;
+  const char* axes[] = {"dx_mm", "dy_mm", "dz_mm"};
+  for (int axis = 0; axis < 3; ++axis) {
+    ASSERT_EQ(millimetres(line, axes[axis]).size(), 1U) << line;
+    EXPECT_NEAR(millimetres(line, axes[axis])[0], sum[axis] / poses, 1e-3) << line;
+  }
+  ASSERT_EQ(millimetres(line, "rms_mm").size(), 1U) << line;
+  EXPECT_NEAR(millimetres(line, "rms_mm")[0], std::sqrt(squares / poses), 2e-3) << line;
 }
 
 TEST(Check, needs_a_signature_a_sensor_and_torque) {

@@ -60,6 +60,19 @@ TEST(Commit, forgets_the_candidate_when_it_is_stored_and_not_when_another_is_rol
   EXPECT_TRUE(puma.ask("candidate").starts_with("ok held_out=3 "));
 }
 
+TEST(Commit, answers_what_is_its_own_where_another_asks_meanwhile) {
+  Quick puma;
+  ASSERT_TRUE(puma.identify());
+  const std::size_t before = puma.console.replies.size();
+  puma.console.requests.emplace_back("accept");
+  puma.other.requests.emplace_back("status");
+  puma.run(1);
+  ASSERT_EQ(puma.other.replies.size(), 1U);
+  EXPECT_TRUE(puma.other.replies.back().starts_with("ok mode="));
+  ASSERT_EQ(puma.console.replies.size(), before + 1);
+  EXPECT_EQ(puma.console.replies.back(), "ok");
+}
+
 TEST(Commit, is_possible_without_torque) {
   Quick puma;
   ASSERT_TRUE(puma.identify());

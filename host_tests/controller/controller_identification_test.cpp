@@ -83,6 +83,39 @@ TEST(Identification, pauses_for_trouble_of_the_sensor_and_goes_on) {
   }
 }
 
+TEST(Identification, that_is_begun_again_has_no_reason_to_pause) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  puma.run(10);
+  const IdentificationSequence& sequence = puma.cabinet->state().identification();
+  puma.cabinet->sensor().set_error(Error::kSensorSilent);
+  puma.run(5);
+  ASSERT_EQ(sequence.pause_reason(), Error::kSensorSilent);
+  puma.cabinet->sensor().set_error({});
+  ASSERT_EQ(puma.ask("stop"), "ok");
+  ASSERT_EQ(puma.ask("reset"), "ok");
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  EXPECT_FALSE(sequence.is_paused());
+  EXPECT_EQ(sequence.pause_reason(), std::nullopt);
+}
+
+TEST(Identification, tells_how_far_a_sweep_is_with_every_tenth_point) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  const IdentificationSequence& sequence = puma.cabinet->state().identification();
+  while (sequence.points_done() < 25) puma.run(0.1);
+  std::vector<std::string> progress;
+  for (const std::string& line : puma.console.told) {
+    if (line.starts_with("# identify sweep joint=1 ")) progress.push_back(line);
+  }
+  ASSERT_EQ(progress.size(), 2U);
+  EXPECT_TRUE(progress[0].contains(" points=10 ")) << progress[0];
+  EXPECT_TRUE(progress[1].contains(" points=20 ")) << progress[1];
+}
+
 TEST(Identification, pauses_where_the_air_temperature_is_implausible) {
   PumaCabinet puma;
   ASSERT_TRUE(puma.enable());

@@ -6,6 +6,7 @@
 
 #include "hal/canopen/configuration.hpp"
 #include "hal/cia402/setup.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/puma_drives.hpp"
 
 namespace armsig::canopen {
@@ -173,9 +174,7 @@ TEST(Configuration, refuses_a_heartbeat_shorter_than_its_milliseconds_count) {
   Configuration configuration = puma_drives(1);
   configuration.period = microseconds(500);
   configuration.heartbeat = microseconds(500);
-  const auto checked = check(configuration);
-  ASSERT_FALSE(checked);
-  EXPECT_EQ(checked.error().error, Error::kPeriodInvalid);
+  EXPECT_EQ(test::failure_of(check(configuration)).error, Error::kPeriodInvalid);
 }
 
 }  // namespace
