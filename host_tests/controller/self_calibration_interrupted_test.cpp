@@ -76,6 +76,35 @@ TEST_F(InterruptedSelfCalibration, goes_on_after_a_restart_where_it_was) {
   EXPECT_EQ(sequence.stage(), IdentificationSequence::Stage::kSweeping);
 }
 
+// What a point takes is learnt from those that were measured, not from those that were kept.
+TEST_F(InterruptedSelfCalibration, tells_the_time_that_is_left_by_the_points_of_its_own) {
+  ASSERT_NO_FATAL_FAILURE(interrupt());
+  PointJournal journal(kept);
+  BentPuma puma(kBends, &journal);
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify accuracy_mm=0.15 minutes=60"), "ok");
+  expect_recalled(puma, measured);
+  const auto& sequence = puma.cabinet->state().identification();
+  const auto point_takes_s = [&](std::size_t points_before) {
+    const hal::Instant began = puma.now().now;
+    while (sequence.points_done() < points_before + 6) puma.cabinet->step();
+    return hal::seconds(puma.now().now - began) / 6;
+  };
+  const auto points_left = [&] {
+    return static_cast<double>(sequence.points_planned() - sequence.points_done());
+  };
+  const double further_s = point_takes_s(measured);
+  EXPECT_GT(sequence.left_s(), 0.5 * further_s * points_left());
+  EXPECT_LT(sequence.left_s(), 2 * further_s * points_left());
+  // The next run has kept none.
+  ASSERT_EQ(puma.ask("halt"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  ASSERT_EQ(puma.ask("identify accuracy_mm=0.15 anew=yes"), "ok");
+  const double first_s = point_takes_s(0);
+  EXPECT_GT(sequence.left_s(), 0.5 * first_s * points_left());
+  EXPECT_LT(sequence.left_s(), 2 * first_s * points_left());
+}
+
 TEST_F(InterruptedSelfCalibration, begins_anew_where_that_is_asked_for) {
   ASSERT_NO_FATAL_FAILURE(interrupt());
   PointJournal journal(kept);
