@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <regex>
 #include <sstream>
 #include <vector>
 
@@ -117,6 +118,7 @@ TEST(Check, tells_what_it_found_in_millimetres) {
     return said.starts_with("# check residuals");
   });
   ASSERT_NE(told, puma.console.told.end());
+  EXPECT_TRUE(std::regex_search(*told, std::regex(" r1_mm=(-?\\d+\\.\\d{3},?){3} "))) << *told;
   Vector3 sum = Vector3::Zero();
   double squares = 0;
   int poses = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the console says and does, word for word: status, lines with an orientation, disable, and
 // the grid's ends.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <string>
@@ -133,6 +134,8 @@ TEST(ShownFigures, are_those_of_the_log_the_report_and_the_record) {
   EXPECT_EQ(word(candidate, "held_out"), std::to_string(report.poses));
   EXPECT_NEAR(std::stod(word(candidate, "candidate_rms_mm")), 1e3 * report.candidate_rms_m, 1e-4);
   EXPECT_NEAR(std::stod(word(candidate, "active_rms_mm")), 1e3 * report.active_rms_m, 1e-4);
+  const std::string figures = candidate.substr(3, candidate.find(" better=") - 3);
+  EXPECT_EQ(std::ranges::count(puma.console.told, "# candidate " + figures), 1) << figures;
   EXPECT_EQ(word(candidate, "better"), "yes");
   ASSERT_EQ(puma.ask("accept"), "ok");
   const SignatureRecord& record = *puma.cabinet->state().active();
