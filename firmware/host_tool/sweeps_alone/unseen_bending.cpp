@@ -22,6 +22,8 @@ constexpr int kScaleRounds = 25;
 constexpr double kGeometryVariance = 25;
 constexpr double kQuickShare = 0.7;  // see engine_scales.cpp
 constexpr double kLeastBlockScale = 1e-6;
+// What gears and gravity that are not there have as evidence is less.
+constexpr double kSpeaks = 1;
 
 // The rows: y = A x + e.
 struct LinearRows {
@@ -202,7 +204,8 @@ std::optional<UnseenBending> judge_bending(const Evidence& evidence,
   const LinearRows rows = linearised(model, estimate, from);
   Fit fit(model, rows);
   const Posterior straight = fit(WholeModel::kGears);
-  if (!estimate_bends && tried && fit(WholeModel::kMaps).log_evidence < straight.log_evidence) {
+  if (!estimate_bends && tried &&
+      fit(WholeModel::kMaps).log_evidence < straight.log_evidence + kSpeaks) {
     return std::nullopt;
   }
   const Posterior bent = fit(model.blocks().size());
