@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/arm_model/reading_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -51,7 +52,8 @@ SplineSupport spline_support(const MapDomain& domain, double reading) {
   const double s = 1 - t;
   const double turned = std::fmod(floor, static_cast<double>(kKnots));
   SplineSupport support;
-  support.first = static_cast<std::size_t>(turned < 0 ? turned + kKnots : turned);
+  // A reading that is no number has weights that are none, at the first knot.
+  support.first = static_cast<std::size_t>(turned >= 0 ? turned : std::max(0.0, turned + kKnots));
   support.weight = {s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6,
                     (4 - 6 * s * s + 3 * s * s * s) / 6, t * t * t / 6};
   return support;
