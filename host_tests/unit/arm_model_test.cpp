@@ -55,8 +55,9 @@ TEST(ArmModel, finds_the_corrections_that_are_asked_for_and_no_others) {
 }
 
 TEST(GravityTerms, are_set_once) {
-  ArmModel model = model_of(test::puma(), {});
-  GravityChoice choice(test::puma(), model);
+  const Arm drawing = test::puma();
+  ArmModel model = model_of(drawing, {});
+  GravityChoice choice(drawing, model);
   while (choice.step()) {
   }
   const std::size_t terms = model.gravity.size();
