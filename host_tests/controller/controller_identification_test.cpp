@@ -106,7 +106,8 @@ TEST(Identification, tells_how_far_a_sweep_is_with_every_tenth_point) {
   ASSERT_TRUE(puma.enable());
   ASSERT_EQ(puma.ask("identify"), "ok");
   const IdentificationSequence& sequence = puma.cabinet->state().identification();
-  while (sequence.points_done() < 25) puma.run(0.1);
+  for (int i = 0; i < 3000 && sequence.points_done() < 25; ++i) puma.run(0.1);
+  ASSERT_EQ(sequence.points_done(), 25U);
   std::vector<std::string> progress;
   for (const std::string& line : puma.console.told) {
     if (line.starts_with("# identify sweep joint=1 ")) progress.push_back(line);

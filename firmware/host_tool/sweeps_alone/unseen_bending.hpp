@@ -21,8 +21,9 @@ struct UnseenBending {
 // Of an estimate from sweeps alone, over the work volume within `limits`. The arm with
 // gears, gravity and maps is estimated from the same rows by the joint Gaussian of everything;
 // where it differs from the estimate, and how uncertain it is itself, is what is to be expected.
-// `tried`: by a fit that could have taken gravity and maps; where it has none, gravity must speak
-// for itself. Nothing where poses with sweep 0 are among the rows, or the rows are few.
+// `tried`: by a fit that could have taken gravity and maps; where it has none, gears and gravity
+// must speak for themselves. Nothing where poses with sweep 0 are among the rows, or the rows are
+// few.
 [[nodiscard]] std::optional<UnseenBending> judge_bending(
     const Evidence& evidence, const refinement::Refined& estimate,
     const FixedVector<JointLimits, kMaxJoints>& limits, std::size_t tool, bool tried);
