@@ -12,18 +12,23 @@ namespace armsig::features {
 struct CentreOfRotation {
   Vector3 centre = Vector3::Zero();  // about the statistics' origin, in the sensor frame's axes
   double radius_m = 0;
+  // Weighted sum over the points of the squares of w less its regression: each is 2 r times the
+  // point's radial distance from the circle, to first order.
+  double residual_squares = 0;
 };
+
+// w = |p|^2 - (n.p)^2, |p| from the statistics' origin, as a combination of the geometry's columns:
+// exact, for statistics of the paper's method; and by the first five columns, off by the square of
+// the point's distance from the plane.
+[[nodiscard]] GeometryFactor::Row squared_distance_in_plane(const PlaneOfRotation& plane);
+[[nodiscard]] GeometryFactor::Row squared_distance_near_plane(const PlaneOfRotation& plane);
 
 // The paper projects the points onto the plane and fits the circle to the projections; because
 // w = |p|^2 - (n.p)^2 is linear in the monomials of p, the same fit comes from the statistics,
-// without the points.
+// without the points. `squared_distance`: w.
 // Errors: kSingular (the projections lie on one line).
-[[nodiscard]] Result<CentreOfRotation> centre_of_rotation(const GeometryFactor::Matrix& geometry,
-                                                          const PlaneOfRotation& plane);
-
-// Weighted sum of squares of w - (2 c.p + r^2 - |c|^2) over all points, all in the plane: each is
-// 2 r times the point's radial distance from the circle, to first order.
-[[nodiscard]] double circle_residual_squares(const GeometryFactor::Matrix& geometry,
-                                             const Vector3& normal, const CentreOfRotation& circle);
+[[nodiscard]] Result<CentreOfRotation> centre_of_rotation(
+    const GeometryFactor::Matrix& geometry, const PlaneOfRotation& plane,
+    const GeometryFactor::Row& squared_distance);
 
 }  // namespace armsig::features

@@ -39,14 +39,13 @@ Matrix3 mean_residual_products(const SweepStatistics& statistics,
   feature.radius_m = circle.radius_m;
   feature.covariance = circle.covariance;
 
-  const GeometryFactor::Matrix geometry = statistics.geometry.matrix();
+  const GeometryFactor::Matrix geometry = statistics.geometry_matrix();
   ARMSIG_TRY(plane, plane_of_rotation(geometry));
-  ARMSIG_TRY(best_circle, centre_of_rotation(geometry, plane));
+  ARMSIG_TRY(best_circle, centre_of_rotation(geometry, plane, squared_distance_near_plane(plane)));
   const double weights = geometry(0, 0) * geometry(0, 0);
   const double normal = plane_residual_squares(geometry, plane) / weights;
   const double in_plane = 2 * best_circle.radius_m;
-  const double radial = circle_residual_squares(geometry, plane.normal_S, best_circle) /
-                        (in_plane * in_plane * weights);
+  const double radial = best_circle.residual_squares / (in_plane * in_plane * weights);
   const double all = mean_residual_products(statistics, circle.motion(statistics.origin_S)).trace();
   feature.quality.rms_normal_m = std::sqrt(normal);
   feature.quality.rms_radial_m = std::sqrt(radial);
@@ -69,16 +68,16 @@ Matrix3 mean_residual_products(const SweepStatistics& statistics,
 }
 
 // Functions of their own: a fit stands on the stack where it is computed and described only.
-[[gnu::noinline]] Result<void> fit_circle(const SweepStatistics& statistics, Method method,
+[[gnu::noinline]] Result<void> fit_circle(const SweepStatistics& statistics,
                                           JointFeature& feature) {
-  ARMSIG_TRY(circle,
-             method == Method::kPaper ? paper_circle(statistics) : encoder_circle(statistics));
+  ARMSIG_TRY(circle, statistics.method == Method::kPaper ? paper_circle(statistics)
+                                                         : encoder_circle(statistics));
   return describe_circle(statistics, circle, feature);
 }
 
-[[gnu::noinline]] Result<void> fit_line(const SweepStatistics& statistics, Method method,
-                                        JointFeature& feature) {
-  ARMSIG_TRY(line, method == Method::kPaper ? paper_line(statistics) : encoder_line(statistics));
+[[gnu::noinline]] Result<void> fit_line(const SweepStatistics& statistics, JointFeature& feature) {
+  ARMSIG_TRY(line, statistics.method == Method::kPaper ? paper_line(statistics)
+                                                       : encoder_line(statistics));
   describe_line(statistics, line, feature);
   return {};
 }
@@ -120,12 +119,12 @@ NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
 }
 
 std::optional<Refusal> fit_feature(const SweepStatistics& statistics, const NoiseLevel& noise,
-                                   Method method, JointFeature& feature) {
+                                   JointFeature& feature) {
   feature.type = statistics.type;
   feature.reference_reading = statistics.origin_reading;
   const Result<void> fitted = statistics.type == JointType::kRevolute
-                                  ? fit_circle(statistics, method, feature)
-                                  : fit_line(statistics, method, feature);
+                                  ? fit_circle(statistics, feature)
+                                  : fit_line(statistics, feature);
   if (!fitted) return refusal_of(fitted.error(), statistics);
   feature.covariance *= noise.variance_factor;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // From the statistics of the accepted points to the feature that the next stages read: the fit by
-// either method, its covariance at the noise that the data show, and its residuals.
+// their method, its covariance at the noise that the data show, and its residuals.
 #pragma once
 
 #include <optional>
@@ -28,8 +28,7 @@ struct NoiseLevel {
 // Fills in the feature, with all of its quality but `rejected`; after a refusal it has no meaning.
 // Refusals: kArcTooShort (the fit is singular), kNotConverged, kNotFinite.
 [[nodiscard]] std::optional<Refusal> fit_feature(const SweepStatistics& statistics,
-                                                 const NoiseLevel& noise, Method method,
-                                                 JointFeature& feature);
+                                                 const NoiseLevel& noise, JointFeature& feature);
 
 // How far the readings are from explaining a circle by its own constant radius: what imposing the
 // circle cost, RMS over the points.

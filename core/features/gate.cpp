@@ -34,21 +34,19 @@ GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known) {
   return {variance, 4 * estimated_limit(freedom)};
 }
 
-bool Trial::is_close() const { return innovation.leverage < kMostPredictionVariance; }
-
-Trial try_point(const MotionStatistics& accepted, const SweepPoint& point) {
-  Trial trial{accepted.regressors(point), accepted.motion, {}};
-  trial.innovation = accepted.add_motion(point, trial.regressors, trial.with_point);
-  return trial;
-}
+bool is_close(const Trial& trial) { return trial.innovation().leverage < kMostPredictionVariance; }
 
 bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const SweepPoint& point,
                  const Trial& trial) {
-  const Vector3& r = trial.innovation.residual;
-  const double spread = spread_of(trial.innovation.leverage, false);
+  const Vector3& r = trial.innovation().residual;
+  const double spread = spread_of(trial.innovation().leverage, false);
   // The scale of a stated sigma is never below 1, and rounding only adds to it: nearly every point
   // is seen to pass without either.
-  if (sigma_is_known && chi_square(r, point.covariance_m2) <= kGateChiSquare * spread) return true;
+  if (sigma_is_known &&
+      chi_square(r, trial.has_first_covariance
+                        ? accepted.first_information
+                        : information(point.covariance_m2)) <= kGateChiSquare * spread)
+    return true;
   const GateScale scale = gate_scale(accepted, sigma_is_known);
   return chi_square(r, accepted.motion.solve(), scale.variance, point) <= scale.limit * spread;
 }
@@ -66,7 +64,10 @@ bool Review::confirms(const SweepPoint& point) const {
   if (spread < kNoSpread) return true;
   const Vector3 r = residual(accepted_, fit_, point, x);
   // As in passes_gate().
-  if (chi_square(r, point.covariance_m2) <= kGateChiSquare * spread) return true;
+  if (chi_square(r, accepted_.has_one_covariance()
+                        ? accepted_.first_information
+                        : information(point.covariance_m2)) <= kGateChiSquare * spread)
+    return true;
   const GateScale scale = gate_scale(accepted_, true);
   return chi_square(r, fit_, scale.variance, point) <= scale.limit * spread;
 }

@@ -29,16 +29,8 @@ struct GateScale {
 };
 [[nodiscard]] GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known);
 
-// A point beside those accepted before it, as if it were one of them.
-struct Trial {
-  Vector3 regressors;
-  MotionRls with_point;
-  MotionRls::Innovation innovation;
-  // Whether they predict it well enough to judge it alone, and for good.
-  [[nodiscard]] bool is_close() const;
-};
-// Precondition: `accepted` has an origin.
-[[nodiscard]] Trial try_point(const MotionStatistics& accepted, const SweepPoint& point);
+// Whether those accepted before it predict a point well enough to judge it alone, and for good.
+[[nodiscard]] bool is_close(const Trial& trial);
 
 // Judges `point` alone. Precondition: `trial` is of it by `accepted`, with a finite leverage.
 [[nodiscard]] bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known,

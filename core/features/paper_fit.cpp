@@ -71,7 +71,7 @@ Result<CircleFit> paper_circle(const SweepStatistics& statistics) {
   if (statistics.motion.rank() < 3) return std::unexpected(Error::kSingular);
   const GeometryFactor::Matrix geometry = statistics.geometry.matrix();
   ARMSIG_TRY(plane, plane_of_rotation(geometry));
-  ARMSIG_TRY(circle, centre_of_rotation(geometry, plane));
+  ARMSIG_TRY(circle, centre_of_rotation(geometry, plane, squared_distance_in_plane(plane)));
 
   // Positive sense: the plane's normal along A x B of the readings' own circle.
   const MotionRls::Coefficients phi = statistics.motion.solve();

@@ -36,7 +36,8 @@ class SquareRootRls {
   using Products = Eigen::Matrix<Scalar, kRightHandSides, kRightHandSides>;
 
   // [R Z]: each row over its pivot D^1/2, and D itself in the pivot's place.
-  using Row = std::array<Scalar, kRegressors + kRightHandSides>;
+  static constexpr std::size_t kColumns = kRegressors + kRightHandSides;
+  using Row = std::array<Scalar, kColumns>;
   using Rows = std::array<Row, kRegressors>;
 
   // The upper triangle of E^T E, row by row.
@@ -49,29 +50,85 @@ class SquareRootRls {
                       // there was none to speak of
   };
 
+  // The rotations that take a measurement in.
+  struct Rotations {
+    std::array<Rotation<Scalar>, kRegressors> of_row;
+    Rows rows;    // of the measurement, as it comes to each row of the factor
+    Scalar left;  // of the weight, for the residual
+    Innovation innovation;
+  };
+
   // One measurement: right_hand_sides = coefficients^T * regressors + noise of variance 1 / weight.
   // All numbers must be finite, the weight not negative. Its innovation is what the rotations
   // leave: of the row the residual, of the weight so much over 1 + leverage.
   Innovation update(const Regressors& regressors, const RightHandSides& right_hand_sides,
                     Scalar weight = 1) {
+    const Rotations found = rotations(regressors, right_hand_sides, weight);
+    update(found);
+    return found.innovation;
+  }
+
+  // The same in two steps, for a measurement that is looked at before it is taken in.
+  [[nodiscard, gnu::always_inline]] Rotations rotations(const Regressors& regressors,
+                                                        const RightHandSides& right_hand_sides,
+                                                        Scalar weight) const {
     Row row;
     for (int j = 0; j < kRegressors; ++j) row[j] = regressors[j];
     for (int j = 0; j < kRightHandSides; ++j) row[kRegressors + j] = right_hand_sides[j];
-    Scalar left = weight;
-    rotate_into(factor_, row, left);
-    Innovation innovation;
-    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
-      const Scalar rest = row[kRegressors + i];
-      innovation.residual[i] = rest;
-      for (int j = i; j < kRightHandSides; ++j, ++k)
-        residuals_[k] += left * rest * row[kRegressors + j];
+    Rotations found;
+    found.left = weight;
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < kRegressors; ++i) {
+      const auto rotation = Rotation<Scalar>::of(factor_[i][i], row[i], found.left);
+      found.of_row[i] = rotation;
+#pragma GCC unroll 16
+      for (std::size_t j = i + 1; j < kColumns; ++j) {
+        found.rows[i][j] = row[j];
+        row[j] = rotation.rest(factor_[i][j], row[j]);
+      }
     }
-    innovation.leverage = weight / left - 1;
-    return innovation;
+    for (int k = 0; k < kRightHandSides; ++k) found.innovation.residual[k] = row[kRegressors + k];
+    found.innovation.leverage = weight / found.left - 1;
+    return found;
+  }
+  // Precondition: nothing was taken in between.
+  [[gnu::always_inline]] void update(const Rotations& found) {
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < kRegressors; ++i) {
+      const Rotation<Scalar> rotation = found.of_row[i];
+      factor_[i][i] = rotation.square;
+#pragma GCC unroll 16
+      for (std::size_t j = i + 1; j < kColumns; ++j)
+        factor_[i][j] = rotation.kept(factor_[i][j], found.rows[i][j]);
+    }
+    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
+      const Scalar weighted = found.left * found.innovation.residual[i];
+      for (int j = i; j < kRightHandSides; ++j, ++k)
+        residuals_[k] += weighted * found.innovation.residual[j];
+    }
   }
 
+  // One more right-hand side, which the rotations of the measurements take along.
+  struct Companion {
+    std::array<Scalar, kRegressors> rotated{};         // over the pivots D^1/2, as in Rows
+    RightHandSides products = RightHandSides::Zero();  // of its residuals with those of the others
+    Scalar square = 0;                                 // of its residuals
+
+    void update(Scalar measured, const Rotations& found) {
+#pragma GCC unroll 16
+      for (std::size_t i = 0; i < kRegressors; ++i) {
+        const Scalar above = rotated[i];
+        rotated[i] = found.of_row[i].kept(above, measured);
+        measured = found.of_row[i].rest(above, measured);
+      }
+      const Scalar weighted = found.left * measured;
+      products += weighted * found.innovation.residual;
+      square += weighted * measured;
+    }
+  };
+
   // The columns are those of the regressors, then those of the right-hand sides.
-  using Block = RowBlock<Scalar, kRegressors + kRightHandSides>;
+  using Block = RowBlock<Scalar, kColumns>;
 
   // The same as an update by each measurement of `block`, which it destroys.
   void update(Block& block) {

@@ -21,7 +21,7 @@ Settling::Settling(const SweepState& state)
 }
 
 void Settling::begin_judging() {
-  if (state_.waiting_is_accepted) accepted_ = SweepStatistics(state_.accepted.type, {});
+  if (state_.waiting_is_accepted) accepted_ = SweepStatistics(accepted_.type, accepted_.method);
   judging_.emplace(accepted_, state_.sigma_is_known, state_.waiting);
   done_ = 0;
   stage_ = Stage::kJudge;

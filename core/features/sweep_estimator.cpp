@@ -5,8 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Cholesky>
-
 #include "core/features/encoder_ratio.hpp"
 #include "core/features/fit_feature.hpp"
 #include "core/features/near_axis.hpp"
@@ -78,13 +76,13 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
 // What the fit shows.
 [[gnu::noinline]] std::optional<Refusal> refusal_of_fit(const SweepLimits& limits,
                                                         const SweepStatistics& statistics,
-                                                        const NoiseLevel& noise, Method method,
+                                                        const NoiseLevel& noise,
                                                         const JointFeature& feature) {
   const bool revolute = feature.type == JointType::kRevolute;
   const double least_radius = limits.least_radius_sigmas * feature.quality.sigma_m;
   if (revolute && feature.radius_m < least_radius)
     return Refusal{Error::kRadiusTooSmall, feature.radius_m, least_radius};
-  if (revolute && method == Method::kEncoder) {
+  if (revolute && statistics.method == Method::kEncoder) {
     const ReadingMisfit misfit = reading_misfit(statistics, noise, feature);
     if (misfit.rms_rad > limits.greatest_reading_misfit_rad &&
         misfit.chi_square > kSignificantChiSquare)
@@ -109,7 +107,7 @@ constexpr std::size_t kFirstPoints = 8;
 }  // namespace
 
 SweepEstimator::SweepEstimator(const SweepConfig& config) : config_(config) {
-  state_.accepted.type = config.type;
+  state_.accepted = SweepStatistics(config.type, config.method);
 }
 
 Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matrix3& covariance_m2) {
@@ -120,8 +118,7 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
   if (!known) {
     if (!covariance_m2.allFinite()) return std::unexpected(Error::kNotFinite);
     known = !covariance_m2.isZero(0);
-    if (known && covariance_m2.llt().info() != Eigen::Success)
-      return std::unexpected(Error::kSingular);
+    if (known && !is_positive_definite(covariance_m2)) return std::unexpected(Error::kSingular);
     if (s.count == 0) s.sigma_is_known = known;
     if (s.sigma_is_known && known) s.latest_covariance_m2 = covariance_m2;
   }
@@ -143,12 +140,12 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
     take_while_waiting(point);
     return {};
   }
-  const Trial trial = try_point(s.accepted, point);
-  if (!trial.is_close()) {
+  const Trial trial = s.accepted.tried(point);
+  if (!is_close(trial)) {
     s.waiting.push_back(point);
     if (s.waiting.full()) settle();
   } else if (passes_gate(s.accepted, s.sigma_is_known, point, trial)) {
-    s.accepted.add(point, trial.regressors, trial.with_point);
+    s.accepted.add(point, trial);
   } else {
     ++s.rejected;
   }
@@ -162,7 +159,7 @@ void SweepEstimator::take_while_waiting(const SweepPoint& point) {
   s.waiting.push_back(point);
   if (s.waiting_is_accepted && !agrees(point)) {
     s.waiting_is_accepted = false;
-    s.accepted = SweepStatistics(config_.type, {});
+    s.accepted = SweepStatistics(config_.type, config_.method);
   }
   if (!s.waiting.full()) return;
   if (!s.waiting_is_accepted) return settle();
@@ -178,10 +175,10 @@ bool SweepEstimator::agrees(const SweepPoint& point) {
     accept(point, accepted);
     return place < kFirstPoints || is_consistent(accepted);
   }
-  const Trial trial = try_point(accepted, point);
-  if (!std::isfinite(trial.innovation.leverage) || !passes_gate(accepted, true, point, trial))
+  const Trial trial = accepted.tried(point);
+  if (!std::isfinite(trial.innovation().leverage) || !passes_gate(accepted, true, point, trial))
     return false;
-  accepted.add(point, trial.regressors, trial.with_point);
+  accepted.add(point, trial);
   return place <= kGateCapacity / 2 || two_still_agree();
 }
 
@@ -204,17 +201,16 @@ bool SweepEstimator::two_still_agree() const {
   state_.waiting.clear();
 }
 
-Judged<JointFeature> SweepEstimator::estimate(Method method) const {
-  SweepEstimation estimation(*this, method);
+Judged<JointFeature> SweepEstimator::estimate() const {
+  SweepEstimation estimation(*this);
   while (estimation.step()) {
   }
   return estimation.result();
 }
 
-SweepEstimation::SweepEstimation(const SweepEstimator& estimator, Method method)
+SweepEstimation::SweepEstimation(const SweepEstimator& estimator)
     : config_(estimator.config_),
       state_(estimator.state_),
-      method_(method),
       least_points_(config_.type == JointType::kRevolute ? config_.limits.least_points
                                                          : config_.limits.least_points_prismatic) {}
 
@@ -249,9 +245,9 @@ std::optional<Refusal> SweepEstimation::fit_accepted(JointFeature& feature) cons
 
   const NoiseLevel noise = noise_level(statistics, state_.sigma_is_known);
   if (const auto refusal = refusal_before_fit(limits, statistics, noise)) return refusal;
-  if (const auto refusal = fit_feature(statistics, noise, method_, feature)) return refusal;
+  if (const auto refusal = fit_feature(statistics, noise, feature)) return refusal;
   feature.quality.rejected = settling_->rejected();
-  return refusal_of_fit(limits, statistics, noise, method_, feature);
+  return refusal_of_fit(limits, statistics, noise, feature);
 }
 
 }  // namespace armsig::features

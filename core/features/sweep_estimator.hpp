@@ -43,6 +43,7 @@ struct SweepLimits {
 struct SweepConfig {
   JointType type = JointType::kRevolute;
   SweepLimits limits = {};
+  Method method = Method::kEncoder;
 };
 
 // Readings nearer than this are one reading, radians or metres.
@@ -76,7 +77,7 @@ class SweepEstimator {
   //   kRadiusTooSmall    radius; the least radius
   //   kNotFinite         0, 0: numbers too large to compute with
   //   kNotConverged      0, 0: the constrained fit used up its iterations
-  [[nodiscard]] Judged<JointFeature> estimate(Method method) const;
+  [[nodiscard]] Judged<JointFeature> estimate() const;
 
  private:
   friend class SweepEstimation;
@@ -94,7 +95,7 @@ class SweepEstimator {
 // point meanwhile.
 class SweepEstimation {
  public:
-  SweepEstimation(const SweepEstimator& estimator, Method method);
+  explicit SweepEstimation(const SweepEstimator& estimator);
 
   // False if nothing is left to do.
   bool step();
@@ -108,7 +109,6 @@ class SweepEstimation {
 
   const SweepConfig& config_;
   const SweepState& state_;
-  Method method_;
   std::size_t least_points_;
   std::optional<Settling> settling_;  // empty until it may begin
   std::optional<Judged<JointFeature>> result_;

@@ -48,8 +48,41 @@ GeometryFactor::Row geometry_columns(const Vector3& p) {
   GeometryFactor::Row row;
   row[0] = 1;
   row.segment<3>(1) = p;
-  row.tail<6>() = products(p, p);
+  row[4] = p.squaredNorm();
+  row.tail<5>() = products(p, p).head<5>();
   return row;
+}
+
+// By the pivots of elimination.
+bool is_positive_definite(const Matrix3& a) {
+  if (!(a(0, 0) > 0)) return false;
+  const double y = a(1, 0) / a(0, 0);
+  const double z = a(2, 0) / a(0, 0);
+  const double yy = a(1, 1) - y * a(1, 0);
+  if (!(yy > 0)) return false;
+  const double yz = a(2, 1) - z * a(1, 0);
+  return a(2, 2) - z * a(2, 0) - yz * yz / yy > 0;
+}
+
+// By the adjugate.
+Matrix3 information(const Matrix3& covariance) {
+  // Scaled, because variances of exact data are near 1e-30 and their determinant would underflow.
+  const double scale = 1 / covariance.trace();
+  const double xx = scale * covariance(0, 0);
+  const double xy = scale * covariance(0, 1);
+  const double xz = scale * covariance(0, 2);
+  const double yy = scale * covariance(1, 1);
+  const double yz = scale * covariance(1, 2);
+  const double zz = scale * covariance(2, 2);
+  const double a = yy * zz - yz * yz;
+  const double b = yz * xz - xy * zz;
+  const double c = xy * yz - yy * xz;
+  const double d = xx * zz - xz * xz;
+  const double e = xy * xz - xx * yz;
+  const double f = xx * yy - xy * xy;
+  Matrix3 adjugate;
+  adjugate << a, b, c, b, d, e, c, e, f;
+  return adjugate * (scale / (xx * a + xy * b + xz * c));
 }
 
 double rounding_variance(const SweepPoint& point, double speed) {
@@ -58,38 +91,41 @@ double rounding_variance(const SweepPoint& point, double speed) {
   return rounding * rounding;
 }
 
-void MotionStatistics::add(const SweepPoint& point, const Vector3& x) {
-  MotionRls with_point = motion;
-  add_motion(point, x, with_point);
-  add(point, x, with_point);
+Trial MotionStatistics::tried(const SweepPoint& point) const {
+  const Vector3 x = regressors(point);
+  return {
+      x, motion.rotations(x, point.p_S - origin_S, 1 / point.variance()),
+      count == 0 || (has_one_covariance() && same_bits(point.covariance_m2, first_covariance_m2))};
 }
 
-void MotionStatistics::add(const SweepPoint& point, const Vector3& x, const MotionRls& with_point) {
-  const double variance = point.variance();
-  const double weight = 1 / variance;
-  if (count == 0) first_covariance_m2 = point.covariance_m2;
-  if (has_one_covariance() && same_bits(point.covariance_m2, first_covariance_m2)) {
+void MotionStatistics::add(const SweepPoint& point, const Trial& trial) {
+  if (count == 0) {
+    first_covariance_m2 = point.covariance_m2;
+    first_information = information(point.covariance_m2);
+    lowest_reading = highest_reading = point.reading;
+  }
+  if (trial.has_first_covariance) {
     ++same_covariance;
   } else {
-    add_covariance(point, x, weight);
+    add_covariance(point, trial.regressors);
   }
-  if (count == 0) lowest_reading = highest_reading = point.reading;
   lowest_reading = std::min(lowest_reading, point.reading);
   highest_reading = std::max(highest_reading, point.reading);
   ++count;
-  variance_sum += variance;
-  motion = with_point;
+  variance_sum += point.variance();
+  motion.update(trial.rotations);
 }
 
 // From the first point on whose covariance is another one.
-void MotionStatistics::add_covariance(const SweepPoint& point, const Vector3& x, double weight) {
+void MotionStatistics::add_covariance(const SweepPoint& point, const Vector3& x) {
   if (has_one_covariance()) {
     score_sum = score_sums();
     shape_sum = static_cast<double>(count) * shape();
   }
+  const double weight = 1 / point.variance();
   const Matrix3 of_point = weight * point.covariance_m2;
   shape_sum += of_point;
-  score_sum += products(x, weight * x) * upper_triangle(of_point).transpose();
+  score_sum.noalias() += products(x, weight * x).lazyProduct(upper_triangle(of_point).transpose());
 }
 
 Matrix3 MotionStatistics::shape() const {
@@ -97,14 +133,43 @@ Matrix3 MotionStatistics::shape() const {
   return shape_sum / static_cast<double>(count);
 }
 
-void SweepStatistics::add(const SweepPoint& point) {
-  MotionStatistics::add(point);
-  geometry.add(geometry_columns(point.p_S - origin_S), 1 / point.variance());
+void SweepStatistics::add(const SweepPoint& point, const Trial& trial) {
+  MotionStatistics::add(point, trial);
+  const Vector3 p = point.p_S - origin_S;
+  if (method == Method::kPaper) {
+    geometry.add(geometry_columns(p), 1 / point.variance());
+  } else {
+    squares.update(p.squaredNorm(), trial.rotations);
+  }
 }
 
-void SweepStatistics::add(const SweepPoint& point, const Vector3& x, const MotionRls& with_point) {
-  MotionStatistics::add(point, x, with_point);
-  geometry.add(geometry_columns(point.p_S - origin_S), 1 / point.variance());
+// The rows of the motion's factor and residuals without the regressors but the first, which is 1.
+GeometryFactor::Matrix SweepStatistics::geometry_matrix() const {
+  if (method == Method::kPaper) return geometry.matrix();
+  GeometryFactor factor;
+  const Matrix3 R = motion.factor();
+  const Matrix3 Z = motion.rotated_right_hand_sides();
+  for (int i = 0; i < 3; ++i) {
+    GeometryFactor::Row row = GeometryFactor::Row::Zero();
+    row[0] = R(i, 0);
+    row.segment<3>(1) = Z.row(i);
+    row[4] = R(i, i) * squares.rotated[i];
+    factor.add(row);
+  }
+  Eigen::Matrix4d left;
+  left << motion.residual_products(), squares.products, squares.products.transpose(),
+      squares.square;
+  // Rows that have these products, by Cholesky; what is left of a pivot of exact data is rounding.
+  for (int j = 0; j < 4; ++j) {
+    if (!(left(j, j) > 0)) continue;
+    GeometryFactor::Row row = GeometryFactor::Row::Zero();
+    row.segment<4>(1) = left.col(j) / std::sqrt(left(j, j));
+    const Eigen::Vector4d taken = row.segment<4>(1);
+    left -= taken * taken.transpose();
+    factor.add(row);
+  }
+  factor.compress();
+  return factor.matrix();
 }
 
 Eigen::Matrix<double, 6, 6> MotionStatistics::score_sums() const {

@@ -5,11 +5,13 @@
 // readings of thousands of turns cost no digits:
 //   motion    p on [1, sin t, 1 - cos t] (revolute) or [1, t] (prismatic), t the reading moved:
 //             the encoder-referenced circle p = c + A cos t + B sin t of ALGORITHMS section 2,
-//             written c + A, B, -A so that a short arc has well-scaled columns; or the line c + u
-//             t;
-//   geometry  the six quadratic monomials on [1 x y z]: the plane (13) with any pivot, and the
-//   circle
-//             (14) in any plane, because w = |p|^2 - (n.p)^2 is linear in the monomials.
+//             written c + A, B, -A so that a short arc has well-scaled columns; or the line
+//             c + u t;
+//   geometry  of the paper's method alone, the quadratic monomials on [1 x y z]: the plane (13)
+//             with any pivot, and the circle (14) in any plane, because w = |p|^2 - (n.p)^2 is
+//             linear in the monomials.
+// Of the encoder's method the motion tells how far the points are from a plane, and with |p|^2 as
+// one more right-hand side how far from a circle.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +20,7 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
+#include "core/features/feature.hpp"
 #include "core/features/rls.hpp"
 #include "core/features/triangular_factor.hpp"
 
@@ -38,18 +41,33 @@ using GeometryFactor = TriangularFactor<10>;
 // Whether not a bit is different.
 [[nodiscard]] bool same_bits(const Matrix3& a, const Matrix3& b);
 
+// Of a symmetric matrix.
+[[nodiscard]] bool is_positive_definite(const Matrix3& a);
+
+// The inverse of a covariance.
+[[nodiscard]] Matrix3 information(const Matrix3& covariance);
+
 // The regressors of the motion; a prismatic joint has two, and leaves the third zero.
 [[nodiscard]] Vector3 motion_regressors(JointType type, double moved);
 [[nodiscard]] constexpr int motion_unknowns(JointType type) {
   return type == JointType::kRevolute ? 3 : 2;
 }
 
-// 1, x, y, z, xx, xy, xz, yy, yz, zz.
+// 1, x, y, z, |p|^2, xx, xy, xz, yy, yz.
 [[nodiscard]] GeometryFactor::Row geometry_columns(const Vector3& p);
 
 // The variance that rounding alone may give a coordinate of this point, 16 units in the last place:
 // of the coordinates themselves, and of the reading at the speed with which it moves the point.
 [[nodiscard]] double rounding_variance(const SweepPoint& point, double speed);
+
+// A point beside those before it, as if it were one of them.
+struct Trial {
+  Vector3 regressors;
+  MotionRls::Rotations rotations;
+  bool has_first_covariance;  // that of all before it
+
+  [[nodiscard]] const MotionRls::Innovation& innovation() const { return rotations.innovation; }
+};
 
 // What the encoder-referenced fits need of a sweep. Every point enters with the weight 1 /
 // variance(); plain data, may be copied and logged whole.
@@ -65,6 +83,7 @@ struct MotionStatistics {
   // Of the first point, and how many of the first points have that very covariance. As long as all
   // have, the two sums below are not kept: they follow from it and the factor.
   Matrix3 first_covariance_m2 = Matrix3::Identity();
+  Matrix3 first_information = Matrix3::Identity();  // its inverse
   std::size_t same_covariance = 0;
   Matrix3 shape_sum = Matrix3::Zero();  // of covariance / variance()
   // Sum of weight * (products of the regressors) (products of covariance / variance())^T, each in
@@ -80,15 +99,11 @@ struct MotionStatistics {
     origin_S = origin.p_S;
   }
 
-  void add(const SweepPoint& point) { add(point, regressors(point)); }
-  // Where its regressors are known already.
-  void add(const SweepPoint& point, const Vector3& x);
-  // Where they have been added to a copy of `motion`.
-  void add(const SweepPoint& point, const Vector3& x, const MotionRls& with_point);
-  // To `to`, a copy of `motion`.
-  MotionRls::Innovation add_motion(const SweepPoint& point, const Vector3& x, MotionRls& to) const {
-    return to.update(x, point.p_S - origin_S, 1 / point.variance());
-  }
+  void add(const SweepPoint& point) { add(point, tried(point)); }
+  // Precondition: `trial` is of this point, by these statistics.
+  void add(const SweepPoint& point, const Trial& trial);
+  // Precondition: there is an origin.
+  [[nodiscard]] Trial tried(const SweepPoint& point) const;
 
   [[nodiscard]] double arc() const { return highest_reading - lowest_reading; }
   [[nodiscard]] Vector3 regressors(const SweepPoint& point) const {
@@ -107,18 +122,25 @@ struct MotionStatistics {
   [[nodiscard]] double motion_chi_square() const;
 
  private:
-  void add_covariance(const SweepPoint& point, const Vector3& x, double weight);
+  void add_covariance(const SweepPoint& point, const Vector3& x);
   [[nodiscard]] Eigen::Matrix<double, 6, 6> score_sums() const;
 };
 
 // With the geometry, that of the paper's regressions and of the misfits along and across the plane.
 struct SweepStatistics : MotionStatistics {
-  GeometryFactor geometry;
+  Method method = Method::kEncoder;
+  GeometryFactor geometry;       // of the paper's method
+  MotionRls::Companion squares;  // |p|^2, of the encoder's
 
-  using MotionStatistics::MotionStatistics;
+  SweepStatistics() = default;
+  // What is fitted by `by` in the end.
+  SweepStatistics(JointType joint, Method by, const SweepPoint& origin = {})
+      : MotionStatistics(joint, origin), method(by) {}
 
-  void add(const SweepPoint& point);
-  void add(const SweepPoint& point, const Vector3& x, const MotionRls& with_point);
+  void add(const SweepPoint& point) { add(point, tried(point)); }
+  void add(const SweepPoint& point, const Trial& trial);
+  // The geometry's factor; of the encoder's method its first five columns, the rest zero.
+  [[nodiscard]] GeometryFactor::Matrix geometry_matrix() const;
 };
 
 }  // namespace armsig::features

@@ -17,39 +17,32 @@
 
 namespace armsig::features {
 
-// Rotates `row`, of weight `weight`, into row kPivot of the factor, whose pivot's square and
-// remaining entries are kept[kPivot] and kept[kPivot + 1...]: row[kPivot] vanishes, the rest of the
-// row and its weight are what is left for the next one. A row of weight 0 changes nothing.
-template <std::size_t kPivot, typename Scalar, std::size_t kColumns>
-inline void rotate_row(std::array<Scalar, kColumns>& kept, std::array<Scalar, kColumns>& row,
-                       Scalar& weight) {
-  const Scalar x = row[kPivot];
-  const Scalar weighted = weight * x;
-  const Scalar square = kept[kPivot] + weighted * x;
-  if (!(square > 0)) return;
-  const Scalar inverse = 1 / square;
-  const Scalar c = kept[kPivot] * inverse;
-  const Scalar s = weighted * inverse;
-  kept[kPivot] = square;
-  weight *= c;
-#pragma GCC unroll 16
-  for (std::size_t j = kPivot + 1; j < kColumns; ++j) {
-    const Scalar above = kept[j];
-    const Scalar below = row[j];
-    row[j] = below - x * above;
-    kept[j] = c * above + s * below;
-  }
-}
+// The rotation of a row into one of the factor that makes the row's entry at the pivot vanish; the
+// rest of the row is what is left for the next one. One of weight 0 changes nothing.
+template <typename Scalar>
+struct Rotation {
+  Scalar entry;   // of the row, at the pivot
+  Scalar square;  // of the pivot, with the row
+  Scalar c;
+  Scalar s;
 
-// Rotates `row` into the rows from kPivot on of the factor.
-template <std::size_t kPivot = 0, typename Scalar, std::size_t kColumns, std::size_t kRows>
-inline void rotate_into(std::array<std::array<Scalar, kColumns>, kRows>& factor,
-                        std::array<Scalar, kColumns>& row, Scalar& weight) {
-  if constexpr (kPivot < kRows) {
-    rotate_row<kPivot>(factor[kPivot], row, weight);
-    rotate_into<kPivot + 1>(factor, row, weight);
+  // Of a row of weight `weight`, which becomes that of the rest.
+  [[nodiscard]] static Rotation of(Scalar pivot_square, Scalar entry, Scalar& weight) {
+    const Scalar weighted = weight * entry;
+    const Scalar square = pivot_square + weighted * entry;
+    Scalar c = 0;  // nothing is kept yet where the square is 0
+    Scalar s = 0;
+    if (square > 0) {
+      const Scalar inverse = 1 / square;
+      c = pivot_square * inverse;
+      s = weighted * inverse;
+      weight *= c;
+    }
+    return {entry, square, c, s};
   }
-}
+  [[nodiscard]] Scalar rest(Scalar above, Scalar below) const { return below - entry * above; }
+  [[nodiscard]] Scalar kept(Scalar above, Scalar below) const { return c * above + s * below; }
+};
 
 // Rows of measurements taken in together, column by column, each times the root of its weight. Rows
 // of zeros are no measurement.

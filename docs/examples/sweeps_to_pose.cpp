@@ -42,13 +42,13 @@ int main() {
 
   // README: begin
   for (std::size_t joint = 0; joint < 3; ++joint) {
-    features::SweepEstimator sweep({.type = JointType::kRevolute});  // 18 kB, however many points
+    features::SweepEstimator sweep({.type = JointType::kRevolute});  // 17 kB, however many points
     for (int k = 0; k < kPoints; ++k) {
       JointVector q = configuration;
       q[joint] += 0.05 * k;
       if (!sweep.add(q[joint], measured(q), Matrix3::Zero())) return 1;
     }
-    const auto feature = sweep.estimate(features::Method::kEncoder);
+    const auto feature = sweep.estimate();
     if (!feature) return 1;  // feature.error() names the reason, what was found and what is needed
     features.push_back(*feature);
   }

@@ -96,7 +96,7 @@ void Sweep::turn_back() {
 }
 
 void Sweep::conclude() {
-  estimation_.emplace(estimator_, features::Method::kEncoder);
+  estimation_.emplace(estimator_);
   estimating_ = true;
 }
 

@@ -21,11 +21,12 @@ bool measure(const std::array<SweptPoint, kPoints>& sweep, features::Method meth
              Signature& signature) {
   static std::optional<features::SweepEstimation> estimation;
   const Matrix3 covariance_m2 = 1e-8 * Matrix3::Identity();  // 0.1 mm; the points are exact
-  auto& estimator = in_scratch<features::SweepEstimator>(features::SweepConfig{});
+  auto& estimator = in_scratch<features::SweepEstimator>(
+      features::SweepConfig{.type = JointType::kRevolute, .limits = {}, .method = method});
   for (const SweptPoint& point : sweep) {
     if (!estimator.add(point.reading, vector(point.p_S), covariance_m2)) return false;
   }
-  estimation.emplace(estimator, method);
+  estimation.emplace(estimator);
   while (estimation->step()) {
   }
   if (!estimation->result()) return false;

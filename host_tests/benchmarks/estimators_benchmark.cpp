@@ -49,7 +49,7 @@ void take(const features::SweepPoint& point, features::SweepEstimator& estimator
 features::JointFeature feature_of(const std::vector<features::SweepPoint>& sweep) {
   features::SweepEstimator estimator({});
   for (const features::SweepPoint& point : sweep) take(point, estimator);
-  const auto feature = estimator.estimate(features::Method::kEncoder);
+  const auto feature = estimator.estimate();
   if (!feature || feature->quality.rejected != 0) std::abort();
   return *feature;
 }
@@ -81,6 +81,32 @@ struct SweepRows {
   }
 };
 const SweepRows kSweepRows;
+
+// As ranges give them: where the target is nearer a receiver, its point is better that way.
+std::vector<features::SweepPoint> sweep_of_own_covariances(std::size_t points) {
+  std::vector<features::SweepPoint> sweep = sweep_of(points);
+  for (features::SweepPoint& point : sweep) {
+    const Vector3 better(1.5, 1 + 0.4 * std::sin(point.reading), 1 + 0.4 * std::cos(point.reading));
+    point.covariance_m2 = kSweepSigma_m * kSweepSigma_m * Matrix3(better.asDiagonal());
+  }
+  return sweep;
+}
+
+struct OwnCovarianceRows {
+  OwnCovarianceRows() {
+    for (const std::size_t points : kSweepPoints) {
+      const Row row(
+          "sweep of " + std::to_string(points) + " points with covariances of their own", "armsig",
+          [points] {
+            return [sweep = sweep_of_own_covariances(points)](std::size_t calls) {
+              for (std::size_t k = 0; k < calls; ++k) keep(feature_of(sweep));
+            };
+          },
+          1);
+    }
+  }
+};
+const OwnCovarianceRows kOwnCovarianceRows;
 
 // The points alone, without an estimate: that the last one of 128 costs no more than the others is
 // the difference of two rows.

@@ -34,7 +34,7 @@ struct IdentificationWork {
         const Matrix3 covariance_m2 = of.sigma_m * of.sigma_m * Matrix3::Identity();
         if (!sweep.add(of.readings[joint], of.p_S, covariance_m2)) std::abort();
       }
-      const auto feature = sweep.estimate(features::Method::kEncoder);
+      const auto feature = sweep.estimate();
       if (!feature) std::abort();
       features.push_back(*feature);
     }

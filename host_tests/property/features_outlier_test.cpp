@@ -62,8 +62,8 @@ void expect_outliers_harmless(std::size_t count, double arc, double stated_m, bo
       ASSERT_TRUE(clean.add(point.reading, point.good_S, test::isotropic(stated_m)));
       ASSERT_TRUE(dirty.add(point.reading, point.bad_S, test::isotropic(stated_m)));
     }
-    const auto a = clean.estimate(Method::kEncoder);
-    const auto b = dirty.estimate(Method::kEncoder);
+    const auto a = clean.estimate();
+    const auto b = dirty.estimate();
     ASSERT_TRUE(a && b);
     // Every outlier is counted, and of the good points no more than the gate's 1 in 10,000.
     EXPECT_GE(b->quality.rejected, count / 5);
@@ -106,7 +106,7 @@ TEST(Outliers, of_exact_data_are_found_too) {
       const Vector3 off = i % 5 == 2 ? Vector3(0.02 * random.direction()) : Vector3::Zero();
       ASSERT_TRUE(estimator.add(reading, motion.at(reading) + off, Matrix3::Zero()));
     }
-    const auto feature = estimator.estimate(Method::kEncoder);
+    const auto feature = estimator.estimate();
     ASSERT_TRUE(feature);
     EXPECT_EQ(feature->quality.rejected, 8U);
     EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-12);
@@ -120,7 +120,7 @@ TEST(Outliers, of_a_prismatic_sweep_are_counted_and_harmless) {
     SweepEstimator estimator({JointType::kPrismatic, {}});
     for (const Point& point : contaminated(motion, 0.5, 25, random))
       ASSERT_TRUE(estimator.add(point.reading, point.bad_S, test::isotropic(test::kSweepSigma_m)));
-    const auto feature = estimator.estimate(Method::kEncoder);
+    const auto feature = estimator.estimate();
     ASSERT_TRUE(feature);
     EXPECT_EQ(feature->quality.rejected, 5U);
     EXPECT_LT(feature->axis_S.cross(motion.R_SC.col(2)).norm(), 5e-3);
@@ -139,7 +139,7 @@ TEST(OrderOfRows, does_not_matter) {
       for (const Point& point : points)
         ASSERT_TRUE(
             estimator.add(point.reading, point.bad_S, test::isotropic(test::kSweepSigma_m)));
-      const auto feature = estimator.estimate(Method::kEncoder);
+      const auto feature = estimator.estimate();
       ASSERT_TRUE(feature);
       targets.push_back(feature->target_at(1));
       rejected.push_back(feature->quality.rejected);
@@ -159,14 +159,16 @@ TEST(MillionPoints, take_no_memory_and_lose_no_digits) {
   std::size_t refused = 0;
   const test::AllocationGuard guard;
   SweepEstimator estimator({JointType::kRevolute, {}});
+  SweepEstimator paper({JointType::kRevolute, {}, Method::kPaper});
   for (std::size_t i = 0; i < kCount; ++i) {
     const double reading = test::even_reading(motion, 3, i, kCount);
     Vector3 p_S = motion.at(reading) + test::kSweepSigma_m * random.normal_vector();
     if (i % 5 == 3) p_S += random.uniform(0.02, 0.3) * random.direction();
-    if (!estimator.add(reading, p_S, test::isotropic(test::kSweepSigma_m))) ++refused;
+    for (SweepEstimator* of_method : {&estimator, &paper})
+      if (!of_method->add(reading, p_S, test::isotropic(test::kSweepSigma_m))) ++refused;
   }
-  const auto feature = estimator.estimate(Method::kEncoder);
-  const auto by_paper = estimator.estimate(Method::kPaper);
+  const auto feature = estimator.estimate();
+  const auto by_paper = paper.estimate();
   const std::size_t allocations = guard.count();
 
   EXPECT_EQ(allocations, 0U);

@@ -62,13 +62,13 @@ void make_anisotropic(Trial& trial) {
 }
 
 Judged<JointFeature> measure(const Trial& trial, Method method, test::Random& random) {
-  SweepEstimator estimator({trial.motion.type, {}});
+  SweepEstimator estimator({trial.motion.type, {}, method});
   for (std::size_t i = 0; i < trial.readings.size(); ++i) {
     const Matrix3 root = trial.covariances[i].llt().matrixL();
     const Vector3 p_S = trial.motion.at(trial.readings[i]) + root * random.normal_vector();
     EXPECT_TRUE(estimator.add(trial.readings[i], p_S, trial.covariances[i]));
   }
-  return estimator.estimate(method);
+  return estimator.estimate();
 }
 
 struct Efficiency {
@@ -225,13 +225,13 @@ TEST(ExactData, gives_the_exact_feature_by_both_methods) {
     const bool revolute = motion.type == JointType::kRevolute;
     const double range = (k % 2 == 0 ? 1 : -1) * random.uniform(revolute ? kPi / 6 : 0.2, 1.5);
     const auto count = static_cast<std::size_t>(random.uniform(5, 200));
-    SweepEstimator estimator({motion.type, {}});
-    for (std::size_t i = 0; i < count; ++i) {
-      const double reading = test::even_reading(motion, range, i, count);
-      ASSERT_TRUE(estimator.add(reading, motion.at(reading), Matrix3::Zero()));
-    }
     for (const Method method : {Method::kPaper, Method::kEncoder}) {
-      const auto feature = estimator.estimate(method);
+      SweepEstimator estimator({motion.type, {}, method});
+      for (std::size_t i = 0; i < count; ++i) {
+        const double reading = test::even_reading(motion, range, i, count);
+        ASSERT_TRUE(estimator.add(reading, motion.at(reading), Matrix3::Zero()));
+      }
+      const auto feature = estimator.estimate();
       ASSERT_TRUE(feature) << k;
       EXPECT_EQ(feature->quality.rejected, 0U);
       EXPECT_LT(test::feature_error(*feature, motion).cwiseAbs().maxCoeff(), 1e-12) << k;

@@ -44,7 +44,8 @@ double squared(double x) { return x * x; }
 
 // RMS over arms and poses of the tool error by the drawing, over that by the signature.
 template <typename Identify>
-double improvement_factor(double arc_deg, Purpose purpose, const Identify& identify) {
+double improvement_factor(double arc_deg, features::Method method, Purpose purpose,
+                          const Identify& identify) {
   const Arm drawing = puma560();
   const JointVector configuration = stretched();
   ErrorSums sums;
@@ -59,7 +60,7 @@ double improvement_factor(double arc_deg, Purpose purpose, const Identify& ident
                                 .plan = plan_sweeps(drawing, configuration, radians(arc_deg), 30),
                                 .sensor = simulated::CartesianConfig{.sigma_m = 0.2e-3},
                                 .seed = static_cast<std::uint64_t>(n)};
-    IdentificationRun run(drawing, std::nullopt, "", purpose);
+    IdentificationRun run(drawing, std::nullopt, "", method, purpose);
     simulate(simulation, [&](const MeasurementRow& row) { EXPECT_TRUE(run.take(row)); });
     const Read<Identified> identified = identify(run);
     EXPECT_TRUE(identified) << (identified ? "" : render(identified.error()));
@@ -79,12 +80,12 @@ double improvement_factor(double arc_deg, Purpose purpose, const Identify& ident
 }
 
 double improvement_factor(double arc_deg, features::Method method) {
-  return improvement_factor(arc_deg, Purpose::kFeatures,
-                            [&](IdentificationRun& run) { return run.finish(method); });
+  return improvement_factor(arc_deg, method, Purpose::kFeatures,
+                            [](IdentificationRun& run) { return run.finish(); });
 }
 
 double factor_of_refinement(double arc_deg) {
-  return improvement_factor(arc_deg, Purpose::kRefinement,
+  return improvement_factor(arc_deg, features::Method::kEncoder, Purpose::kRefinement,
                             [](IdentificationRun& run) -> Read<Identified> {
                               ARMSIG_TRY(found, run.finish_refined({}));
                               return std::move(found.first);

@@ -8,10 +8,15 @@
 
 namespace armsig::test {
 
-inline const features::SweepConfig kRevoluteSweep{JointType::kRevolute, {}};
-inline const features::SweepConfig kPrismaticSweep{JointType::kPrismatic, {}};
+inline const features::SweepConfig kRevoluteSweep{.type = JointType::kRevolute};
+inline const features::SweepConfig kPrismaticSweep{.type = JointType::kPrismatic};
 inline constexpr features::Method kBothMethods[] = {features::Method::kPaper,
                                                     features::Method::kEncoder};
+
+inline features::SweepConfig by(features::Method method, features::SweepConfig config) {
+  config.method = method;
+  return config;
+}
 
 struct Sweep {
   TrueMotion motion;

@@ -20,7 +20,7 @@ JointFeature feature_of(const TrueMotion& motion, double range, test::Random& ra
     const Vector3 p_S = motion.at(reading) + sigma_m * random.normal_vector();
     EXPECT_TRUE(estimator.add(reading, p_S, test::isotropic(sigma_m)));
   }
-  const auto feature = estimator.estimate(Method::kEncoder);
+  const auto feature = estimator.estimate();
   EXPECT_TRUE(feature);
   return feature.value_or(JointFeature{});
 }

@@ -12,6 +12,7 @@
 namespace armsig::features {
 namespace {
 
+using test::by;
 using test::kBothMethods;
 using test::kPrismaticSweep;
 using test::kRevoluteSweep;
@@ -20,8 +21,8 @@ using test::some_motion;
 using test::Sweep;
 using test::TrueMotion;
 
-Refusal refusal(const SweepEstimator& estimator, Method method = Method::kEncoder) {
-  const auto feature = estimator.estimate(method);
+Refusal refusal(const SweepEstimator& estimator) {
+  const auto feature = estimator.estimate();
   EXPECT_FALSE(feature);
   return feature ? Refusal{} : feature.error();
 }
@@ -41,28 +42,32 @@ TEST(SweepEstimator, refuses_numbers_that_are_not_finite) {
 
 TEST(SweepEstimator, refuses_a_covariance_that_is_not_positive_definite) {
   SweepEstimator estimator(kRevoluteSweep);
-  const Matrix3 flat = Vector3(1, 1, 0).asDiagonal();
-  EXPECT_EQ(test::failure_of(estimator.add(0, Vector3::Zero(), flat)), Error::kSingular);
-  EXPECT_EQ(test::failure_of(estimator.add(0, Vector3::Zero(), -Matrix3::Identity())),
-            Error::kSingular);
+  Matrix3 correlated = Matrix3::Identity();
+  correlated(1, 2) = correlated(2, 1) = 1;
+  for (const Matrix3& flat :
+       {Matrix3(Vector3(0, 1, 1).asDiagonal()), Matrix3(Vector3(1, 0, 1).asDiagonal()),
+        Matrix3(Vector3(1, 1, 0).asDiagonal()), correlated, Matrix3(-Matrix3::Identity())}) {
+    EXPECT_EQ(test::failure_of(estimator.add(0, Vector3::Zero(), flat)), Error::kSingular);
+  }
   EXPECT_EQ(estimator.count(), 0U);
 }
 
 TEST(SweepEstimator, numbers_too_large_to_compute_with_give_no_feature) {
-  SweepEstimator estimator(kRevoluteSweep);
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  for (std::size_t i = 0; i < 20; ++i) {
-    const double reading = test::even_reading(motion, 1.5, i, 20);
-    ASSERT_TRUE(estimator.add(reading, 1e200 * motion.at(reading), Matrix3::Zero()));
+  for (const Method method : kBothMethods) {
+    SweepEstimator estimator(by(method, kRevoluteSweep));
+    for (std::size_t i = 0; i < 20; ++i) {
+      const double reading = test::even_reading(motion, 1.5, i, 20);
+      ASSERT_TRUE(estimator.add(reading, 1e200 * motion.at(reading), Matrix3::Zero()));
+    }
+    EXPECT_FALSE(estimator.estimate());
   }
-  EXPECT_FALSE(estimator.estimate(Method::kEncoder));
-  EXPECT_FALSE(estimator.estimate(Method::kPaper));
 }
 
 TEST(SweepEstimator, refuses_fewer_points_than_unknowns) {
   for (const Method method : kBothMethods) {
     const Refusal r =
-        refusal(measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 1.5, 3}), method);
+        refusal(measured(by(method, kRevoluteSweep), {some_motion(JointType::kRevolute), 1.5, 3}));
     EXPECT_EQ(r.error, Error::kTooFewPoints);
     EXPECT_EQ(r.found, 3);
     EXPECT_EQ(r.needed, 4);
@@ -131,10 +136,9 @@ TEST(SweepEstimator, refuses_a_prismatic_target_that_stays_within_the_noise) {
 TEST(SweepEstimator, refuses_a_target_on_the_axis) {
   for (const double radius_m : {0.0, 1e-3}) {
     for (const Method method : kBothMethods) {
-      const Refusal r =
-          refusal(measured(kRevoluteSweep, {some_motion(JointType::kRevolute, radius_m), 5, 100,
-                                            test::kSweepSigma_m, test::kSweepSigma_m}),
-                  method);
+      const Refusal r = refusal(
+          measured(by(method, kRevoluteSweep), {some_motion(JointType::kRevolute, radius_m), 5, 100,
+                                                test::kSweepSigma_m, test::kSweepSigma_m}));
       EXPECT_EQ(r.error, Error::kRadiusTooSmall);
       EXPECT_LT(r.found, r.needed);
       EXPECT_NEAR(r.needed, 10 * test::kSweepSigma_m, 1e-15);
@@ -154,13 +158,13 @@ TEST(SweepEstimator, refuses_an_arc_too_short_for_its_noise_with_the_arc_that_wo
   for (const Method method : kBothMethods) {
     const TrueMotion motion = some_motion(JointType::kRevolute);
     const Sweep sweep{motion, radians(8), 36, test::kSweepSigma_m, test::kSweepSigma_m};
-    const Refusal r = refusal(measured(kRevoluteSweep, sweep), method);
+    const Refusal r = refusal(measured(by(method, kRevoluteSweep), sweep));
     EXPECT_EQ(r.error, Error::kArcTooShort);
     EXPECT_NEAR(r.found, radians(8), 1e-9);
     EXPECT_GT(r.needed, radians(8));
-    EXPECT_TRUE(measured(kRevoluteSweep,
+    EXPECT_TRUE(measured(by(method, kRevoluteSweep),
                          {motion, 1.5 * r.needed, 36, test::kSweepSigma_m, test::kSweepSigma_m})
-                    .estimate(method));
+                    .estimate());
   }
 }
 
@@ -176,22 +180,22 @@ TEST(SweepEstimator, refuses_a_travel_too_short_for_its_noise) {
 TEST(SweepEstimator, takes_readings_that_err_as_a_sound_encoder_does_whatever_sigma_is_stated) {
   const TrueMotion motion = some_motion(JointType::kRevolute, 0.8);
   for (const double wave_rad : {radians(0.03), radians(0.1)}) {
-    test::Random random(5);
-    SweepEstimator estimator(kRevoluteSweep);
-    for (std::size_t i = 0; i < 60; ++i) {
-      const double turned = test::even_reading(motion, 3, i, 60);
-      ASSERT_TRUE(estimator.add(turned - wave_rad * std::sin(17 * turned),
-                                motion.at(turned) + 5e-6 * random.normal_vector(),
-                                test::isotropic(5e-6)));
-    }
     for (const Method method : kBothMethods) {
+      test::Random random(5);
+      SweepEstimator estimator(by(method, kRevoluteSweep));
+      for (std::size_t i = 0; i < 60; ++i) {
+        const double turned = test::even_reading(motion, 3, i, 60);
+        ASSERT_TRUE(estimator.add(turned - wave_rad * std::sin(17 * turned),
+                                  motion.at(turned) + 5e-6 * random.normal_vector(),
+                                  test::isotropic(5e-6)));
+      }
       if (wave_rad > radians(0.05)) {
-        const Refusal r = refusal(estimator, method);
+        const Refusal r = refusal(estimator);
         EXPECT_EQ(r.error, Error::kNotACircle);
         EXPECT_NEAR(r.needed, 5e-4 * 0.8, 0.01 * 5e-4 * 0.8);
         continue;
       }
-      const auto feature = estimator.estimate(method);
+      const auto feature = estimator.estimate();
       ASSERT_TRUE(feature);
       EXPECT_TRUE(feature->quality.sigma_is_estimated);
       EXPECT_GT(feature->quality.sigma_m, 10 * 5e-6);  // of the wave, not of the sensor

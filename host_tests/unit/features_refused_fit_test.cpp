@@ -20,8 +20,8 @@ using test::kPrismaticSweep;
 using test::kRevoluteSweep;
 using test::Random;
 
-SweepStatistics gathered(JointType type, std::initializer_list<SweepPoint> points) {
-  SweepStatistics statistics(type, *points.begin());
+SweepStatistics gathered(JointType type, Method method, std::initializer_list<SweepPoint> points) {
+  SweepStatistics statistics(type, method, *points.begin());
   for (const SweepPoint& point : points) statistics.add(point);
   return statistics;
 }
@@ -29,13 +29,13 @@ SweepStatistics gathered(JointType type, std::initializer_list<SweepPoint> point
 SweepPoint at(double reading, const Vector3& p_S) { return {reading, p_S, test::isotropic(1e-4)}; }
 
 TEST(FitFeature, of_fewer_readings_than_a_motion_has_unknowns_is_one_of_too_short_an_arc) {
-  const SweepStatistics circle =
-      gathered(JointType::kRevolute, {at(0, {1, 0, 0}), at(0.5, {0.9, 0.5, 0})});
-  const SweepStatistics line = gathered(JointType::kPrismatic, {at(0, {1, 0, 0})});
   for (const Method method : kBothMethods) {
+    const SweepStatistics circle =
+        gathered(JointType::kRevolute, method, {at(0, {1, 0, 0}), at(0.5, {0.9, 0.5, 0})});
+    const SweepStatistics line = gathered(JointType::kPrismatic, method, {at(0, {1, 0, 0})});
     for (const SweepStatistics* statistics : {&circle, &line}) {
       JointFeature feature;
-      const auto refusal = fit_feature(*statistics, {}, method, feature);
+      const auto refusal = fit_feature(*statistics, {}, feature);
       ASSERT_TRUE(refusal);
       EXPECT_EQ(refusal->error, Error::kArcTooShort);
       EXPECT_EQ(refusal->found, statistics->arc());
@@ -44,22 +44,22 @@ TEST(FitFeature, of_fewer_readings_than_a_motion_has_unknowns_is_one_of_too_shor
 }
 
 TEST(FitFeature, of_points_on_a_line_is_no_circle) {
-  const SweepStatistics statistics =
-      gathered(JointType::kRevolute,
-               {at(0, {0, 0, 0}), at(0.5, {1, 0, 0}), at(1, {2, 0, 0}), at(1.5, {3, 0, 0})});
   for (const Method method : kBothMethods) {
+    const SweepStatistics statistics =
+        gathered(JointType::kRevolute, method,
+                 {at(0, {0, 0, 0}), at(0.5, {1, 0, 0}), at(1, {2, 0, 0}), at(1.5, {3, 0, 0})});
     JointFeature feature;
-    EXPECT_TRUE(fit_feature(statistics, {}, method, feature));
+    EXPECT_TRUE(fit_feature(statistics, {}, feature));
   }
 }
 
 // A slide that stood still.
 TEST(FitFeature, of_points_that_did_not_move_is_no_line) {
-  const SweepStatistics statistics =
-      gathered(JointType::kPrismatic, {at(0, {1, 2, 3}), at(0.1, {1, 2, 3}), at(0.2, {1, 2, 3})});
   for (const Method method : kBothMethods) {
+    const SweepStatistics statistics = gathered(
+        JointType::kPrismatic, method, {at(0, {1, 2, 3}), at(0.1, {1, 2, 3}), at(0.2, {1, 2, 3})});
     JointFeature feature;
-    EXPECT_TRUE(fit_feature(statistics, {}, method, feature));
+    EXPECT_TRUE(fit_feature(statistics, {}, feature));
   }
 }
 
@@ -70,15 +70,15 @@ TEST(SweepEstimator, refuses_sizes_that_cannot_be_computed_with) {
     for (int exponent = -160; exponent <= 150; exponent += 5) {
       const double size = std::pow(10.0, exponent);
       const bool revolute = config.type == JointType::kRevolute;
-      SweepEstimator estimator(config);
-      for (int k = 0; k < 20; ++k) {
-        const double q = 0.2 * k * (revolute ? 1 : size);
-        const Vector3 p_S =
-            revolute ? size * Vector3(std::cos(q), std::sin(q), 1) : Vector3(q, 2, 1);
-        ASSERT_TRUE(estimator.add(q, p_S, Matrix3::Zero()));
-      }
       for (const Method method : kBothMethods) {
-        const auto feature = estimator.estimate(method);
+        SweepEstimator estimator(test::by(method, config));
+        for (int k = 0; k < 20; ++k) {
+          const double q = 0.2 * k * (revolute ? 1 : size);
+          const Vector3 p_S =
+              revolute ? size * Vector3(std::cos(q), std::sin(q), 1) : Vector3(q, 2, 1);
+          ASSERT_TRUE(estimator.add(q, p_S, Matrix3::Zero()));
+        }
+        const auto feature = estimator.estimate();
         if (!feature) {
           refused += feature.error().error == Error::kNotFinite;
           continue;
@@ -98,7 +98,7 @@ TEST(SweepEstimator, refuses_sizes_that_cannot_be_computed_with) {
 
 TEST(NoiseLevel, of_points_that_leave_no_freedom_is_what_was_stated) {
   const SweepStatistics statistics =
-      gathered(JointType::kPrismatic, {at(0, {1, 0, 0}), at(0.5, {1.5, 0, 0})});
+      gathered(JointType::kPrismatic, Method::kEncoder, {at(0, {1, 0, 0}), at(0.5, {1.5, 0, 0})});
   const NoiseLevel stated = noise_level(statistics, true);
   EXPECT_FALSE(stated.is_estimated);
   EXPECT_NEAR(stated.sigma_m, 1e-4, 1e-12);
@@ -114,7 +114,7 @@ TEST(SweepEstimator, says_of_a_target_that_stood_still_how_far_it_would_have_to_
     for (int k = 0; k < 10; ++k) {
       ASSERT_TRUE(estimator.add(0.1 * k, Vector3(1, 2, 3), test::isotropic(sigma_m)));
     }
-    const Refusal refusal = test::failure_of(estimator.estimate(Method::kEncoder));
+    const Refusal refusal = test::failure_of(estimator.estimate());
     EXPECT_EQ(refusal.error, Error::kCoincidentPoints);
     EXPECT_NEAR(refusal.needed, 10 * sigma_m, 1e-12);
   }
@@ -130,10 +130,9 @@ TEST(SweepEstimator, refuses_an_ellipse) {
       const Vector3 p_S(0.55 * std::cos(q), 0.5 * std::sin(q), 1);
       ASSERT_TRUE(estimator.add(q, p_S + random.normal_vector(sigma_m), test::isotropic(sigma_m)));
     }
-    const auto feature = estimator.estimate(Method::kEncoder);
+    const auto feature = estimator.estimate();
     ASSERT_FALSE(feature);
     EXPECT_EQ(test::failure_of(feature).error, Error::kNotACircle);
-    EXPECT_TRUE(estimator.estimate(Method::kPaper) || sigma_m > 0);
   }
 }
 
@@ -141,19 +140,17 @@ TEST(SweepEstimator, refuses_an_ellipse) {
 TEST(SweepEstimator, takes_a_coarse_circle_whose_readings_miss_by_chance) {
   const auto motion = test::some_motion(JointType::kRevolute, 0.3);
   const SweepEstimator estimator = test::measured(kRevoluteSweep, {motion, 3, 20, 0.01, 0.01});
-  EXPECT_TRUE(estimator.estimate(Method::kEncoder));
+  EXPECT_TRUE(estimator.estimate());
 }
 
 TEST(SweepEstimator, asks_for_another_radius_where_no_arc_would_do) {
   const auto near = test::some_motion(JointType::kRevolute, 0.5 * kNextToAxis_m);
-  const auto next_to_axis =
-      test::measured(kRevoluteSweep, {near, 0.6, 100, 2e-4, 2e-4}).estimate(Method::kEncoder);
+  const auto next_to_axis = test::measured(kRevoluteSweep, {near, 0.6, 100, 2e-4, 2e-4}).estimate();
   ASSERT_FALSE(next_to_axis);
   EXPECT_EQ(test::failure_of(next_to_axis).error, Error::kRadiusTooSmall);
   EXPECT_GT(test::failure_of(next_to_axis).needed, test::failure_of(next_to_axis).found);
   const auto far = test::some_motion(JointType::kRevolute, 0.1);
-  const auto noisy =
-      test::measured(kRevoluteSweep, {far, 5, 8, 9e-3, 9e-3}).estimate(Method::kEncoder);
+  const auto noisy = test::measured(kRevoluteSweep, {far, 5, 8, 9e-3, 9e-3}).estimate();
   ASSERT_FALSE(noisy);
   EXPECT_EQ(test::failure_of(noisy).error, Error::kRadiusTooSmall);
 }
@@ -161,7 +158,7 @@ TEST(SweepEstimator, asks_for_another_radius_where_no_arc_would_do) {
 TEST(SweepEstimation, is_over_once) {
   const auto motion = test::some_motion(JointType::kRevolute);
   const SweepEstimator estimator = test::measured(kRevoluteSweep, {motion, 1.5, 20});
-  SweepEstimation estimation(estimator, Method::kEncoder);
+  SweepEstimation estimation(estimator);
   while (estimation.step()) {
   }
   const JointFeature before = *estimation.result();
@@ -211,14 +208,14 @@ TEST(TargetCovariance, is_that_of_the_parameters_carried_to_the_target) {
 // The free motion is as fast as ten sigmas, its circle smaller: the readings run ahead.
 TEST(SweepEstimator, refuses_a_circle_that_is_smaller_than_its_motion_was_fast) {
   constexpr double kSigma_m = 1e-3;
-  SweepEstimator estimator(kRevoluteSweep);
+  SweepEstimator estimator(test::by(Method::kPaper, kRevoluteSweep));
   for (int k = 0; k < 60; ++k) {
     const double q = 0.1 * k;
     const double turned = 1.1 * q;
     const Vector3 p_S = 9.6 * kSigma_m * Vector3(std::cos(turned), std::sin(turned), 0);
     ASSERT_TRUE(estimator.add(q, p_S, test::isotropic(kSigma_m)));
   }
-  EXPECT_FALSE(estimator.estimate(Method::kPaper));
+  EXPECT_FALSE(estimator.estimate());
 }
 
 }  // namespace

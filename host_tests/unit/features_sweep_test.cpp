@@ -10,6 +10,7 @@
 namespace armsig::features {
 namespace {
 
+using test::by;
 using test::kBothMethods;
 using test::kPrismaticSweep;
 using test::kRevoluteSweep;
@@ -20,9 +21,8 @@ using test::TrueMotion;
 
 TEST(SweepEstimator, recovers_an_exact_circle_by_both_methods) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  const SweepEstimator estimator = measured(kRevoluteSweep, {motion, 1.5, 20});
   for (const Method method : kBothMethods) {
-    const auto feature = estimator.estimate(method);
+    const auto feature = measured(by(method, kRevoluteSweep), {motion, 1.5, 20}).estimate();
     ASSERT_TRUE(feature);
     EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
     EXPECT_EQ(feature->quality.used, 20U);
@@ -36,9 +36,8 @@ TEST(SweepEstimator, recovers_an_exact_circle_by_both_methods) {
 
 TEST(SweepEstimator, recovers_an_exact_line_by_both_methods) {
   const TrueMotion motion = some_motion(JointType::kPrismatic, 0);
-  const SweepEstimator estimator = measured(kPrismaticSweep, {motion, 0.4, 9});
   for (const Method method : kBothMethods) {
-    const auto feature = estimator.estimate(method);
+    const auto feature = measured(by(method, kPrismaticSweep), {motion, 0.4, 9}).estimate();
     ASSERT_TRUE(feature);
     EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
     EXPECT_NEAR(feature->axis_S.dot(feature->radial_S), 0, 1e-15);
@@ -48,9 +47,8 @@ TEST(SweepEstimator, recovers_an_exact_line_by_both_methods) {
 
 TEST(SweepEstimator, axis_follows_the_sense_of_the_reading) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  const SweepEstimator estimator = measured(kRevoluteSweep, {motion, -1.5, 20});
   for (const Method method : kBothMethods) {
-    const auto feature = estimator.estimate(method);
+    const auto feature = measured(by(method, kRevoluteSweep), {motion, -1.5, 20}).estimate();
     ASSERT_TRUE(feature);
     EXPECT_LT((feature->axis_S - motion.R_SC.col(2)).norm(), 1e-13);
   }
@@ -58,23 +56,24 @@ TEST(SweepEstimator, axis_follows_the_sense_of_the_reading) {
 
 TEST(SweepEstimator, accepts_an_exact_arc_of_ten_degrees) {
   for (const Method method : kBothMethods)
-    EXPECT_TRUE(measured(kRevoluteSweep, {some_motion(JointType::kRevolute), radians(10), 20})
-                    .estimate(method));
+    EXPECT_TRUE(
+        measured(by(method, kRevoluteSweep), {some_motion(JointType::kRevolute), radians(10), 20})
+            .estimate());
 }
 
 // Readings that an encoder or a file has rounded to a picoradian.
 TEST(SweepEstimator, accepts_the_least_arc_with_readings_as_they_come_rounded) {
-  const SweepEstimator estimator =
-      measured(kRevoluteSweep, {some_motion(JointType::kRevolute), radians(5) - 1e-12, 20});
-  for (const Method method : kBothMethods) EXPECT_TRUE(estimator.estimate(method));
+  for (const Method method : kBothMethods)
+    EXPECT_TRUE(measured(by(method, kRevoluteSweep),
+                         {some_motion(JointType::kRevolute), radians(5) - 1e-12, 20})
+                    .estimate());
 }
 
 TEST(SweepEstimator, readings_of_ten_thousand_turns_cost_no_digits) {
   TrueMotion motion = some_motion(JointType::kRevolute);
   motion.first_reading = 2 * kPi * 1e4;
-  const SweepEstimator estimator = measured(kRevoluteSweep, {motion, 1.5, 20});
   for (const Method method : kBothMethods) {
-    const auto feature = estimator.estimate(method);
+    const auto feature = measured(by(method, kRevoluteSweep), {motion, 1.5, 20}).estimate();
     ASSERT_TRUE(feature);
     EXPECT_LT(test::feature_error(*feature, motion).norm(), 1e-13);
   }
@@ -87,13 +86,13 @@ TEST(SweepEstimator, repeated_readings_are_welcome) {
     const double reading = motion.first_reading + 0.5 * (i % 3);
     ASSERT_TRUE(estimator.add(reading, motion.at(reading), Matrix3::Zero()));
   }
-  EXPECT_TRUE(estimator.estimate(Method::kEncoder));
+  EXPECT_TRUE(estimator.estimate());
 }
 
 TEST(SweepEstimator, estimates_sigma_where_none_is_stated) {
   const auto feature =
       measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 2, 100, test::kSweepSigma_m, 0})
-          .estimate(Method::kEncoder);
+          .estimate();
   ASSERT_TRUE(feature);
   EXPECT_TRUE(feature->quality.sigma_is_estimated);
   EXPECT_NEAR(feature->quality.sigma_m, test::kSweepSigma_m, 0.15 * test::kSweepSigma_m);
@@ -102,7 +101,7 @@ TEST(SweepEstimator, estimates_sigma_where_none_is_stated) {
 TEST(SweepEstimator, keeps_a_stated_sigma_that_the_residuals_do_not_contradict) {
   const auto feature = measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 2, 100,
                                                  test::kSweepSigma_m, test::kSweepSigma_m})
-                           .estimate(Method::kEncoder);
+                           .estimate();
   ASSERT_TRUE(feature);
   EXPECT_FALSE(feature->quality.sigma_is_estimated);
   EXPECT_NEAR(feature->quality.sigma_m, test::kSweepSigma_m, 1e-15);
@@ -111,7 +110,7 @@ TEST(SweepEstimator, keeps_a_stated_sigma_that_the_residuals_do_not_contradict) 
 TEST(SweepEstimator, replaces_a_sigma_stated_three_times_too_small) {
   const auto feature = measured(kRevoluteSweep, {some_motion(JointType::kRevolute), 2, 100,
                                                  3 * test::kSweepSigma_m, test::kSweepSigma_m})
-                           .estimate(Method::kEncoder);
+                           .estimate();
   ASSERT_TRUE(feature);
   EXPECT_TRUE(feature->quality.sigma_is_estimated);
   EXPECT_NEAR(feature->quality.sigma_m, 3 * test::kSweepSigma_m, 0.45 * test::kSweepSigma_m);
@@ -128,15 +127,15 @@ TEST(SweepEstimator, a_row_without_covariance_takes_that_of_the_row_before) {
     ASSERT_TRUE(partly.add(reading, motion.at(reading),
                            test::isotropic(i % 2 == 0 ? test::kSweepSigma_m : 0)));
   }
-  const auto a = stated.estimate(Method::kEncoder);
-  const auto b = partly.estimate(Method::kEncoder);
+  const auto a = stated.estimate();
+  const auto b = partly.estimate();
   ASSERT_TRUE(a && b);
   EXPECT_EQ(a->covariance, b->covariance);
 }
 
 TEST(SweepEstimator, target_is_predicted_at_any_reading) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
-  const auto feature = measured(kRevoluteSweep, {motion, 1.5, 20}).estimate(Method::kEncoder);
+  const auto feature = measured(kRevoluteSweep, {motion, 1.5, 20}).estimate();
   ASSERT_TRUE(feature);
   EXPECT_LT((feature->target_at(7) - motion.at(7)).norm(), 1e-13);
 }
@@ -149,7 +148,7 @@ TEST(SweepEstimator, an_outlier_first_is_neither_reference_nor_used) {
     const Vector3 p_S = motion.at(reading) + (i == 0 ? Vector3(1e3, 0, 0) : Vector3::Zero());
     ASSERT_TRUE(estimator.add(reading, p_S, Matrix3::Zero()));
   }
-  const auto feature = estimator.estimate(Method::kEncoder);
+  const auto feature = estimator.estimate();
   ASSERT_TRUE(feature);
   EXPECT_EQ(feature->quality.rejected, 1U);
   EXPECT_EQ(feature->reference_reading, test::even_reading(motion, 1.5, 1, 20));
@@ -175,8 +174,8 @@ TEST(SweepEstimator, points_taken_in_as_they_come_are_those_of_the_search) {
     }
     EXPECT_EQ(as_they_come.state().waiting_is_accepted, points < kGateCapacity) << points;
     EXPECT_FALSE(searched.state().waiting_is_accepted);
-    const auto one = as_they_come.estimate(Method::kEncoder);
-    const auto other = searched.estimate(Method::kEncoder);
+    const auto one = as_they_come.estimate();
+    const auto other = searched.estimate();
     ASSERT_TRUE(one && other);
     EXPECT_EQ(one->quality.rejected, 0U);
     EXPECT_EQ(other->quality.rejected, 1U);
@@ -201,7 +200,7 @@ TEST(SweepEstimator, an_outlier_among_the_first_is_found) {
       if (i == place) p_S += 9 * test::kSweepSigma_m * random.direction();
       ASSERT_TRUE(estimator.add(reading, p_S, test::isotropic(test::kSweepSigma_m)));
     }
-    const auto feature = estimator.estimate(Method::kEncoder);
+    const auto feature = estimator.estimate();
     ASSERT_TRUE(feature);
     EXPECT_EQ(feature->quality.rejected, 1U) << place;
   }
@@ -211,8 +210,8 @@ TEST(SweepEstimator, may_be_asked_again_and_again) {
   const TrueMotion motion = some_motion(JointType::kRevolute);
   SweepEstimator estimator =
       measured(kRevoluteSweep, {motion, 1.5, 20, test::kSweepSigma_m, test::kSweepSigma_m});
-  const auto first = estimator.estimate(Method::kEncoder);
-  const auto second = estimator.estimate(Method::kEncoder);
+  const auto first = estimator.estimate();
+  const auto second = estimator.estimate();
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->axis_S, second->axis_S);
   EXPECT_EQ(estimator.count(), 20U);
@@ -233,7 +232,7 @@ TEST(SweepEstimator, judges_points_after_a_jump_together) {
     }
     ASSERT_TRUE(estimator.add(reading, p_S, test::isotropic(test::kSweepSigma_m)));
   }
-  const auto feature = estimator.estimate(Method::kEncoder);
+  const auto feature = estimator.estimate();
   ASSERT_TRUE(feature);
   EXPECT_GE(feature->quality.rejected, outliers);
   EXPECT_LE(feature->quality.rejected, outliers + 5);

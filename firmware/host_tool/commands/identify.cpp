@@ -104,13 +104,11 @@ bool is_repeatable(const std::string& path) { return std::filesystem::is_regular
 
 Read<Found> identified_by_features(const IdentifyOptions& options, const Arm& arm,
                                    IdentificationRun& identification) {
-  const auto method =
-      options.method == "paper" ? features::Method::kPaper : features::Method::kEncoder;
-  auto identified = identification.finish(method);
+  auto identified = identification.finish();
   if (!identified) return std::unexpected(identified.error());
   Found found{.identified = std::move(*identified), .refinement = {}, .validation = {}};
   if ((!options.mapped && !is_repeatable(options.measurements)) ||
-      !identification.settle_validation(method)) {
+      !identification.settle_validation()) {
     return found;
   }
   const auto scored =
@@ -204,8 +202,10 @@ int run(IdentifyOptions options) {
   }
 
   const bool refine = options.method == "refined";
-  IdentificationRun identification(arm->arm, sensor, options.measurements,
-                                   refine ? Purpose::kRefinement : Purpose::kValidatedFeatures);
+  IdentificationRun identification(
+      arm->arm, sensor, options.measurements,
+      options.method == "paper" ? features::Method::kPaper : features::Method::kEncoder,
+      refine ? Purpose::kRefinement : Purpose::kValidatedFeatures);
   EvidenceCollector collector(arm->arm, sensor);
   RangeHealth health(sensor);
   Read<void> taken;  // the first row that was refused says why; the others are evidence

@@ -53,8 +53,9 @@ std::size_t rows_of(const std::map<std::pair<std::size_t, int>, std::vector<doub
 
 }  // namespace
 
-FeatureValidation::FeatureValidation(const Arm& nominal, const std::string& file)
-    : folds_(calibration::kFolds, SweepSet(nominal, file)) {}
+FeatureValidation::FeatureValidation(const Arm& nominal, const std::string& file,
+                                     features::Method method)
+    : folds_(calibration::kFolds, SweepSet(nominal, file, method)) {}
 
 std::size_t FeatureValidation::deal(const LocatedRow& row) {
   return dealt_[{row.sweep, row.target}]++ % calibration::kFolds;
@@ -69,12 +70,11 @@ void FeatureValidation::learn(const LocatedRow& row) {
 }
 
 bool FeatureValidation::settle(
-    features::Method method,
     const std::function<std::optional<Signature>(const SweptArm&)>& signature_from) {
   models_.clear();
   dealt_.clear();
   for (const SweepSet& fold : folds_) {
-    const auto swept = fold.finish(method);
+    const auto swept = fold.finish();
     if (!swept) return false;
     const auto model = signature_from(*swept);
     if (!model) return false;

@@ -17,14 +17,13 @@ namespace armsig::tool {
 
 class FeatureValidation {
  public:
-  FeatureValidation(const Arm& nominal, const std::string& file);
+  FeatureValidation(const Arm& nominal, const std::string& file, features::Method method);
 
   // First reading: the rows of sweeps are dealt to folds in turn; each fold's model sees all
   // others.
   void learn(const LocatedRow& row);
   // Fits the models of all folds. False where rows are too few to leave some of them out.
   [[nodiscard]] bool settle(
-      features::Method method,
       const std::function<std::optional<Signature>(const SweptArm&)>& signature_from);
   // Second reading of the same rows in the same order: a row of a sweep is scored by the model that
   // has not seen it, a row of a mixed pose, which no model has seen, by the first.

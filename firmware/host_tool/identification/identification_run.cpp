@@ -16,13 +16,13 @@
 namespace armsig::tool {
 
 IdentificationRun::IdentificationRun(const Arm& nominal, std::optional<SensorDescription> sensor,
-                                     std::string file, Purpose purpose)
+                                     std::string file, features::Method method, Purpose purpose)
     : nominal_(nominal),
       sensor_(std::move(sensor)),
       file_(file),
-      sweeps_(nominal, std::move(file), purpose == Purpose::kRefinement) {
+      sweeps_(nominal, std::move(file), method, purpose == Purpose::kRefinement) {
   if (purpose == Purpose::kRefinement) log_.emplace();
-  if (purpose == Purpose::kValidatedFeatures) validation_.emplace(nominal_, file_);
+  if (purpose == Purpose::kValidatedFeatures) validation_.emplace(nominal_, file_, method);
 }
 
 Read<void> IdentificationRun::take(const MeasurementRow& row) {
@@ -69,8 +69,8 @@ std::optional<LocatedRow> IdentificationRun::located(const MeasurementRow& row, 
   return result;
 }
 
-bool IdentificationRun::settle_validation(features::Method method) {
-  return validation_->settle(method, [this](const SweptArm& swept) -> std::optional<Signature> {
+bool IdentificationRun::settle_validation() {
+  return validation_->settle([this](const SweptArm& swept) -> std::optional<Signature> {
     auto signature = signature_from(swept);
     if (!signature) return std::nullopt;
     return *std::move(signature);
@@ -134,8 +134,8 @@ void warn_of_targets_next_to_axes(const Signature& signature, std::vector<std::s
 
 }  // namespace
 
-Read<Identified> IdentificationRun::finish(features::Method method) const {
-  auto swept = sweeps_.finish(method);
+Read<Identified> IdentificationRun::finish() const {
+  auto swept = sweeps_.finish();
   if (!swept) return std::unexpected(swept.error());
   const auto signature = signature_from(*swept);
   if (!signature) return std::unexpected(signature.error());
@@ -178,7 +178,7 @@ Read<std::pair<Identified, RefinementOutcome>> IdentificationRun::finish_refined
   Identified identified{.signature = {}, .counts = counts_, .air_celsius = {}, .warnings = {}};
   identified.warnings = sweeps_.doubtful_targets();
   std::optional<Signature> start;
-  if (const auto swept = sweeps_.finish(features::Method::kEncoder)) {
+  if (const auto swept = sweeps_.finish()) {
     auto signature = signature_from(*swept);
     if (!signature) return std::unexpected(signature.error());
     // Poses anywhere tell the axes, too.

@@ -43,19 +43,19 @@ class IdentificationRun {
   // `file` names the measurements in problems; a sensor is needed where they are ranges.
   // Precondition: the receivers of `sensor` have passed measurement::check.
   IdentificationRun(const Arm& nominal, std::optional<SensorDescription> sensor, std::string file,
-                    Purpose purpose = Purpose::kFeatures);
+                    features::Method method, Purpose purpose = Purpose::kFeatures);
 
   [[nodiscard]] Read<void> take(const MeasurementRow& row);
   // By the features of the sweeps alone.
-  [[nodiscard]] Read<Identified> finish(features::Method method) const;
+  [[nodiscard]] Read<Identified> finish() const;
   // By everything measured, started from the features, or from the drawing where the sweeps give
-  // none. Purpose kRefinement.
+  // none. Purpose kRefinement, by the encoder's method.
   [[nodiscard]] Read<std::pair<Identified, RefinementOutcome>> finish_refined(
       const FurtherUnknowns& further);
 
-  // Purpose kValidatedFeatures: after all rows were taken, settle_validation() by the method, then
+  // Purpose kValidatedFeatures: after all rows were taken, settle_validation(), then
   // every row again into score(). False where rows are too few to leave some of them out.
-  [[nodiscard]] bool settle_validation(features::Method method);
+  [[nodiscard]] bool settle_validation();
   void score(const MeasurementRow& row);
   [[nodiscard]] CrossValidation validation() const { return validation_->result(); }
 

@@ -20,8 +20,11 @@ constexpr double kOfAStart = 3;
 
 }  // namespace
 
-SweepSet::SweepSet(const Arm& nominal, std::string file, bool start_alone)
-    : nominal_(nominal), file_(std::move(file)), share_(start_alone ? kOfAStart : 1) {}
+SweepSet::SweepSet(const Arm& nominal, std::string file, features::Method method, bool start_alone)
+    : nominal_(nominal),
+      file_(std::move(file)),
+      method_(method),
+      share_(start_alone ? kOfAStart : 1) {}
 
 double SweepSet::held_tolerance(JointType type) const {
   return share_ * (type == JointType::kRevolute ? kHeldTolerance_rad : kHeldTolerance_m);
@@ -65,7 +68,8 @@ std::optional<Problem> SweepSet::add(const LocatedRow& row) {
   const auto estimator =
       sweep.targets
           .try_emplace(row.target,
-                       features::SweepConfig{.type = nominal_.joints[swept].type, .limits = {}})
+                       features::SweepConfig{
+                           .type = nominal_.joints[swept].type, .limits = {}, .method = method_})
           .first;
   const auto added = estimator->second.add(row.q[swept], row.p_S, row.covariance_m2);
   if (!added) return at(row.line, std::string(describe(added.error())), "finite numbers");
@@ -127,11 +131,10 @@ Read<JointVector> SweepSet::configuration() const {
   return configuration;
 }
 
-Read<features::JointFeature> SweepSet::joint_feature(std::size_t joint,
-                                                     features::Method method) const {
+Read<features::JointFeature> SweepSet::joint_feature(std::size_t joint) const {
   std::optional<features::JointFeature> feature;
   for (const auto& [target, estimator] : sweeps_.at(joint).targets) {
-    const auto estimated = estimator.estimate(method);
+    const auto estimated = estimator.estimate();
     if (!estimated) {
       const JointType type = nominal_.joints[joint].type;
       return std::unexpected(at(0,
@@ -179,12 +182,11 @@ std::vector<std::string> SweepSet::doubtful_targets() const {
 
 // A target is fixed to the link beyond the swept joint; one seen in several sweeps to the outermost
 // of them; one seen in mixed poses to the last link.
-FixedVector<Target, kMaxTargets> SweepSet::targets(features::Method method,
-                                                   const JointVector& configuration) const {
+FixedVector<Target, kMaxTargets> SweepSet::targets(const JointVector& configuration) const {
   std::map<int, Target> by_number;
   for (const auto& [swept, sweep] : sweeps_) {
     for (const auto& [number, estimator] : sweep.targets) {
-      const auto feature = estimator.estimate(method);
+      const auto feature = estimator.estimate();
       if (!feature) continue;
       const bool on_hand = mixed_targets_.contains(number) && holds(swept, configuration);
       by_number[number] = {.number = number,
@@ -200,7 +202,7 @@ FixedVector<Target, kMaxTargets> SweepSet::targets(features::Method method,
   return targets;
 }
 
-Read<SweptArm> SweepSet::finish(features::Method method) const {
+Read<SweptArm> SweepSet::finish() const {
   for (std::size_t j = 0; j < nominal_.joints.size(); ++j) {
     if (!sweeps_.contains(j)) {
       return std::unexpected(
@@ -216,11 +218,11 @@ Read<SweptArm> SweepSet::finish(features::Method method) const {
   if (!signature_configuration) return std::unexpected(signature_configuration.error());
   swept.configuration = *signature_configuration;
   for (std::size_t j = 0; j < nominal_.joints.size(); ++j) {
-    auto feature = joint_feature(j, method);
+    auto feature = joint_feature(j);
     if (!feature) return std::unexpected(feature.error());
     swept.features.push_back(*feature);
   }
-  swept.targets = targets(method, swept.configuration);
+  swept.targets = targets(swept.configuration);
   return swept;
 }
 

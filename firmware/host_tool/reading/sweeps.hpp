@@ -39,13 +39,14 @@ struct SweptArm {
 
 class SweepSet {
  public:
-  SweepSet(const Arm& nominal, std::string file, bool start_alone = false);
+  // Features by `method`.
+  SweepSet(const Arm& nominal, std::string file, features::Method method, bool start_alone = false);
 
   // Takes one row. A problem names the line: another joint moved, sweeps disagree about the
   // signature configuration.
   [[nodiscard]] std::optional<Problem> add(const LocatedRow& row);
-  // Features by `method`, or why a sweep gives none.
-  [[nodiscard]] Read<SweptArm> finish(features::Method method) const;
+  // The features, or why a sweep gives none.
+  [[nodiscard]] Read<SweptArm> finish() const;
   // Targets that may not be on the link that they are taken to be on, in words.
   [[nodiscard]] std::vector<std::string> doubtful_targets() const;
   // Rows with sweep 0, which the features do not use.
@@ -73,13 +74,12 @@ class SweepSet {
   // A sweep whose target is on a link beyond a joint that it carries along: no circle.
   [[nodiscard]] Read<void> check_carried() const;
   [[nodiscard]] Read<JointVector> configuration() const;
-  [[nodiscard]] Read<features::JointFeature> joint_feature(std::size_t joint,
-                                                           features::Method method) const;
-  [[nodiscard]] FixedVector<Target, kMaxTargets> targets(features::Method method,
-                                                         const JointVector& configuration) const;
+  [[nodiscard]] Read<features::JointFeature> joint_feature(std::size_t joint) const;
+  [[nodiscard]] FixedVector<Target, kMaxTargets> targets(const JointVector& configuration) const;
 
   Arm nominal_;
   std::string file_;
+  features::Method method_;
   double share_ = 1;                     // of what held joints may wander by
   std::map<std::size_t, Sweep> sweeps_;  // by joint, from 0
   std::set<int> mixed_targets_;          // seen in rows with sweep 0: on the last link

@@ -39,11 +39,11 @@ void mark_rejected(std::vector<PointResidual>& points, std::size_t rejected) {
 
 std::optional<SweepPicture> picture_of(const MeasuredSweep& sweep, JointType type,
                                        features::Method method) {
-  features::SweepEstimator estimator({.type = type, .limits = {}});
+  features::SweepEstimator estimator({.type = type, .limits = {}, .method = method});
   for (const MeasuredPoint& point : sweep.points) {
     if (!estimator.add(point.reading, point.p_S, point.covariance_m2)) return std::nullopt;
   }
-  const auto feature = estimator.estimate(method);
+  const auto feature = estimator.estimate();
   if (!feature) return std::nullopt;
 
   SweepPicture picture{

@@ -25,9 +25,9 @@ Arm built_robot(std::size_t robot) {
   return simulated::drawn_arm(puma560(), simulated::Tolerances{}, random);
 }
 
-Read<DemoMethod> judged(const IdentificationRun& run, features::Method method, const Arm& drawing,
-                        const Signature& truth, std::size_t* rejected) {
-  const auto identified = run.finish(method);
+Read<DemoMethod> judged(const IdentificationRun& run, const Arm& drawing, const Signature& truth,
+                        std::size_t* rejected) {
+  const auto identified = run.finish();
   if (!identified) return std::unexpected(identified.error());
   for (const auto& feature : identified->signature.features) {
     *rejected += feature.quality.rejected;
@@ -85,10 +85,12 @@ Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed,
       .pings = plan.pings,
       .mixed_poses = 0,
       .seed = noise_seed};
-  IdentificationRun run(drawing, demo_sensor_description(), "");
+  IdentificationRun by_paper(drawing, demo_sensor_description(), "", features::Method::kPaper);
+  IdentificationRun by_encoder(drawing, demo_sensor_description(), "", features::Method::kEncoder);
   Read<void> taken;
   simulate(simulation, [&](const MeasurementRow& row) {
-    if (taken) taken = run.take(row);
+    if (taken) taken = by_paper.take(row);
+    if (taken) taken = by_encoder.take(row);
     if (watch) watch(row);
   });
   if (!taken) return std::unexpected(taken.error());
@@ -100,10 +102,10 @@ Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed,
   result.sweep_duration_s = duration_s(drawing, simulation.plan, {.pings = plan.pings});
   result.drawing_error_m = fitted_drawing_error_m(drawing, result.truth);
   std::size_t ignored = 0;
-  auto paper = judged(run, features::Method::kPaper, drawing, result.truth, &ignored);
+  auto paper = judged(by_paper, drawing, result.truth, &ignored);
   if (!paper) return std::unexpected(paper.error());
   result.paper = *paper;
-  auto encoder = judged(run, features::Method::kEncoder, drawing, result.truth, &result.rejected);
+  auto encoder = judged(by_encoder, drawing, result.truth, &result.rejected);
   if (!encoder) return std::unexpected(encoder.error());
   result.encoder = *encoder;
   return result;
