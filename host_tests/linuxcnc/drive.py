@@ -60,7 +60,11 @@ class Session:
         done = self.command.wait_complete(LONGEST_S)
         self.stat.poll()
         self.listen()
-        return done == linuxcnc.RCS_DONE and self.stat.task_state == linuxcnc.STATE_ON
+        if done == linuxcnc.RCS_DONE and self.stat.task_state == linuxcnc.STATE_ON:
+            return True
+        self.said.append(f"{text}: completed with {done}, task state {self.stat.task_state}, mode {self.stat.task_mode}, "
+                         f"interpreter {self.stat.interp_state}")
+        return False
 
 
 def sampled(session, text):
