@@ -35,6 +35,14 @@ JointVector spread_pose(const Configuration& configuration, std::size_t index) {
   return evenly_spread_configuration(types_of(arm.joints), limits, static_cast<int>(index) + 1);
 }
 
+JointVector held_out_pose(const Configuration& configuration, std::size_t index) {
+  constexpr std::size_t kFirstFar = 64;
+  if constexpr (kMayBound) {
+    if (index >= kFirstFar) index += 2'000'000;
+  }
+  return spread_pose(configuration, index);
+}
+
 void PoseVisit::begin(Ticket begun) {
   phase_ = Phase::kNext;
   measures_again_ = false;

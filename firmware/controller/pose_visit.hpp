@@ -20,6 +20,10 @@ namespace armsig::controller {
 // of each joint's limits; the same at every call.
 [[nodiscard]] JointVector spread_pose(const Configuration& configuration, std::size_t index);
 
+// The same of those that a candidate is judged by. Where the workspace box excludes many they go on
+// where no self-calibration is offered one.
+[[nodiscard]] JointVector held_out_pose(const Configuration& configuration, std::size_t index);
+
 // What became of a pose in a step.
 struct VisitOutcome {
   enum class What : std::uint8_t {
