@@ -29,7 +29,7 @@ struct VisitOutcome {
   enum class What : std::uint8_t {
     kUnderWay,
     kReady,    // nothing is under way
-    kArrived,  // and stands still
+    kArrived,  // and stands still; once more after a point that was refused as the arm moved
     kPoint,    // the measured one is good
     kLost,     // the pose gives no point, by `why`
     kEnds,     // the sequence, by `why`
@@ -102,7 +102,6 @@ class PoseVisit {
   std::string_view sequence_;
 
   Phase phase_ = Phase::kNext;
-  bool measures_again_ = false;  // once the arm has come to rest
   unsigned moved_in_a_row_ = 0;
   Ticket ticket_ = 0;        // of the last command
   hal::Instant phase_ends_;  // the bound of the phase under way

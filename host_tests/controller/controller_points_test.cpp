@@ -167,6 +167,30 @@ TEST(Identify, counts_the_tries_of_each_point_alone) {
   EXPECT_TRUE(puma.sequence().is_running());
 }
 
+// The one before ended while a point was to be measured for the third time: nothing is left of it.
+TEST(Identify, begun_anew_begins_at_its_first_place_and_with_its_first_try) {
+  Measured puma;
+  const auto disturb = [&puma](std::size_t refused) {
+    for (int i = 0; i < 50'000 && puma.told("# identify point refused") < refused; ++i) {
+      if (puma.now().settled == std::chrono::milliseconds(250)) {
+        puma.cabinet->drive(4).push(5e-4 * test::kPumaCountsPerRadian);
+      }
+      puma.cabinet->step();
+    }
+    EXPECT_EQ(puma.told("# identify point refused"), refused);
+  };
+  puma.measure(2);
+  disturb(2);
+  ASSERT_EQ(puma.ask("halt"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  disturb(4);
+  ASSERT_TRUE(puma.sequence().is_running());
+  puma.measure(1);
+  EXPECT_NEAR(puma.sequence().log()[0].readings()[0],
+              planned_arc(Measured::configuration(), 0).lower, 1e-3);
+}
+
 TEST(Identify, tells_what_it_found_to_a_tenth_of_a_micrometre) {
   Measured puma;
   ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
