@@ -227,6 +227,22 @@ TEST(Identify, ends_by_a_halt_and_by_a_fault_with_its_joint) {
   EXPECT_EQ(faulted.told("# mode faulted error=DRIVE_EMERGENCY "), 1U);
 }
 
+// By that the thread of the background goes on at once, not with the next tick.
+TEST(Identify, says_that_there_is_more_to_do_while_it_computes) {
+  Measured puma;
+  std::size_t computing = 0;
+  for (int i = 0; i < 2'000'000 && puma.mode() != Mode::kHolding; ++i) {
+    puma.cabinet->step();
+    const bool more = puma.cabinet->controller().background();
+    if (!puma.sequence().is_computing()) continue;
+    EXPECT_TRUE(more) << i;
+    ++computing;
+  }
+  EXPECT_GT(computing, puma.sequence().points_done());
+  puma.run(1);
+  EXPECT_FALSE(puma.cabinet->controller().background()) << "nothing is under way";
+}
+
 TEST(Identify, pauses_on_request_and_stays_where_it_is) {
   Measured puma;
   puma.measure(3);
