@@ -7,16 +7,6 @@
 #include <Eigen/Dense>
 
 namespace armsig::controller {
-namespace {
-
-// The number of a held-out pose. Where the workspace box excludes many they go on where no
-// self-calibration is offered one.
-std::size_t number_of_held_out(std::size_t index) {
-  constexpr std::size_t kFirstFar = 64;
-  return index < kFirstFar ? index : 2'000'000 + index;
-}
-
-}  // namespace
 
 IdentificationSequence::IdentificationSequence(const Configuration& configuration, Mover& mover,
                                                PointMeasurement& measurement,
@@ -183,8 +173,7 @@ void IdentificationSequence::ready() {
       finish_held_out();
       return;
     }
-    const std::size_t number = kMayBound ? number_of_held_out(held_out_ + passed_over_) : held_out_;
-    q = spread_pose(configuration_, number);
+    q = held_out_pose(configuration_, held_out_ + (kMayBound ? passed_over_ : 0));
   }
   if (kMayRefine && (!may_go_to(q) || recall_next(q))) return;
   go_to(q);

@@ -35,9 +35,16 @@ JointVector spread_pose(const Configuration& configuration, std::size_t index) {
   return evenly_spread_configuration(types_of(arm.joints), limits, static_cast<int>(index) + 1);
 }
 
+JointVector held_out_pose(const Configuration& configuration, std::size_t index) {
+  constexpr std::size_t kFirstFar = 64;
+  if constexpr (kMayBound) {
+    if (index >= kFirstFar) index += 2'000'000;
+  }
+  return spread_pose(configuration, index);
+}
+
 void PoseVisit::begin(Ticket begun) {
   phase_ = Phase::kNext;
-  measures_again_ = false;
   moved_in_a_row_ = 0;
   ticket_ = begun;
   forget_look();
@@ -85,7 +92,6 @@ void PoseVisit::measure() {
   const hal::Instant now = mover_.now().now;
   measurement_.begin(now);
   phase_ = Phase::kMeasuring;
-  measures_again_ = false;
   measured_since_ = now;
   phase_ends_ = now + configuration_.sensor.reading_timeout *
                           static_cast<std::int64_t>(configuration_.dwell.most_pings + 1);
@@ -104,10 +110,6 @@ VisitOutcome PoseVisit::step() {
   if (!mover_.has_arrived(ticket_, configuration_.dwell.settle)) {
     return snapshot.now > phase_ends_ ? ends(Error::kNotSettled, mover_.furthest_joint())
                                       : VisitOutcome();
-  }
-  if (measures_again_) {
-    measure();
-    return {};
   }
   phase_ = Phase::kNext;
   return {kMayBound && is_half_way() ? kReady : kArrived};
@@ -147,7 +149,6 @@ bool PoseVisit::has_moved() const {
                      .reason(Error::kArmMoved)
                      .text(" joint=")
                      .integer(joint + 1));
-  measures_again_ = true;
   phase_ = Phase::kMoving;
   phase_ends_ =
       mover_.now().now + configuration_.dwell.settle + configuration_.dwell.settle_timeout;

@@ -20,12 +20,16 @@ namespace armsig::controller {
 // of each joint's limits; the same at every call.
 [[nodiscard]] JointVector spread_pose(const Configuration& configuration, std::size_t index);
 
+// The same of those that a candidate is judged by. Where the workspace box excludes many they go on
+// where no self-calibration is offered one.
+[[nodiscard]] JointVector held_out_pose(const Configuration& configuration, std::size_t index);
+
 // What became of a pose in a step.
 struct VisitOutcome {
   enum class What : std::uint8_t {
     kUnderWay,
     kReady,    // nothing is under way
-    kArrived,  // and stands still
+    kArrived,  // and stands still; once more after a point that was refused as the arm moved
     kPoint,    // the measured one is good
     kLost,     // the pose gives no point, by `why`
     kEnds,     // the sequence, by `why`
@@ -98,7 +102,6 @@ class PoseVisit {
   std::string_view sequence_;
 
   Phase phase_ = Phase::kNext;
-  bool measures_again_ = false;  // once the arm has come to rest
   unsigned moved_in_a_row_ = 0;
   Ticket ticket_ = 0;        // of the last command
   hal::Instant phase_ends_;  // the bound of the phase under way

@@ -30,7 +30,8 @@ Lengths rooms_at(const Configuration& configuration, const JointVector& q) {
 }
 
 // How far each can move at most on the way: every joint turns it by its change, about an axis that
-// is no farther than the links between are long.
+// is no farther than the links between are long. The hand fills a ball about the last one, whose
+// room changes by as much as its centre moves.
 Lengths longest_ways(const Configuration& configuration, const JointVector& from,
                      const JointVector& to) {
   const DhRows& rows = configuration.drawing.joints;
@@ -47,8 +48,7 @@ Lengths longest_ways(const Configuration& configuration, const JointVector& from
                                   : std::abs(row.d_m);
         lever_m += std::hypot(row.a_m, d_m);
       }
-      const bool last = i + 1 == rows.size();
-      ways[i] += change * (turns ? lever_m + (last ? configuration.workspace->hand_m : 0) : 1);
+      ways[i] += change * (turns ? lever_m : 1);
     }
   }
   return ways;

@@ -167,6 +167,30 @@ TEST(Identify, counts_the_tries_of_each_point_alone) {
   EXPECT_TRUE(puma.sequence().is_running());
 }
 
+// The one before ended while a point was to be measured for the third time: nothing is left of it.
+TEST(Identify, begun_anew_begins_at_its_first_place_and_with_its_first_try) {
+  Measured puma;
+  const auto disturb = [&puma](std::size_t refused) {
+    for (int i = 0; i < 50'000 && puma.told("# identify point refused") < refused; ++i) {
+      if (puma.now().settled == std::chrono::milliseconds(250)) {
+        puma.cabinet->drive(4).push(5e-4 * test::kPumaCountsPerRadian);
+      }
+      puma.cabinet->step();
+    }
+    EXPECT_EQ(puma.told("# identify point refused"), refused);
+  };
+  puma.measure(2);
+  disturb(2);
+  ASSERT_EQ(puma.ask("halt"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  disturb(4);
+  ASSERT_TRUE(puma.sequence().is_running());
+  puma.measure(1);
+  EXPECT_NEAR(puma.sequence().log()[0].readings()[0],
+              planned_arc(Measured::configuration(), 0).lower, 1e-3);
+}
+
 TEST(Identify, tells_what_it_found_to_a_tenth_of_a_micrometre) {
   Measured puma;
   ASSERT_TRUE(puma.run_until(Mode::kHolding, 3600));
@@ -201,6 +225,22 @@ TEST(Identify, ends_by_a_halt_and_by_a_fault_with_its_joint) {
       << faulted.last("# identify ended") << faulted.last("# mode");
   EXPECT_TRUE(faulted.last("# identify ended").ends_with(" joint=3"));
   EXPECT_EQ(faulted.told("# mode faulted error=DRIVE_EMERGENCY "), 1U);
+}
+
+// By that the thread of the background goes on at once, not with the next tick.
+TEST(Identify, says_that_there_is_more_to_do_while_it_computes) {
+  Measured puma;
+  std::size_t computing = 0;
+  for (int i = 0; i < 2'000'000 && puma.mode() != Mode::kHolding; ++i) {
+    puma.cabinet->step();
+    const bool more = puma.cabinet->controller().background();
+    if (!puma.sequence().is_computing()) continue;
+    EXPECT_TRUE(more) << i;
+    ++computing;
+  }
+  EXPECT_GT(computing, puma.sequence().points_done());
+  puma.run(1);
+  EXPECT_FALSE(puma.cabinet->controller().background()) << "nothing is under way";
 }
 
 TEST(Identify, pauses_on_request_and_stays_where_it_is) {

@@ -2,6 +2,8 @@
 // Lines are planned in bounded steps, while everything else goes on.
 #include <gtest/gtest.h>
 
+#include "core/kinematics/inverse.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::controller {
@@ -48,6 +50,24 @@ TEST(LinePlanning, takes_a_bounded_number_of_passes_a_step_wherever_the_line_lea
     } while (planning.step());
     ASSERT_LE(planning.passes() - before, kMost) << way.transpose();
   }
+}
+
+// Of this line the first sample that is out of reach begins with a step of its own.
+TEST(LinePlanning, gives_a_sample_up_after_as_many_passes_as_the_inverse_has) {
+  Straight line;
+  line.to = *tool_pose(line.model, line.from);
+  line.to.p.z() -= 1;
+  LinePlanning planning(line.configuration, line.model, line.from, line.to, 1);
+  int before = 0;
+  int in_full_steps = 0;
+  for (bool more = true; more;) {
+    more = planning.step();
+    const int passes = planning.passes() - before;
+    in_full_steps = passes == kPassesAStep ? in_full_steps + passes : 0;
+    before = planning.passes();
+  }
+  EXPECT_EQ(test::failure_of(planning.result()).error, Error::kOutOfReach);
+  EXPECT_EQ(in_full_steps, kinematics::InverseOptions{}.max_iterations);
 }
 
 TEST(LinePlanning, ends_where_the_line_does) {

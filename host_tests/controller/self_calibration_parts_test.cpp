@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -237,11 +238,22 @@ TEST(PoseChoice, comes_from_the_side_that_is_told_within_the_limits) {
 
 TEST(PoseChoice, never_offers_a_pose_that_judges) {
   const Configuration configuration = test::puma_controller();
+  // Also of those that are looked for where a workspace box excludes the first ones.
+  std::vector<JointVector> judging;
+  for (std::size_t k = 0; k < 1000; ++k) {
+    judging.push_back(held_out_pose(configuration, k));
+    const auto [lower, upper] = configuration.drawing.limits[0];
+    EXPECT_TRUE(judging[k][0] > lower && judging[k][0] < upper) << k;
+    for (std::size_t before = 0; before < k; ++before) {
+      EXPECT_NE(judging[before][0], judging[k][0]) << before << " and " << k;
+    }
+  }
+  for (std::size_t k = 0; k < kMostHeldOut; ++k) {
+    EXPECT_EQ(judging[k][0], spread_pose(configuration, k)[0]) << k;
+  }
   for (std::size_t n = 0; n < 500; ++n) {
     const JointVector offered = offered_pose(configuration, n);
-    for (std::size_t k = 0; k < kMostHeldOut; ++k) {
-      EXPECT_NE(offered[0], spread_pose(configuration, k)[0]);
-    }
+    for (const JointVector& pose : judging) EXPECT_NE(offered[0], pose[0]) << n;
   }
 }
 

@@ -103,6 +103,17 @@ TEST(StoreOpens, as_a_new_one_where_one_page_is_torn_and_not_where_two_are_in_an
   }
 }
 
+// The first use of a memory begins in the first bank: a loss of power in it spoils no other.
+TEST(StoreOpens, as_a_new_one_where_a_record_cannot_be_read_in_the_first_bank_alone) {
+  for (std::size_t bank = 0; bank < kStoreBanks; ++bank) {
+    RamMemory memory;
+    memory.unreadable_sector = 3 * bank + 1;
+    RecordStore store(memory);
+    EXPECT_EQ(store.open().has_value(), bank == 0) << bank;
+    EXPECT_FALSE(store.active());
+  }
+}
+
 TEST(StoreOpens, with_nothing_active_only_where_nothing_is_lost) {
   RamMemory memory;
   RecordStore store(memory);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/controller/sweep.hpp"
+#include "firmware/controller/workspace.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::controller {
@@ -49,6 +50,38 @@ TEST(SweepTurnsBack, from_the_lower_side_and_goes_on_in_between) {
 
 TEST(SweepTurnsBack, from_a_place_in_between_to_the_next_one) {
   EXPECT_EQ(places(6), (std::vector<double>{-20, 0, 20, 40, -40, -30, -10, 10, 30}));
+}
+
+// A sweep that is not accurate enough goes on beyond its arc, until it comes to the box.
+TEST(SweepTurnsBack, where_the_next_place_is_outside_of_the_workspace_box) {
+  Configuration c = test::puma_controller();
+  c.sweeps.arc_rad = radians(60);
+  c.sweeps.points = 6;
+  c.sweeps.most_points = 16;
+  c.sweeps.axis_sigma_rad = 1e-6;
+  c.sweeps.held_out_poses = 3;
+  c.workspace = WorkspaceBox{{-0.62, -0.62, -0.25}, {0.86, 0.74, 1.15}, 0.16};
+  ASSERT_TRUE(check(c));
+  std::size_t outside = 0;
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    Sweep sweep(c, joint);
+    for (; sweep.next(); sweep.skip()) {
+      JointVector q = c.sweeps.configuration;
+      q[joint] = *sweep.next();
+      if (room_at(c, q).left_m < kLeastRoom_m) ++outside;
+    }
+  }
+  ASSERT_GT(outside, 0U) << "nothing would turn back";
+  test::PumaCabinet puma(1, c);
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("identify"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kSweeping, 1));
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 600));
+  const IdentificationSequence& sequence = puma.cabinet->state().identification();
+  EXPECT_TRUE(sequence.has_verdict());
+  for (std::size_t i = 0; i < sequence.log().size(); ++i) {
+    EXPECT_GE(room_at(c, sequence.log()[i].readings()).left_m, kLeastRoom_m - 1e-3) << i;
+  }
 }
 
 TEST(SweepOfASlide, goes_between_its_limits_whatever_the_arc) {

@@ -115,6 +115,20 @@ TEST(Workspace, is_left_by_a_way_of_an_arm_with_a_slide_where_its_places_leave_i
   EXPECT_GT(ways.leaving, 30);
 }
 
+// Some turns about the vertical, of which a look that took the slide for short would skip each.
+TEST(Workspace, is_left_by_turns_with_a_slide_that_is_out_at_one_end_of_the_way) {
+  for (const double offset_m : {0.0, 0.4}) {
+    Configuration c;
+    c.drawing.joints = {{.type = JointType::kRevolute, .alpha_rad = kPi / 2},
+                        {.type = JointType::kPrismatic, .d_m = offset_m}};
+    c.workspace = WorkspaceBox{{-2, -2, -1}, {0.3, 2, 1}, 0};
+    const double out = 0.8 - offset_m;
+    const double in = -offset_m;
+    EXPECT_EQ(whole_look(c, {0.0, out}, {16.9, in}), WayLook::Says::kLeaves);
+    EXPECT_EQ(whole_look(c, {16.9, in}, {0.0, out}), WayLook::Says::kLeaves);
+  }
+}
+
 TEST(Workspace, that_holds_sweeps_and_configuration_is_accepted) {
   EXPECT_TRUE(check(in_box(kLower, kUpper)));
 }

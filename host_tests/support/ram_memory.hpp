@@ -28,12 +28,16 @@ class RamMemory final : public hal::NonvolatileMemory {
   std::optional<Error> refusal;  // of every change
   // Reads that still succeed.
   std::optional<std::size_t> reads_left;
+  std::optional<std::size_t> unreadable_sector;
 
  private:
   [[nodiscard]] hal::MemoryLayout do_layout() const override { return layout_; }
   Result<void> do_read(std::size_t address, std::span<std::uint8_t> into) override {
     if (reads_left && *reads_left == 0) return std::unexpected(Error::kStorageFault);
     if (reads_left) --*reads_left;
+    if (unreadable_sector == address / layout_.sector_bytes()) {
+      return std::unexpected(Error::kStorageFault);
+    }
     std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(address), into.size(), into.begin());
     return {};
   }
