@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The searches for base and target of an arm known by its drawing: from anywhere to the minimum.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "core/base/links.hpp"
 #include "core/refinement/base_and_targets.hpp"
 #include "core/refinement/base_and_tool.hpp"
+#include "core/refinement/cube_rotations.hpp"
 #include "core/refinement/rotation_search.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
@@ -27,6 +30,21 @@ Moments moments_of(const Cell& cell, int poses, Random& random) {
     moments.add(cell.point(q, 0), g, 1);
   }
   return moments;
+}
+
+TEST(CubeRotations, leave_no_rotation_further_than_63_degrees) {
+  Random random(70);
+  for (int k = 0; k < 2000; ++k) {
+    const Matrix3 R = random.rotation();
+    int count = 0;
+    double nearest = kPi;
+    for_each_cube_rotation([&](const Matrix3& start) {
+      ++count;
+      nearest = std::min(nearest, angle_between(start, R));
+    });
+    EXPECT_EQ(count, 24);
+    EXPECT_LT(nearest, radians(63));
+  }
 }
 
 TEST(RotationSearch, ends_in_the_minimum_to_rounding) {
