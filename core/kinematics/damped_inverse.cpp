@@ -20,11 +20,12 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 // Orientation weighs this much against position once both cannot be met: small enough that what it
 // leaves of the position is mended beside it.
 constexpr double kLowRotationWeight = 1e-4;
-constexpr double kLargestStep = 0.4;  // rad or m in one iteration, to stay near the seed
-constexpr double kFoldError = 0.03;   // m or rad: what a nudge of 0.2 rad on a fold can make up for
-constexpr int kMostSaddles = 4;       // left one after the other
-constexpr double kNearHalfTurn = 3;   // rad
-constexpr double kLower = 0.999;      // of the merit: below, a saddle was left
+constexpr double kLargestStep = 0.4;        // rad or m in one iteration, to stay near the seed
+constexpr double kNudge = 0.2;              // rad or m off a saddle
+constexpr double kFoldError = 0.03;         // m or rad: what a nudge on a fold can make up for
+constexpr int kMostSaddles = 4;             // left one after the other
+constexpr double kNearHalfTurn = 3;         // rad
+constexpr double kLower = 0.999;            // of the merit: below, a saddle was left
 constexpr double kStationaryStep = 1e-11;   // rad or m
 constexpr double kNearestTolerance = 1e-9;  // rad or m, of arms with more than six joints
 
@@ -194,9 +195,7 @@ class DampedSolver {
     const State best = at_;
     const double before = merit(best);
     const Joints weak = weakest_direction(at_.kinematics.J, n_);
-    for (const double by : {0.03, -0.03, 0.2, -0.2}) {
-      // Far from the pose, small ones lead to where the large ones do.
-      if (std::abs(by) < 0.1 && before > kFoldError * kFoldError) continue;
+    for (const double by : {kNudge, -kNudge}) {
       if (!another_pass()) return false;
       q_ = box_.clamped(q_best + by * weak);
       evaluate(q_, at_);

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 
 #include "core/numerics/rotations.hpp"
+#include "core/refinement/cube_rotations.hpp"
 
 namespace armsig::refinement {
 
@@ -16,7 +16,6 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr int kStarts = 64;
 constexpr int kMaxSteps = 60;
 
 // Sum of squares, its gradient (halved) and Gauss-Newton matrix by (rotation vector in S, u).
@@ -85,20 +84,6 @@ Vector3 tool_for(const Moments& m, const Matrix3& R) {
   return -(H.inverse() * g);
 }
 
-// Rotations spread evenly over SO(3): the super-Fibonacci spiral (Alexa, CVPR 2022).
-Matrix3 spread_rotation(int k) {
-  constexpr double kPsi = 1.533751168755204288118041;
-  const double s = k + 0.5;
-  const double share = s / kStarts;
-  const double alpha = 2 * kPi * s / std::numbers::sqrt2;
-  const double beta = 2 * kPi * s / kPsi;
-  const double r = std::sqrt(share);
-  const double t = std::sqrt(1 - share);
-  return Eigen::Quaterniond(r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta),
-                            t * std::cos(beta))
-      .toRotationMatrix();
-}
-
 }  // namespace
 
 void Moments::add(const Vector3& p, const Vector12& g, double w) {
@@ -145,13 +130,15 @@ void polish(const Moments& m, Candidate& candidate) {
 
 Candidate search(const Moments& m) {
   Candidate best;
-  for (int k = 0; k < kStarts; ++k) {
+  bool any = false;
+  for_each_cube_rotation([&](const Matrix3& R) {
     Candidate candidate;
-    candidate.R = spread_rotation(k);
-    candidate.u = tool_for(m, candidate.R);
+    candidate.R = R;
+    candidate.u = tool_for(m, R);
     polish(m, candidate);
-    if (k == 0 || candidate.squares < best.squares) best = candidate;
-  }
+    if (!any || candidate.squares < best.squares) best = candidate;
+    any = true;
+  });
   return best;
 }
 

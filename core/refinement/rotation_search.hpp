@@ -37,7 +37,7 @@ struct Candidate {
 // The nearest minimum: Levenberg-Marquardt on (R, u).
 void polish(const Moments& moments, Candidate& candidate);
 
-// The best minimum found from rotations spread over all of SO(3), each with its best u.
+// The best minimum found from the rotations of a cube, each with its best u.
 [[nodiscard]] Candidate search(const Moments& moments);
 
 }  // namespace armsig::refinement

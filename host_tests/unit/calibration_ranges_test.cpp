@@ -67,6 +67,20 @@ TEST(RangeFit, calls_no_good_range_a_blunder) {
   EXPECT_EQ(summary->rejected, 0U);
 }
 
+TEST(RangeFit, has_settled_after_a_few_rounds) {
+  Random random(26);
+  const Cell cell = test::puma_cell(random, {0, 0, 0});
+  SensorModel sensor;
+  sensor.receivers = four_receivers();
+  EngineCase fit(cell.arm, nearly(cell.X_SB), {cell.p_tool[0]},
+                 ranges(cell, sensor, 60, 1e-4, random));
+  fit.model->sensor.receivers = sensor.receivers;
+  const auto summary = fit.engine().run(kGeometryAlone);
+  ASSERT_TRUE(summary);
+  EXPECT_TRUE(summary->converged);
+  EXPECT_LT(summary->rounds, 10);
+}
+
 TEST(RangeFit, predicts_ranges_that_were_held_out) {
   Random random(23);
   const Cell cell = test::puma_cell(random);

@@ -5,6 +5,7 @@
 
 #include "core/base/links.hpp"
 #include "core/evaluation/bends.hpp"
+#include "core/evaluation/difference_effects.hpp"
 #include "core/evaluation/differences.hpp"
 #include "core/identification.hpp"
 #include "host_tests/support/known_arms.hpp"
@@ -28,14 +29,20 @@ std::unique_ptr<Bent> bent(const Arm& arm, const JointVector& configuration) {
   return made;
 }
 
-void lay_cosine(double size_rad, calibration::ArmModel& model) {
+// `bend` of each reading.
+template <typename Function>
+void lay(Function bend, calibration::ArmModel& model) {
   calibration::JointModel& joint = model.joints[kShoulder];
   for (std::size_t k = 0; k < calibration::kKnots; ++k) {
     // Of the four splines at a knot the second has its middle there.
     const double middle = static_cast<double>(k) - 1;
     const double reading = joint.domain.origin + middle / joint.domain.per_length;
-    joint.map[k] = size_rad * std::cos(reading) / calibration::map_unit(joint.type);
+    joint.map[k] = bend(reading) / calibration::map_unit(joint.type);
   }
+}
+
+void lay_cosine(double size_rad, calibration::ArmModel& model) {
+  lay([&](double reading) { return size_rad * std::cos(reading); }, model);
 }
 
 class BentArm : public ::testing::Test {
@@ -146,6 +153,24 @@ TEST_F(BentArm, without_a_domain_has_no_map_whatever_its_coefficients) {
   actual->model.joints[kShoulder].map.fill(5);
   const Differences differences = by({.drawn = {}, .actual = actual->bending});
   for (const Difference& d : differences.all) EXPECT_NE(d.cause, Cause::kMap);
+}
+
+// Bent by a fifth of its reading, as drawn and in fact, a joint turns as one that goes a fifth
+// further: what differs elsewhere does as much to the tool of either.
+TEST_F(BentArm, is_compared_where_the_drawing_bends_to) {
+  const auto both = bent(drawing, JointVector(6));
+  lay([](double reading) { return 0.2 * std::remainder(reading, 2 * kPi); }, both->model);
+  DeviatingChain chain{};
+  chain.p_T = Vector3(0.08, 0.03, 0.12);
+  chain.axes = drawn_axes(drawing, chain.p_T);
+  chain.values[deviation_index(kShoulder + 1, Deviation::kZero)] = 1e-3;
+  auto limits = drawing.limits;
+  limits[kShoulder] = {-1.2, 1.2};
+  const double further_m = difference_effects(chain, limits, 200).total_rms_m;
+  limits[kShoulder] = {-1, 1};
+  EXPECT_GT(std::abs(difference_effects(chain, limits, 200).total_rms_m / further_m - 1), 1e-3);
+  chain.bendings = {both->bending, both->bending};
+  EXPECT_NEAR(difference_effects(chain, limits, 200).total_rms_m, further_m, 1e-6 * further_m);
 }
 
 }  // namespace

@@ -94,6 +94,35 @@ TEST(PlaceGrid, takes_a_fifth_off_all_sides_until_the_grid_fits_at_most_eleven_t
   EXPECT_EQ(test::failure_of(placed(fits_m / std::pow(0.8, 12))), Error::kOutOfReach);
 }
 
+// Two links in a plane, of which only one place that is tried lets a grid of this size in.
+ToolModel two_links(const JointLimits& shoulder, const JointLimits& elbow) {
+  const DhRows rows{{JointType::kRevolute, 0, 0, 0.5, 0}, {JointType::kRevolute, 0, 0, 0.4, 0}};
+  return {kinematics::make_chain(rows, {shoulder, elbow}), Vector3::Zero()};
+}
+
+Result<GridPlacement> place_in_plane(const ToolModel& arm, double size_m, double share) {
+  return place_grid(arm, Grid{.size_m = {size_m, share * size_m, 0}, .count = {2, 2, 2}});
+}
+
+// The middle of the limits is the first of 96 places: from there the largest grid fits that fits at
+// all.
+TEST(PlaceGrid, tries_the_middle_of_the_limits) {
+  const auto placement = place_in_plane(two_links({0.15, 1.65}, {0.9, 3.2}), 0.368, 1.5);
+  ASSERT_TRUE(placement);
+  EXPECT_EQ(placement->grid.size_m[0], 0.368);
+}
+
+// The last of the places that are tried is the only one with room; a place that would be tried next
+// is, and the grid shrinks.
+TEST(PlaceGrid, tries_96_places_before_it_shrinks_a_grid) {
+  const auto at_the_last = place_in_plane(two_links({0.85, 3.15}, {-0.1, 0.75}), 0.055, 1.3);
+  ASSERT_TRUE(at_the_last);
+  EXPECT_EQ(at_the_last->grid.size_m[0], 0.055);
+  const auto at_the_next = place_in_plane(two_links({0.3, 2.7}, {-1.1, -0.1}), 0.096, 1.2);
+  ASSERT_TRUE(at_the_next);
+  EXPECT_EQ(at_the_next->grid.size_m[0], 0.8 * 0.096);
+}
+
 TEST(PlaceGrid, gives_up_on_a_grid_ten_times_too_large) {
   const auto placement = place_grid(puma560(), Grid{.size_m = {30, 30, 30}, .count = {2, 2, 2}});
   ASSERT_FALSE(placement);

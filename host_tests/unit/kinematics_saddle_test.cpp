@@ -72,6 +72,19 @@ TEST(Inverse, leaves_the_saddle_of_a_stretched_arm) {
   EXPECT_LT(solution->position_error_m, 1e-9);
 }
 
+// The elbow bends to the one side that its limits leave.
+TEST(Inverse, leaves_a_saddle_to_either_side) {
+  const DhRows links(2, {JointType::kRevolute, 0, 0, 0.5, 0});
+  Pose X;
+  X.p = {0.8, 0, 0};
+  for (const JointLimits& elbow : {JointLimits{0, 2}, JointLimits{-2, 0}}) {
+    const Chain chain = make_chain(links, {{-2, 2}, elbow});
+    const auto solution = inverse(chain, X, {0, 0});
+    ASSERT_TRUE(solution.has_value());
+    EXPECT_EQ(solution->verdict, Verdict::kConverged);
+  }
+}
+
 // Six links in a row, stretched: on the way from there no other verdict than that it ran out.
 TEST(Inverse, says_that_the_iterations_ran_out_wherever_on_the_way_from_a_saddle) {
   const Chain chain = make_chain(DhRows(6, {JointType::kRevolute, 0, 0, 0.5, 0}));

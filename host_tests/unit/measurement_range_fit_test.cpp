@@ -42,6 +42,32 @@ TEST(FitPoint, begins_on_a_receiver_and_leaves_it) {
   EXPECT_TRUE(found);
 }
 
+Spheres exact_ranges(const std::array<Vector3, 4>& centres, const Vector3& target) {
+  Spheres spheres;
+  for (const Vector3& centre : centres) spheres.push_back({centre, (target - centre).norm(), 1e-5});
+  return spheres;
+}
+
+// Both searches end in the target, the slower one in its fiftieth step: they found one point.
+TEST(FitPoint, is_found_by_a_search_of_fifty_steps) {
+  const auto fits =
+      fit_point(exact_ranges({Vector3(-0.03, -0.02, 0.21), Vector3(-0.22, -0.07, -0.12),
+                              Vector3(0.9, -0.1, -0.28), Vector3(0.77, 0.12, 0.05)},
+                             Vector3(0.99, 1.81, 1.05)));
+  ASSERT_EQ(fits.size(), 1U);
+  EXPECT_TRUE(fits[0].determined);
+}
+
+// Here the slower one would need a step more: it is given up on, and what it says is told apart.
+TEST(FitPoint, is_given_up_on_after_fifty_steps) {
+  const auto fits =
+      fit_point(exact_ranges({Vector3(0.42, 0.02, -0.02), Vector3(-0.31, -0.02, -0.01),
+                              Vector3(-0.41, 0.01, -0.06), Vector3(-0.16, 0.04, 0.05)},
+                             Vector3(-0.75, -0.22, 1.44)));
+  ASSERT_EQ(fits.size(), 2U);
+  EXPECT_NE(fits[0].determined, fits[1].determined);
+}
+
 // What is left when others are set aside may stand on a line: the point then turns about it.
 TEST(FitPoint, of_receivers_on_a_line_is_not_determined) {
   const Vector3 target(0.3, 0.4, 1);
