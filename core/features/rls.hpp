@@ -63,49 +63,41 @@ class SquareRootRls {
   // leave: of the row the residual, of the weight so much over 1 + leverage.
   Innovation update(const Regressors& regressors, const RightHandSides& right_hand_sides,
                     Scalar weight = 1) {
-    const Rotations found = rotations(regressors, right_hand_sides, weight);
-    update(found);
-    return found.innovation;
+    Row row = row_of(regressors, right_hand_sides);
+    Scalar left = weight;
+    rotate_in(row, left);
+    const Innovation innovation = left_of(row, weight, left);
+    add_residual(innovation.residual, left);
+    return innovation;
   }
 
   // The same in two steps, for a measurement that is looked at before it is taken in.
   [[nodiscard, gnu::always_inline]] Rotations rotations(const Regressors& regressors,
                                                         const RightHandSides& right_hand_sides,
                                                         Scalar weight) const {
-    Row row;
-    for (int j = 0; j < kRegressors; ++j) row[j] = regressors[j];
-    for (int j = 0; j < kRightHandSides; ++j) row[kRegressors + j] = right_hand_sides[j];
+    Row row = row_of(regressors, right_hand_sides);
     Rotations found;
     found.left = weight;
-#pragma GCC unroll 16
     for (std::size_t i = 0; i < kRegressors; ++i) {
       const auto rotation = Rotation<Scalar>::of(factor_[i][i], row[i], found.left);
       found.of_row[i] = rotation;
-#pragma GCC unroll 16
       for (std::size_t j = i + 1; j < kColumns; ++j) {
         found.rows[i][j] = row[j];
         row[j] = rotation.rest(factor_[i][j], row[j]);
       }
     }
-    for (int k = 0; k < kRightHandSides; ++k) found.innovation.residual[k] = row[kRegressors + k];
-    found.innovation.leverage = weight / found.left - 1;
+    found.innovation = left_of(row, weight, found.left);
     return found;
   }
   // Precondition: nothing was taken in between.
-  [[gnu::always_inline]] void update(const Rotations& found) {
-#pragma GCC unroll 16
+  void update(const Rotations& found) {
     for (std::size_t i = 0; i < kRegressors; ++i) {
       const Rotation<Scalar> rotation = found.of_row[i];
       factor_[i][i] = rotation.square;
-#pragma GCC unroll 16
       for (std::size_t j = i + 1; j < kColumns; ++j)
         factor_[i][j] = rotation.kept(factor_[i][j], found.rows[i][j]);
     }
-    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
-      const Scalar weighted = found.left * found.innovation.residual[i];
-      for (int j = i; j < kRightHandSides; ++j, ++k)
-        residuals_[k] += weighted * found.innovation.residual[j];
-    }
+    add_residual(found.innovation.residual, found.left);
   }
 
   // One more right-hand side, which the rotations of the measurements take along.
@@ -115,7 +107,6 @@ class SquareRootRls {
     Scalar square = 0;                                 // of its residuals
 
     void update(Scalar measured, const Rotations& found) {
-#pragma GCC unroll 16
       for (std::size_t i = 0; i < kRegressors; ++i) {
         const Scalar above = rotated[i];
         rotated[i] = found.of_row[i].kept(above, measured);
@@ -224,6 +215,47 @@ class SquareRootRls {
   }
 
  private:
+  [[nodiscard]] static Row row_of(const Regressors& regressors,
+                                  const RightHandSides& right_hand_sides) {
+    Row row;
+    for (int j = 0; j < kRegressors; ++j) row[j] = regressors[j];
+    for (int j = 0; j < kRightHandSides; ++j) row[kRegressors + j] = right_hand_sides[j];
+    return row;
+  }
+
+  // Rotates `row` into the rows from kPivot on of the factor.
+  template <std::size_t kPivot = 0>
+  [[gnu::always_inline]] void rotate_in(Row& row, Scalar& weight) {
+    if constexpr (kPivot < kRegressors) {
+      Row& kept = factor_[kPivot];
+      const auto rotation = Rotation<Scalar>::of(kept[kPivot], row[kPivot], weight);
+      kept[kPivot] = rotation.square;
+#pragma GCC unroll 16
+      for (std::size_t j = kPivot + 1; j < kColumns; ++j) {
+        const Scalar above = kept[j];
+        const Scalar below = row[j];
+        row[j] = rotation.rest(above, below);
+        kept[j] = rotation.kept(above, below);
+      }
+      rotate_in<kPivot + 1>(row, weight);
+    }
+  }
+
+  // What the rotations have left of a row of weight `weight`.
+  [[nodiscard]] static Innovation left_of(const Row& row, Scalar weight, Scalar left) {
+    Innovation innovation;
+    for (int k = 0; k < kRightHandSides; ++k) innovation.residual[k] = row[kRegressors + k];
+    innovation.leverage = weight / left - 1;
+    return innovation;
+  }
+
+  void add_residual(const RightHandSides& residual, Scalar weight) {
+    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
+      const Scalar weighted = weight * residual[i];
+      for (int j = i; j < kRightHandSides; ++j, ++k) residuals_[k] += weighted * residual[j];
+    }
+  }
+
   // A pivot this small beside its column is rounding.
   static constexpr Scalar kDependent = 1000 * std::numeric_limits<Scalar>::epsilon();
 

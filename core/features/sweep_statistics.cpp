@@ -125,7 +125,7 @@ void MotionStatistics::add_covariance(const SweepPoint& point, const Vector3& x)
   const double weight = 1 / point.variance();
   const Matrix3 of_point = weight * point.covariance_m2;
   shape_sum += of_point;
-  score_sum.noalias() += products(x, weight * x).lazyProduct(upper_triangle(of_point).transpose());
+  score_sum += products(x, weight * x) * upper_triangle(of_point).transpose();
 }
 
 Matrix3 MotionStatistics::shape() const {
@@ -143,30 +143,29 @@ void SweepStatistics::add(const SweepPoint& point, const Trial& trial) {
   }
 }
 
-// The rows of the motion's factor and residuals without the regressors but the first, which is 1.
+// The rows of the motion's factor without its regressors but the first, which is 1, and rows that
+// have the products of its residuals (by elimination; what is left of exact data is rounding).
 GeometryFactor::Matrix SweepStatistics::geometry_matrix() const {
   if (method == Method::kPaper) return geometry.matrix();
   GeometryFactor factor;
-  const Matrix3 R = motion.factor();
-  const Matrix3 Z = motion.rotated_right_hand_sides();
+  GeometryFactor::Row row = GeometryFactor::Row::Zero();
   for (int i = 0; i < 3; ++i) {
-    GeometryFactor::Row row = GeometryFactor::Row::Zero();
-    row[0] = R(i, 0);
-    row.segment<3>(1) = Z.row(i);
-    row[4] = R(i, i) * squares.rotated[i];
-    factor.add(row);
+    const MotionRls::Row& kept = motion.rows()[i];
+    row[0] = i == 0 ? 1 : 0;
+    for (int k = 0; k < 3; ++k) row[1 + k] = kept[3 + k];
+    row[4] = squares.rotated[i];
+    factor.add(row, kept[i]);
   }
   Eigen::Matrix4d left;
   left << motion.residual_products(), squares.products, squares.products.transpose(),
       squares.square;
-  // Rows that have these products, by Cholesky; what is left of a pivot of exact data is rounding.
-  for (int j = 0; j < 4; ++j) {
-    if (!(left(j, j) > 0)) continue;
-    GeometryFactor::Row row = GeometryFactor::Row::Zero();
-    row.segment<4>(1) = left.col(j) / std::sqrt(left(j, j));
-    const Eigen::Vector4d taken = row.segment<4>(1);
-    left -= taken * taken.transpose();
-    factor.add(row);
+  for (int i = 0; i < 4; ++i) {
+    const double pivot = left(i, i);
+    if (!(pivot > 0)) continue;
+    for (int k = 0; k < 4; ++k) row[1 + k] = left(i, k) / pivot;
+    for (int k = 0; k < 4; ++k)
+      for (int l = 0; l < 4; ++l) left(k, l) -= pivot * row[1 + k] * row[1 + l];
+    factor.add(row, pivot);
   }
   factor.compress();
   return factor.matrix();

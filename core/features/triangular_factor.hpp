@@ -45,8 +45,9 @@ struct Rotation {
 };
 
 // Rows of measurements taken in together, column by column, each times the root of its weight. Rows
-// of zeros are no measurement.
-inline constexpr std::size_t kBlockRows = 12;
+// of zeros are no measurement. A multiple of the lanes; without lanes ten columns need no more than
+// ten rows, and memory is short.
+inline constexpr std::size_t kBlockRows = Lanes<double>::kCount == 1 ? 10 : 12;
 template <typename Scalar>
 using BlockColumn = std::array<Scalar, kBlockRows>;
 template <typename Scalar, std::size_t kColumns>
