@@ -43,7 +43,7 @@ struct SweepLimits {
 struct SweepConfig {
   JointType type = JointType::kRevolute;
   SweepLimits limits = {};
-  Method method = Method::kEncoder;
+  Method method = Method::kEncoder;  // of estimate(); the paper's keeps more of each point
 };
 
 // Readings nearer than this are one reading, radians or metres.
