@@ -6,9 +6,9 @@
 #include <numbers>
 #include <span>
 
-#include "core/drift/course.hpp"
 #include "core/numerics/quantiles.hpp"
-#include "core/uncertainty/drift.hpp"
+#include "firmware/drift/check_drift.hpp"
+#include "firmware/drift/course.hpp"
 
 namespace armsig::controller {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <limits>
 
-#include "core/calibration/servo_readings.hpp"
 #include "core/frames/alignment.hpp"
 #include "core/kinematics/s_model_chain.hpp"
+#include "firmware/calibration/servo_readings.hpp"
 #include "firmware/controller/signature_record.hpp"
 
 namespace armsig::controller {

@@ -2,8 +2,8 @@
 // The model that the arm is servoed with: the drawing, or a committed signature.
 #pragma once
 
-#include "core/calibration/servo_inverse.hpp"
 #include "core/signature.hpp"
+#include "firmware/calibration/servo_inverse.hpp"
 #include "firmware/controller/configuration.hpp"
 
 namespace armsig::controller {

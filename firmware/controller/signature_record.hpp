@@ -39,8 +39,8 @@
 #include <span>
 
 #include "core/base/error.hpp"
-#include "core/calibration/packed_deflections.hpp"
 #include "core/signature.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
 #include "firmware/controller/machine.hpp"
 
 namespace armsig::controller {

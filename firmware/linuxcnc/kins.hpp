@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "core/calibration/servo_inverse.hpp"
+#include "firmware/calibration/servo_inverse.hpp"
 #include "firmware/linuxcnc/kins_model.hpp"
 
 namespace armsig::linuxcnc {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/calibration/packed_deflections.hpp"
-#include "core/calibration/signature_of_model.hpp"
 #include "core/identification.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
+#include "firmware/calibration/signature_of_model.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"
 
 namespace armsig::controller {

@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "core/calibration/engine.hpp"
+#include "firmware/calibration/engine.hpp"
 #include "firmware/self_calibration/held_out_judge.hpp"
 #include "firmware/self_calibration/play.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
-#include "core/calibration/play_block.hpp"
+#include "firmware/calibration/play_block.hpp"
 
 namespace armsig::controller {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The refinement that a controller does by itself: geometry, gravity and maps of the readings
-// (core/calibration), from the points of the sweeps and of further poses that it chooses, until the
-// accuracy that was asked for is reached, by poses that were never fitted; or until time or memory
-// is over.
+// (firmware/calibration), from the points of the sweeps and of further poses that it chooses, until
+// the accuracy that was asked for is reached, by poses that were never fitted; or until time or
+// memory is over.
 //
 // One pose in kHeldOutEvery is held out of every fit. What the model leaves open is predicted over
 // poses that were not measured, times the factor by which the held-out ones, and each fitted one by
@@ -16,8 +16,8 @@
 #include <optional>
 
 #include "core/arm_model/gravity_choice.hpp"
-#include "core/calibration/engine.hpp"
 #include "core/frames/alignment.hpp"
+#include "firmware/calibration/engine.hpp"
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/refinement.hpp"
 #include "firmware/controller/workspace.hpp"

@@ -7,7 +7,7 @@
 // that is fitted (hal/simulated).
 #pragma once
 
-#include "core/calibration/servo_readings.hpp"
+#include "firmware/calibration/servo_readings.hpp"
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/signature_record.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"

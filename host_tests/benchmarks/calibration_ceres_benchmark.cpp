@@ -18,7 +18,7 @@ namespace armsig::benchmarks {
 namespace {
 
 constexpr std::size_t kJoints = 6;
-// Units of the priors, as core/calibration/engine.hpp states them.
+// Units of the priors, as firmware/calibration/engine.hpp states them.
 constexpr double kRotation = 2e-3;
 constexpr double kShift_m = 1e-3;
 constexpr double kZero = 10e-3;

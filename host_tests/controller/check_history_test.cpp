@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/drift/threshold.hpp"
+#include "firmware/drift/threshold.hpp"
 #include "hal/simulated/random.hpp"
 #include "host_tests/support/failure_of.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The record's own drift sum over a fleet of simulated arms, on a real PostgreSQL: it names whom
-// core/drift names, arm by arm. host_tests/fleet/with_record starts the record.
+// firmware/drift names, arm by arm. host_tests/fleet/with_record starts the record.
 #include <algorithm>
 #include <array>
 #include <cstdio>

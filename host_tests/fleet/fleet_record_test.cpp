@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/drift/cusum.hpp"
+#include "firmware/drift/cusum.hpp"
 #include "firmware/fleet/host/database.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
 #include "firmware/fleet/node/sha256.hpp"

@@ -6,9 +6,9 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "core/uncertainty/drift.hpp"
 #include "core/uncertainty/suggestion.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/drift/check_drift.hpp"
 #include "host_tests/support/calibration_case.hpp"
 
 namespace armsig {
@@ -138,7 +138,7 @@ Trials run(int trials, bool same_arm, double arc_deg, int mixed, double outliers
     Log held_out;
     test::add_poses(cell, 9, kSigma, random, held_out);
     std::vector<RowOutcome> judged(held_out.size());
-    const auto report = uncertainty::check_drift(*refined, held_out, {}, judged, *scratch);
+    const auto report = drift::check_drift(*refined, held_out, {}, judged, *scratch);
     if (report) sum.held_out += report->chi_square / static_cast<double>(report->freedom);
   }
   for (double* value : {&sum.observed, &sum.predicted, &sum.nees, &sum.held_out, &sum.nominal}) {

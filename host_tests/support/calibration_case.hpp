@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The estimator of core/calibration over a log, with the memory that it needs.
+// The estimator of firmware/calibration over a log, with the memory that it needs.
 #pragma once
 
 #include <memory>
@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "core/calibration/held_out.hpp"
-#include "core/calibration/signature_of_model.hpp"
 #include "core/refinement/start.hpp"
+#include "firmware/calibration/held_out.hpp"
+#include "firmware/calibration/signature_of_model.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::test {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The estimator of core/calibration over rows of any kind, from a start that the test chooses.
+// The estimator of firmware/calibration over rows of any kind, from a start that the test chooses.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "core/calibration/held_out.hpp"
+#include "firmware/calibration/held_out.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::test {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/calibration/servo_readings.hpp"
+#include "firmware/calibration/servo_readings.hpp"
 #include "host_tests/support/engine_case.hpp"
 #include "host_tests/support/failure_of.hpp"
 

@@ -7,8 +7,8 @@
 
 #include "core/arm_model/gravity_choice.hpp"
 #include "core/arm_model/model.hpp"
-#include "core/calibration/cyclic_band.hpp"
-#include "core/calibration/fit_row.hpp"
+#include "firmware/calibration/cyclic_band.hpp"
+#include "firmware/calibration/fit_row.hpp"
 #include "host_tests/support/dense_prior.hpp"
 #include "host_tests/support/known_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/calibration/fit_row.hpp"
+#include "firmware/calibration/fit_row.hpp"
 #include "host_tests/support/random.hpp"
 
 namespace armsig::calibration {

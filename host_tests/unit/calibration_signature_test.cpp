@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/calibration/signature_of_model.hpp"
 #include "core/refinement/determination.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/calibration/signature_of_model.hpp"
 #include "host_tests/support/engine_case.hpp"
 #include "host_tests/support/failure_of.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The geometry for formats that cannot carry gravity and maps: no better one, by an independent
 // search, and none that is worse than leaving the maps out.
-#include "core/calibration/geometry_alone.hpp"
+#include "firmware/calibration/geometry_alone.hpp"
 
 #include <limits>
 

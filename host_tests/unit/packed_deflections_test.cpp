@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/calibration/packed_deflections.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What gravity does to the joints in the servo tick, and the lever that bounds it.
-#include "core/calibration/servo_gravity.hpp"
+#include "firmware/calibration/servo_gravity.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "core/arm_model/readings.hpp"
-#include "core/calibration/servo_inverse.hpp"
 #include "core/identification.hpp"
 #include "core/kinematics/forward.hpp"
+#include "firmware/calibration/servo_inverse.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/known_arms.hpp"
 

@@ -8,59 +8,29 @@
 #include <gtest/gtest.h>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/uncertainty/drift.hpp"
 #include "core/uncertainty/feature_information.hpp"
 #include "core/uncertainty/suggestion.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
-#include "host_tests/support/calibration_case.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/identified_puma.hpp"
 
 namespace armsig::uncertainty {
 namespace {
 
 using refinement::Refined;
-using refinement::RowOutcome;
-using refinement::RowUse;
 using test::Cell;
+using test::IdentifiedPuma;
 using test::Log;
 using test::Random;
 
-constexpr double kSigma = 0.2e-3;
-
-struct Identified {
-  Random random;
-  Cell cell;
-  std::unique_ptr<Refined> refined = std::make_unique<Refined>();
-};
-
-Identified identified_puma(std::uint64_t seed, int poses = 60) {
-  Random random(seed);
-  const Cell cell = test::puma_cell(random);
-  Log log;
-  test::add_poses(cell, poses, kSigma, random, log);
-  Identified identified{random, cell};
-  EXPECT_TRUE(test::calibrate(test::puma(), log, *identified.refined));
-  return identified;
-}
-
-Judged<DriftReport> check(const Identified& identified, const Log& log,
-                          std::vector<RowOutcome>& outcomes) {
-  outcomes.resize(log.size());
-  const auto scratch = std::make_unique<refinement::SquareRootFactor>();
-  return check_drift(*identified.refined, log, {}, outcomes, *scratch);
-}
-
-Judged<DriftReport> check(const Identified& identified, const Log& log) {
-  std::vector<RowOutcome> outcomes;
-  return check(identified, log, outcomes);
-}
+constexpr double kSigma_m = IdentifiedPuma::kSigma_m;
 
 TEST(ToolCovariance, grows_away_from_what_was_measured) {
   Random random(1);
   const Cell cell = test::puma_cell(random);
   const JointVector configuration = test::cell_configuration();
   Log log;
-  test::add_sweeps(cell, configuration, radians(60), 30, kSigma, random, log);
+  test::add_sweeps(cell, configuration, radians(60), 30, kSigma_m, random, log);
   const auto refined = std::make_unique<Refined>();
   ASSERT_TRUE(test::calibrate(test::puma(), log, *refined));
   JointVector far = configuration;
@@ -85,103 +55,6 @@ TEST(WorkConfiguration, stays_inside_the_limits_and_covers_them_evenly) {
   EXPECT_NEAR(mean[0], 0.5, 0.02);
   EXPECT_NEAR(mean[1], 0.25, 0.005);
   EXPECT_NEAR(mean[2], 3.5, 0.01);
-}
-
-TEST(CheckDrift, finds_a_healthy_arm_consistent) {
-  Identified identified = identified_puma(2);
-  Log held_out;
-  test::add_poses(identified.cell, 20, kSigma, identified.random, held_out);
-  std::vector<RowOutcome> outcomes;
-  const auto report = check(identified, held_out, outcomes);
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->verdict, DriftVerdict::kConsistent);
-  EXPECT_EQ(report->freedom, 60U);
-  EXPECT_NEAR(report->rms_m, std::sqrt(3.0) * kSigma, kSigma);
-  double largest = 0;
-  for (const RowOutcome& row : outcomes) largest = std::max(largest, row.residual_m);
-  EXPECT_EQ(report->largest_m, largest);
-}
-
-// Far off for its neighbours' sensor, as expected of its own.
-TEST(CheckDrift, judges_each_row_by_its_own_sigma) {
-  Identified identified = identified_puma(2);
-  Log held_out;
-  test::add_poses(identified.cell, 10, kSigma, identified.random, held_out);
-  test::add_poses(identified.cell, 1, 100 * kSigma, identified.random, held_out);
-  test::add_poses(identified.cell, 10, kSigma, identified.random, held_out);
-  const auto report = check(identified, held_out);
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->rows_rejected, 0U);
-  EXPECT_EQ(report->rows, 21U);
-}
-
-TEST(CheckDrift, tells_a_moved_base_from_a_worse_sensor) {
-  Identified identified = identified_puma(3);
-  Log moved;
-  test::add_poses(identified.cell, 12, kSigma, identified.random, moved);
-  for (auto& row : moved) row.p_S += Vector3(1.5e-3, -1e-3, 0.5e-3);
-  EXPECT_EQ(check(identified, moved)->verdict, DriftVerdict::kDrifted);
-  EXPECT_EQ(check(identified, moved)->link, 0U);
-
-  Log noisy;
-  test::add_poses(identified.cell, 12, 4 * kSigma, identified.random, noisy);
-  for (auto& row : noisy) row.sigma_m = kSigma;
-  const auto report = check(identified, noisy);
-  EXPECT_EQ(report->verdict, DriftVerdict::kSensorWorse);
-  EXPECT_NEAR(report->noise_factor, 4, 1.5);
-}
-
-TEST(CheckDrift, finds_the_offset_of_one_joint_after_a_crash) {
-  Identified identified = identified_puma(4);
-  Cell crashed = identified.cell;
-  crashed.arm.joints[3].theta_rad += radians(0.3);
-  Log log;
-  test::add_poses(crashed, 10, kSigma, identified.random, log);
-  const auto report = check(identified, log);
-  EXPECT_EQ(report->verdict, DriftVerdict::kDrifted);
-  EXPECT_TRUE(report->link == 3 || report->link == 4) << report->link;
-}
-
-TEST(CheckDrift, finds_a_target_that_was_put_back_elsewhere) {
-  Identified identified = identified_puma(13);
-  Cell changed = identified.cell;
-  changed.p_tool[0] += Vector3(0.5e-3, 0.5e-3, 1e-3);
-  Log log;
-  test::add_poses(changed, 10, kSigma, identified.random, log);
-  const auto report = check(identified, log);
-  EXPECT_EQ(report->verdict, DriftVerdict::kDrifted);
-  EXPECT_EQ(report->link, 6U);
-}
-
-TEST(CheckDrift, sets_a_blunder_apart) {
-  Identified identified = identified_puma(5);
-  Log log;
-  test::add_poses(identified.cell, 12, kSigma, identified.random, log);
-  log[7].p_S.x() += 0.05;
-  std::vector<RowOutcome> outcomes;
-  const auto report = check(identified, log, outcomes);
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->verdict, DriftVerdict::kConsistent);
-  EXPECT_EQ(report->rows_rejected, 1U);
-  EXPECT_TRUE(outcomes[7].rejected);
-}
-
-TEST(CheckDrift, refuses_a_log_without_rows_and_numbers_that_are_not_finite) {
-  Identified identified = identified_puma(6);
-  Log log;
-  EXPECT_EQ(test::failure_of(check(identified, log)).error, Error::kTooFewPoints);
-  test::add_poses(identified.cell, 3, kSigma, identified.random, log);
-  log[1].readings[2] = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(test::failure_of(check(identified, log)).error, Error::kNotFinite);
-  EXPECT_EQ(test::failure_of(check(identified, log)).found, 1);
-}
-
-TEST(CheckDrift, refuses_rows_of_which_many_are_blunders) {
-  Identified identified = identified_puma(7);
-  Log log;
-  test::add_poses(identified.cell, 10, kSigma, identified.random, log);
-  for (std::size_t k = 0; k < 4; ++k) log[k].p_S.x() += 0.5;
-  EXPECT_EQ(test::failure_of(check(identified, log)).error, Error::kTooManyOutliers);
 }
 
 // The target on a circle as its feature moves: the covariance must be that of the feature itself.
@@ -250,11 +123,11 @@ TEST(FromFeatures, refuses_a_feature_without_a_covariance) {
 }
 
 TEST(Suggestion, predicts_the_accuracy_that_the_suggested_poses_then_give) {
-  Identified identified = identified_puma(10, 20);
+  IdentifiedPuma identified(10, 20);
   const auto search = std::make_unique<SuggestionSearch>();
   SuggestionConfig config;
   config.limits = identified.cell.arm.limits;
-  config.sigma_m = kSigma;
+  config.sigma_m = kSigma_m;
   ASSERT_TRUE(search->start(*identified.refined, config));
   const double before = search->predicted_rms_m();
   std::vector<Suggestion> suggestions(5);
@@ -272,7 +145,7 @@ TEST(Suggestion, predicts_the_accuracy_that_the_suggested_poses_then_give) {
 }
 
 TEST(Suggestion, stays_inside_the_sensors_box) {
-  Identified identified = identified_puma(11, 20);
+  IdentifiedPuma identified(11, 20);
   const auto search = std::make_unique<SuggestionSearch>();
   SuggestionConfig config;
   config.limits = identified.cell.arm.limits;
@@ -287,7 +160,7 @@ TEST(Suggestion, stays_inside_the_sensors_box) {
 }
 
 TEST(Suggestion, says_when_the_box_is_out_of_reach) {
-  Identified identified = identified_puma(12, 20);
+  IdentifiedPuma identified(12, 20);
   const auto search = std::make_unique<SuggestionSearch>();
   SuggestionConfig config;
   config.limits = identified.cell.arm.limits;

@@ -7,10 +7,10 @@
 
 #include "core/base/error.hpp"
 #include "core/base/error_name.hpp"
-#include "core/drift/course.hpp"
-#include "core/drift/reference.hpp"
 #include "core/refinement/refined.hpp"
-#include "core/uncertainty/drift.hpp"
+#include "firmware/drift/check_drift.hpp"
+#include "firmware/drift/course.hpp"
+#include "firmware/drift/reference.hpp"
 
 namespace armsig {
 namespace {
@@ -40,7 +40,7 @@ TEST(Words, of_what_is_left_open_are_its_own) {
 }
 
 TEST(Words, of_a_drift_are_its_own) {
-  expect_words_of_their_own(uncertainty::DriftVerdict::kSensorWorse);
+  expect_words_of_their_own(drift::DriftVerdict::kSensorWorse);
   expect_words_of_their_own(drift::Course::kRamp);
   expect_words_of_their_own(drift::Moved::kUndecided);
 }

@@ -10,7 +10,7 @@
 
 namespace armsig::fleet {
 
-// How drift is watched: core/drift says what the numbers mean.
+// How drift is watched: firmware/drift says what the numbers mean.
 struct DriftPlan {
   double pose_sigma_mm = 0.1;
   int poses = 20;

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "core/base/error_name.hpp"
-#include "core/drift/cusum.hpp"
-#include "core/drift/threshold.hpp"
+#include "firmware/drift/cusum.hpp"
+#include "firmware/drift/threshold.hpp"
 #include "firmware/fleet/host/configuration.hpp"
 #include "firmware/fleet/host/database.hpp"
 #include "firmware/fleet/host/http_server.hpp"

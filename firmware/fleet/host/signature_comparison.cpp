@@ -5,8 +5,8 @@
 #include <cmath>
 #include <memory>
 
-#include "core/evaluation/differences.hpp"
 #include "core/identification.hpp"
+#include "firmware/differences/differences.hpp"
 #include "firmware/fleet/wire/signature_document.hpp"
 
 namespace armsig::fleet {
@@ -60,7 +60,7 @@ bool is_told(const DocumentedSignature& signature) {
   return signature.deflections.empty() || !signature.configuration.empty();
 }
 
-evaluation::Bending bending_of(const DocumentedSignature& signature, const ArmModel& model) {
+differences::Bending bending_of(const DocumentedSignature& signature, const ArmModel& model) {
   if (signature.deflections.empty()) return {};
   return {.model = &model, .configuration = signature.configuration};
 }
@@ -84,19 +84,19 @@ std::optional<SignatureComparison> compare_signatures(std::string_view before,
   const auto bent_before = std::make_unique<ArmModel>(unpacked(former->deflections, former->arm));
   const auto bent_now = std::make_unique<ArmModel>(unpacked(actual->deflections, actual->arm));
   const bool whole = is_told(*former) && is_told(*actual);
-  evaluation::Bendings bendings;
+  differences::Bendings bendings;
   if (whole) bendings = {bending_of(*former, *bent_before), bending_of(*actual, *bent_now)};
-  const auto found = evaluation::differences(former->arm, *exact, 0, bendings);
+  const auto found = differences::differences(former->arm, *exact, 0, bendings);
   if (!found) return std::nullopt;
   SignatureComparison comparison{
       .joints = std::vector<JointDifference>(n),
       .tool_rms_m = found->total_rms_m,
       .bends = !former->deflections.empty() || !actual->deflections.empty(),
       .whole = whole};
-  for (const evaluation::Difference& difference : found->all) {
+  for (const differences::Difference& difference : found->all) {
     JointDifference& joint = comparison.joints[difference.joint];
     joint.adds_m += difference.effect.adds_m;
-    using evaluation::Cause;
+    using differences::Cause;
     if (difference.cause == Cause::kTiltX || difference.cause == Cause::kTiltY) {
       joint.tilt_rad = std::hypot(joint.tilt_rad, difference.value);
     } else if (difference.cause == Cause::kShiftX || difference.cause == Cause::kShiftY) {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/base/crc32.hpp"
-#include "core/calibration/packed_deflections.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
 #include "firmware/fleet/wire/signature_document.hpp"
 
 namespace armsig::fleet {

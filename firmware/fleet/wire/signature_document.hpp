@@ -19,7 +19,7 @@
 #include <string_view>
 
 #include "core/base/arm.hpp"
-#include "core/calibration/packed_deflections.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
 
 namespace armsig::fleet {
 

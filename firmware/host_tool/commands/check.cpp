@@ -4,7 +4,7 @@
 
 #include <fmt/core.h>
 
-#include "core/uncertainty/drift.hpp"
+#include "firmware/drift/check_drift.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
@@ -26,7 +26,7 @@ struct CheckOptions : CommonOptions {
   std::string signature, measurements, sensor, arm;
 };
 
-std::string what_moved(const uncertainty::DriftReport& report, std::size_t joints) {
+std::string what_moved(const drift::DriftReport& report, std::size_t joints) {
   if (report.link == 0) return "the base has moved against the sensor";
   if (report.link == joints) {
     return fmt::format("link {} with its target, or the zero of joint {}, has moved", joints,
@@ -36,21 +36,21 @@ std::string what_moved(const uncertainty::DriftReport& report, std::size_t joint
                      report.link + 1);
 }
 
-const char* verdict_word(uncertainty::DriftVerdict verdict) {
+const char* verdict_word(drift::DriftVerdict verdict) {
   switch (verdict) {
-    case uncertainty::DriftVerdict::kConsistent:
+    case drift::DriftVerdict::kConsistent:
       return "consistent";
-    case uncertainty::DriftVerdict::kDrifted:
+    case drift::DriftVerdict::kDrifted:
       return "drifted";
-    case uncertainty::DriftVerdict::kSensorWorse:
+    case drift::DriftVerdict::kSensorWorse:
       return "sensor-worse";
   }
   return "consistent";
 }
 
 struct Checked {
-  uncertainty::DriftReport report;  // with the sensor where `place` puts it
-  std::optional<Place> place;       // where that is another one than at the identification
+  drift::DriftReport report;   // with the sensor where `place` puts it
+  std::optional<Place> place;  // where that is another one than at the identification
   std::optional<ResidualSummary> nominal;
   std::vector<std::size_t> rejected_lines;
   std::vector<DisbelievedReceiver> disbelieved;
@@ -68,10 +68,10 @@ void print_residuals(const char* of, double rms_m, double mean_m, double largest
 std::string_view next_step(const Checked& checked) {
   if (checked.place) return "identify from there, or put the sensor back";
   switch (checked.report.verdict) {
-    case uncertainty::DriftVerdict::kConsistent:
+    case drift::DriftVerdict::kConsistent:
       if (!checked.disbelieved.empty()) return "look after the receiver named";
       return "nothing; check again after a collision, a repair, or a season";
-    case uncertainty::DriftVerdict::kSensorWorse:
+    case drift::DriftVerdict::kSensorWorse:
       if (checked.report.noise_factor > kNoNoise) {
         return "look at the units and columns of the measurements, and whose arm they are of";
       }
@@ -85,18 +85,18 @@ std::string_view next_step(const Checked& checked) {
 
 void print_for_a_person(const Checked& checked, std::size_t joints,
                         const std::string& measurements) {
-  const uncertainty::DriftReport& report = checked.report;
+  const drift::DriftReport& report = checked.report;
   if (checked.place) {
     say("{}: measured from another place: {:.1f} mm, {:.2f}°; from there {}\n\n", measurements,
         1e3 * checked.place->shift_m, degrees(checked.place->turn_rad),
-        uncertainty::describe(report.verdict));
+        drift::describe(report.verdict));
   } else {
-    say("{}: {}\n\n", measurements, uncertainty::describe(report.verdict));
+    say("{}: {}\n\n", measurements, drift::describe(report.verdict));
   }
-  if (report.verdict == uncertainty::DriftVerdict::kDrifted) {
+  if (report.verdict == drift::DriftVerdict::kDrifted) {
     say("  most likely {}\n", what_moved(report, joints));
   }
-  if (report.verdict == uncertainty::DriftVerdict::kSensorWorse) {
+  if (report.verdict == drift::DriftVerdict::kSensorWorse) {
     if (report.noise_factor > kNoNoise) {
       say("  the rows miss by {:.0f} times the noise stated, as no sensor does: they\n"
           "  are not of this arm and tool, or\n"
@@ -137,7 +137,7 @@ void print_for_a_person(const Checked& checked, std::size_t joints,
 }
 
 nlohmann::ordered_json json_of(const Checked& checked, int status) {
-  const uncertainty::DriftReport& report = checked.report;
+  const drift::DriftReport& report = checked.report;
   nlohmann::ordered_json json{
       {"status", status},
       {"verdict", checked.place ? "another-place" : verdict_word(report.verdict)},
@@ -222,7 +222,7 @@ Problem problem_of(const Refusal& refusal, const std::string& file) {
 constexpr double kLeftFromPlace = 1.0 / 3;
 
 struct Judgement {
-  Judged<uncertainty::DriftReport> report;
+  Judged<drift::DriftReport> report;
   std::optional<Place> place;
 };
 
@@ -233,17 +233,15 @@ Judgement judged(const refinement::Refined& estimate, MeasurementLog& log,
                  std::vector<refinement::RowOutcome>& outcomes) {
   const auto scratch = std::make_unique<refinement::SquareRootFactor>();
   auto& rows = log.observations();
-  Judgement result{
-      .report = uncertainty::check_drift(estimate, rows, receivers, outcomes, *scratch),
-      .place = {}};
-  if (result.report && result.report->verdict == uncertainty::DriftVerdict::kConsistent)
-    return result;
+  Judgement result{.report = drift::check_drift(estimate, rows, receivers, outcomes, *scratch),
+                   .place = {}};
+  if (result.report && result.report->verdict == drift::DriftVerdict::kConsistent) return result;
   const auto place = fit_place(estimate, rows);
   if (!place || place->after_m > kLeftFromPlace * place->before_m) return result;
   const auto as_seen = rows;
   for (refinement::Observation& row : rows) row.p_S = place->X_ON * row.p_S;
   std::vector<refinement::RowOutcome> from_there(rows.size());
-  auto report = uncertainty::check_drift(estimate, rows, receivers, from_there, *scratch);
+  auto report = drift::check_drift(estimate, rows, receivers, from_there, *scratch);
   if (report) {
     outcomes = std::move(from_there);
     return {.report = std::move(report), .place = place};
@@ -285,8 +283,7 @@ int run(const CheckOptions& options) {
                   .rejected_lines = log->rejected_lines(outcomes),
                   .disbelieved = log->disbelieved_receivers(outcomes),
                   .copied = copies.count()};
-  const bool healthy =
-      report->verdict == uncertainty::DriftVerdict::kConsistent && !judgement.place;
+  const bool healthy = report->verdict == drift::DriftVerdict::kConsistent && !judgement.place;
   const int status = healthy ? kDone : kNoAnswer;
   if (options.json) {
     print_json(json_of(checked, status));

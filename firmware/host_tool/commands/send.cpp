@@ -8,7 +8,7 @@
 
 #include <fmt/core.h>
 
-#include "core/calibration/packed_deflections.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
 #include "firmware/controller/receiving.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/console/fetching.hpp"

@@ -8,9 +8,9 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
-#include "core/calibration/geometry_alone.hpp"
 #include "core/identification.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/calibration/geometry_alone.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 

@@ -5,7 +5,7 @@
 #include <fmt/core.h>
 
 #include "core/base/crc32.hpp"
-#include "core/calibration/packed_deflections.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"

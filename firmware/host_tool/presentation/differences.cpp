@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include "core/evaluation/differences.hpp"
+#include "firmware/differences/differences.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
@@ -15,9 +15,9 @@
 namespace armsig::tool {
 namespace {
 
-using evaluation::Cause;
-using evaluation::DrawnAxis;
-using evaluation::Heading;
+using differences::Cause;
+using differences::DrawnAxis;
+using differences::Heading;
 
 const char* kind_of(Cause cause) {
   switch (cause) {
@@ -116,7 +116,7 @@ std::string with_sigma(const DifferenceLine& line) {
 }
 
 // What the arm gives way by beyond its axes and readings; the drawing gives way by nothing.
-evaluation::Bendings bendings_of(const SignatureRecord& record) {
+differences::Bendings bendings_of(const SignatureRecord& record) {
   if (!record.deflections) return {};
   return {.drawn = {}, .actual = {record.deflections.get(), record.signature.configuration}};
 }
@@ -137,10 +137,11 @@ std::optional<DifferenceTable> difference_table(const SignatureRecord& record,
     exact->readings = record.readings();
     estimate = exact.get();
   }
-  const auto found = evaluation::differences(record.nominal, *estimate, *tool, bendings_of(record));
+  const auto found =
+      differences::differences(record.nominal, *estimate, *tool, bendings_of(record));
   if (!found) return std::nullopt;
   DifferenceTable table{.lines = {}, .total_rms_m = found->total_rms_m};
-  for (const evaluation::Difference& difference : found->all) {
+  for (const differences::Difference& difference : found->all) {
     DifferenceLine line{
         .joint = difference.joint + 1,
         .kind = kind_of(difference.cause),

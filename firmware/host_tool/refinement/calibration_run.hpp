@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// core/calibration over a log of positions or ranges: the memory it needs, the starts it may have,
-// and what its figures mean for a signature.
+// firmware/calibration over a log of positions or ranges: the memory it needs, the starts it may
+// have, and what its figures mean for a signature.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "core/calibration/held_out.hpp"
 #include "core/refinement/start.hpp"
+#include "firmware/calibration/held_out.hpp"
 
 namespace armsig::tool {
 

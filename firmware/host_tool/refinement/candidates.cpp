@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/calibration/packed_deflections.hpp"
-#include "core/calibration/signature_of_model.hpp"
 #include "core/refinement/determination.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
+#include "firmware/calibration/signature_of_model.hpp"
 
 namespace armsig::tool {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The engine of core/calibration over a log: its rows, its memory, and where it may start.
+// The engine of firmware/calibration over a log: its rows, its memory, and where it may start.
 #pragma once
 
 #include <memory>

@@ -6,9 +6,9 @@
 
 #include <fmt/core.h>
 
-#include "core/calibration/geometry_alone.hpp"
 #include "core/identification.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/calibration/geometry_alone.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/refinement/candidates.hpp"
 #include "firmware/host_tool/refinement/refinement_words.hpp"

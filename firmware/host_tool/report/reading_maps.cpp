@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/calibration/geometry_alone.hpp"
 #include "core/refinement/chain.hpp"
+#include "firmware/calibration/geometry_alone.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {

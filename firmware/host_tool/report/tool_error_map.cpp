@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/calibration/geometry_alone.hpp"
-#include "core/evaluation/differences.hpp"
 #include "core/evaluation/tool_error.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/calibration/geometry_alone.hpp"
+#include "firmware/differences/differences.hpp"
 #include "firmware/host_tool/signature/estimate.hpp"
 
 namespace armsig::tool {
@@ -61,7 +61,7 @@ Arm judged_drawing(const SignatureRecord& record) {
 // The drawing with base and tool fitted to the arm; with its axes laid over the arm's where it is
 // another arm altogether.
 Signature drawn_model(const Arm& drawing, const refinement::Refined& arm, std::size_t tool) {
-  const auto fitted = evaluation::fitted_drawing(drawing, arm, tool);
+  const auto fitted = differences::fitted_drawing(drawing, arm, tool);
   return fitted ? *fitted : evaluation::drawing_as_model(drawing, arm.signature);
 }
 

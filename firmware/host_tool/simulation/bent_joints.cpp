@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/calibration/packed_deflections.hpp"
+#include "firmware/calibration/packed_deflections.hpp"
 
 namespace armsig::tool {
 

@@ -6,8 +6,8 @@
 
 #include <fmt/core.h>
 
-#include "core/evaluation/differences.hpp"
 #include "core/evaluation/tool_error.hpp"
+#include "firmware/differences/differences.hpp"
 #include "firmware/host_tool/identification/identification_run.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"
 #include "hal/simulated/demo_sensor.hpp"
@@ -49,7 +49,7 @@ double fitted_drawing_error_m(const Arm& drawing, const Signature& truth) {
   const auto arm = std::make_unique<refinement::Refined>();
   arm->signature = truth;
   const auto* tool = std::ranges::find(truth.targets, kToolTarget, &Target::number);
-  const auto drawn = evaluation::fitted_drawing(
+  const auto drawn = differences::fitted_drawing(
       drawing, *arm, static_cast<std::size_t>(tool - truth.targets.begin()));
   ARMSIG_CHECK(drawn.has_value());  // an arm drawn about its drawing
   return evaluation::rms_tool_error(*drawn, truth, kToolTarget, Pose{}, drawing.limits,

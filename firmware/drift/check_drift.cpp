@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "firmware/drift/check_drift.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/numerics/quantiles.hpp"
+#include "core/numerics/robust.hpp"
+#include "core/refinement/row.hpp"
+#include "firmware/drift/displacement.hpp"
+
+namespace armsig::drift {
+
+using numerics::LogHistogram;
+using refinement::Observation;
+using refinement::PoeChain;
+using refinement::Receivers;
+using refinement::Refined;
+using refinement::RowOutcome;
+using refinement::RowUse;
+using refinement::SquareRootFactor;
+
+namespace {
+
+// One healthy check in a thousand is called unhealthy.
+constexpr double kAllowedSigmas = 3.09;
+// Healthy residuals carry the stored uncertainty too: only what is far beyond the gate of the noise
+// alone is an outlier.
+constexpr double kOutlierFactor = 2;
+// Rows that may be rejected before there is nothing left to judge.
+constexpr double kRejectedShare = 0.3;
+// Sizes of a drift that are weighed against larger noise: a tenth of a millimetre and milliradian
+// for a warm arm, thirty for a collision.
+constexpr std::array<double, 6> kDriftSizes{1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
+
+double sigma_of(const Refined& refined, const Observation& row) {
+  return std::hypot(row.sigma_m > 0 ? row.sigma_m : refined.quality.sigma_m,
+                    refined.quality.unexplained_m);
+}
+
+struct Evidence {
+  double chi_square = 0;
+  double log_determinant = 0;  // of the residuals' covariance over that of the noise alone
+};
+
+// Takes all rows into the factor of a prior and reads off r^T S^-1 r and ln |S|.
+Evidence evidence(const Refined& refined, std::span<const Observation> log,
+                  const Receivers& receivers, std::span<const RowOutcome> outcomes,
+                  SquareRootFactor& factor) {
+  const PoeChain chain(refined.signature, refined.readings);
+  const double before = factor.log_determinant();
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    if (log[k].use == RowUse::kIgnore || outcomes[k].rejected) continue;
+    refinement::Linearised at;
+    refinement::absorb_row(refined, receivers, chain, log[k], 1 / sigma_of(refined, log[k]), factor,
+                           at);
+  }
+  return {factor.residual_squares(), 2 * (factor.log_determinant() - before)};
+}
+
+// Residuals, and which of them are far outside even the spread of all.
+void find_outliers(const Refined& refined, std::span<const Observation> log,
+                   const Receivers& receivers, std::span<RowOutcome> outcomes) {
+  const PoeChain chain(refined.signature, refined.readings);
+  LogHistogram squares;
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    const Observation& row = log[k];
+    outcomes[k] = {};
+    outcomes[k].residual_m = refinement::residual_length(
+        refined, receivers, row,
+        chain.point(chain.motion(row.readings), refined.signature.targets[row.target]));
+    if (row.use == RowUse::kIgnore) continue;
+    const double in_sigma = outcomes[k].residual_m / sigma_of(refined, row);
+    squares.add(in_sigma * in_sigma / refinement::thresholds(row).median);
+  }
+  const double scale = std::max(1.0, std::sqrt(squares.median()));
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    const double in_sigma = outcomes[k].residual_m / sigma_of(refined, log[k]);
+    if (in_sigma <= kOutlierFactor * scale * refinement::thresholds(log[k]).gate) continue;
+    outcomes[k].weight = 0;
+    outcomes[k].rejected = true;
+  }
+}
+
+void summarise(std::span<const Observation> log, std::span<const RowOutcome> outcomes,
+               DriftReport& report) {
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    if (log[k].use == RowUse::kIgnore) continue;
+    if (outcomes[k].rejected) {
+      ++report.rows_rejected;
+      continue;
+    }
+    const double residual = outcomes[k].residual_m;
+    ++report.rows;
+    report.freedom += log[k].kind == refinement::ObservationKind::kPosition ? 3 : 1;
+    report.mean_m += residual;
+    report.rms_m += residual * residual;
+    report.largest_m = std::max(report.largest_m, residual);
+  }
+  if (report.rows == 0) return;
+  report.mean_m /= static_cast<double>(report.rows);
+  report.rms_m = std::sqrt(report.rms_m / static_cast<double>(report.rows));
+}
+
+}  // namespace
+
+std::string_view describe(DriftVerdict verdict) {
+  switch (verdict) {
+    case DriftVerdict::kConsistent:
+      return "consistent";
+    case DriftVerdict::kDrifted:
+      return "drifted";
+    case DriftVerdict::kSensorWorse:
+      return "sensor worse than stated";
+  }
+  return "unknown";
+}
+
+Judged<DriftReport> check_drift(const Refined& refined, std::span<const Observation> log,
+                                const Receivers& receivers, std::span<RowOutcome> outcomes,
+                                SquareRootFactor& scratch) {
+  ARMSIG_CHECK(outcomes.size() == log.size());
+  for (std::size_t k = 0; k < log.size(); ++k) {
+    if (!refinement::is_finite(log[k])) {
+      return std::unexpected(Refusal{Error::kNotFinite, static_cast<double>(k), 0});
+    }
+  }
+  find_outliers(refined, log, receivers, outcomes);
+  DriftReport report;
+  summarise(log, outcomes, report);
+  if (report.rows == 0) return std::unexpected(Refusal{Error::kTooFewPoints, 0, 1});
+  const double allowed_rows =
+      kRejectedShare * static_cast<double>(report.rows + report.rows_rejected);
+  if (static_cast<double>(report.rows_rejected) > allowed_rows) {
+    return std::unexpected(
+        Refusal{Error::kTooManyOutliers, static_cast<double>(report.rows_rejected), allowed_rows});
+  }
+
+  scratch = refined.information;
+  const Evidence healthy = evidence(refined, log, receivers, outcomes, scratch);
+  const auto freedom = static_cast<double>(report.freedom);
+  report.chi_square = healthy.chi_square;
+  report.allowed =
+      numerics::chi_square_quantile(freedom, kAllowedSigmas, refined.quality.noise_freedom);
+  if (report.chi_square <= report.allowed) return report;
+
+  // Minus twice the log-likelihood of either explanation, each at its best size.
+  const double noise_variance = healthy.chi_square / freedom;
+  const double worse_noise = freedom * (1 + std::log(noise_variance)) + healthy.log_determinant;
+  double drift = std::numeric_limits<double>::infinity();
+  for (std::size_t link = 0; link <= refined.signature.joint_count(); ++link) {
+    for (const double size : kDriftSizes) {
+      displaced_prior(refined, link, size, scratch);
+      const Evidence moved = evidence(refined, log, receivers, outcomes, scratch);
+      const double likelihood = moved.chi_square + moved.log_determinant;
+      if (likelihood >= drift) continue;
+      drift = likelihood;
+      report.link = link;
+    }
+  }
+  report.verdict = drift < worse_noise ? DriftVerdict::kDrifted : DriftVerdict::kSensorWorse;
+  if (report.verdict == DriftVerdict::kSensorWorse) report.noise_factor = std::sqrt(noise_variance);
+  return report;
+}
+
+}  // namespace armsig::drift
