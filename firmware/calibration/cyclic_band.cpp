@@ -5,8 +5,6 @@
 
 #include <Eigen/LU>
 
-#include "core/base/pose.hpp"
-
 namespace armsig::calibration {
 
 void CyclicFactor::factorise(const CyclicBand& measured, double variance,
@@ -71,9 +69,7 @@ void CyclicFactor::solve(MapCoefficients& b) const {
   }
 }
 
-void CyclicFactor::invert(CyclicBand& band) const {
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
+Matrix3 CyclicFactor::inverse_of_border() const {
   Matrix3 L_border;
   for (std::size_t b = 0; b < kBorder; ++b) {
     for (std::size_t c = 0; c < kBorder; ++c) {
@@ -82,16 +78,22 @@ void CyclicFactor::invert(CyclicBand& band) const {
     }
   }
   const Matrix3 L_inverse = L_border.inverse();
+  return L_inverse.transpose() * L_inverse;
+}
+
+void CyclicFactor::invert(CyclicBand& band) const {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
   // Of the inverse, between the three rows below the present one and the border's three.
   Matrix6 below = Matrix6::Zero();
-  below.bottomRightCorner<3, 3>() = L_inverse.transpose() * L_inverse;
+  below.bottomRightCorner<3, 3>() = inverse_of_border();
   const auto take = [&band](std::size_t i, std::size_t j, double entry) {
     band[i][(j + kKnots - i) % kKnots] = static_cast<float>(entry);
   };
-  for (std::size_t b = 0; b < kBorder; ++b) {
-    for (std::size_t c = b; c < kBorder; ++c) {
-      take(kInner + b, kInner + c,
-           below(static_cast<Eigen::Index>(3 + b), static_cast<Eigen::Index>(3 + c)));
+  for (Eigen::Index b = 0; b < 3; ++b) {
+    for (Eigen::Index c = b; c < 3; ++c) {
+      take(kInner + static_cast<std::size_t>(b), kInner + static_cast<std::size_t>(c),
+           below(3 + b, 3 + c));
     }
   }
   for (std::size_t i = kInner; i-- > 0;) {
@@ -112,9 +114,8 @@ void CyclicFactor::invert(CyclicBand& band) const {
       if (j - i < kSplines) take(i, j, row[near + 3]);
       if (i + kKnots - j < kSplines) take(j, i, row[near + 3]);
     }
-    const Matrix6 last = below;
-    below.block<2, 2>(1, 1) = last.block<2, 2>(0, 0);
-    below.block<2, 3>(1, 3) = last.block<2, 3>(0, 3);
+    below.block<2, 2>(1, 1) = below.topLeftCorner<2, 2>().eval();
+    below.block<2, 3>(1, 3) = below.topRightCorner<2, 3>().eval();
     below.block<1, 2>(0, 1) = row.head<2>().transpose();
     below.block<1, 3>(0, 3) = row.tail<3>().transpose();
     below(0, 0) = own;

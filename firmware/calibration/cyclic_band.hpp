@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/arm_model/reading_map.hpp"
+#include "core/base/pose.hpp"
 
 namespace armsig::calibration {
 
@@ -26,6 +27,9 @@ class CyclicFactor {
  private:
   static constexpr std::size_t kBorder = kSplines - 1;
   static constexpr std::size_t kInner = kKnots - kBorder;
+
+  // Of the last three rows and columns of the matrix.
+  [[nodiscard]] Matrix3 inverse_of_border() const;
 
   std::array<std::array<double, kSplines>, kInner> inner_{};  // L(i, i - 3) ... L(i, i)
   std::array<std::array<double, kKnots>, kBorder> border_{};  // rows kInner ...

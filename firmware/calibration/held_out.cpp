@@ -62,6 +62,16 @@ struct Start {
   }
 };
 
+// That of `squares` that kInside of a further one are within; 0: there are too few to tell.
+double region_squares(std::span<float> squares) {
+  const auto count = static_cast<double>(squares.size());
+  const auto rank = static_cast<std::size_t>(std::ceil(kInside * (count + 1)));
+  if (rank > squares.size()) return 0;
+  const auto nth = squares.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+  std::nth_element(squares.begin(), nth, squares.end());
+  return static_cast<double>(*nth);
+}
+
 HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> rejected,
                        std::span<float> order) {
   HeldOutScore sum;
@@ -97,12 +107,7 @@ HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> r
   sum.rms_kept_m = std::sqrt(sum.rms_kept_m / some);
   sum.factor = std::sqrt(std::max(1.0, normalised / numbers));
   sum.stated_rms_m = sum.factor * std::sqrt(stated / some);
-  const auto rank = static_cast<std::size_t>(std::ceil(kInside * (some + 1)));
-  if (rank <= kept) {
-    const auto nth = order.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-    std::nth_element(order.begin(), nth, order.begin() + static_cast<std::ptrdiff_t>(kept));
-    sum.region_squares = static_cast<double>(*nth);
-  }
+  sum.region_squares = region_squares(order.first(kept));
   return sum;
 }
 

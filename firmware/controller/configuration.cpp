@@ -2,81 +2,17 @@
 #include "firmware/controller/configuration.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
-#include "core/kinematics/forward.hpp"
 #include "core/measurement/ping_median.hpp"
 #include "firmware/controller/check_history.hpp"
+#include "firmware/controller/configuration_checks.hpp"
 #include "firmware/controller/measurement_log.hpp"
-#include "firmware/controller/plausibility.hpp"
 #include "firmware/controller/sweep.hpp"
-#include "firmware/controller/workspace.hpp"
 #include "hal/range_sensor.hpp"
 
 namespace armsig::controller {
 namespace {
-
-using Checked = std::expected<void, ConfigurationRefusal>;
-
-std::unexpected<ConfigurationRefusal> refused(std::string_view setting, Error error,
-                                              std::optional<std::size_t> joint = {},
-                                              double found = 0, double needed = 0) {
-  return std::unexpected(ConfigurationRefusal{setting, error, joint, found, needed});
-}
-
-Checked check_plausible(std::string_view setting, double value, const Bounds& bounds,
-                        Error error = Error::kOutOfRange, std::optional<std::size_t> joint = {}) {
-  if (!std::isfinite(value)) return refused(setting, Error::kNotFinite, joint);
-  if (value <= 0 && bounds.lowest > 0) {
-    return refused(setting, Error::kNotPositive, joint, value, bounds.lowest);
-  }
-  if (value >= bounds.lowest && value <= bounds.highest) return {};
-  return std::unexpected(
-      ConfigurationRefusal{.setting = setting,
-                           .error = error,
-                           .joint = joint,
-                           .found = value,
-                           .needed = value < bounds.lowest ? bounds.lowest : bounds.highest,
-                           .reason = bounds.reason});
-}
-
-Checked check_each(std::string_view setting, const JointVector& values, const Arm& arm,
-                   const JointBounds& bounds) {
-  if (values.size() != arm.joints.size()) {
-    return refused(setting, Error::kOutOfRange, {}, static_cast<double>(values.size()),
-                   static_cast<double>(arm.joints.size()));
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto checked =
-        check_plausible(setting, values[i], bounds.of(arm.joints[i].type), Error::kOutOfRange, i);
-    if (!checked) return checked;
-  }
-  return {};
-}
-
-Checked check_count(std::string_view setting, std::size_t count, std::size_t least,
-                    std::size_t most) {
-  if (count >= least && count <= most) return {};
-  return refused(setting, Error::kOutOfRange, {}, static_cast<double>(count),
-                 static_cast<double>(count < least ? least : most));
-}
-
-Checked check_readings(std::string_view setting, const JointVector& q, const Arm& arm) {
-  if (q.size() != arm.joints.size()) {
-    return refused(setting, Error::kOutOfRange, {}, static_cast<double>(q.size()),
-                   static_cast<double>(arm.joints.size()));
-  }
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const auto [lower, upper] = arm.limits[i];
-    if (!std::isfinite(q[i])) return refused(setting, Error::kNotFinite, i);
-    if (q[i] < lower || q[i] > upper) {
-      return refused(setting, Error::kJointLimit, i, q[i], q[i] < lower ? lower : upper);
-    }
-  }
-  return {};
-}
 
 // Every coupling is finite, of a joint with one before or after it, and none leads back: readings
 // that are solved for couple to the same effective ones.
@@ -146,7 +82,7 @@ Checked check_motion(const Configuration& c) {
   return {};
 }
 
-Checked check_measuring(const Configuration& c) {
+Checked check_sensor(const Configuration& c) {
   if (const auto array = measurement::check(c.sensor.receivers); !array) {
     return refused("sensor.receivers", array.error());
   }
@@ -169,6 +105,14 @@ Checked check_measuring(const Configuration& c) {
                            plausible::kAirStep),
            check_plausible("sensor.reading_timeout", hal::seconds(c.sensor.reading_timeout),
                            plausible::kReadingTimeout),
+       }) {
+    if (!ok) return ok;
+  }
+  return {};
+}
+
+Checked check_dwell(const Configuration& c) {
+  for (auto ok : {
            check_plausible("dwell.tolerance", c.dwell.tolerance, plausible::kDwellTolerance),
            check_plausible("dwell.settle", hal::seconds(c.dwell.settle), plausible::kSettle),
        }) {
@@ -219,55 +163,6 @@ Checked check_lag(const Configuration& c) {
   return {};
 }
 
-Checked check_box(const WorkspaceBox& box) {
-  constexpr std::array<std::string_view, 3> kSides{"workspace.x", "workspace.y", "workspace.z"};
-  for (std::size_t axis = 0; axis < kSides.size(); ++axis) {
-    const double lower = box.lower[static_cast<Eigen::Index>(axis)];
-    const double upper = box.upper[static_cast<Eigen::Index>(axis)];
-    for (const double side : {lower, upper}) {
-      if (auto ok = check_plausible(kSides[axis], side, plausible::kWorkspace); !ok) return ok;
-    }
-    if (!(lower < upper)) return refused(kSides[axis], Error::kLimitsReversed, {}, lower, upper);
-  }
-  return check_plausible("workspace.hand", box.hand_m, plausible::kHand);
-}
-
-// The signature configuration, from which all poses are come to, and the sweeps as planned.
-Checked check_workspace(const Configuration& c) {
-  if (!c.workspace) return {};
-  if (auto ok = check_box(*c.workspace); !ok) return ok;
-  const JointVector& home = c.sweeps.configuration;
-  const Room room = room_at(c, home);
-  if (room.left_m < kLeastRoom_m) {
-    return std::unexpected(
-        ConfigurationRefusal{.setting = "workspace",
-                             .error = Error::kOutsideWorkspace,
-                             .joint = room.joint,
-                             .found = room.left_m,
-                             .needed = kLeastRoom_m,
-                             .reason = "room between box and signature configuration"});
-  }
-  for (std::size_t i = 0; i < home.size(); ++i) {
-    const JointLimits arc = planned_arc(c, i);
-    for (const double end : {arc.lower, arc.upper}) {
-      JointVector to = home;
-      to[i] = end;
-      WayLook look;
-      while (look.step(c, home, to) == WayLook::Says::kMore) {
-      }
-      if (look.part() >= 1) continue;
-      return std::unexpected(ConfigurationRefusal{
-          .setting = "workspace",
-          .error = Error::kOutsideWorkspace,
-          .joint = i,
-          .found = end,
-          .needed = home[i] + look.part() * (end - home[i]),
-          .reason = "about how far its sweep may go: a larger box, or a shorter sweeps.arc"});
-    }
-  }
-  return {};
-}
-
 Checked check_sweeps(const Configuration& c) {
   const SweepPlan& plan = c.sweeps;
   if (auto ok = check_readings("sweeps.configuration", plan.configuration, c.drawing); !ok) {
@@ -292,60 +187,11 @@ Checked check_sweeps(const Configuration& c) {
   return check_count("check.poses", c.check.poses, kFewestCheckPoses, kMostCheckPoses);
 }
 
-// Three corners at different places, not in a line, make a workspace. Where the tool is out of the
-// last frame's origin two corners may share that: then only the orientations tell them apart.
-Checked check_taught(const Configuration& c) {
-  const auto refuse = [](double distance_m) -> Checked {
-    return std::unexpected(ConfigurationRefusal{
-        .setting = "grid.taught",
-        .error = Error::kCoincidentPoints,
-        .joint = {},
-        .found = distance_m,
-        .needed = plausible::kLeastTaughtDistance_m,
-        .reason = "origin, x axis and xy plane are taught at three places, not in a line"});
-  };
-  const kinematics::Chain chain = kinematics::make_chain(c.drawing.joints);
-  std::array<Pose, 3> X_RT;
-  for (std::size_t i = 0; i < X_RT.size(); ++i) {
-    const auto pose = kinematics::forward(chain, c.grid.taught[i]);
-    if (!pose) return refused("grid.taught", pose.error());
-    X_RT[i] = *pose;
-  }
-  for (const auto& [a, b] : {std::pair(0U, 1U), std::pair(1U, 2U), std::pair(2U, 0U)}) {
-    const double distance_m = (X_RT[a].p - X_RT[b].p).norm();
-    const bool turned = angle_between(X_RT[a].R, X_RT[b].R) > 1e-2;
-    if (distance_m < plausible::kLeastTaughtDistance_m && !turned) return refuse(distance_m);
-  }
-  const Vector3 along = X_RT[1].p - X_RT[0].p;
-  if (along.norm() < plausible::kLeastTaughtDistance_m) return {};
-  const double off_m = along.cross(X_RT[2].p - X_RT[0].p).norm() / along.norm();
-  if (off_m < plausible::kLeastTaughtDistance_m) return refuse(off_m);
-  return {};
-}
-
-Checked check_grid(const Configuration& c) {
-  if (c.grid.taught[0].empty()) return {};
-  for (const JointVector& q : c.grid.taught) {
-    if (auto ok = check_readings("grid.taught", q, c.drawing); !ok) return ok;
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    auto size = check_plausible("grid.size", c.grid.grid.size_m[axis], plausible::kGridSize);
-    if (!size) return size;
-    if (auto ok = check_count("grid.count", c.grid.grid.count[axis], 2, evaluation::kMaxVertices);
-        !ok) {
-      return ok;
-    }
-  }
-  auto dwell = check_plausible("grid.dwell", hal::seconds(c.grid.dwell), plausible::kGridDwell);
-  if (!dwell) return dwell;
-  if (auto ok = check_taught(c); !ok) return ok;
-  return check_count("grid.count", c.grid.grid.vertex_count(), 8, evaluation::kMaxVertices);
-}
-
 }  // namespace
 
 Checked check(const Configuration& configuration) {
-  for (const auto part : {check_motion, check_measuring, check_lag, check_sweeps, check_grid}) {
+  for (const auto part :
+       {check_motion, check_sensor, check_dwell, check_lag, check_sweeps, check_grid}) {
     if (auto arm = check_arm(configuration.drawing); !arm) return arm;
     if (auto checked = part(configuration); !checked) return checked;
   }

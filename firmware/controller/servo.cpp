@@ -104,10 +104,7 @@ std::optional<Error> Servo::take(const Command& command) {
       enabling_ = true;
       break;
     case CommandKind::kDisable:
-      drives_.disable();
-      enabling_ = in_sequence_ = false;
-      move_.reset();
-      mode_ = Mode::kIdle;
+      disable();
       break;
     case CommandKind::kReset:
       drives_.reset_faults();
@@ -137,6 +134,13 @@ std::optional<Error> Servo::take(const Command& command) {
       break;
   }
   return std::nullopt;
+}
+
+void Servo::disable() {
+  drives_.disable();
+  enabling_ = in_sequence_ = false;
+  move_.reset();
+  mode_ = Mode::kIdle;
 }
 
 std::optional<Error> Servo::begin(const Move& move) {

@@ -24,6 +24,7 @@ class Servo {
   void take_commands();
   void follow_positions();
   [[nodiscard]] std::optional<Error> take(const Command& command);
+  void disable();
   [[nodiscard]] std::optional<Error> begin(const Move& move);
   void brake();
   void step_mode();

@@ -165,6 +165,37 @@ void write(PartWriter& out, const SignatureRecord& record, std::uint32_t sequenc
   out.integer(out.crc(), 4);
 }
 
+// Of n joints; false: a frame is no rotation.
+bool read_signature(LittleEndianReader& in, std::size_t n, Signature& signature) {
+  signature.types.clear();
+  signature.configuration.clear();
+  signature.X_SL.clear();
+  signature.targets.clear();
+  signature.features.clear();
+  signature.description_matches = true;
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    const auto type = in.integer(1) == 0 ? JointType::kRevolute : JointType::kPrismatic;
+    if (i < n) signature.types.push_back(type);
+  }
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    const double reading = in.real();
+    if (i < n) signature.configuration.push_back(reading);
+  }
+  bool rotations = true;
+  for (std::size_t k = 0; k < kMaxFrames; ++k) {
+    Pose X_SL;
+    for (Eigen::Index row = 0; row < 3; ++row) X_SL.R.row(row) = read_vector(in).transpose();
+    X_SL.p = read_vector(in);
+    rotations = rotations && is_rotation(X_SL.R);
+    if (k <= n) signature.X_SL.push_back(X_SL);
+  }
+  Target target{.number = static_cast<int>(in.integer(4)), .link = n};
+  const bool has_target = in.integer(4) == 1;
+  target.p_S = read_vector(in);
+  if (has_target) signature.targets.push_back(target);
+  return rotations;
+}
+
 }  // namespace
 
 std::uint32_t crc_of(const RecordImage& image) {
@@ -207,33 +238,7 @@ Result<void> decode(const RecordImage& image, const Arm& drawing, SignatureRecor
   const bool known = former || (version == kVersion && length == kRecordBytes);
   if (!known || n == 0 || n > kMaxJoints) return std::unexpected(Error::kRecordCorrupt);
   record.sequence = static_cast<std::uint32_t>(in.integer(4));
-  Signature& signature = record.signature;
-  signature.types.clear();
-  signature.configuration.clear();
-  signature.X_SL.clear();
-  signature.targets.clear();
-  signature.features.clear();
-  signature.description_matches = true;
-  for (std::size_t i = 0; i < kMaxJoints; ++i) {
-    const auto type = in.integer(1) == 0 ? JointType::kRevolute : JointType::kPrismatic;
-    if (i < n) signature.types.push_back(type);
-  }
-  for (std::size_t i = 0; i < kMaxJoints; ++i) {
-    const double reading = in.real();
-    if (i < n) signature.configuration.push_back(reading);
-  }
-  bool rotations = true;
-  for (std::size_t k = 0; k < kMaxFrames; ++k) {
-    Pose X_SL;
-    for (Eigen::Index row = 0; row < 3; ++row) X_SL.R.row(row) = read_vector(in).transpose();
-    X_SL.p = read_vector(in);
-    rotations = rotations && is_rotation(X_SL.R);
-    if (k <= n) signature.X_SL.push_back(X_SL);
-  }
-  Target target{.number = static_cast<int>(in.integer(4)), .link = n};
-  const bool has_target = in.integer(4) == 1;
-  target.p_S = read_vector(in);
-  if (has_target) signature.targets.push_back(target);
+  const bool rotations = read_signature(in, n, record.signature);
   record.air_celsius = in.real();
   record.held_out_rms_m = in.real();
   record.identified_at_s = static_cast<std::int64_t>(in.integer(8));
@@ -245,11 +250,11 @@ Result<void> decode(const RecordImage& image, const Arm& drawing, SignatureRecor
   if (!in.all_finite() || !rotations || !bounded) return std::unexpected(Error::kRecordCorrupt);
   if (n != drawing.joints.size()) return std::unexpected(Error::kRecordUnsuitable);
   for (std::size_t i = 0; i < n; ++i) {
-    if (signature.types[i] != drawing.joints[i].type) {
+    if (record.signature.types[i] != drawing.joints[i].type) {
       return std::unexpected(Error::kRecordUnsuitable);
     }
   }
-  derive_parameters(signature, drawing);
+  derive_parameters(record.signature, drawing);
   return {};
 }
 

@@ -103,6 +103,29 @@ void summarise(std::span<const Observation> log, std::span<const RowOutcome> out
   report.rms_m = std::sqrt(report.rms_m / static_cast<double>(report.rows));
 }
 
+// Minus twice the log-likelihood of that link's displacement, at its best size, that explains the
+// residuals best.
+struct Displacement {
+  std::size_t link = 0;
+  double likelihood = std::numeric_limits<double>::infinity();
+};
+
+Displacement likeliest_displacement(const Refined& refined, std::span<const Observation> log,
+                                    const Receivers& receivers,
+                                    std::span<const RowOutcome> outcomes,
+                                    SquareRootFactor& scratch) {
+  Displacement best;
+  for (std::size_t link = 0; link <= refined.signature.joint_count(); ++link) {
+    for (const double size : kDriftSizes) {
+      displaced_prior(refined, link, size, scratch);
+      const Evidence moved = evidence(refined, log, receivers, outcomes, scratch);
+      const double likelihood = moved.chi_square + moved.log_determinant;
+      if (likelihood < best.likelihood) best = {link, likelihood};
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 std::string_view describe(DriftVerdict verdict) {
@@ -145,22 +168,14 @@ Judged<DriftReport> check_drift(const Refined& refined, std::span<const Observat
       numerics::chi_square_quantile(freedom, kAllowedSigmas, refined.quality.noise_freedom);
   if (report.chi_square <= report.allowed) return report;
 
-  // Minus twice the log-likelihood of either explanation, each at its best size.
+  // Minus twice the log-likelihood of larger noise, at its best size.
   const double noise_variance = healthy.chi_square / freedom;
   const double worse_noise = freedom * (1 + std::log(noise_variance)) + healthy.log_determinant;
-  double drift = std::numeric_limits<double>::infinity();
-  for (std::size_t link = 0; link <= refined.signature.joint_count(); ++link) {
-    for (const double size : kDriftSizes) {
-      displaced_prior(refined, link, size, scratch);
-      const Evidence moved = evidence(refined, log, receivers, outcomes, scratch);
-      const double likelihood = moved.chi_square + moved.log_determinant;
-      if (likelihood >= drift) continue;
-      drift = likelihood;
-      report.link = link;
-    }
-  }
-  report.verdict = drift < worse_noise ? DriftVerdict::kDrifted : DriftVerdict::kSensorWorse;
-  if (report.verdict == DriftVerdict::kSensorWorse) report.noise_factor = std::sqrt(noise_variance);
+  const Displacement moved = likeliest_displacement(refined, log, receivers, outcomes, scratch);
+  report.link = moved.link;
+  const bool drifted = moved.likelihood < worse_noise;
+  report.verdict = drifted ? DriftVerdict::kDrifted : DriftVerdict::kSensorWorse;
+  if (!drifted) report.noise_factor = std::sqrt(noise_variance);
   return report;
 }
 
