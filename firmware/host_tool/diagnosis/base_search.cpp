@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Dense>
 
 #include "core/numerics/rotations.hpp"
+#include "core/refinement/cube_rotations.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -15,7 +15,6 @@ namespace {
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
-constexpr int kBaseStarts = 32;
 constexpr int kDescentSteps = 25;
 constexpr int kRobustPasses = 4;
 constexpr std::size_t kMostPlaces = 3;
@@ -132,19 +131,6 @@ BasePlace place_at(const Normal& normal, const Reduced& reduced, const Matrix3& 
   return place;
 }
 
-// Rotations spread over SO(3): the super-Fibonacci spiral (Alexa, CVPR 2022).
-Matrix3 spread_start(int k) {
-  constexpr double kPsi = 1.533751168755204288118041;
-  const double s = k + 0.5;
-  const double r = std::sqrt(s / kBaseStarts);
-  const double t = std::sqrt(1 - s / kBaseStarts);
-  const double alpha = 2 * kPi * s / std::numbers::sqrt2;
-  const double beta = 2 * kPi * s / kPsi;
-  return Eigen::Quaterniond(r * std::sin(alpha), r * std::cos(alpha), t * std::sin(beta),
-                            t * std::cos(beta))
-      .toRotationMatrix();
-}
-
 // The minima reached from `starts`, the best first, as many as are worth a fit.
 std::vector<BasePlace> distinct_places(const Normal& normal, const Reduced& reduced,
                                        const std::vector<Matrix3>& starts, std::size_t targets) {
@@ -190,7 +176,7 @@ std::vector<BasePlace> find_base(std::span<const PlacedRow> rows, std::size_t ta
   if (rows.empty()) return places;
   std::vector<double> weights(rows.size(), 1.0);
   std::vector<Matrix3> starts;
-  for (int k = 0; k < kBaseStarts; ++k) starts.push_back(spread_start(k));
+  refinement::for_each_cube_rotation([&](const Matrix3& R) { starts.push_back(R); });
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     const Normal normal = normal_of(rows, targets, weights);
     const Reduced reduced = reduced_of(normal);
