@@ -20,15 +20,16 @@ struct CentreOfRotation {
 // w = |p|^2 - (n.p)^2, |p| from the statistics' origin, as a combination of the geometry's columns:
 // exact, for statistics of the paper's method; and by the first five columns, off by the square of
 // the point's distance from the plane.
-[[nodiscard]] GeometryFactor::Row squared_distance_in_plane(const PlaneOfRotation& plane);
-[[nodiscard]] GeometryFactor::Row squared_distance_near_plane(const PlaneOfRotation& plane);
+using GeometryRow = Eigen::Matrix<double, 10, 1>;
+[[nodiscard]] GeometryRow squared_distance_in_plane(const PlaneOfRotation& plane);
+[[nodiscard]] GeometryRow squared_distance_near_plane(const PlaneOfRotation& plane);
 
 // The paper projects the points onto the plane and fits the circle to the projections; because
 // w = |p|^2 - (n.p)^2 is linear in the monomials of p, the same fit comes from the statistics,
 // without the points. `squared_distance`: w.
 // Errors: kSingular (the projections lie on one line).
-[[nodiscard]] Result<CentreOfRotation> centre_of_rotation(
-    const GeometryFactor::Matrix& geometry, const PlaneOfRotation& plane,
-    const GeometryFactor::Row& squared_distance);
+[[nodiscard]] Result<CentreOfRotation> centre_of_rotation(const Geometry& geometry,
+                                                          const PlaneOfRotation& plane,
+                                                          const GeometryRow& squared_distance);
 
 }  // namespace armsig::features

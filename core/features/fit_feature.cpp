@@ -39,10 +39,10 @@ Matrix3 mean_residual_products(const SweepStatistics& statistics,
   feature.radius_m = circle.radius_m;
   feature.covariance = circle.covariance;
 
-  const GeometryFactor::Matrix geometry = statistics.geometry_matrix();
+  const Geometry geometry = statistics.geometry();
   ARMSIG_TRY(plane, plane_of_rotation(geometry));
   ARMSIG_TRY(best_circle, centre_of_rotation(geometry, plane, squared_distance_near_plane(plane)));
-  const double weights = geometry(0, 0) * geometry(0, 0);
+  const double weights = geometry.rows()[0][0];
   const double normal = plane_residual_squares(geometry, plane) / weights;
   const double in_plane = 2 * best_circle.radius_m;
   const double radial = best_circle.residual_squares / (in_plane * in_plane * weights);

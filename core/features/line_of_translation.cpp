@@ -3,8 +3,8 @@
 
 namespace armsig::features {
 
-Result<LineOfTranslation> line_of_translation(const GeometryFactor& geometry) {
-  const Eigen::Matrix4d R = geometry.matrix().topLeftCorner<4, 4>();
+Result<LineOfTranslation> line_of_translation(const Geometry& geometry) {
+  const Eigen::Matrix4d R = geometry.factor();
   int x = 0;
   R.bottomRightCorner<3, 3>().colwise().squaredNorm().maxCoeff(&x);
   const int y = (x + 1) % 3;

@@ -16,6 +16,6 @@ struct LineOfTranslation {
 // Two regressions, y = a1 x + a2 and z = b1 x + b2, with x the coordinate along which the points
 // spread most.
 // Errors: kSingular (the points coincide).
-[[nodiscard]] Result<LineOfTranslation> line_of_translation(const GeometryFactor& geometry);
+[[nodiscard]] Result<LineOfTranslation> line_of_translation(const Geometry& geometry);
 
 }  // namespace armsig::features

@@ -26,7 +26,7 @@ Result<Eigen::Matrix<double, 7, 7>> circle_covariance(const SweepStatistics& sta
   const Vector3 centre = circle.centre_S - statistics.origin_S;
 
   // Regressors of (13) and (14): 1 and the coordinates in the plane about the centre.
-  const Eigen::Matrix4d R = statistics.geometry.matrix().topLeftCorner<4, 4>();
+  const Eigen::Matrix4d R = statistics.geometry().factor();
   SquareRootRls<3, 1> plane;
   for (int row = 0; row < 4; ++row) {
     const Vector3 p = R.block<1, 3>(row, 1).transpose() - R(row, 0) * centre;
@@ -69,7 +69,7 @@ Result<Eigen::Matrix<double, 7, 7>> circle_covariance(const SweepStatistics& sta
 
 Result<CircleFit> paper_circle(const SweepStatistics& statistics) {
   if (statistics.motion.rank() < 3) return std::unexpected(Error::kSingular);
-  const GeometryFactor::Matrix geometry = statistics.geometry.matrix();
+  const Geometry geometry = statistics.geometry();
   ARMSIG_TRY(plane, plane_of_rotation(geometry));
   ARMSIG_TRY(circle, centre_of_rotation(geometry, plane, squared_distance_in_plane(plane)));
 
@@ -98,7 +98,7 @@ Result<CircleFit> paper_circle(const SweepStatistics& statistics) {
 
 Result<LineFit> paper_line(const SweepStatistics& statistics) {
   if (statistics.motion.rank() < 2) return std::unexpected(Error::kSingular);
-  ARMSIG_TRY(line, line_of_translation(statistics.geometry));
+  ARMSIG_TRY(line, line_of_translation(statistics.geometry()));
   const MotionRls::Coefficients phi = statistics.motion.solve();
   const Vector3 u =
       phi.row(1).dot(line.direction_S) < 0 ? Vector3(-line.direction_S) : line.direction_S;

@@ -3,8 +3,8 @@
 
 namespace armsig::features {
 
-Result<PlaneOfRotation> plane_of_rotation(const GeometryFactor::Matrix& geometry) {
-  const Eigen::Matrix4d R = geometry.topLeftCorner<4, 4>();
+Result<PlaneOfRotation> plane_of_rotation(const Geometry& geometry) {
+  const Eigen::Matrix4d R = geometry.factor();
   // The lower right corner holds the spread of x, y, z about their mean; the cross product of two
   // columns is the area over which the points spread in these two coordinates.
   const Matrix3 spread = R.bottomRightCorner<3, 3>();
@@ -36,11 +36,10 @@ Result<PlaneOfRotation> plane_of_rotation(const GeometryFactor::Matrix& geometry
   return plane;
 }
 
-double plane_residual_squares(const GeometryFactor::Matrix& geometry,
-                              const PlaneOfRotation& plane) {
+double plane_residual_squares(const Geometry& geometry, const PlaneOfRotation& plane) {
   Eigen::Vector4d combination;
   combination << -plane.distance_m, plane.normal_S;
-  return (geometry.topLeftCorner<4, 4>() * combination).squaredNorm();
+  return (geometry.factor() * combination).squaredNorm();
 }
 
 }  // namespace armsig::features

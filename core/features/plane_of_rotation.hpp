@@ -17,10 +17,9 @@ struct PlaneOfRotation {
 // nearest to the normal. (Not simply the one that spreads least itself: along a short arc all three
 // spread with the chord, and the least of them may lie in the plane.)
 // Errors: kSingular (the points lie on one line).
-[[nodiscard]] Result<PlaneOfRotation> plane_of_rotation(const GeometryFactor::Matrix& geometry);
+[[nodiscard]] Result<PlaneOfRotation> plane_of_rotation(const Geometry& geometry);
 
 // Weighted sum of squares of the points' distances from the plane.
-[[nodiscard]] double plane_residual_squares(const GeometryFactor::Matrix& geometry,
-                                            const PlaneOfRotation& plane);
+[[nodiscard]] double plane_residual_squares(const Geometry& geometry, const PlaneOfRotation& plane);
 
 }  // namespace armsig::features

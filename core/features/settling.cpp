@@ -11,7 +11,6 @@ void accept(const SweepPoint& point, SweepStatistics& accepted) {
 Settling::Settling(const SweepState& state)
     : state_(state), accepted_(state.accepted), rejected_(state.rejected) {
   if (state.waiting.empty()) {
-    accepted_.geometry.compress();
     stage_ = Stage::kOver;
   } else if (state.waiting_is_accepted && is_consistent(accepted_)) {
     review_.emplace(accepted_);
@@ -48,7 +47,6 @@ void Settling::review_next() {
   if (!review_->confirms(state_.waiting[done_])) {
     begin_judging();
   } else if (++done_ == state_.waiting.size()) {
-    accepted_.geometry.compress();
     stage_ = Stage::kOver;
   }
 }
@@ -60,7 +58,6 @@ void Settling::take_next() {
     ++rejected_;
   }
   if (++done_ < state_.waiting.size()) return;
-  accepted_.geometry.compress();
   stage_ = Stage::kOver;
 }
 

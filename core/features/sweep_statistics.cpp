@@ -44,15 +44,6 @@ Vector3 motion_regressors(JointType type, double moved) {
   return {1, 2 * s * c, 2 * s * s};
 }
 
-GeometryFactor::Row geometry_columns(const Vector3& p) {
-  GeometryFactor::Row row;
-  row[0] = 1;
-  row.segment<3>(1) = p;
-  row[4] = p.squaredNorm();
-  row.tail<5>() = products(p, p).head<5>();
-  return row;
-}
-
 // By the pivots of elimination.
 bool is_positive_definite(const Matrix3& a) {
   if (!(a(0, 0) > 0)) return false;
@@ -137,7 +128,9 @@ void SweepStatistics::add(const SweepPoint& point, const Trial& trial) {
   MotionStatistics::add(point, trial);
   const Vector3 p = point.p_S - origin_S;
   if (method == Method::kPaper) {
-    geometry.add(geometry_columns(p), 1 / point.variance());
+    Geometry::RightHandSides monomials;
+    monomials << p.squaredNorm(), products(p, p).head<5>();
+    of_points.update({1, p.x(), p.y(), p.z()}, monomials, 1 / point.variance());
   } else {
     squares.update(p.squaredNorm(), trial.rotations);
   }
@@ -145,16 +138,14 @@ void SweepStatistics::add(const SweepPoint& point, const Trial& trial) {
 
 // The rows of the motion's factor without its regressors but the first, which is 1, and rows that
 // have the products of its residuals (by elimination; what is left of exact data is rounding).
-GeometryFactor::Matrix SweepStatistics::geometry_matrix() const {
-  if (method == Method::kPaper) return geometry.matrix();
-  GeometryFactor factor;
-  GeometryFactor::Row row = GeometryFactor::Row::Zero();
+Geometry SweepStatistics::geometry() const {
+  if (method == Method::kPaper) return of_points;
+  Geometry geometry;
+  Geometry::RightHandSides square = Geometry::RightHandSides::Zero();
   for (int i = 0; i < 3; ++i) {
     const MotionRls::Row& kept = motion.rows()[i];
-    row[0] = i == 0 ? 1 : 0;
-    for (int k = 0; k < 3; ++k) row[1 + k] = kept[3 + k];
-    row[4] = squares.rotated[i];
-    factor.add(row, kept[i]);
+    square[0] = squares.rotated[i];
+    geometry.update({i == 0 ? 1.0 : 0.0, kept[3], kept[4], kept[5]}, square, kept[i]);
   }
   Eigen::Matrix4d left;
   left << motion.residual_products(), squares.products, squares.products.transpose(),
@@ -162,13 +153,12 @@ GeometryFactor::Matrix SweepStatistics::geometry_matrix() const {
   for (int i = 0; i < 4; ++i) {
     const double pivot = left(i, i);
     if (!(pivot > 0)) continue;
-    for (int k = 0; k < 4; ++k) row[1 + k] = left(i, k) / pivot;
-    for (int k = 0; k < 4; ++k)
-      for (int l = 0; l < 4; ++l) left(k, l) -= pivot * row[1 + k] * row[1 + l];
-    factor.add(row, pivot);
+    const Eigen::Vector4d row = left.col(i) / pivot;
+    left -= pivot * row * row.transpose();
+    square[0] = row[3];
+    geometry.update({0, row[0], row[1], row[2]}, square, pivot);
   }
-  factor.compress();
-  return factor.matrix();
+  return geometry;
 }
 
 Eigen::Matrix<double, 6, 6> MotionStatistics::score_sums() const {

@@ -7,11 +7,10 @@
 //             the encoder-referenced circle p = c + A cos t + B sin t of ALGORITHMS section 2,
 //             written c + A, B, -A so that a short arc has well-scaled columns; or the line
 //             c + u t;
-//   geometry  of the paper's method alone, the quadratic monomials on [1 x y z]: the plane (13)
-//             with any pivot, and the circle (14) in any plane, because w = |p|^2 - (n.p)^2 is
-//             linear in the monomials.
-// Of the encoder's method the motion tells how far the points are from a plane, and with |p|^2 as
-// one more right-hand side how far from a circle.
+//   geometry  the quadratic monomials on [1 x y z]: the plane (13) with any pivot, and the circle
+//             (14) in any plane, because w = |p|^2 - (n.p)^2 is linear in the monomials.
+// The geometry is kept for the paper's method alone. Of the encoder's the motion tells how far the
+// points are from a plane, and with |p|^2 as one more right-hand side how far from a circle.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +21,6 @@
 #include "core/base/pose.hpp"
 #include "core/features/feature.hpp"
 #include "core/features/rls.hpp"
-#include "core/features/triangular_factor.hpp"
 
 namespace armsig::features {
 
@@ -36,7 +34,8 @@ struct SweepPoint {
 };
 
 using MotionRls = SquareRootRls<3, 3>;
-using GeometryFactor = TriangularFactor<10>;
+// |p|^2, xx, xy, xz, yy, yz on 1, x, y, z.
+using Geometry = SquareRootRls<4, 6>;
 
 // Whether not a bit is different.
 [[nodiscard]] bool same_bits(const Matrix3& a, const Matrix3& b);
@@ -52,9 +51,6 @@ using GeometryFactor = TriangularFactor<10>;
 [[nodiscard]] constexpr int motion_unknowns(JointType type) {
   return type == JointType::kRevolute ? 3 : 2;
 }
-
-// 1, x, y, z, |p|^2, xx, xy, xz, yy, yz.
-[[nodiscard]] GeometryFactor::Row geometry_columns(const Vector3& p);
 
 // The variance that rounding alone may give a coordinate of this point, 16 units in the last place:
 // of the coordinates themselves, and of the reading at the speed with which it moves the point.
@@ -129,7 +125,7 @@ struct MotionStatistics {
 // With the geometry, that of the paper's regressions and of the misfits along and across the plane.
 struct SweepStatistics : MotionStatistics {
   Method method = Method::kEncoder;
-  GeometryFactor geometry;       // of the paper's method
+  Geometry of_points;            // of the paper's method
   MotionRls::Companion squares;  // |p|^2, of the encoder's
 
   SweepStatistics() = default;
@@ -139,8 +135,8 @@ struct SweepStatistics : MotionStatistics {
 
   void add(const SweepPoint& point) { add(point, tried(point)); }
   void add(const SweepPoint& point, const Trial& trial);
-  // The geometry's factor; of the encoder's method its first five columns, the rest zero.
-  [[nodiscard]] GeometryFactor::Matrix geometry_matrix() const;
+  // Of the encoder's method of 1, x, y, z and |p|^2, the rest zero.
+  [[nodiscard]] Geometry geometry() const;
 };
 
 }  // namespace armsig::features
