@@ -2,6 +2,7 @@
 // Points of a sweep that no gate has touched, as what is kept of them.
 #pragma once
 
+#include "core/features/motion_fits.hpp"
 #include "core/features/sweep_statistics.hpp"
 #include "host_tests/support/simulated_sweep.hpp"
 
@@ -45,6 +46,15 @@ inline features::SweepStatistics exact_points(const TrueMotion& motion, double r
     statistics.add(point);
   }
   return statistics;
+}
+
+// What one of the fits of motion_fits.hpp says.
+template <typename Fit, typename Statistics>
+Result<features::JointFeature> fitted_by(Fit& fit, const Statistics& statistics) {
+  features::JointFeature feature;
+  if (const Result<void> done = fit(statistics, feature); !done)
+    return std::unexpected(done.error());
+  return feature;
 }
 
 inline TrueMotion circle_about(const Vector3& axis) {

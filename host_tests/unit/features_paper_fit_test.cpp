@@ -6,7 +6,7 @@
 
 #include "core/features/centre_of_rotation.hpp"
 #include "core/features/line_of_translation.hpp"
-#include "core/features/paper_fit.hpp"
+#include "core/features/motion_fits.hpp"
 #include "core/features/plane_of_rotation.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/fitted_points.hpp"
@@ -16,6 +16,7 @@ namespace {
 
 using test::circle_about;
 using test::exact_points;
+using test::fitted_by;
 using test::kNoisyCircle;
 using test::noisy_circle;
 
@@ -152,9 +153,10 @@ TEST(LineOfTranslation, of_coincident_points_is_refused) {
 TEST(PaperCircle, turns_in_the_positive_sense_of_the_reading) {
   for (const double sense : {1.0, -1.0}) {
     const test::TrueMotion motion = circle_about(sense * Vector3(0.6, 0, 0.8));
-    const auto circle = paper_circle(exact_points(motion, 1, 15));
+    const auto circle = fitted_by(paper_circle, exact_points(motion, 1, 15));
     ASSERT_TRUE(circle);
-    EXPECT_LT((circle->R_SC - motion.R_SC).norm(), 1e-12);
+    EXPECT_LT((circle->radial_S - motion.R_SC.col(0)).norm(), 1e-12);
+    EXPECT_LT((circle->axis_S - motion.R_SC.col(2)).norm(), 1e-12);
   }
 }
 
@@ -162,9 +164,9 @@ TEST(PaperLine, points_in_the_positive_sense_of_the_reading) {
   test::TrueMotion motion;
   motion.type = JointType::kPrismatic;
   motion.R_SC.col(2) = Vector3(-0.6, 0, 0.8);
-  const auto line = paper_line(exact_points(motion, -0.3, 7));
+  const auto line = fitted_by(paper_line, exact_points(motion, -0.3, 7));
   ASSERT_TRUE(line);
-  EXPECT_LT((line->direction_S - motion.R_SC.col(2)).norm(), 1e-15);
+  EXPECT_LT((line->axis_S - motion.R_SC.col(2)).norm(), 1e-15);
 }
 
 }  // namespace
