@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "core/base/lanes.hpp"
-#include "core/features/point_distance.hpp"
 #include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
@@ -173,10 +172,12 @@ void Judging::judge(std::size_t place) {
   bool& verdict = verdicts_[order_[place]];
   const bool took_part = round_ > 0 && verdict;
   const Vector3 x = next_.regressors(point);
-  const double spread = spread_of(leverage(motion_, x, point), took_part);
-  const Vector3 r = residual(next_, fit_, point, x);
-  const bool passes = (took_part && spread < kNoSpread) ||
-                      chi_square(r, fit_, scale_.variance, point) <= scale_.limit * spread;
+  const double leverage = motion_.prediction_variance(x) / point.variance();
+  // A residual that was fitted is smaller than its noise, any other larger.
+  const double spread = took_part ? 1 - leverage : 1 + leverage;
+  const Vector3 residual = point.p_S - next_.origin_S - fit_.transpose() * x;
+  const bool passes =
+      (took_part && spread < kNoSpread) || scale_.allows(residual, spread, point, fit_);
   changed_ = changed_ || passes != verdict;
   verdict = passes;
 }

@@ -13,7 +13,7 @@ Settling::Settling(const SweepState& state)
   if (state.waiting.empty()) {
     stage_ = Stage::kOver;
   } else if (state.waiting_is_accepted && is_consistent(accepted_)) {
-    review_.emplace(accepted_);
+    stage_ = Stage::kReview;
   } else {
     begin_judging();
   }
@@ -44,7 +44,7 @@ bool Settling::step() {
 }
 
 void Settling::review_next() {
-  if (!review_->confirms(state_.waiting[done_])) {
+  if (!is_confirmed(accepted_, state_.waiting[done_])) {
     begin_judging();
   } else if (++done_ == state_.waiting.size()) {
     stage_ = Stage::kOver;

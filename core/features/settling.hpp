@@ -54,7 +54,6 @@ class Settling {
   const SweepState& state_;
   SweepStatistics accepted_;
   std::size_t rejected_;
-  std::optional<Review> review_;
   std::optional<Judging> judging_;
   std::size_t done_ = 0;  // points reviewed, or taken in
   Stage stage_ = Stage::kReview;

@@ -117,8 +117,8 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
   bool known = s.sigma_is_known && same_bits(covariance_m2, s.latest_covariance_m2);
   if (!known) {
     if (!covariance_m2.allFinite()) return std::unexpected(Error::kNotFinite);
-    known = !covariance_m2.isZero(0);
-    if (known && !is_positive_definite(covariance_m2)) return std::unexpected(Error::kSingular);
+    known = Information(covariance_m2).is_positive_definite();
+    if (!known && !covariance_m2.isZero(0)) return std::unexpected(Error::kSingular);
     if (s.count == 0) s.sigma_is_known = known;
     if (s.sigma_is_known && known) s.latest_covariance_m2 = covariance_m2;
   }
@@ -185,9 +185,9 @@ bool SweepEstimator::agrees(const SweepPoint& point) {
 // With each point of the second half, two are examined again: when the last one comes, all have
 // been, and none has to wait any longer.
 bool SweepEstimator::two_still_agree() const {
-  const Review review(state_.accepted);
   const std::size_t first = 2 * (state_.waiting.size() - kGateCapacity / 2 - 1);
-  return review.confirms(state_.waiting[first]) && review.confirms(state_.waiting[first + 1]);
+  return is_confirmed(state_.accepted, state_.waiting[first]) &&
+         is_confirmed(state_.accepted, state_.waiting[first + 1]);
 }
 
 // A function of its own, as are others on the way to a feature: what it keeps on the stack would

@@ -44,36 +44,14 @@ Vector3 motion_regressors(JointType type, double moved) {
   return {1, 2 * s * c, 2 * s * s};
 }
 
-// By the pivots of elimination.
-bool is_positive_definite(const Matrix3& a) {
-  if (!(a(0, 0) > 0)) return false;
-  const double y = a(1, 0) / a(0, 0);
-  const double z = a(2, 0) / a(0, 0);
-  const double yy = a(1, 1) - y * a(1, 0);
-  if (!(yy > 0)) return false;
-  const double yz = a(2, 1) - z * a(1, 0);
-  return a(2, 2) - z * a(2, 0) - yz * yz / yy > 0;
-}
-
-// By the adjugate.
-Matrix3 information(const Matrix3& covariance) {
-  // Scaled, because variances of exact data are near 1e-30 and their determinant would underflow.
-  const double scale = 1 / covariance.trace();
-  const double xx = scale * covariance(0, 0);
-  const double xy = scale * covariance(0, 1);
-  const double xz = scale * covariance(0, 2);
-  const double yy = scale * covariance(1, 1);
-  const double yz = scale * covariance(1, 2);
-  const double zz = scale * covariance(2, 2);
-  const double a = yy * zz - yz * yz;
-  const double b = yz * xz - xy * zz;
-  const double c = xy * yz - yy * xz;
-  const double d = xx * zz - xz * xz;
-  const double e = xy * xz - xx * yz;
-  const double f = xx * yy - xy * xy;
-  Matrix3 adjugate;
-  adjugate << a, b, c, b, d, e, c, e, f;
-  return adjugate * (scale / (xx * a + xy * b + xz * c));
+Information::Information(const Matrix3& covariance) {
+  w[0] = 1 / covariance(0, 0);
+  l10 = covariance(1, 0) * w[0];
+  l20 = covariance(2, 0) * w[0];
+  w[1] = 1 / (covariance(1, 1) - l10 * covariance(1, 0));
+  const double below = covariance(2, 1) - l20 * covariance(1, 0);
+  l21 = below * w[1];
+  w[2] = 1 / (covariance(2, 2) - l20 * covariance(2, 0) - l21 * below);
 }
 
 double rounding_variance(const SweepPoint& point, double speed) {
@@ -92,7 +70,7 @@ Trial MotionStatistics::tried(const SweepPoint& point) const {
 void MotionStatistics::add(const SweepPoint& point, const Trial& trial) {
   if (count == 0) {
     first_covariance_m2 = point.covariance_m2;
-    first_information = information(point.covariance_m2);
+    first_information = Information(point.covariance_m2);
     lowest_reading = highest_reading = point.reading;
   }
   if (trial.has_first_covariance) {

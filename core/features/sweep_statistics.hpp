@@ -40,11 +40,25 @@ using Geometry = SquareRootRls<4, 6>;
 // Whether not a bit is different.
 [[nodiscard]] bool same_bits(const Matrix3& a, const Matrix3& b);
 
-// Of a symmetric matrix.
-[[nodiscard]] bool is_positive_definite(const Matrix3& a);
+// The inverse of a covariance by elimination: L^-T W L^-1, L with a unit diagonal, W diagonal.
+struct Information {
+  double l10 = 0;
+  double l20 = 0;
+  double l21 = 0;
+  Vector3 w = Vector3::Ones();
 
-// The inverse of a covariance.
-[[nodiscard]] Matrix3 information(const Matrix3& covariance);
+  Information() = default;
+  // Reads the lower triangle.
+  explicit Information(const Matrix3& covariance);
+
+  [[nodiscard]] bool is_positive_definite() const { return w.allFinite() && w.minCoeff() > 0; }
+  // r^T covariance^-1 r.
+  [[nodiscard]] double chi_square(const Vector3& r) const {
+    const double y = r[1] - l10 * r[0];
+    const double z = r[2] - l20 * r[0] - l21 * y;
+    return w[0] * r[0] * r[0] + w[1] * y * y + w[2] * z * z;
+  }
+};
 
 // The regressors of the motion; a prismatic joint has two, and leaves the third zero.
 [[nodiscard]] Vector3 motion_regressors(JointType type, double moved);
@@ -79,7 +93,7 @@ struct MotionStatistics {
   // Of the first point, and how many of the first points have that very covariance. As long as all
   // have, the two sums below are not kept: they follow from it and the factor.
   Matrix3 first_covariance_m2 = Matrix3::Identity();
-  Matrix3 first_information = Matrix3::Identity();  // its inverse
+  Information first_information;  // its inverse
   std::size_t same_covariance = 0;
   Matrix3 shape_sum = Matrix3::Zero();  // of covariance / variance()
   // Sum of weight * (products of the regressors) (products of covariance / variance())^T, each in
