@@ -19,12 +19,8 @@ struct SweepState {
   std::size_t rejected = 0;  // of those judged
   bool sigma_is_known = false;
   Matrix3 latest_covariance_m2 = Matrix3::Identity();
-  double lowest_reading = 0;  // of all points
-  double highest_reading = 0;
   FixedVector<double, 3> distinct_readings;  // the first ones
-  Vector3 first_S = Vector3::Zero();
-  bool all_equal = true;
-  WaitingPoints waiting;  // not judged for good
+  WaitingPoints waiting;                     // not judged for good
   // Whether `accepted` holds them already: the first points, as long as all agree.
   bool waiting_is_accepted = false;
   SweepStatistics accepted;

@@ -7,7 +7,6 @@
 
 #include "core/features/encoder_ratio.hpp"
 #include "core/features/fit_feature.hpp"
-#include "core/features/near_axis.hpp"
 
 namespace armsig::features {
 namespace {
@@ -24,20 +23,13 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
                                            std::size_t least_points) {
   if (state.count < least_points)
     return refusal_of(Error::kTooFewPoints, state.count, least_points);
-  const double range = state.highest_reading - state.lowest_reading;
-  if (range < kSameReading) {
-    const bool revolute = config.type == JointType::kRevolute;
-    return Refusal{Error::kJointDidNotMove, range,
+  const std::size_t readings = state.distinct_readings.size();
+  const bool revolute = config.type == JointType::kRevolute;
+  if (readings < 2)
+    return Refusal{Error::kJointDidNotMove, 0,
                    revolute ? config.limits.least_arc_rad : kSameReading};
-  }
   const auto unknowns = static_cast<std::size_t>(motion_unknowns(config.type));
-  if (state.distinct_readings.size() < unknowns)
-    return refusal_of(Error::kTooFewPoints, state.distinct_readings.size(), unknowns);
-  if (state.all_equal) {
-    const double sigma =
-        state.sigma_is_known ? std::sqrt(state.latest_covariance_m2.trace() / 3) : 0;
-    return Refusal{Error::kCoincidentPoints, 0, config.limits.least_radius_sigmas * sigma};
-  }
+  if (readings < unknowns) return refusal_of(Error::kTooFewPoints, readings, unknowns);
   return std::nullopt;
 }
 
@@ -46,6 +38,9 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
                                                             const SweepStatistics& statistics,
                                                             const NoiseLevel& noise) {
   const bool revolute = statistics.type == JointType::kRevolute;
+  const double speed = statistics.motion.solve().row(1).norm();
+  if (speed == 0)  // the points are all the same
+    return Refusal{Error::kCoincidentPoints, 0, limits.least_radius_sigmas * noise.stated_sigma_m};
   // A little slack, because readings come rounded.
   const double arc = statistics.arc() * (1 + 1e-9);
   if (revolute && arc < limits.least_arc_rad)
@@ -53,7 +48,6 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
   if (statistics.motion.rank() < motion_unknowns(statistics.type))
     return Refusal{Error::kArcTooShort, arc, std::max(limits.least_arc_rad, 2 * arc)};
 
-  const double speed = statistics.motion.solve().row(1).norm();
   const double greatest_m = std::max(limits.greatest_misfit * noise.stated_sigma_m,
                                      revolute ? limits.greatest_reading_error_rad * speed : 0.0);
   if (noise.misfit * noise.stated_sigma_m > greatest_m)
@@ -123,14 +117,7 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
     if (s.sigma_is_known && known) s.latest_covariance_m2 = covariance_m2;
   }
 
-  if (s.count == 0) {
-    s.lowest_reading = s.highest_reading = reading;
-    s.first_S = p_S;
-  }
   ++s.count;
-  s.lowest_reading = std::min(s.lowest_reading, reading);
-  s.highest_reading = std::max(s.highest_reading, reading);
-  s.all_equal = s.all_equal && p_S == s.first_S;
   const auto is_same = [&](double seen) { return std::abs(seen - reading) < kSameReading; };
   if (!s.distinct_readings.full() && std::ranges::none_of(s.distinct_readings, is_same))
     s.distinct_readings.push_back(reading);

@@ -154,15 +154,11 @@ Pose moved(const Pose& X_AB, const Vector3& pivot_A, const Vector3& turn_rad,
 }  // namespace
 
 double Alignment::worst_angle_rad() const {
-  double worst = 0;
-  for (const Misalignment& joint : joints) worst = std::max(worst, joint.angle_rad);
-  return worst;
+  return std::ranges::max(joints, {}, &Misalignment::angle_rad).angle_rad;
 }
 
 double Alignment::worst_distance_m() const {
-  double worst = 0;
-  for (const Misalignment& joint : joints) worst = std::max(worst, joint.distance_m);
-  return worst;
+  return std::ranges::max(joints, {}, &Misalignment::distance_m).distance_m;
 }
 
 Alignment align(const AxisLines& lines_A, const AxisLines& lines_B) {

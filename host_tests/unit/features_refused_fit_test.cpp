@@ -8,7 +8,6 @@
 #include "core/features/fit_feature.hpp"
 #include "core/features/gate.hpp"
 #include "core/features/judging.hpp"
-#include "core/features/near_axis.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/measured_sweep.hpp"
 
