@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/lanes.hpp"
 #include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
@@ -100,23 +99,16 @@ MotionRls Judging::candidate() {
 }
 
 void Judging::squared_distances(const Coefficients& fit, Distances& distances) const {
-  using V = Pack<double>;
   const auto& [x0, x1, x2, px, py, pz] = rows_.columns;
   const std::array<const double*, 3> p = {px.data(), py.data(), pz.data()};
-  for (std::size_t k = 0; k < rows_.count; k += Lanes<double>::kCount) {
-    const V a = load<V>(&x0[k]);
-    const V b = load<V>(&x1[k]);
-    const V c = load<V>(&x2[k]);
-    V squares{};
-#pragma GCC unroll 3
+  for (std::size_t k = 0; k < rows_.count; ++k) {
+    double squares = 0;
     for (int i = 0; i < 3; ++i) {
-      const V d = load<V>(p[i] + k) - a * fit(0, i) - b * fit(1, i) - c * fit(2, i);
+      const double d = p[i][k] - x0[k] * fit(0, i) - x1[k] * fit(1, i) - x2[k] * fit(2, i);
       squares += d * d;
     }
-    store(&distances[k], squares);
+    distances[k] = squares < kInfinity ? squares : kInfinity;
   }
-  for (std::size_t k = 0; k < rows_.count; ++k)
-    if (!(distances[k] < kInfinity)) distances[k] = kInfinity;
 }
 
 // Least median of squares, then, at the scale that the median shows, the candidate that explains

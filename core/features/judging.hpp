@@ -36,9 +36,9 @@ class Judging {
   // The waiting points by ascending reading, so that the order of the rows cannot matter.
   using Order = FixedVector<std::uint8_t, kGateCapacity>;
   // Their regressors and positions in that order, weighted to unit variance per axis, column by
-  // column; the first is the weight. Rows of zeros fill the last pack.
+  // column; the first is the weight.
   struct Rows {
-    alignas(32) std::array<std::array<double, kGateCapacity>, 6> columns{};
+    std::array<std::array<double, kGateCapacity>, 6> columns{};
     std::size_t count = 0;
   };
   enum class Stage : std::uint8_t { kMedians, kCosts, kRounds, kOver };
