@@ -6,10 +6,8 @@
 
 #include <Eigen/LU>
 
-#include "core/features/centre_of_rotation.hpp"
-#include "core/features/encoder_ratio.hpp"
 #include "core/features/motion_fits.hpp"
-#include "core/features/plane_of_rotation.hpp"
+#include "core/features/regressions.hpp"
 #include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
@@ -109,6 +107,30 @@ NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
   return noise;
 }
 
+EncoderRatio encoder_ratio(const MotionStatistics& statistics) {
+  const MotionRls::Coefficients phi = statistics.motion.solve();
+  const Matrix3 R = statistics.motion.factor();
+  const Matrix3 shape = statistics.shape();
+  const Vector3 B = phi.row(1);
+  const Vector3 b = B.normalized();
+  // The coefficients have the covariance (R^T R)^-1 (x) shape. The inverse of a triangular factor
+  // is triangular: that of its lower right corner belongs to the last coefficients alone.
+  if (statistics.type == JointType::kPrismatic)
+    return {B.norm(), std::sqrt(b.dot(shape * b)) / std::abs(R(1, 1))};
+
+  const Vector3 A = -phi.row(2);
+  const Vector3 a = A.normalized();
+  Eigen::Matrix2d root;
+  root << 1 / R(1, 1), -R(1, 2) / (R(1, 1) * R(2, 2)), 0, 1 / R(2, 2);
+  const Eigen::Matrix2d P = root * root.transpose();
+  // d ln(|A| / |B|) = a.dA / |A| - b.dB / |B|, with A the third coefficient negated.
+  const double aa = a.dot(shape * a) * P(1, 1) / A.squaredNorm();
+  const double bb = b.dot(shape * b) * P(0, 0) / B.squaredNorm();
+  const double ab = -a.dot(shape * b) * P(0, 1) / (A.norm() * B.norm());
+  const double ratio = A.norm() / B.norm();
+  return {ratio, ratio * std::sqrt(std::max(aa + bb - 2 * ab, 0.0))};
+}
+
 std::optional<Refusal> fit_feature(const SweepStatistics& statistics, const NoiseLevel& noise,
                                    JointFeature& feature) {
   feature.type = statistics.type;
@@ -129,13 +151,11 @@ std::optional<Refusal> fit_feature(const SweepStatistics& statistics, const Nois
   quality.sigma_m = noise.sigma_m;
   quality.sigma_is_estimated = noise.is_estimated;
 
-  const bool finite = feature.axis_S.allFinite() && feature.point_S.allFinite() &&
-                      feature.radial_S.allFinite() && std::isfinite(feature.radius_m) &&
-                      feature.covariance.allFinite() && std::isfinite(quality.sigma_m) &&
-                      std::isfinite(encoder.ratio) && std::isfinite(quality.encoder_ratio_sigma) &&
-                      std::isfinite(quality.rms_normal_m) && std::isfinite(quality.rms_radial_m) &&
-                      std::isfinite(quality.rms_tangential_m);
-  if (!finite) return refusal_of(Error::kNotFinite, statistics);
+  const double sum = feature.axis_S.sum() + feature.point_S.sum() + feature.radial_S.sum() +
+                     feature.radius_m + feature.covariance.sum() + quality.sigma_m + encoder.ratio +
+                     quality.encoder_ratio_sigma + quality.rms_normal_m + quality.rms_radial_m +
+                     quality.rms_tangential_m;
+  if (!std::isfinite(sum)) return refusal_of(Error::kNotFinite, statistics);
   return std::nullopt;
 }
 

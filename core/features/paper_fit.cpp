@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "core/features/centre_of_rotation.hpp"
-#include "core/features/line_of_translation.hpp"
 #include "core/features/motion_fits.hpp"
-#include "core/features/plane_of_rotation.hpp"
+#include "core/features/regressions.hpp"
 
 namespace armsig::features {
 namespace {

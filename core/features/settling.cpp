@@ -3,11 +3,6 @@
 
 namespace armsig::features {
 
-void accept(const SweepPoint& point, SweepStatistics& accepted) {
-  if (accepted.count == 0) accepted.set_origin(point);
-  accepted.add(point);
-}
-
 Settling::Settling(const SweepState& state)
     : state_(state), accepted_(state.accepted), rejected_(state.rejected) {
   if (state.waiting.empty()) {
@@ -53,7 +48,7 @@ void Settling::review_next() {
 
 void Settling::take_next() {
   if (judging_->result()[done_]) {
-    accept(state_.waiting[done_], accepted_);
+    accepted_.add(state_.waiting[done_]);
   } else {
     ++rejected_;
   }

@@ -55,7 +55,4 @@ class Settling {
   Stage stage_ = Stage::kReview;
 };
 
-// Adds `point` to `accepted`, which begins at its first point.
-void accept(const SweepPoint& point, SweepStatistics& accepted);
-
 }  // namespace armsig::features

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include "core/features/encoder_ratio.hpp"
 #include "core/features/fit_feature.hpp"
 
 namespace armsig::features {
@@ -159,7 +158,7 @@ bool SweepEstimator::agrees(const SweepPoint& point) {
   SweepStatistics& accepted = state_.accepted;
   const std::size_t place = state_.waiting.size();
   if (place <= kFirstPoints) {
-    accept(point, accepted);
+    accepted.add(point);
     return place < kFirstPoints || is_consistent(accepted);
   }
   const Trial trial = accepted.tried(point);

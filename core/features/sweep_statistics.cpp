@@ -102,6 +102,14 @@ Matrix3 MotionStatistics::shape() const {
   return shape_sum / static_cast<double>(count);
 }
 
+void SweepStatistics::add(const SweepPoint& point) {
+  if (count == 0) {
+    origin_reading = point.reading;
+    origin_S = point.p_S;
+  }
+  add(point, tried(point));
+}
+
 void SweepStatistics::add(const SweepPoint& point, const Trial& trial) {
   MotionStatistics::add(point, trial);
   const Vector3 p = point.p_S - origin_S;

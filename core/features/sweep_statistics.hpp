@@ -101,13 +101,8 @@ struct MotionStatistics {
   Eigen::Matrix<double, 6, 6> score_sum = Eigen::Matrix<double, 6, 6>::Zero();
 
   MotionStatistics() = default;
-  MotionStatistics(JointType joint, const SweepPoint& origin) : type(joint) { set_origin(origin); }
-
-  // Precondition: no point was added yet.
-  void set_origin(const SweepPoint& origin) {
-    origin_reading = origin.reading;
-    origin_S = origin.p_S;
-  }
+  MotionStatistics(JointType joint, const SweepPoint& origin)
+      : type(joint), origin_reading(origin.reading), origin_S(origin.p_S) {}
 
   void add(const SweepPoint& point) { add(point, tried(point)); }
   // Precondition: `trial` is of this point, by these statistics.
@@ -144,10 +139,10 @@ struct SweepStatistics : MotionStatistics {
 
   SweepStatistics() = default;
   // What is fitted by `by` in the end.
-  SweepStatistics(JointType joint, Method by, const SweepPoint& origin = {})
-      : MotionStatistics(joint, origin), method(by) {}
+  SweepStatistics(JointType joint, Method by) : MotionStatistics(joint, {}), method(by) {}
 
-  void add(const SweepPoint& point) { add(point, tried(point)); }
+  // The first point is the origin.
+  void add(const SweepPoint& point);
   void add(const SweepPoint& point, const Trial& trial);
   // Of the encoder's method of 1, x, y, z and |p|^2, the rest zero.
   [[nodiscard]] Geometry geometry() const;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/features/encoder_ratio.hpp"
+#include "core/features/fit_feature.hpp"
 #include "core/features/motion_fits.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/fitted_points.hpp"
@@ -84,12 +84,11 @@ TEST(EncoderRatio, states_its_sigma) {
   double squares = 0;
   double stated = 0;
   for (int trial = 0; trial < 500; ++trial) {
-    SweepStatistics statistics;
+    SweepStatistics statistics(motion.type, Method::kEncoder);
     for (std::size_t i = 0; i < 20; ++i) {
       const double reading = test::even_reading(motion, 2, i, 20);
       const SweepPoint point{reading, motion.at(reading) + 1e-4 * random.normal_vector(),
                              test::isotropic(1e-4)};
-      if (i == 0) statistics = SweepStatistics(motion.type, Method::kEncoder, point);
       statistics.add(point);
     }
     const EncoderRatio encoder = encoder_ratio(statistics);
@@ -109,12 +108,11 @@ TEST(EncoderRatio, states_its_sigma_under_noise_that_is_stronger_in_one_directio
     const Matrix3 root = 1e-5 * Matrix3::Identity() + 3e-4 * strong * strong.transpose();
     double squares = 0;
     for (int trial = 0; trial < 500; ++trial) {
-      SweepStatistics statistics;
+      SweepStatistics statistics(motion.type, Method::kEncoder);
       for (std::size_t i = 0; i < 20; ++i) {
         const double reading = test::even_reading(motion, 2, i, 20);
         const SweepPoint point{reading, motion.at(reading) + root * random.normal_vector(),
                                root * root};
-        if (i == 0) statistics = SweepStatistics(motion.type, Method::kEncoder, point);
         statistics.add(point);
       }
       const EncoderRatio encoder = encoder_ratio(statistics);
@@ -125,7 +123,7 @@ TEST(EncoderRatio, states_its_sigma_under_noise_that_is_stronger_in_one_directio
 }
 
 TEST(EncoderLine, ignores_the_scale_of_the_readings) {
-  SweepStatistics statistics(JointType::kPrismatic, Method::kPaper);
+  MotionStatistics statistics(JointType::kPrismatic, {});
   for (int i = -5; i <= 5; ++i) {
     const SweepPoint point{0.1 * i, Vector3(0.101 * i, 0, 0.3), Matrix3::Identity()};
     statistics.add(point);

@@ -4,10 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/features/centre_of_rotation.hpp"
-#include "core/features/line_of_translation.hpp"
 #include "core/features/motion_fits.hpp"
-#include "core/features/plane_of_rotation.hpp"
+#include "core/features/regressions.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/fitted_points.hpp"
 
@@ -71,9 +69,10 @@ TEST(Geometry, of_the_papers_method_is_that_of_the_points) {
   SweepStatistics statistics(JointType::kRevolute, Method::kPaper);
   GeometryProducts expected = GeometryProducts::Zero();
   for (int i = 0; i < 50; ++i) {
-    const Vector3 p = random.normal_vector();
+    const Vector3 p_S = random.normal_vector();
     const double sigma = 1 + i % 3;
-    statistics.add({0.1 * i, p, test::isotropic(sigma)});
+    statistics.add({0.1 * i, p_S, test::isotropic(sigma)});
+    const Vector3 p = p_S - statistics.origin_S;
     GeometryRow row;
     row << 1, p, p.squaredNorm(), p.x() * p, p.y() * p.y(), p.y() * p.z();
     expected += row * row.transpose() / (sigma * sigma);

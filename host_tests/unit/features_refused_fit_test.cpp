@@ -20,7 +20,7 @@ using test::kRevoluteSweep;
 using test::Random;
 
 SweepStatistics gathered(JointType type, Method method, std::initializer_list<SweepPoint> points) {
-  SweepStatistics statistics(type, method, *points.begin());
+  SweepStatistics statistics(type, method);
   for (const SweepPoint& point : points) statistics.add(point);
   return statistics;
 }
