@@ -122,13 +122,12 @@ EncoderRatio encoder_ratio(const MotionStatistics& statistics) {
   const Vector3 a = A.normalized();
   Eigen::Matrix2d root;
   root << 1 / R(1, 1), -R(1, 2) / (R(1, 1) * R(2, 2)), 0, 1 / R(2, 2);
-  const Eigen::Matrix2d P = root * root.transpose();
   // d ln(|A| / |B|) = a.dA / |A| - b.dB / |B|, with A the third coefficient negated.
-  const double aa = a.dot(shape * a) * P(1, 1) / A.squaredNorm();
-  const double bb = b.dot(shape * b) * P(0, 0) / B.squaredNorm();
-  const double ab = -a.dot(shape * b) * P(0, 1) / (A.norm() * B.norm());
+  Eigen::Matrix<double, 2, 3> change;
+  change << -b.transpose() / B.norm(), -a.transpose() / A.norm();
+  const Eigen::Matrix<double, 2, 3> spread = root.transpose() * change;
   const double ratio = A.norm() / B.norm();
-  return {ratio, ratio * std::sqrt(std::max(aa + bb - 2 * ab, 0.0))};
+  return {ratio, ratio * std::sqrt((spread * shape * spread.transpose()).trace())};
 }
 
 std::optional<Refusal> fit_feature(const SweepStatistics& statistics, const NoiseLevel& noise,

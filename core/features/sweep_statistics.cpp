@@ -117,7 +117,7 @@ void SweepStatistics::add(const SweepPoint& point, const Trial& trial) {
     Geometry::RightHandSides monomials;
     monomials << p.squaredNorm(), products(p, p).head<5>();
     of_points.update({1, p.x(), p.y(), p.z()}, monomials, 1 / point.variance());
-  } else {
+  } else if (type == JointType::kRevolute) {
     squares.update(p.squaredNorm(), trial.rotations);
   }
 }

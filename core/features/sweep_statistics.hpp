@@ -135,7 +135,7 @@ struct MotionStatistics {
 struct SweepStatistics : MotionStatistics {
   Method method = Method::kEncoder;
   Geometry of_points;            // of the paper's method
-  MotionRls::Companion squares;  // |p|^2, of the encoder's
+  MotionRls::Companion squares;  // |p|^2, of the encoder's, of a revolute joint
 
   SweepStatistics() = default;
   // What is fitted by `by` in the end.
