@@ -17,11 +17,15 @@ Refusal refusal_of(Error error, std::size_t found, std::size_t needed) {
   return {error, static_cast<double>(found), static_cast<double>(needed)};
 }
 
+std::size_t least_points(const SweepConfig& config) {
+  return config.type == JointType::kRevolute ? config.limits.least_points
+                                             : config.limits.least_points_prismatic;
+}
+
 // What the readings and points show before any of them is judged.
-std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const SweepState& state,
-                                           std::size_t least_points) {
-  if (state.count < least_points)
-    return refusal_of(Error::kTooFewPoints, state.count, least_points);
+std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const SweepState& state) {
+  if (state.count < least_points(config))
+    return refusal_of(Error::kTooFewPoints, state.count, least_points(config));
   const std::size_t readings = state.distinct_readings.size();
   const bool revolute = config.type == JointType::kRevolute;
   if (readings < 2)
@@ -195,15 +199,12 @@ Judged<JointFeature> SweepEstimator::estimate() const {
 }
 
 SweepEstimation::SweepEstimation(const SweepEstimator& estimator)
-    : config_(estimator.config_),
-      state_(estimator.state_),
-      least_points_(config_.type == JointType::kRevolute ? config_.limits.least_points
-                                                         : config_.limits.least_points_prismatic) {}
+    : config_(estimator.config_), state_(estimator.state_) {}
 
 bool SweepEstimation::step() {
   if (result_) return false;
   if (!settling_) {
-    if (const auto refusal = refusal_before_gate(config_, state_, least_points_)) {
+    if (const auto refusal = refusal_before_gate(config_, state_)) {
       result_.emplace(std::unexpected(*refusal));
       return false;
     }
@@ -225,7 +226,7 @@ std::optional<Refusal> SweepEstimation::fit_accepted(JointFeature& feature) cons
   const SweepStatistics& statistics = settling_->accepted();
   const double kept = (1 - limits.greatest_rejected) * static_cast<double>(state_.count);
   const std::size_t least_accepted =
-      std::max(least_points_, static_cast<std::size_t>(std::ceil(kept)));
+      std::max(least_points(config_), static_cast<std::size_t>(std::ceil(kept)));
   if (statistics.count < least_accepted)
     return refusal_of(Error::kTooManyOutliers, statistics.count, least_accepted);
 

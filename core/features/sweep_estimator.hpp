@@ -109,7 +109,6 @@ class SweepEstimation {
 
   const SweepConfig& config_;
   const SweepState& state_;
-  std::size_t least_points_;
   std::optional<Settling> settling_;  // empty until it may begin
   std::optional<Judged<JointFeature>> result_;
 };
