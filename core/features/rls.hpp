@@ -120,11 +120,9 @@ class SquareRootRls {
   void update(const Rotations& found) {
     for (std::size_t i = 0; i < kRegressors; ++i) {
       const Rotation<Scalar> rotation = found.of_row[i];
-      Row kept = factor_[i];
-      kept[i] = rotation.square;
+      factor_[i][i] = rotation.square;
       for (std::size_t j = i + 1; j < kColumns; ++j)
-        kept[j] = rotation.kept(kept[j], found.rows[i][j]);
-      factor_[i] = kept;
+        factor_[i][j] = rotation.kept(factor_[i][j], found.rows[i][j]);
     }
     add_residual(found.innovation.residual, found.left);
   }
