@@ -152,18 +152,14 @@ class ConstrainedFit {
   [[nodiscard]] LinearProblem linearise(const Motion& motion) const {
     const MotionRows rest = measured() - seen(motion.rows());
     const MotionJacobian<kParameters> D = motion.jacobian();
-    typename LinearProblem::Block block;
-    for (int k = 0; k <= kParameters; ++k) {
-      MotionRows moves = rest;
-      if (k < kParameters) {
-        MotionRows change;
-        for (int i = 0; i < 2; ++i) change.row(i) = D.template block<3, 1>(3 * i, k).transpose();
-        moves = seen(change);
-      }
-      for (int i = 0; i < 6; ++i) block.columns[k][i] = moves(i / 3, i % 3);
+    MotionJacobian<kParameters> moves;
+    for (int k = 0; k < kParameters; ++k) {
+      const MotionRows change = seen(D.col(k).template reshaped<Eigen::RowMajor>(2, 3));
+      moves.col(k) = change.template reshaped<Eigen::RowMajor>();
     }
     LinearProblem linearised;
-    linearised.update(block);
+    for (int i = 0; i < 6; ++i)
+      linearised.update(moves.row(i), rest.template block<1, 1>(i / 3, i % 3));
     return linearised;
   }
 

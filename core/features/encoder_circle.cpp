@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "core/features/encoder_circle.hpp"
-
 #include <cmath>
 
 #include "core/features/constrained_fit.hpp"
+#include "core/features/motion_fits.hpp"
 #include "core/numerics/rotations.hpp"
 
 namespace armsig::features {
@@ -103,8 +102,8 @@ bool is_isotropic(const Matrix3& covariance) {
 // target takes up the first row, hence for the centre = target - r e
 //   d centre = -alpha d(r f) + beta d(r e),   alpha = u01,  beta = u02 - 1,
 // and the noise of the target itself, of variance 1 / d0 in every direction.
-Result<CircleFit> isotropic_fit(const Circle& circle, const KeptFactor& kept,
-                                const Vector3& origin_S) {
+void take_isotropic(const Circle& circle, const KeptFactor& kept, const Vector3& origin_S,
+                    JointFeature& feature) {
   const double r = circle.radius;
   const Vector3 e = circle.R_SC.col(0);
   const Vector3 f = circle.R_SC.col(1);
@@ -113,11 +112,7 @@ Result<CircleFit> isotropic_fit(const Circle& circle, const KeptFactor& kept,
   const double alpha = kept.u01;
   const double beta = kept.u02 - 1;
 
-  Result<CircleFit> fit;
-  CircleFit& result = *fit;
-  result.R_SC = circle.R_SC;
-  result.radius_m = r;
-  result.centre_S = origin_S + kept.zeta0 + r * (beta * e - alpha * f);
+  feature.point_S = origin_S + kept.zeta0 + r * (beta * e - alpha * f);
 
   const double in_plane = 1 / kept.in_plane();
   const double curvature = 1 / r;
@@ -130,7 +125,8 @@ Result<CircleFit> isotropic_fit(const Circle& circle, const KeptFactor& kept,
   const double of_centre = (alpha * alpha + beta * beta) * in_plane;
   const double s_nn = -r * (alpha * s_ne + beta * s_nf);
 
-  auto& covariance = result.covariance;
+  auto& covariance = feature.covariance;
+  covariance.setZero();
   const Vector3 turn_e = s_ee * e + s_ef * f;
   const Vector3 turn_f = s_ef * e + s_ff * f;
   const Vector3 turn_n = (in_plane * curvature * curvature) * n;
@@ -147,41 +143,42 @@ Result<CircleFit> isotropic_fit(const Circle& circle, const KeptFactor& kept,
   covariance.col(6).head<3>() = of_radius;
   covariance.row(6).head<3>() = of_radius;
   covariance(6, 6) = in_plane;
-  return fit;
+}
+
+// The fit with the covariance of the normal equations, for all other points.
+Result<Circle> take_likeliest(const MotionStatistics& statistics, const Circle& start,
+                              JointFeature& feature) {
+  const ConstrainedFit<Circle> fit(statistics);
+  ARMSIG_TRY(fitted, fit.maximise_likelihood(start));
+  const Circle& circle = fitted.motion;
+  const Vector3 e = circle.R_SC.col(0);
+  feature.point_S = statistics.origin_S + fit.target(circle) - circle.radius * e;
+  // From the target to the centre = target - r e.
+  Eigen::Matrix<double, 3, 4> moves_centre;
+  moves_centre << circle.radius * cross_matrix(e), -e;
+  auto& covariance = feature.covariance;
+  covariance = fit.covariance(fitted);
+  covariance.topRows<3>() += moves_centre.lazyProduct(covariance.bottomRows<4>());
+  covariance.leftCols<3>() += covariance.rightCols<4>().lazyProduct(moves_centre.transpose());
+  return circle;
 }
 
 }  // namespace
 
-MotionRls::Coefficients CircleFit::motion(const Vector3& origin_S) const {
-  MotionRls::Coefficients phi;
-  phi.row(0) = centre_S + radius_m * R_SC.col(0) - origin_S;
-  phi.bottomRows<2>() = Circle{R_SC, radius_m}.rows();
-  return phi;
-}
-
-Result<CircleFit> encoder_circle(const MotionStatistics& statistics) {
+Result<void> encoder_circle(const MotionStatistics& statistics, JointFeature& feature) {
   if (statistics.motion.rank() < 3) return std::unexpected(Error::kSingular);
   const KeptFactor kept(statistics.motion);
-  ARMSIG_TRY(start, nearest_circle(kept));
-  if (statistics.has_one_covariance() && is_isotropic(statistics.first_covariance_m2))
-    return isotropic_fit(start, kept, statistics.origin_S);
-  const ConstrainedFit<Circle> fit(statistics);
-  ARMSIG_TRY(fitted, fit.maximise_likelihood(start));
-  const Circle& circle = fitted.motion;
-  auto covariance = fit.covariance(fitted);
-
-  CircleFit result;
-  result.R_SC = circle.R_SC;
-  result.radius_m = circle.radius;
-  const Vector3 e = circle.R_SC.col(0);
-  result.centre_S = statistics.origin_S + fit.target(circle) - circle.radius * e;
-  // From the target to the centre = target - r e.
-  Eigen::Matrix<double, 3, 4> moves_centre;
-  moves_centre << circle.radius * cross_matrix(e), -e;
-  covariance.topRows<3>() += moves_centre.lazyProduct(covariance.bottomRows<4>());
-  covariance.leftCols<3>() += covariance.rightCols<4>().lazyProduct(moves_centre.transpose());
-  result.covariance = covariance;
-  return result;
+  ARMSIG_TRY(circle, nearest_circle(kept));
+  if (statistics.has_one_covariance() && is_isotropic(statistics.first_covariance_m2)) {
+    take_isotropic(circle, kept, statistics.origin_S, feature);
+  } else {
+    ARMSIG_TRY(likeliest, take_likeliest(statistics, circle, feature));
+    circle = likeliest;
+  }
+  feature.axis_S = circle.R_SC.col(2);
+  feature.radial_S = circle.R_SC.col(0);
+  feature.radius_m = circle.radius;
+  return {};
 }
 
 }  // namespace armsig::features

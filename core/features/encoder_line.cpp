@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "core/features/encoder_line.hpp"
-
 #include "core/features/constrained_fit.hpp"
+#include "core/features/motion_fits.hpp"
 #include "core/numerics/rotations.hpp"
 
 namespace armsig::features {
@@ -46,14 +45,7 @@ struct Line {
 
 }  // namespace
 
-MotionRls::Coefficients LineFit::motion(const Vector3& origin_S) const {
-  MotionRls::Coefficients phi = MotionRls::Coefficients::Zero();
-  phi.row(0) = point_S - origin_S;
-  phi.row(1) = direction_S;
-  return phi;
-}
-
-Result<LineFit> encoder_line(const MotionStatistics& statistics) {
+Result<void> encoder_line(const MotionStatistics& statistics, JointFeature& feature) {
   const Vector3 velocity = statistics.motion.solve().row(1);
   if (statistics.motion.rank() < 2 || !(velocity.norm() > 0))
     return std::unexpected(Error::kSingular);
@@ -61,15 +53,16 @@ Result<LineFit> encoder_line(const MotionStatistics& statistics) {
   ARMSIG_TRY(fitted, fit.maximise_likelihood({velocity.normalized()}));
   const Line& line = fitted.motion;
 
-  LineFit result;
-  result.point_S = statistics.origin_S + fit.target(line);
-  result.direction_S = line.direction;
+  feature.point_S = statistics.origin_S + fit.target(line);
+  feature.axis_S = line.direction;
+  feature.radial_S = any_perpendicular(line.direction);
+  feature.radius_m = 0;
   Eigen::Matrix<double, 7, 5> spread = Eigen::Matrix<double, 7, 5>::Zero();
   spread.block<3, 3>(0, 0).setIdentity();
   spread.block<3, 2>(3, 3) = line.across();
   const Eigen::Matrix<double, 7, 5> carried = spread * fit.covariance(fitted);
-  result.covariance = carried * spread.transpose();
-  return result;
+  feature.covariance = carried * spread.transpose();
+  return {};
 }
 
 }  // namespace armsig::features

@@ -19,6 +19,10 @@ enum class Method : std::uint8_t {
              // sin(theta)
 };
 
+// A target nearer than this to the axis of a revolute joint tells little about that axis, however
+// far the joint turns.
+inline constexpr double kNextToAxis_m = 0.02;
+
 // Residuals and counts of one sweep.
 struct SweepQuality {
   std::size_t used = 0;

@@ -6,12 +6,8 @@
 
 #include <Eigen/LU>
 
-#include "core/features/centre_of_rotation.hpp"
-#include "core/features/encoder_circle.hpp"
-#include "core/features/encoder_line.hpp"
-#include "core/features/encoder_ratio.hpp"
-#include "core/features/paper_fit.hpp"
-#include "core/features/plane_of_rotation.hpp"
+#include "core/features/motion_fits.hpp"
+#include "core/features/regressions.hpp"
 #include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
@@ -20,66 +16,59 @@ namespace {
 // rounding_variance() is a bound, with a factor of 16 on sigma.
 constexpr double kRoundingMargin = 256;
 
-// Mean products of the residuals about a motion; the weights of the points are those of the fit.
-Matrix3 mean_residual_products(const SweepStatistics& statistics,
-                               const MotionRls::Coefficients& motion) {
-  const Matrix3 R = statistics.motion.factor();
-  const Matrix3 rest = R * motion - statistics.motion.rotated_right_hand_sides();
-  const Matrix3 sums = rest.transpose() * rest + statistics.motion.residual_products();
-  return sums / (R(0, 0) * R(0, 0));  // R(0, 0)^2 is the sum of the weights
+// Sums of products of what imposing the feature's circle or line adds to the residuals of the
+// unconstrained motion.
+Matrix3 imposed_products(const SweepStatistics& statistics, const JointFeature& feature) {
+  const Vector3 e = feature.radius_m * feature.radial_S;
+  MotionRls::Coefficients motion;
+  motion.row(0) = feature.point_S + e - statistics.origin_S;
+  motion.row(1) =
+      feature.type == JointType::kRevolute ? feature.axis_S.cross(e).eval() : feature.axis_S;
+  motion.row(2) = -e;
+  const Matrix3 rest =
+      statistics.motion.factor() * motion - statistics.motion.rotated_right_hand_sides();
+  return rest.transpose() * rest;
+}
+
+double sum_of_weights(const SweepStatistics& statistics) { return statistics.motion.rows()[0][0]; }
+
+// Mean products of the residuals about the feature; the points' weights are those of the fit.
+Matrix3 mean_residual_products(const SweepStatistics& statistics, const JointFeature& feature) {
+  const Matrix3 sums =
+      imposed_products(statistics, feature) + statistics.motion.residual_products();
+  return sums / sum_of_weights(statistics);
 }
 
 // How far the points are from the plane (13) and from the circle (14) is the mechanism's and the
 // sensor's doing; what remains about the fit itself has the encoder's part in it.
 [[gnu::noinline]] Result<void> describe_circle(const SweepStatistics& statistics,
-                                               const CircleFit& circle, JointFeature& feature) {
-  feature.axis_S = circle.R_SC.col(2);
-  feature.radial_S = circle.R_SC.col(0);
-  feature.point_S = circle.centre_S;
-  feature.radius_m = circle.radius_m;
-  feature.covariance = circle.covariance;
-
-  const GeometryFactor::Matrix geometry = statistics.geometry_matrix();
+                                               JointFeature& feature) {
+  const Geometry geometry = statistics.geometry();
   ARMSIG_TRY(plane, plane_of_rotation(geometry));
   ARMSIG_TRY(best_circle, centre_of_rotation(geometry, plane, squared_distance_near_plane(plane)));
-  const double weights = geometry(0, 0) * geometry(0, 0);
+  const double weights = sum_of_weights(statistics);
   const double normal = plane_residual_squares(geometry, plane) / weights;
   const double in_plane = 2 * best_circle.radius_m;
   const double radial = best_circle.residual_squares / (in_plane * in_plane * weights);
-  const double all = mean_residual_products(statistics, circle.motion(statistics.origin_S)).trace();
+  const double all = mean_residual_products(statistics, feature).trace();
   feature.quality.rms_normal_m = std::sqrt(normal);
   feature.quality.rms_radial_m = std::sqrt(radial);
   feature.quality.rms_tangential_m = std::sqrt(std::max(all - normal - radial, 0.0));
   return {};
 }
 
-[[gnu::noinline]] void describe_line(const SweepStatistics& statistics, const LineFit& line,
-                                     JointFeature& feature) {
-  feature.axis_S = line.direction_S;
-  feature.radial_S = any_perpendicular(line.direction_S);
-  feature.point_S = line.point_S;
-  feature.radius_m = 0;
-  feature.covariance = line.covariance;
-
-  const Matrix3 products = mean_residual_products(statistics, line.motion(statistics.origin_S));
+[[gnu::noinline]] void describe_line(const SweepStatistics& statistics, JointFeature& feature) {
+  const Matrix3 products = mean_residual_products(statistics, feature);
   const double along = feature.axis_S.dot(products * feature.axis_S);
   feature.quality.rms_tangential_m = std::sqrt(std::max(along, 0.0));
   feature.quality.rms_normal_m = std::sqrt(std::max(products.trace() - along, 0.0));
 }
 
-// Functions of their own: a fit stands on the stack where it is computed and described only.
-[[gnu::noinline]] Result<void> fit_circle(const SweepStatistics& statistics,
-                                          JointFeature& feature) {
-  ARMSIG_TRY(circle, statistics.method == Method::kPaper ? paper_circle(statistics)
-                                                         : encoder_circle(statistics));
-  return describe_circle(statistics, circle, feature);
-}
-
-[[gnu::noinline]] Result<void> fit_line(const SweepStatistics& statistics, JointFeature& feature) {
-  ARMSIG_TRY(line, statistics.method == Method::kPaper ? paper_line(statistics)
-                                                       : encoder_line(statistics));
-  describe_line(statistics, line, feature);
-  return {};
+Result<void> fit_motion(const SweepStatistics& statistics, JointFeature& feature) {
+  const bool paper = statistics.method == Method::kPaper;
+  if (statistics.type == JointType::kPrismatic)
+    return paper ? paper_line(statistics, feature) : encoder_line(statistics, feature);
+  return paper ? paper_circle(statistics, feature) : encoder_circle(statistics, feature);
 }
 
 Refusal refusal_of(Error error, const SweepStatistics& statistics) {
@@ -118,14 +107,37 @@ NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
   return noise;
 }
 
+EncoderRatio encoder_ratio(const MotionStatistics& statistics) {
+  const MotionRls::Coefficients phi = statistics.motion.solve();
+  const Matrix3 R = statistics.motion.factor();
+  const Matrix3 shape = statistics.shape();
+  const Vector3 B = phi.row(1);
+  const Vector3 b = B.normalized();
+  // The coefficients have the covariance (R^T R)^-1 (x) shape. The inverse of a triangular factor
+  // is triangular: that of its lower right corner belongs to the last coefficients alone.
+  if (statistics.type == JointType::kPrismatic)
+    return {B.norm(), std::sqrt(b.dot(shape * b)) / std::abs(R(1, 1))};
+
+  const Vector3 A = -phi.row(2);
+  const Vector3 a = A.normalized();
+  Eigen::Matrix2d root;
+  root << 1 / R(1, 1), -R(1, 2) / (R(1, 1) * R(2, 2)), 0, 1 / R(2, 2);
+  // d ln(|A| / |B|) = a.dA / |A| - b.dB / |B|, with A the third coefficient negated.
+  Eigen::Matrix<double, 2, 3> change;
+  change << -b.transpose() / B.norm(), -a.transpose() / A.norm();
+  const Eigen::Matrix<double, 2, 3> spread = root.transpose() * change;
+  const double ratio = A.norm() / B.norm();
+  return {ratio, ratio * std::sqrt((spread * shape * spread.transpose()).trace())};
+}
+
 std::optional<Refusal> fit_feature(const SweepStatistics& statistics, const NoiseLevel& noise,
                                    JointFeature& feature) {
   feature.type = statistics.type;
   feature.reference_reading = statistics.origin_reading;
-  const Result<void> fitted = statistics.type == JointType::kRevolute
-                                  ? fit_circle(statistics, feature)
-                                  : fit_line(statistics, feature);
+  Result<void> fitted = fit_motion(statistics, feature);
+  if (fitted && feature.type == JointType::kRevolute) fitted = describe_circle(statistics, feature);
   if (!fitted) return refusal_of(fitted.error(), statistics);
+  if (feature.type == JointType::kPrismatic) describe_line(statistics, feature);
   feature.covariance *= noise.variance_factor;
 
   SweepQuality& quality = feature.quality;
@@ -138,28 +150,18 @@ std::optional<Refusal> fit_feature(const SweepStatistics& statistics, const Nois
   quality.sigma_m = noise.sigma_m;
   quality.sigma_is_estimated = noise.is_estimated;
 
-  const bool finite = feature.axis_S.allFinite() && feature.point_S.allFinite() &&
-                      feature.radial_S.allFinite() && std::isfinite(feature.radius_m) &&
-                      feature.covariance.allFinite() && std::isfinite(quality.sigma_m) &&
-                      std::isfinite(encoder.ratio) && std::isfinite(quality.encoder_ratio_sigma) &&
-                      std::isfinite(quality.rms_normal_m) && std::isfinite(quality.rms_radial_m) &&
-                      std::isfinite(quality.rms_tangential_m);
-  if (!finite) return refusal_of(Error::kNotFinite, statistics);
+  const double sum = feature.axis_S.sum() + feature.point_S.sum() + feature.radial_S.sum() +
+                     feature.radius_m + feature.covariance.sum() + quality.sigma_m + encoder.ratio +
+                     quality.encoder_ratio_sigma + quality.rms_normal_m + quality.rms_radial_m +
+                     quality.rms_tangential_m;
+  if (!std::isfinite(sum)) return refusal_of(Error::kNotFinite, statistics);
   return std::nullopt;
 }
 
 ReadingMisfit reading_misfit(const SweepStatistics& statistics, const NoiseLevel& noise,
                              const JointFeature& feature) {
-  const Vector3 along = feature.axis_S.cross(feature.radial_S);
-  CircleFit circle;
-  circle.R_SC << feature.radial_S, along, feature.axis_S;
-  circle.centre_S = feature.point_S;
-  circle.radius_m = feature.radius_m;
-  const Matrix3 R = statistics.motion.factor();
-  const Matrix3 rest =
-      R * circle.motion(statistics.origin_S) - statistics.motion.rotated_right_hand_sides();
-  const Matrix3 products = rest.transpose() * rest;
-  return {std::sqrt(products.trace()) / (R(0, 0) * feature.radius_m),
+  const Matrix3 products = imposed_products(statistics, feature);
+  return {std::sqrt(products.trace() / sum_of_weights(statistics)) / feature.radius_m,
           (statistics.shape().inverse() * products).trace() / noise.variance_factor};
 }
 

@@ -25,6 +25,16 @@ struct NoiseLevel {
 // residuals are significantly larger.
 [[nodiscard]] NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known);
 
+// What the constraints of the encoder-referenced circle and line remove, as a diagnostic of the
+// encoder: gear ratio, eccentricity, scale.
+struct EncoderRatio {
+  double ratio = 1;  // |A| / |B| (revolute), |u| (prismatic) of the unconstrained fit; ideally 1
+  double sigma = 0;  // its 1 sigma, where the points' covariances are as given
+};
+
+// Precondition: statistics.motion has full rank and its motion is not zero.
+[[nodiscard]] EncoderRatio encoder_ratio(const MotionStatistics& statistics);
+
 // Fills in the feature, with all of its quality but `rejected`; after a refusal it has no meaning.
 // Refusals: kArcTooShort (the fit is singular), kNotConverged, kNotFinite.
 [[nodiscard]] std::optional<Refusal> fit_feature(const SweepStatistics& statistics,

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/features/point_distance.hpp"
 #include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
@@ -21,7 +20,26 @@ double estimated_limit(double freedom) {
   return numerics::chi_square_quantile(3, numerics::kNormal9999, freedom);
 }
 
+// A residual that was fitted is smaller than its noise, any other larger: by `spread`.
+bool passes(const MotionStatistics& accepted, bool sigma_is_known, const SweepPoint& point,
+            const Trial& trial, double spread) {
+  const Vector3& r = trial.innovation().residual;
+  // The scale of a stated sigma is never below 1, and rounding only adds to it: nearly every point
+  // is seen to pass without either.
+  const Information information =
+      trial.has_first_covariance ? accepted.first_information : Information(point.covariance_m2);
+  if (sigma_is_known && information.chi_square(r) <= kGateChiSquare * spread) return true;
+  return gate_scale(accepted, sigma_is_known).allows(r, spread, point, accepted.motion.solve());
+}
+
 }  // namespace
+
+bool GateScale::allows(const Vector3& residual, double spread, const SweepPoint& point,
+                       const MotionRls::Coefficients& fit) const {
+  Matrix3 covariance = variance * point.covariance_m2;
+  covariance.diagonal().array() += rounding_variance(point, fit.row(1).norm());
+  return Information(covariance).chi_square(residual) <= limit * spread;
+}
 
 GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known) {
   const double freedom = accepted.motion_freedom();
@@ -38,17 +56,7 @@ bool is_close(const Trial& trial) { return trial.innovation().leverage < kMostPr
 
 bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const SweepPoint& point,
                  const Trial& trial) {
-  const Vector3& r = trial.innovation().residual;
-  const double spread = spread_of(trial.innovation().leverage, false);
-  // The scale of a stated sigma is never below 1, and rounding only adds to it: nearly every point
-  // is seen to pass without either.
-  if (sigma_is_known &&
-      chi_square(r, trial.has_first_covariance
-                        ? accepted.first_information
-                        : information(point.covariance_m2)) <= kGateChiSquare * spread)
-    return true;
-  const GateScale scale = gate_scale(accepted, sigma_is_known);
-  return chi_square(r, accepted.motion.solve(), scale.variance, point) <= scale.limit * spread;
+  return passes(accepted, sigma_is_known, point, trial, 1 + trial.innovation().leverage);
 }
 
 bool is_consistent(const MotionStatistics& accepted) {
@@ -58,18 +66,10 @@ bool is_consistent(const MotionStatistics& accepted) {
              numerics::chi_square_quantile(freedom, numerics::kNormal9999);
 }
 
-bool Review::confirms(const SweepPoint& point) const {
-  const Vector3 x = accepted_.regressors(point);
-  const double spread = spread_of(leverage(accepted_.motion, x, point), true);
-  if (spread < kNoSpread) return true;
-  const Vector3 r = residual(accepted_, fit_, point, x);
-  // As in passes_gate().
-  if (chi_square(r, accepted_.has_one_covariance()
-                        ? accepted_.first_information
-                        : information(point.covariance_m2)) <= kGateChiSquare * spread)
-    return true;
-  const GateScale scale = gate_scale(accepted_, true);
-  return chi_square(r, fit_, scale.variance, point) <= scale.limit * spread;
+bool is_confirmed(const MotionStatistics& accepted, const SweepPoint& point) {
+  const Trial trial = accepted.tried(point);
+  const double spread = 1 - trial.innovation().leverage;
+  return spread < kNoSpread || passes(accepted, true, point, trial, spread);
 }
 
 }  // namespace armsig::features

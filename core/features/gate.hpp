@@ -26,8 +26,17 @@ inline constexpr double kGateChiSquare = numerics::kChiSquare9999[2];
 struct GateScale {
   double variance = 0;  // by which the points' covariances are multiplied; at least 1 where stated
   double limit = 0;     // of the innovation's chi-square
+
+  // Whether `residual`, of `spread` times the variance of the point, may be of the motion `fit`;
+  // the point besides has the rounding of its numbers.
+  [[nodiscard]] bool allows(const Vector3& residual, double spread, const SweepPoint& point,
+                            const MotionRls::Coefficients& fit) const;
 };
 [[nodiscard]] GateScale gate_scale(const MotionStatistics& accepted, bool sigma_is_known);
+
+// Below this spread a point is the only one that determines some coefficient: nothing can
+// contradict it.
+inline constexpr double kNoSpread = 1e-6;
 
 // Whether those accepted before it predict a point well enough to judge it alone, and for good.
 [[nodiscard]] bool is_close(const Trial& trial);
@@ -40,17 +49,7 @@ struct GateScale {
 // covariances (chi-square of all residuals, 99.99 %).
 [[nodiscard]] bool is_consistent(const MotionStatistics& accepted);
 
-// The verdict on points that are accepted, by all that are.
-class Review {
- public:
-  // Of points whose sigma is stated. `accepted` must outlive it, unchanged.
-  explicit Review(const MotionStatistics& accepted)
-      : accepted_(accepted), fit_(accepted.motion.solve()) {}
-  [[nodiscard]] bool confirms(const SweepPoint& point) const;
-
- private:
-  const MotionStatistics& accepted_;
-  MotionRls::Coefficients fit_;
-};
+// The verdict of all that are accepted on `point`, which is one of them, of a stated sigma.
+[[nodiscard]] bool is_confirmed(const MotionStatistics& accepted, const SweepPoint& point);
 
 }  // namespace armsig::features

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/lanes.hpp"
-#include "core/features/point_distance.hpp"
 #include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
@@ -38,15 +36,15 @@ Judging::Judging(const MotionStatistics& accepted, bool sigma_is_known,
     return std::ranges::lexicographical_compare(a.p_S, b.p_S);
   });
   next_ = base();
-  for (const std::uint8_t i : order_) {
-    const double weight = 1 / std::sqrt(waiting[i].variance());
-    const Vector3 x = weight * next_.regressors(waiting[i]);
-    const Vector3 p = weight * (waiting[i].p_S - next_.origin_S);
+  for (std::size_t row = 0; row < order_.size(); ++row) {
+    const SweepPoint& point = waiting[order_[row]];
+    const double weight = 1 / std::sqrt(point.variance());
+    const Vector3 x = weight * next_.regressors(point);
+    const Vector3 p = weight * (point.p_S - next_.origin_S);
     for (int j = 0; j < 3; ++j) {
-      rows_.columns[j][rows_.count] = x[j];
-      rows_.columns[3 + j][rows_.count] = p[j];
+      columns_[j][row] = x[j];
+      columns_[3 + j][row] = p[j];
     }
-    ++rows_.count;
   }
 }
 
@@ -87,37 +85,30 @@ MotionStatistics Judging::base() const {
 // third (half) of the range of readings, or, every second time, from anywhere, in case all those of
 // one third are wrong.
 MotionRls Judging::candidate() {
-  const std::size_t rows = rows_.count;
+  const std::size_t rows = order_.size();
   const std::size_t size = std::min(static_cast<std::size_t>(motion_unknowns(next_.type)), rows);
   MotionRls motion = next_.motion;
   for (std::size_t i = 0; i < size; ++i) {
     const std::size_t begin = count_ % 2 == 0 ? i * rows / size : 0;
     const std::size_t end = count_ % 2 == 0 ? (i + 1) * rows / size : rows;
     const std::size_t row = begin + sequence_.below(end - begin);
-    const auto& c = rows_.columns;
+    const auto& c = columns_;
     motion.update({c[0][row], c[1][row], c[2][row]}, {c[3][row], c[4][row], c[5][row]});
   }
   return motion;
 }
 
 void Judging::squared_distances(const Coefficients& fit, Distances& distances) const {
-  using V = Pack<double>;
-  const auto& [x0, x1, x2, px, py, pz] = rows_.columns;
+  const auto& [x0, x1, x2, px, py, pz] = columns_;
   const std::array<const double*, 3> p = {px.data(), py.data(), pz.data()};
-  for (std::size_t k = 0; k < rows_.count; k += Lanes<double>::kCount) {
-    const V a = load<V>(&x0[k]);
-    const V b = load<V>(&x1[k]);
-    const V c = load<V>(&x2[k]);
-    V squares{};
-#pragma GCC unroll 3
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    double squares = 0;
     for (int i = 0; i < 3; ++i) {
-      const V d = load<V>(p[i] + k) - a * fit(0, i) - b * fit(1, i) - c * fit(2, i);
+      const double d = p[i][k] - x0[k] * fit(0, i) - x1[k] * fit(1, i) - x2[k] * fit(2, i);
       squares += d * d;
     }
-    store(&distances[k], squares);
+    distances[k] = squares < kInfinity ? squares : kInfinity;
   }
-  for (std::size_t k = 0; k < rows_.count; ++k)
-    if (!(distances[k] < kInfinity)) distances[k] = kInfinity;
 }
 
 // Least median of squares, then, at the scale that the median shows, the candidate that explains
@@ -125,7 +116,7 @@ void Judging::squared_distances(const Coefficients& fit, Distances& distances) c
 // the points share one reading.
 void Judging::try_median() {
   const auto unknowns = static_cast<std::size_t>(motion_unknowns(next_.type));
-  const std::size_t rows = rows_.count;
+  const std::size_t rows = order_.size();
   const std::size_t middle = std::min(rows / 2 + (unknowns + 1) / 2, rows) - 1;
   const Coefficients fit = candidate().solve();
   Distances distances;
@@ -152,7 +143,7 @@ void Judging::try_cost() {
   squared_distances(fit, distances);
   const double most = kGateChiSquare * scale_.variance;
   double cost = 0;
-  for (std::size_t i = 0; i < rows_.count; ++i) cost += std::min(distances[i], most);
+  for (std::size_t i = 0; i < order_.size(); ++i) cost += std::min(distances[i], most);
   if (cost < least_cost_) {
     least_cost_ = cost;
     motion_ = motion;
@@ -173,10 +164,12 @@ void Judging::judge(std::size_t place) {
   bool& verdict = verdicts_[order_[place]];
   const bool took_part = round_ > 0 && verdict;
   const Vector3 x = next_.regressors(point);
-  const double spread = spread_of(leverage(motion_, x, point), took_part);
-  const Vector3 r = residual(next_, fit_, point, x);
-  const bool passes = (took_part && spread < kNoSpread) ||
-                      chi_square(r, fit_, scale_.variance, point) <= scale_.limit * spread;
+  const double leverage = motion_.prediction_variance(x) / point.variance();
+  // A residual that was fitted is smaller than its noise, any other larger.
+  const double spread = took_part ? 1 - leverage : 1 + leverage;
+  const Vector3 residual = point.p_S - next_.origin_S - fit_.transpose() * x;
+  const bool passes =
+      (took_part && spread < kNoSpread) || scale_.allows(residual, spread, point, fit_);
   changed_ = changed_ || passes != verdict;
   verdict = passes;
 }

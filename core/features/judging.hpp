@@ -35,12 +35,6 @@ class Judging {
   using Coefficients = MotionRls::Coefficients;
   // The waiting points by ascending reading, so that the order of the rows cannot matter.
   using Order = FixedVector<std::uint8_t, kGateCapacity>;
-  // Their regressors and positions in that order, weighted to unit variance per axis, column by
-  // column; the first is the weight. Rows of zeros fill the last pack.
-  struct Rows {
-    alignas(32) std::array<std::array<double, kGateCapacity>, 6> columns{};
-    std::size_t count = 0;
-  };
   enum class Stage : std::uint8_t { kMedians, kCosts, kRounds, kOver };
 
   // Small deterministic generator (linear congruential, Knuth's MMIX constants): the same sweep
@@ -69,7 +63,9 @@ class Judging {
 
   const MotionStatistics& accepted_;
   const WaitingPoints& waiting_;
-  Rows rows_;
+  // Their regressors and positions in the order, weighted to unit variance per axis, column by
+  // column; the first is the weight.
+  std::array<std::array<double, kGateCapacity>, 6> columns_{};
   MotionRls motion_;       // that points are judged by
   MotionStatistics next_;  // base(), and at the end of a round the points that have passed in it
   Coefficients fit_;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "core/features/paper_fit.hpp"
-
-#include "core/features/centre_of_rotation.hpp"
-#include "core/features/line_of_translation.hpp"
-#include "core/features/plane_of_rotation.hpp"
+#include "core/features/motion_fits.hpp"
+#include "core/features/regressions.hpp"
 
 namespace armsig::features {
 namespace {
@@ -18,15 +15,15 @@ Matrix3 motion_moments(const SweepStatistics& statistics, const Vector3& centre)
 
 // Covariance of (centre, rotation vector, radius).
 Result<Eigen::Matrix<double, 7, 7>> circle_covariance(const SweepStatistics& statistics,
-                                                      const CircleFit& circle) {
-  const Vector3 e = circle.R_SC.col(0);
-  const Vector3 f = circle.R_SC.col(1);
-  const Vector3 n = circle.R_SC.col(2);
+                                                      const JointFeature& circle) {
+  const Vector3& e = circle.radial_S;
+  const Vector3& n = circle.axis_S;
+  const Vector3 f = n.cross(e);
   const double r = circle.radius_m;
-  const Vector3 centre = circle.centre_S - statistics.origin_S;
+  const Vector3 centre = circle.point_S - statistics.origin_S;
 
   // Regressors of (13) and (14): 1 and the coordinates in the plane about the centre.
-  const Eigen::Matrix4d R = statistics.geometry.matrix().topLeftCorner<4, 4>();
+  const Eigen::Matrix4d R = statistics.geometry().factor();
   SquareRootRls<3, 1> plane;
   for (int row = 0; row < 4; ++row) {
     const Vector3 p = R.block<1, 3>(row, 1).transpose() - R(row, 0) * centre;
@@ -67,9 +64,9 @@ Result<Eigen::Matrix<double, 7, 7>> circle_covariance(const SweepStatistics& sta
 
 }  // namespace
 
-Result<CircleFit> paper_circle(const SweepStatistics& statistics) {
+Result<void> paper_circle(const SweepStatistics& statistics, JointFeature& feature) {
   if (statistics.motion.rank() < 3) return std::unexpected(Error::kSingular);
-  const GeometryFactor::Matrix geometry = statistics.geometry.matrix();
+  const Geometry geometry = statistics.geometry();
   ARMSIG_TRY(plane, plane_of_rotation(geometry));
   ARMSIG_TRY(circle, centre_of_rotation(geometry, plane, squared_distance_in_plane(plane)));
 
@@ -85,20 +82,18 @@ Result<CircleFit> paper_circle(const SweepStatistics& statistics) {
   const Vector3 sines = moments.row(1).transpose();
   const Vector3 towards = cosines + sines.cross(n);
 
-  CircleFit result;
-  result.centre_S = statistics.origin_S + circle.centre;
-  result.radius_m = circle.radius_m;
-  result.R_SC.col(0) = (towards - n.dot(towards) * n).normalized();
-  result.R_SC.col(1) = n.cross(result.R_SC.col(0));
-  result.R_SC.col(2) = n;
-  ARMSIG_TRY(covariance, circle_covariance(statistics, result));
-  result.covariance = covariance;
-  return result;
+  feature.axis_S = n;
+  feature.radial_S = (towards - n.dot(towards) * n).normalized();
+  feature.point_S = statistics.origin_S + circle.centre;
+  feature.radius_m = circle.radius_m;
+  ARMSIG_TRY(covariance, circle_covariance(statistics, feature));
+  feature.covariance = covariance;
+  return {};
 }
 
-Result<LineFit> paper_line(const SweepStatistics& statistics) {
+Result<void> paper_line(const SweepStatistics& statistics, JointFeature& feature) {
   if (statistics.motion.rank() < 2) return std::unexpected(Error::kSingular);
-  ARMSIG_TRY(line, line_of_translation(statistics.geometry));
+  ARMSIG_TRY(line, line_of_translation(statistics.geometry()));
   const MotionRls::Coefficients phi = statistics.motion.solve();
   const Vector3 u =
       phi.row(1).dot(line.direction_S) < 0 ? Vector3(-line.direction_S) : line.direction_S;
@@ -106,9 +101,10 @@ Result<LineFit> paper_line(const SweepStatistics& statistics) {
   const Matrix3 R = statistics.motion.factor();
   const double mean_moved = R(0, 1) / R(0, 0);
 
-  LineFit result;
-  result.direction_S = u;
-  result.point_S = statistics.origin_S + line.mean - mean_moved * u;
+  feature.axis_S = u;
+  feature.radial_S = any_perpendicular(u);
+  feature.point_S = statistics.origin_S + line.mean - mean_moved * u;
+  feature.radius_m = 0;
 
   // The mean point and the slope are independent; the slope carries the point back to the origin.
   const Matrix3 shape = statistics.shape();
@@ -117,9 +113,10 @@ Result<LineFit> paper_line(const SweepStatistics& statistics) {
   const Matrix3 of_slope = across * shape * across / (R(1, 1) * R(1, 1));
   Eigen::Matrix<double, 6, 3> effect;  // of a change of direction: on the point, as a rotation
   effect << -mean_moved * Matrix3::Identity(), cross_matrix(u);
-  result.covariance.topLeftCorner<6, 6>() = effect * of_slope * effect.transpose();
-  result.covariance.topLeftCorner<3, 3>() += of_mean;
-  return result;
+  feature.covariance.setZero();
+  feature.covariance.topLeftCorner<6, 6>() = effect * of_slope * effect.transpose();
+  feature.covariance.topLeftCorner<3, 3>() += of_mean;
+  return {};
 }
 
 }  // namespace armsig::features

@@ -2,7 +2,7 @@
 // Recursive least squares in square-root form, the engine of every feature (section 3.2.1 of the
 // paper).
 //
-// Each row of measurements is rotated (Givens) into the triangular factor of the augmented problem:
+// Each row of measurements is rotated into the triangular factor of the augmented problem:
 //
 //   [ R  Z ]   R: regressors x regressors, upper triangular     X^T X = R^T R
 //   [ 0  E ]   Z: the right-hand sides, rotated alike           coefficients = R^-1 Z
@@ -10,6 +10,11 @@
 // The rows left over are the residuals; only their sums of products E^T E are kept. No matrix is
 // ever squared or inverted, so a million updates cost no more digits than ten, in float as in
 // double; the covariance form loses them.
+//
+// Givens rotations without square roots (Gentleman, "Least squares computations by Givens
+// transformations without square roots", J. Inst. Maths Applics 12, 1973), as stable as those with,
+// at two thirds of the cost: the factor is kept as R = D^1/2 U, U with a unit diagonal, D in the
+// place of that diagonal.
 #pragma once
 
 #include <array>
@@ -20,9 +25,35 @@
 #include <Eigen/Core>
 
 #include "core/base/error.hpp"
-#include "core/features/triangular_factor.hpp"
 
 namespace armsig::features {
+
+// The rotation of a row into one of the factor that makes the row's entry at the pivot vanish; the
+// rest of the row is what is left for the next one. One of weight 0 changes nothing.
+template <typename Scalar>
+struct Rotation {
+  Scalar entry;   // of the row, at the pivot
+  Scalar square;  // of the pivot, with the row
+  Scalar c;
+  Scalar s;
+
+  // Of a row of weight `weight`, which becomes that of the rest.
+  [[nodiscard]] static Rotation of(Scalar pivot_square, Scalar entry, Scalar& weight) {
+    const Scalar weighted = weight * entry;
+    const Scalar square = pivot_square + weighted * entry;
+    Scalar c = 0;  // nothing is kept yet where the square is 0
+    Scalar s = 0;
+    if (square > 0) {
+      const Scalar inverse = 1 / square;
+      c = pivot_square * inverse;
+      s = weighted * inverse;
+      weight *= c;
+    }
+    return {entry, square, c, s};
+  }
+  [[nodiscard]] Scalar rest(Scalar above, Scalar below) const { return below - entry * above; }
+  [[nodiscard]] Scalar kept(Scalar above, Scalar below) const { return c * above + s * below; }
+};
 
 // kRegressors shared by kRightHandSides. Constant memory, no heap; a zero-initialised object knows
 // nothing.
@@ -40,9 +71,6 @@ class SquareRootRls {
   using Row = std::array<Scalar, kColumns>;
   using Rows = std::array<Row, kRegressors>;
 
-  // The upper triangle of E^T E, row by row.
-  using ProductSums = std::array<Scalar, kRightHandSides*(kRightHandSides + 1) / 2>;
-
   // How a measurement stood to those before it.
   struct Innovation {
     RightHandSides residual;  // measured minus predicted
@@ -59,19 +87,17 @@ class SquareRootRls {
   };
 
   // One measurement: right_hand_sides = coefficients^T * regressors + noise of variance 1 / weight.
-  // All numbers must be finite, the weight not negative. Its innovation is what the rotations
-  // leave: of the row the residual, of the weight so much over 1 + leverage.
-  Innovation update(const Regressors& regressors, const RightHandSides& right_hand_sides,
-                    Scalar weight = 1) {
+  // All numbers must be finite, the weight not negative.
+  void update(const Regressors& regressors, const RightHandSides& right_hand_sides,
+              Scalar weight = 1) {
     Row row = row_of(regressors, right_hand_sides);
-    Scalar left = weight;
-    rotate_in(row, left);
-    const Innovation innovation = left_of(row, weight, left);
-    add_residual(innovation.residual, left);
-    return innovation;
+    rotate_in(row, weight);
+    add_residual(right_hand_sides_of(row), weight);
   }
 
-  // The same in two steps, for a measurement that is looked at before it is taken in.
+  // The same in two steps, for a measurement that is looked at before it is taken in. Its
+  // innovation is what the rotations leave: of the row the residual, of the weight so much over
+  // 1 + leverage.
   [[nodiscard, gnu::always_inline]] Rotations rotations(const Regressors& regressors,
                                                         const RightHandSides& right_hand_sides,
                                                         Scalar weight) const {
@@ -86,7 +112,8 @@ class SquareRootRls {
         row[j] = rotation.rest(factor_[i][j], row[j]);
       }
     }
-    found.innovation = left_of(row, weight, found.left);
+    found.innovation.residual = right_hand_sides_of(row);
+    found.innovation.leverage = weight / found.left - 1;
     return found;
   }
   // Precondition: nothing was taken in between.
@@ -118,17 +145,6 @@ class SquareRootRls {
     }
   };
 
-  // The columns are those of the regressors, then those of the right-hand sides.
-  using Block = RowBlock<Scalar, kColumns>;
-
-  // The same as an update by each measurement of `block`, which it destroys.
-  void update(Block& block) {
-    for (std::size_t i = 0; i < factor_.size(); ++i) reflect_column(factor_[i], i, block);
-    for (int i = 0, k = 0; i < kRightHandSides; ++i)
-      for (int j = i; j < kRightHandSides; ++j, ++k)
-        residuals_[k] += product(block.columns[kRegressors + i], block.columns[kRegressors + j]);
-  }
-
   // [R Z] as it is kept.
   [[nodiscard]] const Rows& rows() const { return factor_; }
 
@@ -153,10 +169,7 @@ class SquareRootRls {
 
   // E^T E: sums of products of the residuals of the least-squares solution.
   [[nodiscard]] Products residual_products() const {
-    Products sums;
-    for (int i = 0, k = 0; i < kRightHandSides; ++i)
-      for (int j = i; j < kRightHandSides; ++j, ++k) sums(i, j) = sums(j, i) = residuals_[k];
-    return sums;
+    return upper_.template selfadjointView<Eigen::Upper>();
   }
 
   // How many of the regressors the measurements tell apart.
@@ -222,8 +235,13 @@ class SquareRootRls {
     for (int j = 0; j < kRightHandSides; ++j) row[kRegressors + j] = right_hand_sides[j];
     return row;
   }
+  [[nodiscard]] static RightHandSides right_hand_sides_of(const Row& row) {
+    return Eigen::Map<const RightHandSides>(row.data() + kRegressors);
+  }
 
-  // Rotates `row` into the rows from kPivot on of the factor.
+  // Rotates `row` into the rows from kPivot on of the factor; `weight` becomes that of the rest. In
+  // one pass, a quarter of the instructions of looking first where a compiler keeps no arrays in
+  // registers.
   template <std::size_t kPivot = 0>
   [[gnu::always_inline]] void rotate_in(Row& row, Scalar& weight) {
     if constexpr (kPivot < kRegressors) {
@@ -241,19 +259,9 @@ class SquareRootRls {
     }
   }
 
-  // What the rotations have left of a row of weight `weight`.
-  [[nodiscard]] static Innovation left_of(const Row& row, Scalar weight, Scalar left) {
-    Innovation innovation;
-    for (int k = 0; k < kRightHandSides; ++k) innovation.residual[k] = row[kRegressors + k];
-    innovation.leverage = weight / left - 1;
-    return innovation;
-  }
-
   void add_residual(const RightHandSides& residual, Scalar weight) {
-    for (int i = 0, k = 0; i < kRightHandSides; ++i) {
-      const Scalar weighted = weight * residual[i];
-      for (int j = i; j < kRightHandSides; ++j, ++k) residuals_[k] += weighted * residual[j];
-    }
+    for (int i = 0; i < kRightHandSides; ++i)
+      for (int j = i; j < kRightHandSides; ++j) upper_(i, j) += weight * residual[i] * residual[j];
   }
 
   // A pivot this small beside its column is rounding.
@@ -266,7 +274,7 @@ class SquareRootRls {
   }
 
   Rows factor_{};
-  ProductSums residuals_{};
+  Products upper_ = Products::Zero();  // triangle of E^T E
 };
 
 }  // namespace armsig::features

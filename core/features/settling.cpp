@@ -3,18 +3,12 @@
 
 namespace armsig::features {
 
-void accept(const SweepPoint& point, SweepStatistics& accepted) {
-  if (accepted.count == 0) accepted.set_origin(point);
-  accepted.add(point);
-}
-
 Settling::Settling(const SweepState& state)
     : state_(state), accepted_(state.accepted), rejected_(state.rejected) {
   if (state.waiting.empty()) {
-    accepted_.geometry.compress();
     stage_ = Stage::kOver;
   } else if (state.waiting_is_accepted && is_consistent(accepted_)) {
-    review_.emplace(accepted_);
+    stage_ = Stage::kReview;
   } else {
     begin_judging();
   }
@@ -45,22 +39,20 @@ bool Settling::step() {
 }
 
 void Settling::review_next() {
-  if (!review_->confirms(state_.waiting[done_])) {
+  if (!is_confirmed(accepted_, state_.waiting[done_])) {
     begin_judging();
   } else if (++done_ == state_.waiting.size()) {
-    accepted_.geometry.compress();
     stage_ = Stage::kOver;
   }
 }
 
 void Settling::take_next() {
   if (judging_->result()[done_]) {
-    accept(state_.waiting[done_], accepted_);
+    accepted_.add(state_.waiting[done_]);
   } else {
     ++rejected_;
   }
   if (++done_ < state_.waiting.size()) return;
-  accepted_.geometry.compress();
   stage_ = Stage::kOver;
 }
 

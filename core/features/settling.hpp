@@ -19,12 +19,8 @@ struct SweepState {
   std::size_t rejected = 0;  // of those judged
   bool sigma_is_known = false;
   Matrix3 latest_covariance_m2 = Matrix3::Identity();
-  double lowest_reading = 0;  // of all points
-  double highest_reading = 0;
   FixedVector<double, 3> distinct_readings;  // the first ones
-  Vector3 first_S = Vector3::Zero();
-  bool all_equal = true;
-  WaitingPoints waiting;  // not judged for good
+  WaitingPoints waiting;                     // not judged for good
   // Whether `accepted` holds them already: the first points, as long as all agree.
   bool waiting_is_accepted = false;
   SweepStatistics accepted;
@@ -54,13 +50,9 @@ class Settling {
   const SweepState& state_;
   SweepStatistics accepted_;
   std::size_t rejected_;
-  std::optional<Review> review_;
   std::optional<Judging> judging_;
   std::size_t done_ = 0;  // points reviewed, or taken in
   Stage stage_ = Stage::kReview;
 };
-
-// Adds `point` to `accepted`, which begins at its first point.
-void accept(const SweepPoint& point, SweepStatistics& accepted);
 
 }  // namespace armsig::features

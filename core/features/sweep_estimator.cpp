@@ -5,9 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/features/encoder_ratio.hpp"
 #include "core/features/fit_feature.hpp"
-#include "core/features/near_axis.hpp"
 
 namespace armsig::features {
 namespace {
@@ -19,25 +17,22 @@ Refusal refusal_of(Error error, std::size_t found, std::size_t needed) {
   return {error, static_cast<double>(found), static_cast<double>(needed)};
 }
 
+std::size_t least_points(const SweepConfig& config) {
+  return config.type == JointType::kRevolute ? config.limits.least_points
+                                             : config.limits.least_points_prismatic;
+}
+
 // What the readings and points show before any of them is judged.
-std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const SweepState& state,
-                                           std::size_t least_points) {
-  if (state.count < least_points)
-    return refusal_of(Error::kTooFewPoints, state.count, least_points);
-  const double range = state.highest_reading - state.lowest_reading;
-  if (range < kSameReading) {
-    const bool revolute = config.type == JointType::kRevolute;
-    return Refusal{Error::kJointDidNotMove, range,
+std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const SweepState& state) {
+  if (state.count < least_points(config))
+    return refusal_of(Error::kTooFewPoints, state.count, least_points(config));
+  const std::size_t readings = state.distinct_readings.size();
+  const bool revolute = config.type == JointType::kRevolute;
+  if (readings < 2)
+    return Refusal{Error::kJointDidNotMove, 0,
                    revolute ? config.limits.least_arc_rad : kSameReading};
-  }
   const auto unknowns = static_cast<std::size_t>(motion_unknowns(config.type));
-  if (state.distinct_readings.size() < unknowns)
-    return refusal_of(Error::kTooFewPoints, state.distinct_readings.size(), unknowns);
-  if (state.all_equal) {
-    const double sigma =
-        state.sigma_is_known ? std::sqrt(state.latest_covariance_m2.trace() / 3) : 0;
-    return Refusal{Error::kCoincidentPoints, 0, config.limits.least_radius_sigmas * sigma};
-  }
+  if (readings < unknowns) return refusal_of(Error::kTooFewPoints, readings, unknowns);
   return std::nullopt;
 }
 
@@ -46,6 +41,9 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
                                                             const SweepStatistics& statistics,
                                                             const NoiseLevel& noise) {
   const bool revolute = statistics.type == JointType::kRevolute;
+  const double speed = statistics.motion.solve().row(1).norm();
+  if (speed == 0)  // the points are all the same
+    return Refusal{Error::kCoincidentPoints, 0, limits.least_radius_sigmas * noise.stated_sigma_m};
   // A little slack, because readings come rounded.
   const double arc = statistics.arc() * (1 + 1e-9);
   if (revolute && arc < limits.least_arc_rad)
@@ -53,7 +51,6 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
   if (statistics.motion.rank() < motion_unknowns(statistics.type))
     return Refusal{Error::kArcTooShort, arc, std::max(limits.least_arc_rad, 2 * arc)};
 
-  const double speed = statistics.motion.solve().row(1).norm();
   const double greatest_m = std::max(limits.greatest_misfit * noise.stated_sigma_m,
                                      revolute ? limits.greatest_reading_error_rad * speed : 0.0);
   if (noise.misfit * noise.stated_sigma_m > greatest_m)
@@ -117,20 +114,13 @@ Result<void> SweepEstimator::add(double reading, const Vector3& p_S, const Matri
   bool known = s.sigma_is_known && same_bits(covariance_m2, s.latest_covariance_m2);
   if (!known) {
     if (!covariance_m2.allFinite()) return std::unexpected(Error::kNotFinite);
-    known = !covariance_m2.isZero(0);
-    if (known && !is_positive_definite(covariance_m2)) return std::unexpected(Error::kSingular);
+    known = Information(covariance_m2).is_positive_definite();
+    if (!known && !covariance_m2.isZero(0)) return std::unexpected(Error::kSingular);
     if (s.count == 0) s.sigma_is_known = known;
     if (s.sigma_is_known && known) s.latest_covariance_m2 = covariance_m2;
   }
 
-  if (s.count == 0) {
-    s.lowest_reading = s.highest_reading = reading;
-    s.first_S = p_S;
-  }
   ++s.count;
-  s.lowest_reading = std::min(s.lowest_reading, reading);
-  s.highest_reading = std::max(s.highest_reading, reading);
-  s.all_equal = s.all_equal && p_S == s.first_S;
   const auto is_same = [&](double seen) { return std::abs(seen - reading) < kSameReading; };
   if (!s.distinct_readings.full() && std::ranges::none_of(s.distinct_readings, is_same))
     s.distinct_readings.push_back(reading);
@@ -172,7 +162,7 @@ bool SweepEstimator::agrees(const SweepPoint& point) {
   SweepStatistics& accepted = state_.accepted;
   const std::size_t place = state_.waiting.size();
   if (place <= kFirstPoints) {
-    accept(point, accepted);
+    accepted.add(point);
     return place < kFirstPoints || is_consistent(accepted);
   }
   const Trial trial = accepted.tried(point);
@@ -185,9 +175,9 @@ bool SweepEstimator::agrees(const SweepPoint& point) {
 // With each point of the second half, two are examined again: when the last one comes, all have
 // been, and none has to wait any longer.
 bool SweepEstimator::two_still_agree() const {
-  const Review review(state_.accepted);
   const std::size_t first = 2 * (state_.waiting.size() - kGateCapacity / 2 - 1);
-  return review.confirms(state_.waiting[first]) && review.confirms(state_.waiting[first + 1]);
+  return is_confirmed(state_.accepted, state_.waiting[first]) &&
+         is_confirmed(state_.accepted, state_.waiting[first + 1]);
 }
 
 // A function of its own, as are others on the way to a feature: what it keeps on the stack would
@@ -209,15 +199,12 @@ Judged<JointFeature> SweepEstimator::estimate() const {
 }
 
 SweepEstimation::SweepEstimation(const SweepEstimator& estimator)
-    : config_(estimator.config_),
-      state_(estimator.state_),
-      least_points_(config_.type == JointType::kRevolute ? config_.limits.least_points
-                                                         : config_.limits.least_points_prismatic) {}
+    : config_(estimator.config_), state_(estimator.state_) {}
 
 bool SweepEstimation::step() {
   if (result_) return false;
   if (!settling_) {
-    if (const auto refusal = refusal_before_gate(config_, state_, least_points_)) {
+    if (const auto refusal = refusal_before_gate(config_, state_)) {
       result_.emplace(std::unexpected(*refusal));
       return false;
     }
@@ -239,7 +226,7 @@ std::optional<Refusal> SweepEstimation::fit_accepted(JointFeature& feature) cons
   const SweepStatistics& statistics = settling_->accepted();
   const double kept = (1 - limits.greatest_rejected) * static_cast<double>(state_.count);
   const std::size_t least_accepted =
-      std::max(least_points_, static_cast<std::size_t>(std::ceil(kept)));
+      std::max(least_points(config_), static_cast<std::size_t>(std::ceil(kept)));
   if (statistics.count < least_accepted)
     return refusal_of(Error::kTooManyOutliers, statistics.count, least_accepted);
 

@@ -68,7 +68,7 @@ class SweepEstimator {
   // The feature that all points so far show. May be called at any time, as often as wanted.
   // Refusals (found, needed):
   //   kTooFewPoints      points or distinct readings; the least number
-  //   kJointDidNotMove   range of the readings; the least arc
+  //   kJointDidNotMove   0, all readings being the same; the least arc
   //   kCoincidentPoints  how far the target moved; 10 sigma of a point
   //   kTooManyOutliers   points accepted; the least number
   //   kNotACircle        RMS residual, or misfit of the readings, the greatest; or the encoder
@@ -109,7 +109,6 @@ class SweepEstimation {
 
   const SweepConfig& config_;
   const SweepState& state_;
-  std::size_t least_points_;
   std::optional<Settling> settling_;  // empty until it may begin
   std::optional<Judged<JointFeature>> result_;
 };

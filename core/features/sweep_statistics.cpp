@@ -44,45 +44,14 @@ Vector3 motion_regressors(JointType type, double moved) {
   return {1, 2 * s * c, 2 * s * s};
 }
 
-GeometryFactor::Row geometry_columns(const Vector3& p) {
-  GeometryFactor::Row row;
-  row[0] = 1;
-  row.segment<3>(1) = p;
-  row[4] = p.squaredNorm();
-  row.tail<5>() = products(p, p).head<5>();
-  return row;
-}
-
-// By the pivots of elimination.
-bool is_positive_definite(const Matrix3& a) {
-  if (!(a(0, 0) > 0)) return false;
-  const double y = a(1, 0) / a(0, 0);
-  const double z = a(2, 0) / a(0, 0);
-  const double yy = a(1, 1) - y * a(1, 0);
-  if (!(yy > 0)) return false;
-  const double yz = a(2, 1) - z * a(1, 0);
-  return a(2, 2) - z * a(2, 0) - yz * yz / yy > 0;
-}
-
-// By the adjugate.
-Matrix3 information(const Matrix3& covariance) {
-  // Scaled, because variances of exact data are near 1e-30 and their determinant would underflow.
-  const double scale = 1 / covariance.trace();
-  const double xx = scale * covariance(0, 0);
-  const double xy = scale * covariance(0, 1);
-  const double xz = scale * covariance(0, 2);
-  const double yy = scale * covariance(1, 1);
-  const double yz = scale * covariance(1, 2);
-  const double zz = scale * covariance(2, 2);
-  const double a = yy * zz - yz * yz;
-  const double b = yz * xz - xy * zz;
-  const double c = xy * yz - yy * xz;
-  const double d = xx * zz - xz * xz;
-  const double e = xy * xz - xx * yz;
-  const double f = xx * yy - xy * xy;
-  Matrix3 adjugate;
-  adjugate << a, b, c, b, d, e, c, e, f;
-  return adjugate * (scale / (xx * a + xy * b + xz * c));
+Information::Information(const Matrix3& covariance) {
+  w[0] = 1 / covariance(0, 0);
+  l10 = covariance(1, 0) * w[0];
+  l20 = covariance(2, 0) * w[0];
+  w[1] = 1 / (covariance(1, 1) - l10 * covariance(1, 0));
+  const double below = covariance(2, 1) - l20 * covariance(1, 0);
+  l21 = below * w[1];
+  w[2] = 1 / (covariance(2, 2) - l20 * covariance(2, 0) - l21 * below);
 }
 
 double rounding_variance(const SweepPoint& point, double speed) {
@@ -101,7 +70,7 @@ Trial MotionStatistics::tried(const SweepPoint& point) const {
 void MotionStatistics::add(const SweepPoint& point, const Trial& trial) {
   if (count == 0) {
     first_covariance_m2 = point.covariance_m2;
-    first_information = information(point.covariance_m2);
+    first_information = Information(point.covariance_m2);
     lowest_reading = highest_reading = point.reading;
   }
   if (trial.has_first_covariance) {
@@ -133,28 +102,36 @@ Matrix3 MotionStatistics::shape() const {
   return shape_sum / static_cast<double>(count);
 }
 
+void SweepStatistics::add(const SweepPoint& point) {
+  if (count == 0) {
+    origin_reading = point.reading;
+    origin_S = point.p_S;
+  }
+  add(point, tried(point));
+}
+
 void SweepStatistics::add(const SweepPoint& point, const Trial& trial) {
   MotionStatistics::add(point, trial);
   const Vector3 p = point.p_S - origin_S;
   if (method == Method::kPaper) {
-    geometry.add(geometry_columns(p), 1 / point.variance());
-  } else {
+    Geometry::RightHandSides monomials;
+    monomials << p.squaredNorm(), products(p, p).head<5>();
+    of_points.update({1, p.x(), p.y(), p.z()}, monomials, 1 / point.variance());
+  } else if (type == JointType::kRevolute) {
     squares.update(p.squaredNorm(), trial.rotations);
   }
 }
 
 // The rows of the motion's factor without its regressors but the first, which is 1, and rows that
 // have the products of its residuals (by elimination; what is left of exact data is rounding).
-GeometryFactor::Matrix SweepStatistics::geometry_matrix() const {
-  if (method == Method::kPaper) return geometry.matrix();
-  GeometryFactor factor;
-  GeometryFactor::Row row = GeometryFactor::Row::Zero();
+Geometry SweepStatistics::geometry() const {
+  if (method == Method::kPaper) return of_points;
+  Geometry geometry;
+  Geometry::RightHandSides square = Geometry::RightHandSides::Zero();
   for (int i = 0; i < 3; ++i) {
     const MotionRls::Row& kept = motion.rows()[i];
-    row[0] = i == 0 ? 1 : 0;
-    for (int k = 0; k < 3; ++k) row[1 + k] = kept[3 + k];
-    row[4] = squares.rotated[i];
-    factor.add(row, kept[i]);
+    square[0] = squares.rotated[i];
+    geometry.update({i == 0 ? 1.0 : 0.0, kept[3], kept[4], kept[5]}, square, kept[i]);
   }
   Eigen::Matrix4d left;
   left << motion.residual_products(), squares.products, squares.products.transpose(),
@@ -162,13 +139,12 @@ GeometryFactor::Matrix SweepStatistics::geometry_matrix() const {
   for (int i = 0; i < 4; ++i) {
     const double pivot = left(i, i);
     if (!(pivot > 0)) continue;
-    for (int k = 0; k < 4; ++k) row[1 + k] = left(i, k) / pivot;
-    for (int k = 0; k < 4; ++k)
-      for (int l = 0; l < 4; ++l) left(k, l) -= pivot * row[1 + k] * row[1 + l];
-    factor.add(row, pivot);
+    const Eigen::Vector4d row = left.col(i) / pivot;
+    left -= pivot * row * row.transpose();
+    square[0] = row[3];
+    geometry.update({0, row[0], row[1], row[2]}, square, pivot);
   }
-  factor.compress();
-  return factor.matrix();
+  return geometry;
 }
 
 Eigen::Matrix<double, 6, 6> MotionStatistics::score_sums() const {

@@ -7,11 +7,10 @@
 //             the encoder-referenced circle p = c + A cos t + B sin t of ALGORITHMS section 2,
 //             written c + A, B, -A so that a short arc has well-scaled columns; or the line
 //             c + u t;
-//   geometry  of the paper's method alone, the quadratic monomials on [1 x y z]: the plane (13)
-//             with any pivot, and the circle (14) in any plane, because w = |p|^2 - (n.p)^2 is
-//             linear in the monomials.
-// Of the encoder's method the motion tells how far the points are from a plane, and with |p|^2 as
-// one more right-hand side how far from a circle.
+//   geometry  the quadratic monomials on [1 x y z]: the plane (13) with any pivot, and the circle
+//             (14) in any plane, because w = |p|^2 - (n.p)^2 is linear in the monomials.
+// The geometry is kept for the paper's method alone. Of the encoder's the motion tells how far the
+// points are from a plane, and with |p|^2 as one more right-hand side how far from a circle.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +21,6 @@
 #include "core/base/pose.hpp"
 #include "core/features/feature.hpp"
 #include "core/features/rls.hpp"
-#include "core/features/triangular_factor.hpp"
 
 namespace armsig::features {
 
@@ -36,25 +34,37 @@ struct SweepPoint {
 };
 
 using MotionRls = SquareRootRls<3, 3>;
-using GeometryFactor = TriangularFactor<10>;
+// |p|^2, xx, xy, xz, yy, yz on 1, x, y, z.
+using Geometry = SquareRootRls<4, 6>;
 
 // Whether not a bit is different.
 [[nodiscard]] bool same_bits(const Matrix3& a, const Matrix3& b);
 
-// Of a symmetric matrix.
-[[nodiscard]] bool is_positive_definite(const Matrix3& a);
+// The inverse of a covariance by elimination: L^-T W L^-1, L with a unit diagonal, W diagonal.
+struct Information {
+  double l10 = 0;
+  double l20 = 0;
+  double l21 = 0;
+  Vector3 w = Vector3::Ones();
 
-// The inverse of a covariance.
-[[nodiscard]] Matrix3 information(const Matrix3& covariance);
+  Information() = default;
+  // Reads the lower triangle.
+  explicit Information(const Matrix3& covariance);
+
+  [[nodiscard]] bool is_positive_definite() const { return w.allFinite() && w.minCoeff() > 0; }
+  // r^T covariance^-1 r.
+  [[nodiscard]] double chi_square(const Vector3& r) const {
+    const double y = r[1] - l10 * r[0];
+    const double z = r[2] - l20 * r[0] - l21 * y;
+    return w[0] * r[0] * r[0] + w[1] * y * y + w[2] * z * z;
+  }
+};
 
 // The regressors of the motion; a prismatic joint has two, and leaves the third zero.
 [[nodiscard]] Vector3 motion_regressors(JointType type, double moved);
 [[nodiscard]] constexpr int motion_unknowns(JointType type) {
   return type == JointType::kRevolute ? 3 : 2;
 }
-
-// 1, x, y, z, |p|^2, xx, xy, xz, yy, yz.
-[[nodiscard]] GeometryFactor::Row geometry_columns(const Vector3& p);
 
 // The variance that rounding alone may give a coordinate of this point, 16 units in the last place:
 // of the coordinates themselves, and of the reading at the speed with which it moves the point.
@@ -83,7 +93,7 @@ struct MotionStatistics {
   // Of the first point, and how many of the first points have that very covariance. As long as all
   // have, the two sums below are not kept: they follow from it and the factor.
   Matrix3 first_covariance_m2 = Matrix3::Identity();
-  Matrix3 first_information = Matrix3::Identity();  // its inverse
+  Information first_information;  // its inverse
   std::size_t same_covariance = 0;
   Matrix3 shape_sum = Matrix3::Zero();  // of covariance / variance()
   // Sum of weight * (products of the regressors) (products of covariance / variance())^T, each in
@@ -91,13 +101,8 @@ struct MotionStatistics {
   Eigen::Matrix<double, 6, 6> score_sum = Eigen::Matrix<double, 6, 6>::Zero();
 
   MotionStatistics() = default;
-  MotionStatistics(JointType joint, const SweepPoint& origin) : type(joint) { set_origin(origin); }
-
-  // Precondition: no point was added yet.
-  void set_origin(const SweepPoint& origin) {
-    origin_reading = origin.reading;
-    origin_S = origin.p_S;
-  }
+  MotionStatistics(JointType joint, const SweepPoint& origin)
+      : type(joint), origin_reading(origin.reading), origin_S(origin.p_S) {}
 
   void add(const SweepPoint& point) { add(point, tried(point)); }
   // Precondition: `trial` is of this point, by these statistics.
@@ -129,18 +134,18 @@ struct MotionStatistics {
 // With the geometry, that of the paper's regressions and of the misfits along and across the plane.
 struct SweepStatistics : MotionStatistics {
   Method method = Method::kEncoder;
-  GeometryFactor geometry;       // of the paper's method
-  MotionRls::Companion squares;  // |p|^2, of the encoder's
+  Geometry of_points;            // of the paper's method
+  MotionRls::Companion squares;  // |p|^2, of the encoder's, of a revolute joint
 
   SweepStatistics() = default;
   // What is fitted by `by` in the end.
-  SweepStatistics(JointType joint, Method by, const SweepPoint& origin = {})
-      : MotionStatistics(joint, origin), method(by) {}
+  SweepStatistics(JointType joint, Method by) : MotionStatistics(joint, {}), method(by) {}
 
-  void add(const SweepPoint& point) { add(point, tried(point)); }
+  // The first point is the origin.
+  void add(const SweepPoint& point);
   void add(const SweepPoint& point, const Trial& trial);
-  // The geometry's factor; of the encoder's method its first five columns, the rest zero.
-  [[nodiscard]] GeometryFactor::Matrix geometry_matrix() const;
+  // Of the encoder's method of 1, x, y, z and |p|^2, the rest zero.
+  [[nodiscard]] Geometry geometry() const;
 };
 
 }  // namespace armsig::features

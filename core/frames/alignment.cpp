@@ -19,8 +19,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 // The Gauss-Newton equations of the cost in (turn about `pivot` times size, translation), so that
 // all six unknowns are lengths.
 struct Equations {
-  Matrix6 hessian;
-  Vector6 gradient;
+  Matrix6 hessian = Matrix6::Zero();
+  Vector6 gradient = Vector6::Zero();
 };
 
 bool is_revolute(const AxisLine& line) { return line.type == JointType::kRevolute; }
@@ -40,11 +40,12 @@ Vector3 mean_point(const AxisLines& lines) {
 // are written out: with J = -[u]x, J^T J = |u|^2 I - u u^T, and J^T r = u x r.
 Equations equations(const AxisLines& lines_A, const AxisLines& lines_B, const Pose& X_AB,
                     const Vector3& pivot_A, double size_m) {
-  Matrix3 turns = Matrix3::Zero();
-  Matrix3 turns_moves = Matrix3::Zero();
-  Matrix3 moves = Matrix3::Zero();
-  Vector3 turned = Vector3::Zero();
-  Vector3 shifted = Vector3::Zero();
+  Equations sums;
+  auto turns = sums.hessian.topLeftCorner<3, 3>();
+  auto turns_moves = sums.hessian.topRightCorner<3, 3>();
+  auto moves = sums.hessian.bottomRightCorner<3, 3>();
+  auto turned = sums.gradient.head<3>();
+  auto shifted = sums.gradient.tail<3>();
   for (std::size_t i = 0; i < lines_A.size(); ++i) {
     const Vector3& axis_A = lines_A[i].direction;
     const Vector3 direction_A = X_AB.R * lines_B[i].direction;
@@ -64,13 +65,7 @@ Equations equations(const AxisLines& lines_A, const AxisLines& lines_B, const Po
     turned += lever.cross(across);
     shifted += across;
   }
-  Equations sums;
-  sums.hessian.topLeftCorner<3, 3>() = turns;
-  sums.hessian.topRightCorner<3, 3>() = turns_moves;
   sums.hessian.bottomLeftCorner<3, 3>() = turns_moves.transpose();
-  sums.hessian.bottomRightCorner<3, 3>() = moves;
-  sums.gradient.head<3>() = turned;
-  sums.gradient.tail<3>() = shifted;
   return sums;
 }
 
@@ -154,15 +149,11 @@ Pose moved(const Pose& X_AB, const Vector3& pivot_A, const Vector3& turn_rad,
 }  // namespace
 
 double Alignment::worst_angle_rad() const {
-  double worst = 0;
-  for (const Misalignment& joint : joints) worst = std::max(worst, joint.angle_rad);
-  return worst;
+  return std::ranges::max(joints, {}, &Misalignment::angle_rad).angle_rad;
 }
 
 double Alignment::worst_distance_m() const {
-  double worst = 0;
-  for (const Misalignment& joint : joints) worst = std::max(worst, joint.distance_m);
-  return worst;
+  return std::ranges::max(joints, {}, &Misalignment::distance_m).distance_m;
 }
 
 Alignment align(const AxisLines& lines_A, const AxisLines& lines_B) {

@@ -2,6 +2,7 @@
 #include "core/measurement/range_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -51,12 +52,8 @@ Normal normal_equations(const Spheres& spheres, const Vector3& p_S) {
   return normal;
 }
 
-struct Starts {
-  Vector3 above_S;
-  Vector3 below_S;
-};
-
-Starts linear_starts(const Spheres& spheres) {
+// On either side of the plane.
+std::array<Vector3, 2> linear_starts(const Spheres& spheres) {
   Points centres;
   for (const Sphere& sphere : spheres) centres.push_back(sphere.centre_S);
   const Spread spread = spread_of(centres);
@@ -135,10 +132,11 @@ bool same_point(const PointFit& a, const PointFit& b) {
 
 FixedVector<PointFit, 2> fit_point(const Spheres& spheres) {
   ARMSIG_CHECK(spheres.size() >= 3);
-  const Starts starts = linear_starts(spheres);
-  FixedVector<PointFit, 2> fits{descend(spheres, starts.above_S)};
-  const PointFit other = descend(spheres, starts.below_S);
-  if (!same_point(fits[0], other)) fits.push_back(other);
+  FixedVector<PointFit, 2> fits;
+  for (const Vector3& start_S : linear_starts(spheres)) {
+    const PointFit fit = descend(spheres, start_S);
+    if (fits.empty() || !same_point(fits[0], fit)) fits.push_back(fit);
+  }
   return fits;
 }
 

@@ -2,6 +2,7 @@
 // Points of a sweep that no gate has touched, as what is kept of them.
 #pragma once
 
+#include "core/features/motion_fits.hpp"
 #include "core/features/sweep_statistics.hpp"
 #include "host_tests/support/simulated_sweep.hpp"
 
@@ -24,27 +25,31 @@ inline constexpr CirclePoint kNoisyCircle[] = {
 
 inline features::SweepStatistics noisy_circle(
     features::Method method = features::Method::kEncoder) {
-  features::SweepStatistics statistics;
-  for (const CirclePoint& row : kNoisyCircle) {
-    const features::SweepPoint point{row.reading, Vector3(row.p_S), isotropic(2e-4)};
-    if (statistics.count == 0)
-      statistics = features::SweepStatistics(JointType::kRevolute, method, point);
-    statistics.add(point);
-  }
+  features::SweepStatistics statistics(JointType::kRevolute, method);
+  for (const CirclePoint& row : kNoisyCircle)
+    statistics.add({row.reading, Vector3(row.p_S), isotropic(2e-4)});
   return statistics;
 }
 
 inline features::SweepStatistics exact_points(const TrueMotion& motion, double range,
                                               std::size_t count,
                                               features::Method method = features::Method::kPaper) {
-  features::SweepStatistics statistics;
+  features::SweepStatistics statistics(motion.type, method);
   for (std::size_t i = 0; i < count; ++i) {
     const double reading = even_reading(motion, range, i, count);
     const features::SweepPoint point{reading, motion.at(reading), Matrix3::Identity()};
-    if (i == 0) statistics = features::SweepStatistics(motion.type, method, point);
     statistics.add(point);
   }
   return statistics;
+}
+
+// What one of the fits of motion_fits.hpp says.
+template <typename Fit, typename Statistics>
+Result<features::JointFeature> fitted_by(Fit& fit, const Statistics& statistics) {
+  features::JointFeature feature;
+  if (const Result<void> done = fit(statistics, feature); !done)
+    return std::unexpected(done.error());
+  return feature;
 }
 
 inline TrueMotion circle_about(const Vector3& axis) {

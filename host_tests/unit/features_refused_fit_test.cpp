@@ -8,7 +8,6 @@
 #include "core/features/fit_feature.hpp"
 #include "core/features/gate.hpp"
 #include "core/features/judging.hpp"
-#include "core/features/near_axis.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/measured_sweep.hpp"
 
@@ -21,7 +20,7 @@ using test::kRevoluteSweep;
 using test::Random;
 
 SweepStatistics gathered(JointType type, Method method, std::initializer_list<SweepPoint> points) {
-  SweepStatistics statistics(type, method, *points.begin());
+  SweepStatistics statistics(type, method);
   for (const SweepPoint& point : points) statistics.add(point);
   return statistics;
 }

@@ -39,23 +39,6 @@ TEST(SquareRootRls, keeps_the_products_of_the_residuals) {
   EXPECT_LT((five_rows().residual_products() - expected).norm(), 1e-13);
 }
 
-TEST(SquareRootRls, takes_a_block_like_its_rows_one_by_one) {
-  Rls together = five_rows();
-  Rls::Block block;
-  for (std::size_t k = 0; k < 5; ++k) {
-    for (std::size_t j = 0; j < 3; ++j) block.columns[j][k] = 1.5 * kRegressors[k][j];
-    for (std::size_t j = 0; j < 2; ++j) block.columns[3 + j][k] = 1.5 * kRightHandSides[4 - k][j];
-  }
-  together.update(block);
-  Rls one_by_one = five_rows();
-  for (int i = 0; i < 5; ++i)
-    one_by_one.update(Eigen::Map<const Vector3>(kRegressors[i]),
-                      Eigen::Map<const Eigen::Vector2d>(kRightHandSides[4 - i]), 2.25);
-  EXPECT_LT((together.factor() - one_by_one.factor()).norm(), 1e-14);
-  EXPECT_LT((together.solve() - one_by_one.solve()).norm(), 1e-14);
-  EXPECT_LT((together.residual_products() - one_by_one.residual_products()).norm(), 1e-13);
-}
-
 TEST(SquareRootRls, states_the_variance_of_a_prediction) {
   EXPECT_NEAR(five_rows().prediction_variance({1, 0.2, 0.4}), 0.24607490642988378, 1e-14);
 }
@@ -143,37 +126,6 @@ TEST(SquareRootRls, stays_at_noise_level_over_a_million_updates_in_float) {
   // All nine coefficients together; a single precision number has 6e-8, and the regressors of this
   // arc are nearly dependent.
   EXPECT_LT(error_after_a_million_updates<float>(1e-3F), 1e-2);
-}
-
-TEST(TriangularFactor, gives_the_sum_of_squares_of_any_combination_of_columns) {
-  TriangularFactor<10> factor;
-  test::Random random(3);
-  const GeometryFactor::Row combination = GeometryFactor::Row::LinSpaced(-1, 1);
-  double squares = 0;
-  for (int i = 0; i < 50; ++i) {
-    const GeometryFactor::Row row = geometry_columns(random.normal_vector());
-    factor.add(row);
-    squares += std::pow(row.dot(combination), 2);
-  }
-  EXPECT_NEAR((factor.matrix() * combination).squaredNorm(), squares, 1e-12 * squares);
-}
-
-// Rows that gather stand where the block before them is still being reflected.
-TEST(TriangularFactor, loses_no_row_wherever_it_is_compressed) {
-  const GeometryFactor::Row combination = GeometryFactor::Row::LinSpaced(-1, 1);
-  for (int compressed_after = 0; compressed_after <= 40; ++compressed_after) {
-    TriangularFactor<10> factor;
-    test::Random random(3);
-    double squares = 0;
-    for (int i = 0; i < 60; ++i) {
-      if (i == compressed_after) factor.compress();
-      const GeometryFactor::Row row = geometry_columns(random.normal_vector());
-      factor.add(row, 1 + i % 3);
-      squares += (1 + i % 3) * std::pow(row.dot(combination), 2);
-    }
-    EXPECT_NEAR((factor.matrix() * combination).squaredNorm(), squares, 1e-12 * squares)
-        << compressed_after;
-  }
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 
 #include <fmt/core.h>
 
-#include "core/features/near_axis.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
