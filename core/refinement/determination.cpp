@@ -110,8 +110,8 @@ void gather_rows(std::span<const Observation> log, std::span<const RowOutcome> o
   for (std::size_t k = 0; k < log.size(); ++k) {
     const Observation& row = log[k];
     if (row.use != RowUse::kFit || outcomes[k].rejected) continue;
-    Linearised at;
-    absorb_row(estimate, receivers, chain, row, 1 / sigma_m, alone.information, at);
+    const Linearised at =
+        absorb_row(estimate, receivers, chain, row, 1 / sigma_m, alone.information);
     for (std::size_t i = 0; i < estimate.signature.targets[row.target].link; ++i) {
       const double moved = at.motion.joints[i].moved;
       if (moved == 0) continue;
