@@ -248,14 +248,10 @@ class DampedSolver {
     solution.iterations = passes_;
     solution.position_error_m = at_.error.head<3>().norm();
     solution.rotation_error_rad = at_.error.tail<3>().norm();
-    const Regularity r = regularity(chain_, at_.kinematics, options_.degraded_below);
-    solution.regularity = r.value;
-    solution.position_dimensions = r.position_dimensions;
-    solution.rotation_dimensions = r.rotation_dimensions;
-    if (is_met(solution, options_) ||
-        (n_ < 6 && stationary && is_position_met(solution, options_))) {
+    solution.regularity = regularity(chain_, at_.kinematics);
+    if (met() || (n_ < 6 && stationary && position_met())) {
       solution.verdict =
-          r.value < options_.degraded_below ? Verdict::kDegraded : Verdict::kConverged;
+          solution.regularity < options_.degraded_below ? Verdict::kDegraded : Verdict::kConverged;
     } else {
       solution.verdict = stationary ? obstacle() : Verdict::kNotConverged;
     }

@@ -17,7 +17,6 @@ using Jacobian = Eigen::Matrix<double, 6, kMaxJoints>;
 struct PoseAndJacobian {
   Pose X_0n;
   Jacobian J;  // without a value until it is computed
-  std::size_t joint_count = 0;
 
   // Not defaulted, so that a Result does not set half a kilobyte to zero first.
   // NOLINTNEXTLINE(modernize-use-equals-default, cppcoreguidelines-pro-type-member-init)

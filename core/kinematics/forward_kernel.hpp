@@ -259,7 +259,6 @@ struct FrameBy<V, 1> {
   Frame frame;
   frame.advance_all(chain, terms, axes);
   frame.store_pose(result.X_0n);
-  result.joint_count = chain.joint_count;
   const Vector3 p = result.X_0n.p;
   double* linear = result.J.data();
   for (std::size_t i = 0; i < chain.joint_count; ++i, linear += 6) {

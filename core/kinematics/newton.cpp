@@ -162,7 +162,8 @@ std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_
       if (!is_small_turn(X.R, X_0n.R, rotation)) return std::nullopt;
       solution.position_error_m = std::sqrt(position);
       solution.rotation_error_rad = std::sqrt(rotation) * (1 + rotation / 6);
-      if (is_met(solution, options)) {
+      if (solution.position_error_m <= options.position_tolerance_m &&
+          solution.rotation_error_rad <= options.rotation_tolerance_rad) {
         if (!factored && !solver.factor(chain, axes, X.p)) return std::nullopt;
         solution.regularity = solver.regularity(chain);
         if (solution.regularity < kStaleBelow) {
