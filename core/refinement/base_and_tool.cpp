@@ -2,6 +2,7 @@
 #include "core/refinement/base_and_tool.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "core/numerics/robust.hpp"
 #include "core/refinement/base_and_targets.hpp"
@@ -94,13 +95,12 @@ Judged<std::size_t> main_target(const Arm& arm, std::span<const Target> targets,
 // Base and main target from the rows of that target.
 Judged<void> fit_main(const DrawnRows& rows, std::size_t main, BaseAndTargets& at) {
   Candidate best;
-  double scale = 0;
+  double scale = std::numeric_limits<double>::infinity();  // at first all weigh one
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     Moments moments;
     rows.for_each([&](const Observation& row, const Pose& X_BL) {
-      const double residual = (row.p_S - at.X_SB * (X_BL * best.u)).norm();
       moments.add(row.p_S, link_vector(X_BL),
-                  pass == 0 ? 1 : numerics::huber_weight(residual, scale));
+                  numerics::huber_weight(at.residual(row, X_BL).norm(), scale));
     });
     if (moments.gg.trace() <= kAtRest * moments.weight)
       return std::unexpected(Refusal{Error::kJointDidNotMove, 0, 0});
@@ -126,7 +126,7 @@ double rms_of_good_rows(const DrawnRows& rows, const BaseAndTargets& at) {
   double count = 0;
   double squares = 0;
   rows.for_each([&](const Observation& row, const Pose& X_BL) {
-    const double residual = (row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).norm();
+    const double residual = at.residual(row, X_BL).norm();
     if (numerics::huber_weight(residual, scale) < 0.5) return;
     count += 1;
     squares += residual * residual;
