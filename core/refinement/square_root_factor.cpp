@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Core>
+
 #include "core/base/lanes.hpp"
 
 namespace armsig::refinement {
@@ -65,26 +67,12 @@ void rotate(double* r, std::size_t unknowns, RowBlock<kRows>& block) {
   }
 }
 
-// y -= factor x, of `count` numbers.
-void subtract(double factor, const double* x, std::size_t count, double* y) {
-  using V = Pack<double>;
-  std::size_t c = 0;
-  for (; c + Lanes<double>::kCount <= count; c += Lanes<double>::kCount) {
-    store(y + c, load<V>(y + c) - factor * load<V>(x + c));
-  }
-  for (; c < count; ++c) y[c] -= factor * x[c];
+// `count` numbers as a vector.
+Eigen::Map<const Eigen::VectorXd> vector_of(const double* x, std::size_t count) {
+  return {x, static_cast<Eigen::Index>(count)};
 }
-
-double product(const double* x, const double* y, std::size_t count) {
-  using V = Pack<double>;
-  V sums{};
-  std::size_t c = 0;
-  for (; c + Lanes<double>::kCount <= count; c += Lanes<double>::kCount) {
-    sums += load<V>(x + c) * load<V>(y + c);
-  }
-  auto sum = sum_of_lanes<double>(sums);
-  for (; c < count; ++c) sum += x[c] * y[c];
-  return sum;
+Eigen::Map<Eigen::VectorXd> vector_of(double* x, std::size_t count) {
+  return {x, static_cast<Eigen::Index>(count)};
 }
 
 }  // namespace
@@ -135,7 +123,8 @@ Result<StateVector> SquareRootFactor::solve() const {
 void SquareRootFactor::solve_upper(std::span<double> z) const {
   for (std::size_t i = unknowns_; i-- > 0;) {
     const double* r = entries_.data() + row(i);
-    z[i] = (z[i] - product(r + 1, z.data() + i + 1, unknowns_ - i - 1)) / r[0];
+    const std::size_t later = unknowns_ - i - 1;
+    z[i] = (z[i] - vector_of(r + 1, later).dot(vector_of(z.data() + i + 1, later))) / r[0];
   }
 }
 
@@ -145,13 +134,14 @@ void SquareRootFactor::solve_transposed(std::span<double> b, std::size_t first) 
     const double y = b[i] / r[0];
     b[i] = y;
     if (y == 0) continue;
-    subtract(y, r + 1, unknowns_ - i - 1, b.data() + i + 1);
+    const std::size_t later = unknowns_ - i - 1;
+    vector_of(b.data() + i + 1, later) -= y * vector_of(r + 1, later);
   }
 }
 
 double SquareRootFactor::variance(std::span<double> b, std::size_t first) const {
   solve_transposed(b, first);
-  return product(&b[first], &b[first], unknowns_ - first);
+  return vector_of(&b[first], unknowns_ - first).squaredNorm();
 }
 
 Matrix3 SquareRootFactor::covariance(RowBlock<3>& J) const {
@@ -160,7 +150,7 @@ Matrix3 SquareRootFactor::covariance(RowBlock<3>& J) const {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          product(J.rows[i].data(), J.rows[j].data(), unknowns_);
+          vector_of(J.rows[i].data(), unknowns_).dot(vector_of(J.rows[j].data(), unknowns_));
     }
   }
   return covariance;
