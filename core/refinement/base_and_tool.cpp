@@ -25,10 +25,8 @@ Vector12 link_vector(const Pose& X_BL) {
 }
 
 // A further target, once the base is known: the mean of where its rows put it, robustly.
-Vector3 place_target(const DrawnRows& rows, std::size_t target, const Pose& X_SB) {
-  const Pose X_BS = X_SB.inverse();
-  BaseAndTargets at{X_SB, {}};
-  at.p_LT.resize(target + 1, Vector3::Zero());
+void place_target(const DrawnRows& rows, std::size_t target, BaseAndTargets& at) {
+  const Pose X_BS = at.X_SB.inverse();
   Vector3& u = at.p_LT[target];
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     const double scale = residual_scale(rows, at);
@@ -42,7 +40,6 @@ Vector3 place_target(const DrawnRows& rows, std::size_t target, const Pose& X_SB
     });
     if (weight > 0) u = sum / weight;
   }
-  return u;
 }
 
 // The fit of all rows, from the main target's; where targets are on other links, whose sweeps the
@@ -147,7 +144,7 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
   if (auto fitted = fit_main(rows.of(main), main, at); !fitted)
     return std::unexpected(fitted.error());
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    if (t != main && rows_of[t] > 0) at.p_LT[t] = place_target(rows.of(t), t, at.X_SB);
+    if (t != main && rows_of[t] > 0) place_target(rows.of(t), t, at);
   }
   if (targets.size() > 1) at = from_all_targets(rows, targets, rows_of, at);
   const double rms_m = rms_of_good_rows(rows, at);
