@@ -249,11 +249,12 @@ struct FrameBy<V, 1> {
 }
 
 // Pose and geometric Jacobian; false if a reading is not finite.
+template <std::size_t kRowsAtOnce = Lanes<double>::kCount>
 [[nodiscard]] inline bool joint_columns(const Chain& chain, const double* q,
                                         PoseAndJacobian& result) {
   JointTerms terms;
   if (!joint_terms(chain, q, terms)) return false;
-  constexpr bool kInPlace = Lanes<double>::kCount < 4;
+  constexpr bool kInPlace = kRowsAtOnce < 4;
   std::conditional_t<kInPlace, JacobianAxes, JointAxes> axes;
   if constexpr (kInPlace) axes.J = result.J.data();
   Frame frame;
