@@ -70,20 +70,12 @@ namespace {
 template <typename Model>
 auto& value_in(Model& model, const refinement::Parameter& parameter) {
   using refinement::ParameterKind;
-  const auto of_joint = [&]() -> auto& { return model.joints[parameter.index].correction; };
-  switch (parameter.kind) {
-    case ParameterKind::kReadingGain:
-      return of_joint().gain;
-    case ParameterKind::kReadingFirst:
-      return parameter.component == 0 ? of_joint().cos_1 : of_joint().sin_1;
-    case ParameterKind::kReadingSecond:
-      return parameter.component == 0 ? of_joint().cos_2 : of_joint().sin_2;
-    case ParameterKind::kReceiverOffset:
-      return model.sensor.offset_m[parameter.index];
-    default:
-      ARMSIG_CHECK(parameter.kind == ParameterKind::kScale);
-      return model.sensor.scale;
+  if (of_reading(parameter)) return model.joints[parameter.index].correction.*term_of(parameter);
+  if (parameter.kind == ParameterKind::kReceiverOffset) {
+    return model.sensor.offset_m[parameter.index];
   }
+  ARMSIG_CHECK(parameter.kind == ParameterKind::kScale);
+  return model.sensor.scale;
 }
 
 }  // namespace
@@ -94,13 +86,6 @@ double& value_of(ArmModel& model, const refinement::Parameter& parameter) {
 
 double value_of(const ArmModel& model, const refinement::Parameter& parameter) {
   return value_in(model, parameter);
-}
-
-double turn_by(const refinement::Parameter& parameter, double effective) {
-  using refinement::ParameterKind;
-  if (parameter.kind == ParameterKind::kReadingGain) return effective;
-  const double angle = parameter.kind == ParameterKind::kReadingSecond ? 2 * effective : effective;
-  return parameter.component == 0 ? std::cos(angle) : std::sin(angle);
 }
 
 void deflections(const ArmModel& model, const JointVector& readings,

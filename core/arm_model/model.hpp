@@ -85,15 +85,6 @@ void ask_for(const refinement::ParameterRequest& request, ArmModel& model);
 [[nodiscard]] double& value_of(ArmModel& model, const refinement::Parameter& parameter);
 [[nodiscard]] double value_of(const ArmModel& model, const refinement::Parameter& parameter);
 
-// How much joint `parameter.index` turns or shifts by one unit of a correction of its reading.
-[[nodiscard]] double turn_by(const refinement::Parameter& parameter, double effective);
-
-[[nodiscard]] inline bool of_reading(const refinement::Parameter& parameter) {
-  return parameter.kind == refinement::ParameterKind::kReadingGain ||
-         parameter.kind == refinement::ParameterKind::kReadingFirst ||
-         parameter.kind == refinement::ParameterKind::kReadingSecond;
-}
-
 // The levers [m] (1 for a slide along the vertical) of the model's gravity terms at these readings,
 // by the drawing; its base stands upright, z up.
 using GravityLevers = std::array<double, kMaxGravityTerms>;

@@ -25,6 +25,13 @@ struct Parameter {
   std::uint8_t component = 0;  // x, y, z; or cosine, sine
 };
 
+// Whether it is a ReadingCorrection's.
+[[nodiscard]] inline bool of_reading(const Parameter& parameter) {
+  return parameter.kind == ParameterKind::kReadingGain ||
+         parameter.kind == ParameterKind::kReadingFirst ||
+         parameter.kind == ParameterKind::kReadingSecond;
+}
+
 // Which corrections of the readings are asked for, per joint.
 struct ReadingTerms {
   bool gain = false;

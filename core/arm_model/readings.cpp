@@ -18,6 +18,21 @@ double corrected(const ReadingCorrection& c, double coupled) {
   return result;
 }
 
+double ReadingCorrection::* term_of(const Parameter& parameter) {
+  using C = ReadingCorrection;
+  if (parameter.kind == ParameterKind::kReadingGain) return &C::gain;
+  if (parameter.kind == ParameterKind::kReadingFirst) {
+    return parameter.component == 0 ? &C::cos_1 : &C::sin_1;
+  }
+  return parameter.component == 0 ? &C::cos_2 : &C::sin_2;
+}
+
+double turn_by(const Parameter& parameter, double coupled) {
+  if (parameter.kind == ParameterKind::kReadingGain) return coupled;
+  const double angle = parameter.kind == ParameterKind::kReadingSecond ? 2 * coupled : coupled;
+  return parameter.component == 0 ? std::cos(angle) : std::sin(angle);
+}
+
 Deflections deflections_at(const ReadingModel& model, const JointVector& readings) {
   Deflections deflections{};
   if (model.deflections != nullptr) {

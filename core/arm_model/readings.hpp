@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/arm_model/parameter.hpp"
 #include "core/base/arm.hpp"
 
 namespace armsig::calibration {
@@ -26,6 +27,11 @@ struct ReadingCorrection {
   double cos_2 = 0;
   double sin_2 = 0;
 };
+
+// Which of these a parameter is, and by how much the joint turns or shifts by one unit of it at its
+// coupled reading. Precondition: of_reading(parameter).
+[[nodiscard]] double ReadingCorrection::* term_of(const Parameter& parameter);
+[[nodiscard]] double turn_by(const Parameter& parameter, double coupled);
 
 struct ReadingModel {
   JointCouplings couplings;

@@ -3,9 +3,6 @@
 // maps them to SSE2, AVX2, NEON or scalars, whatever the build is for).
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -32,45 +29,25 @@ inline namespace ARMSIG_LANES {
 template <typename Scalar>
 struct Lanes;
 
-// Scalar processors: one number at a time, as itself. A vector that the compiler has to take apart
-// would pass through memory.
-#if defined(__arm__) && !defined(__ARM_NEON)
 template <>
 struct Lanes<double> {
-  static constexpr std::size_t kCount = 1;
   using Integer = std::int64_t;
+#if defined(__arm__) && !defined(__ARM_NEON)
+  // One number at a time, as itself: a vector that the compiler has to take apart would pass
+  // through memory.
+  static constexpr std::size_t kCount = 1;
   using Pack = double;
   using Mask = Integer;
-};
-
-template <>
-struct Lanes<float> {
-  static constexpr std::size_t kCount = 1;
-  using Integer = std::int32_t;
-  using Pack = float;
-  using Mask = Integer;
-};
 #else
-template <>
-struct Lanes<double> {
 #ifdef __AVX2__
   static constexpr std::size_t kCount = 4;
 #else
   static constexpr std::size_t kCount = 2;
 #endif
-  using Integer = std::int64_t;
   using Pack [[gnu::vector_size(kCount * sizeof(double))]] = double;
   using Mask [[gnu::vector_size(kCount * sizeof(double))]] = Integer;
-};
-
-template <>
-struct Lanes<float> {
-  static constexpr std::size_t kCount = 4;
-  using Integer = std::int32_t;
-  using Pack [[gnu::vector_size(kCount * sizeof(float))]] = float;
-  using Mask [[gnu::vector_size(kCount * sizeof(float))]] = Integer;
-};
 #endif
+};
 
 template <typename Scalar>
 using Pack = typename Lanes<Scalar>::Pack;
@@ -118,39 +95,6 @@ template <typename Scalar>
     const auto halves =
         __builtin_shufflevector(pack, pack, 0, 1) + __builtin_shufflevector(pack, pack, 2, 3);
     return halves[0] + halves[1];
-  }
-}
-
-template <typename Scalar>
-[[nodiscard]] inline Scalar least_of_lanes(const Pack<Scalar>& pack) {
-  if constexpr (Lanes<Scalar>::kCount == 1) {
-    return pack;
-  } else {
-    Scalar least = pack[0];
-    for (std::size_t i = 1; i < Lanes<Scalar>::kCount; ++i) least = std::min(least, pack[i]);
-    return least;
-  }
-}
-
-// Of every lane; none may be negative.
-template <typename V>
-[[nodiscard]] inline V square_root(const V& pack) {
-  if constexpr (std::is_floating_point_v<V>) {
-    return std::sqrt(pack);
-  } else {
-#ifdef __SSE2__
-    if constexpr (std::is_same_v<V, Pack<double>> && sizeof(V) == sizeof(__m128d)) {
-      return bits_as<V>(_mm_sqrt_pd(bits_as<__m128d>(pack)));
-    }
-#endif
-#ifdef __AVX2__
-    if constexpr (std::is_same_v<V, Pack<double>> && sizeof(V) == sizeof(__m256d)) {
-      return bits_as<V>(_mm256_sqrt_pd(bits_as<__m256d>(pack)));
-    }
-#endif
-    V root;
-    for (std::size_t i = 0; i < sizeof(V) / sizeof(pack[0]); ++i) root[i] = std::sqrt(pack[i]);
-    return root;
   }
 }
 

@@ -10,8 +10,11 @@
 
 namespace armsig {
 
-// The n-th number of the van der Corput sequence of a base, in [0, 1).
-[[nodiscard]] inline double van_der_corput(int n, int base) {
+// The n-th number, in [0, 1), of the van der Corput sequence of joint `dimension`, each joint of an
+// own prime: Halton's points.
+[[nodiscard]] inline double halton(std::size_t dimension, int n) {
+  constexpr std::array<int, kMaxJoints> kPrimes{2, 3, 5, 7, 11, 13, 17, 19};
+  const int base = kPrimes[dimension];
   double value = 0;
   double digit_weight = 1;
   for (; n > 0; n /= base) {
@@ -19,12 +22,6 @@ namespace armsig {
     value += digit_weight * (n % base);
   }
   return value;
-}
-
-// Number n of the sequence of joint `dimension`, each joint of an own prime: Halton's points.
-[[nodiscard]] inline double halton(std::size_t dimension, int n) {
-  constexpr std::array<int, kMaxJoints> kPrimes{2, 3, 5, 7, 11, 13, 17, 19};
-  return van_der_corput(n, kPrimes[dimension]);
 }
 
 // The n-th joint configuration, n >= 1, evenly spread within the limits; a revolute joint that can

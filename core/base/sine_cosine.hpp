@@ -14,6 +14,7 @@
 // compare dense and random angles with extended precision.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "core/base/lanes.hpp"
@@ -26,6 +27,7 @@ struct SineCosineConstants;
 
 template <>
 struct SineCosineConstants<double> {
+  using Integer = std::int64_t;
   // 160,000 turns; beyond, the library's functions take over.
   static constexpr double kLargestAngle = 1e6;
   static constexpr double kRound = 0x1.8p52;  // adding it rounds to an integer in the low bits
@@ -46,6 +48,7 @@ struct SineCosineConstants<double> {
 
 template <>
 struct SineCosineConstants<float> {
+  using Integer = std::int32_t;
   static constexpr float kLargestAngle = 2e4F;  // 3,000 turns
   static constexpr float kRound = 0x1.8p23F;
   // NOLINTBEGIN(modernize-use-std-numbers)
@@ -61,18 +64,15 @@ struct SineCosineConstants<float> {
 };
 
 // c0 + c1 u + ..., in pairs so that the processor can work on several terms at once; u2 = u^2.
-template <typename V, typename Scalar>
-[[nodiscard]] inline V polynomial(const std::array<Scalar, 8>& c, V u, V u2) {
-  return (c[0] + c[1] * u) +
-         u2 * ((c[2] + c[3] * u) + u2 * ((c[4] + c[5] * u) + u2 * (c[6] + c[7] * u)));
-}
-template <typename V, typename Scalar>
-[[nodiscard]] inline V polynomial(const std::array<Scalar, 7>& c, V u, V u2) {
-  return (c[0] + c[1] * u) + u2 * ((c[2] + c[3] * u) + u2 * ((c[4] + c[5] * u) + u2 * c[6]));
-}
-template <typename V, typename Scalar>
-[[nodiscard]] inline V polynomial(const std::array<Scalar, 4>& c, V u, V u2) {
-  return (c[0] + c[1] * u) + u2 * (c[2] + c[3] * u);
+template <std::size_t kFirst = 0, typename V, std::size_t kTerms>
+[[nodiscard]] inline V polynomial(const std::array<double, kTerms>& c, V u, V u2) {
+  if constexpr (kFirst + 1 == kTerms) {
+    return V{} + c[kFirst];
+  } else if constexpr (kFirst + 2 == kTerms) {
+    return c[kFirst] + c[kFirst + 1] * u;
+  } else {
+    return (c[kFirst] + c[kFirst + 1] * u) + u2 * polynomial<kFirst + 2>(c, u, u2);
+  }
 }
 
 // The same without pairs, for processors that work on one term at a time: fewer registers.
@@ -86,13 +86,11 @@ template <std::size_t kFirst = 0, typename Scalar, std::size_t kTerms>
 }
 
 // For every lane |angle| <= kLargestAngle (else the result is meaningless).
-template <typename Scalar>
-[[gnu::always_inline]] inline void sine_cosine(Pack<Scalar> angle, Pack<Scalar>& sine,
-                                               Pack<Scalar>& cosine) {
-  using Constants = SineCosineConstants<Scalar>;
-  using V = Pack<Scalar>;
-  using Bits = PackMask<Scalar>;
-  constexpr int kSignBit = static_cast<int>(8 * sizeof(Scalar)) - 1;
+[[gnu::always_inline]] inline void sine_cosine(Pack<double> angle, Pack<double>& sine,
+                                               Pack<double>& cosine) {
+  using Constants = SineCosineConstants<double>;
+  using V = Pack<double>;
+  using Bits = PackMask<double>;
 
   const V shifted = angle * Constants::kOneOverPi + Constants::kRound;
   const V k = shifted - Constants::kRound;
@@ -100,8 +98,8 @@ template <typename Scalar>
   const V u = r * r;
   const V u2 = u * u;
   const V s = r + (r * u) * polynomial(Constants::kSine, u, u2);
-  const V c = (Scalar(1) - Scalar(0.5) * u) + u2 * polynomial(Constants::kCosine, u, u2);
-  const Bits sign = bits_as<Bits>(shifted) << kSignBit;  // odd half turns negate both
+  const V c = (1 - 0.5 * u) + u2 * polynomial(Constants::kCosine, u, u2);
+  const Bits sign = bits_as<Bits>(shifted) << 63;  // odd half turns negate both
   sine = bits_as<V>(bits_as<Bits>(s) ^ sign);
   cosine = bits_as<V>(bits_as<Bits>(c) ^ sign);
 }
@@ -116,7 +114,7 @@ template <typename Scalar>
   const Scalar u = r * r;
   const Scalar s = r + r * (u * nested(Constants::kSine, u));
   const Scalar c = Scalar(1) + u * (Scalar(-0.5) + u * nested(Constants::kCosine, u));
-  const bool odd = (bits_as<typename Lanes<Scalar>::Integer>(shifted) & 1) != 0;
+  const bool odd = (bits_as<typename Constants::Integer>(shifted) & 1) != 0;
   sine = odd ? -s : s;
   cosine = odd ? -c : c;
 }

@@ -18,45 +18,33 @@ Result<JointVector> joints_for_tool_pose(const ToolModel& model, const Pose& X_0
 }
 
 Result<JointVector> readings_found(const kinematics::InverseSolution& solution) {
-  switch (solution.verdict) {
-    case kinematics::Verdict::kConverged:
-    case kinematics::Verdict::kDegraded:
-      return solution.q;
-    case kinematics::Verdict::kOutOfReach:
-      return std::unexpected(Error::kOutOfReach);
-    case kinematics::Verdict::kJointLimit:
-      return std::unexpected(Error::kJointLimit);
-    case kinematics::Verdict::kStepLimit:  // no step is limited here
-    case kinematics::Verdict::kNotConverged:
-      return std::unexpected(Error::kNotConverged);
-  }
-  return std::unexpected(Error::kNotConverged);
+  using enum kinematics::Verdict;
+  if (solution.verdict == kConverged || solution.verdict == kDegraded) return solution.q;
+  if (solution.verdict == kOutOfReach) return std::unexpected(Error::kOutOfReach);
+  if (solution.verdict == kJointLimit) return std::unexpected(Error::kJointLimit);
+  return std::unexpected(Error::kNotConverged);  // no step is limited here
 }
 
-VertexWalk::VertexWalk(const Grid& grid, const JointVector& at_origin)
-    : grid_(grid), layer_start_(at_origin), row_start_(at_origin), previous_(at_origin) {}
+VertexWalk::VertexWalk(const Grid& grid, const JointVector& at_origin) : grid_(grid) {
+  starts_.fill(at_origin);
+}
 
 bool VertexWalk::next() {
-  if (!started_) {
-    started_ = true;
-    return true;
-  }
-  if (++i_ < grid_.count[0]) return true;
-  i_ = 0;
-  if (++j_ < grid_.count[1]) return true;
-  j_ = 0;
-  return ++k_ < grid_.count[2];
+  const std::size_t n = visited_++;
+  at_ = {n % grid_.count[0], n / grid_.count[0] % grid_.count[1],
+         n / (grid_.count[0] * grid_.count[1])};
+  return n < grid_.vertex_count();
 }
 
 const JointVector& VertexWalk::seed() const {
-  if (i_ > 0) return previous_;
-  return j_ > 0 ? row_start_ : layer_start_;
+  if (at_[0] > 0) return starts_[0];
+  return at_[1] > 0 ? starts_[1] : starts_[2];
 }
 
 void VertexWalk::reached(const JointVector& q) {
-  previous_ = q;
-  if (i_ == 0) row_start_ = q;
-  if (i_ == 0 && j_ == 0) layer_start_ = q;
+  starts_[0] = q;
+  if (at_[0] == 0) starts_[1] = q;
+  if (at_[0] == 0 && at_[1] == 0) starts_[2] = q;
 }
 
 }  // namespace armsig::evaluation

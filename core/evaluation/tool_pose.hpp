@@ -29,16 +29,16 @@ class VertexWalk {
 
   // Moves on to the next vertex (at first, to the first); false after the last.
   [[nodiscard]] bool next();
-  [[nodiscard]] Vector3 vertex() const { return grid_.vertex(i_, j_, k_); }
+  [[nodiscard]] Vector3 vertex() const { return grid_.vertex(at_[0], at_[1], at_[2]); }
   [[nodiscard]] const JointVector& seed() const;
   // Records the readings at the present vertex.
   void reached(const JointVector& q);
 
  private:
   const Grid& grid_;
-  std::size_t i_ = 0, j_ = 0, k_ = 0;
-  bool started_ = false;
-  JointVector layer_start_, row_start_, previous_;
+  std::size_t visited_ = 0;
+  std::array<std::size_t, 3> at_{};
+  std::array<JointVector, 3> starts_;  // the vertex before, those that start the row and the layer
 };
 
 }  // namespace armsig::evaluation

@@ -67,23 +67,4 @@ Chain make_chain(const DhRows& rows, const FixedVector<JointLimits, kMaxJoints>&
   return chain;
 }
 
-ChainT<float> to_single(const Chain& chain) {
-  ChainT<float> single;
-  for (std::size_t i = 0; i < chain.joint_count; ++i) {
-    single.theta[i] = static_cast<float>(std::remainder(chain.theta[i], 2 * kPi));
-    single.x[i] = static_cast<float>(chain.x[i]);
-    single.y[i] = static_cast<float>(chain.y[i]);
-    single.z[i] = static_cast<float>(chain.z[i]);
-    single.cos_alpha[i] = static_cast<float>(chain.cos_alpha[i]);
-    single.revolute_bits[i] = chain.revolute[i] ? -1 : 0;
-    single.sin_alpha[i] = static_cast<float>(chain.sin_alpha[i]);
-  }
-  single.revolute = chain.revolute;
-  single.joint_count = chain.joint_count;
-  single.has_prismatic = chain.has_prismatic;
-  single.length = static_cast<float>(chain.length);
-  single.limits = chain.limits;
-  return single;
-}
-
 }  // namespace armsig::kinematics

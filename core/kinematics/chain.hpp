@@ -3,15 +3,14 @@
 //
 // Near-parallel axes give rows whose d is hundreds of metres and cancels in the product. A frame
 // may slide along its own z axis without changing the product, so make_chain moves every frame back
-// to where the arm is: afterwards no constant is longer than the arm, and neither double nor single
-// precision loses a digit to the cancellation. A link is then
+// to where the arm is: afterwards no constant is longer than the arm, and no digit is lost to the
+// cancellation. A link is then
 //   Rot(z, theta) Trans(x, y, z) Rot(x, alpha).
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 
 #include "core/base/arm.hpp"
 
@@ -26,28 +25,25 @@ inline constexpr std::size_t kCopies = 4;
 #endif
 
 // A constant written out as often as a register has lanes, so that the kernel need not spread it.
-template <typename Scalar>
 struct Broadcast {
-  alignas(kCopies * sizeof(Scalar)) std::array<Scalar, kCopies> copies;
+  alignas(kCopies * sizeof(double)) std::array<double, kCopies> copies;
 
-  Broadcast& operator=(Scalar value) {
+  Broadcast& operator=(double value) {
     copies.fill(value);
     return *this;
   }
   // NOLINTNEXTLINE(google-explicit-constructor): reads like the number that it is
-  operator Scalar() const { return copies[0]; }
+  operator double() const { return copies[0]; }
 };
 
 // Constants per joint, base to tip; lengths in metres, angles in radians. Entries beyond
 // joint_count are zero.
-template <typename Scalar>
-struct ChainT {
-  using Constants = std::array<Broadcast<Scalar>, kMaxJoints>;
-  using Bits = std::conditional_t<sizeof(Scalar) == 4, std::int32_t, std::int64_t>;
+struct Chain {
+  using Constants = std::array<Broadcast, kMaxJoints>;
 
-  alignas(32) std::array<Scalar, kMaxJoints> theta{};  // added to the reading of a revolute joint
+  alignas(32) std::array<double, kMaxJoints> theta{};  // added to the reading of a revolute joint
   // All bits set for a revolute joint, none for a prismatic one: masks readings at no cost.
-  alignas(32) std::array<Bits, kMaxJoints> revolute_bits{};
+  alignas(32) std::array<std::int64_t, kMaxJoints> revolute_bits{};
   Constants x{};  // translation of the link after Rot(z, theta)
   Constants y{};
   Constants z{};  // the reading of a prismatic joint is added to it
@@ -58,18 +54,13 @@ struct ChainT {
   bool has_prismatic = false;
   // The unit of lengths where they are compared with angles: two fifths of the stretched arm, with
   // the strokes that its limits allow. 1 for an arm without any length.
-  Scalar length = 1;
+  double length = 1;
   FixedVector<JointLimits, kMaxJoints> limits;  // of the readings; empty: none
 };
-using Chain = ChainT<double>;
 
 // The chain of 1 to kMaxJoints `rows`; `limits` is empty or has one entry per row with
 // lower <= upper (else a mistake of the caller). Finite rows are the caller's duty.
 [[nodiscard]] Chain make_chain(const DhRows& rows,
                                const FixedVector<JointLimits, kMaxJoints>& limits = {});
-
-// The same chain in single precision. The constants are rounded after the frames were moved, so the
-// result is good to a few 1e-7 of the arm's length.
-[[nodiscard]] ChainT<float> to_single(const Chain& chain);
 
 }  // namespace armsig::kinematics

@@ -107,12 +107,6 @@ Wrist solve_wrist(const ClosedForm& form, const Matrix3& M, bool flip,
   return wrist;
 }
 
-// Second arm of the elbow in the plane: lengths (x, y) before joint 3 turns it.
-Plane forearm(const ClosedForm& form) {
-  return form.design == Design::kSphericalWrist ? Plane{form.a3, -form.sign3 * form.d4}
-                                                : Plane{form.a3, 0};
-}
-
 double lefty_sign(const ClosedForm& form) {
   return -form.sign1 * form.shoulder_offset < 0 ? -1.0 : 1.0;
 }
@@ -128,12 +122,14 @@ ClosedForm closed_form(const Chain& chain) {
   form.a1 = links[0].a;
   form.d1 = links[0].d;
   form.a2 = links[1].a;
-  form.a3 = links[2].a;
   form.sign1 = links[0].sin_alpha;
   form.sign3 = links[2].sin_alpha;
   form.sign4 = links[3].sin_alpha;
   form.sign5 = links[4].sin_alpha;
   form.fold2 = links[1].cos_alpha;
+  const double aside = links[2].parallel() ? 0 : -form.sign3 * links[3].d;
+  form.forearm = std::hypot(links[2].a, aside);
+  form.forearm_angle = std::atan2(aside, links[2].a);
   form.d5 = links[4].d;
   const bool bent = !links[0].parallel() && !links[3].parallel() && !links[4].parallel();
   if (!bent || !links[1].parallel() || small(form.a2)) return form;
@@ -144,11 +140,11 @@ ClosedForm closed_form(const Chain& chain) {
                         {0, chain.sin_alpha[5], chain.cos_alpha[5]}};
   if (!links[2].parallel()) {
     form.shoulder_offset = links[1].d + form.fold2 * links[2].d;
-    form.d4 = links[3].d;
     form.a4 = links[3].a;
     const bool spherical = small(form.a4) && small(form.d5) && small(links[4].a);
-    if (spherical && !small(std::hypot(form.a3, form.d4))) form.design = Design::kSphericalWrist;
-  } else if (form.fold2 > 0 && links[2].cos_alpha > 0 && small(links[4].a) && !small(form.a3)) {
+    if (spherical && !small(form.forearm)) form.design = Design::kSphericalWrist;
+  } else if (form.fold2 > 0 && links[2].cos_alpha > 0 && small(links[4].a) &&
+             !small(form.forearm)) {
     form.shoulder_offset = links[1].d + links[2].d + links[3].d;
     form.a4 = links[3].a;
     form.design = Design::kParallelAxes;
@@ -190,8 +186,7 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
   }
 
   // Elbow: two sides of the triangle are the upper arm and the forearm.
-  const Plane fore = forearm(form);
-  const double length = std::hypot(fore.x, fore.y);
+  const double length = form.forearm;
   const double distance = std::hypot(goal.x, goal.y);
   const double cosine =
       (distance * distance - form.a2 * form.a2 - length * length) / (2 * form.a2 * length);
@@ -203,7 +198,7 @@ Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture&
   const double elbow = std::clamp(exact, least, kPi - least);
   // The elbow is above if the forearm bends downwards, as seen with the wrist in front.
   const double bend = (posture.above == (reach > 0) ? -1.0 : 1.0) * form.sign1 * form.fold2;
-  const double angle3 = bend * elbow - std::atan2(fore.y, fore.x);
+  const double angle3 = bend * elbow - form.forearm_angle;
   const double angle2 =
       std::atan2(goal.y, goal.x) -
       std::atan2(form.fold2 * bend * length * std::sin(elbow), form.a2 + length * std::cos(elbow));
@@ -228,11 +223,9 @@ Posture posture_of(const ClosedForm& form, const JointVector& q) {
   ARMSIG_CHECK(form.design != Design::kOther && q.size() == 6);
   std::array<double, 6> angle{};
   for (std::size_t i = 0; i < 6; ++i) angle[i] = q[i] + form.theta[i];
-  const Plane fore = forearm(form);
-  const double bend = angle[2] + std::atan2(fore.y, fore.x);
-  const double length = std::hypot(fore.x, fore.y);
-  double reach =
-      form.a1 + form.a2 * std::cos(angle[1]) + length * std::cos(angle[1] + form.fold2 * bend);
+  const double bend = angle[2] + form.forearm_angle;
+  double reach = form.a1 + form.a2 * std::cos(angle[1]) +
+                 form.forearm * std::cos(angle[1] + form.fold2 * bend);
   if (form.design == Design::kParallelAxes) {
     const double first = angle[1] + angle[2] + angle[3];
     reach += form.a4 * std::cos(first) + form.d5 * form.sign4 * std::sin(first);

@@ -35,9 +35,9 @@ struct ClosedForm {
   double a1 = 0;
   double d1 = 0;
   double a2 = 0;
-  double a3 = 0;
+  double forearm = 0;  // from the elbow to the wrist point, or to axis 4 where axes are parallel
+  double forearm_angle = 0;    // in the plane of the arm, before joint 3 turns it
   double shoulder_offset = 0;  // along the parallel axes, all links together
-  double d4 = 0;               // spherical wrist: elbow to wrist along axis 4
   double a4 = 0;               // parallel axes: links beyond axis 4
   double d5 = 0;
   double sign1 = 1;  // of alpha_1

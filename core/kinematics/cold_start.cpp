@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <tuple>
+#include <utility>
 
 #include "core/base/check.hpp"
 #include "core/base/low_discrepancy.hpp"
@@ -73,8 +73,12 @@ double best_turn(double reading, double reference, const JointLimits* limits) {
 
 class Collector {
  public:
-  Collector(const Chain& chain, const ClosedForm& form, const JointVector& reference)
-      : chain_(chain), form_(form), reference_(reference) {
+  Collector(const Chain& chain, const ClosedForm& form, const JointVector& reference,
+            double rotation_tolerance_rad)
+      : chain_(chain),
+        form_(form),
+        reference_(reference),
+        rotation_tolerance_rad_(rotation_tolerance_rad) {
     if (!reference_.empty()) return;
     for (std::size_t i = 0; i < chain.joint_count; ++i) {
       const JointLimits range = range_of(chain, i);
@@ -101,37 +105,29 @@ class Collector {
       named.named = true;
       named.posture = posture_of(form_, solution.q);
     }
+    // Sorted by key().
     found_.push_back(named);
-  }
-
-  // Those inside the limits first, then those that meet the whole pose, then by distance from the
-  // reference.
-  Solutions sorted(double rotation_tolerance_rad) {
-    std::array<std::tuple<bool, bool, double>, kMaxSolutions> key;
-    for (std::size_t i = 0; i < found_.size(); ++i) {
-      const InverseSolution& solution = found_[i].solution;
-      key[i] = {solution.verdict == Verdict::kJointLimit,
-                solution.rotation_error_rad > rotation_tolerance_rad,
-                largest_change(solution.q, reference_)};
+    for (std::size_t i = found_.size() - 1; i > 0 && key(found_[i]) < key(found_[i - 1]); --i) {
+      std::swap(found_[i], found_[i - 1]);
     }
-    Solutions result;
-    while (result.size() < found_.size()) {
-      std::size_t best = 0;
-      for (std::size_t i = 1; i < found_.size(); ++i) {
-        if (key[i] < key[best]) best = i;
-      }
-      result.push_back(found_[best]);
-      key[best] = {true, true, std::numeric_limits<double>::infinity()};
-    }
-    return result;
   }
 
   [[nodiscard]] const Solutions& found() const { return found_; }
 
  private:
+  // Those inside the limits first, then those that meet the whole pose, then by distance from the
+  // reference.
+  [[nodiscard]] std::tuple<bool, bool, double> key(const NamedSolution& named) const {
+    const InverseSolution& solution = named.solution;
+    return {solution.verdict == Verdict::kJointLimit,
+            solution.rotation_error_rad > rotation_tolerance_rad_,
+            largest_change(solution.q, reference_)};
+  }
+
   const Chain& chain_;
   const ClosedForm& form_;
   JointVector reference_;
+  double rotation_tolerance_rad_;
   Solutions found_;
 };
 
@@ -145,7 +141,7 @@ Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const P
   InverseOptions unlimited = options;
   unlimited.max_step.clear();
   unlimited.respect_limits = false;
-  Collector collector(chain, form, reference);
+  Collector collector(chain, form, reference, options.rotation_tolerance_rad);
   if (!reference.empty()) {
     ARMSIG_TRY(solution, inverse(chain, X_0n, reference, unlimited));
     collector.add(solution);
@@ -165,7 +161,7 @@ Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const P
         collector.add(other);
       }
     }
-    return collector.sorted(options.rotation_tolerance_rad);
+    return collector.found();
   }
   // Without a closed form the limits keep the descent where the arm works.
   unlimited.respect_limits = true;
@@ -174,7 +170,7 @@ Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form, const P
     ARMSIG_TRY(solution, inverse(chain, X_0n, fixed_start(chain, k), unlimited));
     collector.add(solution);
   }
-  return collector.sorted(options.rotation_tolerance_rad);
+  return collector.found();
 }
 
 const char* name(const NamedSolution& solution) {

@@ -39,9 +39,7 @@ class DampedSolver {
         box_(joint_box(chain, seed, options)),
         n_(static_cast<Eigen::Index>(chain.joint_count)),
         passes_(passes) {
-    for (Eigen::Index i = 0; i < n_; ++i) {
-      seed_[i] = seed[static_cast<std::size_t>(i)];
-    }
+    seed_.head(n_) = Eigen::Map<const Eigen::VectorXd>(seed.data(), n_);
     q_ = box_.clamped(seed_);
   }
 
@@ -244,18 +242,14 @@ class DampedSolver {
   [[nodiscard]] [[gnu::noinline]] InverseSolution finish(bool stationary) const {
     InverseSolution solution;
     solution.q.resize(chain_.joint_count);
-    for (Eigen::Index i = 0; i < n_; ++i) solution.q[static_cast<std::size_t>(i)] = q_[i];
+    std::copy_n(q_.data(), solution.q.size(), solution.q.data());
     solution.iterations = passes_;
     solution.position_error_m = at_.error.head<3>().norm();
     solution.rotation_error_rad = at_.error.tail<3>().norm();
-    const Regularity r = regularity(chain_, at_.kinematics, options_.degraded_below);
-    solution.regularity = r.value;
-    solution.position_dimensions = r.position_dimensions;
-    solution.rotation_dimensions = r.rotation_dimensions;
-    if (is_met(solution, options_) ||
-        (n_ < 6 && stationary && is_position_met(solution, options_))) {
+    solution.regularity = regularity(chain_, at_.kinematics);
+    if (met() || (n_ < 6 && stationary && position_met())) {
       solution.verdict =
-          r.value < options_.degraded_below ? Verdict::kDegraded : Verdict::kConverged;
+          solution.regularity < options_.degraded_below ? Verdict::kDegraded : Verdict::kConverged;
     } else {
       solution.verdict = stationary ? obstacle() : Verdict::kNotConverged;
     }

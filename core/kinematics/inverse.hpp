@@ -4,8 +4,7 @@
 //
 // Arms with six joints or more meet all six dimensions of the pose; with more than six, the
 // solution nearest to the seed is taken (1 rad counts as 1 m). Arms with fewer meet the position of
-// options.p_nP first and the orientation as far as the position allows; which dimensions can be met
-// is stated.
+// options.p_nP first and the orientation as far as the position allows.
 #pragma once
 
 #include <cstdint>
@@ -53,10 +52,6 @@ struct InverseSolution {
   // The manipulability in units of the arm, about 1 at best and 0 at a singularity: regularity.hpp
   // says how it is defined, for any number of joints and whatever way the solution was found.
   double regularity = 1;
-  // Dimensions of the pose that the joints can change from here: position, and orientation without
-  // disturbing the position. 3 and 3 for a six-joint arm away from singularities.
-  int position_dimensions = 3;
-  int rotation_dimensions = 3;
 };
 
 // `seed` has as many readings as the chain has joints (the present reading in the servo tick).

@@ -9,10 +9,12 @@ namespace armsig::kinematics {
 Joints weakest_direction(const Jacobian& J, Eigen::Index n) {
   Joints direction = Joints::Zero();
   direction.head(n).setOnes();
+  Square normal = J.transpose().lazyProduct(J);
+  normal.diagonal().array() += 1e-9 * J.squaredNorm();
+  if (!numerics::factor_positive(normal, n)) return Joints::Zero();
   for (int k = 0; k < 3; ++k) {
-    Square normal = J.transpose().lazyProduct(J);
-    normal.diagonal().array() += 1e-9 * J.squaredNorm();
-    if (!numerics::solve_positive(normal, direction, n)) return Joints::Zero();
+    numerics::solve_lower(normal, direction, n);
+    numerics::solve_lower_transposed(normal, direction, n);
     direction /= direction.cwiseAbs().maxCoeff();
   }
   return direction;

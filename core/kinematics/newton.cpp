@@ -30,8 +30,7 @@ constexpr double kSmallSine = 1e-6;
 class BlockSolver {
  public:
   // False near a singularity.
-  [[nodiscard]] bool factor(const Chain& chain, const JointAxes<double>& axes,
-                            const Vector3& p_0n) {
+  [[nodiscard]] bool factor(const Chain& chain, const JointAxes& axes, const Vector3& p_0n) {
     const Vector3 z4 = axis(axes, 3);
     const Vector3 z5 = axis(axes, 4);
     const Vector3 z6 = axis(axes, 5);
@@ -90,8 +89,8 @@ class BlockSolver {
 
  private:
   // Columns i of S and of D^-1 C.
-  [[gnu::always_inline]] void reduce(const Chain& chain, const JointAxes<double>& axes,
-                                     const Vector3& p_0n, std::size_t i) {
+  [[gnu::always_inline]] void reduce(const Chain& chain, const JointAxes& axes, const Vector3& p_0n,
+                                     std::size_t i) {
     const Vector3 z = axis(axes, i);
     if (!chain.revolute[i]) [[unlikely]] {
       g_[i].setZero();
@@ -107,7 +106,7 @@ class BlockSolver {
     return wrist.x() * b_[0] + wrist.y() * b_[1] + wrist.z() * b_[2];
   }
 
-  static Vector3 axis(const JointAxes<double>& axes, std::size_t i) {
+  static Vector3 axis(const JointAxes& axes, std::size_t i) {
     return Eigen::Map<const Vector3>(axes.axis(i));
   }
 
@@ -135,8 +134,8 @@ std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_
                                               const JointVector& seed,
                                               const InverseOptions& options, int& passes) {
   BlockSolver solver;
-  JointTerms<double> terms;
-  JointAxes<double> axes;
+  JointTerms terms;
+  JointAxes axes;
   Pose X;
   InverseSolution solution;
   solution.q = seed;
@@ -149,7 +148,7 @@ std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_
   for (int k = 1; k <= most; ++k) {
     passes = k;
     if (!joint_terms(chain, q, terms)) return std::nullopt;
-    Frame<double> frame;
+    Frame frame;
     frame.advance_all(chain, terms, axes);
     frame.store_pose(X);
     const Vector3 position_error = X_0n.p - X.p;
@@ -163,7 +162,8 @@ std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_
       if (!is_small_turn(X.R, X_0n.R, rotation)) return std::nullopt;
       solution.position_error_m = std::sqrt(position);
       solution.rotation_error_rad = std::sqrt(rotation) * (1 + rotation / 6);
-      if (is_met(solution, options)) {
+      if (solution.position_error_m <= options.position_tolerance_m &&
+          solution.rotation_error_rad <= options.rotation_tolerance_rad) {
         if (!factored && !solver.factor(chain, axes, X.p)) return std::nullopt;
         solution.regularity = solver.regularity(chain);
         if (solution.regularity < kStaleBelow) {

@@ -17,15 +17,4 @@ inline constexpr double kFarthest = 1e6;
 [[nodiscard]] std::optional<Error> refusal(const Pose& X_0n, const JointVector& seed,
                                            const InverseOptions& options);
 
-// Whether the errors of `solution`, those of the chain at its q, are within the tolerances. No
-// verdict says that a pose is met where this is false.
-[[nodiscard]] inline bool is_position_met(const InverseSolution& solution,
-                                          const InverseOptions& options) {
-  return solution.position_error_m <= options.position_tolerance_m;
-}
-[[nodiscard]] inline bool is_met(const InverseSolution& solution, const InverseOptions& options) {
-  return is_position_met(solution, options) &&
-         solution.rotation_error_rad <= options.rotation_tolerance_rad;
-}
-
 }  // namespace armsig::kinematics

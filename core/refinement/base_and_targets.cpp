@@ -140,7 +140,7 @@ Descent descend(const Rows& rows, double scale_m, int steps, BaseAndTargets& at)
 double residual_scale(const DrawnRows& rows, const BaseAndTargets& at) {
   numerics::LogHistogram squares;
   rows.for_each([&](const Observation& row, const Pose& X_BL) {
-    squares.add((row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).squaredNorm());
+    squares.add(at.residual(row, X_BL).squaredNorm());
   });
   return numerics::robust_scale_m(squares);
 }

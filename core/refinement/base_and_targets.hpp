@@ -52,6 +52,11 @@ class DrawnRows {
 struct BaseAndTargets {
   Pose X_SB;
   FixedVector<Vector3, kMaxTargets> p_LT;
+
+  // Of a position row, its target's link at X_BL.
+  [[nodiscard]] Vector3 residual(const Observation& row, const Pose& X_BL) const {
+    return row.p_S - X_SB * (X_BL * p_LT[row.target]);
+  }
 };
 
 // Robust scale of the residual lengths of all rows, per axis [m].

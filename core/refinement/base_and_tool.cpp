@@ -2,6 +2,7 @@
 #include "core/refinement/base_and_tool.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "core/numerics/robust.hpp"
 #include "core/refinement/base_and_targets.hpp"
@@ -24,10 +25,8 @@ Vector12 link_vector(const Pose& X_BL) {
 }
 
 // A further target, once the base is known: the mean of where its rows put it, robustly.
-Vector3 place_target(const DrawnRows& rows, std::size_t target, const Pose& X_SB) {
-  const Pose X_BS = X_SB.inverse();
-  BaseAndTargets at{X_SB, {}};
-  at.p_LT.resize(target + 1, Vector3::Zero());
+void place_target(const DrawnRows& rows, std::size_t target, BaseAndTargets& at) {
+  const Pose X_BS = at.X_SB.inverse();
   Vector3& u = at.p_LT[target];
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     const double scale = residual_scale(rows, at);
@@ -41,7 +40,6 @@ Vector3 place_target(const DrawnRows& rows, std::size_t target, const Pose& X_SB
     });
     if (weight > 0) u = sum / weight;
   }
-  return u;
 }
 
 // The fit of all rows, from the main target's; where targets are on other links, whose sweeps the
@@ -94,13 +92,12 @@ Judged<std::size_t> main_target(const Arm& arm, std::span<const Target> targets,
 // Base and main target from the rows of that target.
 Judged<void> fit_main(const DrawnRows& rows, std::size_t main, BaseAndTargets& at) {
   Candidate best;
-  double scale = 0;
+  double scale = std::numeric_limits<double>::infinity();  // at first all weigh one
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     Moments moments;
     rows.for_each([&](const Observation& row, const Pose& X_BL) {
-      const double residual = (row.p_S - at.X_SB * (X_BL * best.u)).norm();
       moments.add(row.p_S, link_vector(X_BL),
-                  pass == 0 ? 1 : numerics::huber_weight(residual, scale));
+                  numerics::huber_weight(at.residual(row, X_BL).norm(), scale));
     });
     if (moments.gg.trace() <= kAtRest * moments.weight)
       return std::unexpected(Refusal{Error::kJointDidNotMove, 0, 0});
@@ -126,7 +123,7 @@ double rms_of_good_rows(const DrawnRows& rows, const BaseAndTargets& at) {
   double count = 0;
   double squares = 0;
   rows.for_each([&](const Observation& row, const Pose& X_BL) {
-    const double residual = (row.p_S - at.X_SB * (X_BL * at.p_LT[row.target])).norm();
+    const double residual = at.residual(row, X_BL).norm();
     if (numerics::huber_weight(residual, scale) < 0.5) return;
     count += 1;
     squares += residual * residual;
@@ -147,7 +144,7 @@ Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observatio
   if (auto fitted = fit_main(rows.of(main), main, at); !fitted)
     return std::unexpected(fitted.error());
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    if (t != main && rows_of[t] > 0) at.p_LT[t] = place_target(rows.of(t), t, at.X_SB);
+    if (t != main && rows_of[t] > 0) place_target(rows.of(t), t, at);
   }
   if (targets.size() > 1) at = from_all_targets(rows, targets, rows_of, at);
   const double rms_m = rms_of_good_rows(rows, at);

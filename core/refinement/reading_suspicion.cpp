@@ -37,36 +37,31 @@ void fit_ratio(const Arm& arm, std::span<const Observation> log, std::span<const
   constexpr double kGolden = 0.618033988749895;
   double low = best.coupling.ratio - kRatioRange;
   double high = best.coupling.ratio + kRatioRange;
-  JointCoupling trial = best.coupling;
-  const auto rms_at = [&](double ratio) {
-    trial.ratio = ratio;
-    return rms_with(arm, trial, log, targets);
+  struct Trial {
+    double ratio = 0;
+    double rms_m = 0;
   };
-  double left = high - kGolden * (high - low);
-  double right = low + kGolden * (high - low);
-  double rms_left = rms_at(left);
-  double rms_right = rms_at(right);
+  const auto trial = [&](double ratio) -> Trial {
+    return {ratio, rms_with(arm, {best.coupling.joint, best.coupling.from, ratio}, log, targets)};
+  };
+  Trial left = trial(high - kGolden * (high - low));
+  Trial right = trial(low + kGolden * (high - low));
   for (int step = 0; step < kRatioSteps; ++step) {
-    if (rms_left < rms_right) {
-      high = right;
+    if (left.rms_m < right.rms_m) {
+      high = right.ratio;
       right = left;
-      rms_right = rms_left;
-      left = high - kGolden * (high - low);
-      rms_left = rms_at(left);
+      left = trial(high - kGolden * (high - low));
     } else {
-      low = left;
+      low = left.ratio;
       left = right;
-      rms_left = rms_right;
-      right = low + kGolden * (high - low);
-      rms_right = rms_at(right);
+      right = trial(low + kGolden * (high - low));
     }
   }
-  const double ratio = 0.5 * (low + high);
-  const double rms_m = rms_at(ratio);
+  const Trial found = trial(0.5 * (low + high));
   // Zeros and lengths that are not the drawing's shift the best ratio a little.
-  if (rms_m > kOtherRatio * best.rms_m) return;
-  best.coupling.ratio = ratio;
-  best.rms_m = rms_m;
+  if (found.rms_m > kOtherRatio * best.rms_m) return;
+  best.coupling.ratio = found.ratio;
+  best.rms_m = found.rms_m;
 }
 
 }  // namespace

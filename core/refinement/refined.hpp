@@ -30,6 +30,8 @@ enum class Open : std::uint8_t {
 struct Undetermined {
   Open open = Open::kAxisDirection;
   std::size_t index = 0;  // of the joint, target or receiver, from 0
+
+  bool operator==(const Undetermined&) const = default;
 };
 
 struct FitQuality {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -42,21 +43,12 @@ Matrix3 combined_columns(const Matrix3x12& M, const Vector3& u) {
   return sum;
 }
 
-double squares_of(const Moments& m, const Matrix3& yy, const Matrix3& py, const Matrix3& R) {
-  return m.pp + yy.trace() - 2 * (R.transpose() * py).trace();
-}
-
-double squares_at(const Moments& m, const Matrix3& R, const Vector3& u) {
-  const Matrix3 yy = combined_columns(combined_rows(m.gg, u), u);
-  return squares_of(m, yy, combined_columns(m.pg, u), R);
-}
-
 Local local_at(const Moments& m, const Matrix3& R, const Vector3& u) {
   const Matrix3x12 yg = combined_rows(m.gg, u);
   const Matrix3 yy = combined_columns(yg, u);
   const Matrix3 py = combined_columns(m.pg, u);
   Local local;
-  local.squares = squares_of(m, yy, py, R);
+  local.squares = m.pp + yy.trace() - 2 * (R.transpose() * py).trace();
   // e = p - R y; de = -w x (R y) - R R_k du.
   const Matrix3 S = R * yy * R.transpose();
   local.hessian.topLeftCorner<3, 3>() = S.trace() * Matrix3::Identity() - S;
@@ -105,20 +97,19 @@ Vector3 combined(const Vector12& g, const Vector3& u) {
   return sum;
 }
 
-void polish(const Moments& m, Candidate& candidate) {
+double polish(const Moments& m, Candidate& candidate) {
   double damping = 1e-3;
-  candidate.squares = squares_at(m, candidate.R, candidate.u);
+  Local local = local_at(m, candidate.R, candidate.u);
   for (int i = 0; i < kMaxSteps; ++i) {
-    const Local local = local_at(m, candidate.R, candidate.u);
     Matrix6 H = local.hessian;
     for (int k = 0; k < 6; ++k) H(k, k) += damping * H(k, k) + 1e-9 * m.weight;
     const Vector6 x = -H.ldlt().solve(local.gradient);
-    Candidate next = candidate;
-    next.R = numerics::rotation_by(x.head<3>()) * candidate.R;
-    next.u += x.tail<3>();
-    next.squares = squares_at(m, next.R, next.u);
-    if (next.squares < candidate.squares) {
-      candidate = next;
+    const Matrix3 R = numerics::rotation_by(x.head<3>()) * candidate.R;
+    const Vector3 u = candidate.u + x.tail<3>();
+    const Local next = local_at(m, R, u);
+    if (next.squares < local.squares) {
+      candidate = {R, u};
+      local = next;
       damping = std::max(0.1 * damping, 1e-12);
       if (x.norm() < 1e-10) break;
     } else {
@@ -126,18 +117,18 @@ void polish(const Moments& m, Candidate& candidate) {
       if (damping > 1e6) break;
     }
   }
+  return local.squares;
 }
 
 Candidate search(const Moments& m) {
   Candidate best;
-  bool any = false;
+  double least = std::numeric_limits<double>::infinity();
   for_each_cube_rotation([&](const Matrix3& R) {
-    Candidate candidate;
-    candidate.R = R;
-    candidate.u = tool_for(m, R);
-    polish(m, candidate);
-    if (!any || candidate.squares < best.squares) best = candidate;
-    any = true;
+    Candidate candidate{R, tool_for(m, R)};
+    const double squares = polish(m, candidate);
+    if (std::isfinite(least) && !(squares < least)) return;
+    least = squares;
+    best = candidate;
   });
   return best;
 }

@@ -31,11 +31,10 @@ struct Moments {
 struct Candidate {
   Matrix3 R = Matrix3::Identity();
   Vector3 u = Vector3::Zero();
-  double squares = 0;
 };
 
-// The nearest minimum: Levenberg-Marquardt on (R, u).
-void polish(const Moments& moments, Candidate& candidate);
+// The nearest minimum: Levenberg-Marquardt on (R, u). Returns its sum of squares.
+double polish(const Moments& moments, Candidate& candidate);
 
 // The best minimum found from the rotations of a cube, each with its best u.
 [[nodiscard]] Candidate search(const Moments& moments);

@@ -1,51 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "core/refinement/row.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace armsig::refinement {
-
-namespace {
-
-void absorb_position(const Refined& estimate, const PoeChain& chain, const Observation& row,
-                     double weight, const Linearised& at, SquareRootFactor& factor) {
-  const Layout& layout = estimate.layout;
-  const std::size_t n = layout.size();
-  const double scaled = 1 + estimate.scale;
-  RowBlock<3> block;
-  block.clear(n);
-  add_derivatives(layout, estimate.signature, chain, at.motion, row.target, at.jacobian,
-                  weight * scaled, block);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto c = static_cast<Eigen::Index>(k);
-    if (layout.scale != kNoColumn) block.rows[k][layout.scale] = weight * at.jacobian.p_S[c];
-    block.rows[k][n] = weight * (row.p_S[c] - scaled * at.jacobian.p_S[c]);
-  }
-  factor.absorb(block);
-}
-
-void absorb_range(const Refined& estimate, const Receivers& receivers, const PoeChain& chain,
-                  const Observation& row, double weight, const Linearised& at,
-                  SquareRootFactor& factor) {
-  const Layout& layout = estimate.layout;
-  const std::size_t n = layout.size();
-  const PredictedRange predicted = predict_range(estimate, receivers, row, at.jacobian.p_S);
-  RowBlock<1> block;
-  block.clear(n);
-  add_derivatives(layout, estimate.signature, chain, at.motion, row.target, at.jacobian,
-                  weight * predicted.gradient, block);
-  if (layout.receiver_offsets != kNoColumn) {
-    block.rows[0][layout.receiver_offsets + row.receiver] = weight;
-  }
-  if (layout.scale != kNoColumn) {
-    block.rows[0][layout.scale] = weight * (at.jacobian.p_S - receivers[row.receiver]).norm();
-  }
-  block.rows[0][n] = weight * (row.range_m - predicted.value);
-  factor.absorb(block);
-}
-
-}  // namespace
 
 bool is_finite(const Observation& row) {
   // Zero times anything finite is zero, times anything else no number.
@@ -81,22 +39,43 @@ Linearised position_rows(const Refined& estimate, const PoeChain& chain,
   at.motion = chain.motion(readings);
   chain.point_and_jacobian(at.motion, estimate.signature.targets[target], at.jacobian);
   rows.clear(estimate.layout.size());
-  add_derivatives(estimate.layout, estimate.signature, chain, at.motion, target, at.jacobian, 1.0,
-                  rows);
+  add_derivatives(estimate.layout, estimate.signature, chain, at.motion, target, at.jacobian, rows);
   return at;
 }
 
-void absorb_row(const Refined& estimate, const Receivers& receivers, const PoeChain& chain,
-                const Observation& row, double weight, SquareRootFactor& factor,
-                Linearised& linearised) {
-  linearised.motion = chain.motion(row.readings);
-  chain.point_and_jacobian(linearised.motion, estimate.signature.targets[row.target],
-                           linearised.jacobian);
+Linearised absorb_row(const Refined& estimate, const Receivers& receivers, const PoeChain& chain,
+                      const Observation& row, double weight, SquareRootFactor& factor) {
+  const Layout& layout = estimate.layout;
+  const std::size_t n = layout.size();
+  RowBlock<3> position;
+  Linearised at = position_rows(estimate, chain, row.readings, row.target, position);
+  const Vector3& p_S = at.jacobian.p_S;
   if (row.kind == ObservationKind::kPosition) {
-    absorb_position(estimate, chain, row, weight, linearised, factor);
-  } else {
-    absorb_range(estimate, receivers, chain, row, weight, linearised, factor);
+    const double scaled = 1 + estimate.scale;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto c = static_cast<Eigen::Index>(k);
+      for (std::size_t u = 0; u < n; ++u) position.rows[k][u] *= weight * scaled;
+      if (layout.scale != kNoColumn) position.rows[k][layout.scale] = weight * p_S[c];
+      position.rows[k][n] = weight * (row.p_S[c] - scaled * p_S[c]);
+    }
+    factor.absorb(position);
+    return at;
   }
+  const PredictedRange predicted = predict_range(estimate, receivers, row, p_S);
+  const auto& [x, y, z] = position.rows;
+  RowBlock<1> range;
+  for (std::size_t u = 0; u < n; ++u) {
+    range.rows[0][u] = weight * predicted.gradient.dot(Vector3(x[u], y[u], z[u]));
+  }
+  if (layout.receiver_offsets != kNoColumn) {
+    range.rows[0][layout.receiver_offsets + row.receiver] = weight;
+  }
+  if (layout.scale != kNoColumn) {
+    range.rows[0][layout.scale] = weight * (p_S - receivers[row.receiver]).norm();
+  }
+  range.rows[0][n] = weight * (row.range_m - predicted.value);
+  factor.absorb(range);
+  return at;
 }
 
 }  // namespace armsig::refinement

@@ -40,9 +40,8 @@ struct Linearised {
                                        RowBlock<3>& rows);
 
 // Linearises `row` at the estimate and takes it into `factor`; `weight` is the inverse of its sigma
-// [1/m]. `linearised` receives what it was linearised with.
-void absorb_row(const Refined& estimate, const Receivers& receivers, const PoeChain& chain,
-                const Observation& row, double weight, SquareRootFactor& factor,
-                Linearised& linearised);
+// [1/m]. Returns what it was linearised with.
+Linearised absorb_row(const Refined& estimate, const Receivers& receivers, const PoeChain& chain,
+                      const Observation& row, double weight, SquareRootFactor& factor);
 
 }  // namespace armsig::refinement

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Core>
+
 #include "core/base/lanes.hpp"
 
 namespace armsig::refinement {
@@ -15,38 +17,27 @@ namespace {
 constexpr double kVanishing = 1e-200;
 
 // Rows of a block in straight code where several columns go at once; otherwise memory is scarce.
-constexpr int kUnrolled = Lanes<double>::kCount > 1 ? 9 : 1;
+constexpr int kUnrolled = Lanes<double>::kCount > 1 ? 3 : 1;
 
-// Unknowns that are worth a factor of their own; its rows have a fixed length, with room for the
-// last lanes.
-constexpr std::size_t kNarrow = 16;
-constexpr std::size_t kNarrowRow = kNarrow + 1 + Lanes<double>::kCount;
-
-// Sum of kTerms terms, in three chains where they are many: none waits for all the others.
-template <typename V, int kTerms, typename Term>
-[[gnu::always_inline]] inline V sum_of(Term term) {
-  constexpr int kChains = kTerms >= 9 && kUnrolled > 1 ? 3 : 1;
-  std::array<V, kChains> sums;
-  for (int k = 0; k < kChains; ++k) sums[k] = term(k);
+// Sum of kTerms terms.
+template <int kTerms, typename Term>
+[[gnu::always_inline]] inline auto sum_of(Term term) {
+  auto sum = term(0);
 #pragma GCC unroll kUnrolled
-  for (int k = kChains; k < kTerms; ++k) sums[k % kChains] += term(k);
-  if constexpr (kChains == 1) {
-    return sums[0];
-  } else {
-    return sums[0] + sums[1] + sums[2];
-  }
+  for (int k = 1; k < kTerms; ++k) sum += term(k);
+  return sum;
 }
 
-// Rotates `block`, of `unknowns` + 1 columns, into the factor `r`: leaves zeros and, in the last
-// column, the residuals. The factor is packed, or kNarrow with rows of kNarrowRow.
-template <bool kPacked, int kRows>
+// Rotates `block`, of `unknowns` + 1 columns, into the packed factor `r`: leaves zeros and, in the
+// last column, the residuals.
+template <int kRows>
 void rotate(double* r, std::size_t unknowns, RowBlock<kRows>& block) {
   for (std::size_t j = 0; j < unknowns; ++j) {
     const std::size_t width = unknowns + 1 - j;
     std::array<double, kRows> v;
 #pragma GCC unroll kUnrolled
     for (int k = 0; k < kRows; ++k) v[k] = block.rows[k][j];
-    const auto squares = sum_of<double, kRows>([&](int k) { return v[k] * v[k]; });
+    const double squares = sum_of<kRows>([&](int k) { return v[k] * v[k]; });
     if (squares > kVanishing) {
       // The reflection that takes (R_jj, v) to (norm, 0). R_jj is never negative, so this form of
       // the first component cannot cancel; beta = 2 / (v_0^2 + squares).
@@ -57,7 +48,7 @@ void rotate(double* r, std::size_t unknowns, RowBlock<kRows>& block) {
       // As many columns at a time as V has lanes.
       const auto reflect = [&]<typename V>(std::size_t c) {
         const auto above = load<V>(r + c);
-        const V dot = beta * sum_of<V, kRows + 1>([&](int k) {
+        const V dot = beta * sum_of<kRows + 1>([&](int k) -> V {
                         return k == 0 ? v_0 * above : v[k - 1] * load<V>(&block.rows[k - 1][j + c]);
                       });
         store(r + c, above - dot * v_0);
@@ -69,51 +60,19 @@ void rotate(double* r, std::size_t unknowns, RowBlock<kRows>& block) {
       };
       constexpr std::size_t kLanes = Lanes<double>::kCount;
       std::size_t c = 1;
-      for (; c + (kPacked ? kLanes : 1) <= width; c += kLanes) {
-        reflect.template operator()<Pack<double>>(c);
-      }
+      for (; c + kLanes <= width; c += kLanes) reflect.template operator()<Pack<double>>(c);
       for (; c < width; ++c) reflect.template operator()<double>(c);
     }
-    r += kPacked ? width : kNarrowRow + 1;
+    r += width;
   }
 }
 
-// Moves the entries of rows that involve only the unknowns `columns` to where they stand among all
-// `unknowns`, zeros between them.
-void spread(std::span<const std::uint8_t> columns, std::size_t unknowns, RowBlock<9>& block) {
-  for (auto& row : block.rows) {
-    row[unknowns] = row[columns.size()];
-    std::size_t end = unknowns;
-    for (std::size_t i = columns.size(); i-- > 0;) {
-      const std::size_t column = columns[i];
-      row[column] = row[i];
-      std::fill(row.begin() + column + 1, row.begin() + end, 0.0);
-      end = column;
-    }
-    std::fill(row.begin(), row.begin() + end, 0.0);
-  }
+// `count` numbers as a vector.
+Eigen::Map<const Eigen::VectorXd> vector_of(const double* x, std::size_t count) {
+  return {x, static_cast<Eigen::Index>(count)};
 }
-
-// y -= factor x, of `count` numbers.
-void subtract(double factor, const double* x, std::size_t count, double* y) {
-  using V = Pack<double>;
-  std::size_t c = 0;
-  for (; c + Lanes<double>::kCount <= count; c += Lanes<double>::kCount) {
-    store(y + c, load<V>(y + c) - factor * load<V>(x + c));
-  }
-  for (; c < count; ++c) y[c] -= factor * x[c];
-}
-
-double product(const double* x, const double* y, std::size_t count) {
-  using V = Pack<double>;
-  V sums{};
-  std::size_t c = 0;
-  for (; c + Lanes<double>::kCount <= count; c += Lanes<double>::kCount) {
-    sums += load<V>(x + c) * load<V>(y + c);
-  }
-  auto sum = sum_of_lanes<double>(sums);
-  for (; c < count; ++c) sum += x[c] * y[c];
-  return sum;
+Eigen::Map<Eigen::VectorXd> vector_of(double* x, std::size_t count) {
+  return {x, static_cast<Eigen::Index>(count)};
 }
 
 }  // namespace
@@ -122,61 +81,18 @@ void SquareRootFactor::reset(std::size_t unknowns) {
   ARMSIG_CHECK(unknowns <= kMaxParameters);
   unknowns_ = unknowns;
   residual_squares_ = 0;
-  all_tied_ = false;
   const std::size_t used = row(unknowns);
   for (std::size_t i = 0; i < used; ++i) entries_[i] = 0;
-  for (std::size_t i = 0; i < unknowns; ++i) ties_[i].reset();
 }
 
 template <int kRows>
 void SquareRootFactor::absorb(RowBlock<kRows>& block) {
-  all_tied_ = true;
-  rotate<true>(entries_.data(), unknowns_, block);
+  rotate(entries_.data(), unknowns_, block);
   for (const auto& left : block.rows) residual_squares_ += left[unknowns_] * left[unknowns_];
 }
 
-void SquareRootFactor::absorb(std::span<const std::uint8_t> columns, RowBlock<9>& block) {
-  const std::size_t count = columns.size();
-  Unknowns involved;
-  for (const std::uint8_t column : columns) involved[column] = true;
-  bool apart = !all_tied_ && count <= kNarrow;
-  for (std::size_t i = 0; apart && i < count; ++i) apart = (ties_[columns[i]] & ~involved).none();
-  if (!apart) {
-    spread(columns, unknowns_, block);
-    absorb(block);
-    return;
-  }
-
-  // The rows of these unknowns as a factor of their own. Zeros beyond the right-hand side, so that
-  // the last lanes hold numbers.
-  constexpr Pack<double> kZeros{};
-  std::array<double, kNarrow * kNarrowRow> narrow;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double* from = entries_.data() + row(columns[i]) - columns[i];
-    double* to = narrow.data() + i * kNarrowRow;
-    for (std::size_t j = i; j < count; ++j) to[j] = from[columns[j]];
-    to[count] = from[unknowns_];
-    store(to + count + 1, kZeros);
-  }
-  for (auto& row : block.rows) store(&row[count + 1], kZeros);
-  rotate<false>(narrow.data(), count, block);
-  Unknowns later;
-  for (std::size_t i = count; i-- > 0;) {
-    double* to = entries_.data() + row(columns[i]) - columns[i];
-    const double* from = narrow.data() + i * kNarrowRow;
-    for (std::size_t j = i; j < count; ++j) to[columns[j]] = from[j];
-    to[unknowns_] = from[count];
-    ties_[columns[i]] |= later;
-    later[columns[i]] = true;
-  }
-  for (const auto& left : block.rows) residual_squares_ += left[count] * left[count];
-}
-
 template void SquareRootFactor::absorb<1>(RowBlock<1>&);
-template void SquareRootFactor::absorb<2>(RowBlock<2>&);
 template void SquareRootFactor::absorb<3>(RowBlock<3>&);
-template void SquareRootFactor::absorb<4>(RowBlock<4>&);
-template void SquareRootFactor::absorb<9>(RowBlock<9>&);
 
 double SquareRootFactor::log_determinant() const {
   double sum = 0;
@@ -207,7 +123,8 @@ Result<StateVector> SquareRootFactor::solve() const {
 void SquareRootFactor::solve_upper(std::span<double> z) const {
   for (std::size_t i = unknowns_; i-- > 0;) {
     const double* r = entries_.data() + row(i);
-    z[i] = (z[i] - product(r + 1, z.data() + i + 1, unknowns_ - i - 1)) / r[0];
+    const std::size_t later = unknowns_ - i - 1;
+    z[i] = (z[i] - vector_of(r + 1, later).dot(vector_of(z.data() + i + 1, later))) / r[0];
   }
 }
 
@@ -217,13 +134,14 @@ void SquareRootFactor::solve_transposed(std::span<double> b, std::size_t first) 
     const double y = b[i] / r[0];
     b[i] = y;
     if (y == 0) continue;
-    subtract(y, r + 1, unknowns_ - i - 1, b.data() + i + 1);
+    const std::size_t later = unknowns_ - i - 1;
+    vector_of(b.data() + i + 1, later) -= y * vector_of(r + 1, later);
   }
 }
 
 double SquareRootFactor::variance(std::span<double> b, std::size_t first) const {
   solve_transposed(b, first);
-  return product(&b[first], &b[first], unknowns_ - first);
+  return vector_of(&b[first], unknowns_ - first).squaredNorm();
 }
 
 Matrix3 SquareRootFactor::covariance(RowBlock<3>& J) const {
@@ -232,7 +150,7 @@ Matrix3 SquareRootFactor::covariance(RowBlock<3>& J) const {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          product(J.rows[i].data(), J.rows[j].data(), unknowns_);
+          vector_of(J.rows[i].data(), unknowns_).dot(vector_of(J.rows[j].data(), unknowns_));
     }
   }
   return covariance;

@@ -7,9 +7,7 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 
 #include "core/base/error.hpp"
@@ -19,12 +17,10 @@ namespace armsig::refinement {
 
 inline constexpr std::size_t kMaxColumns = kMaxParameters + 1;  // with the right-hand side
 
-// Some rows of [A | b]; the right-hand side is column n of a problem with n unknowns. What lies
-// beyond it is room for the last lanes.
+// Some rows of [A | b]; the right-hand side is column n of a problem with n unknowns.
 template <int kRows>
 struct RowBlock {
-  static constexpr std::size_t kMostLanes = 4;
-  std::array<std::array<double, kMaxColumns + kMostLanes - 1>, kRows> rows;
+  std::array<std::array<double, kMaxColumns>, kRows> rows;
 
   void clear(std::size_t unknowns) {
     for (auto& row : rows) {
@@ -44,14 +40,9 @@ class SquareRootFactor {
   [[nodiscard]] std::size_t unknowns() const { return unknowns_; }
 
   // Takes rows into the factor; destroys them. The cost depends on the number of unknowns only, and
-  // unknowns that the rows do not involve (exact zeros) cost nothing. kRows: 1, 2, 3, 4, 9.
+  // unknowns that the rows do not involve (exact zeros) cost nothing. kRows: 1, 3.
   template <int kRows>
   void absorb(RowBlock<kRows>& block);
-
-  // The same of rows that involve only the unknowns `columns`, in ascending order: entry i of each
-  // row is that of columns[i], the one after the last is the right-hand side. At the cost of so few
-  // unknowns as long as their rows of the factor tie them to no others.
-  void absorb(std::span<const std::uint8_t> columns, RowBlock<9>& block);
 
   // Sum of the squares that no choice of unknowns can remove, of all rows taken so far.
   [[nodiscard]] double residual_squares() const { return residual_squares_; }
@@ -81,22 +72,15 @@ class SquareRootFactor {
   [[nodiscard]] double entry(std::size_t i, std::size_t j) const {
     return entries_[row(i) + j - i];
   }
-  void set_entry(std::size_t i, std::size_t j, double value) {
-    entries_[row(i) + j - i] = value;
-    if (i < j && j < unknowns_) ties_[i][j] = true;
-  }
+  void set_entry(std::size_t i, std::size_t j, double value) { entries_[row(i) + j - i] = value; }
 
  private:
-  using Unknowns = std::bitset<kMaxParameters>;
-
   // Rows one after the other, each from its diagonal entry to its right-hand side.
   [[nodiscard]] std::size_t row(std::size_t i) const {
     return i * (unknowns_ + 1) - i * (i - 1) / 2;
   }
 
   std::size_t unknowns_ = 0;
-  bool all_tied_ = false;                      // some rows have named no unknowns
-  std::array<Unknowns, kMaxParameters> ties_;  // else: which entries of a row may not be zero
   double residual_squares_ = 0;
   std::array<double, kMaxParameters*(kMaxParameters + 3) / 2> entries_{};
 };

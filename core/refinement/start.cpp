@@ -30,15 +30,7 @@ const Observation& middle_row(std::span<const Observation> log) {
     }
     return sum;
   };
-  const Observation* nearest = &log.front();
-  double least = distance(*nearest);
-  for (const Observation& row : log) {
-    if (const double d = distance(row); d < least) {
-      least = d;
-      nearest = &row;
-    }
-  }
-  return *nearest;
+  return *std::ranges::min_element(log, {}, distance);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ class ZeroFit {
   [[nodiscard]] double cost(double scale) const {
     double sum = 0;
     rows().for_each([&](const Observation& row, const Pose& X_BL) {
-      sum += numerics::huber_loss((row.p_S - at_.X_SB * (X_BL * at_.p_LT[main_])).norm(), scale);
+      sum += numerics::huber_loss(at_.residual(row, X_BL).norm(), scale);
     });
     return sum;
   }

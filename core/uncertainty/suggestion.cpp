@@ -27,13 +27,13 @@ constexpr int kClimbRounds = 12;
 // Each pose is offered a better place once the others are known (Fedorov's exchange).
 constexpr int kExchangePasses = 2;
 
-// The three rows d(position of the target)/d(unknowns); also its position.
-Vector3 rows_at(const Refined& refined, const PoeChain& chain, const JointVector& readings,
-                std::size_t target, RowBlock<3>& rows) {
-  return refinement::position_rows(refined, chain, readings, target, rows).jacobian.p_S;
-}
-
 }  // namespace
+
+bool SuggestionSearch::sees(const PoeChain& chain, const JointVector& readings,
+                            RowBlock<3>& rows) const {
+  return config_.box.contains(
+      refinement::position_rows(*refined_, chain, readings, config_.target, rows).jacobian.p_S);
+}
 
 Result<void> SuggestionSearch::start(const Refined& refined, const SuggestionConfig& config) {
   ARMSIG_CHECK(config.limits.size() == refined.signature.joint_count());
@@ -52,7 +52,7 @@ Result<void> SuggestionSearch::start(const Refined& refined, const SuggestionCon
   for (int k = 1; k <= config_.volume * kPatience && inside < config_.volume; ++k) {
     RowBlock<3> rows;
     const JointVector readings = work_configuration(types, config_.limits, k);
-    if (!config_.box.contains(rows_at(refined, chain, readings, config_.target, rows))) continue;
+    if (!sees(chain, readings, rows)) continue;
     volume_.absorb(rows);
     ++inside;
   }
@@ -101,7 +101,7 @@ void SuggestionSearch::climb(const PoeChain& chain, JointVector& readings,
         trial[i] = std::clamp(trial[i] + sense * step * (limit.upper - limit.lower), limit.lower,
                               limit.upper);
         RowBlock<3> rows;
-        if (!config_.box.contains(rows_at(*refined_, chain, trial, config_.target, rows))) continue;
+        if (!sees(chain, trial, rows)) continue;
         const double gained = gain(rows);
         if (gained <= best_gain) continue;
         best_gain = gained;
@@ -119,14 +119,14 @@ Result<JointVector> SuggestionSearch::best_pose(const PoeChain& chain, const Joi
   double best_gain = -1;
   RowBlock<3> rows;
   if (present != nullptr) {
-    rows_at(*refined_, chain, *present, config_.target, rows);
+    (void)sees(chain, *present, rows);
     best_gain = gain(rows);
     best = *present;
   }
   int inside = 0;
   for (int k = 0; k < config_.candidates * kPatience && inside < config_.candidates; ++k) {
     const JointVector readings = work_configuration(types, config_.limits, next_candidate_++);
-    if (!config_.box.contains(rows_at(*refined_, chain, readings, config_.target, rows))) continue;
+    if (!sees(chain, readings, rows)) continue;
     ++inside;
     if (const double gained = gain(rows); gained > best_gain) {
       best_gain = gained;
@@ -140,7 +140,7 @@ Result<JointVector> SuggestionSearch::best_pose(const PoeChain& chain, const Joi
 
 void SuggestionSearch::measure(const PoeChain& chain, const JointVector& readings) {
   RowBlock<3> rows;
-  rows_at(*refined_, chain, readings, config_.target, rows);
+  (void)sees(chain, readings, rows);
   for (auto& row : rows.rows) {
     for (std::size_t c = 0; c < refined_->layout.size(); ++c) row[c] /= config_.sigma_m;
   }

@@ -54,6 +54,9 @@ class SuggestionSearch {
   [[nodiscard]] Result<void> suggest(std::span<Suggestion> suggestions);
 
  private:
+  // Whether the target is inside the box then; `rows`: its derivatives by the unknowns.
+  [[nodiscard]] bool sees(const refinement::PoeChain& chain, const JointVector& readings,
+                          refinement::RowBlock<3>& rows) const;
   // How much the mean tool variance falls by measuring a pose with these rows.
   [[nodiscard]] double gain(refinement::RowBlock<3> rows) const;
   [[nodiscard]] Result<JointVector> best_pose(const refinement::PoeChain& chain,

@@ -48,7 +48,7 @@ void absorb_pose(const Layout& layout, const Signature& signature, const refinem
     said.point_and_jacobian(moved, signature.targets[t], jacobian);
     const Vector3 miss = whole.point(turned, exact.targets[t]) - jacobian.p_S;
     block.clear(layout.size());
-    refinement::add_derivatives(layout, signature, said, moved, t, jacobian, 1.0, block);
+    refinement::add_derivatives(layout, signature, said, moved, t, jacobian, block);
     for (std::size_t c = 0; c < 3; ++c) {
       block.rows[c][layout.size()] = miss[static_cast<Eigen::Index>(c)];
     }

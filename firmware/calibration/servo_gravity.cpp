@@ -57,8 +57,7 @@ struct Horizontal {
 // V: as many lanes as the processor has, of which one is a plain double. The first joint stands
 // where its x axis is the base's.
 template <typename V>
-[[gnu::always_inline]] inline void find_horizontal(const Chain& drawing,
-                                                   const JointTerms<double>& terms,
+[[gnu::always_inline]] inline void find_horizontal(const Chain& drawing, const JointTerms& terms,
                                                    Horizontal& found) {
   const double x = drawing.x[0];
   const double c = drawing.cos_alpha[0];
@@ -87,7 +86,7 @@ template <typename V>
 }
 
 // A slide gives way along its axis: z . down.
-[[gnu::noinline]] void find_vertical(const Chain& drawing, const JointTerms<double>& terms,
+[[gnu::noinline]] void find_vertical(const Chain& drawing, const JointTerms& terms,
                                      std::array<double, kMaxJoints>& axis_z) {
   kinematics::FrameRows<double> row{0, 0, 1, 0};
   for (std::size_t i = 0; i < drawing.joint_count; ++i) {
@@ -140,7 +139,7 @@ void ServoGravity::find_bounds() {
 void ServoGravity::at(const Values& q, Values& by) const {
   by.fill(0);
   if (empty()) return;
-  JointTerms<double> terms;
+  JointTerms terms;
   const bool known = kinematics::joint_terms(drawing_, q.data(), terms);
   ARMSIG_CHECK(known);
   Horizontal found;

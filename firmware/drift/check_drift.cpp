@@ -52,9 +52,8 @@ Evidence evidence(const Refined& refined, std::span<const Observation> log,
   const double before = factor.log_determinant();
   for (std::size_t k = 0; k < log.size(); ++k) {
     if (log[k].use == RowUse::kIgnore || outcomes[k].rejected) continue;
-    refinement::Linearised at;
-    refinement::absorb_row(refined, receivers, chain, log[k], 1 / sigma_of(refined, log[k]), factor,
-                           at);
+    refinement::absorb_row(refined, receivers, chain, log[k], 1 / sigma_of(refined, log[k]),
+                           factor);
   }
   return {factor.residual_squares(), 2 * (factor.log_determinant() - before)};
 }

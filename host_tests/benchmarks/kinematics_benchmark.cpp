@@ -56,16 +56,6 @@ const Row kForwardLatency("forward, latency", "armsig", [] {
   };
 });
 
-const Row kForwardSingle("forward, single precision", "armsig", [] {
-  std::array<kinematics::ReadingsT<float>, kPoses> q;
-  for (std::size_t k = 0; k < kPoses; ++k) {
-    for (const double reading : kinematics_work().q[k]) q[k].push_back(static_cast<float>(reading));
-  }
-  return [chain = kinematics::to_single(kinematics_work().chain), q](std::size_t calls) {
-    for (std::size_t k = 0; k < calls; ++k) keep(kinematics::forward(chain, q[k % kPoses]));
-  };
-});
-
 const Row kJacobian("forward with Jacobian", "armsig", [] {
   return [&w = kinematics_work()](std::size_t calls) {
     for (std::size_t k = 0; k < calls; ++k) {

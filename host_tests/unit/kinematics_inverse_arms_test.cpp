@@ -60,14 +60,12 @@ TEST(InverseOfPrismaticWrist, states_the_manipulability) {
   }
 }
 
-TEST(InverseOfAScara, meets_the_pose_and_says_which_dimensions_it_can_meet) {
+TEST(InverseOfAScara, meets_a_pose_that_it_can_reach) {
   const test::KnownArm arm = test::cobra600();
   const Chain chain = make_chain(arm.joints, arm.limits);
   const JointVector q{0.3, 0.5, 0.1, -0.4};
   const InverseSolution solution = *inverse(chain, *forward(chain, q), {0.25, 0.55, 0.12, -0.35});
   EXPECT_EQ(solution.verdict, Verdict::kConverged);
-  EXPECT_EQ(solution.position_dimensions, 3);
-  EXPECT_EQ(solution.rotation_dimensions, 1);
   EXPECT_LT(solution.rotation_error_rad, 1e-9);
 }
 
@@ -168,7 +166,6 @@ TEST(InverseOfOneJoint, turns_as_near_as_it_can) {
   const InverseSolution solution = *inverse(chain, *forward(chain, {0.7}), {0.1});
   EXPECT_EQ(solution.verdict, Verdict::kConverged);
   EXPECT_NEAR(solution.q[0], 0.7, 1e-9);
-  EXPECT_EQ(solution.position_dimensions, 1);
 }
 
 TEST(InverseOfSevenJoints, takes_the_solution_nearest_to_the_seed) {

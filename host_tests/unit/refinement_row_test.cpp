@@ -37,8 +37,7 @@ TEST(Row, of_a_range_tells_what_its_receiver_adds) {
     row.receiver = static_cast<std::size_t>(k % 2);
     row.range_m =
         (cell.point(row.readings, 0) - receivers[row.receiver]).norm() + offsets[row.receiver];
-    Linearised at;
-    absorb_row(*estimate, receivers, chain, row, 1e6, factor, at);
+    absorb_row(*estimate, receivers, chain, row, 1e6, factor);
   }
   const auto x = factor.solve();
   ASSERT_TRUE(x);
@@ -72,8 +71,7 @@ TEST(Row, of_either_kind_tells_by_how_much_lengths_are_wrong) {
     row.kind = kind;
     row.range_m = (1 + kScale) * (row.p_S - receivers[0]).norm();
     row.p_S *= 1 + kScale;
-    Linearised at;
-    absorb_row(*estimate, receivers, chain, row, 1e5, factor, at);
+    absorb_row(*estimate, receivers, chain, row, 1e5, factor);
     const auto x = factor.solve();
     ASSERT_TRUE(x);
     EXPECT_NEAR((*x)[layout->scale], kScale, 1e-5);

@@ -84,8 +84,7 @@ TEST(RotationSearch, fits_a_straight_line_of_which_the_turn_is_open) {
       moments.add(R * t, g, 1);
     }
     Candidate candidate{random.rotation(), random.vector(0.1)};
-    polish(moments, candidate);
-    EXPECT_LT(candidate.squares, 1e-10) << seed;
+    EXPECT_LT(polish(moments, candidate), 1e-10) << seed;
     EXPECT_LT((candidate.R.col(0) - R.col(0)).norm(), 1e-5) << seed;
   }
 }

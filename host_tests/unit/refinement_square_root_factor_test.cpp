@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <limits>
-#include <vector>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -58,49 +57,6 @@ TEST(SquareRootFactor, solves_the_least_squares_problem_whatever_the_size_of_its
   const Problem problem = random_problem();
   expect_least_squares(factor_of<1>(problem), problem);
   expect_least_squares(factor_of<3>(problem), problem);
-  expect_least_squares(factor_of<9>(problem), problem);
-}
-
-// Rows that involve some of 30 unknowns, taken in by those alone and as rows of all: after rows
-// that tie the same ones only, then after one that ties all, then too many to be worth it.
-TEST(SquareRootFactor, takes_rows_of_few_unknowns_like_those_of_all) {
-  constexpr std::size_t kAll = 30;
-  test::Random random(2);
-  SquareRootFactor few;
-  SquareRootFactor all;
-  few.reset(kAll);
-  all.reset(kAll);
-  for (std::size_t i = 0; i < kAll; ++i) {
-    few.set_entry(i, i, 1);
-    all.set_entry(i, i, 1);
-  }
-  const auto absorb_random = [&](const std::vector<std::uint8_t>& columns) {
-    RowBlock<9> narrow;
-    RowBlock<9> wide;
-    wide.clear(kAll);
-    for (std::size_t k = 0; k < 9; ++k) {
-      for (std::size_t i = 0; i <= columns.size(); ++i) {
-        const std::size_t column = i < columns.size() ? columns[i] : kAll;
-        narrow.rows[k][i] = wide.rows[k][column] = random.normal(1);
-      }
-    }
-    few.absorb(columns, narrow);
-    all.absorb(wide);
-    for (std::size_t i = 0; i < kAll; ++i) {
-      for (std::size_t j = i; j <= kAll; ++j) EXPECT_NEAR(few.entry(i, j), all.entry(i, j), 1e-12);
-    }
-    EXPECT_NEAR(few.residual_squares(), all.residual_squares(), 1e-11);
-  };
-  const std::vector<std::uint8_t> first = {0, 1, 4, 20, 29};
-  const std::vector<std::uint8_t> second = {7, 8, 9, 20, 29};
-  std::vector<std::uint8_t> every;
-  for (std::uint8_t i = 0; i < kAll; ++i) every.push_back(i);
-  absorb_random(first);
-  absorb_random(second);
-  absorb_random(first);
-  absorb_random(every);
-  absorb_random(second);
-  absorb_random({});
 }
 
 TEST(SquareRootFactor, gives_covariances_by_the_transposed_solution) {
@@ -186,7 +142,7 @@ TEST(SquareRootFactor, goes_on_from_entries_that_were_set) {
   };
   for (std::size_t i = 0; i < 3; ++i) set.set_entry(i, i, 1);
   set.set_entry(0, 2, 0.5);
-  set.set_entry(0, 3, 2);  // the right-hand side ties nothing
+  set.set_entry(0, 3, 2);
   absorb(absorbed, {1, 0, 0.5, 2});
   absorb(absorbed, {0, 1, 0, 0});
   absorb(absorbed, {0, 0, 1, 0});

@@ -53,7 +53,7 @@ WholeModel::WholeModel(const Arm& drawing, const refinement::Refined& estimate,
               static_cast<Eigen::Index>(kDeviations * signature.joint_count());
   columns_ = geometry_;
   for (const refinement::Parameter& parameter : estimate.layout.parameters) {
-    if (calibration::of_reading(parameter)) corrections_.push_back(parameter);
+    if (refinement::of_reading(parameter)) corrections_.push_back(parameter);
   }
   const std::size_t corrected = corrections_.size();
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
@@ -160,7 +160,7 @@ void WholeModel::add_readings(const JointVector& readings, const Motions& motion
   Eigen::Index column = blocks_[kReadings].first;
   for (const refinement::Parameter& parameter : corrections_) {
     at.columns.col(column++) = kCorrectionSigma *
-                               calibration::turn_by(parameter, effective[parameter.index]) *
+                               refinement::turn_by(parameter, effective[parameter.index]) *
                                motion[parameter.index];
   }
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
