@@ -10,7 +10,7 @@
 //
 // Bound of the absolute error in double precision: P and Q are off by at most 3.6e-17 and 6.3e-17
 // in the result; the roundings of r give at most 2^-52, the sum, its products and u at most 2^-52.
-// In total 2^-51 (4.4e-16); in single precision the same count gives 2^-22 (2.4e-7). The unit tests
+// In total 5.1e-16; in single precision the same count gives 2^-22 (2.4e-7). The unit tests
 // compare dense and random angles with extended precision.
 #pragma once
 

@@ -2,7 +2,7 @@
 #include "firmware/linuxcnc/kins.hpp"
 
 #include "core/base/couplings.hpp"
-#include "core/base/roll_pitch_yaw.hpp"
+#include "firmware/linuxcnc/roll_pitch_yaw.hpp"
 
 namespace armsig::linuxcnc {
 namespace {

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/roll_pitch_yaw.hpp"
 #include "firmware/formats/poses.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/linuxcnc/kins.hpp"
 #include "firmware/linuxcnc/kins_file.hpp"
+#include "firmware/linuxcnc/roll_pitch_yaw.hpp"
 #include "host_tests/exports/exported_arm.hpp"
 
 namespace armsig::cli {

@@ -7,8 +7,8 @@
 // shortest way: meshes and limits made for the drawing keep their meaning.
 #pragma once
 
-#include "core/base/roll_pitch_yaw.hpp"
 #include "firmware/formats/signature_record.hpp"
+#include "firmware/linuxcnc/roll_pitch_yaw.hpp"
 
 namespace armsig::tool {
 
