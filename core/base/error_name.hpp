@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <string_view>
 
 #include "core/base/error.hpp"
@@ -26,7 +27,8 @@ struct Name {
   return name;
 }
 
-inline constexpr std::array kNames{
+// Of an array of deduced type GCC 12 makes initialised memory, which an image pays for twice.
+inline constexpr Name kNames[] = {
 #define ARMSIG_ERROR(code, words) upper_case(#code),
 #include "core/base/error_list.hpp"
 #undef ARMSIG_ERROR
@@ -36,7 +38,7 @@ inline constexpr std::array kNames{
 
 [[nodiscard]] constexpr std::string_view name(Error error) {
   const auto number = static_cast<std::size_t>(error);
-  if (number >= error_name_detail::kNames.size()) return "ERROR";
+  if (number >= std::size(error_name_detail::kNames)) return "ERROR";
   const error_name_detail::Name& name = error_name_detail::kNames[number];
   return {name.characters.data(), name.size};
 }
