@@ -137,30 +137,52 @@ Read<void> read_correction(const YamlNode& node, const std::string& name, JointT
   return {};
 }
 
+// A joint's keys, some of which say the unit of its type.
+struct JointKeys {
+  explicit JointKeys(const YamlNode& node) {
+    // read_joint_type refuses what is neither.
+    const YamlNode* type = node.find("type");
+    const bool prismatic = type != nullptr && type->text == word_of(JointType::kPrismatic);
+    const auto unit = si_suffix(prismatic ? JointType::kPrismatic : JointType::kRevolute);
+    reading = fmt::format("reading_{}", unit);
+    offset = fmt::format("reading_offset_{}", unit);
+    limits = fmt::format("limits_{}", unit);
+  }
+  [[nodiscard]] std::vector<std::string> known() const {
+    return {"name",
+            "type",
+            reading,
+            offset,
+            "pseudo_dh",
+            "s_model",
+            "axis_direction",
+            "axis_point_m",
+            "x_direction",
+            "y_direction",
+            "nominal",
+            limits,
+            "reading_correction",
+            "sweep"};
+  }
+
+  std::string reading, offset, limits;
+};
+
 }  // namespace
 
 Read<void> read_signature_joint(const YamlNode& node, SignatureRecord& record) {
   Signature& signature = record.signature;
   const std::string name = fmt::format("joint {}", signature.types.size() + 1);
-  // The type decides the unit of the keys; read_joint_type refuses what is neither.
-  const YamlNode* type_node = node.find("type");
-  const bool prismatic = type_node != nullptr && type_node->text == word_of(JointType::kPrismatic);
-  const std::string_view unit = si_suffix(prismatic ? JointType::kPrismatic : JointType::kRevolute);
-  const std::string reading_key = fmt::format("reading_{}", unit);
-  const std::string offset_key = fmt::format("reading_offset_{}", unit);
-  const std::string limits_key = fmt::format("limits_{}", unit);
-  ARMSIG_TRY(map, YamlMap::open(node, name,
-                                {"name", "type", reading_key, offset_key, "pseudo_dh", "s_model",
-                                 "axis_direction", "axis_point_m", "x_direction", "y_direction",
-                                 "nominal", limits_key, "reading_correction", "sweep"}));
+  const JointKeys keys(node);
+  ARMSIG_TRY(map, YamlMap::open(node, name, keys.known()));
   if (auto named = read_joint_name(map, record.joint_names); !named) return named;
   ARMSIG_TRY(type, read_joint_type(map));
-  ARMSIG_TRY(reading, map.number(reading_key));
-  ARMSIG_TRY(offset, map.number(offset_key));
+  ARMSIG_TRY(reading, map.number(keys.reading));
+  ARMSIG_TRY(offset, map.number(keys.offset));
   ARMSIG_TRY(dh_node, map.require("pseudo_dh"));
   ARMSIG_TRY(dh, read_dh(*dh_node, "pseudo_dh of " + name, "theta_offset_rad", type));
   if (offset != (type == JointType::kRevolute ? dh.theta_rad : dh.d_m)) {
-    return problem_at(node, fmt::format("{} of {} is not that of its pseudo_dh", offset_key, name),
+    return problem_at(node, fmt::format("{} of {} is not that of its pseudo_dh", keys.offset, name),
                       "the same number, (19)");
   }
   ARMSIG_TRY(s_node, map.require("s_model"));
@@ -169,7 +191,7 @@ Read<void> read_signature_joint(const YamlNode& node, SignatureRecord& record) {
   ARMSIG_TRY(point_S, map.vector3("axis_point_m"));
   ARMSIG_TRY(nominal_node, map.require("nominal"));
   ARMSIG_TRY(nominal, read_dh(*nominal_node, "nominal of " + name, "theta_rad", type));
-  if (auto limits_node = map.require(limits_key); !limits_node) {
+  if (auto limits_node = map.require(keys.limits); !limits_node) {
     return std::unexpected(std::move(limits_node).error());
   }
   ARMSIG_TRY(limits, read_limits(map, type));

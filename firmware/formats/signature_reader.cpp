@@ -158,28 +158,26 @@ Read<void> read_sensor_errors(const YamlMap& root, SignatureRecord& record) {
   return {};
 }
 
-// What a signature may have and need not.
+// A number that a signature may have and need not: then `value` stays.
+template <typename Value>
+Read<void> read_if_there(const YamlMap& root, std::string_view key, Value& value) {
+  if (root.find(key) == nullptr) return {};
+  ARMSIG_TRY(number, root.number(key));
+  value = number;
+  return {};
+}
+
+Read<void> read_numbers(const YamlMap& root, SignatureRecord& record) {
+  auto done = read_if_there(root, "air_c", record.air_c);
+  if (done) done = read_if_there(root, "sigma_m", record.sigma_m);
+  if (done) done = read_if_there(root, "unexplained_m", record.unexplained_m);
+  if (done) done = read_if_there(root, "noise_freedom", record.noise_freedom);
+  if (done) done = read_if_there(root, "predicted_tool_error_m", record.predicted_tool_error_m);
+  return done;
+}
+
+// What else it may have.
 Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
-  if (root.find("air_c") != nullptr) {
-    ARMSIG_TRY(air_c, root.number("air_c"));
-    record.air_c = air_c;
-  }
-  if (root.find("sigma_m") != nullptr) {
-    ARMSIG_TRY(sigma_m, root.number("sigma_m"));
-    record.sigma_m = sigma_m;
-  }
-  if (root.find("unexplained_m") != nullptr) {
-    ARMSIG_TRY(unexplained_m, root.number("unexplained_m"));
-    record.unexplained_m = unexplained_m;
-  }
-  if (root.find("noise_freedom") != nullptr) {
-    ARMSIG_TRY(noise_freedom, root.number("noise_freedom"));
-    record.noise_freedom = noise_freedom;
-  }
-  if (root.find("predicted_tool_error_m") != nullptr) {
-    ARMSIG_TRY(error_m, root.number("predicted_tool_error_m"));
-    record.predicted_tool_error_m = error_m;
-  }
   if (const YamlNode* node = root.find("fit")) {
     ARMSIG_TRY(fit, read_fit(*node));
     record.fit = fit;
@@ -214,35 +212,36 @@ Read<SignatureRecord> record_from(const YamlNode& root) {
                       fmt::format("armsig: {}", kSignatureTag));
   }
   if (auto seal = check_seal(root); !seal) return std::unexpected(std::move(seal).error());
-  ARMSIG_TRY(map, YamlMap::open(root, "the signature",
-                                {"armsig",
-                                 "name",
-                                 "serial",
-                                 "method",
-                                 "time",
-                                 "version",
-                                 "air_c",
-                                 "sigma_m",
-                                 "unexplained_m",
-                                 "noise_freedom",
-                                 "predicted_tool_error_m",
-                                 "fit",
-                                 "range_offsets_m",
-                                 "length_scale",
-                                 "warnings",
-                                 "base",
-                                 "joints",
-                                 "last_link",
-                                 "coupling",
-                                 "deflections",
-                                 "targets",
-                                 "covariance_of",
-                                 "covariance",
-                                 std::string(kCrcKey)}));
+  const std::vector<std::string> known{"armsig",
+                                       "name",
+                                       "serial",
+                                       "method",
+                                       "time",
+                                       "version",
+                                       "air_c",
+                                       "sigma_m",
+                                       "unexplained_m",
+                                       "noise_freedom",
+                                       "predicted_tool_error_m",
+                                       "fit",
+                                       "range_offsets_m",
+                                       "length_scale",
+                                       "warnings",
+                                       "base",
+                                       "joints",
+                                       "last_link",
+                                       "coupling",
+                                       "deflections",
+                                       "targets",
+                                       "covariance_of",
+                                       "covariance",
+                                       std::string(kCrcKey)};
+  ARMSIG_TRY(map, YamlMap::open(root, "the signature", known));
   SignatureRecord record;
   ARMSIG_TRY(X_S0, read_base(map));
   auto done = read_origin(map, record);
   if (done) done = read_joints(map, record);
+  if (done) done = read_numbers(map, record);
   if (done) done = read_extras(map, record);
   if (done) done = read_deflections(map, record);
   if (done) done = read_sensor_errors(map, record);

@@ -171,8 +171,8 @@ std::string fit_text(const FitRecord& fit) {
                     number_text(fit.left_out->rms_m));
 }
 
-std::string body_text(const SignatureRecord& record) {
-  const Signature& signature = record.signature;
+// Whose signature it is, how it was found, and how good it is.
+std::string head_text(const SignatureRecord& record) {
   std::string text =
       fmt::format("armsig: {}\nname: {}\n", kSignatureTag, yaml_quoted(record.arm_name));
   text += fmt::format("serial: {}\nmethod: {}\n", yaml_quoted(record.serial), record.method);
@@ -195,6 +195,11 @@ std::string body_text(const SignatureRecord& record) {
                         number_text(*record.predicted_tool_error_m));
   }
   if (record.fit) text += fit_text(*record.fit);
+  return text;
+}
+
+std::string sensor_errors_text(const SignatureRecord& record) {
+  std::string text;
   if (record.fitted.receiver_offsets) {
     text += fmt::format("range_offsets_m: {}\n", list_text({record.receiver_offsets_m.data(),
                                                             record.receiver_offsets_m.size()}));
@@ -203,6 +208,12 @@ std::string body_text(const SignatureRecord& record) {
     text += fmt::format("length_scale: {}  # a measured length is 1 + this times the true one\n",
                         number_text(record.scale));
   }
+  return text;
+}
+
+std::string body_text(const SignatureRecord& record) {
+  const Signature& signature = record.signature;
+  std::string text = head_text(record) + sensor_errors_text(record);
   if (!record.warnings.empty()) text += "warnings:\n";
   for (const std::string& warning : record.warnings) {
     text += fmt::format("  - {}\n", yaml_quoted(warning));

@@ -201,6 +201,41 @@ Read<void> read_top(const YamlMap& root, DaemonConfiguration& c) {
   return {};
 }
 
+// What the drives, now known, tell of the bus and of the readings.
+Read<void> take_drives(const YamlNode& node, DaemonConfiguration& c) {
+  const auto drives = canopen::check(c.drives);
+  if (!drives) return std::unexpected(problem_of(drives.error(), node));
+  c.bus_load = drives->bus_load();
+  for (std::size_t axis = 0; axis < c.drives.axes.size(); ++axis) {
+    c.controller.resolution.push_back(drives->scaling(axis).resolution());
+  }
+  return {};
+}
+
+Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfiguration& c) {
+  ARMSIG_TRY(joints, root.require("joints"));
+  ARMSIG_TRY(sensor, root.require("sensor"));
+  if (auto ok = read_top(root, c); !ok) return ok;
+  if (auto ok = read_joints(*joints, c); !ok) return ok;
+  if (const YamlNode* coupling = root.find("coupling")) {
+    ARMSIG_TRY(couplings, tool::read_couplings(*coupling, c.controller.drawing.joints));
+    c.controller.drawing.couplings = couplings;
+  }
+  if (auto ok = read_can(root, c); !ok) return ok;
+  if (auto ok = read_sensor(*sensor, c); !ok) return ok;
+  for (const auto read :
+       {read_motion, read_supervision, read_dwell, read_sweeps, read_check, read_workspace}) {
+    if (auto ok = read(root, c); !ok) return ok;
+  }
+  if (auto ok = take_drives(node, c); !ok) return ok;
+  if (const YamlNode* grid = root.find("grid")) {
+    if (auto ok = read_grid(*grid, c); !ok) return ok;
+  }
+  const auto checked = controller::check(c.controller);
+  if (!checked) return std::unexpected(problem_of(checked.error(), node));
+  return check_stop(root, c);
+}
+
 Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
@@ -212,35 +247,9 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   add_names(known, "period", Dimension::kTime);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));
   DaemonConfiguration c;
-  ARMSIG_TRY(joints, root.require("joints"));
-  ARMSIG_TRY(sensor, root.require("sensor"));
-  const auto read_all = [&]() -> Read<void> {
-    if (auto ok = read_top(root, c); !ok) return ok;
-    if (auto ok = read_joints(*joints, c); !ok) return ok;
-    if (const YamlNode* coupling = root.find("coupling")) {
-      ARMSIG_TRY(couplings, tool::read_couplings(*coupling, c.controller.drawing.joints));
-      c.controller.drawing.couplings = couplings;
-    }
-    if (auto ok = read_can(root, c); !ok) return ok;
-    if (auto ok = read_sensor(*sensor, c); !ok) return ok;
-    for (const auto read :
-         {read_motion, read_supervision, read_dwell, read_sweeps, read_check, read_workspace}) {
-      if (auto ok = read(root, c); !ok) return ok;
-    }
-    const auto drives = canopen::check(c.drives);
-    if (!drives) return std::unexpected(problem_of(drives.error(), node));
-    c.bus_load = drives->bus_load();
-    for (std::size_t axis = 0; axis < c.drives.axes.size(); ++axis) {
-      c.controller.resolution.push_back(drives->scaling(axis).resolution());
-    }
-    if (const YamlNode* grid = root.find("grid")) {
-      if (auto ok = read_grid(*grid, c); !ok) return ok;
-    }
-    const auto checked = controller::check(c.controller);
-    if (!checked) return std::unexpected(problem_of(checked.error(), node));
-    return check_stop(root, c);
-  };
-  if (auto read = read_all(); !read) return std::unexpected(std::move(read).error());
+  if (auto read = read_settings(root, node, c); !read) {
+    return std::unexpected(std::move(read).error());
+  }
   return c;
 }
 

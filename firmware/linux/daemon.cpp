@@ -62,6 +62,12 @@ void warn_about_queue(const DaemonConfiguration& configuration, Journal& journal
                   configuration.can_interface, *places, needed, configuration.can_interface));
 }
 
+std::string first_words(const DaemonConfiguration& configuration) {
+  return fmt::format("{}: {} joints on {}, console at {}", configuration.name,
+                     configuration.drives.axes.size(), configuration.can_interface,
+                     configuration.console);
+}
+
 }  // namespace
 
 int run_cabinet(const DaemonConfiguration& configuration, const volatile std::sig_atomic_t& stop) {
@@ -97,12 +103,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
                           .bus = &bus};
   bool at_rest = false;
   const bool served = run_in_real_time(
-      loop,
-      [&] {
-        attendance.started(fmt::format("{}: {} joints on {}, console at {}", configuration.name,
-                                       configuration.drives.axes.size(),
-                                       configuration.can_interface, configuration.console));
-      },
+      loop, [&] { attendance.started(first_words(configuration)); },
       [&] { at_rest = shut_down(master, clock, configuration.controller.period); }, stop);
   if (served) controller::keep_positions(places->store, master);
   attendance.end(stop, at_rest);

@@ -35,18 +35,8 @@ struct Options {
   VirtualOptions emulated;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  app.set_version_flag("--version", "armsigd " ARMSIG_VERSION);
-  app.add_option("configuration", options.configuration, "the YAML file of the cabinet")
-      ->required();
-  CLI::Option* check =
-      app.add_flag("--check", options.check, "only check the configuration; open and send nothing");
-  CLI::Option* is_virtual = app.add_flag("--virtual", options.is_virtual,
-                                         "run about an emulated arm instead of the cabinet");
-  check->excludes(is_virtual);
-  app.add_option("--console", options.console, "Unix socket, instead of the configured one");
-  app.add_option("--store", options.store,
-                 "file of signatures, instead of the configured one; the black box is beside it");
+// What goes with --virtual only.
+void add_virtual_options(CLI::App& app, CLI::Option* is_virtual, Options& options) {
   app.add_option("--truth", options.truth,
                  "--virtual: the arm as it was built (arm description); otherwise it is drawn "
                  "from the usual tolerances")
@@ -81,6 +71,21 @@ void add_options(CLI::App& app, Options& options) {
                "lateness")
       ->needs(is_virtual)
       ->excludes(speed);
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.set_version_flag("--version", "armsigd " ARMSIG_VERSION);
+  app.add_option("configuration", options.configuration, "the YAML file of the cabinet")
+      ->required();
+  CLI::Option* check =
+      app.add_flag("--check", options.check, "only check the configuration; open and send nothing");
+  CLI::Option* is_virtual = app.add_flag("--virtual", options.is_virtual,
+                                         "run about an emulated arm instead of the cabinet");
+  check->excludes(is_virtual);
+  app.add_option("--console", options.console, "Unix socket, instead of the configured one");
+  app.add_option("--store", options.store,
+                 "file of signatures, instead of the configured one; the black box is beside it");
+  add_virtual_options(app, is_virtual, options);
 }
 
 void tell(const DaemonConfiguration& c) {

@@ -76,30 +76,19 @@ Read<char> read_parity(const YamlMap& map) {
   return problem_at(*node, "parity: " + tool::in_quotes(node->text), "even, odd or none");
 }
 
-Read<void> read_modbus(const YamlNode& node, DaemonConfiguration& c) {
-  std::vector<std::string> known{
-      "device",   "baud",           "parity",       "stop_bits",       "unit",
-      "function", "status",         "sequence",     "air_temperature", "celsius_a_step",
-      "path",     "receiver_count", "first_flight", "flight_stride",   "seconds_a_step",
-      "words"};
-  for (const char* time : {"poll_period", "answer_timeout", "silent_after", "stale_after"}) {
-    add_names(known, time, Dimension::kTime);
-  }
-  ARMSIG_TRY(map, YamlMap::open(node, "modbus", known));
-  constexpr int kLargestUnit = 247;
-  constexpr int kLargestRegister = 0xFFFF;
-  linux_hal::RtuRangeSensorConfiguration sensor;
-  modbus::Profile& profile = sensor.profile;
-  ARMSIG_TRY(device, map.text("device"));
-  ARMSIG_TRY(parity, read_parity(map));
-  sensor.device = device;
-  sensor.parity = parity;
-  Settings settings(map);
+// How the sensor is wired and asked.
+void read_line(Settings& settings, linux_hal::RtuRangeSensorConfiguration& sensor) {
   settings.integer("baud", 1200, 921'600, sensor.baud)
       .integer("stop_bits", 1, 2, sensor.stop_bits)
       .time("poll_period", sensor.poll_period)
-      .time("answer_timeout", sensor.answer_timeout)
-      .integer("unit", 1, kLargestUnit, profile.unit)
+      .time("answer_timeout", sensor.answer_timeout);
+}
+
+// Where in its registers is what.
+void read_profile(Settings& settings, modbus::Profile& profile) {
+  constexpr int kLargestUnit = 247;
+  constexpr int kLargestRegister = 0xFFFF;
+  settings.integer("unit", 1, kLargestUnit, profile.unit)
       .integer("function", 3, 4, profile.function)
       .integer("status", 0, kLargestRegister, profile.status)
       .integer("sequence", 0, kLargestRegister, profile.sequence)
@@ -109,20 +98,53 @@ Read<void> read_modbus(const YamlNode& node, DaemonConfiguration& c) {
       .integer("first_flight", 0, kLargestRegister, profile.first_flight)
       .integer("flight_stride", 2, kLargestRegister, profile.flight_stride)
       .share("seconds_a_step", profile.seconds_a_step);
+}
+
+void set_bounds(Settings& settings, const linux_hal::RtuRangeSensorConfiguration& sensor) {
   settings.bound("poll_period", Dimension::kTime, hal::seconds(sensor.poll_period), kPollPeriod)
       .bound("answer_timeout", Dimension::kTime, hal::seconds(sensor.answer_timeout),
              kAnswerTimeout)
-      .bound("celsius_a_step", std::nullopt, profile.celsius_a_step, kCelsiusAStep)
-      .bound("seconds_a_step", std::nullopt, profile.seconds_a_step, kSecondsAStep);
+      .bound("celsius_a_step", std::nullopt, sensor.profile.celsius_a_step, kCelsiusAStep)
+      .bound("seconds_a_step", std::nullopt, sensor.profile.seconds_a_step, kSecondsAStep);
+}
+
+Read<void> read_word_order(const YamlMap& map, bool& high_word_first) {
+  const YamlNode* words = map.find("words");
+  if (words == nullptr) return {};
+  if (words->text != "high-first" && words->text != "low-first") {
+    return problem_at(*words, "words: " + tool::in_quotes(words->text), "high-first or low-first");
+  }
+  high_word_first = words->text == "high-first";
+  return {};
+}
+
+Read<YamlMap> open_modbus(const YamlNode& node) {
+  std::vector<std::string> known{
+      "device",   "baud",           "parity",       "stop_bits",       "unit",
+      "function", "status",         "sequence",     "air_temperature", "celsius_a_step",
+      "path",     "receiver_count", "first_flight", "flight_stride",   "seconds_a_step",
+      "words"};
+  for (const char* time : {"poll_period", "answer_timeout", "silent_after", "stale_after"}) {
+    add_names(known, time, Dimension::kTime);
+  }
+  return YamlMap::open(node, "modbus", known);
+}
+
+Read<void> read_modbus(const YamlNode& node, DaemonConfiguration& c) {
+  ARMSIG_TRY(map, open_modbus(node));
+  linux_hal::RtuRangeSensorConfiguration sensor;
+  modbus::Profile& profile = sensor.profile;
+  ARMSIG_TRY(device, map.text("device"));
+  ARMSIG_TRY(parity, read_parity(map));
+  sensor.device = device;
+  sensor.parity = parity;
+  Settings settings(map);
+  read_line(settings, sensor);
+  read_profile(settings, profile);
+  set_bounds(settings, sensor);
   read_freshness(settings, "poll_period", sensor.poll_period, sensor.freshness);
   if (auto done = settings.done(); !done) return done;
-  if (const YamlNode* words = map.find("words")) {
-    if (words->text != "high-first" && words->text != "low-first") {
-      return problem_at(*words, "words: " + tool::in_quotes(words->text),
-                        "high-first or low-first");
-    }
-    profile.high_word_first = words->text == "high-first";
-  }
+  if (auto order = read_word_order(map, profile.high_word_first); !order) return order;
   if (auto path = read_path(map, profile.echo); !path) return path;
   profile.receivers = c.controller.sensor.receivers.p_S.size();
   if (const auto registers = modbus::registers_of(profile); !registers) {

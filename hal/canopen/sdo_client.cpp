@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "hal/canopen/sdo_client.hpp"
 
+#include <array>
+
 namespace armsig::canopen {
 namespace {
 
@@ -14,6 +16,42 @@ constexpr std::uint8_t kSpecifierMask = 0xE0;
 // Byte 0 of an expedited transfer: e = 1, s = 1, n = bytes that carry no data.
 constexpr std::uint8_t kExpedited = 0x02;
 constexpr std::uint8_t kSizeGiven = 0x01;
+
+struct AbortWords {
+  std::uint32_t code;
+  const char* words;
+};
+
+// CiA 301, 7.2.4.3.17.
+constexpr std::array<AbortWords, 28> kAborts{
+    {{0x05030000, "toggle bit not alternated"},
+     {0x05040000, "SDO protocol timed out"},
+     {0x05040001, "command specifier not valid or unknown"},
+     {0x05040005, "out of memory"},
+     {0x06010000, "unsupported access to an object"},
+     {0x06010001, "attempt to read a write-only object"},
+     {0x06010002, "attempt to write a read-only object"},
+     {cia402::kAbortNoObject, "object does not exist"},
+     {0x06040041, "object cannot be mapped to the PDO"},
+     {0x06040042, "mapped objects exceed the PDO length"},
+     {0x06040043, "general parameter incompatibility"},
+     {0x06040047, "general internal incompatibility in the device"},
+     {0x06060000, "access failed due to a hardware error"},
+     {0x06070010, "data type or length does not match"},
+     {0x06070012, "data type does not match, length too high"},
+     {0x06070013, "data type does not match, length too low"},
+     {cia402::kAbortNoSubindex, "sub-index does not exist"},
+     {0x06090030, "invalid value for the parameter"},
+     {0x06090031, "value written too high"},
+     {0x06090032, "value written too low"},
+     {0x06090036, "maximum value is less than minimum value"},
+     {0x060A0023, "resource not available"},
+     {0x08000000, "general error"},
+     {0x08000020, "data cannot be transferred or stored"},
+     {0x08000021, "data cannot be transferred because of local control"},
+     {0x08000022, "data cannot be transferred in the present device state"},
+     {0x08000023, "object dictionary not present"},
+     {0x08000024, "no data available"}}};
 
 }  // namespace
 
@@ -74,66 +112,10 @@ std::optional<hal::CanFrame> SdoTransfer::poll(hal::Instant now) {
 }
 
 std::string_view describe_sdo_abort(std::uint32_t code) {
-  switch (code) {
-    case 0x05030000:
-      return "toggle bit not alternated";
-    case 0x05040000:
-      return "SDO protocol timed out";
-    case 0x05040001:
-      return "command specifier not valid or unknown";
-    case 0x05040005:
-      return "out of memory";
-    case 0x06010000:
-      return "unsupported access to an object";
-    case 0x06010001:
-      return "attempt to read a write-only object";
-    case 0x06010002:
-      return "attempt to write a read-only object";
-    case cia402::kAbortNoObject:
-      return "object does not exist";
-    case 0x06040041:
-      return "object cannot be mapped to the PDO";
-    case 0x06040042:
-      return "mapped objects exceed the PDO length";
-    case 0x06040043:
-      return "general parameter incompatibility";
-    case 0x06040047:
-      return "general internal incompatibility in the device";
-    case 0x06060000:
-      return "access failed due to a hardware error";
-    case 0x06070010:
-      return "data type or length does not match";
-    case 0x06070012:
-      return "data type does not match, length too high";
-    case 0x06070013:
-      return "data type does not match, length too low";
-    case cia402::kAbortNoSubindex:
-      return "sub-index does not exist";
-    case 0x06090030:
-      return "invalid value for the parameter";
-    case 0x06090031:
-      return "value written too high";
-    case 0x06090032:
-      return "value written too low";
-    case 0x06090036:
-      return "maximum value is less than minimum value";
-    case 0x060A0023:
-      return "resource not available";
-    case 0x08000000:
-      return "general error";
-    case 0x08000020:
-      return "data cannot be transferred or stored";
-    case 0x08000021:
-      return "data cannot be transferred because of local control";
-    case 0x08000022:
-      return "data cannot be transferred in the present device state";
-    case 0x08000023:
-      return "object dictionary not present";
-    case 0x08000024:
-      return "no data available";
-    default:
-      return "unknown abort code";
+  for (const AbortWords& abort : kAborts) {
+    if (abort.code == code) return abort.words;
   }
+  return "unknown abort code";
 }
 
 }  // namespace armsig::canopen

@@ -152,32 +152,38 @@ std::optional<hal::ReceivedCanFrame> SocketCan::do_receive() {
       return std::nullopt;
     }
     if (count != CAN_MTU || raw.len > CAN_MAX_DLEN) continue;
-    hal::ReceivedCanFrame received{.frame = {}, .at = now_};
-    for (cmsghdr* part_of = CMSG_FIRSTHDR(&message); part_of != nullptr;
-         part_of = CMSG_NXTHDR(&message, part_of)) {
-      if (part_of->cmsg_level != SOL_SOCKET) continue;
-      if (part_of->cmsg_type == SO_TIMESTAMPNS) {
-        timespec stamp{};
-        std::memcpy(&stamp, CMSG_DATA(part_of), sizeof stamp);
-        received.at = hal::Instant(since_epoch(stamp) - wall_ahead_);
-      } else if (part_of->cmsg_type == SO_RXQ_OVFL) {
-        std::uint32_t drops = 0;
-        std::memcpy(&drops, CMSG_DATA(part_of), sizeof drops);
-        counts_.lost += drops - kernel_drops_;
-        kernel_drops_ = drops;
-      }
-    }
+    const hal::Instant at = take_control(message);
     if ((raw.can_id & CAN_ERR_FLAG) != 0) {
       take_error_frame(raw.can_id & CAN_ERR_MASK, raw.data[1]);
       continue;
     }
     ++counts_.received;
+    hal::ReceivedCanFrame received{.frame = {}, .at = at};
     received.frame.id = raw.can_id & CAN_SFF_MASK;
     received.frame.length = raw.len;
     std::ranges::copy(raw.data, received.frame.data.begin());
     return received;
   }
   return std::nullopt;
+}
+
+hal::Instant SocketCan::take_control(msghdr& message) {
+  hal::Instant at = now_;
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+       part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET) continue;
+    if (part->cmsg_type == SO_TIMESTAMPNS) {
+      timespec stamp{};
+      std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
+      at = hal::Instant(since_epoch(stamp) - wall_ahead_);
+    } else if (part->cmsg_type == SO_RXQ_OVFL) {
+      std::uint32_t drops = 0;
+      std::memcpy(&drops, CMSG_DATA(part), sizeof drops);
+      counts_.lost += drops - kernel_drops_;
+      kernel_drops_ = drops;
+    }
+  }
+  return at;
 }
 
 // linux/can/error.h: classes in the identifier, the controller's status in data[1].

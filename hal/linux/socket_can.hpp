@@ -2,6 +2,8 @@
 // A CAN interface of Linux, by a raw socket (Documentation/networking/can.rst of the kernel).
 #pragma once
 
+#include <sys/socket.h>
+
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -65,6 +67,8 @@ class SocketCan final : public hal::CanBus {
   [[nodiscard]] int open_socket();
   void close_socket(int reason);
   [[nodiscard]] bool interface_is_up();
+  // What the kernel says beside a frame: when it came, which is returned, and how many it lost.
+  hal::Instant take_control(msghdr& message);
   void take_error_frame(std::uint32_t error_class, std::uint8_t controller_status);
   void leave_bus_off();
   void take_restart();

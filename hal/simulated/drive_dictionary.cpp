@@ -41,6 +41,13 @@ void DriveDictionary::add(std::uint16_t index, std::uint8_t subindex, std::uint8
 
 void DriveDictionary::restore() {
   objects_.clear();
+  add_identity();
+  add_pdos();
+  add_profile();
+  std::ranges::sort(objects_, std::ranges::less{}, &Object::key);
+}
+
+void DriveDictionary::add_identity() {
   using enum Access;
   add(0x1000, 0, 4, kReadOnly, 0x00020192);  // servo drive, profile 402
   add(0x1001, 0, 1, kReadOnly, 0);           // error register
@@ -52,7 +59,10 @@ void DriveDictionary::restore() {
   add(0x1018, 2, 4, kReadOnly, 402);
   add(0x1018, 3, 4, kReadOnly, 0x00010000);
   add(0x1018, 4, 4, kReadOnly, serial_);
-  add_pdos();
+}
+
+void DriveDictionary::add_profile() {
+  using enum Access;
   add(0x603F, 0, 2, kMapsOut, 0);             // error code
   add(0x6007, 0, 2, kReadWrite, 1);           // abort connection option: fault
   add(0x6040, 0, 2, kMapsIn, 0);              // controlword
@@ -81,7 +91,6 @@ void DriveDictionary::restore() {
   add(0x60C2, 1, 1, kReadWrite, 1);       // interpolation period
   add(0x60C2, 2, 1, kReadWrite, 0xFD);    // its exponent, -3
   add(0x6502, 0, 4, kReadOnly, 1U << 7);  // supported modes: CSP
-  std::ranges::sort(objects_, std::ranges::less{}, &Object::key);
 }
 
 void DriveDictionary::add_quotient(std::uint16_t index, std::uint32_t over) {

@@ -59,7 +59,9 @@ class DriveDictionary {
  private:
   void add(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes, Access access,
            std::uint32_t value);
+  void add_identity();
   void add_pdos();
+  void add_profile();
   void add_quotient(std::uint16_t index, std::uint32_t over);
   [[nodiscard]] std::uint8_t entries(std::uint16_t mapping) const;  // kMaxEntries at most
   [[nodiscard]] Object* find(std::uint16_t index, std::uint8_t subindex);

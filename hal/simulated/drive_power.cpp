@@ -38,6 +38,18 @@ std::uint16_t state_bits(State state) {
   return 0;
 }
 
+// Of a state without torque, by a controlword.
+State next_of_disabled(State state, std::uint16_t word) {
+  using enum State;
+  if (state == kSwitchOnDisabled) return is_shutdown(word) ? kReadyToSwitchOn : state;
+  if (is_disable_voltage(word) || is_quick_stop(word)) return kSwitchOnDisabled;
+  if (state == kReadyToSwitchOn) {
+    return is_switch_on(word) || is_enable(word) ? kSwitchedOn : state;
+  }
+  if (is_enable(word)) return kOperationEnabled;
+  return is_shutdown(word) ? kReadyToSwitchOn : state;
+}
+
 }  // namespace
 
 std::uint16_t DrivePower::status_word(bool remote, const DriveMotion& motion) const {
@@ -92,23 +104,9 @@ bool DrivePower::take(std::uint16_t word, const StopObjects& objects, DriveMotio
   last_word_ = word;
   switch (state_) {
     case State::kSwitchOnDisabled:
-      if (is_shutdown(word)) enter(State::kReadyToSwitchOn, motion);
-      break;
     case State::kReadyToSwitchOn:
-      if (is_switch_on(word) || is_enable(word)) {
-        enter(State::kSwitchedOn, motion);
-      } else if (is_disable_voltage(word) || is_quick_stop(word)) {
-        enter(State::kSwitchOnDisabled, motion);
-      }
-      break;
     case State::kSwitchedOn:
-      if (is_enable(word)) {
-        enter(State::kOperationEnabled, motion);
-      } else if (is_shutdown(word)) {
-        enter(State::kReadyToSwitchOn, motion);
-      } else if (is_disable_voltage(word) || is_quick_stop(word)) {
-        enter(State::kSwitchOnDisabled, motion);
-      }
+      if (const State next = next_of_disabled(state_, word); next != state_) enter(next, motion);
       break;
     case State::kOperationEnabled:
       take_enabled(word, objects, motion);

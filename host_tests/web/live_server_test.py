@@ -127,7 +127,7 @@ class LiveServer(unittest.TestCase):
         self.assertGreater(len(buttons), 10)
 
     def test_lets_a_page_load_nothing_from_elsewhere(self):
-        for name in ("", "live.css", "main.js", "arm.js", "dials.js", "black_box.js", "words.js", "advice.json"):
+        for name in ("", "live.css", "main.js", "arm.js", "dials.js", "meaning.js", "black_box.js", "words.js", "advice.json"):
             status, text = self.get(f"/{self.page.token}/{name}")
             self.assertEqual(status, 200, name)
             self.assertIn("default-src 'none'", self.headers["Content-Security-Policy"])

@@ -82,21 +82,29 @@ void HostSession::take(const MqttConnection::Event& event, std::uint64_t steady_
     case Kind::kMessage:
       break;
   }
-  std::string_view topic = event.topic;
-  if (topic == state_topic_) {
-    const auto state = decode_state(event.payload);
-    if (!state || !connected_) return;
-    // Left by a session whose clock was ahead: begin again, later than it.
-    if (state->timestamp_ms > time_ms_) {
-      time_ms_ = state->timestamp_ms;
-      connection_.end();
-      connected_ = false;
-      due_ms_ = steady_ms;
-    } else if (!state->online) {
-      tell_state(true);
-    }
-    return;
+  if (event.topic == state_topic_) {
+    take_state(event.payload, steady_ms);
+  } else {
+    take_message(event, intake);
   }
+}
+
+void HostSession::take_state(std::span<const std::byte> payload, std::uint64_t steady_ms) {
+  const auto state = decode_state(payload);
+  if (!state || !connected_) return;
+  // Left by a session whose clock was ahead: begin again, later than it.
+  if (state->timestamp_ms > time_ms_) {
+    time_ms_ = state->timestamp_ms;
+    connection_.end();
+    connected_ = false;
+    due_ms_ = steady_ms;
+  } else if (!state->online) {
+    tell_state(true);
+  }
+}
+
+void HostSession::take_message(const MqttConnection::Event& event, Intake& intake) {
+  std::string_view topic = event.topic;
   if (!topic.starts_with(root_)) return;
   topic.remove_prefix(root_.size());
   const std::size_t slash = topic.find('/');

@@ -25,6 +25,9 @@ class HostSession {
   void begin(std::uint64_t steady_ms, std::uint64_t utc_ms);
   void tell_state(bool online);
   void take(const MqttConnection::Event& event, std::uint64_t steady_ms, Intake& intake);
+  // Of a session of this host: our own, or one before it.
+  void take_state(std::span<const std::byte> payload, std::uint64_t steady_ms);
+  void take_message(const MqttConnection::Event& event, Intake& intake);
   void send(std::uint64_t steady_ms, std::uint64_t utc_ms, Intake& intake);
 
   MqttConnection connection_;

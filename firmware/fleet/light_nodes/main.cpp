@@ -23,16 +23,14 @@
 #include <string>
 #include <vector>
 
-#include "firmware/fleet/journal/file_storage.hpp"
+#include "firmware/fleet/light_nodes/cabinet.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
-#include "firmware/fleet/node/mqtt_transport.hpp"
 #include "firmware/fleet/node/sha256.hpp"
 #include "hal/linux/file_descriptor.hpp"
 
 namespace armsig::fleet {
 namespace {
 
-constexpr std::uint64_t kSlots = 2048;
 constexpr std::uint64_t kTick_ms = 20;
 constexpr std::uint64_t kMisc_ms = 1'000;
 constexpr std::uint64_t kDrain_ms = 120'000;
@@ -48,54 +46,6 @@ Now now() {
   return {.steady_ms = ms(std::chrono::steady_clock::now().time_since_epoch()),
           .utc_ms = ms(std::chrono::system_clock::now().time_since_epoch())};
 }
-
-std::string name_of(int number) { return "arm-" + std::to_string(number); }
-
-BrokerSettings broker_of(const std::string& folder, int port, const std::string& name) {
-  const std::string own = folder + "/nodes/" + name;
-  return {.address = "127.0.0.1",
-          .port = port,
-          .authority = folder + "/authority.crt",
-          .certificate = own + ".crt",
-          .key = own + ".key"};
-}
-
-FileStorage storage_of(const std::string& folder, const std::string& name) {
-  auto storage = FileStorage::open(folder + "/nodes/" + name + ".journal",
-                                   Journal::kFirstSlotAt + kSlots * Journal::kSlotSize);
-  if (!storage) throw std::runtime_error(name + ": no journal");
-  return *std::move(storage);
-}
-
-Journal journal_of(Storage& storage, std::uint64_t random) {
-  auto journal = Journal::open(storage, kSlots, random);
-  if (!journal) throw std::runtime_error("a journal can't be read");
-  return *std::move(journal);
-}
-
-struct Cabinet {
-  Cabinet(const std::string& folder, int port, const std::string& name, std::mt19937_64& random)
-      : storage(storage_of(folder, name)),
-        journal(journal_of(storage, random())),
-        transport(broker_of(folder, port, name), name),
-        node({.group = "plant",
-              .node = name,
-              .host = "fleet",
-              .rows_per_second = 200,
-              .answer_timeout_ms = 3'000,
-              .longest_timeout_ms = 10'000,
-              .longest_reconnect_ms = 5'000},
-             journal, transport, random()) {}
-
-  FileStorage storage;
-  Journal journal;
-  MqttTransport transport;
-  EdgeNode node;
-  int watched = -1;  // descriptor in epoll
-  bool watched_write = false;
-  std::uint64_t misc_ms = 0;
-  double owed = 0;  // rows
-};
 
 class Fleet {
  public:

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/error.hpp"
 #include "firmware/drift/check_drift.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/signature_file.hpp"
@@ -11,8 +12,7 @@
 #include "firmware/host_tool/diagnosis/place.hpp"
 #include "firmware/host_tool/identification/nominal_fit.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
-#include "firmware/host_tool/presentation/say.hpp"
-#include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/presentation/check_report.hpp"
 #include "firmware/host_tool/reading/copied_rows.hpp"
 #include "firmware/host_tool/reading/measurement_log.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
@@ -25,152 +25,6 @@ namespace {
 struct CheckOptions : CommonOptions {
   std::string signature, measurements, sensor, arm;
 };
-
-std::string what_moved(const drift::DriftReport& report, std::size_t joints) {
-  if (report.link == 0) return "the base has moved against the sensor";
-  if (report.link == joints) {
-    return fmt::format("link {} with its target, or the zero of joint {}, has moved", joints,
-                       joints);
-  }
-  return fmt::format("link {}, or the zero of joint {} or {}, has moved", report.link, report.link,
-                     report.link + 1);
-}
-
-const char* verdict_word(drift::DriftVerdict verdict) {
-  switch (verdict) {
-    case drift::DriftVerdict::kConsistent:
-      return "consistent";
-    case drift::DriftVerdict::kDrifted:
-      return "drifted";
-    case drift::DriftVerdict::kSensorWorse:
-      return "sensor-worse";
-  }
-  return "consistent";
-}
-
-struct Checked {
-  drift::DriftReport report;   // with the sensor where `place` puts it
-  std::optional<Place> place;  // where that is another one than at the identification
-  std::optional<ResidualSummary> nominal;
-  std::vector<std::size_t> rejected_lines;
-  std::vector<DisbelievedReceiver> disbelieved;
-  std::size_t copied = 0;  // rows that are copies of others
-};
-
-// No sensor is so bad: what is wrong is a unit, a column, or the arm.
-constexpr double kNoNoise = 300;
-
-void print_residuals(const char* of, double rms_m, double mean_m, double largest_m) {
-  say("  {:<37} {:6.3f} mm RMS, {:.3f} mean, {:.3f} at most\n", of, 1e3 * rms_m, 1e3 * mean_m,
-      1e3 * largest_m);
-}
-
-std::string_view next_step(const Checked& checked) {
-  if (checked.place) return "identify from there, or put the sensor back";
-  switch (checked.report.verdict) {
-    case drift::DriftVerdict::kConsistent:
-      if (!checked.disbelieved.empty()) return "look after the receiver named";
-      return "nothing; check again after a collision, a repair, or a season";
-    case drift::DriftVerdict::kSensorWorse:
-      if (checked.report.noise_factor > kNoNoise) {
-        return "look at the units and columns of the measurements, and whose arm they are of";
-      }
-      return "measure one pose ten times. Where it scatters more than is stated, look after\n"
-             "the sensor: targets, air, its own check. Where it does not, identify with these\n"
-             "poses too, --method refined";
-    default:
-      return "sweep the joints again and armsig identify";
-  }
-}
-
-void print_for_a_person(const Checked& checked, std::size_t joints,
-                        const std::string& measurements) {
-  const drift::DriftReport& report = checked.report;
-  if (checked.place) {
-    say("{}: measured from another place: {:.1f} mm, {:.2f}°; from there {}\n\n", measurements,
-        1e3 * checked.place->shift_m, degrees(checked.place->turn_rad),
-        drift::describe(report.verdict));
-  } else {
-    say("{}: {}\n\n", measurements, drift::describe(report.verdict));
-  }
-  if (report.verdict == drift::DriftVerdict::kDrifted) {
-    say("  most likely {}\n", what_moved(report, joints));
-  }
-  if (report.verdict == drift::DriftVerdict::kSensorWorse) {
-    if (report.noise_factor > kNoNoise) {
-      say("  the rows miss by {:.0f} times the noise stated, as no sensor does: they\n"
-          "  are not of this arm and tool, or\n"
-          "  not in the units and columns that their header says\n",
-          report.noise_factor);
-    } else {
-      // Errors that are no noise look like it at poses that are each measured once.
-      say("  the noise is {:.1f} times the one stated; or gravity and the readings do to the\n"
-          "  arm what its signature does not know, as sweeps alone hardly show it\n",
-          report.noise_factor);
-    }
-  }
-  say("  {} rows, {} of them outliers\n", report.rows + report.rows_rejected, report.rows_rejected);
-  if (checked.copied > 0) {
-    say("  {} rows are copies of others, and count once\n", checked.copied);
-  }
-  if (!checked.rejected_lines.empty()) {
-    say("  outliers, by line: {}\n", lines_in_words(checked.rejected_lines));
-  }
-  for (const DisbelievedReceiver& receiver : checked.disbelieved) {
-    say("  receiver {}: {} of its {} ranges are outliers: it is not where the\n"
-        "  sensor description has it, or hears something else\n",
-        receiver.number, receiver.rejected, receiver.ranges);
-  }
-  if (checked.nominal) {
-    const ResidualSummary& nominal = *checked.nominal;
-    print_residuals("before: drawing, base and tool fitted", nominal.rms_m, nominal.mean_m,
-                    nominal.largest_m);
-  } else {
-    say("  before: these rows are too few to fit base and tool to the drawing\n");
-  }
-  print_residuals(
-      checked.place ? "after: the signature, from that place" : "after: the signature as it is",
-      report.rms_m, report.mean_m, report.largest_m);
-  say("  chi-square {:.1f} with {} degrees of freedom; healthy arms stay below {:.1f}\n",
-      report.chi_square, report.freedom, report.allowed);
-  say("\nNext: {}\n", next_step(checked));
-}
-
-nlohmann::ordered_json json_of(const Checked& checked, int status) {
-  const drift::DriftReport& report = checked.report;
-  nlohmann::ordered_json json{
-      {"status", status},
-      {"verdict", checked.place ? "another-place" : verdict_word(report.verdict)},
-      {"link", report.link},
-      {"noise_factor", report.noise_factor},
-      {"chi_square", report.chi_square},
-      {"degrees_of_freedom", report.freedom},
-      {"allowed", report.allowed},
-      {"rows", report.rows},
-      {"rows_rejected", report.rows_rejected},
-      {"rows_copied", checked.copied},
-      {"rejected_lines", checked.rejected_lines},
-      {"rms_m", report.rms_m},
-      {"mean_m", report.mean_m},
-      {"largest_m", report.largest_m}};
-  json["receivers_rejected"] = nlohmann::ordered_json::array();
-  for (const DisbelievedReceiver& receiver : checked.disbelieved) {
-    json["receivers_rejected"].push_back({{"receiver", receiver.number},
-                                          {"rejected", receiver.rejected},
-                                          {"ranges", receiver.ranges}});
-  }
-  if (checked.place) {
-    json["place"] = {{"shift_m", checked.place->shift_m},
-                     {"turn_rad", checked.place->turn_rad},
-                     {"verdict_from_there", verdict_word(report.verdict)}};
-  }
-  if (checked.nominal) {
-    json["nominal"] = {{"rms_m", checked.nominal->rms_m},
-                       {"mean_m", checked.nominal->mean_m},
-                       {"largest_m", checked.nominal->largest_m}};
-  }
-  return json;
-}
 
 // Every row of the file but copies, its ranges in metres of its own air.
 Read<MeasurementLog> read_log(const CheckOptions& options, const Signature& signature,
@@ -250,45 +104,42 @@ Judgement judged(const refinement::Refined& estimate, MeasurementLog& log,
   return result;
 }
 
-int run(const CheckOptions& options) {
-  const auto record = read_signature_file(options.signature);
-  if (!record) return fail(record.error(), kBadInput, options);
-  const auto estimate = estimate_of(*record, options.signature);
-  if (!estimate) return fail(estimate.error(), kBadInput, options);
-  const auto drawing = drawing_for(options, *record);
-  if (!drawing) return fail(drawing.error(), kBadInput, options);
-  std::optional<SensorDescription> sensor;
-  if (!options.sensor.empty()) {
-    const auto read = read_checked_sensor(options.sensor);
-    if (!read) return fail(read.error(), kBadInput, options);
-    sensor = *read;
-  }
-  const Signature& signature = record->signature;
-  CopiedRows copies(kRememberedInMemory);
-  auto log = read_log(options, signature, sensor, copies);
-  if (!log) return fail(log.error(), kBadInput, options);
+Read<std::optional<SensorDescription>> sensor_for(const CheckOptions& options) {
+  if (options.sensor.empty()) return std::nullopt;
+  return read_checked_sensor(options.sensor);
+}
 
-  std::vector<refinement::RowOutcome> outcomes(log->observations().size());
+Attempt<ExitStatus> run(const CheckOptions& options) {
+  ARMSIG_TRY(record, read_signature_file(options.signature));
+  ARMSIG_TRY(estimate, estimate_of(record, options.signature));
+  ARMSIG_TRY(drawing, drawing_for(options, record));
+  ARMSIG_TRY(sensor, sensor_for(options));
+  const Signature& signature = record.signature;
+  CopiedRows copies(kRememberedInMemory);
+  ARMSIG_TRY(log, read_log(options, signature, sensor, copies));
+
+  std::vector<refinement::RowOutcome> outcomes(log.observations().size());
   refinement::Receivers receivers;
   if (sensor) receivers = receivers_of(*sensor).p_S;
-  Judgement judgement = judged(**estimate, *log, receivers, outcomes);
+  const Judgement judgement = judged(*estimate, log, receivers, outcomes);
   const auto& report = judgement.report;
-  if (!report) return fail(problem_of(report.error(), options.measurements), kNoAnswer, options);
+  if (!report) return no_answer(problem_of(report.error(), options.measurements));
 
-  Checked checked{.report = *report,
-                  .place = judgement.place,
-                  .nominal = nominal_residuals(*drawing, log->observations(), log->positions(),
-                                               {signature.targets.data(), signature.targets.size()},
-                                               receivers, outcomes),
-                  .rejected_lines = log->rejected_lines(outcomes),
-                  .disbelieved = log->disbelieved_receivers(outcomes),
-                  .copied = copies.count()};
+  const Checked checked{
+      .report = *report,
+      .place = judgement.place,
+      .nominal = nominal_residuals(drawing, log.observations(), log.positions(),
+                                   {signature.targets.data(), signature.targets.size()}, receivers,
+                                   outcomes),
+      .rejected_lines = log.rejected_lines(outcomes),
+      .disbelieved = log.disbelieved_receivers(outcomes),
+      .copied = copies.count()};
   const bool healthy = report->verdict == drift::DriftVerdict::kConsistent && !judgement.place;
-  const int status = healthy ? kDone : kNoAnswer;
+  const ExitStatus status = healthy ? kDone : kNoAnswer;
   if (options.json) {
     print_json(json_of(checked, status));
   } else {
-    print_for_a_person(checked, signature.joint_count(), options.measurements);
+    print_checked(checked, signature.joint_count(), options.measurements);
   }
   return status;
 }
@@ -307,7 +158,7 @@ void add_check(CLI::App& app, int& status) {
   command->add_option("--sensor", options->sensor,
                       "sensor description (YAML), where the rows are ranges to receivers");
   add_common(*command, *options);
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
 
 }  // namespace armsig::tool

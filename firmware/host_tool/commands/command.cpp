@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/commands/command.hpp"
 
+#include <utility>
+
 #include "firmware/host_tool/presentation/say.hpp"
 
 namespace armsig::tool {
@@ -22,6 +24,15 @@ int fail(const Problem& problem, ExitStatus status, const CommonOptions& options
     print_json({{"status", static_cast<int>(status)}, {"error", std::move(error)}});
   }
   return status;
+}
+
+std::unexpected<Failure> no_answer(Problem problem) {
+  return std::unexpected(Failure(std::move(problem), kNoAnswer));
+}
+
+int status_of(const Attempt<ExitStatus>& attempt, const CommonOptions& options) {
+  if (attempt) return *attempt;
+  return fail(attempt.error().problem, attempt.error().status, options);
 }
 
 void print_json(const nlohmann::ordered_json& result) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <expected>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -25,6 +27,26 @@ struct CommonOptions {
 
 // Says on standard error what is wrong, and with --json on standard output too. Returns `status`.
 int fail(const Problem& problem, ExitStatus status, const CommonOptions& options);
+
+// Why a command ends without a result. Most of what goes wrong is the input.
+struct Failure {
+  Problem problem;
+  ExitStatus status = kBadInput;
+
+  // A problem that ARMSIG_TRY passes on becomes one.
+  Failure(Problem of_input)
+      : problem(std::move(of_input)) {}  // NOLINT(google-explicit-constructor)
+  Failure(Problem of_data, ExitStatus how) : problem(std::move(of_data)), status(how) {}
+};
+
+template <typename T>
+using Attempt = std::expected<T, Failure>;
+
+// The data do not support an answer.
+[[nodiscard]] std::unexpected<Failure> no_answer(Problem problem);
+
+// The exit status of a command; says what is wrong where it failed.
+int status_of(const Attempt<ExitStatus>& attempt, const CommonOptions& options);
 
 // Prints a result for programs on standard output.
 void print_json(const nlohmann::ordered_json& result);

@@ -227,6 +227,52 @@ int run(const ConnectOptions& options) {
                                      : talk_for_a_script(*console, options);
 }
 
+// Returns the request.
+CLI::Option* add_request_options(CLI::App& command, ConnectOptions& options) {
+  CLI::Option* request = command.add_option(
+      "request", options.request,
+      "one request, as the console takes it (help lists them), or: wait [timeout_s=3600], until "
+      "what is under way has ended; fetch FILE, what the controller has, as a file; send FILE, a "
+      "signature as a candidate, for compare. Status 1 where it is refused or ended badly");
+  CLI::Option* wait = command.add_flag(
+      "--wait", options.wait, "after the request, until what it began has ended; how it ended");
+  command.add_option("--wait-s", options.wait_s, "longest wait for that")
+      ->check(CLI::Range(1e-3, 1e6))
+      ->capture_default_str()
+      ->needs(wait);
+  return request;
+}
+
+// What they say is said of a fetch only: that they were given is to be known.
+std::array<CLI::Option*, 3> add_fetch_options(CLI::App& command, FetchOptions& fetch) {
+  return {
+      command
+          .add_option("--what", fetch.what,
+                      "to fetch (default: the log of the last identification for FILE.csv, else "
+                      "the signature in use)")
+          ->check(CLI::IsMember({"signature", "candidate", "drawing", "log"})),
+      command.add_option("--name", fetch.name, "name of the arm, for the file fetched")
+          ->capture_default_str(),
+      command.add_option("--serial", fetch.serial, "its serial number")};
+}
+
+// Returns --web, which goes without a request.
+CLI::Option* add_web_options(CLI::App& command, ConnectOptions& options, CLI::Option* request) {
+  CLI::Option* web = command
+                         .add_option("--web", options.port,
+                                     "a live page on this computer's loopback; PORT, or a free one")
+                         ->expected(0, 1)
+                         ->default_str("0")
+                         ->type_name("PORT")
+                         ->check(CLI::Range(0, 65535))
+                         ->excludes(request);
+  command
+      .add_option("--token-file", options.token_file,
+                  "keeps the key in the page's address from one start to the next")
+      ->needs(web);
+  return web;
+}
+
 }  // namespace
 
 void add_connect(CLI::App& app, int& status) {
@@ -239,41 +285,10 @@ void add_connect(CLI::App& app, int& status) {
   command->add_option("--timeout-s", options->timeout_s, "longest wait for a reply, for scripts")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  CLI::Option* request = command->add_option(
-      "request", options->request,
-      "one request, as the console takes it (help lists them), or: wait [timeout_s=3600], until "
-      "what is under way has ended; fetch FILE, what the controller has, as a file; send FILE, a "
-      "signature as a candidate, for compare. Status 1 where it is refused or ended badly");
-  CLI::Option* wait = command->add_flag(
-      "--wait", options->wait, "after the request, until what it began has ended; how it ended");
-  command->add_option("--wait-s", options->wait_s, "longest wait for that")
-      ->check(CLI::Range(1e-3, 1e6))
-      ->capture_default_str()
-      ->needs(wait);
-  FetchOptions& fetch = options->fetch;
-  const std::array of_fetch{
-      command
-          ->add_option("--what", fetch.what,
-                       "to fetch (default: the log of the last identification for FILE.csv, else "
-                       "the signature in use)")
-          ->check(CLI::IsMember({"signature", "candidate", "drawing", "log"})),
-      command->add_option("--name", fetch.name, "name of the arm, for the file fetched")
-          ->capture_default_str(),
-      command->add_option("--serial", fetch.serial, "its serial number")};
-  CLI::Option* web =
-      command
-          ->add_option("--web", options->port,
-                       "a live page on this computer's loopback; PORT, or a free one")
-          ->expected(0, 1)
-          ->default_str("0")
-          ->type_name("PORT")
-          ->check(CLI::Range(0, 65535))
-          ->excludes(request);
-  command
-      ->add_option("--token-file", options->token_file,
-                   "keeps the key in the page's address from one start to the next")
-      ->needs(web);
-  add_common(*command, fetch);
+  CLI::Option* request = add_request_options(*command, *options);
+  const auto of_fetch = add_fetch_options(*command, options->fetch);
+  CLI::Option* web = add_web_options(*command, *options, request);
+  add_common(*command, options->fetch);
   command->callback([options, web, of_fetch, &status] {
     options->web = web->count() > 0;
     options->says_what_to_fetch =

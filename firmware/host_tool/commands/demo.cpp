@@ -2,6 +2,7 @@
 // armsig demo: the whole story on a simulated Puma 560.
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -115,6 +116,27 @@ nlohmann::ordered_json demo_json(const std::vector<DemoRobot>& robots) {
   return {{"status", 0}, {"robots", std::move(list)}};
 }
 
+// A file of the demonstration by its name, in its folder.
+using Named = std::function<std::string(const std::string&)>;
+
+// What the two methods found of a robot, and the truth.
+Read<void> write_signatures(const DemoRobot& robot, const std::string& prefix, const Named& named) {
+  const ArmDescription arm{.name = "Puma 560, " + robot.name, .arm = puma560()};
+  const auto write = [&](const char* kind, const SignatureRecord& record) {
+    return write_signature_file(named(prefix + kind + ".yaml"), record);
+  };
+  const auto record = [&](const Signature& signature, const char* method) {
+    return record_of({.signature = signature, .counts = {}, .air_celsius = 20.0, .warnings = {}},
+                     arm, method, "");
+  };
+  for (const auto& written : {write("paper", record(robot.paper.signature, "paper")),
+                              write("encoder", record(robot.encoder.signature, "encoder")),
+                              write("truth", exact_record(robot.truth, arm))}) {
+    if (!written) return std::unexpected(written.error());
+  }
+  return {};
+}
+
 // Everything that a person needs to go on from the demonstration: drawing, sensor and measurements
 // of robot 1, the signatures and truths of all.
 Read<std::vector<std::string>> write_files(const std::vector<DemoRobot>& robots,
@@ -145,18 +167,9 @@ Read<std::vector<std::string>> write_files(const std::vector<DemoRobot>& robots,
   if (auto written = writer.commit(); !written) return std::unexpected(written.error());
 
   for (std::size_t k = 0; k < robots.size(); ++k) {
-    const ArmDescription arm{.name = "Puma 560, " + robots[k].name, .arm = puma560()};
-    const auto write = [&](const char* kind, const SignatureRecord& record) {
-      return write_signature_file(named(fmt::format("robot{}-{}.yaml", k + 1, kind)), record);
-    };
-    const auto record = [&](const Signature& signature, const char* method) {
-      return record_of({.signature = signature, .counts = {}, .air_celsius = 20.0, .warnings = {}},
-                       arm, method, "");
-    };
-    for (const auto& written : {write("paper", record(robots[k].paper.signature, "paper")),
-                                write("encoder", record(robots[k].encoder.signature, "encoder")),
-                                write("truth", exact_record(robots[k].truth, arm))}) {
-      if (!written) return std::unexpected(written.error());
+    if (auto written = write_signatures(robots[k], fmt::format("robot{}-", k + 1), named);
+        !written) {
+      return std::unexpected(std::move(written).error());
     }
   }
   return files;
@@ -178,17 +191,8 @@ Read<std::optional<std::string>> write_report(const std::string& folder) {
   return path;
 }
 
-void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::string>& report,
-                 const DemoOptions& options) {
-  const DemoPlan plan;
-  say("armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman\n"
-      "measured theirs (1986)\n\n{}\n",
-      paragraph(fmt::format(
-                    "Each joint is swept in turn as far as its limits allow, {} points a joint. An "
-                    "ultrasonic sensor of 8 receivers, 0.2 mm (1 sigma) a range, {} pings a point, "
-                    "locates a target on the moving link. On the arm this would take {}.",
-                    plan.points, plan.pings, duration_in_words(robots[0].sweep_duration_s)),
-                0));
+// The tables of the paper, with what this demonstration gives for them.
+void print_tables_of_the_paper(const std::vector<DemoRobot>& robots) {
   say("Table 1. Ideal kinematic parameters: the drawing\n\n{}\n", dh_table(puma560().joints));
   for (int robot : {1, 2}) {
     const Signature& signature = robots[static_cast<std::size_t>(robot) - 1].encoder.signature;
@@ -205,6 +209,20 @@ void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::
                 "of rotation alone",
                 0),
       table3_text(robots));
+}
+
+void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::string>& report,
+                 const DemoOptions& options) {
+  const DemoPlan plan;
+  say("armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman\n"
+      "measured theirs (1986)\n\n{}\n",
+      paragraph(fmt::format(
+                    "Each joint is swept in turn as far as its limits allow, {} points a joint. An "
+                    "ultrasonic sensor of 8 receivers, 0.2 mm (1 sigma) a range, {} pings a point, "
+                    "locates a target on the moving link. On the arm this would take {}.",
+                    plan.points, plan.pings, duration_in_words(robots[0].sweep_duration_s)),
+                0));
+  print_tables_of_the_paper(robots);
   say("{}{}\n", tool_error_table(robots),
       paragraph("Over the joint limits, each where the sensor sees it: the drawing with base and "
                 "tool fitted, the signatures as they are."));

@@ -71,45 +71,45 @@ Read<void> check_one_arm(const EvaluateOptions& options, const ArmDescription& a
   return {};
 }
 
-int run(const EvaluateOptions& options) {
-  const auto arm = read_arm(options.arm);
-  if (!arm) return fail(arm.error(), kBadInput, options);
-  const auto record = read_signature_file(options.signature);
-  if (!record) return fail(record.error(), kBadInput, options);
-  const auto truth = read_truth(options.truth, record->signature);
-  if (!truth) return fail(truth.error(), kBadInput, options);
-  if (!same_types(record->signature.types, arm->arm) ||
-      !same_types(truth->signature.types, arm->arm)) {
-    return fail({options.signature, 0, 0, "the joints of signature, truth and arm differ",
-                 "three models of one arm"},
-                kBadInput, options);
+Attempt<evaluation::Comparison> compared(const EvaluateOptions& options, const ArmDescription& arm,
+                                         const SignatureRecord& record,
+                                         const SignatureRecord& truth) {
+  if (auto one_arm = check_one_arm(options, arm, record, truth); !one_arm) {
+    return no_answer(std::move(one_arm).error());
   }
-
-  const auto one_arm = check_one_arm(options, *arm, *record, *truth);
-  if (!one_arm) return fail(one_arm.error(), kNoAnswer, options);
-  if (!is_drawing_of(*record, arm->arm)) {
+  if (!is_drawing_of(record, arm.arm)) {
     complain("armsig: warning: {}: found with another drawing than that of {}", options.signature,
              options.arm);
   }
-  const refinement::ReadingModel readings = record->readings();
-  const refinement::ReadingModel true_readings = truth->readings();
-  const auto comparison = evaluation::compare(arm->arm, record->signature, truth->signature, {},
-                                              {&readings, record->signature.configuration},
-                                              {&true_readings, truth->signature.configuration});
-  if (!comparison) {
-    return fail({options.signature, 0, 0,
-                 fmt::format("the grid can't be touched: {}", describe(comparison.error())),
-                 "an arm that reaches a grid of a tenth of 25 x 25 x 60 cm at least"},
-                kNoAnswer, options);
+  const refinement::ReadingModel readings = record.readings();
+  const refinement::ReadingModel true_readings = truth.readings();
+  const auto comparison = evaluation::compare(arm.arm, record.signature, truth.signature, {},
+                                              {&readings, record.signature.configuration},
+                                              {&true_readings, truth.signature.configuration});
+  if (comparison) return *comparison;
+  return no_answer({options.signature, 0, 0,
+                    fmt::format("the grid can't be touched: {}", describe(comparison.error())),
+                    "an arm that reaches a grid of a tenth of 25 x 25 x 60 cm at least"});
+}
+
+Attempt<ExitStatus> run(const EvaluateOptions& options) {
+  ARMSIG_TRY(arm, read_arm(options.arm));
+  ARMSIG_TRY(record, read_signature_file(options.signature));
+  ARMSIG_TRY(truth, read_truth(options.truth, record.signature));
+  if (!same_types(record.signature.types, arm.arm) || !same_types(truth.signature.types, arm.arm)) {
+    return std::unexpected(Problem{options.signature, 0, 0,
+                                   "the joints of signature, truth and arm differ",
+                                   "three models of one arm"});
   }
+  ARMSIG_TRY(comparison, compared(options, arm, record, truth));
   if (options.json) {
-    print_json({{"status", 0}, {"arm", arm->name}, {"evaluation", comparison_json(*comparison)}});
+    print_json({{"status", 0}, {"arm", arm.name}, {"evaluation", comparison_json(comparison)}});
     return kDone;
   }
-  const auto& size_m = comparison->grid.size_m;
-  say("{}: touching a grid of {:.0f} x {:.0f} x {:.0f} cm, {} vertices\n\n{}", arm->name,
-      100 * size_m[0], 100 * size_m[1], 100 * size_m[2], comparison->grid.vertex_count(),
-      comparison_table(*comparison));
+  const auto& size_m = comparison.grid.size_m;
+  say("{}: touching a grid of {:.0f} x {:.0f} x {:.0f} cm, {} vertices\n\n{}", arm.name,
+      100 * size_m[0], 100 * size_m[1], 100 * size_m[2], comparison.grid.vertex_count(),
+      comparison_table(comparison));
   say("\nNext: armsig report --signature {} --out report.html\n", options.signature);
   return kDone;
 }
@@ -127,7 +127,7 @@ void add_evaluate(CLI::App& app, int& status) {
                    "the real arm: an arm description or a signature (YAML)")
       ->required();
   add_common(*command, *options);
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
 
 }  // namespace armsig::tool

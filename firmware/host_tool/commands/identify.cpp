@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: MIT
 // armsig identify: measurements to a signature.
-#include <algorithm>
 #include <filesystem>
 #include <functional>
 
 #include "core/base/error.hpp"
-#include "core/refinement/chain.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/foreign_columns.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/identify_doubts.hpp"
 #include "firmware/host_tool/diagnosis/collector.hpp"
-#include "firmware/host_tool/diagnosis/gate.hpp"
 #include "firmware/host_tool/identification/identification_run.hpp"
 #include "firmware/host_tool/identification/undone.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
@@ -23,6 +21,7 @@
 #include "firmware/host_tool/reading/copied_rows.hpp"
 #include "firmware/host_tool/reading/range_health.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
+#include "firmware/host_tool/refinement/corrections_option.hpp"
 #include "firmware/host_tool/signature/doubt_stated.hpp"
 #include "firmware/host_tool/signature/record.hpp"
 
@@ -36,34 +35,6 @@ struct IdentifyOptions : CommonOptions {
   bool accept_different_arm = false;
   std::optional<MappedMeasurements> mapped;  // by `columns`
 };
-
-// The words of --correct.
-Read<FurtherUnknowns> further_unknowns(const IdentifyOptions& options) {
-  FurtherUnknowns further;
-  if (options.correct.empty()) return further;
-  if (options.method != "refined") {
-    return std::unexpected(Problem{"--correct", 0, 0, "the method is " + options.method,
-                                   "--method refined, which can find corrections"});
-  }
-  for (const std::string& word : options.correct) {
-    further.readings.gain |= word == "gain";
-    further.readings.first |= word == "first-order";
-    further.readings.second |= word == "second-order";
-    further.choose_readings |= word == "readings-that-help";
-    further.receiver_offsets |= word == "range-offsets";
-    further.scale |= word == "scale";
-    further.as_read |= word == "none";
-  }
-  if (further.as_read && options.correct.size() > 1) {
-    return std::unexpected(
-        Problem{"--correct", 0, 0, "none, and corrections beside it", "either of them"});
-  }
-  if (further.receiver_offsets && options.sensor.empty()) {
-    return std::unexpected(Problem{"--correct", 0, 0, "range-offsets without receivers",
-                                   "ranges, and --sensor with where the receivers stand"});
-  }
-  return further;
-}
 
 // The file as it is, or with its columns mapped.
 Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const JointTypes& types) {
@@ -131,147 +102,134 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
                .validation = validation};
 }
 
-// Fewer rows than these say nothing against an arm.
-constexpr std::size_t kFewestToDoubt = 12;
-
-std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
-                              const SignatureRecord& record, double enlarged) {
-  if (evidence.rows.size() < kFewestToDoubt) return std::nullopt;
-  const refinement::PoeChain chain(record.signature, record.readings());
-  const auto& targets = record.signature.targets;
-  const auto predicted_S = [&](const EvidenceRow& row) -> std::optional<Vector3> {
-    const auto* target = std::ranges::find(targets, row.target, &Target::number);
-    if (target == targets.end()) return std::nullopt;
-    return chain.point(chain.motion(row.q), *target);
-  };
-  return doubt(evidence, limits,
-               FoundArm{.predicted_S = predicted_S,
-                        .predicted_error_m = record.predicted_tool_error_m.value_or(0) / enlarged});
+// As its description says, but for offsets that are asked for.
+Read<std::optional<SensorDescription>> sensor_for(const IdentifyOptions& options,
+                                                  const FurtherUnknowns& further) {
+  if (options.sensor.empty()) return std::nullopt;
+  ARMSIG_TRY(sensor, read_checked_sensor(options.sensor));
+  if (further.receiver_offsets) sensor.unknown_offset_m = kUnknownOffset_m;
+  return sensor;
 }
 
-// A refusal, with the mistake that explains it where one is found.
-Problem explained(Problem problem, const Evidence& evidence, const ArmLimits& limits) {
-  if (evidence.rows.size() < kFewestToDoubt) return problem;
-  const auto found = doubt(evidence, limits, std::nullopt);
-  if (!found || found->cause.empty()) return problem;
-  problem.what += "; most likely " + found->cause;
-  problem.expected += (problem.expected.empty() ? "" : "; ") + found->expected;
-  return problem;
-}
-
-Problem problem_of(const Doubt& doubt, const std::string& file) {
-  const std::string cause = doubt.cause.empty() ? "" : "; " + doubt.cause;
-  return {file, 0, 0, doubt.what + cause, doubt.expected};
-}
-
-// What the doubt leaves open is part of what is stated.
-void state(const Doubt& doubt, SignatureRecord& record, Found& found) {
-  const double stated_m = state_doubt(record, doubt);
-  found.scale_stated = found.scale_stated || (doubt.lengths_factor != 1 && stated_m > 0);
-  if (found.refinement && found.refinement->predicted_over_limits_m) {
-    double& over_limits_m = *found.refinement->predicted_over_limits_m;
-    over_limits_m = std::hypot(over_limits_m, stated_m);
-  }
-}
-
-int run(IdentifyOptions options) {
-  const auto apart = check_roles({{"--arm", options.arm},
-                                  {"--measurements", options.measurements},
-                                  {"--sensor", options.sensor}},
-                                 {{"--out", options.out}});
-  if (!apart) return fail(apart.error(), kBadInput, options);
-  const auto serial = check_option_text("--serial", options.serial);
-  if (!serial) return fail(serial.error(), kBadInput, options);
-  const auto further = further_unknowns(options);
-  if (!further) return fail(further.error(), kBadInput, options);
-  const auto arm = read_arm(options.arm);
-  if (!arm) return fail(arm.error(), kBadInput, options);
-  if (!options.columns.empty()) {
-    auto mapped =
-        map_measurements(options.measurements, options.columns, types_of(arm->arm.joints));
-    if (!mapped) return fail(mapped.error(), kBadInput, options);
-    say(stderr, "{}", in_words(*mapped));
-    options.mapped = std::move(*mapped);
-  }
+// What the command line says beside the measurements.
+struct Asked {
+  FurtherUnknowns further;
+  ArmDescription arm;
   std::optional<SensorDescription> sensor;
-  if (!options.sensor.empty()) {
-    const auto read = read_checked_sensor(options.sensor);
-    if (!read) return fail(read.error(), kBadInput, options);
-    sensor = *read;
-    if (further->receiver_offsets) sensor->unknown_offset_m = kUnknownOffset_m;
-  }
 
+  [[nodiscard]] std::size_t receivers() const { return sensor ? sensor->receivers_S.size() : 0; }
+};
+
+// Maps the columns too, where they are those of other software.
+Read<Asked> read_asked(IdentifyOptions& options) {
+  if (auto apart = check_roles({{"--arm", options.arm},
+                                {"--measurements", options.measurements},
+                                {"--sensor", options.sensor}},
+                               {{"--out", options.out}});
+      !apart) {
+    return std::unexpected(std::move(apart).error());
+  }
+  if (auto serial = check_option_text("--serial", options.serial); !serial) {
+    return std::unexpected(std::move(serial).error());
+  }
+  ARMSIG_TRY(further, parse_corrections(options.correct, options.method, !options.sensor.empty()));
+  ARMSIG_TRY(arm, read_arm(options.arm));
+  if (!options.columns.empty()) {
+    ARMSIG_TRY(mapped,
+               map_measurements(options.measurements, options.columns, types_of(arm.arm.joints)));
+    say(stderr, "{}", in_words(mapped));
+    options.mapped = std::move(mapped);
+  }
+  ARMSIG_TRY(sensor, sensor_for(options, further));
+  return Asked{.further = further, .arm = std::move(arm), .sensor = std::move(sensor)};
+}
+
+// What the rows give, and what they say of themselves.
+struct FromRows {
+  Found found;
+  Evidence evidence;
+  std::size_t copies = 0;
+};
+
+Attempt<FromRows> find(const IdentifyOptions& options, const Asked& asked) {
+  const Arm& arm = asked.arm.arm;
   const bool refine = options.method == "refined";
   IdentificationRun identification(
-      arm->arm, sensor, options.measurements,
+      arm, asked.sensor, options.measurements,
       options.method == "paper" ? features::Method::kPaper : features::Method::kEncoder,
       refine ? Purpose::kRefinement : Purpose::kValidatedFeatures);
-  EvidenceCollector collector(arm->arm, sensor);
-  RangeHealth health(sensor);
+  EvidenceCollector collector(arm, asked.sensor);
+  RangeHealth health(asked.sensor);
   Read<void> taken;  // the first row that was refused says why; the others are evidence
-  const auto read = read_all(options, arm->arm, "Reading measurements",
-                             [&](const MeasurementRow& row) -> Read<void> {
-                               const auto scale = range_scale(row, sensor, options.measurements);
-                               if (!scale) return std::unexpected(scale.error());
-                               collector.add(row);
-                               health.add(row, *scale);
-                               if (taken) taken = identification.take(row);
-                               return {};
-                             });
-  if (!read && taken) return fail(read.error(), kBadInput, options);
-  const auto refuse = [&](const Problem& problem) {
-    // Of rows without a position nothing else can be said.
-    if (const auto ranges = health.problem(options.measurements)) {
-      return fail(*ranges, kNoAnswer, options);
-    }
-    Problem said = explained(problem, collector.evidence(), arm->limits);
-    if (read && *read > 0)
-      said.what += fmt::format("; {} rows are copies of others, and count once", *read);
-    return fail(said, kNoAnswer, options);
+  const auto read =
+      read_all(options, arm, "Reading measurements", [&](const MeasurementRow& row) -> Read<void> {
+        ARMSIG_TRY(scale, range_scale(row, asked.sensor, options.measurements));
+        collector.add(row);
+        health.add(row, scale);
+        if (taken) taken = identification.take(row);
+        return {};
+      });
+  if (!read && taken) return std::unexpected(read.error());
+  const auto identified = [&] {
+    return refine ? identified_by_refinement(identification, asked.further)
+                  : identified_by_features(options, arm, identification);
   };
-  if (!taken) return refuse(taken.error());
-  auto found = refine ? identified_by_refinement(identification, *further)
-                      : identified_by_features(options, arm->arm, identification);
-  if (!found) return refuse(found.error());
+  Read<Found> found = taken ? identified() : std::unexpected(taken.error());
+  if (found) return FromRows{std::move(*found), collector.evidence(), *read};
+  // Of rows without a position nothing else can be said.
+  if (auto ranges = health.problem(options.measurements)) return no_answer(std::move(*ranges));
+  Problem said = explained(std::move(found).error(), collector.evidence(), asked.arm.limits);
+  if (read && *read > 0) {
+    said.what += fmt::format("; {} rows are copies of others, and count once", *read);
+  }
+  return no_answer(std::move(said));
+}
 
-  SignatureRecord record = record_of(found->identified, *arm, options.method, options.serial);
-  const std::size_t receivers = sensor ? sensor->receivers_S.size() : 0;
+// The record, with its doubts as warnings.
+Attempt<SignatureRecord> record_for(const IdentifyOptions& options, const Asked& asked,
+                                    FromRows& rows) {
+  Found& found = rows.found;
+  SignatureRecord record = record_of(found.identified, asked.arm, options.method, options.serial);
   const Evidence evidence =
-      refine ? undone(collector.evidence(), *found->refinement, sensor) : collector.evidence();
-  double enlarged = 1;  // what is stated, over what the method itself predicts
-  if (refine) {
-    enlarged = add_refinement(record, *found->refinement, receivers, evidence);
-  } else {
-    enlarged = add_features(record, found->validation, evidence);
-  }
-  const auto doubt = doubt_of(evidence, arm->limits, record, enlarged);
-  if (doubt) {
+      found.refinement ? undone(rows.evidence, *found.refinement, asked.sensor) : rows.evidence;
+  // What is stated, over what the method itself predicts.
+  const double enlarged =
+      found.refinement ? add_refinement(record, *found.refinement, asked.receivers(), evidence)
+                       : add_features(record, found.validation, evidence);
+  if (const auto doubt = doubt_of(evidence, asked.arm.limits, record, enlarged)) {
     const Problem problem = problem_of(*doubt, options.measurements);
-    if (doubt->refuses && !options.accept_different_arm) return fail(problem, kNoAnswer, options);
-    record.warnings.push_back(doubt->refuses
-                                  ? "accepted as a different arm: " + problem.what
-                                  : fmt::format("{}: {}", problem.what, problem.expected));
-    state(*doubt, record, *found);
+    if (doubt->refuses && !options.accept_different_arm) return no_answer(problem);
+    warn_of(*doubt,
+            doubt->refuses ? "accepted as a different arm: " + problem.what
+                           : fmt::format("{}: {}", problem.what, problem.expected),
+            record, found);
   }
-  if (const auto slide = doubt_of_slide(record.signature); slide && !found->scale_stated) {
-    record.warnings.push_back(fmt::format("{}: {}", slide->what, slide->expected));
-    state(*slide, record, *found);
+  if (const auto slide = doubt_of_slide(record.signature); slide && !found.scale_stated) {
+    warn_of(*slide, fmt::format("{}: {}", slide->what, slide->expected), record, found);
   }
-  if (*read > 0) {
+  if (rows.copies > 0) {
     record.warnings.push_back(
         fmt::format("{}: {} rows are copies of others to the last digit, and count once",
-                    options.measurements, *read));
+                    options.measurements, rows.copies));
   }
-  const auto written = write_signature_file(options.out, record);
-  if (!written) return fail(written.error(), kBadInput, options);
+  return record;
+}
+
+Attempt<ExitStatus> run(IdentifyOptions options) {
+  ARMSIG_TRY(asked, read_asked(options));
+  ARMSIG_TRY(rows, find(options, asked));
+  ARMSIG_TRY(record, record_for(options, asked, rows));
+  if (auto written = write_signature_file(options.out, record); !written) {
+    return std::unexpected(std::move(written).error());
+  }
   for (const std::string& warning : record.warnings) {
     complain("armsig: warning: {}", shown(warning));
   }
   const ReportedFiles files{options.measurements, options.out};
   if (options.json) {
-    print_json(json_of(*found, record, files, receivers));
+    print_json(json_of(rows.found, record, files, asked.receivers()));
   } else {
-    print_identified(*found, record, files, receivers);
+    print_identified(rows.found, record, files, asked.receivers());
   }
   return kDone;
 }
@@ -315,7 +273,7 @@ void add_identify(CLI::App& app, int& status) {
                     "write the signature of an arm that is far from its drawing, or that the "
                     "measurements contradict, all the same; the record keeps a warning");
   add_common(*command, *options);
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
 
 }  // namespace armsig::tool

@@ -79,49 +79,59 @@ nlohmann::ordered_json json_of(const SweepPlan& plan) {
   return sweeps;
 }
 
-int run(const PlanOptions& options) {
-  const auto apart = check_roles({{"--arm", options.arm}}, {{"--out", options.out}});
-  if (!apart) return fail(apart.error(), kBadInput, options);
-  const auto read = read_arm(options.arm);
-  if (!read) return fail(read.error(), kBadInput, options);
-  Arm arm = read->arm;
-  const JointTypes types = types_of(arm.joints);
-  const auto limits = limits_with_margin(arm.limits, types, options.margin());
-  if (!limits) return fail(limits.error(), kBadInput, options);
-  arm.limits = *limits;
-  const auto configuration = configuration_of(options, arm);
-  if (!configuration) return fail(configuration.error(), kBadInput, options);
-  const auto plan =
-      sweeps_inside(arm, *configuration, radians(options.arc_deg), options.points, box_of(options));
-  if (!plan) return fail(plan.error(), kNoAnswer, options);
-  const std::vector<JointVector> poses = poses_of(*plan);
-  const auto written = write_poses(
-      options.out,
-      options.program(fmt::format("{}: sweeps to measure, a joint after the other", read->name)),
-      types, poses);
-  if (!written) return fail(written.error(), kBadInput, options);
-  if (options.json) {
-    print_json({{"status", 0},
-                {"arm", read->name},
-                {"poses", poses.size()},
-                {"sweeps", json_of(*plan)},
-                {"out", options.out}});
-    return kDone;
-  }
+// The arm as drawn, its limits less the margin.
+Read<ArmDescription> arm_with_margin(const PlanOptions& options) {
+  ARMSIG_TRY(read, read_arm(options.arm));
+  ARMSIG_TRY(limits,
+             limits_with_margin(read.arm.limits, types_of(read.arm.joints), options.margin()));
+  read.arm.limits = limits;
+  return read;
+}
+
+void print_plan(const PlanOptions& options, const ArmDescription& arm, const SweepPlan& plan,
+                std::size_t poses) {
+  const JointTypes types = types_of(arm.arm.joints);
   Table table({"Joint", "held at", "swept from", "to", "Points"});
   for (std::size_t j = 0; j < types.size(); ++j) {
-    const SweepOfJoint& sweep = plan->sweeps[j];
-    table.add_row({fmt::format("{}", j + 1), reading_in_words(types[j], plan->configuration[j]),
+    const SweepOfJoint& sweep = plan.sweeps[j];
+    table.add_row({fmt::format("{}", j + 1), reading_in_words(types[j], plan.configuration[j]),
                    reading_in_words(types[j], sweep.first),
                    reading_in_words(types[j], sweep.last()), fmt::format("{}", sweep.points)});
   }
-  say("{}: sweeps to measure\n\n{}\n{}\n", read->name, table.render(),
+  say("{}: sweeps to measure\n\n{}\n{}\n", arm.name, table.render(),
       paragraph(fmt::format("{} poses; the arm needs about {} and the sensor its own time. Look "
                             "where they go first: the plan knows limits and box, not what stands "
                             "around.",
-                            poses.size(), duration_in_words(duration_s(arm, *plan, {})))));
+                            poses, duration_in_words(duration_s(arm.arm, plan, {})))));
   say("Written: {}\nNext: measure at each, then armsig join, or armsig identify --arm {}\n",
       file_in_words(options.out), options.arm);
+}
+
+Attempt<ExitStatus> run(const PlanOptions& options) {
+  if (auto apart = check_roles({{"--arm", options.arm}}, {{"--out", options.out}}); !apart) {
+    return std::unexpected(std::move(apart).error());
+  }
+  ARMSIG_TRY(arm, arm_with_margin(options));
+  ARMSIG_TRY(configuration, configuration_of(options, arm.arm));
+  const auto plan = sweeps_inside(arm.arm, configuration, radians(options.arc_deg), options.points,
+                                  box_of(options));
+  if (!plan) return no_answer(plan.error());
+  const std::vector<JointVector> poses = poses_of(*plan);
+  const std::string title = fmt::format("{}: sweeps to measure, a joint after the other", arm.name);
+  if (auto written =
+          write_poses(options.out, options.program(title), types_of(arm.arm.joints), poses);
+      !written) {
+    return std::unexpected(std::move(written).error());
+  }
+  if (options.json) {
+    print_json({{"status", 0},
+                {"arm", arm.name},
+                {"poses", poses.size()},
+                {"sweeps", json_of(*plan)},
+                {"out", options.out}});
+  } else {
+    print_plan(options, arm, *plan, poses.size());
+  }
   return kDone;
 }
 
@@ -154,7 +164,7 @@ void add_plan(CLI::App& app, int& status) {
   add_pose_options(
       *command, *options,
       "where the target may be, in the base of the drawing: x,y,z lowest, then highest");
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
 
 }  // namespace armsig::tool

@@ -79,65 +79,82 @@ std::string in_words(const BeyondLimits& beyond, std::size_t rows) {
                      rows, beyond.rows == 1 ? "is" : "are", beyond.worst + 1, beyond.words);
 }
 
-int run(const PredictOptions& options) {
-  const auto apart = check_roles({{"--signature", options.signature}, {"--joints", options.joints}},
-                                 {{"--out", options.out}});
-  if (!apart) return fail(apart.error(), kBadInput, options);
-  const auto record = read_signature_file(options.signature);
-  if (!record) return fail(record.error(), kBadInput, options);
-  const Signature& signature = record->signature;
-  const auto target = target_for(options, *record);
-  if (!target) return fail(target.error(), kBadInput, options);
-  const auto joints = read_joint_poses(options.joints, signature.types);
-  if (!joints) return fail(joints.error(), kBadInput, options);
-  const auto beyond = beyond_limits(record->nominal, *joints);
-  if (beyond && beyond->out_of_question) {
-    return fail({options.joints, 0, 0, in_words(*beyond, joints->size()),
-                 "readings in the unit that the column's name says; whole turns taken off a joint "
-                 "that turns without an end"},
-                kNoAnswer, options);
-  }
-
+struct Prediction {
+  std::string of;  // what the poses are of
   std::vector<Pose> poses;
-  poses.reserve(joints->size());
-  const refinement::ReadingModel readings = record->readings();
-  for (const JointVector& q : *joints) {
-    poses.push_back(predicted(
-        signature, refinement::true_readings(readings, signature.configuration, q), *target));
+  std::vector<Vector3> sigmas_m;  // with --sigma
+};
+
+Read<Prediction> prediction(const PredictOptions& options, const SignatureRecord& record,
+                            const std::optional<Target>& target,
+                            const std::vector<JointVector>& joints) {
+  Prediction found;
+  found.of = target ? fmt::format("target {}", target->number) : "the last link's frame";
+  const Signature& signature = record.signature;
+  const refinement::ReadingModel readings = record.readings();
+  for (const JointVector& q : joints) {
+    found.poses.push_back(predicted(
+        signature, refinement::true_readings(readings, signature.configuration, q), target));
   }
-  std::vector<Vector3> sigmas_m;
   if (options.sigma) {
-    auto found = sigmas_of(*record, options.signature, **target, *joints);
-    if (!found) return fail(found.error(), kBadInput, options);
-    sigmas_m = std::move(*found);
+    ARMSIG_TRY(sigmas_m, sigmas_of(record, options.signature, *target, joints));
+    found.sigmas_m = std::move(sigmas_m);
   }
-  const std::string what =
-      *target ? fmt::format("target {}", (*target)->number) : std::string("the last link's frame");
-  const auto written = write_tool_poses(
-      options.out, poses,
-      fmt::format("{}: poses of {} in the sensor frame", record->arm_name, what), sigmas_m);
-  if (!written) return fail(written.error(), kBadInput, options);
+  return found;
+}
+
+nlohmann::ordered_json json_of(const PredictOptions& options, const Prediction& found,
+                               const std::vector<std::string>& warnings) {
+  nlohmann::ordered_json json{{"status", 0},
+                              {"poses", found.poses.size()},
+                              {"of", found.of},
+                              {"warnings", warnings},
+                              {"out", options.out}};
+  if (options.sigma) json["rms_sigma_m"] = rms_length(found.sigmas_m);
+  return json;
+}
+
+void print_prediction(const PredictOptions& options, const Prediction& found,
+                      const std::optional<Target>& target) {
+  say("{} poses of {} {}\n", found.poses.size(), found.of, place_in_words(options.out));
+  if (options.sigma) {
+    say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(found.sigmas_m));
+  }
+  say("Next: armsig solve --signature {} --poses {}{} --out readings.csv\n", options.signature,
+      file_or(options.out, "poses.csv"), target ? fmt::format(" --target {}", target->number) : "");
+}
+
+Attempt<ExitStatus> run(const PredictOptions& options) {
+  if (auto apart = check_roles({{"--signature", options.signature}, {"--joints", options.joints}},
+                               {{"--out", options.out}});
+      !apart) {
+    return std::unexpected(std::move(apart).error());
+  }
+  ARMSIG_TRY(record, read_signature_file(options.signature));
+  ARMSIG_TRY(target, target_for(options, record));
+  ARMSIG_TRY(joints, read_joint_poses(options.joints, record.signature.types));
+  const auto beyond = beyond_limits(record.nominal, joints);
+  if (beyond && beyond->out_of_question) {
+    return no_answer(
+        {options.joints, 0, 0, in_words(*beyond, joints.size()),
+         "readings in the unit that the column's name says; whole turns taken off a joint "
+         "that turns without an end"});
+  }
+  ARMSIG_TRY(found, prediction(options, record, target, joints));
+  const std::string title =
+      fmt::format("{}: poses of {} in the sensor frame", record.arm_name, found.of);
+  if (auto written = write_tool_poses(options.out, found.poses, title, found.sigmas_m); !written) {
+    return std::unexpected(std::move(written).error());
+  }
   std::vector<std::string> warnings;
   if (beyond) {
-    warnings.push_back(in_words(*beyond, joints->size()) + "; nothing was measured there");
+    warnings.push_back(in_words(*beyond, joints.size()) + "; nothing was measured there");
     complain("armsig: warning: {}: {}", options.joints, warnings.back());
   }
   if (options.json) {
-    nlohmann::ordered_json json{{"status", 0},
-                                {"poses", poses.size()},
-                                {"of", what},
-                                {"warnings", warnings},
-                                {"out", options.out}};
-    if (options.sigma) json["rms_sigma_m"] = rms_length(sigmas_m);
-    print_json(json);
+    print_json(json_of(options, found, warnings));
   } else {
-    say("{} poses of {} {}\n", poses.size(), what, place_in_words(options.out));
-    if (options.sigma) {
-      say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(sigmas_m));
-    }
-    say("Next: armsig solve --signature {} --poses {}{} --out readings.csv\n", options.signature,
-        file_or(options.out, "poses.csv"),
-        *target ? fmt::format(" --target {}", (*target)->number) : "");
+    print_prediction(options, found, target);
   }
   return kDone;
 }
@@ -158,7 +175,7 @@ void add_predict(CLI::App& app, int& status) {
                     "where --target names none)");
   command->add_option("--out", options->out, "poses to write (CSV)")->required();
   add_common(*command, *options);
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
 
 }  // namespace armsig::tool

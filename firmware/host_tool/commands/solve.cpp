@@ -112,76 +112,98 @@ class Solver {
   FixedVector<JointLimits, kMaxJoints> limits_;
 };
 
-int run(const SolveOptions& options) {
-  const auto apart = check_roles(
-      {{"--signature", options.signature}, {"--poses", options.poses}, {"--seed", options.seed}},
-      {{"--out", options.out}});
-  if (!apart) return fail(apart.error(), kBadInput, options);
-  const auto record = read_signature_file(options.signature);
-  if (!record) return fail(record.error(), kBadInput, options);
-  const auto target = find_target(*record, options.signature, options.target);
-  if (!target) return fail(target.error(), kBadInput, options);
-  const std::size_t joints = record->signature.joint_count();
-  if (*target && (*target)->link != joints) {
-    return fail({options.signature, 0, 0,
-                 fmt::format("target {} is on link {}", (*target)->number, (*target)->link),
-                 fmt::format("a target on the last link, {}", joints)},
-                kBadInput, options);
+// Poses can be those of a target that the last link carries.
+Read<std::optional<Target>> target_for(const SolveOptions& options, const SignatureRecord& record) {
+  ARMSIG_TRY(target, find_target(record, options.signature, options.target));
+  const std::size_t joints = record.signature.joint_count();
+  if (target && target->link != joints) {
+    return std::unexpected(
+        Problem{options.signature, 0, 0,
+                fmt::format("target {} is on link {}", target->number, target->link),
+                fmt::format("a target on the last link, {}", joints)});
   }
-  const auto poses = read_tool_poses(options.poses);
-  if (!poses) return fail(poses.error(), kBadInput, options);
-  std::vector<JointVector> seeds;
-  if (!options.seed.empty()) {
-    auto read = read_joint_poses(options.seed, record->signature.types);
-    if (!read) return fail(read.error(), kBadInput, options);
-    if (read->size() != 1 && read->size() != poses->size()) {
-      return fail({options.seed, 0, 0, fmt::format("{} seeds", read->size()),
-                   fmt::format("one, or one for each of the {} poses", poses->size())},
-                  kBadInput, options);
-    }
-    const auto beyond = beyond_limits(record->nominal, *read);
-    if (beyond && beyond->out_of_question) {
-      return fail({options.seed, 0, 0, fmt::format("row {}: {}", beyond->worst + 1, beyond->words),
-                   "readings in the unit that the column's name says"},
-                  kNoAnswer, options);
-    }
-    seeds = std::move(*read);
-  }
+  return target;
+}
 
-  const Solver solver(*record, *target);
-  std::vector<JointVector> solutions;
-  double rotation_error_rad = 0;
-  for (std::size_t k = 0; k < poses->size(); ++k) {
+// One for all of the `poses`, or one for each.
+Attempt<std::vector<JointVector>> seeds_for(const SolveOptions& options,
+                                            const SignatureRecord& record, std::size_t poses) {
+  if (options.seed.empty()) return {};
+  ARMSIG_TRY(seeds, read_joint_poses(options.seed, record.signature.types));
+  if (seeds.size() != 1 && seeds.size() != poses) {
+    return std::unexpected(Problem{options.seed, 0, 0, fmt::format("{} seeds", seeds.size()),
+                                   fmt::format("one, or one for each of the {} poses", poses)});
+  }
+  const auto beyond = beyond_limits(record.nominal, seeds);
+  if (beyond && beyond->out_of_question) {
+    return no_answer({options.seed, 0, 0,
+                      fmt::format("row {}: {}", beyond->worst + 1, beyond->words),
+                      "readings in the unit that the column's name says"});
+  }
+  return seeds;
+}
+
+struct Solutions {
+  std::vector<JointVector> readings;
+  double rotation_error_rad = 0;  // the largest
+};
+
+Attempt<Solutions> solutions_of(const SolveOptions& options, const Solver& solver,
+                                const std::vector<Pose>& poses,
+                                const std::vector<JointVector>& seeds) {
+  Solutions found;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
     const JointVector* seed = seeds.empty() ? nullptr : &seeds[std::min(k, seeds.size() - 1)];
-    const auto solution = solver.solve((*poses)[k], seed);
+    const auto solution = solver.solve(poses[k], seed);
     if (!solution || !is_solved(solution->verdict)) {
       const std::string why(solution ? verdict_word(solution->verdict)
                                      : describe(solution.error()));
-      return fail({options.poses, 0, 0, fmt::format("pose {}: {}", k + 1, why),
-                   "poses that the arm reaches within its joint limits"},
-                  kNoAnswer, options);
+      return no_answer({options.poses, 0, 0, fmt::format("pose {}: {}", k + 1, why),
+                        "poses that the arm reaches within its joint limits"});
     }
-    solutions.push_back(solution->readings);
-    rotation_error_rad = std::max(rotation_error_rad, solution->rotation_error_rad);
+    found.readings.push_back(solution->readings);
+    found.rotation_error_rad = std::max(found.rotation_error_rad, solution->rotation_error_rad);
   }
-  const auto written = write_joint_poses(
-      options.out, record->signature.types, solutions,
-      fmt::format("{}: joint readings for the poses of {}", record->arm_name, options.poses));
-  if (!written) return fail(written.error(), kBadInput, options);
+  return found;
+}
+
+void print_solutions(const SolveOptions& options, const Solutions& found) {
   if (options.json) {
     print_json({{"status", 0},
-                {"poses", solutions.size()},
-                {"largest_rotation_error_rad", rotation_error_rad},
+                {"poses", found.readings.size()},
+                {"largest_rotation_error_rad", found.rotation_error_rad},
                 {"out", options.out}});
-  } else {
-    say("{} poses solved; joint readings {}\n", solutions.size(), place_in_words(options.out));
-    if (rotation_error_rad > kRotationMissed) {
-      say("positions are met, orientations missed by up to {:.3g}°: an arm with fewer than six "
-          "joints can't choose all of an orientation\n",
-          degrees(rotation_error_rad));
-    }
-    say("Next: send the arm to them\n");
+    return;
   }
+  say("{} poses solved; joint readings {}\n", found.readings.size(), place_in_words(options.out));
+  if (found.rotation_error_rad > kRotationMissed) {
+    say("positions are met, orientations missed by up to {:.3g}°: an arm with fewer than six "
+        "joints can't choose all of an orientation\n",
+        degrees(found.rotation_error_rad));
+  }
+  say("Next: send the arm to them\n");
+}
+
+Attempt<ExitStatus> run(const SolveOptions& options) {
+  if (auto apart = check_roles({{"--signature", options.signature},
+                                {"--poses", options.poses},
+                                {"--seed", options.seed}},
+                               {{"--out", options.out}});
+      !apart) {
+    return std::unexpected(std::move(apart).error());
+  }
+  ARMSIG_TRY(record, read_signature_file(options.signature));
+  ARMSIG_TRY(target, target_for(options, record));
+  ARMSIG_TRY(poses, read_tool_poses(options.poses));
+  ARMSIG_TRY(seeds, seeds_for(options, record, poses.size()));
+  ARMSIG_TRY(found, solutions_of(options, Solver(record, target), poses, seeds));
+  const std::string title =
+      fmt::format("{}: joint readings for the poses of {}", record.arm_name, options.poses);
+  if (auto written = write_joint_poses(options.out, record.signature.types, found.readings, title);
+      !written) {
+    return std::unexpected(std::move(written).error());
+  }
+  print_solutions(options, found);
   return kDone;
 }
 
@@ -201,7 +223,7 @@ void add_solve(CLI::App& app, int& status) {
                       "the poses are those of this target (default: the last link's frame)");
   command->add_option("--out", options->out, "joint readings to write (CSV)")->required();
   add_common(*command, *options);
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
 
 }  // namespace armsig::tool

@@ -24,6 +24,17 @@ Pose turned(const Vector3& rotation, const Vector3& shift) {
   return {numerics::rotation_by(rotation), shift};
 }
 
+JointVector middle_readings(const Evidence& evidence) {
+  JointVector middle;
+  middle.resize(evidence.arm.joints.size(), 0);
+  for (const EvidenceRow& row : evidence.rows) {
+    for (std::size_t j = 0; j < middle.size(); ++j) {
+      middle[j] += row.q[j] / static_cast<double>(evidence.rows.size());
+    }
+  }
+  return middle;
+}
+
 }  // namespace
 
 Pose DeviatingChain::Link::drawn_part(double reading) const {
@@ -39,19 +50,22 @@ Pose DeviatingChain::Link::deviating_part() const {
 DeviatingChain::DeviatingChain(const Evidence& evidence, const ArmLimits& limits)
     : couplings_(evidence.arm.couplings),
       targets_(seen_targets(evidence)),
+      two_places_(std::ranges::any_of(evidence.rows, &EvidenceRow::moved)),
       free_scale_(evidence.free_scale),
       free_gain_(evidence.free_gain) {
-  const Arm& arm = evidence.arm;
-  const std::size_t n = arm.joints.size();
-  // The middle of the readings is where the axes are looked at.
-  JointVector middle;
-  middle.resize(n, 0);
-  for (const EvidenceRow& row : evidence.rows) {
-    two_places_ = two_places_ || row.moved;
-    for (std::size_t j = 0; j < n; ++j) {
-      middle[j] += row.q[j] / static_cast<double>(evidence.rows.size());
-    }
+  add_links(evidence.arm, middle_readings(evidence));
+  double lengths_m = 0;
+  for (const DhJoint& joint : evidence.arm.joints) {
+    lengths_m +=
+        std::abs(joint.a_m) + (std::abs(joint.d_m) < kFarFrame_m ? std::abs(joint.d_m) : 0);
   }
+  reach_m_ = std::max({kLeastReach_m, reach_m_, lengths_m});
+  set_priors(limits);
+}
+
+// `middle`: the readings at which the axes are looked at.
+void DeviatingChain::add_links(const Arm& arm, const JointVector& middle) {
+  const std::size_t n = arm.joints.size();
   const auto frames = dh_frames(arm.joints, effective_readings(arm, middle));
   Vector3 at_B = Vector3::Zero();
   for (std::size_t k = 1; k <= n; ++k) {
@@ -71,16 +85,12 @@ DeviatingChain::DeviatingChain(const Evidence& evidence, const ArmLimits& limits
     link.centre_L = frames[k].inverse() * at_B;
     links_.push_back(link);
   }
-  double lengths_m = 0;
-  for (const DhJoint& joint : arm.joints) {
-    lengths_m +=
-        std::abs(joint.a_m) + (std::abs(joint.d_m) < kFarFrame_m ? std::abs(joint.d_m) : 0);
-  }
-  reach_m_ = std::max({kLeastReach_m, reach_m_, lengths_m});
+}
+
+void DeviatingChain::set_priors(const ArmLimits& limits) {
   const double shift_m =
       kPriorShare * std::max(limits.least_shift_m, limits.shift_share * reach_m_);
-  for (std::size_t k = 0; k < n; ++k) {
-    Link& link = links_[k];
+  for (Link& link : links_) {
     link.inverse_sigma.head<3>().setConstant(1 / (kPriorShare * limits.tilt_rad));
     link.inverse_sigma.segment<3>(3).setConstant(1 / shift_m);
     const bool revolute = link.drawn.type == JointType::kRevolute;
@@ -143,6 +153,14 @@ std::vector<Vector3> DeviatingChain::residuals(const Evidence& evidence) const {
   return residuals;
 }
 
+void DeviatingChain::Seen::turn_and_shift(const Matrix3& R_B, const Vector3& centre_B,
+                                          Eigen::Index column, Eigen::Matrix3Xd& J) const {
+  for (int i = 0; i < 3; ++i) {
+    J.col(column + i) = R * R_B.col(i).cross(p_B - centre_B);
+    J.col(column + 3 + i) = R * R_B.col(i);
+  }
+}
+
 // Columns for base, second place, factors and every link: displacements of the point by unit
 // rotations about centres and unit shifts, all in the sensor frame.
 void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
@@ -150,48 +168,50 @@ void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
   J.setZero();
   const std::size_t last = targets_[target].link;
   const Placed at = placed(effective(row.q), last);
-  const Vector3 p_B = at.drawn[last] * p_LT_[target];
   const Matrix3 R_seen = row.moved ? Matrix3(X_SM_.R * X_SB_.R) : X_SB_.R;
-  const Matrix3 R = scale() * R_seen;
-  const auto shift_and_turn = [&](Eigen::Index column, const Matrix3& R_B,
-                                  const Vector3& centre_B) {
-    for (int i = 0; i < 3; ++i) {
-      J.col(column + i) = R * R_B.col(i).cross(p_B - centre_B);
-      J.col(column + 3 + i) = R * R_B.col(i);
-    }
-  };
-  shift_and_turn(0, Matrix3::Identity(), Vector3::Zero());
+  const Seen seen{.p_B = at.drawn[last] * p_LT_[target], .R = scale() * R_seen};
+  seen.turn_and_shift(Matrix3::Identity(), Vector3::Zero(), 0, J);
   J.middleCols<3>(3) = R_seen;
-  J.col(kScale) = R * p_B;
+  J.col(kScale) = seen.R * seen.p_B;
   if (row.moved) {
-    const Vector3 p_S = X_SB_ * (scale() * p_B);
+    const Vector3 p_S = X_SB_ * (scale() * seen.p_B);
     for (int i = 0; i < 3; ++i) {
       J.col(kPlace + i) = Vector3::Unit(i).cross(X_SM_.R * p_S);
       J.col(kPlace + 3 + i) = Vector3::Unit(i);
     }
   }
+  link_derivatives(at, last, seen, J);
+  if (free_gain_ != 0) J.col(kTurn) = turn_derivative(at, last, seen, turned_by_factor(row.q));
+  J.middleCols<3>(target_column(target)) = seen.R * at.drawn[last].R;
+}
+
+void DeviatingChain::link_derivatives(const Placed& at, std::size_t last, const Seen& seen,
+                                      Eigen::Matrix3Xd& J) const {
   for (std::size_t k = 1; k < last; ++k) {
     const Link& link = links_[k - 1];
     const Eigen::Index column = link_column(k - 1);
     const Pose& before = at.drawn[k];
-    shift_and_turn(column, before.R,
-                   before * (link.centre_L + Vector3(link.deviation.segment<3>(3))));
+    seen.turn_and_shift(before.R, before * (link.centre_L + Vector3(link.deviation.segment<3>(3))),
+                        column, J);
     const Vector3 z = at.full[k - 1].R.col(2);
     const bool revolute = link.drawn.type == JointType::kRevolute;
-    J.col(column + 6) = R * (revolute ? Vector3(z.cross(p_B - at.full[k - 1].p)) : z);
+    J.col(column + 6) = seen.R * (revolute ? Vector3(z.cross(seen.p_B - at.full[k - 1].p)) : z);
     if (twists(k - 1)) {
-      J.col(column + 7) = R * before.R.col(0).cross(p_B - before.p);
+      J.col(column + 7) = seen.R * before.R.col(0).cross(seen.p_B - before.p);
     }
   }
-  if (free_gain_ != 0) {
-    const JointVector turned = turned_by_factor(row.q);
-    for (std::size_t k = 1; k <= last; ++k) {
-      if (links_[k - 1].drawn.type != JointType::kRevolute) continue;
-      const Pose& before = at.full[k - 1];
-      J.col(kTurn) += turned[k - 1] * (R * Vector3(before.R.col(2)).cross(p_B - before.p));
-    }
+}
+
+// By the factor of what the joints turn, of which `turned` is what it acts on.
+Vector3 DeviatingChain::turn_derivative(const Placed& at, std::size_t last, const Seen& seen,
+                                        const JointVector& turned) const {
+  Vector3 derivative = Vector3::Zero();
+  for (std::size_t k = 1; k <= last; ++k) {
+    if (links_[k - 1].drawn.type != JointType::kRevolute) continue;
+    const Pose& before = at.full[k - 1];
+    derivative += turned[k - 1] * (seen.R * Vector3(before.R.col(2)).cross(seen.p_B - before.p));
   }
-  J.middleCols<3>(target_column(target)) = R * at.drawn[last].R;
+  return derivative;
 }
 
 DeviatingChain::Normal DeviatingChain::normal(const Evidence& evidence,

@@ -95,6 +95,18 @@ class DeviatingChain {
     std::array<Pose, kMaxFrames> full;   // after it
   };
 
+  // A point, and how the sensor sees displacements of it in the base: turned and scaled by R.
+  struct Seen {
+    Vector3 p_B;
+    Matrix3 R;
+
+    // Of unit turns about the axes of R_B through `centre_B`, then of unit shifts along them.
+    void turn_and_shift(const Matrix3& R_B, const Vector3& centre_B, Eigen::Index column,
+                        Eigen::Matrix3Xd& J) const;
+  };
+
+  void add_links(const Arm& arm, const JointVector& middle);
+  void set_priors(const ArmLimits& limits);
   [[nodiscard]] static Eigen::Index link_column(std::size_t joint) {
     return kFixed + kOfLink * static_cast<Eigen::Index>(joint);
   }
@@ -104,6 +116,10 @@ class DeviatingChain {
   [[nodiscard]] std::size_t target_of(int number) const;
   [[nodiscard]] Placed placed(const JointVector& effective, std::size_t last) const;
   void derivatives(const EvidenceRow& row, std::size_t target, Eigen::Matrix3Xd& J) const;
+  void link_derivatives(const Placed& at, std::size_t last, const Seen& seen,
+                        Eigen::Matrix3Xd& J) const;
+  [[nodiscard]] Vector3 turn_derivative(const Placed& at, std::size_t last, const Seen& seen,
+                                        const JointVector& turned) const;
   // How far the joints turn for what was read, couplings applied; and of it what the factor acts
   // on.
   [[nodiscard]] JointVector effective(const JointVector& read) const;

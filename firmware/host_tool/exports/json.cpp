@@ -30,31 +30,38 @@ Json couplings_json(const Arm& arm) {
   return couplings;
 }
 
+// The row of the drawing, with what was found of the joint's zero.
+Json drawing_json(const calibration::JointModel& joint, const DhJoint& row) {
+  const bool revolute = row.type == JointType::kRevolute;
+  return {{"theta_rad", revolute ? joint.offset : row.theta_rad},
+          {"d_m", revolute ? row.d_m : joint.offset},
+          {"a_m", row.a_m},
+          {"alpha_rad", row.alpha_rad}};
+}
+
+Json map_json(const calibration::JointModel& joint) {
+  const double unit = calibration::map_unit(joint.type);
+  Json coefficients = Json::array();
+  Json sigmas = Json::array();
+  for (std::size_t k = 0; k < calibration::kKnots; ++k) {
+    coefficients.push_back(unit * joint.map[k]);
+    sigmas.push_back(unit * std::sqrt(static_cast<double>(joint.map_variance[k])));
+  }
+  return {{"origin", joint.domain.origin},
+          {"knots_per_unit", joint.domain.per_length},
+          {"covered", {joint.covered.lower, joint.covered.upper}},
+          {"coefficients", std::move(coefficients)},
+          {"sigmas", std::move(sigmas)}};
+}
+
 // What the joints turn beyond their readings.
 Json deflections_json(const SignatureRecord& record) {
   const calibration::ArmModel& model = *record.deflections;
   Json drawing = Json::array();
   Json maps = Json::array();
   for (std::size_t i = 0; i < model.joint_count(); ++i) {
-    const calibration::JointModel& joint = model.joints[i];
-    const DhJoint& row = record.nominal.joints[i];
-    const bool revolute = row.type == JointType::kRevolute;
-    drawing.push_back({{"theta_rad", revolute ? joint.offset : row.theta_rad},
-                       {"d_m", revolute ? row.d_m : joint.offset},
-                       {"a_m", row.a_m},
-                       {"alpha_rad", row.alpha_rad}});
-    const double unit = calibration::map_unit(joint.type);
-    Json coefficients = Json::array();
-    Json sigmas = Json::array();
-    for (std::size_t k = 0; k < calibration::kKnots; ++k) {
-      coefficients.push_back(unit * joint.map[k]);
-      sigmas.push_back(unit * std::sqrt(static_cast<double>(joint.map_variance[k])));
-    }
-    maps.push_back({{"origin", joint.domain.origin},
-                    {"knots_per_unit", joint.domain.per_length},
-                    {"covered", {joint.covered.lower, joint.covered.upper}},
-                    {"coefficients", std::move(coefficients)},
-                    {"sigmas", std::move(sigmas)}});
+    drawing.push_back(drawing_json(model.joints[i], record.nominal.joints[i]));
+    maps.push_back(map_json(model.joints[i]));
   }
   Json gravity = Json::array();
   for (const calibration::GravityTerm& term : model.gravity) {

@@ -97,6 +97,49 @@ std::string table_lines(const SignatureRecord& record) {
   return text + "LinuxCNC ignores BACKLASH where a joint has a table.\n";
 }
 
+// What a person has to know who loads the file.
+std::string head_lines(const SignatureRecord& record, const ModifiedRows& modified,
+                       const JointVector& offsets) {
+  return comment_text(
+      provenance(record) +
+      "HAL settings for genserkins of LinuxCNC: modified (Craig) Denavit-Hartenberg rows, A and D "
+      "in\n"
+      "millimetres, ALPHA in radians, joints counted from 0:\n"
+      "Rot(x, ALPHA) Trans(A, 0, 0) Rot(z, joint) Trans(0, 0, D).\n" +
+      ini_lines(record, offsets) +
+      "HALFILE: this file after the one that loads genserkins and motion and adds their functions "
+      "and the\n"
+      "drives' reads to servo-thread, and before the one that adds the drives' writes.\n"
+      "genserkins has no joint offset: a component called offset for each joint carries it, in "
+      "degrees,\n"
+      "joint of genserkins = reading + theta offset. What is left to connect, in degrees, is the "
+      "drive:\n"
+      "  net j0-out joint-offset.0.out    => (the drive's position command)\n"
+      "  net j0-fb  (the drive's reading) => joint-offset.0.fb-in\n"
+      "Connect joint.N.motor-pos-cmd and joint.N.motor-pos-fb to nothing else.\n"
+      "What genserkins leaves out stands before and after its product:\n"
+      "base: " +
+      pose_words(modified.X_S0) + "\ntool: " + pose_words(modified.X_FL) + "\n" +
+      table_lines(record));
+}
+
+// The rows for genserkins, and a component for each joint's offset.
+std::string joint_lines(const ModifiedRows& modified, const JointVector& offsets) {
+  std::string text = "loadrt offset names=";
+  for (std::size_t i = 0; i < 6; ++i)
+    text += fmt::format("{}joint-offset.{}", i == 0 ? "" : ",", i);
+  text += "\n";
+  for (std::size_t i = 0; i < 6; ++i) {
+    const ModifiedRow& row = modified.rows[i];
+    text += fmt::format(
+        "setp genserkins.A-{0} {1}\nsetp genserkins.ALPHA-{0} {2}\nsetp genserkins.D-{0} {3}\n"
+        "setp joint-offset.{0}.offset {4}\n",
+        i, number_text(1e3 * row.a_prev_m), number_text(row.alpha_prev_rad),
+        number_text(1e3 * row.d_m), number_text(-degrees(offsets[i])));
+  }
+  return text;
+}
+
 // LinuxCNC sends nominal + (nominal - forward) to the drive where it wants nominal: with the map m
 // at reading r, nominal = offset + r + m(r) and forward = nominal + m(r) make that offset + r.
 std::string table_text(const calibration::JointModel& joint, const JointLimits& limits,
@@ -139,40 +182,8 @@ Read<std::string> linuxcnc_text(const SignatureRecord& record) {
   ARMSIG_TRY(standard, standard_rows(kLinuxCncFormat, record));
   const ModifiedRows modified = modified_rows(standard);
   const JointVector offsets = offsets_rad(record.nominal, modified);
-  std::string text = comment_text(
-      provenance(record) +
-      "HAL settings for genserkins of LinuxCNC: modified (Craig) Denavit-Hartenberg rows, A and D "
-      "in\n"
-      "millimetres, ALPHA in radians, joints counted from 0:\n"
-      "Rot(x, ALPHA) Trans(A, 0, 0) Rot(z, joint) Trans(0, 0, D).\n" +
-      ini_lines(record, offsets) +
-      "HALFILE: this file after the one that loads genserkins and motion and adds their functions "
-      "and the\n"
-      "drives' reads to servo-thread, and before the one that adds the drives' writes.\n"
-      "genserkins has no joint offset: a component called offset for each joint carries it, in "
-      "degrees,\n"
-      "joint of genserkins = reading + theta offset. What is left to connect, in degrees, is the "
-      "drive:\n"
-      "  net j0-out joint-offset.0.out    => (the drive's position command)\n"
-      "  net j0-fb  (the drive's reading) => joint-offset.0.fb-in\n"
-      "Connect joint.N.motor-pos-cmd and joint.N.motor-pos-fb to nothing else.\n"
-      "What genserkins leaves out stands before and after its product:\n"
-      "base: " +
-      pose_words(modified.X_S0) + "\ntool: " + pose_words(modified.X_FL) + "\n" +
-      table_lines(record));
-  text += "loadrt offset names=";
-  for (std::size_t i = 0; i < 6; ++i)
-    text += fmt::format("{}joint-offset.{}", i == 0 ? "" : ",", i);
-  text += "\n";
-  for (std::size_t i = 0; i < 6; ++i) {
-    const ModifiedRow& row = modified.rows[i];
-    text += fmt::format(
-        "setp genserkins.A-{0} {1}\nsetp genserkins.ALPHA-{0} {2}\nsetp genserkins.D-{0} {3}\n"
-        "setp joint-offset.{0}.offset {4}\n",
-        i, number_text(1e3 * row.a_prev_m), number_text(row.alpha_prev_rad),
-        number_text(1e3 * row.d_m), number_text(-degrees(offsets[i])));
-  }
-  return text + unrotate + thread_lines();
+  return head_lines(record, modified, offsets) + joint_lines(modified, offsets) + unrotate +
+         thread_lines();
 }
 
 }  // namespace armsig::tool

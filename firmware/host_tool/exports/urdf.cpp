@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -87,6 +88,45 @@ std::vector<std::string> joint_names(const SignatureRecord& record) {
   return names;
 }
 
+// A coupled joint's share of what the joint that it follows turns: a joint of its own before it.
+MovingJoint coupled_share(const SignatureRecord& record, const JointCoupling& coupling,
+                          const std::string& followed) {
+  const JointLimits& from = record.nominal.limits[coupling.from];
+  const auto [lower, upper] =
+      std::minmax({coupling.ratio * from.lower, coupling.ratio * from.upper});
+  const std::string suffix = fmt::format("{}_from_{}", coupling.joint + 1, coupling.from + 1);
+  return {.name = "joint_" + suffix,
+          .parent = "",
+          .child = "link_" + suffix,
+          .type = record.signature.types[coupling.joint],
+          .X_PJ = Pose{},
+          .limits = {lower, upper},
+          .mimic = fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"0\"/>\n",
+                               escaped(followed), number_text(coupling.ratio))};
+}
+
+// From base_link to the link of the last joint.
+std::string joints_text(const SignatureRecord& record, const JointFrames& frames) {
+  std::string text;
+  const std::vector<std::string> names = joint_names(record);
+  std::string parent = "base_link";
+  for (std::size_t i = 0; i < record.signature.joint_count(); ++i) {
+    Pose X_PJ = frames.X_PJ[i];
+    for (const JointCoupling& coupling : record.nominal.couplings) {
+      if (coupling.joint != i) continue;
+      MovingJoint share = coupled_share(record, coupling, names[coupling.from]);
+      share.parent = std::exchange(parent, share.child);
+      share.X_PJ = std::exchange(X_PJ, Pose{});
+      text += moving(share);
+    }
+    const std::string child = fmt::format("link_{}", i + 1);
+    text += moving({escaped(names[i]), parent, child, record.signature.types[i], X_PJ,
+                    record.nominal.limits[i], ""});
+    parent = child;
+  }
+  return text;
+}
+
 }  // namespace
 
 Read<std::string> urdf_text(const SignatureRecord& record) {
@@ -101,33 +141,9 @@ Read<std::string> urdf_text(const SignatureRecord& record) {
                   "until you set them.\n") +
       "\n" + fmt::format("<robot name=\"{}\">\n", escaped(record.arm_name)) + link("sensor") +
       fixed("sensor_to_base", "sensor", "base_link", frames.X_SB);
-  const std::vector<std::string> names = joint_names(record);
-  std::string parent = "base_link";
-  for (std::size_t i = 0; i < signature.joint_count(); ++i) {
-    Pose X_PJ = frames.X_PJ[i];
-    for (const JointCoupling& coupling : record.nominal.couplings) {
-      if (coupling.joint != i) continue;
-      const JointLimits& from = record.nominal.limits[coupling.from];
-      const auto [lower, upper] =
-          std::minmax({coupling.ratio * from.lower, coupling.ratio * from.upper});
-      const std::string suffix = fmt::format("{}_from_{}", i + 1, coupling.from + 1);
-      text += moving({"joint_" + suffix,
-                      parent,
-                      "link_" + suffix,
-                      signature.types[i],
-                      X_PJ,
-                      {lower, upper},
-                      fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"0\"/>\n",
-                                  escaped(names[coupling.from]), number_text(coupling.ratio))});
-      parent = "link_" + suffix;
-      X_PJ = Pose{};
-    }
-    const std::string child = fmt::format("link_{}", i + 1);
-    text += moving(
-        {escaped(names[i]), parent, child, signature.types[i], X_PJ, record.nominal.limits[i], ""});
-    parent = child;
-  }
-  text += fixed("to_last_link", parent, "last_link", frames.X_KL);
+  text += joints_text(record, frames);
+  const std::string last = fmt::format("link_{}", signature.joint_count());
+  text += fixed("to_last_link", last, "last_link", frames.X_KL);
   for (const Target& target : signature.targets) {
     const Pose X_KS = frames.X_SK[target.link - 1].inverse();
     text +=

@@ -8,10 +8,12 @@
 
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/differences.hpp"
+#include "firmware/host_tool/presentation/refinement_report.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/refinement/corrections_option.hpp"
 #include "firmware/host_tool/signature/doubt_stated.hpp"
 #include "firmware/host_tool/sweeps_alone/unseen_gear.hpp"
 
@@ -43,69 +45,6 @@ void print_head(const ReportedFiles& files, const SignatureRecord& record,
   const std::string note = near_parallel_note(signature);
   say("Pseudo Denavit-Hartenberg parameters\n\n{}{}{}", dh_table(signature.pseudo_dh),
       note.empty() ? "" : "\n", note);
-}
-
-void print_corrections(const refinement::Refined& refined) {
-  say("  errors of the readings\n");
-  for (std::size_t j = 0; j < refined.readings.corrections.size(); ++j) {
-    const refinement::ReadingCorrection& c = refined.readings.corrections[j];
-    say("    joint {}: gain {:+.6f}, once a turn {:.4f}°, twice a turn {:.4f}°\n", j + 1, c.gain,
-        degrees(std::hypot(c.cos_1, c.sin_1)), degrees(std::hypot(c.cos_2, c.sin_2)));
-  }
-}
-
-// Noise and model error, as far as they can be told apart. `beyond_chance`: they can.
-void print_noise(const NoiseStatement& noise, bool beyond_chance) {
-  say("  noise and model error together  {:8.3f} mm per axis\n", 1e3 * noise.total_m);
-  if (noise.stated_m == 0) {
-    say("  no row states its sigma_mm: all of it counts as error of the model\n");
-  } else if (noise.contradicted) {
-    say("  that is {:.1f} times the stated noise, which is therefore not believed\n",
-        noise.total_m / noise.stated_m);
-  } else if (beyond_chance) {
-    say("{}",
-        paragraph(fmt::format(
-            "that is {:.1f} times the stated noise: {:.3f} mm per axis are the arm's, not the "
-            "sensor's",
-            noise.total_m / noise.stated_m, 1e3 * noise.unexplained_m)));
-  }
-}
-
-void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
-  const refinement::FitQuality& quality = outcome.refined->quality;
-  say("\nThe refinement\n\n");
-  if (outcome.drawing_rms_m) {
-    say("  drawing, base and tool fitted   {:8.3f} mm RMS\n", 1e3 * *outcome.drawing_rms_m);
-  }
-  say("  residual of the fit             {:8.3f} mm RMS, {} measurements\n", 1e3 * quality.rms_m,
-      quality.rows_used);
-  print_noise(outcome.noise, quality.covariance_enlarged);
-  if (!outcome.rejected_lines.empty()) {
-    say("  outliers, by line               {}\n", lines_in_words(outcome.rejected_lines));
-  }
-  if (!outcome.fitted.readings.empty()) print_corrections(*outcome.refined);
-  if (outcome.fitted.receiver_offsets) {
-    say("  offsets of the ranges, mm      ");
-    for (std::size_t k = 0; k < receivers; ++k) {
-      say(" {:+.3f}", 1e3 * outcome.refined->receiver_offsets_m[k]);
-    }
-    say("\n");
-  }
-  if (outcome.fitted.scale) {
-    say("  measured lengths are {:+.4f} % too long\n", 100 * outcome.refined->scale);
-  }
-}
-
-// As --correct wants it.
-std::string terms_in_words(const refinement::ReadingTerms& terms) {
-  std::string words;
-  const auto add = [&](bool term, std::string_view word) {
-    if (term) words += fmt::format("{}{}", words.empty() ? "" : ",", word);
-  };
-  add(terms.gain, "gain");
-  add(terms.first, "first-order");
-  add(terms.second, "second-order");
-  return words;
 }
 
 // With and without the rows that the fit to everything rejects; and what is stated for the latter.
@@ -146,33 +85,39 @@ bool is_from_sweeps_alone(const Found& found) {
   return found.identified.counts.mixed == 0 && found.identified.counts.rows > 0;
 }
 
-void print_accuracy(const Found& found, const SignatureRecord& record) {
-  say("\nHow accurate it is\n\n");
-  if (found.validation && found.validation->rows > 0) {
-    const CrossValidation& left_out = *found.validation;
-    say("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
-        left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
-    if (found.refinement && found.refinement->left_out) {
-      print_left_out(*found.refinement->left_out);
-    } else if (left_out.far_off > 0) {
-      say("  without the {} of them that are far off: {:.3f} mm RMS, {:.3f} mm mean\n",
-          left_out.far_off, 1e3 * left_out.rms_kept_m, 1e3 * left_out.mean_kept_m);
-    }
-  } else {
+// How well rows are predicted that the fit did not see.
+void print_validation(const Found& found) {
+  if (!found.validation || found.validation->rows == 0) {
     say("  too few rows to leave some of them out of the fit\n");
+    return;
   }
-  if (found.refinement && found.refinement->geometry_left_out_mean_m) {
+  const CrossValidation& left_out = *found.validation;
+  say("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
+      left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
+  if (found.refinement && found.refinement->left_out) {
+    print_left_out(*found.refinement->left_out);
+  } else if (left_out.far_off > 0) {
+    say("  without the {} of them that are far off: {:.3f} mm RMS, {:.3f} mm mean\n",
+        left_out.far_off, 1e3 * left_out.rms_kept_m, 1e3 * left_out.mean_kept_m);
+  }
+}
+
+// The same by another model than the one that was taken.
+void print_other_models(const RefinementOutcome& outcome) {
+  if (outcome.geometry_left_out_mean_m) {
     say("{}",
         paragraph(fmt::format(
             "gravity and a map of each reading are part of it: {:.3f} mm mean by geometry alone",
-            1e3 * *found.refinement->geometry_left_out_mean_m)));
+            1e3 * *outcome.geometry_left_out_mean_m)));
   }
-  if (found.refinement && found.refinement->offered) {
+  if (outcome.offered) {
     say("  with corrections of the joint readings {:.3f} mm mean: --correct {}\n",
-        1e3 * found.refinement->offered->left_out_mean_m,
-        terms_in_words(found.refinement->offered->terms));
+        1e3 * outcome.offered->left_out_mean_m, corrections_in_words(outcome.offered->terms));
   }
-  if (record.predicted_tool_error_m) print_predicted(found, *record.predicted_tool_error_m);
+}
+
+// What the predicted error leaves out, because the measurements do not tell it.
+void print_what_is_left_open(const Found& found, const SignatureRecord& record) {
   if (const auto moved_m = moved_by_unseen_scale_m(found, record)) {
     say("{}", paragraph(fmt::format("not in it: the scale of the sensor, which angles do not tell; "
                                     "{:.0f} ppm of all lengths move the tool by {:.3f} mm, base "
@@ -191,43 +136,56 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
                       "poses with all joints anywhere (armsig suggest) tell them apart"));
 }
 
-nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::size_t receivers) {
-  const refinement::Refined& refined = *outcome.refined;
-  nlohmann::ordered_json json{
-      {"rms_m", refined.quality.rms_m},
-      {"rows_used", refined.quality.rows_used},
-      {"rows_rejected", refined.quality.rows_rejected},
-      {"iterations", refined.quality.iterations},
-      {"noise_factor", refined.quality.noise_factor},
-      {"sigma_m", refined.quality.sigma_m},
-      {"rejected_lines", outcome.rejected_lines},
-      {"undetermined", outcome.undetermined},
-      {"noise_and_model_error_m", outcome.noise.total_m},
-      {"model_error_m", outcome.noise.unexplained_m},
-      {"stated_sigma_believed", outcome.noise.stated_m > 0 && !outcome.noise.contradicted}};
-  if (outcome.geometry_left_out_mean_m) {
-    json["geometry_left_out_mean_m"] = *outcome.geometry_left_out_mean_m;
+void print_accuracy(const Found& found, const SignatureRecord& record) {
+  say("\nHow accurate it is\n\n");
+  print_validation(found);
+  if (found.refinement) print_other_models(*found.refinement);
+  if (record.predicted_tool_error_m) print_predicted(found, *record.predicted_tool_error_m);
+  print_what_is_left_open(found, record);
+}
+
+// Null where no row was left out.
+nlohmann::ordered_json validation_json(const Found& found) {
+  nlohmann::ordered_json json;
+  const bool validated = found.validation && found.validation->rows > 0;
+  if (validated) {
+    json = {{"rows", found.validation->rows},
+            {"mean_m", found.validation->mean_m},
+            {"rms_m", found.validation->rms_m},
+            {"largest_m", found.validation->largest_m}};
   }
-  if (outcome.drawing_rms_m) json["drawing_rms_m"] = *outcome.drawing_rms_m;
-  if (!outcome.fitted.readings.empty()) {
-    nlohmann::ordered_json& corrections = json["reading_corrections"];
-    for (const refinement::ReadingCorrection& c : refined.readings.corrections) {
-      corrections.push_back({{"gain", c.gain},
-                             {"cos_1_rad", c.cos_1},
-                             {"sin_1_rad", c.sin_1},
-                             {"cos_2_rad", c.cos_2},
-                             {"sin_2_rad", c.sin_2}});
-    }
+  if (found.refinement && found.refinement->left_out) {
+    const calibration::HeldOutScore& score = *found.refinement->left_out;
+    json["rejected"] = score.rejected;
+    json["mean_kept_m"] = score.mean_kept_m;
+    json["rms_kept_m"] = score.rms_kept_m;
+    json["stated_rms_m"] = score.stated_rms_m;
+    json["enlarged_by"] = score.factor;
+    json["region_squares"] = score.region_squares;
+  } else if (validated) {
+    json["rejected"] = found.validation->far_off;
+    json["mean_kept_m"] = found.validation->mean_kept_m;
+    json["rms_kept_m"] = found.validation->rms_kept_m;
   }
-  if (outcome.offered) {
-    json["corrections_offered"] = {{"correct", terms_in_words(outcome.offered->terms)},
-                                   {"left_out_mean_m", outcome.offered->left_out_mean_m}};
-  }
-  for (std::size_t k = 0; outcome.fitted.receiver_offsets && k < receivers; ++k) {
-    json["range_offsets_m"].push_back(refined.receiver_offsets_m[k]);
-  }
-  if (outcome.fitted.scale) json["length_scale"] = refined.scale;
   return json;
+}
+
+// The keys of what is known of the accuracy of the tool, as far as it is.
+void add_tool_error(const Found& found, const SignatureRecord& record,
+                    nlohmann::ordered_json& json) {
+  if (record.predicted_tool_error_m) {
+    json["predicted_tool_error_m"] = *record.predicted_tool_error_m;
+  }
+  if (found.refinement && found.refinement->predicted_over_limits_m) {
+    json["predicted_over_limits_m"] = *found.refinement->predicted_over_limits_m;
+  }
+  if (const auto moved_m = moved_by_unseen_scale_m(found, record)) {
+    json["moved_by_100_ppm_scale_m"] = *moved_m;
+  }
+  if (const auto gear = least_seen_gear(record); gear && is_from_sweeps_alone(found)) {
+    json["least_seen_gear"] = {
+        {"joint", gear->joint + 1}, {"sigma", gear->sigma}, {"moved_m", gear->moved_m}};
+  }
 }
 
 }  // namespace
@@ -258,39 +216,8 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
                               {"warnings", record.warnings},
                               {"signature", signature_json(record.signature)},
                               {"out", files.out}};
-  json["cross_validation"] = nullptr;
-  if (found.validation && found.validation->rows > 0) {
-    json["cross_validation"] = {{"rows", found.validation->rows},
-                                {"mean_m", found.validation->mean_m},
-                                {"rms_m", found.validation->rms_m},
-                                {"largest_m", found.validation->largest_m}};
-  }
-  if (found.refinement && found.refinement->left_out) {
-    const calibration::HeldOutScore& score = *found.refinement->left_out;
-    json["cross_validation"]["rejected"] = score.rejected;
-    json["cross_validation"]["mean_kept_m"] = score.mean_kept_m;
-    json["cross_validation"]["rms_kept_m"] = score.rms_kept_m;
-    json["cross_validation"]["stated_rms_m"] = score.stated_rms_m;
-    json["cross_validation"]["enlarged_by"] = score.factor;
-    json["cross_validation"]["region_squares"] = score.region_squares;
-  } else if (found.validation && found.validation->rows > 0) {
-    json["cross_validation"]["rejected"] = found.validation->far_off;
-    json["cross_validation"]["mean_kept_m"] = found.validation->mean_kept_m;
-    json["cross_validation"]["rms_kept_m"] = found.validation->rms_kept_m;
-  }
-  if (record.predicted_tool_error_m) {
-    json["predicted_tool_error_m"] = *record.predicted_tool_error_m;
-  }
-  if (found.refinement && found.refinement->predicted_over_limits_m) {
-    json["predicted_over_limits_m"] = *found.refinement->predicted_over_limits_m;
-  }
-  if (const auto moved_m = moved_by_unseen_scale_m(found, record)) {
-    json["moved_by_100_ppm_scale_m"] = *moved_m;
-  }
-  if (const auto gear = least_seen_gear(record); gear && is_from_sweeps_alone(found)) {
-    json["least_seen_gear"] = {
-        {"joint", gear->joint + 1}, {"sigma", gear->sigma}, {"moved_m", gear->moved_m}};
-  }
+  json["cross_validation"] = validation_json(found);
+  add_tool_error(found, record, json);
   json["differences"] = nullptr;
   if (const auto table = difference_table(record)) json["differences"] = json_of(*table);
   if (found.refinement) json["refinement"] = refinement_json(*found.refinement, receivers);

@@ -3,6 +3,7 @@
 import { ArmView } from './arm.js';
 import { BlackBox } from './black_box.js';
 import { Dials } from './dials.js';
+import { adviceFor, markdown, possible, setAdvice, situation, troubleOf, upper } from './meaning.js';
 import { degrees, duration, element, fixed, reading, rough, tell } from './words.js';
 
 const kOld_ms = 1500;       // news older than this is not shown as the present
@@ -21,7 +22,6 @@ let state = null;
 let heard = 0;       // when the server was heard last
 let shownAnswer = null;
 let asked = '';      // the verb that was pressed and is not answered yet
-let advice = {};
 let pausedBy = '';   // the name of what paused the measurement, as the controller said
 let refined = null;  // what a self-calibration predicts of the tool, as the controller said last
 let play = null;     // of which joints, likewise
@@ -97,58 +97,6 @@ function stale() {
   return '';
 }
 
-const adviceFor = (name) => advice[name] ?? { happened: name ?? '', todo: '' };
-const upper = (text) => text.replace(/^./, (c) => c.toUpperCase());
-const markdown = (text) => text.replace(/\[([^\]]*)\]\([^)]*\)/g, '$1').replace(/`/g, '');
-
-// The name of what is wrong with the sensor, now or when the measurement paused; empty: nothing.
-function troubleOf(status) {
-  if (status.sensor !== 'well') return status.sensor;
-  return status.sequence === 'paused' ? pausedBy : '';
-}
-
-// Headline, words, and the verb that is next.
-function situation({ status, candidate }) {
-  const running = status.sequence === 'identifying' || status.sequence === 'paused';
-  const model = status.model === 'signature' ? 'The arm signature is in use.' : 'The drawing is in use; the arm itself has not been measured.';
-  if (status.mode === 'faulted') {
-    const joint = status.fault_joint ? `Joint ${status.fault_joint}: ` : '';
-    const words = adviceFor(status.fault).words ?? status.fault ?? 'stopped';
-    return { headline: `${joint}${joint ? words : upper(words)}`, words: 'The arm is stopped. It stays so until it is reset.', next: 'reset' };
-  }
-  if (status.mode === 'starting') return { headline: 'Starting', words: 'The drives are found and set up.', next: '' };
-  if (status.sequence === 'paused') {
-    const name = troubleOf(status);
-    const { words, todo } = adviceFor(name);
-    return { headline: 'The measurement is paused', words: name ? `${upper(words ?? name)}. ${upper(markdown(todo ?? ''))}. The arm holds where it is; Resume measures the same point again.` : 'The arm holds where it is; Resume measures the same point again.', next: 'resume' };
-  }
-  if (running) {
-    const headline = status.sweep ? `Measuring joint ${status.sweep} of ${joints.length}` : status.refining ? 'Measuring poses anywhere' : 'Comparing on poses held out';
-    return { headline, words: 'The arm moves by itself. Keep clear of it.', next: 'pause' };
-  }
-  if (status.sequence === 'touching') return { headline: 'Touching the grid', words: 'The arm moves by itself. Keep clear of it.', next: 'halt' };
-  if (candidate) {
-    const better = candidate.better === 'yes';
-    return { headline: better ? 'The candidate is better' : 'The candidate is not better', words: `On ${candidate.held_out} poses that neither was fitted to, the tool was off by (RMS):`, next: better ? 'accept' : 'identify' };
-  }
-  if (status.mode === 'idle') return { headline: 'Without torque', words: `${model} Enable gives the drives torque; the arm holds where it is.`, next: 'enable' };
-  if (status.mode === 'servoing') return { headline: 'Moving', words: model, next: 'halt' };
-  return { headline: 'Ready', words: `${model} Identify sweeps each joint in turn.`, next: status.model === 'signature' ? '' : 'identify' };
-}
-
-// Whether the controller would take the verb now.
-function possible(verb, { status, candidate, signature }) {
-  const { mode, sequence } = status;
-  const free = sequence === 'none' && mode !== 'servoing';
-  const standing = (mode === 'idle' || mode === 'holding') && free;
-  return {
-    enable: mode === 'idle', disable: ['holding', 'servoing', 'sweeping'].includes(mode), reset: mode === 'faulted',
-    identify: mode === 'holding' && free, pause: sequence === 'identifying', resume: sequence === 'paused',
-    halt: mode === 'servoing' || mode === 'sweeping', accept: standing && candidate?.better === 'yes',
-    rollback: standing && signature.model === 'signature', acknowledge: status.acknowledge === 'needed',
-  }[verb];
-}
-
 // --- How it looks ----------------------------------------------------------------------------------
 
 function showProgress({ status }) {
@@ -190,7 +138,7 @@ function showFault({ status }) {
 }
 
 function showFacts({ status, signature, sigmas }) {
-  const trouble = troubleOf(status);
+  const trouble = troubleOf(status, pausedBy);
   const facts = [['model', status.model], ['sensor', trouble ? markdown(adviceFor(trouble).words ?? trouble) : 'answers']];
   if (status.sensor_says) facts.push(['sensor says', status.sensor_says]);
   if (status.store) facts.push(['store', markdown(adviceFor(status.store).words ?? status.store)]);
@@ -263,7 +211,7 @@ function showStale() {
 function show() {
   showStale();
   if (Object.keys(state.status).length === 0) return;
-  const { headline, words, next } = situation(state);
+  const { headline, words, next } = situation(state, pausedBy, joints.length);
   tell('headline', headline);
   tell('advice', words);
   showProgress(state);
@@ -316,8 +264,8 @@ for (const button of document.querySelectorAll('[data-verb]')) button.addEventLi
 byId('take-over').addEventListener('click', () => request('take-over'));
 setInterval(() => {
   showStale();
-  if (state) showButtons(stale() ? '' : situation(state).next);
+  if (state) showButtons(stale() ? '' : situation(state, pausedBy, joints.length).next);
 }, 250);
 
-fetch('advice.json').then((answer) => answer.json()).then((told) => { advice = told; }).catch(() => {});
+fetch('advice.json').then((answer) => answer.json()).then(setAdvice).catch(() => {});
 listen();

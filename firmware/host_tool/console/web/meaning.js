@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// What the state of the controller means to a person: what is the matter, what is next, and what can be asked for.
+
+let advice = {};     // by the name of a message: what happened, and what to do
+export const setAdvice = (told) => { advice = told; };
+
+export const adviceFor = (name) => advice[name] ?? { happened: name ?? '', todo: '' };
+export const upper = (text) => text.replace(/^./, (c) => c.toUpperCase());
+export const markdown = (text) => text.replace(/\[([^\]]*)\]\([^)]*\)/g, '$1').replace(/`/g, '');
+
+// The name of what is wrong with the sensor, now or when the measurement paused; empty: nothing.
+export function troubleOf(status, pausedBy) {
+  if (status.sensor !== 'well') return status.sensor;
+  return status.sequence === 'paused' ? pausedBy : '';
+}
+
+// Headline, words, and the verb that is next. `pausedBy`: the name of what paused the measurement.
+export function situation({ status, candidate }, pausedBy, jointCount) {
+  const running = status.sequence === 'identifying' || status.sequence === 'paused';
+  const model = status.model === 'signature' ? 'The arm signature is in use.' : 'The drawing is in use; the arm itself has not been measured.';
+  if (status.mode === 'faulted') {
+    const joint = status.fault_joint ? `Joint ${status.fault_joint}: ` : '';
+    const words = adviceFor(status.fault).words ?? status.fault ?? 'stopped';
+    return { headline: `${joint}${joint ? words : upper(words)}`, words: 'The arm is stopped. It stays so until it is reset.', next: 'reset' };
+  }
+  if (status.mode === 'starting') return { headline: 'Starting', words: 'The drives are found and set up.', next: '' };
+  if (status.sequence === 'paused') {
+    const name = troubleOf(status, pausedBy);
+    const { words, todo } = adviceFor(name);
+    return { headline: 'The measurement is paused', words: name ? `${upper(words ?? name)}. ${upper(markdown(todo ?? ''))}. The arm holds where it is; Resume measures the same point again.` : 'The arm holds where it is; Resume measures the same point again.', next: 'resume' };
+  }
+  if (running) {
+    const headline = status.sweep ? `Measuring joint ${status.sweep} of ${jointCount}` : status.refining ? 'Measuring poses anywhere' : 'Comparing on poses held out';
+    return { headline, words: 'The arm moves by itself. Keep clear of it.', next: 'pause' };
+  }
+  if (status.sequence === 'touching') return { headline: 'Touching the grid', words: 'The arm moves by itself. Keep clear of it.', next: 'halt' };
+  if (candidate) {
+    const better = candidate.better === 'yes';
+    return { headline: better ? 'The candidate is better' : 'The candidate is not better', words: `On ${candidate.held_out} poses that neither was fitted to, the tool was off by (RMS):`, next: better ? 'accept' : 'identify' };
+  }
+  if (status.mode === 'idle') return { headline: 'Without torque', words: `${model} Enable gives the drives torque; the arm holds where it is.`, next: 'enable' };
+  if (status.mode === 'servoing') return { headline: 'Moving', words: model, next: 'halt' };
+  return { headline: 'Ready', words: `${model} Identify sweeps each joint in turn.`, next: status.model === 'signature' ? '' : 'identify' };
+}
+
+// Whether the controller would take the verb now.
+export function possible(verb, { status, candidate, signature }) {
+  const { mode, sequence } = status;
+  const free = sequence === 'none' && mode !== 'servoing';
+  const standing = (mode === 'idle' || mode === 'holding') && free;
+  return {
+    enable: mode === 'idle', disable: ['holding', 'servoing', 'sweeping'].includes(mode), reset: mode === 'faulted',
+    identify: mode === 'holding' && free, pause: sequence === 'identifying', resume: sequence === 'paused',
+    halt: mode === 'servoing' || mode === 'sweeping', accept: standing && candidate?.better === 'yes',
+    rollback: standing && signature.model === 'signature', acknowledge: status.acknowledge === 'needed',
+  }[verb];
+}
