@@ -168,6 +168,11 @@ struct JointKeys {
   std::string reading, offset, limits;
 };
 
+Read<JointLimits> read_required_limits(const YamlMap& map, std::string_view key, JointType type) {
+  if (auto node = map.require(key); !node) return std::unexpected(std::move(node).error());
+  return read_limits(map, type);
+}
+
 }  // namespace
 
 Read<void> read_signature_joint(const YamlNode& node, SignatureRecord& record) {
@@ -191,10 +196,7 @@ Read<void> read_signature_joint(const YamlNode& node, SignatureRecord& record) {
   ARMSIG_TRY(point_S, map.vector3("axis_point_m"));
   ARMSIG_TRY(nominal_node, map.require("nominal"));
   ARMSIG_TRY(nominal, read_dh(*nominal_node, "nominal of " + name, "theta_rad", type));
-  if (auto limits_node = map.require(keys.limits); !limits_node) {
-    return std::unexpected(std::move(limits_node).error());
-  }
-  ARMSIG_TRY(limits, read_limits(map, type));
+  ARMSIG_TRY(limits, read_required_limits(map, keys.limits, type));
   record.fitted.readings.push_back({});
   record.corrections.push_back({});
   if (const YamlNode* correction = map.find("reading_correction")) {

@@ -203,6 +203,33 @@ Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
   return {};
 }
 
+std::vector<std::string> keys_of_a_signature() {
+  return {"armsig",
+          "name",
+          "serial",
+          "method",
+          "time",
+          "version",
+          "air_c",
+          "sigma_m",
+          "unexplained_m",
+          "noise_freedom",
+          "predicted_tool_error_m",
+          "fit",
+          "range_offsets_m",
+          "length_scale",
+          "warnings",
+          "base",
+          "joints",
+          "last_link",
+          "coupling",
+          "deflections",
+          "targets",
+          "covariance_of",
+          "covariance",
+          std::string(kCrcKey)};
+}
+
 Read<SignatureRecord> record_from(const YamlNode& root) {
   if (auto tag = check_tag(root, kSignatureTag); !tag) {
     return std::unexpected(std::move(tag).error());
@@ -212,31 +239,7 @@ Read<SignatureRecord> record_from(const YamlNode& root) {
                       fmt::format("armsig: {}", kSignatureTag));
   }
   if (auto seal = check_seal(root); !seal) return std::unexpected(std::move(seal).error());
-  const std::vector<std::string> known{"armsig",
-                                       "name",
-                                       "serial",
-                                       "method",
-                                       "time",
-                                       "version",
-                                       "air_c",
-                                       "sigma_m",
-                                       "unexplained_m",
-                                       "noise_freedom",
-                                       "predicted_tool_error_m",
-                                       "fit",
-                                       "range_offsets_m",
-                                       "length_scale",
-                                       "warnings",
-                                       "base",
-                                       "joints",
-                                       "last_link",
-                                       "coupling",
-                                       "deflections",
-                                       "targets",
-                                       "covariance_of",
-                                       "covariance",
-                                       std::string(kCrcKey)};
-  ARMSIG_TRY(map, YamlMap::open(root, "the signature", known));
+  ARMSIG_TRY(map, YamlMap::open(root, "the signature", keys_of_a_signature()));
   SignatureRecord record;
   ARMSIG_TRY(X_S0, read_base(map));
   auto done = read_origin(map, record);
