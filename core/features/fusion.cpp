@@ -42,6 +42,16 @@ SweepQuality fuse_quality(const SweepQuality& a, const SweepQuality& b) {
   return q;
 }
 
+JointFeature changed(JointFeature feature, const State& change) {
+  const Matrix3 turned = numerics::rotation_by(change.segment<3>(3));
+  feature.axis_S = (turned * feature.axis_S).normalized();
+  const Vector3 radial = turned * feature.radial_S;
+  feature.radial_S = (radial - feature.axis_S.dot(radial) * feature.axis_S).normalized();
+  feature.point_S += change.head<3>();
+  feature.radius_m += change[6];
+  return feature;
+}
+
 }  // namespace
 
 JointFeature fuse(const JointFeature& a, const JointFeature& b) {
@@ -76,18 +86,9 @@ JointFeature fuse(const JointFeature& a, const JointFeature& b) {
   S += Hb * H_b.transpose();
   if (a.type == JointType::kPrismatic) S.bottomRightCorner<2, 2>() = S.topLeftCorner<2, 2>();
   // Scaled, because the determinant of the covariance of exact data would underflow.
-  const double size = S.trace();
-  const Eigen::Matrix4d S_inverse = (S / size).inverse() / size;
-  const Eigen::Matrix<double, 7, 4> gain = Ha.transpose() * S_inverse;
-  const State change = gain * innovation;
+  const Eigen::Matrix<double, 7, 4> gain = Ha.transpose() * (S / S.trace()).inverse() / S.trace();
 
-  JointFeature fused = a;
-  const Matrix3 turned = numerics::rotation_by(change.segment<3>(3));
-  fused.axis_S = (turned * a.axis_S).normalized();
-  const Vector3 radial = turned * a.radial_S;
-  fused.radial_S = (radial - fused.axis_S.dot(radial) * fused.axis_S).normalized();
-  fused.point_S = a.point_S + change.head<3>();
-  fused.radius_m = a.radius_m + change[6];
+  JointFeature fused = changed(a, gain * innovation);
   const Eigen::Matrix<double, 7, 7> gained = gain * Ha;
   fused.covariance = a.covariance - gained;
   fused.covariance = (0.5 * (fused.covariance + fused.covariance.transpose())).eval();

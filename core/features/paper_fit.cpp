@@ -13,6 +13,29 @@ Matrix3 motion_moments(const SweepStatistics& statistics, const Vector3& centre)
   return R.transpose() * (Z - R.col(0) * centre.transpose());
 }
 
+// Of the errors in height, radial distance and mean tangent on (centre, rotation vector, radius);
+// `mean` of the points about the centre.
+Eigen::Matrix<double, 7, 7> effect_of_errors(const JointFeature& circle, const Vector3& mean) {
+  const Vector3& e = circle.radial_S;
+  const Vector3& n = circle.axis_S;
+  const Vector3 f = n.cross(e);
+  const double r = circle.radius_m;
+  // A tilt of height a1 x + a2 y turns the normal by -a1 e - a2 f. A radial distance b0 + b1 x +
+  // b2 y moves the centre by r (b1 e + b2 f) and the radius by b0, because w changes by 2 r times
+  // it; and the centre's motion turns the mean tangent.
+  Eigen::Matrix<double, 7, 7> effect = Eigen::Matrix<double, 7, 7>::Zero();
+  effect.block<3, 1>(0, 0) = n;
+  effect.block<3, 1>(3, 1) = -f;
+  effect.block<3, 1>(3, 2) = e;
+  effect(6, 3) = 1;
+  effect.block<3, 1>(0, 4) = r * e;
+  effect.block<3, 1>(0, 5) = r * f;
+  effect.block<3, 1>(3, 4) = n * (f.dot(mean) / r);
+  effect.block<3, 1>(3, 5) = -n * (e.dot(mean) / r);
+  effect.block<3, 1>(3, 6) = n;
+  return effect;
+}
+
 // Covariance of (centre, rotation vector, radius).
 Result<Eigen::Matrix<double, 7, 7>> circle_covariance(const SweepStatistics& statistics,
                                                       const JointFeature& circle) {
@@ -45,19 +68,7 @@ Result<Eigen::Matrix<double, 7, 7>> circle_covariance(const SweepStatistics& sta
   errors.block<3, 3>(3, 3) = in_plane * P;
   errors(6, 6) = in_plane / (weights * r * r);
 
-  // A tilt of height a1 x + a2 y turns the normal by -a1 e - a2 f. A radial distance b0 + b1 x +
-  // b2 y moves the centre by r (b1 e + b2 f) and the radius by b0, because w changes by 2 r times
-  // it; and the centre's motion turns the mean tangent.
-  Eigen::Matrix<double, 7, 7> effect = Eigen::Matrix<double, 7, 7>::Zero();
-  effect.block<3, 1>(0, 0) = n;
-  effect.block<3, 1>(3, 1) = -f;
-  effect.block<3, 1>(3, 2) = e;
-  effect(6, 3) = 1;
-  effect.block<3, 1>(0, 4) = r * e;
-  effect.block<3, 1>(0, 5) = r * f;
-  effect.block<3, 1>(3, 4) = n * (f.dot(mean) / r);
-  effect.block<3, 1>(3, 5) = -n * (e.dot(mean) / r);
-  effect.block<3, 1>(3, 6) = n;
+  const Eigen::Matrix<double, 7, 7> effect = effect_of_errors(circle, mean);
   const Eigen::Matrix<double, 7, 7> carried = effect * errors;
   return carried * effect.transpose();
 }

@@ -152,6 +152,7 @@ ClosedForm closed_form(const Chain& chain) {
   return form;
 }
 
+// NOLINTNEXTLINE(readability-function-size): a kernel
 Start solve_closed_form(const ClosedForm& form, const Pose& X_0n, const Posture& posture,
                         const Perturbation& perturbation) {
   ARMSIG_CHECK(form.design != Design::kOther);

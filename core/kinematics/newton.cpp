@@ -130,6 +130,7 @@ class BlockSolver {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-function-size): a kernel
 std::optional<InverseSolution> newton_inverse(const Chain& chain, const Pose& X_0n,
                                               const JointVector& seed,
                                               const InverseOptions& options, int& passes) {
