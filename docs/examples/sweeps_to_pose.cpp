@@ -42,7 +42,7 @@ int main() {
 
   // README: begin
   for (std::size_t joint = 0; joint < 3; ++joint) {
-    features::SweepEstimator sweep({.type = JointType::kRevolute});  // 17 kB, however many points
+    features::SweepEstimator sweep({.type = JointType::kRevolute});  // 15 kB, however many points
     for (int k = 0; k < kPoints; ++k) {
       JointVector q = configuration;
       q[joint] += 0.05 * k;
