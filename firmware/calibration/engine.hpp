@@ -159,6 +159,7 @@ class Engine {
   void factorise_play();
   void improve_play();
   void begin_play();
+  void add_pull(Units rows, double* of_joints);  // J^T W r of the plays
   void pull_play(Units rows);
   void solve_play();
   void follow_play(Units rows);

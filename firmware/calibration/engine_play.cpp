@@ -95,17 +95,19 @@ void Engine::begin_play() {
   }
 }
 
-void Engine::pull_play(Units rows) {
+void Engine::add_pull(Units rows, double* of_joints) {
   PlayColumns columns;
   for (std::size_t k = rows.first; k < rows.last; ++k) {
     const FitRow& row = rows_[k];
     if (row.held_out || row.weight == 0 || !fill(row, frames_of(k), columns)) continue;
     const Vector3 r = row.weight / scales_.sigma_squared * (precision(row) * row.residual);
     for (std::size_t j = 0; j < kMaxJoints; ++j) {
-      play_->gradient(static_cast<Index>(j)) += columns[j].dot(r);
+      of_joints[j] += columns[j].dot(r);
     }
   }
 }
+
+void Engine::pull_play(Units rows) { add_pull(rows, play_->gradient.data()); }
 
 void Engine::solve_play() {
   factorise_play();
@@ -181,15 +183,7 @@ void Engine::lay_play(Units rows) {
 }
 
 void Engine::add_left_of_play(Units rows) {
-  PlayColumns columns;
-  for (std::size_t k = rows.first; k < rows.last; ++k) {
-    const FitRow& row = rows_[k];
-    if (row.held_out || row.weight == 0 || !fill(row, frames_of(k), columns)) continue;
-    const Vector3 r = row.weight / scales_.sigma_squared * (precision(row) * row.residual);
-    for (std::size_t j = 0; j < kMaxJoints; ++j) {
-      play_->told(static_cast<Index>(j), static_cast<Index>(joint_probed_)) += columns[j].dot(r);
-    }
-  }
+  add_pull(rows, play_->told.col(static_cast<Index>(joint_probed_)).data());
 }
 
 void Engine::end_probe() {
