@@ -6,6 +6,7 @@
 
 #include "core/measurement/ping_median.hpp"
 #include "firmware/controller/little_endian.hpp"
+#include "firmware/controller/store_ledger.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -89,10 +90,6 @@ JointVector joints_in(LittleEndianReader& in, std::size_t joints) {
 
 constexpr std::array<std::array<Eigen::Index, 2>, 6> kUpper{
     {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
-
-bool is_erased(std::span<const std::uint8_t> page) {
-  return std::ranges::all_of(page, [](auto byte) { return byte == hal::kErasedByte; });
-}
 
 bool is_near(const JointVector& a, const JointVector& b) {
   return std::ranges::equal(a, b, [](double x, double y) { return std::abs(x - y) <= kSamePose; });
