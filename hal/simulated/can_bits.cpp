@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "hal/simulated/can_bits.hpp"
 
-#include <cstdint>
-
-#include "core/base/check.hpp"
-
 namespace armsig::simulated {
 namespace {
 
 constexpr std::uint32_t kCrcPolynomial = 0x4599;  // x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1
 constexpr unsigned kCrcBits = 15;
+constexpr unsigned kLowIdBits = 18;  // of an extended identifier, behind its first 11
 // CRC delimiter, acknowledge slot and delimiter, end of frame, interframe space: never stuffed.
 constexpr unsigned kTrailerBits = 1 + 2 + 7 + 3;
 
@@ -46,12 +43,15 @@ class Shifter {
 }  // namespace
 
 unsigned wire_bits(const hal::CanFrame& frame) {
-  ARMSIG_CHECK(!frame.extended);
   Shifter shifter;
   shifter.put(0, 1);  // start of frame
-  shifter.put(frame.id, 11);
+  shifter.put(frame.extended ? frame.id >> kLowIdBits : frame.id, 11);
+  if (frame.extended) {
+    shifter.put(3, 2);  // in the place of the remote bit, extended format
+    shifter.put(frame.id, kLowIdBits);
+  }
   shifter.put(frame.remote ? 1 : 0, 1);
-  shifter.put(0, 2);  // base format, reserved bit
+  shifter.put(0, 2);  // base format or a reserved bit, reserved bit
   shifter.put(frame.length, 4);
   if (!frame.remote) {
     for (unsigned i = 0; i < frame.length; ++i) shifter.put(frame.data[i], 8);
@@ -59,6 +59,11 @@ unsigned wire_bits(const hal::CanFrame& frame) {
   const std::uint32_t crc = shifter.crc();
   shifter.put(crc, kCrcBits);
   return shifter.count() + kTrailerBits;
+}
+
+std::uint32_t precedence(const hal::CanFrame& frame) {
+  const std::uint32_t id = frame.extended ? frame.id : frame.id << kLowIdBits;
+  return id << 1U | (frame.extended ? 1U : 0U);
 }
 
 }  // namespace armsig::simulated

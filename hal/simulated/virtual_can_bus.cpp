@@ -76,13 +76,14 @@ std::optional<hal::Instant> VirtualCanBus::earliest_ready() const {
   return earliest;
 }
 
-// Arbitration (ISO 11898-1, 10.3): of those who want to send, the lowest identifier.
+// Arbitration (ISO 11898-1, 10.3) of those who want to send.
 VirtualCanPort* VirtualCanBus::winner(hal::Instant at) const {
   VirtualCanPort* winner = nullptr;
   for (const Connection& connection : connections_) {
     const auto& queue = connection.port->send_queue_;
     if (queue.empty() || queue.front().ready > at) continue;
-    if (winner == nullptr || queue.front().frame.id < winner->send_queue_.front().frame.id) {
+    if (winner == nullptr ||
+        precedence(queue.front().frame) < precedence(winner->send_queue_.front().frame)) {
       winner = connection.port;
     }
   }

@@ -32,6 +32,25 @@ TEST(WireBits, agree_with_an_independent_count) {
   EXPECT_EQ(wire_bits(frame("078#3C3C3C3C3C3C3C3C")), 131U);
 }
 
+TEST(WireBits, of_extended_frames_agree_with_an_independent_count) {
+  EXPECT_EQ(wire_bits({.id = 0x0AAAAAAA, .extended = true}), 68U);
+  EXPECT_EQ(wire_bits({.id = 0x12345678, .extended = true, .length = 3, .data = {1, 2, 3}}), 95U);
+  hal::CanFrame ones{.id = 0x1FFFFFFF, .extended = true, .length = 8};
+  ones.data.fill(0xFF);
+  EXPECT_EQ(wire_bits(ones), 149U);
+}
+
+TEST(Precedence, is_by_the_first_eleven_bits_then_the_base_format_then_the_rest) {
+  const hal::CanFrame base{.id = 0x201};
+  const hal::CanFrame same{.id = 0x201U << 18U, .extended = true};
+  const hal::CanFrame behind{.id = (0x201U << 18U) + 1, .extended = true};
+  const hal::CanFrame before{.id = (0x201U << 18U) - 1, .extended = true};
+  EXPECT_LT(precedence(before), precedence(base));
+  EXPECT_LT(precedence(base), precedence(same));
+  EXPECT_LT(precedence(same), precedence(behind));
+  EXPECT_LT(precedence(behind), precedence({.id = 0x202}));
+}
+
 TEST(WireBits, never_exceed_the_worst_case) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 20000; ++trial) {
