@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An arm as its drawing describes it: standard (distal) Denavit-Hartenberg rows, limits, couplings.
+// A nominal arm: standard (distal) Denavit-Hartenberg rows, limits, couplings, and how it stands.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "core/base/fixed_vector.hpp"
+#include "core/base/pose.hpp"
 
 namespace armsig {
 
@@ -53,6 +54,9 @@ struct Arm {
   DhRows joints;
   FixedVector<JointLimits, kMaxJoints> limits;  // as many as joints
   JointCouplings couplings;
+  // Against gravity, in frame 0; of length 1. Frame 0 has its z axis along joint 1, so that an arm
+  // on a wall, or one whose first joint is a rail, has another direction than z.
+  Vector3 up_0 = Vector3::UnitZ();
 };
 
 // The types of `joints`, of whatever has one: rows of a drawing, axes, models of joints.

@@ -27,6 +27,7 @@ namespace armsig {
 [[nodiscard]] inline FixedVector<JointLimits, kMaxJoints> effective_limits(const Arm& arm) {
   FixedVector<JointLimits, kMaxJoints> effective = arm.limits;
   for (const JointCoupling& coupling : arm.couplings) {
+    if (coupling.ratio == 0) continue;  // times a limit that is infinite it would be no number
     const JointLimits& from = arm.limits[coupling.from];
     const auto [least, most] =
         std::minmax({coupling.ratio * from.lower, coupling.ratio * from.upper});

@@ -119,13 +119,14 @@ ARMSIG_ERROR(kCandidateNoBetter, "the candidate has not beaten the active model 
 ARMSIG_ERROR(kNoSignature, "no such signature is stored")     // or no former one
 ARMSIG_ERROR(kRecordCorrupt, "the stored record is corrupt")  // by its own check
 ARMSIG_ERROR(kRecordUnsuitable, "the stored record is of another arm")
-ARMSIG_ERROR(kRecordOtherMachine, "the stored record is of other drives or another drawing")
+ARMSIG_ERROR(kRecordOtherMachine, "the stored record is of another gear, encoder zero or drawing")
 ARMSIG_ERROR(kDrawingUnacknowledged,
              "a stored signature is not in use, and nobody has acknowledged that")
+ARMSIG_ERROR(kUnreferenced, "a joint may stand elsewhere than it reads")
 ARMSIG_ERROR(kNotSettled, "the joint did not settle in time")  // within its tolerance
 ARMSIG_ERROR(kArmMoved, "the arm moved while a point was measured")
 ARMSIG_ERROR(kToleranceTooFine, "the tolerance is below one count of the encoder")
-ARMSIG_ERROR(kOutsideWorkspace, "outside its box")  // of the workspace, that the arm is to stay in
+ARMSIG_ERROR(kOutsideWorkspace, "too near to the floor, its box or itself")  // of the whole arm
 ARMSIG_ERROR(kPointTimeout, "the range sensor's readings give no point in time")
 
 // What a drive says of itself while it is enabled.
@@ -135,3 +136,4 @@ ARMSIG_ERROR(kDriveLags, "the drive reports a following error")       // for lon
 ARMSIG_ERROR(kDriveWarning, "the drive's warning persists")           // for longer than allowed
 ARMSIG_ERROR(kVoltageLost, "the drive has lost its motor supply")
 ARMSIG_ERROR(kStopTimeout, "the joint did not come to rest in time")  // that its ramp may take
+ARMSIG_ERROR(kDriveUnsupervised, "a drive would keep its torque if this controller were gone")

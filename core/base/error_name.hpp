@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <string_view>
 
@@ -12,35 +13,59 @@
 namespace armsig {
 namespace error_name_detail {
 
-struct Name {
-  std::array<char, 40> characters{};
-  std::size_t size = 0;
-};
-
-// Of an enumerator as it is written, with its k.
-[[nodiscard]] constexpr Name upper_case(std::string_view code) {
-  Name name;
-  for (const char c : code.substr(1)) {
-    if (c >= 'A' && c <= 'Z' && name.size > 0) name.characters[name.size++] = '_';
-    name.characters[name.size++] = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-  }
-  return name;
-}
-
-// Of an array of deduced type GCC 12 makes initialised memory, which an image pays for twice.
-inline constexpr Name kNames[] = {
-#define ARMSIG_ERROR(code, words) upper_case(#code),
+// The enumerators as they are written, with their k.
+inline constexpr std::string_view kCodes[] = {
+#define ARMSIG_ERROR(code, words) #code,
 #include "core/base/error_list.hpp"
 #undef ARMSIG_ERROR
 };
+inline constexpr std::size_t kCount = std::size(kCodes);
+
+// take(character) of every name, one after the other; begin(number) before each.
+template <typename Begin, typename Take>
+constexpr void each_character(Begin begin, Take take) {
+  for (std::size_t number = 0; number < kCount; ++number) {
+    begin(number);
+    bool first = true;
+    for (const char c : kCodes[number].substr(1)) {
+      if (c >= 'A' && c <= 'Z' && !first) take('_');
+      take(c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c);
+      first = false;
+    }
+  }
+}
+
+consteval std::size_t length_of_all() {
+  std::size_t length = 0;
+  each_character([](std::size_t) {}, [&length](char) { ++length; });
+  return length;
+}
+
+// All names without a gap: an image has no room for as much as the longest takes.
+struct Names {
+  std::array<char, length_of_all()> characters{};
+  std::array<std::uint16_t, kCount + 1> begin{};
+};
+
+consteval Names all_names() {
+  Names names;
+  std::size_t end = 0;
+  each_character([&](std::size_t number) { names.begin[number] = static_cast<std::uint16_t>(end); },
+                 [&](char c) { names.characters[end++] = c; });
+  names.begin[kCount] = static_cast<std::uint16_t>(end);
+  return names;
+}
+
+inline constexpr Names kNames = all_names();
 
 }  // namespace error_name_detail
 
 [[nodiscard]] constexpr std::string_view name(Error error) {
   const auto number = static_cast<std::size_t>(error);
-  if (number >= std::size(error_name_detail::kNames)) return "ERROR";
-  const error_name_detail::Name& name = error_name_detail::kNames[number];
-  return {name.characters.data(), name.size};
+  if (number >= error_name_detail::kCount) return "ERROR";
+  const auto& [characters, begin] = error_name_detail::kNames;
+  return {characters.data() + begin[number],
+          static_cast<std::size_t>(begin[number + 1] - begin[number])};
 }
 
 }  // namespace armsig

@@ -25,15 +25,15 @@ Result<TaughtWorkspace> teach(const ToolModel& model, const Turning& turning,
 
 JointVector turned(const Turning& turning, const JointVector& effective) {
   if (turning.model == nullptr) return effective;
-  return refinement::true_readings(*turning.model, turning.configuration,
-                                   readings_for(turning.model->couplings, effective));
+  return calibration::true_readings(*turning.model, turning.configuration,
+                                    readings_for(turning.model->couplings, effective));
 }
 
 JointVector effective_for(const Turning& turning, const JointVector& axes) {
   if (turning.model == nullptr) return axes;
   return effective_readings(
       turning.model->couplings,
-      refinement::encoder_readings(*turning.model, turning.configuration, axes));
+      calibration::encoder_readings(*turning.model, turning.configuration, axes));
 }
 
 Result<GridReadings> touch_grid(const ToolModel& model, const ToolModel& truth,

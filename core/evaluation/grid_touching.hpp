@@ -4,8 +4,8 @@
 // arm really takes is read.
 #pragma once
 
-#include "core/arm_model/readings.hpp"
 #include "core/base/error.hpp"
+#include "core/calibration/readings.hpp"
 #include "core/evaluation/indices.hpp"
 #include "core/kinematics/chain.hpp"
 
@@ -20,7 +20,7 @@ struct ToolModel {
 
 // What the axes of a model turn by, told its effective readings: corrections, maps and gravity.
 struct Turning {
-  const refinement::ReadingModel* model = nullptr;  // null: by the readings alone; not kept
+  const calibration::ReadingModel* model = nullptr;  // null: by the readings alone; not kept
   JointVector configuration;  // effective readings at which the axes stand as the readings say
 };
 

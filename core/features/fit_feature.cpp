@@ -6,9 +6,9 @@
 
 #include <Eigen/LU>
 
+#include "core/features/gate.hpp"
 #include "core/features/motion_fits.hpp"
 #include "core/features/regressions.hpp"
-#include "core/numerics/quantiles.hpp"
 
 namespace armsig::features {
 namespace {
@@ -66,9 +66,12 @@ Matrix3 mean_residual_products(const SweepStatistics& statistics, const JointFea
 
 Result<void> fit_motion(const SweepStatistics& statistics, JointFeature& feature) {
   const bool paper = statistics.method == Method::kPaper;
+  if (!kHasPaperFit && paper) return std::unexpected(Error::kUnsupported);
   if (statistics.type == JointType::kPrismatic)
-    return paper ? paper_line(statistics, feature) : encoder_line(statistics, feature);
-  return paper ? paper_circle(statistics, feature) : encoder_circle(statistics, feature);
+    return paper && kHasPaperFit ? paper_line(statistics, feature)
+                                 : encoder_line(statistics, feature);
+  return paper && kHasPaperFit ? paper_circle(statistics, feature)
+                               : encoder_circle(statistics, feature);
 }
 
 Refusal refusal_of(Error error, const SweepStatistics& statistics) {
@@ -95,9 +98,7 @@ NoiseLevel noise_level(const SweepStatistics& statistics, bool sigma_is_known) {
     noise.variance_factor = std::max(shown, rounding / kRoundingMargin);
   } else {
     noise.stated_sigma_m = std::sqrt(stated);
-    const double significant =
-        freedom > 0 ? numerics::chi_square_quantile(freedom, numerics::kNormal9999) / freedom : 0;
-    if (freedom > 0 && shown - rounding > significant) {
+    if (freedom > 0 && exceeds_noise(freedom * (shown - rounding), freedom)) {
       noise.is_estimated = true;
       noise.variance_factor = shown;
       noise.misfit = std::sqrt(shown);

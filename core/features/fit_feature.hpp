@@ -35,8 +35,8 @@ struct EncoderRatio {
 // Precondition: statistics.motion has full rank and its motion is not zero.
 [[nodiscard]] EncoderRatio encoder_ratio(const MotionStatistics& statistics);
 
-// Fills in the feature, with all of its quality but `rejected`; after a refusal it has no meaning.
-// Refusals: kArcTooShort (the fit is singular), kNotConverged, kNotFinite.
+// Fills in the feature, with all of its quality but `SweepQuality::rejected`; after a refusal it
+// has no meaning. Refusals: kArcTooShort (the fit is singular), kNotConverged, kNotFinite.
 [[nodiscard]] std::optional<Refusal> fit_feature(const SweepStatistics& statistics,
                                                  const NoiseLevel& noise, JointFeature& feature);
 

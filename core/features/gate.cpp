@@ -17,7 +17,7 @@ constexpr double kMostPredictionVariance = 0.5;
 // too little to judge by.
 double estimated_limit(double freedom) {
   if (freedom < 1) return std::numeric_limits<double>::infinity();
-  return numerics::chi_square_quantile(3, numerics::kNormal9999, freedom);
+  return numerics::chi_square_quantile(3, numerics::kReadingRefused, freedom);
 }
 
 // A residual that was fitted is smaller than its noise, any other larger: by `spread`.
@@ -59,11 +59,18 @@ bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known, const Sw
   return passes(accepted, sigma_is_known, point, trial, 1 + trial.innovation().leverage);
 }
 
+bool exceeds_noise(double chi_square, double freedom) {
+  // Chi-square leans to the right, so that its quantile lies above that of the normal law with the
+  // same mean and variance: mostly that is enough to know.
+  constexpr double kNormal9999 = 3.7190165;
+  return chi_square > freedom + kNormal9999 * std::sqrt(2 * freedom) &&
+         chi_square > numerics::chi_square_quantile(freedom, numerics::kReadingRefused);
+}
+
 bool is_consistent(const MotionStatistics& accepted) {
   const double freedom = accepted.motion_freedom();
-  return accepted.motion.rank() == motion_unknowns(accepted.type) && freedom >= 1 &&
-         accepted.motion_chi_square() <=
-             numerics::chi_square_quantile(freedom, numerics::kNormal9999);
+  if (accepted.motion.rank() != motion_unknowns(accepted.type) || freedom < 1) return false;
+  return !exceeds_noise(accepted.motion_chi_square(), freedom);
 }
 
 bool is_confirmed(const MotionStatistics& accepted, const SweepPoint& point) {

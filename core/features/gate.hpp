@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The gate: which points of a sweep belong to the joint's motion (ALGORITHMS section 2, Gating).
+// The gate: which points of a sweep belong to the joint's motion (docs/model.md, section 2).
 //
 // A point is judged by the chi-square of its innovation: measured minus predicted by the motion fit
 // of the points accepted so far, over its own variance and the prediction's. Where the accepted
@@ -44,6 +44,10 @@ inline constexpr double kNoSpread = 1e-6;
 // Judges `point` alone. Precondition: `trial` is of it by `accepted`, with a finite leverage.
 [[nodiscard]] bool passes_gate(const MotionStatistics& accepted, bool sigma_is_known,
                                const SweepPoint& point, const Trial& trial);
+
+// Whether a sum of squares of `freedom` > 0 degrees, in units of the noise, is more than noise
+// shows in 9,999 of 10,000 sweeps.
+[[nodiscard]] bool exceeds_noise(double chi_square, double freedom);
 
 // Whether as many points as these, all accepted unseen, agree with each other and with their stated
 // covariances (chi-square of all residuals, 99.99 %).

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Points that wait, judged together: a least-median start over minimal subsets, then gating to a
-// fixed point (ALGORITHMS section 2, Gating).
+// fixed point (docs/model.md, section 2).
 #pragma once
 
 #include <array>

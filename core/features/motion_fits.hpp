@@ -13,6 +13,14 @@
 
 namespace armsig::features {
 
+// Whether there is room for the paper's fit: in an image that never asks for it there is not, and
+// asking is kUnsupported.
+#ifdef ARMSIG_NO_PAPER_FIT
+inline constexpr bool kHasPaperFit = false;
+#else
+inline constexpr bool kHasPaperFit = true;
+#endif
+
 // The encoder-referenced circle: p = c + A cos t + B sin t with |A| = |B|, A perpendicular to B.
 //
 // The unconstrained model is linear (9 unknowns) and its triangular factor says everything that the

@@ -4,7 +4,7 @@
 // Two triangular factors, both about a point of the sweep, so that a sensor metres away and
 // readings of thousands of turns cost no digits:
 //   motion    p on [1, sin t, 1 - cos t] (revolute) or [1, t] (prismatic), t the reading moved:
-//             the encoder-referenced circle p = c + A cos t + B sin t of ALGORITHMS section 2,
+//             the encoder-referenced circle p = c + A cos t + B sin t, (M3) of docs/model.md,
 //             written c + A, B, -A so that a short arc has well-scaled columns; or the line
 //             c + u t;
 //   geometry  the quadratic monomials on [1 x y z]: the plane (13) with any pivot, and the circle

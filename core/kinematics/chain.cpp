@@ -6,6 +6,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/pose.hpp"
+#include "core/kinematics/position_first.hpp"
 
 namespace armsig::kinematics {
 namespace {
@@ -64,6 +65,7 @@ Chain make_chain(const DhRows& rows, const FixedVector<JointLimits, kMaxJoints>&
     if (!limits.empty()) ARMSIG_CHECK(limits[i].lower <= limits[i].upper);
   }
   chain.length = unit_length(chain);
+  chain.position_first = is_position_first(chain);
   return chain;
 }
 

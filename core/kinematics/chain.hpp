@@ -52,6 +52,9 @@ struct Chain {
   std::array<bool, kMaxJoints> revolute{};
   std::size_t joint_count = 0;
   bool has_prismatic = false;
+  // Three to five joints that move the tip in all directions: they meet a position, and the
+  // orientation as near as that leaves them (position_first.hpp).
+  bool position_first = false;
   // The unit of lengths where they are compared with angles: two fifths of the stretched arm, with
   // the strokes that its limits allow. 1 for an arm without any length.
   double length = 1;

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/check.hpp"
 #include "core/kinematics/forward_kernel.hpp"
 #include "core/kinematics/joint_box.hpp"
 #include "core/kinematics/motion_directions.hpp"
+#include "core/kinematics/position_first.hpp"
 #include "core/kinematics/regularity.hpp"
 #include "core/kinematics/verdict.hpp"
 #include "core/numerics/cholesky.hpp"
@@ -15,7 +17,7 @@
 namespace armsig::kinematics {
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Vector6 = PoseError;
 
 // Orientation weighs this much against position once both cannot be met: small enough that what it
 // leaves of the position is mended beside it.
@@ -28,6 +30,14 @@ constexpr double kNearHalfTurn = 3;         // rad
 constexpr double kLower = 0.999;            // of the merit: below, a saddle was left
 constexpr double kStationaryStep = 1e-11;   // rad or m
 constexpr double kNearestTolerance = 1e-9;  // rad or m, of arms with more than six joints
+// Of the task that meets the position first. From further than this part of the arm, or nearly
+// turned round, it may lead to another posture than the descent.
+constexpr double kNearPosition = 0.25;
+constexpr double kPositionWeight = 10;      // rad per length of the arm
+constexpr double kSmallStep = 1e-8;         // rad or m: the orientation is as near as it can be
+constexpr double kSameMerit = 1 + 1e-9;     // what rounding may add to it by a step, in part
+constexpr double kNoMerit = 1e-20;          // and as such: the square of 1e-10 rad
+constexpr double kShortestPart = 1.0 / 16;  // of a step, before it is given up
 
 class DampedSolver {
  public:
@@ -46,9 +56,15 @@ class DampedSolver {
   InverseSolution solve() {
     ++passes_;
     evaluate(q_, at_);
+    if (chain_.position_first && is_near()) {
+      const TaskStep led = turn_in_place();
+      if (led == TaskStep::kBounded && bounds_bar_position()) return finish(true);
+      if (led == TaskStep::kFound || !begin_anew()) return finish(led == TaskStep::kFound);
+    }
     bool stationary = descend();
     if (!met() && stationary && may_be_saddle()) stationary = leave_saddle();
     if (!met() && n_ < 6) stationary = meet_position();
+    if (!met() && chain_.position_first && position_met()) stationary = turn_at_position();
     if (met() && n_ > 6) approach_seed();
     return finish(stationary);
   }
@@ -217,6 +233,80 @@ class DampedSolver {
     if (!leave_saddle()) return false;
     rotation_weight_ = 0;
     return descend() || position_met();
+  }
+
+  [[nodiscard]] bool is_near() const {
+    return at_.error.head<3>().norm() <= kNearPosition * chain_.length &&
+           at_.error.tail<3>().norm() <= kNearHalfTurn;
+  }
+  [[nodiscard]] bool begin_anew() {
+    if (!another_pass()) return false;
+    q_ = box_.clamped(seed_);
+    evaluate(q_, at_);
+    return true;
+  }
+
+  // What the task has left at a state: its position, and the rotation once that is met. A step that
+  // meets the position changes that rotation, to second order, by less than the position weighs.
+  [[nodiscard]] double task_merit(const State& state) const {
+    const PositionFirst task(state.kinematics.J);
+    if (!task.is_regular()) return std::numeric_limits<double>::infinity();
+    const double position = kPositionWeight / chain_.length * state.error.head<3>().norm();
+    return position * position + task.rotation_left(state.error).squaredNorm();
+  }
+
+  // Gauss-Newton on the task of position_first.hpp, which meets the position and turns as near to
+  // the orientation as it can: kFound where it has. kSingular also where it leads nowhere, or the
+  // iterations were used up.
+  [[gnu::noinline]] TaskStep turn_in_place() {
+    while (!met()) {
+      Joints dq;
+      const TaskStep found = position_first_step(chain_, at_.kinematics.J, at_.error, box_, q_, dq);
+      if (found != TaskStep::kFound) return found;
+      shorten(dq);
+      const bool small = dq.cwiseAbs().maxCoeff() < kSmallStep;
+      if (!take_part(dq)) return TaskStep::kSingular;
+      if (small && position_met()) break;
+    }
+    return TaskStep::kFound;
+  }
+
+  // Whether joints at their bounds keep the arm from the position, whatever the orientation: then
+  // the weight stays at that for the verdict.
+  [[nodiscard]] bool bounds_bar_position() {
+    rotation_weight_ = 0;
+    const bool bar = obstacle() != Verdict::kOutOfReach;
+    if (!bar) rotation_weight_ = 1;
+    return bar;
+  }
+
+  // The largest part of a step that leads no further away. False if there is none, or no pass left.
+  [[gnu::noinline]] bool take_part(const Joints& dq) {
+    const double before = task_merit(at_);
+    State next;
+    double part = 1;
+    while (part >= kShortestPart && another_pass()) {
+      const Joints q = box_.clamped(q_ + part * dq);
+      evaluate(q, next);
+      part *= 0.5;
+      if (!(task_merit(next) <= kSameMerit * before + kNoMerit)) continue;
+      q_ = q;
+      at_ = next;
+      return true;
+    }
+    return false;
+  }
+
+  // The same from a position that is met, which it stays: the place where it leads nowhere is the
+  // nearest. False if the iterations were used up.
+  [[gnu::noinline]] bool turn_at_position() {
+    const Joints q_met = q_;
+    if (turn_in_place() == TaskStep::kFound) return true;
+    if (!position_met()) {
+      q_ = q_met;
+      evaluate(q_, at_);
+    }
+    return passes_ < options_.max_iterations;
   }
 
   // Moves along the self-motion of the arm to the solution nearest to the seed.

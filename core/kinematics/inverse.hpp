@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Inverse of the identified model (21) for any arm, with bounded work: the joint readings that
-// bring frame n to a pose, near a seed (ALGORITHMS, section 4).
+// bring frame n to a pose, near a seed (docs/model.md, section 4).
 //
 // Arms with six joints or more meet all six dimensions of the pose; with more than six, the
 // solution nearest to the seed is taken (1 rad counts as 1 m). Arms with fewer meet the position of
-// options.p_nP first and the orientation as far as the position allows.
+// options.p_nP, and the orientation as near as the position, their limits and steps leave them:
+// the individual's axes never stand as the orientation asks, however well the nominal ones do.
+// InverseSolution says by how much it is missed. Arms whose joints do not move the tip in all three
+// directions meet the poses that they can meet whole, and positions beside them by chance.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +17,8 @@
 namespace armsig::kinematics {
 
 enum class Verdict : std::uint8_t {
-  kConverged,     // the pose is met
-  kDegraded,      // the pose is met, near a singularity: small motions may need large joint motions
+  kConverged,     // the pose is met, as far as the arm's joints can
+  kDegraded,      // it is met, near a singularity: small motions may need large joint motions
   kOutOfReach,    // no reading near the seed brings the arm nearer to the pose
   kJointLimit,    // nearer only by leaving the joint limits
   kStepLimit,     // nearer only by a larger change of a reading than options.max_step
@@ -56,8 +59,10 @@ struct InverseSolution {
 
 // `seed` has as many readings as the chain has joints (the present reading in the servo tick).
 // A pose that is not met is a verdict, not an error; q is then the nearest that was found. No
-// verdict says that a pose is met unless the chain at q is within the tolerances of it, the angle
-// between the orientations included.
+// verdict says that a pose is met unless the chain at q is within the tolerances of it: of its
+// position, and with six joints or more of the orientation too. Fewer joints that have met the
+// position and ran out of iterations while they turned nearer are kNotConverged, with a
+// position_error_m within its tolerance.
 // Errors: kNotFinite if the pose, the seed or an option holds a NaN or an infinity (but for a step
 // without limit); kNotARotation if the pose's R is off a right-handed rotation by more than 1e-9;
 // kOutOfReach if the pose is more than 1e6 m away; kOutOfRange if a reading is beyond 1e6 (rad or

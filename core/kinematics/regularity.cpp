@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/kinematics/position_first.hpp"
 #include "core/numerics/cholesky.hpp"
 
 namespace armsig::kinematics {
@@ -12,6 +13,9 @@ double regularity(const Chain& chain, const PoseAndJacobian& at) {
   J.topRows<3>() /= chain.length;
   for (std::size_t i = 0; i < chain.joint_count; ++i) {
     if (!chain.revolute[i]) J.col(static_cast<Eigen::Index>(i)) *= chain.length;
+  }
+  if (chain.position_first) {
+    return PositionFirst(J).volume(static_cast<Eigen::Index>(chain.joint_count));
   }
   const auto size = static_cast<Eigen::Index>(std::min<std::size_t>(chain.joint_count, 6));
   numerics::Square gram = numerics::Square::Zero();

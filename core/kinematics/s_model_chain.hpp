@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Poses from the link frames themselves: T(q) = S_0 prod_i motion_i(q_i - q_i^s) B_i, ALGORITHMS
-// section 4. Unlike the pseudo Denavit-Hartenberg product it has no large numbers near parallel
+// Poses from the link frames themselves: T(q) = S_0 prod_i motion_i(q_i - q_i^s) B_i, (M7) of
+// docs/model.md. Unlike the pseudo Denavit-Hartenberg product it has no large numbers near parallel
 // axes, so that it also serves in single precision, and it is exact where axes are parallel within
 // 1e-8.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Position of a target from its ranges to receivers at known places, ALGORITHMS section 1.
+// Position of a target from its ranges to receivers at known places, docs/model.md, section 1.
 #pragma once
 
 #include <cstddef>

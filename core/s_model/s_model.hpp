@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The S-Model of Stone, Sanderson and Neuman: six parameters a joint, (4), from a general transform
-// B_i by Paul's backward multiplication (section 3.2.3 of the paper, ALGORITHMS section 3).
+// B_i by Paul's backward multiplication (section 3.2.3 of the paper; docs/model.md, section 3).
 #pragma once
 
 #include "core/base/arm.hpp"
