@@ -15,6 +15,11 @@ std::optional<DriveIdentity> JointDrives::identity(std::size_t joint) const {
   return do_identity(joint);
 }
 
+std::optional<DeviceObject> JointDrives::gap(std::size_t joint, std::size_t number) const {
+  ARMSIG_CHECK(joint < count());
+  return do_gap(joint, number);
+}
+
 bool JointDrives::all(DriveCondition condition) const {
   for (std::size_t joint = 0; joint < count(); ++joint) {
     if (do_status(joint).condition != condition) return false;

@@ -15,6 +15,7 @@
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
 #include "hal/clock.hpp"
+#include "hal/device_object.hpp"
 #include "hal/drive_identity.hpp"
 
 namespace armsig::hal {
@@ -33,11 +34,15 @@ struct DriveStatus {
   DriveCondition condition = DriveCondition::kStarting;
   std::optional<Error> fault;    // the first cause, kept until reset_faults()
   std::uint32_t fault_code = 0;  // the device's own: CANopen emergency or SDO abort code; 0: none
+  DeviceObject fault_object;     // the object that was in the way, if one was
   std::string_view words;  // what fault_code means, by the device's protocol; of static storage
   std::uint16_t status_word = 0;  // the device's own, for the log
   bool limit_active = false;      // the drive limits the motion by itself
   bool warning = false;           // the drive warns
   bool has_torque = false;        // as far as the device told last
+  // It keeps its torque when its master is gone, as far as it told while it was set up.
+  bool unsupervised = false;
+  bool has_position = false;      // it has told its position since it was set up last
   std::uint32_t information = 0;  // last emergency code that told no error; 0: none
 };
 
@@ -50,13 +55,17 @@ class JointDrives {
   // Errors: kBusDown, kBusOff; everything about one drive is in its status().
   Result<void> read(Instant now) { return do_read(now); }
 
-  // Actual positions at the last cycle, radians or metres, one per joint; zero for a drive that has
-  // never told its position (condition kStarting).
+  // Actual positions at the last cycle, radians or metres, one per joint; without meaning where the
+  // status says that the drive has not told its position.
   [[nodiscard]] const JointVector& positions() const { return do_positions(); }
   [[nodiscard]] DriveStatus status(std::size_t joint) const;
 
   // Which drive it is, and how it counts; empty until it has told, while it is being set up.
   [[nodiscard]] std::optional<DriveIdentity> identity(std::size_t joint) const;
+
+  // What a drive that was set up has otherwise than wanted and goes without, one after the other;
+  // empty beyond the last.
+  [[nodiscard]] std::optional<DeviceObject> gap(std::size_t joint, std::size_t number) const;
 
   // True if every drive has the condition.
   [[nodiscard]] bool all(DriveCondition condition) const;
@@ -69,7 +78,8 @@ class JointDrives {
   // kBusOff, kBusBusy.
   Result<void> write(const JointVector& targets, Instant now);
 
-  // Errors: kDrivesNotReady (a drive is being set up, or faulted).
+  // Errors: kDrivesNotReady (a drive is being set up, or faulted), kDriveUnsupervised (one would
+  // keep its torque without its master, which the configuration does not know).
   Result<void> enable() { return do_enable(); }
   // Brings every drive to rest on its ramp; the torque goes when all positions stand, or when the
   // time that the ramps may take is over. No errors.
@@ -92,6 +102,10 @@ class JointDrives {
   // A backend that cannot tell its drives apart says nothing of them.
   [[nodiscard]] virtual std::optional<DriveIdentity> do_identity(std::size_t /*joint*/) const {
     return DriveIdentity{};
+  }
+  [[nodiscard]] virtual std::optional<DeviceObject> do_gap(std::size_t /*joint*/,
+                                                           std::size_t /*number*/) const {
+    return std::nullopt;
   }
   virtual Result<void> do_write(const JointVector& targets, Instant now) = 0;
   virtual Result<void> do_enable() = 0;

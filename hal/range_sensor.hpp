@@ -14,7 +14,7 @@
 namespace armsig::hal {
 
 // What one receiver heard. A range is the flight time times the speed of sound at the air
-// temperature (ALGORITHMS, section 1), which is the measurement stage's business.
+// temperature (docs/model.md, section 1), which is the measurement stage's business.
 struct ReceiverReading {
   bool valid = false;
   double flight_s = 0;  // one way, from the target to the receiver; echoes are halved already

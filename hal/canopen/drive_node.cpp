@@ -48,6 +48,7 @@ hal::DriveStatus DriveNode::status() const {
   hal::DriveStatus status = drive_.status();
   status.words = words_of(status.fault, status.fault_code);
   status.information = s_.information;
+  status.unsupervised = is_started() && s_.unsupervised;
   return status;
 }
 
@@ -56,6 +57,7 @@ void DriveNode::enter(Phase phase, hal::Instant now) {
   s_.phase_since = now;
   if (phase == Phase::kUnreset) {
     s_.boot_ups = 0;
+    s_.wholly_reset = false;
     drive_.forget();
   }
   if (phase == Phase::kStarted) {
@@ -65,6 +67,18 @@ void DriveNode::enter(Phase phase, hal::Instant now) {
     s_.answered = false;
     s_.sync_unanswered = false;
   }
+}
+
+void DriveNode::wait_for_whole_reset(hal::Instant now) {
+  s_.wholly_reset = true;
+  enter(Phase::kBooting, now);
+}
+
+void DriveNode::enter_started(const cia402::SetupReport& report, hal::Instant now) {
+  s_.unsupervised = !report.is_supervised();
+  s_.guarded = report.guarded;
+  if (report.hides_mode) drive_.hide_mode();
+  enter(Phase::kStarted, now);
 }
 
 void DriveNode::reset(hal::Instant now) {
@@ -97,8 +111,12 @@ bool DriveNode::take_heartbeat(const hal::CanFrame& frame, hal::Instant now) {
   const auto state = static_cast<NmtState>(frame.data[0] & 0x7FU);
   s_.heard_at = now;
   if (state == NmtState::kBootUp) {
+    const bool late = s_.phase == Phase::kFailed && drive_.state().fault == Error::kDriveAbsent;
     if (is_started()) {
       drive_.latch(Error::kDriveRebooted);
+    } else if (late) {
+      drive_.reset(now);
+      enter(Phase::kBooted, now);
     } else if (s_.phase != Phase::kUnreset && s_.phase != Phase::kFailed) {
       // The boot-up message of the power-up may cross with our reset, whose own then comes in the
       // middle of the set-up: it begins anew.

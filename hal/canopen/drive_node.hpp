@@ -8,6 +8,7 @@
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/protocol.hpp"
 #include "hal/cia402/drive.hpp"
+#include "hal/cia402/setup_run.hpp"
 #include "hal/joint_drives.hpp"
 
 namespace armsig::canopen {
@@ -28,6 +29,9 @@ struct DriveNodeState {
   Phase phase = Phase::kUnreset;
   hal::Instant phase_since;
   unsigned boot_ups = 0;           // since the reset
+  bool wholly_reset = false;       // by 81h, as it did not answer 82h
+  bool guarded = false;            // is asked whether it is there
+  bool unsupervised = false;       // keeps its torque without its master, by its set-up
   std::uint32_t information = 0;   // last emergency that told no error
   bool heard_operational = false;  // by a heartbeat, since the start
   // Feedback supervision.
@@ -50,9 +54,15 @@ class DriveNode {
   [[nodiscard]] bool is_started() const {
     return s_.phase == Phase::kStarted || s_.phase == Phase::kRunning;
   }
+  [[nodiscard]] bool is_guarded() const { return is_started() && s_.guarded; }
   [[nodiscard]] hal::DriveStatus status() const;
 
   void enter(Phase phase, hal::Instant now);
+  // It does not answer the reset of its communication: it is reset as a whole, once.
+  [[nodiscard]] bool may_be_wholly_reset() const { return !s_.wholly_reset; }
+  void wait_for_whole_reset(hal::Instant now);
+  // It is set up, as `report` says, and started.
+  void enter_started(const cia402::SetupReport& report, hal::Instant now);
   // Forgets the fault. One whose link or set-up failed goes back to Phase::kUnreset, at the next
   // release().
   void reset(hal::Instant now);

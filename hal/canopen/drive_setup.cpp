@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hal/canopen/drive_setup.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "hal/canopen/identity.hpp"
@@ -9,18 +10,20 @@
 namespace armsig::canopen {
 namespace {
 
+using cia402::kHeartbeatConsumer;
+using cia402::kHeartbeatProducer;
+using cia402::kReceivePdoParameter;
 using cia402::Setup;
 using cia402::SetupRule;
 
 // Objects of CiA 301.
-constexpr std::uint16_t kHeartbeatConsumer = 0x1016;
-constexpr std::uint16_t kHeartbeatProducer = 0x1017;
-constexpr std::uint16_t kReceivePdoParameter = 0x1400;
+constexpr std::uint16_t kCommunicationPeriod = 0x1006;
 constexpr std::uint16_t kReceivePdoMapping = 0x1600;
 constexpr std::uint16_t kTransmitPdoParameter = 0x1800;
 constexpr std::uint16_t kTransmitPdoMapping = 0x1A00;
 
 constexpr std::uint32_t kOnEverySync = 1;
+constexpr std::uint32_t kLongestLife = 255;  // guard times
 constexpr std::uint32_t kControlWordEntry = 0x60400010;
 constexpr std::uint32_t kTargetPositionEntry = 0x607A0020;
 constexpr std::uint32_t kStatusWordEntry = 0x60410010;
@@ -51,6 +54,27 @@ std::uint32_t milliseconds_of(hal::Duration time) {
   return static_cast<std::uint32_t>(time / std::chrono::milliseconds(1));
 }
 
+// The drive watches its master: by its heartbeat, else by what commands it, else by being guarded
+// (life time: at least the heartbeat's time-out). It is watched by its own heartbeat, unless it is
+// guarded. And it knows how long a cycle is.
+void append_supervision(Setup& setup, const Configuration& configuration) {
+  const std::uint32_t timeout_ms = milliseconds_of(configuration.heartbeat_timeout);
+  const std::uint32_t master = static_cast<std::uint32_t>(configuration.master_node) << 16;
+  const auto period_us =
+      static_cast<std::uint32_t>(configuration.period / std::chrono::microseconds(1));
+  cia402::prefer(setup, {kHeartbeatConsumer, 1, 4, master | timeout_ms}, cia402::kAnyValue);
+  cia402::prefer(setup, {kReceivePdoParameter, 5, 2, timeout_ms}, cia402::kAnyValue,
+                 SetupRule::kInstead);
+  const auto life = static_cast<std::uint32_t>(
+      (configuration.heartbeat_timeout - hal::Duration(1)) / configuration.heartbeat + 1);
+  cia402::prefer(setup, {cia402::kGuardTime, 0, 2, milliseconds_of(configuration.heartbeat)},
+                 cia402::kAnyValue, SetupRule::kInstead);
+  cia402::prefer(setup, {cia402::kLifeFactor, 0, 1, std::min(life, kLongestLife)},
+                 cia402::kAnyValue, SetupRule::kInstead);
+  cia402::write(setup, kHeartbeatProducer, 0, 2, milliseconds_of(configuration.heartbeat));
+  cia402::prefer(setup, {kCommunicationPeriod, 0, 4, period_us}, cia402::kAnyValue);
+}
+
 }  // namespace
 
 Setup drive_setup(const CheckedConfiguration& configuration, std::size_t axis) {
@@ -59,10 +83,7 @@ Setup drive_setup(const CheckedConfiguration& configuration, std::size_t axis) {
   cia402::append_profile_check(setup);
   append_identity_requests(setup);
   cia402::append_factor_requests(setup);
-  cia402::write(setup, kHeartbeatProducer, 0, 2, milliseconds_of(configuration->heartbeat));
-  cia402::write(setup, kHeartbeatConsumer, 1, 4,
-                (static_cast<std::uint32_t>(configuration->master_node) << 16) |
-                    milliseconds_of(configuration->heartbeat_timeout));
+  append_supervision(setup, *configuration);
   for (std::uint16_t pdo = 1; pdo <= kOtherPdos; ++pdo) {
     const std::uint32_t step = 0x100U * pdo + joint.node;
     cia402::write(setup, static_cast<std::uint16_t>(kReceivePdoParameter + pdo), 1, 4,

@@ -141,9 +141,13 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
     if (send(heartbeat_frame(configuration_->master_node, NmtState::kOperational))) {
       own_heartbeat_at_ = now;
     }
+    for (const auto& node : nodes_) {
+      if (node->is_guarded()) (void)send(guard_frame(node->node()));
+    }
   }
   step_others();
   step_setup();
+  step_mode_inquiry();
   for (auto& node : nodes_) {
     if (node->state().phase != Phase::kRunning) continue;  // no position to hold is known yet
     const auto sent = send(node->command(group_.may_release()));
@@ -167,6 +171,11 @@ Result<void> Master::do_enable() {
   for (const auto& node : nodes_) {
     if (node->drive().state().fault || node->state().phase != Phase::kRunning) {
       return std::unexpected(Error::kDrivesNotReady);
+    }
+  }
+  for (std::size_t axis = 0; axis < nodes_.size(); ++axis) {
+    if (nodes_[axis]->state().unsupervised && !configuration_->axes[axis].unsupervised_known) {
+      return std::unexpected(Error::kDriveUnsupervised);
     }
   }
   group_.set_goal(Goal::kEnabled, now_);

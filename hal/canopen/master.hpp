@@ -26,8 +26,8 @@
 #include "hal/canopen/drive_setup.hpp"
 #include "hal/canopen/rest_inquiry.hpp"
 #include "hal/canopen/sdo_client.hpp"
-#include "hal/cia402/factors.hpp"
 #include "hal/cia402/group.hpp"
+#include "hal/cia402/setup_run.hpp"
 #include "hal/joint_drives.hpp"
 
 namespace armsig::canopen {
@@ -69,6 +69,10 @@ class Master final : public hal::JointDrives {
   [[nodiscard]] const DriveNodeState& node_state(std::size_t joint) const {
     return nodes_[joint]->state();
   }
+  // What a drive goes without, of those that were set up.
+  [[nodiscard]] const cia402::SetupReport& setup_report(std::size_t joint) const {
+    return reports_[joint];
+  }
   [[nodiscard]] const cia402::DriveState& drive_state(std::size_t joint) const {
     return nodes_[joint]->drive().state();
   }
@@ -83,6 +87,12 @@ class Master final : public hal::JointDrives {
   [[nodiscard]] std::optional<hal::DriveIdentity> do_identity(std::size_t joint) const override {
     if (!nodes_[joint]->is_started()) return std::nullopt;
     return identities_[joint];
+  }
+  [[nodiscard]] std::optional<hal::DeviceObject> do_gap(std::size_t joint,
+                                                        std::size_t number) const override {
+    const auto& gaps = reports_[joint].gaps;
+    if (!nodes_[joint]->is_started() || number >= gaps.size()) return std::nullopt;
+    return gaps[number];
   }
   Result<void> do_write(const JointVector& targets, hal::Instant now) override;
   Result<void> do_enable() override;
@@ -104,13 +114,19 @@ class Master final : public hal::JointDrives {
   void step_setup();
   void step_requests(DriveNode& drive);
   void finish_setup(DriveNode& drive);
-  void fail_setup(DriveNode& drive, Error error, std::uint32_t code);
+  void fail_setup(DriveNode& drive, const cia402::SetupRefusal& refusal);
+  void take_setup_answer(DriveNode& drive, const SdoOutcome& outcome);
+  void wait_for_boot_up(DriveNode& drive);
+  // What a drive shows as its mode once it is enabled.
+  void step_mode_inquiry();
+  void take_mode(DriveNode& drive, const SdoOutcome& outcome);
 
   CheckedConfiguration configuration_;
   hal::CanBus* bus_;
   FrameSink* other_frames_;
   FixedVector<std::optional<DriveNode>, kMaxJoints> nodes_;
   std::array<hal::DriveIdentity, kMaxJoints> identities_{};  // of those that were set up
+  std::array<cia402::SetupReport, kMaxJoints> reports_;
   std::array<bool, kMaxOtherNodes> other_needs_start_{};
   JointVector positions_;
   cia402::Group group_;
@@ -123,10 +139,11 @@ class Master final : public hal::JointDrives {
   std::optional<hal::Instant> inquiring_since_;
   // Set-up of one drive at a time.
   std::optional<std::size_t> setup_joint_;
-  cia402::Setup setup_;
-  std::size_t setup_step_ = 0;
-  cia402::DriveFactors factors_;
+  cia402::SetupRun setup_;
   std::optional<SdoTransfer> transfer_;
+  // The mode of a drive that shows it in Operation enabled only.
+  std::optional<std::size_t> mode_joint_;
+  std::optional<SdoTransfer> mode_inquiry_;
   MasterCounters counters_;
 };
 

@@ -22,6 +22,7 @@ void Master::take_answer(const DriveNode& drive, const hal::CanFrame& frame) {
   if (transfer_ && setup_joint_ && nodes_[*setup_joint_]->node() == drive.node()) {
     transfer_->take(frame);
   }
+  if (mode_inquiry_ && nodes_[*mode_joint_]->node() == drive.node()) mode_inquiry_->take(frame);
 }
 
 bool Master::step_inquiries() {
@@ -57,7 +58,7 @@ void Master::step_setup() {
   for (auto& node : nodes_) {
     if (node->state().phase == Phase::kBooting &&
         now_ - node->state().phase_since > configuration_->boot_timeout) {
-      fail_setup(*node, Error::kDriveAbsent, 0);
+      wait_for_boot_up(*node);
     }
   }
   if (setup_joint_ && nodes_[*setup_joint_]->state().phase != Phase::kConfiguring) {
@@ -67,68 +68,100 @@ void Master::step_setup() {
   for (std::size_t joint = 0; joint < nodes_.size() && !setup_joint_; ++joint) {
     if (nodes_[joint]->state().phase != Phase::kBooted) continue;
     setup_joint_ = joint;
-    setup_ = drive_setup(configuration_, joint);
-    setup_step_ = 0;
+    setup_.begin(drive_setup(configuration_, joint), configuration_->axes[joint]);
     identities_[joint] = identity_of(configuration_->axes[joint]);
-    factors_ = {};
     transfer_.reset();
     nodes_[joint]->enter(Phase::kConfiguring, now_);
   }
   if (setup_joint_) step_requests(*nodes_[*setup_joint_]);
 }
 
+// Some drives tell that they booted after a reset of the whole node alone. It is without torque, or
+// stands, as before the first reset.
+void Master::wait_for_boot_up(DriveNode& drive) {
+  if (!drive.may_be_wholly_reset()) {
+    fail_setup(drive, {.error = Error::kDriveAbsent, .code = 0, .object = {}});
+  } else if (send(nmt_frame(NmtCommand::kResetNode, drive.node()))) {
+    drive.wait_for_whole_reset(now_);
+  }
+}
+
 void Master::step_requests(DriveNode& drive) {
   if (drive.drive().state().fault) {  // does not stay up
-    fail_setup(drive, *drive.drive().state().fault, 0);
+    fail_setup(drive, {.error = *drive.drive().state().fault, .code = 0, .object = {}});
     return;
   }
   if (transfer_ && transfer_->outcome()) {
-    const cia402::SetupStep& step = setup_[setup_step_];
-    const auto error = cia402::judge(step, *transfer_->outcome());
-    const bool may_wait = step.rule == cia402::SetupRule::kWaitsEqual &&
-                          error == Error::kSdoUnexpectedValue &&
-                          now_ - drive.state().phase_since <= configuration_->boot_timeout;
-    if (error && !may_wait) {
-      const SdoOutcome& outcome = *transfer_->outcome();
-      fail_setup(drive, *error, outcome ? *outcome : outcome.error().abort_code);
-      return;
-    }
-    if (!error) {
-      take_identity(step.request, *transfer_->outcome(), identities_[*setup_joint_]);
-      cia402::take_factor(step.request, *transfer_->outcome(), factors_);
-      ++setup_step_;
-    }
-    transfer_.reset();
+    take_setup_answer(drive, SdoOutcome(*transfer_->outcome()));
+    if (drive.state().phase != Phase::kConfiguring) return;
   }
-  if (setup_step_ == setup_.size()) {
+  const auto next = setup_.request();
+  if (!next) {
     finish_setup(drive);
     return;
   }
   if (!transfer_) {
-    transfer_.emplace(drive.node(), setup_[setup_step_].request, configuration_->sdo_timeout,
+    transfer_.emplace(drive.node(), *next, configuration_->sdo_timeout,
                       configuration_->sdo_attempts);
   }
   // A request that the bus does not take is as good as lost: it is repeated after the time-out.
   if (const auto request = transfer_->poll(now_)) (void)send(*request);
 }
 
-void Master::finish_setup(DriveNode& drive) {
-  const auto object =
-      cia402::contradicting_object(factors_, configuration_->axes[*setup_joint_].scaling);
-  if (object) {
-    fail_setup(drive, Error::kScaleInvalid, *object);
-  } else if (send(nmt_frame(NmtCommand::kStart, drive.node()))) {
-    drive.enter(Phase::kStarted, now_);
-    setup_joint_.reset();
-  }
+void Master::take_setup_answer(DriveNode& drive, const SdoOutcome& outcome) {
+  take_identity(*setup_.request(), outcome, identities_[*setup_joint_]);
+  transfer_.reset();
+  if (const auto refusal = setup_.take(outcome)) fail_setup(drive, *refusal);
 }
 
-void Master::fail_setup(DriveNode& drive, Error error, std::uint32_t code) {
-  drive.drive().latch(error, code);
+void Master::finish_setup(DriveNode& drive) {
+  if (!send(nmt_frame(NmtCommand::kStart, drive.node()))) return;
+  reports_[*setup_joint_] = setup_.report();
+  drive.enter_started(setup_.report(), now_);
+  setup_joint_.reset();
+}
+
+void Master::fail_setup(DriveNode& drive, const cia402::SetupRefusal& refusal) {
+  drive.drive().latch(refusal.error, refusal.code, refusal.object);
   drive.enter(Phase::kFailed, now_);
   if (setup_joint_ && &*nodes_[*setup_joint_] == &drive) {
     setup_joint_.reset();
     transfer_.reset();
+  }
+}
+
+void Master::step_mode_inquiry() {
+  for (std::size_t joint = 0; joint < nodes_.size() && !mode_joint_; ++joint) {
+    if (nodes_[joint]->drive().awaits_mode()) mode_joint_ = joint;
+  }
+  if (!mode_joint_) return;
+  DriveNode& drive = *nodes_[*mode_joint_];
+  if (mode_inquiry_ && mode_inquiry_->outcome()) {
+    take_mode(drive, SdoOutcome(*mode_inquiry_->outcome()));
+    mode_inquiry_.reset();
+  }
+  if (!drive.drive().awaits_mode()) {
+    mode_joint_.reset();
+    mode_inquiry_.reset();
+    return;
+  }
+  if (!mode_inquiry_) {
+    mode_inquiry_.emplace(drive.node(), SdoRequest{.index = cia402::kModeDisplay},
+                          configuration_->sdo_timeout, 1U);
+  }
+  if (const auto request = mode_inquiry_->poll(now_)) (void)send(*request);
+}
+
+void Master::take_mode(DriveNode& drive, const SdoOutcome& outcome) {
+  constexpr std::uint32_t kMode = 0xFF;
+  if (outcome && (*outcome & kMode) == cia402::kModeCsp) {
+    drive.drive().show_mode();
+  } else if (now_ - drive.drive().state().progress_at > configuration_->transition_timeout) {
+    hal::DeviceObject object{
+        .index = cia402::kModeDisplay, .subindex = 0, .found = {}, .wanted = cia402::kModeCsp};
+    if (outcome) object.found = *outcome;
+    drive.drive().latch(outcome ? Error::kSdoUnexpectedValue : outcome.error().error,
+                        outcome ? *outcome : outcome.error().abort_code, object);
   }
 }
 

@@ -80,6 +80,11 @@ template <std::unsigned_integral T>
 
 [[nodiscard]] constexpr hal::CanFrame sync_frame() { return {.id = kSyncId}; }
 
+// Asks a guarded node whether it is there (CiA 301, 7.2.8.3.2.1).
+[[nodiscard]] constexpr hal::CanFrame guard_frame(NodeId node) {
+  return {.id = kHeartbeatId + node, .remote = true, .length = 1};
+}
+
 [[nodiscard]] constexpr hal::CanFrame heartbeat_frame(NodeId node, NmtState state) {
   return {.id = kHeartbeatId + node, .length = 1, .data = {static_cast<std::uint8_t>(state)}};
 }

@@ -27,11 +27,13 @@ constexpr hal::Duration kLongestRelease = std::chrono::milliseconds(200);
 hal::DriveStatus Drive::status() const {
   hal::DriveStatus status{.fault = s_.fault,
                           .fault_code = s_.fault_code,
+                          .fault_object = s_.fault_object,
                           .words = {},
                           .status_word = s_.status_word,
                           .limit_active = (s_.status_word & kStatusInternalLimit) != 0,
                           .warning = (s_.status_word & kStatusWarning) != 0,
                           .has_torque = has_torque(s_.state),
+                          .has_position = s_.heard,
                           .information = 0};
   using enum hal::DriveCondition;
   if (s_.fault) {
@@ -76,6 +78,7 @@ void Drive::hear(std::uint16_t status_word, std::int32_t counts, hal::Instant at
 
 void Drive::forget() {
   s_.heard = false;
+  s_.hides_mode = false;
   s_.state = State::kNotReadyToSwitchOn;
   s_.leaving = false;
   s_.stands = true;
@@ -88,10 +91,11 @@ void Drive::set_goal(Goal goal, hal::Instant now) {
   s_.arrived = false;
 }
 
-void Drive::latch(Error error, std::uint32_t code) {
+void Drive::latch(Error error, std::uint32_t code, const hal::DeviceObject& object) {
   if (s_.fault || s_.leaving) return;
   s_.fault = error;
   s_.fault_code = code;
+  s_.fault_object = object;
   s_.resetting = false;
 }
 
@@ -104,6 +108,7 @@ void Drive::reset(hal::Instant now) {
   s_.reset_bit = false;
   s_.fault.reset();
   s_.fault_code = 0;
+  s_.fault_object = {};
   s_.progress_at = now;
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "hal/cia402/settings.hpp"
 #include "hal/cia402/state_machine.hpp"
+#include "hal/device_object.hpp"
 #include "hal/joint_drives.hpp"
 
 namespace armsig::cia402 {
@@ -22,8 +23,10 @@ inline constexpr std::size_t kStatusRules = 5;
 struct DriveState {
   std::optional<Error> fault;
   std::uint32_t fault_code = 0;
+  hal::DeviceObject fault_object;
   // As the last cycle told.
-  bool heard = false;  // since the transport has started it
+  bool heard = false;       // since the transport has started it
+  bool hides_mode = false;  // its mode (6061h) is still to be read, in Operation enabled
   State state = State::kNotReadyToSwitchOn;
   std::uint16_t status_word = 0;
   std::int32_t actual_counts = 0;
@@ -74,9 +77,14 @@ class Drive {
 
   void set_goal(Goal goal, hal::Instant now);
   // Keeps the first fault.
-  void latch(Error error, std::uint32_t code = 0);
+  void latch(Error error, std::uint32_t code = 0, const hal::DeviceObject& object = {});
   // The drive's own reason for the kDriveFault that was latched, told after it.
   void explain(std::uint32_t code);
+  // Its mode is to be seen once it is enabled, before it counts as arrived; it has been seen.
+  void hide_mode() { s_.hides_mode = true; }
+  void show_mode() { s_.hides_mode = false; }
+  // In Operation enabled, and its mode is still to be seen.
+  [[nodiscard]] bool awaits_mode() const { return s_.hides_mode && is_enabled(); }
   // Forgets the fault; a drive in Fault is reset by the following controlwords.
   void reset(hal::Instant now);
   // Its settings are in doubt: it is to be set up anew as soon as its torque is gone. `rebooted`:

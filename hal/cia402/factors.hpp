@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The factor group of CiA 402-2: what a drive says of its own counts, against what is configured.
+// The factor group of CiA 402-2, and what older drives have instead: what a drive says of its own
+// counts and units, against what is configured.
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 
 #include "hal/cia402/scaling.hpp"
 #include "hal/cia402/setup.hpp"
+#include "hal/device_object.hpp"
 
 namespace armsig::cia402 {
 
@@ -22,9 +24,12 @@ struct Factor {
 
 // As far as the drive has them.
 struct DriveFactors {
-  Factor encoder;  // 608Fh: increments a motor revolution
-  Factor gear;     // 6091h: motor revolutions a revolution of the output
-  Factor feed;     // 6092h: position units a revolution of the output
+  Factor encoder;                       // 608Fh: increments a motor revolution
+  Factor gear;                          // 6091h: motor revolutions a revolution of the output
+  Factor feed;                          // 6092h: position units a revolution of the output
+  Factor position;                      // 6093h, of the profile's second edition: increments a unit
+  std::uint32_t position_unit = 0;      // 60A8h; 0: not told
+  std::uint32_t acceleration_unit = 0;  // 60AAh
 };
 
 void append_factor_requests(Setup& setup);
@@ -32,10 +37,17 @@ void append_factor_requests(Setup& setup);
 void take_factor(const ObjectRequest& request, const ObjectOutcome& outcome, DriveFactors& factors);
 
 // The object by which positions (6064h) count otherwise than `scaling` says; empty: they agree, or
-// the drive does not tell. Positions are in units of feed / gear a motor revolution where the drive
-// has a feed (CiA 402-2, position factor group), else in increments of the encoder; a gear other
-// than 1:1 is that of the joint.
-[[nodiscard]] std::optional<std::uint16_t> contradicting_object(
+// the drive does not tell. Where 60A8h says increments, they are the encoder's, whatever the feed
+// says. Else positions are in units of feed / gear a motor revolution where the drive has a feed
+// (CiA 402-2, position factor group), else in the unit of 60A8h where that is an angle, else in
+// increments of the encoder over 6093h. A gear other than 1:1 is that of the joint.
+[[nodiscard]] std::optional<hal::DeviceObject> contradicting_object(
     const DriveFactors& factors, const ScalingConfiguration& scaling);
+
+// What object 6085h is to be for `deceleration` (rad/s^2 or m/s^2) in the unit of 60AAh: counts,
+// revolutions of the motor, or revolutions a minute, each a second (squared). Counts where the
+// drive does not tell. Errors: kScaleInvalid (another unit), kPositionOverflow.
+[[nodiscard]] Result<std::uint32_t> stop_ramp(const DriveFactors& factors, double deceleration,
+                                              const ScalingConfiguration& scaling);
 
 }  // namespace armsig::cia402

@@ -38,4 +38,22 @@ inline constexpr std::uint16_t kStatusWord = 0x6041;
 inline constexpr std::uint16_t kActualPosition = 0x6064;
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
 
+// What a set-up is about, besides.
+inline constexpr std::uint16_t kDeviceType = 0x1000;  // of CiA 301: the number of the profile
+inline constexpr std::uint16_t kGuardTime = 0x100C;   // of CiA 301: node guarding
+inline constexpr std::uint16_t kLifeFactor = 0x100D;
+inline constexpr std::uint16_t kHeartbeatProducer = 0x1017;
+inline constexpr std::uint16_t kHeartbeatConsumer = 0x1016;    // of CiA 301, sub-index 1
+inline constexpr std::uint16_t kReceivePdoParameter = 0x1400;  // sub-index 5: its time-out
+inline constexpr std::uint16_t kAbortConnectionOption = 0x6007;
+inline constexpr std::uint16_t kQuickStopOption = 0x605A;
+inline constexpr std::uint16_t kShutdownOption = 0x605B;
+inline constexpr std::uint16_t kDisableOperationOption = 0x605C;
+inline constexpr std::uint16_t kFaultReactionOption = 0x605E;
+inline constexpr std::uint16_t kModeOfOperation = 0x6060;
+inline constexpr std::uint16_t kModeDisplay = 0x6061;
+inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
+inline constexpr std::uint16_t kSupportedModes = 0x6502;
+inline constexpr std::uint32_t kModeCsp = 8;  // of 6060h: cyclic synchronous position
+
 }  // namespace armsig::cia402

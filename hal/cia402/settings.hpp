@@ -16,8 +16,10 @@ struct DriveSettings {
   JointLimits limits;           // of the targets, radians or metres
   double largest_speed = 0;     // of the targets, rad/s or m/s
   double following_window = 0;  // object 6065h, radians or metres; 0 keeps the drive's own
-  // Object 6085h, rad/s^2 or m/s^2, taken as counts/s^2 by the drive; 0 keeps its own.
+  // Object 6085h, rad/s^2 or m/s^2, told in the drive's own unit; 0 keeps its own.
   double stop_deceleration = 0;
+  // It is known, and seen to otherwise, that the drive keeps its torque when its master is gone.
+  bool unsupervised_known = false;
 };
 
 // How long an enabled drive may say these of itself before it counts as faulted.

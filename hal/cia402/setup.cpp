@@ -6,31 +6,30 @@
 namespace armsig::cia402 {
 namespace {
 
-constexpr std::uint16_t kDeviceType = 0x1000;  // of CiA 301: the number of the profile
-constexpr std::uint16_t kAbortConnectionOption = 0x6007;
-constexpr std::uint16_t kQuickStopOption = 0x605A;
-constexpr std::uint16_t kShutdownOption = 0x605B;
-constexpr std::uint16_t kDisableOperationOption = 0x605C;
-constexpr std::uint16_t kFaultReactionOption = 0x605E;
-constexpr std::uint16_t kModeOfOperation = 0x6060;
-constexpr std::uint16_t kModeDisplay = 0x6061;
 constexpr std::uint16_t kFollowingWindow = 0x6065;
 constexpr std::uint16_t kPolarity = 0x607E;
-constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
 constexpr std::uint16_t kPositionOffset = 0x60B0;
 constexpr std::uint16_t kInterpolationPeriod = 0x60C2;
-constexpr std::uint16_t kSupportedModes = 0x6502;
 
 // Values of those objects.
 constexpr std::uint32_t kProfileMask = 0xFFFF;
 constexpr std::uint32_t kProfile402 = 402;
 constexpr std::uint32_t kSupportsCsp = 1U << 7;
-constexpr std::uint32_t kModeCsp = 8;
 constexpr std::uint32_t kAbortConnectionQuickStop = 3;
 constexpr std::uint32_t kQuickStopRampAndStay = 6;
 constexpr std::uint32_t kRampThenDisable = 1;
 constexpr std::uint32_t kQuickStopRampThenFault = 2;
 constexpr std::uint32_t kPositionReversed = 0x80;
+
+// What is as safe as those: a stop that ends at rest. 605Ah: any ramp, whether the drive stays or
+// goes to Switch on disabled after it. 605Ch is commanded at standstill alone, 605Bh never under
+// torque. 605Eh: both ramps.
+constexpr std::uint32_t kAnyRamp = 0b1'1110'1110;
+constexpr std::uint32_t kOffOrRamp = 0b11;
+constexpr std::uint32_t kFaultRamps = 0b110;
+
+constexpr std::uint32_t kept_bits(std::uint8_t bytes) { return 0xFFFFFFFFU >> (8U * (4U - bytes)); }
+
 }  // namespace
 
 void write(Setup& setup, std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes,
@@ -43,48 +42,68 @@ void expect(Setup& setup, std::uint16_t index, SetupRule rule, std::uint32_t mas
   setup.push_back({{index, 0, 0, 0}, rule, mask, expected});
 }
 
+void prefer(Setup& setup, const ObjectRequest& request, std::uint32_t safe, SetupRule rule) {
+  setup.push_back({request, rule, safe, 0});
+}
+
 void append_profile_check(Setup& setup) {
   expect(setup, kDeviceType, SetupRule::kMustEqual, kProfileMask, kProfile402);
-  expect(setup, kSupportedModes, SetupRule::kMustEqual, kSupportsCsp, kSupportsCsp);
+  expect(setup, kSupportedModes, SetupRule::kEqualIfPresent, kSupportsCsp, kSupportsCsp);
+  expect(setup, kPolarity, SetupRule::kEqualIfPresent, kPositionReversed, 0);
 }
 
 void append_motion_settings(Setup& setup, const DriveSettings& settings, const Scaling& scaling,
                             hal::Duration period) {
   const InterpolationPeriod interpolation = *interpolation_period(period);
-  write(setup, kInterpolationPeriod, 1, 1, interpolation.value);
-  write(setup, kInterpolationPeriod, 2, 1, static_cast<std::uint8_t>(interpolation.exponent));
-  write(setup, kAbortConnectionOption, 0, 2, kAbortConnectionQuickStop, SetupRule::kIfPresent);
-  write(setup, kQuickStopOption, 0, 2, kQuickStopRampAndStay, SetupRule::kIfPresent);
-  write(setup, kShutdownOption, 0, 2, kRampThenDisable, SetupRule::kIfPresent);
-  write(setup, kDisableOperationOption, 0, 2, kRampThenDisable, SetupRule::kIfPresent);
-  write(setup, kFaultReactionOption, 0, 2, kQuickStopRampThenFault, SetupRule::kIfPresent);
+  prefer(setup, {kInterpolationPeriod, 1, 1, interpolation.value}, 0);
+  prefer(setup, {kInterpolationPeriod, 2, 1, static_cast<std::uint8_t>(interpolation.exponent)}, 0);
+  prefer(setup, {kAbortConnectionOption, 0, 2, kAbortConnectionQuickStop}, kAnyValue);
+  prefer(setup, {kQuickStopOption, 0, 2, kQuickStopRampAndStay}, kAnyRamp);
+  prefer(setup, {kShutdownOption, 0, 2, kRampThenDisable}, kAnyValue);
+  prefer(setup, {kDisableOperationOption, 0, 2, kRampThenDisable}, kOffOrRamp);
+  prefer(setup, {kFaultReactionOption, 0, 2, kQuickStopRampThenFault}, kFaultRamps);
   if (settings.stop_deceleration > 0) {
-    write(setup, kQuickStopDeceleration, 0, 4,
-          *scaling.distance_counts(settings.stop_deceleration));
+    write(setup, kQuickStopDeceleration, 0, 4, *scaling.distance_counts(settings.stop_deceleration),
+          SetupRule::kSetting);
   }
-  expect(setup, kPolarity, SetupRule::kEqualIfPresent, kPositionReversed, 0);
-  write(setup, kPositionOffset, 0, 4, 0, SetupRule::kIfPresent);
-  expect(setup, kPositionOffset, SetupRule::kEqualIfPresent, 0xFFFFFFFF, 0);
+  prefer(setup, {kPositionOffset, 0, 4, 0}, 0);
   if (settings.following_window > 0) {
-    write(setup, kFollowingWindow, 0, 4, *scaling.distance_counts(settings.following_window));
+    write(setup, kFollowingWindow, 0, 4, *scaling.distance_counts(settings.following_window),
+          SetupRule::kSetting);
   }
   write(setup, kModeOfOperation, 0, 1, kModeCsp);
-  expect(setup, kModeDisplay, SetupRule::kWaitsEqual, 0xFF, kModeCsp);
+  expect(setup, kModeDisplay, SetupRule::kTold, 0xFF, kModeCsp);
+}
+
+bool is_absent(const ObjectOutcome& outcome) {
+  if (outcome || outcome.error().error != Error::kSdoAborted) return false;
+  const std::uint32_t code = outcome.error().abort_code;
+  return code == kAbortNoObject || code == kAbortNoSubindex;
+}
+
+bool is_wanted(const SetupStep& step, std::uint32_t value) {
+  const std::uint32_t kept = kept_bits(step.request.bytes);
+  return (value & kept) == (step.request.value & kept);
+}
+
+bool is_safe(const SetupStep& step, std::uint32_t value) {
+  const std::uint32_t kept = value & kept_bits(step.request.bytes);
+  return step.mask == kAnyValue || (kept < 32 && (step.mask >> kept & 1U) != 0);
 }
 
 std::optional<Error> judge(const SetupStep& step, const ObjectOutcome& outcome) {
   if (!outcome) {
-    const std::uint32_t code = outcome.error().abort_code;
-    const bool absent = outcome.error().error == Error::kSdoAborted &&
-                        (code == kAbortNoObject || code == kAbortNoSubindex);
     const bool optional =
         step.rule == SetupRule::kIfPresent || step.rule == SetupRule::kEqualIfPresent;
-    if (absent && optional) return std::nullopt;
+    if (optional && is_absent(outcome)) return std::nullopt;
     return outcome.error().error;
   }
-  const bool reads = step.rule != SetupRule::kMust && step.rule != SetupRule::kIfPresent;
-  if (!reads || (*outcome & step.mask) == step.expected) return std::nullopt;
-  return step.rule == SetupRule::kMustEqual ? Error::kDriveWrongType : Error::kSdoUnexpectedValue;
+  const bool compared =
+      step.rule == SetupRule::kMustEqual || step.rule == SetupRule::kEqualIfPresent;
+  if (!compared || (*outcome & step.mask) == step.expected) return std::nullopt;
+  const std::uint16_t index = step.request.index;
+  const bool of_type = index == kDeviceType || index == kSupportedModes;
+  return of_type ? Error::kDriveWrongType : Error::kSdoUnexpectedValue;
 }
 
 std::optional<InterpolationPeriod> interpolation_period(hal::Duration period) {

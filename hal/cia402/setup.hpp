@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The objects of CiA 402 that are checked and written while a drive is set up, in order.
+// The objects of CiA 402 that are checked and written while a drive is set up, in order, and by
+// which rule each.
 #pragma once
 
 #include <cstddef>
@@ -14,23 +15,31 @@ namespace armsig::cia402 {
 
 // What the answer to a request of the set-up must be.
 enum class SetupRule : std::uint8_t {
-  kMust,            // any abort ends the set-up
-  kIfPresent,       // an object that the device lacks is passed over
+  kMust,            // writes: any abort ends the set-up
+  kIfPresent,       // reads or writes: an object that the device lacks is passed over
+  kSetting,         // written unless it reads as wanted already; any abort ends the set-up
+  kOption,          // as SetupStep::mask says
+  kInstead,         // as kOption, but only while nothing else makes the device watch its master
   kMustEqual,       // reads: the value under the mask must be `expected`
-  kWaitsEqual,      // reads: as kMustEqual, but the device is given some time to get
-                    // there
   kEqualIfPresent,  // reads: the value must be `expected`, unless the device
                     // lacks the object
+  kTold,            // reads: any value will do now
 };
 
 struct SetupStep {
   ObjectRequest request;
   SetupRule rule = SetupRule::kMust;
+  // Of an option: bit v says that the value v is as safe as the one wanted. An option is read,
+  // written where it holds another value than the one wanted, and read again. It passes where it
+  // then holds that or a safe one, and where the device lacks it. Else of what is read.
   std::uint32_t mask = 0;
   std::uint32_t expected = 0;
 };
 
-inline constexpr std::size_t kMaxSetupSteps = 56;
+// An option that may hold anything.
+inline constexpr std::uint32_t kAnyValue = 0xFFFFFFFF;
+
+inline constexpr std::size_t kMaxSetupSteps = 58;
 using Setup = FixedVector<SetupStep, kMaxSetupSteps>;
 
 // One more step: writes an object, or reads one and holds it against `expected`.
@@ -38,18 +47,32 @@ void write(Setup& setup, std::uint16_t index, std::uint8_t subindex, std::uint8_
            std::uint32_t value, SetupRule rule = SetupRule::kMust);
 void expect(Setup& setup, std::uint16_t index, SetupRule rule, std::uint32_t mask,
             std::uint32_t expected);
+// An option; `safe` as SetupStep::mask.
+void prefer(Setup& setup, const ObjectRequest& request, std::uint32_t safe,
+            SetupRule rule = SetupRule::kOption);
 
-// The device is a drive of CiA 402 that knows cyclic synchronous positions.
+// The device is a drive of CiA 402 that knows cyclic synchronous positions, if it tells its modes.
+// Polarity (607Eh) must be none, as the sense of a joint is ours to turn.
 void append_profile_check(Setup& setup);
-// Interpolation period, stop behaviour, window, mode. Polarity (607Eh) must be none, as the sense
-// of a joint is ours to turn; a position offset (60B0h) is zeroed, and read to be zero.
+// Interpolation period, stop behaviour, window, mode; a position offset (60B0h) must be zero. The
+// quick stop ramp is in counts until the drive has told its unit (SetupRun).
 // Preconditions: interpolation_period(period); the distances of `settings` fit into counts.
 void append_motion_settings(Setup& setup, const DriveSettings& settings, const Scaling& scaling,
                             hal::Duration period);
 
-// The error that `outcome` of `step` means; empty if the set-up may go on.
+// Of the steps that are no option, setting or told: the error that `outcome` of `step` means;
+// empty if the set-up may go on.
 // Errors: kSdoTimeout, kSdoAborted, kDriveWrongType, kSdoUnexpectedValue.
 [[nodiscard]] std::optional<Error> judge(const SetupStep& step, const ObjectOutcome& outcome);
+
+// Whether the device lacks the object that it was asked for.
+[[nodiscard]] bool is_absent(const ObjectOutcome& outcome);
+// Whether an option or setting is wanted to hold `value`, or else is as safe with it.
+[[nodiscard]] bool is_wanted(const SetupStep& step, std::uint32_t value);
+[[nodiscard]] bool is_safe(const SetupStep& step, std::uint32_t value);
+[[nodiscard]] constexpr bool is_option(SetupRule rule) {
+  return rule == SetupRule::kOption || rule == SetupRule::kInstead;
+}
 
 // The interpolation period as object 60C2h wants it: value times 10^exponent seconds.
 struct InterpolationPeriod {

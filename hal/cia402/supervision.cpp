@@ -69,7 +69,7 @@ void Drive::check_state(const GroupSettings& settings, hal::Instant now) {
   if (reached(s_.goal, s_.state)) {
     // A drive whose brake is still opening does not follow yet.
     const bool follows = (s_.status_word & kStatusFollowsTarget) != 0;
-    s_.arrived = s_.arrived || s_.goal != Goal::kEnabled || follows;
+    s_.arrived = s_.arrived || s_.goal != Goal::kEnabled || (follows && !s_.hides_mode);
   } else if (s_.arrived && s_.goal == Goal::kEnabled) {
     latch(Error::kDriveDroppedOut);
   } else if (now - s_.progress_at > settings.transition_timeout) {

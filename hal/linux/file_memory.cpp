@@ -47,8 +47,11 @@ Result<void> write_erased(int file, std::size_t address, std::size_t count) {
   return {};
 }
 
+// A signal says nothing of the device.
 Result<void> sync(int file) {
-  if (::fdatasync(file) != 0) return last_error();
+  while (::fdatasync(file) != 0) {
+    if (errno != EINTR) return last_error();
+  }
   return {};
 }
 
@@ -82,8 +85,8 @@ Result<void> sync_folder_of(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
   const FileDescriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!directory.valid() || ::fsync(directory.get()) != 0) return last_error();
-  return {};
+  if (!directory.valid()) return last_error();
+  return sync(directory.get());
 }
 
 Result<void> fill(int file, const Groups& groups) {
@@ -137,6 +140,15 @@ Result<FileMemory> FileMemory::open(const std::string& path, const hal::MemoryLa
   return memory;
 }
 
+FileMemory::FileMemory(FileDescriptor file, std::string path, const hal::MemoryLayout& layout,
+                       const FileSpread& spread)
+    : file_(std::move(file)), path_(std::move(path)), layout_(layout), spread_(spread) {
+  // By the descriptor: the path may be another file's by now.
+  std::array<char, 32> itself{};
+  (void)std::snprintf(itself.data(), itself.size(), "/proc/self/fd/%d", file_.get());
+  past_cache_ = FileDescriptor(::open(itself.data(), O_RDONLY | O_DIRECT | O_CLOEXEC));
+}
+
 Result<void> FileMemory::check_place() const {
   struct stat open{};
   struct stat named{};
@@ -153,16 +165,37 @@ Result<void> FileMemory::reach_device() const {
   return check_place();
 }
 
+// By whole pages of the cache, which suit every device.
+Result<void> FileMemory::read_device(std::size_t place, std::span<std::uint8_t> into) const {
+  alignas(kCachePageBytes) std::array<std::uint8_t, kCachePageBytes> page;
+  while (!into.empty()) {
+    const std::size_t within = place % kCachePageBytes;
+    const std::size_t portion = std::min(into.size(), kCachePageBytes - within);
+    const ssize_t count = ::pread(past_cache_.valid() ? past_cache_.get() : file_.get(),
+                                  page.data(), page.size(), static_cast<off_t>(place - within));
+    if (count < 0 && errno == EINTR) continue;
+    // The last page of the file may be short.
+    if (count < 0 || static_cast<std::size_t>(count) < within + portion) {
+      return std::unexpected(Error::kStorageFault);
+    }
+    std::ranges::copy(std::span(page).subspan(within, portion), into.begin());
+    into = into.subspan(portion);
+    place += portion;
+  }
+  return {};
+}
+
 Result<void> FileMemory::do_read(std::size_t address, std::span<std::uint8_t> into) {
+  if (!past_cache_.valid()) {
+    if (auto synced = sync(file_.get()); !synced) return std::unexpected(Error::kStorageFault);
+    (void)::posix_fadvise(file_.get(), 0, 0, POSIX_FADV_DONTNEED);
+  }
   const Groups groups(layout_, spread_);
   while (!into.empty()) {
     const std::size_t portion = std::min(into.size(), groups.bytes - address % groups.bytes);
-    const ssize_t count =
-        ::pread(file_.get(), into.data(), portion, static_cast<off_t>(groups.place(address)));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return std::unexpected(Error::kStorageFault);
-    into = into.subspan(static_cast<std::size_t>(count));
-    address += static_cast<std::size_t>(count);
+    if (auto read = read_device(groups.place(address), into.first(portion)); !read) return read;
+    into = into.subspan(portion);
+    address += portion;
   }
   return {};
 }

@@ -23,6 +23,12 @@ struct FileSpread {
 // whole file is allocated when it is made, so that a full disk is met then and not while a
 // signature is stored. A change is refused when the file is not at its path any more, for nobody
 // would find it there after a restart.
+//
+// What is read is what is on the device: after a write that failed the kernel's cache may hold what
+// the device does not, and says so to nobody (Rebello et al., Can Applications Recover from fsync
+// Failures?, USENIX ATC 2020). So reading goes past the cache (O_DIRECT), which first writes what
+// the cache still owes, or fails; where the file system has no such way, the cache is made to
+// forget what it says it has written.
 class FileMemory final : public hal::NonvolatileMemory {
  public:
   // Opens the file at `path`, or makes it, erased, if there is none; a file is never half made, and
@@ -37,10 +43,10 @@ class FileMemory final : public hal::NonvolatileMemory {
 
  private:
   FileMemory(FileDescriptor file, std::string path, const hal::MemoryLayout& layout,
-             const FileSpread& spread)
-      : file_(std::move(file)), path_(std::move(path)), layout_(layout), spread_(spread) {}
+             const FileSpread& spread);
 
   [[nodiscard]] Result<void> reach_device() const;
+  [[nodiscard]] Result<void> read_device(std::size_t place, std::span<std::uint8_t> into) const;
   // Errors: kStorageReplaced.
   [[nodiscard]] Result<void> check_place() const;
 
@@ -50,6 +56,7 @@ class FileMemory final : public hal::NonvolatileMemory {
   Result<void> do_program_page(std::size_t address, std::span<const std::uint8_t> page) override;
 
   FileDescriptor file_;
+  FileDescriptor past_cache_;  // the same file for reading; none where the file system can't
   std::string path_;
   hal::MemoryLayout layout_;
   FileSpread spread_;

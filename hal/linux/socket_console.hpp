@@ -16,8 +16,8 @@ namespace armsig::linux_hal {
 // Owner and group may connect (0660). Clients are served in turns, a line each; one that does not
 // take its replies is disconnected when its buffer is full; one that has said its last line is
 // disconnected when each of its lines has its reply. Where every place is taken, a new client gets
-// that of the one least missed, which is told so: nobody is kept from `stop` by consoles left open.
-// Everything is allocated in open().
+// that of the one least missed, which is told so: nobody is kept from stopping an arm by consoles
+// left open. Everything is allocated in open().
 class SocketConsole final : public hal::Console {
  public:
   static constexpr std::size_t kMaxClients = 8;

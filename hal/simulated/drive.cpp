@@ -13,6 +13,7 @@ using cia402::State;
 
 constexpr std::uint16_t kEmergencyHeartbeat = 0x8130;
 constexpr std::uint16_t kEmergencyPdoLength = 0x8210;
+constexpr std::uint16_t kEmergencyCommands = 0x8250;
 constexpr std::uint16_t kEmergencyFollowing = 0x8611;
 constexpr std::uint16_t kEmergencySync = 0x8700;
 
@@ -35,7 +36,8 @@ DriveConfiguration honest_slide_drive(std::uint8_t node, double counts_per_metre
 Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Instant now)
     : configuration_(configuration),
       bus_(&bus),
-      dictionary_(configuration.node, configuration.serial, configuration.encoder_counts),
+      dictionary_(configuration.node, configuration.serial, configuration.encoder_counts,
+                  configuration.edits),
       motion_(configuration.motion, now),
       now_(now),
       boot_at_(now + configuration.boot_time),
@@ -81,7 +83,11 @@ void Drive::reset(bool whole_device) {
   pending_pdo_.reset();
   answer_at_.reset();
   master_heard_.reset();
+  commanded_at_.reset();
+  guarded_at_.reset();
+  guard_toggle_ = false;
   sync_at_.reset();
+  tells_boot_up_ = whole_device || !configuration_.boots_quietly;
   // Without settings nobody can command the motor, so the torque goes; but a fault outlives a reset
   // of the communication.
   if (whole_device || power_.state() != State::kFault) power_.power_up(motion_);
@@ -92,6 +98,7 @@ void Drive::enter(NmtState state) {
   if (state == nmt_) return;
   nmt_ = state;
   sync_at_.reset();
+  commanded_at_.reset();
   next_heartbeat_ = now_;
   // Without PDOs nobody commands the drive (abort connection, object 6007h).
   if (state != NmtState::kOperational && power_.state() == State::kOperationEnabled) {
@@ -123,7 +130,7 @@ void Drive::do_advance(hal::Instant until) {
     if (power_.state() == State::kNotReadyToSwitchOn) power_.power_up(motion_);
     nmt_ = NmtState::kPreOperational;
     next_heartbeat_ = until;
-    send(canopen::heartbeat_frame(configuration_.node, NmtState::kBootUp));
+    if (tells_boot_up_) send(canopen::heartbeat_frame(configuration_.node, NmtState::kBootUp));
   }
   if (settings_.heartbeat > hal::Duration::zero() && until >= next_heartbeat_) {
     next_heartbeat_ = until + settings_.heartbeat;
@@ -134,18 +141,34 @@ void Drive::do_advance(hal::Instant until) {
   supervise();
 }
 
+// By option of object 6007h.
+void Drive::miss_master(std::uint16_t code) {
+  constexpr std::uint32_t kNothing = 0;
+  constexpr std::uint32_t kQuickStop = 3;
+  const std::uint32_t option = dictionary_.get(0x6007);
+  const bool enabled = power_.state() == State::kOperationEnabled;
+  if (enabled && option != kNothing && option != kQuickStop) {
+    fail(code);
+    return;
+  }
+  send_emergency(code);
+  if (enabled && option == kQuickStop) power_.quick_stop(settings_.stops, motion_);
+}
+
 void Drive::supervise() {
   if (master_heard_ && now_ - *master_heard_ > settings_.master_timeout) {
     master_heard_.reset();
-    constexpr std::uint32_t kQuickStop = 3;  // option of object 6007h
-    if (dictionary_.get(0x6007) == kQuickStop && power_.state() == State::kOperationEnabled) {
-      send_emergency(kEmergencyHeartbeat);
-      power_.quick_stop(settings_.stops, motion_);
-    } else if (power_.state() == State::kOperationEnabled) {
-      fail(kEmergencyHeartbeat);
-    } else {
-      send_emergency(kEmergencyHeartbeat);
-    }
+    miss_master(kEmergencyHeartbeat);
+  }
+  const bool is_guarded = settings_.life_time > hal::Duration::zero();
+  if (is_guarded && guarded_at_ && now_ - *guarded_at_ > settings_.life_time) {
+    guarded_at_.reset();
+    miss_master(kEmergencyHeartbeat);
+  }
+  const bool watches_commands = settings_.command_timeout > hal::Duration::zero();
+  if (watches_commands && commanded_at_ && now_ - *commanded_at_ > settings_.command_timeout) {
+    commanded_at_.reset();
+    miss_master(kEmergencyCommands);
   }
   const bool watched = configuration_.sync_loss_periods > 0 && sync_at_ &&
                        power_.state() == State::kOperationEnabled;
@@ -173,6 +196,10 @@ void Drive::publish() {
   const std::int32_t counts = motion_.counts() + jump_;
   dictionary_.set(0x6064, 0, static_cast<std::uint32_t>(counts));
   dictionary_.set(0x6041, 0, status_word());
+  if (configuration_.shows_mode_late) {
+    const bool enabled = power_.state() == State::kOperationEnabled;
+    dictionary_.set(0x6061, 0, enabled ? dictionary_.get(0x6060) : 0);
+  }
 }
 
 std::uint16_t Drive::status_word() const {
@@ -189,6 +216,9 @@ std::uint16_t Drive::status_word() const {
 void Drive::do_take(const hal::ReceivedCanFrame& received) {
   const hal::CanFrame& frame = received.frame;
   const bool hears = fault_ != DriveFault::kSilent && nmt_ != NmtState::kBootUp;
+  if (hears && frame.remote && frame.id == canopen::kHeartbeatId + configuration_.node) {
+    take_guarding();
+  }
   if (frame.extended || frame.remote || !hears) return;
   const std::uint32_t function = frame.id & canopen::kFunctionMask;
   const auto node = static_cast<std::uint8_t>(frame.id & canopen::kNodeMask);
@@ -206,6 +236,16 @@ void Drive::do_take(const hal::ReceivedCanFrame& received) {
     if (const auto answer = dictionary_.serve(frame)) send(*answer);
     read_settings();
   }
+}
+
+// Node guarding: the state, and a bit that alternates. Not beside a heartbeat.
+void Drive::take_guarding() {
+  if (settings_.heartbeat > hal::Duration::zero()) return;
+  guarded_at_ = now_;
+  hal::CanFrame answer = canopen::heartbeat_frame(configuration_.node, nmt_);
+  if (guard_toggle_) answer.data[0] |= 0x80U;
+  guard_toggle_ = !guard_toggle_;
+  if (fault_ != DriveFault::kHeartbeatLost) send(answer);
 }
 
 void Drive::take_nmt(const hal::CanFrame& frame) {
@@ -261,6 +301,7 @@ void Drive::take_receive_pdo(const hal::CanFrame& frame) {
     return;
   }
   pending_pdo_ = frame;
+  commanded_at_ = now_;
   if (!settings_.receives_on_sync) apply_receive_pdo();
 }
 

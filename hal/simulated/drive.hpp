@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "hal/canopen/protocol.hpp"
 #include "hal/simulated/can_device.hpp"
@@ -29,6 +30,11 @@ struct DriveConfiguration {
   hal::Duration answer_delay{};  // from SYNC to TPDO1, at least
   // Most that a TPDO1 comes later than that: anew at every SYNC, the same for the same node.
   hal::Duration answer_jitter{};
+  // Objects that it has otherwise than the emulated drive; to outlive the drive.
+  std::span<const ObjectEdit> edits{};
+  double ramp_unit = 1;          // counts/s^2 in a unit of 6085h
+  bool shows_mode_late = false;  // 6061h follows 6060h in Operation enabled only
+  bool boots_quietly = false;    // no boot-up message after a reset of the communication
 };
 
 // A drive as they are: honest_motion(), bit 10, an answer 200 us to 400 us after SYNC.
@@ -97,7 +103,9 @@ class Drive final : public CanDevice {
     bool transmits_on_sync = false;
     std::uint8_t master = 0;  // 1016h:01
     hal::Duration master_timeout{};
-    hal::Duration heartbeat{};  // 1017h
+    hal::Duration command_timeout{};  // 1400h:05
+    hal::Duration life_time{};        // 100Ch times 100Dh
+    hal::Duration heartbeat{};        // 1017h
     StopObjects stops;
     std::uint32_t following_window = 0;
     hal::Duration following_timeout{};
@@ -127,6 +135,8 @@ class Drive final : public CanDevice {
   void apply_receive_pdo();
   void take_masters_heartbeat(std::uint8_t node);
   void supervise();
+  void miss_master(std::uint16_t code);
+  void take_guarding();
   void supervise_following();
   void publish();
   [[nodiscard]] bool operational() const { return nmt_ == canopen::NmtState::kOperational; }
@@ -140,8 +150,12 @@ class Drive final : public CanDevice {
   canopen::NmtState nmt_ = canopen::NmtState::kBootUp;
   hal::Instant now_;
   hal::Instant boot_at_;
+  bool tells_boot_up_ = true;
   hal::Instant next_heartbeat_;
   std::optional<hal::Instant> master_heard_;
+  std::optional<hal::Instant> commanded_at_;
+  std::optional<hal::Instant> guarded_at_;
+  bool guard_toggle_ = false;
   std::optional<hal::Instant> sync_at_;
   std::optional<hal::Instant> error_since_;  // following error beyond its window
   std::optional<hal::CanFrame> pending_pdo_;

@@ -44,13 +44,34 @@ void DriveDictionary::restore() {
   add_identity();
   add_pdos();
   add_profile();
+  for (const ObjectEdit& differs : edits_) edit(differs.object);
   std::ranges::sort(objects_, std::ranges::less{}, &Object::key);
+}
+
+void DriveDictionary::edit(const Object& object) {
+  bool found = false;
+  for (Object& known : objects_) {
+    const bool whole = object.subindex == ObjectEdit::kWhole;
+    if (known.index != object.index || (!whole && known.subindex != object.subindex)) continue;
+    found = true;
+    known.access = object.access;
+    known.value = object.value;
+    if (object.bytes != 0) known.bytes = object.bytes;
+  }
+  if (!found && object.access != Access::kAbsent) objects_.push_back(object);
+}
+
+bool DriveDictionary::is_in_range(const Object& object, std::uint32_t value) const {
+  return std::ranges::all_of(edits_, [&](const ObjectEdit& edit) {
+    return edit.object.key() != object.key() || (value >= edit.lowest && value <= edit.highest);
+  });
 }
 
 void DriveDictionary::add_identity() {
   using enum Access;
   add(0x1000, 0, 4, kReadOnly, 0x00020192);  // servo drive, profile 402
   add(0x1001, 0, 1, kReadOnly, 0);           // error register
+  add(0x1006, 0, 4, kReadWrite, 0);          // communication cycle period, us
   add(0x1016, 0, 1, kReadOnly, 1);
   add(0x1016, 1, 4, kReadWrite, 0);  // heartbeat consumer
   add(0x1017, 0, 2, kReadWrite, 0);  // heartbeat producer
@@ -143,17 +164,19 @@ void DriveDictionary::set(std::uint16_t index, std::uint8_t subindex, std::uint3
 }
 
 AbortCode DriveDictionary::absent(std::uint16_t index) const {
-  return find(index, 0) == nullptr ? kNoSuchObject : kNoSuchSubindex;
+  const Object* object = find(index, 0);
+  return object == nullptr || object->access == Access::kAbsent ? kNoSuchObject : kNoSuchSubindex;
 }
 
 AbortCode DriveDictionary::write(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes,
                                  std::uint32_t value) {
   Object* object = find(index, subindex);
-  if (object == nullptr) return absent(index);
+  if (object == nullptr || object->access == Access::kAbsent) return absent(index);
   if (object->access == Access::kReadOnly || object->access == Access::kMapsOut) {
     return kReadOnlyObject;
   }
   if (bytes != object->bytes) return kWrongLength;
+  if (!is_in_range(*object, value)) return kInvalidValue;
   if (is_pdo_mapping(index)) {
     if (const AbortCode abort = check_mapping(*object, value)) return abort;
   }
@@ -163,7 +186,7 @@ AbortCode DriveDictionary::write(std::uint16_t index, std::uint8_t subindex, std
     return kInvalidValue;
   }
   if (index == 0x6060) {
-    if (value != 8) return kInvalidValue;
+    if (value != 8 || (get(0x6502) >> (value - 1) & 1U) == 0) return kInvalidValue;
     set(0x6061, 0, value);
   }
   object->value = value;
@@ -202,7 +225,7 @@ std::optional<hal::CanFrame> DriveDictionary::serve(const hal::CanFrame& request
   AbortCode abort = 0;
   if (request.data[0] == 0x40) {
     const Object* object = find(index, subindex);
-    if (object != nullptr) {
+    if (object != nullptr && object->access != Access::kAbsent) {
       answer.data[0] = static_cast<std::uint8_t>(0x43U | ((4U - object->bytes) << 2));
       store(answer, 4, object->value);
     } else {

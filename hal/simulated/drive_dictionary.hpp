@@ -6,14 +6,15 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
+#include <span>
 
 #include "core/base/fixed_vector.hpp"
 #include "hal/can_bus.hpp"
 
 namespace armsig::simulated {
 
-// Whether the object may be written, and mapped into a PDO.
-enum class Access : std::uint8_t { kReadOnly, kReadWrite, kMapsOut, kMapsIn };
+// Whether the object may be written, and mapped into a PDO; kAbsent: nobody outside sees it.
+enum class Access : std::uint8_t { kReadOnly, kReadWrite, kMapsOut, kMapsIn, kAbsent };
 
 struct Object {
   std::uint16_t index = 0;
@@ -27,24 +28,41 @@ struct Object {
   }
 };
 
+// Where a drive differs from the one that is emulated: an object that it has besides, has
+// otherwise, or lacks.
+struct ObjectEdit {
+  // In place of a sub-index: all that there are.
+  static constexpr std::uint8_t kWhole = 0xFF;
+
+  Object object;
+  // What may be written, unsigned.
+  std::uint32_t lowest = 0;
+  std::uint32_t highest = 0xFFFFFFFF;
+};
+
 // An SDO abort code (CiA 301, 7.2.4.3.17), 0 for none.
 using AbortCode = std::uint32_t;
 
 class DriveDictionary {
  public:
-  static constexpr std::size_t kMaxObjects = 72;
+  static constexpr std::size_t kMaxObjects = 112;
   static constexpr std::size_t kMaxEntries = 2;  // of a PDO mapping
 
-  // `encoder_counts` a motor revolution, told by the factor group; 0: the drive has none.
-  DriveDictionary(std::uint8_t node, std::uint32_t serial, std::uint32_t encoder_counts = 0)
-      : node_(node), serial_(serial), encoder_counts_(encoder_counts) {
+  // `encoder_counts` a motor revolution, told by the factor group; 0: the drive has none. `edits`
+  // must outlive it.
+  DriveDictionary(std::uint8_t node, std::uint32_t serial, std::uint32_t encoder_counts = 0,
+                  std::span<const ObjectEdit> edits = {})
+      : node_(node), serial_(serial), encoder_counts_(encoder_counts), edits_(edits) {
     restore();
   }
 
   // Power-up values of the communication objects (1000h to 1FFFh) and of the profile's.
   void restore();
 
-  // By number, for the device itself: the object must exist.
+  // By number, for the device itself: the object must exist, but may be kAbsent.
+  [[nodiscard]] bool has(std::uint16_t index, std::uint8_t subindex) const {
+    return find(index, subindex) != nullptr;
+  }
   [[nodiscard]] std::uint32_t get(std::uint16_t index, std::uint8_t subindex = 0) const;
   void set(std::uint16_t index, std::uint8_t subindex, std::uint32_t value);
 
@@ -59,6 +77,8 @@ class DriveDictionary {
  private:
   void add(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes, Access access,
            std::uint32_t value);
+  void edit(const Object& object);
+  [[nodiscard]] bool is_in_range(const Object& object, std::uint32_t value) const;
   void add_identity();
   void add_pdos();
   void add_profile();
@@ -74,6 +94,7 @@ class DriveDictionary {
   std::uint8_t node_;
   std::uint32_t serial_;
   std::uint32_t encoder_counts_;
+  std::span<const ObjectEdit> edits_;
   FixedVector<Object, kMaxObjects> objects_;  // by rising key
 };
 

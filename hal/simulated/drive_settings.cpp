@@ -8,7 +8,7 @@ void Drive::restore_dictionary() {
   dictionary_.restore();
   const auto ramp = static_cast<std::uint32_t>(configuration_.motion.stop_deceleration);
   dictionary_.set(0x6084, 0, ramp);
-  dictionary_.set(0x6085, 0, ramp);
+  dictionary_.set(0x6085, 0, static_cast<std::uint32_t>(ramp / configuration_.ramp_unit));
   if (set_) dictionary_.set(set_->index, set_->subindex, set_->value);
   read_settings();
 }
@@ -21,6 +21,12 @@ void Drive::read_settings() {
     return type > 0 && type <= kLastSynchronousType;
   };
   const std::uint32_t consumer = dictionary_.get(0x1016, 1);
+  // Few drives have these.
+  const auto value = [&](std::uint16_t index, std::uint8_t subindex) {
+    return dictionary_.has(index, subindex) ? dictionary_.get(index, subindex) : 0;
+  };
+  const std::uint32_t command_timeout = value(0x1400, 5);
+  const std::uint32_t life_ms = value(0x100C, 0) * value(0x100D, 0);
   hal::Duration unit = std::chrono::seconds(1);
   for (auto exponent = static_cast<std::int8_t>(dictionary_.get(0x60C2, 2)); exponent < 0;
        ++exponent) {
@@ -32,13 +38,15 @@ void Drive::read_settings() {
                .transmits_on_sync = on_sync(0x1800),
                .master = static_cast<std::uint8_t>((consumer >> 16) & 0x7F),
                .master_timeout = milliseconds(consumer & 0xFFFF),
+               .command_timeout = milliseconds(command_timeout),
+               .life_time = milliseconds(life_ms),
                .heartbeat = milliseconds(dictionary_.get(0x1017)),
                .stops = {.quick_stop = static_cast<std::uint16_t>(dictionary_.get(0x605A)),
                          .shutdown = static_cast<std::uint16_t>(dictionary_.get(0x605B)),
                          .disable_operation = static_cast<std::uint16_t>(dictionary_.get(0x605C)),
                          .fault_reaction = static_cast<std::uint16_t>(dictionary_.get(0x605E)),
                          .deceleration = static_cast<double>(dictionary_.get(0x6084)),
-                         .quick_deceleration = static_cast<double>(dictionary_.get(0x6085))},
+                         .quick_deceleration = configuration_.ramp_unit * dictionary_.get(0x6085)},
                .following_window = dictionary_.get(0x6065),
                .following_timeout = milliseconds(dictionary_.get(0x6066)),
                .period = unit * dictionary_.get(0x60C2, 1),

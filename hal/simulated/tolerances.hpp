@@ -8,8 +8,8 @@
 
 namespace armsig::simulated {
 
-// 1 sigma of each Denavit-Hartenberg parameter about its nominal; the defaults are those of
-// "Figures to expect" in ALGORITHMS.
+// 1 sigma of each Denavit-Hartenberg parameter about its nominal one; the defaults are those of
+// docs/model.md, section 12.
 struct Tolerances {
   double alpha_rad = radians(0.1);
   double theta_rad = radians(0.2);

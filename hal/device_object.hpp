@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// One object of a device's dictionary, where what it holds is in the way of something.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace armsig::hal {
+
+struct DeviceObject {
+  std::uint16_t index = 0;  // 0: no object is
+  std::uint8_t subindex = 0;
+  std::optional<std::uint32_t> found;  // empty: the device did not tell, or has no such object
+  std::optional<std::uint32_t> wanted;
+
+  friend bool operator==(const DeviceObject&, const DeviceObject&) = default;
+};
+
+}  // namespace armsig::hal
