@@ -50,7 +50,7 @@ static_assert(kBitsPerSecond == r5f::CanController::kBitsPerSecond);
   static hal::SerialConsole console(uart);
   static r5f::CanController bus(kCan0, clock, forced_can_state());
   static r5f::BankMemory memory(bank, lost_power());
-  static canopen::RangeSensor sensor(sensor_configuration());
+  [[gnu::section(".bss.near")]] static canopen::RangeSensor sensor(sensor_configuration());
   controller::Controller& controller =
       controller_of(master(bus, sensor), sensor, clock, memory, console);
   hal::Watchdog& dog = watchdog();

@@ -20,7 +20,7 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
       custody_(configuration.drawing, memory),
       check_(configuration, mover_, measurement_, announcer_, link, custody_, checks),
       commit_(configuration, custody_, identification_, mover_, link),
-      resting_place_(configuration.drawing, memory, custody_.sectors()),
+      references_(configuration, memory, custody_.sectors()),
       desk_(announcer_, {.configuration = configuration,
                          .clock = clock,
                          .link = link,
@@ -31,6 +31,7 @@ Background::Background(const Configuration& configuration, hal::RangeSensor& sen
                          .check = check_,
                          .custody = custody_,
                          .commit = commit_,
+                         .references = references_,
                          .longest_step = longest_step_}) {}
 
 bool Background::step() {
@@ -44,9 +45,8 @@ bool Background::step() {
   check_.step();
   grid_.step();
   if (const auto committed = commit_.step()) desk_.stored(*committed);
-  resting_place_.step(mover_.now());
-  desk_.step();
-  check_.look_at_schedule(desk_.is_busy());
+  if (!references_.step(mover_.now(), announcer_)) desk_.step();
+  check_.look_at_schedule(desk_.is_busy() || references_.unreferenced() != 0);
   longest_step_ = std::max(longest_step_, clock_.now() - began);
   return measurement_.is_computing() || identification_.is_computing() || desk_.is_computing();
 }
@@ -55,6 +55,7 @@ void Background::tell_changes() {
   const Snapshot& snapshot = mover_.now();
   const std::uint32_t code = snapshot.fault ? snapshot.fault->code : 0;
   if (snapshot.mode == told_mode_ && code == told_code_) return;
+  const bool set_up = told_mode_ == Mode::kStarting;
   told_mode_ = snapshot.mode;
   told_code_ = code;
   Line line;
@@ -62,18 +63,37 @@ void Background::tell_changes() {
   if (snapshot.fault) {
     line.reason(snapshot.fault->error);
     if (snapshot.fault->joint) line.text(" joint=").integer(*snapshot.fault->joint + 1);
+    line.device_object(snapshot.fault->object);
     line.device_says(snapshot.fault->code, snapshot.fault->words);
   }
   announcer_.say(line);
-  if (snapshot.mode == Mode::kIdle) look_at_machine();
+  if (snapshot.mode != Mode::kIdle) return;
+  if (set_up) tell_gaps();
+  look_at_machine(set_up);
+}
+
+// What drives go without.
+void Background::tell_gaps() {
+  for (const DriveGap& gap : link_.gaps.read()) {
+    Line line;
+    line.text("# drive goes_without joint=").integer(gap.joint + 1).device_object(gap.object);
+    announcer_.say(line);
+  }
+  if (mover_.now().unsupervised == 0) return;
+  Line line;
+  line.text("# drive unsupervised joints=").numbers(mover_.now().unsupervised);
+  announcer_.say(line.reason(Error::kDriveUnsupervised));
 }
 
 // The drives have told who they are, and where.
-void Background::look_at_machine() {
+void Background::look_at_machine(bool set_up) {
   const Machine& machine = link_.machine.read();
-  if (machine.drives.size() == configuration_.drawing.joints.size()) custody_.compare(machine);
+  if (machine.drives.size() == configuration_.drawing.joints.size()) {
+    custody_.compare(machine);
+    identification_.compare_conditions(machine, custody_.in_use());
+  }
   custody_.tell_trouble(announcer_);
-  resting_place_.compare(mover_.now().positions, announcer_);
+  if (set_up) references_.compare(mover_.now(), machine, custody_.in_use(), announcer_);
 }
 
 }  // namespace armsig::controller

@@ -14,7 +14,7 @@
 #include "firmware/controller/identification_sequence.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
-#include "firmware/controller/resting_place.hpp"
+#include "firmware/controller/references.hpp"
 #include "hal/clock.hpp"
 
 namespace armsig::controller {
@@ -34,12 +34,17 @@ class Background {
   [[nodiscard]] const IdentificationSequence& identification() const { return identification_; }
   [[nodiscard]] const GridSequence& grid() const { return grid_; }
   [[nodiscard]] const CheckSequence& check() const { return check_; }
+  // Bit per joint that is unreferenced.
+  [[nodiscard]] std::uint8_t unreferenced() const { return references_.unreferenced(); }
+  // At the end: keeps where `drives` are, if none has torque.
+  void finish(const hal::JointDrives& drives) { references_.finish(drives); }
   // The signature servoed with; empty: the drawing.
   [[nodiscard]] const std::optional<SignatureRecord>& active() const { return custody_.active(); }
 
  private:
   void tell_changes();
-  void look_at_machine();
+  void look_at_machine(bool set_up);
+  void tell_gaps();
 
   const Configuration& configuration_;
   hal::Clock& clock_;
@@ -52,8 +57,8 @@ class Background {
   Custody custody_;
   CheckSequence check_;
   Commit commit_;
-  RestingPlace resting_place_;
-  hal::Duration longest_step_{};
+  References references_;
+  hal::Duration longest_step_ = -hal::Duration(1);  // none is over yet
   Desk desk_;
   Mode told_mode_ = Mode::kStarting;
   std::uint32_t told_code_ = 0;  // of the fault told

@@ -6,15 +6,13 @@
 #include <numbers>
 #include <span>
 
+#include "core/drift/check_drift.hpp"
+#include "core/drift/course.hpp"
 #include "core/numerics/quantiles.hpp"
-#include "firmware/drift/check_drift.hpp"
-#include "firmware/drift/course.hpp"
 
 namespace armsig::controller {
 namespace {
 
-// A sound check is beyond this once in some 100,000 even where sigma is told a tenth too small.
-constexpr double kSigmas = 5;
 // The residuals of the first check are compared with those that the signature was accepted with,
 // at poses that are not the same: the RMS of 16 poses over that of 8 exceeds this by chance less
 // than once in 1,000, were all three components of a pose to err together (Fisher's law).
@@ -106,7 +104,8 @@ Result<CheckVerdict> CheckHistory::against_reference(MeasuredCheck& less) {
   const auto n = static_cast<double>(less.poses.size());
   const bool learning = state_.learnt < kCheckBaseline;
   const double told_m = learning ? sigma_m * std::sqrt(1 + 1.0 / state_.learnt) : sigma_m;
-  const double limit = numerics::chi_square_quantile(3 * n, kSigmas);
+  // A sound check is beyond it once in some 100,000 even where sigma is told a tenth too small.
+  const double limit = numerics::chi_square_quantile(3 * n, numerics::kFiveSigma);
   const bool beyond = squares_of(less) / (told_m * told_m) > limit;
   if (beyond && learning) return what_changed(less, told_m, CheckVerdict::kStepped);
   if (learning) return CheckVerdict::kAsAccepted;

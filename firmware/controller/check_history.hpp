@@ -4,7 +4,7 @@
 //
 // The first checks that agree with the signature are the reference: what a signature leaves at
 // every pose is the same each time and hides no change. From then on a large change is seen at
-// once, by all poses of one check; a small one by the sum over many (firmware/drift/cusum.hpp).
+// once, by all poses of one check; a small one by the sum over many (core/drift/cusum.hpp).
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 #include <string_view>
 
 #include "core/base/fixed_vector.hpp"
-#include "firmware/drift/cusum.hpp"
-#include "firmware/drift/reference.hpp"
+#include "core/drift/cusum.hpp"
+#include "core/drift/reference.hpp"
 
 namespace armsig::controller {
 

@@ -115,7 +115,7 @@ void CheckSequence::finish() {
   tell_residuals();
   const std::size_t poses = checked_.poses.size();
   const auto report =
-      history_.take(checked_, custody_.active() ? custody_.active()->held_out_rms_m : 0);
+      history_.take(checked_, custody_.active() ? validation_rms_m(*custody_.active()) : 0);
   if (!report) {
     tell_failure(report.error(), {});
     return;
@@ -186,6 +186,7 @@ void CheckSequence::postpone() {
 [[gnu::noinline]] void CheckSequence::tell(const CheckReport& report, std::size_t poses) const {
   Line line;
   line.text("# check verdict=\"").text(describe(report.verdict)).text("\"");
+  if (custody_.active()) line.text(" signature=").integer(custody_.active()->sequence);
   line.text(" dx_mm=").number(1e3 * report.mean_m.x(), 4);
   line.text(" dy_mm=").number(1e3 * report.mean_m.y(), 4);
   line.text(" dz_mm=").number(1e3 * report.mean_m.z(), 4);

@@ -18,18 +18,17 @@ Commit::Commit(const Configuration& configuration, Custody& custody,
 void Commit::make_model_in_use(Model& model) const {
   const auto& active = custody_.active();
   if (active) {
-    make_model(active->signature, active->deflections, configuration_.drawing, model);
+    make_model(*active, configuration_.drawing, model);
   } else {
     make_model(configuration_.drawing, model);
   }
 }
 
-Result<void> Commit::begin_accept(std::int64_t now_s) {
+Result<void> Commit::begin_accept() {
   if (!identification_.has_verdict()) return std::unexpected(Error::kNoCandidate);
   if (!identification_.report().is_better()) return std::unexpected(Error::kCandidateNoBetter);
   if (!custody_.fits()) return std::unexpected(Error::kAddressOutOfRange);
   if (!custody_.machine()) return std::unexpected(Error::kDrivesNotReady);
-  identification_.stamp(now_s, *custody_.machine());
   custody_.begin_write(*identification_.candidate());
   stage_ = Stage::kWriting;
   asked_for_ = accepts_ = true;
@@ -70,7 +69,11 @@ void Commit::write() {
   written_ = done ? Result<void>() : std::unexpected(done.error());
   custody_.load();
   if (written_ && custody_.trouble()) written_ = std::unexpected(*custody_.trouble());
-  if (written_ && accepts_) identification_.forget_candidate();
+  if (written_ && accepts_) {
+    identification_.forget_candidate();
+  } else if (custody_.machine()) {
+    identification_.compare_conditions(*custody_.machine(), custody_.in_use());
+  }
   adopt();
 }
 

@@ -17,10 +17,10 @@ class Commit {
   Commit(const Configuration& configuration, Custody& custody,
          IdentificationSequence& identification, Mover& mover, Link& link);
 
-  // The candidate becomes the active signature, identified at `now_s` of the calendar.
+  // The candidate becomes the active signature, of the machine that it was measured on.
   // Errors: kNoCandidate, kCandidateNoBetter, kAddressOutOfRange (the memory is too small),
   // kDrivesNotReady (the machine is not known). Precondition: not is_running().
-  Result<void> begin_accept(std::int64_t now_s);
+  Result<void> begin_accept();
   // The signature before becomes active, or the drawing. Errors as SignatureStore::begin_rollback.
   // Precondition: not is_running().
   Result<void> begin_rollback();

@@ -168,7 +168,9 @@ Checked check_sweeps(const Configuration& c) {
   if (auto ok = check_readings("sweeps.configuration", plan.configuration, c.drawing); !ok) {
     return ok;
   }
-  if (auto ok = check_plausible("sweeps.arc", plan.arc_rad, plausible::kArc); !ok) return ok;
+  for (std::size_t i = 0; i < c.drawing.joints.size(); ++i) {
+    if (auto ok = check_plausible("sweeps.arc", arc_of(plan, i), plausible::kArc); !ok) return ok;
+  }
   if (auto ok = check_count("sweeps.points", plan.points, 6, plan.most_points); !ok) return ok;
   const std::size_t logged = (kMostLogged - kMostHeldOut) / c.drawing.joints.size();
   const std::size_t most = std::min(kMostSweepPoints, logged);

@@ -12,6 +12,7 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
+#include "core/clearance/clearance.hpp"
 #include "core/evaluation/grid.hpp"
 #include "core/measurement/ranges.hpp"
 #include "core/measurement/receivers.hpp"
@@ -56,8 +57,11 @@ struct Dwell {
 };
 
 struct SweepPlan {
-  JointVector configuration;     // the signature configuration
-  double arc_rad = kPi / 2;      // of revolute joints, as far as the limits allow
+  JointVector configuration;  // the signature configuration
+  double arc_rad = kPi / 2;   // of revolute joints, as far as the limits allow
+  JointVector arcs_rad;       // the same of each joint; empty: arc_rad
+  // What limits and surroundings leave of each joint's sweep (limit_sweeps()); empty: the limits.
+  FixedVector<JointLimits, kMaxJoints> free;
   std::size_t points = 24;       // over that arc, or over a prismatic joint's whole stroke
   std::size_t most_points = 48;  // to which a sweep that is not accurate enough is extended
   // 1 sigma of the axis, at which a sweep is long enough.
@@ -67,6 +71,11 @@ struct SweepPlan {
   double held_out_reach = 0.5;     // part of each joint's limits that they spread over
   int target = 1;                  // number of the target on the hand, which all sweeps follow
 };
+
+// How far revolute joint `joint` is swept by plan.
+[[nodiscard]] inline double arc_of(const SweepPlan& plan, std::size_t joint) {
+  return plan.arcs_rad.empty() ? plan.arc_rad : plan.arcs_rad[joint];
+}
 
 // The grid-touching task; empty readings: none is set up.
 struct GridTask {
@@ -82,25 +91,11 @@ struct CheckPlan {
   hal::Duration every{};   // by schedule, counted from the last check or from power-up; zero: never
 };
 
-// A box in frame 0 of the drawing that the arm stays in where the controller itself chooses the
-// way: the origins of its link frames, and the hand.
-struct WorkspaceBox {
-  Vector3 lower = Vector3::Zero();
-  Vector3 upper = Vector3::Zero();
-  double hand_m = 0;  // how far the hand reaches, target and tool included, beyond the last origin
+// What a joint's encoder knows at power-up.
+enum class Reference : std::uint8_t {
+  kAbsolute,  // where the joint is
+  kNone,      // nothing: it counts from there on
 };
-
-// The R5F has no memory to keep to a box: there can be none, and nothing that would look at one is
-// in its image.
-#ifdef ARMSIG_NO_REFINEMENT
-struct MayBeWorkspace {
-  constexpr explicit operator bool() const { return false; }
-  const WorkspaceBox& operator*() const;  // neither is ever called
-  const WorkspaceBox* operator->() const;
-};
-#else
-using MayBeWorkspace = std::optional<WorkspaceBox>;
-#endif
 
 struct Configuration {
   // With limits for every joint, which its motor keeps as well. Where joints are coupled, every
@@ -108,6 +103,7 @@ struct Configuration {
   Arm drawing;
   hal::Duration period = std::chrono::milliseconds(2);
   JointVector resolution;  // worth of a count of each joint, rad or m; empty: not known
+  FixedVector<Reference, kMaxJoints> references;  // of each joint; empty: absolute
   MotionLimits limits;
   Supervision supervision;
   Sensor sensor;
@@ -115,7 +111,8 @@ struct Configuration {
   SweepPlan sweeps;
   GridTask grid;
   CheckPlan check;
-  MayBeWorkspace workspace;  // none: the joint limits alone hold
+  // What the whole arm stays clear of. The R5F has no memory to look at it (workspace.hpp).
+  clearance::Surroundings around;
 };
 
 struct ConfigurationRefusal {
@@ -125,14 +122,19 @@ struct ConfigurationRefusal {
   double found = 0;
   double needed = 0;
   std::string_view reason = {};  // why that is needed; may be empty
+  clearance::Room room = {};     // kOutsideWorkspace: what is too near to what
 };
+
+// Works out what limits and surroundings leave of each joint's sweep about the signature
+// configuration. To be called before check(), where the surroundings are not empty.
+void limit_sweeps(Configuration& configuration);
 
 // Errors: kTooFewAxes, kNotFinite, kCapacityExceeded, kLimitsReversed, kLimitsImplausible,
 // kNotPositive, kJointLimit (a reading outside its limits), kPeriodInvalid, kOutOfRange (a count,
 // or a value that is not plausible, with the reason of plausibility.hpp), kToleranceTooFine (below
-// a count), kOutsideWorkspace (signature configuration or a sweep), kCoincidentPoints (corners of
-// the grid taught at one place, or in a line), kUnsupported (a coupling that leads back), and those
-// of measurement::check().
+// a count), kOutsideWorkspace (signature configuration, a sweep or the grid), kCoincidentPoints
+// (corners of the grid taught at one place, or in a line), kUnsupported (a coupling that leads
+// back), and those of measurement::check().
 [[nodiscard]] std::expected<void, ConfigurationRefusal> check(const Configuration& configuration);
 
 }  // namespace armsig::controller

@@ -25,8 +25,8 @@ Checked check_count(std::string_view setting, std::size_t count, std::size_t lea
 
 Checked check_readings(std::string_view setting, const JointVector& q, const Arm& arm);
 
-// The signature configuration, from which all poses are come to, and the sweeps as planned: within
-// the workspace box, if there is one.
+// The signature configuration, from which all poses are come to, and the sweeps as planned: clear
+// of what is around the arm.
 Checked check_workspace(const Configuration& c);
 
 // The grid-touching task, if one is set up.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where a configuration lets the arm be: in its workspace box, and at the corners of a grid.
+// Where a configuration lets the arm be: clear of what is around it, and at the corners of a grid.
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -11,17 +12,63 @@
 namespace armsig::controller {
 namespace {
 
-Checked check_box(const WorkspaceBox& box) {
+Checked check_box(const clearance::Surroundings& around) {
+  if (!around.has_box()) return {};
   constexpr std::array<std::string_view, 3> kSides{"workspace.x", "workspace.y", "workspace.z"};
   for (std::size_t axis = 0; axis < kSides.size(); ++axis) {
-    const double lower = box.lower[static_cast<Eigen::Index>(axis)];
-    const double upper = box.upper[static_cast<Eigen::Index>(axis)];
+    const double lower = around.lower_B[static_cast<Eigen::Index>(axis)];
+    const double upper = around.upper_B[static_cast<Eigen::Index>(axis)];
     for (const double side : {lower, upper}) {
       if (auto ok = check_plausible(kSides[axis], side, plausible::kWorkspace); !ok) return ok;
     }
     if (!(lower < upper)) return refused(kSides[axis], Error::kLimitsReversed, {}, lower, upper);
   }
-  return check_plausible("workspace.hand", box.hand_m, plausible::kHand);
+  return {};
+}
+
+Checked too_near(const Configuration& c, std::string_view setting, const clearance::Room& room,
+                 std::string_view reason) {
+  return std::unexpected(ConfigurationRefusal{.setting = setting,
+                                              .error = Error::kOutsideWorkspace,
+                                              .joint = moving_joint(c, room),
+                                              .found = room.left_m,
+                                              .needed = kLeastRoom_m,
+                                              .reason = reason,
+                                              .room = room});
+}
+
+// The planned sweep of a joint: clear, and of an arc that says something of its axis.
+Checked check_sweep(const Configuration& c, std::size_t joint) {
+  const JointVector& home = c.sweeps.configuration;
+  const JointLimits arc = planned_arc(c, joint);
+  for (const double end : {arc.lower, arc.upper}) {
+    JointVector to = home;
+    to[joint] = end;
+    WayLook look;
+    const auto says = look.whole(c.drawing.joints, c.around, home, to);
+    if (says == WayLook::Says::kClear) continue;
+    return std::unexpected(ConfigurationRefusal{
+        .setting = "workspace",
+        .error = Error::kOutsideWorkspace,
+        .joint = joint,
+        .found = end,
+        .needed = home[joint] + look.part() * (end - home[joint]),
+        .reason = "about how far its sweep may go: a larger box, or a shorter arc",
+        .room = look.room()});
+  }
+  // Less says too little of an axis, unless it is what was asked for.
+  constexpr double kLeastArc_rad = radians(30);
+  const double least = std::min(kLeastArc_rad, arc_of(c.sweeps, joint));
+  const bool turns = c.drawing.joints[joint].type == JointType::kRevolute;
+  if (!turns || arc.upper - arc.lower > least * (1 - 1e-9)) return {};
+  return std::unexpected(ConfigurationRefusal{
+      .setting = "sweeps.configuration",
+      .error = Error::kOutsideWorkspace,
+      .joint = joint,
+      .found = arc.upper - arc.lower,
+      .needed = least,
+      .reason = "arc that what is around the arm leaves of its sweep: sweep_at elsewhere, or a "
+                "larger box"});
 }
 
 // Three corners at different places, not in a line, make a workspace. Where the tool is out of the
@@ -58,36 +105,16 @@ Checked check_taught(const Configuration& c) {
 }  // namespace
 
 Checked check_workspace(const Configuration& c) {
-  if (!c.workspace) return {};
-  if (auto ok = check_box(*c.workspace); !ok) return ok;
-  const JointVector& home = c.sweeps.configuration;
-  const Room room = room_at(c, home);
+  if (auto ok = check_box(c.around); !ok) return ok;
+  if (auto ok = check_plausible("workspace.hand", c.around.hand_m, plausible::kHand); !ok)
+    return ok;
+  if (!kMayBound || c.around.are_empty()) return {};
+  const clearance::Room room = room_at(c, c.sweeps.configuration);
   if (room.left_m < kLeastRoom_m) {
-    return std::unexpected(
-        ConfigurationRefusal{.setting = "workspace",
-                             .error = Error::kOutsideWorkspace,
-                             .joint = room.joint,
-                             .found = room.left_m,
-                             .needed = kLeastRoom_m,
-                             .reason = "room between box and signature configuration"});
+    return too_near(c, "workspace", room, "room around the arm in the signature configuration");
   }
-  for (std::size_t i = 0; i < home.size(); ++i) {
-    const JointLimits arc = planned_arc(c, i);
-    for (const double end : {arc.lower, arc.upper}) {
-      JointVector to = home;
-      to[i] = end;
-      WayLook look;
-      while (look.step(c, home, to) == WayLook::Says::kMore) {
-      }
-      if (look.part() >= 1) continue;
-      return std::unexpected(ConfigurationRefusal{
-          .setting = "workspace",
-          .error = Error::kOutsideWorkspace,
-          .joint = i,
-          .found = end,
-          .needed = home[i] + look.part() * (end - home[i]),
-          .reason = "about how far its sweep may go: a larger box, or a shorter sweeps.arc"});
-    }
+  for (std::size_t i = 0; i < c.sweeps.configuration.size(); ++i) {
+    if (auto ok = check_sweep(c, i); !ok) return ok;
   }
   return {};
 }

@@ -55,6 +55,9 @@ class Controller {
   // has something to compute, false if it would but look for something new.
   bool background() { return background_.step(); }
 
+  // After the last tick, where there is one: keeps where the arm is, if no drive has torque.
+  void finish() { background_.finish(drives_); }
+
   // For the thread of the background.
   [[nodiscard]] const Background& state() const { return background_; }
 

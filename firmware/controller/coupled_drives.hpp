@@ -26,10 +26,19 @@ class CoupledDrives final : public hal::JointDrives {
   }
   [[nodiscard]] const JointVector& do_positions() const override { return positions_; }
   [[nodiscard]] hal::DriveStatus do_status(std::size_t joint) const override {
-    return motors_.status(joint);
+    hal::DriveStatus status = motors_.status(joint);
+    for (const JointCoupling& coupling : couplings_) {
+      if (coupling.joint != joint) continue;
+      status.has_position = status.has_position && motors_.status(coupling.from).has_position;
+    }
+    return status;
   }
   [[nodiscard]] std::optional<hal::DriveIdentity> do_identity(std::size_t joint) const override {
     return motors_.identity(joint);
+  }
+  [[nodiscard]] std::optional<hal::DeviceObject> do_gap(std::size_t joint,
+                                                        std::size_t number) const override {
+    return motors_.gap(joint, number);
   }
   Result<void> do_write(const JointVector& targets, hal::Instant now) override {
     return motors_.write(readings_for(couplings_, targets), now);

@@ -26,7 +26,7 @@ void Custody::compare(const Machine& found) {
 
 void Custody::reject_other_machine() {
   if (!active_ || !machine_) return;
-  difference_ = difference(active_->machine, *machine_);
+  difference_ = difference(active_->machine, *machine_, Amplifiers::kIgnored);
   if (!difference_) return;
   active_.reset();
   trouble_ = Error::kRecordOtherMachine;
@@ -37,12 +37,7 @@ void Custody::tell_trouble(const Announcer& announcer) const {
   if (!trouble_) return;
   Line line;
   line.text(unused_ ? "# signature unused" : "# signature store").reason(*trouble_);
-  if (difference_) {
-    line.text(" what=").text(difference_->what);
-    if (difference_->joint) line.text(" joint=").integer(*difference_->joint + 1);
-    line.text(" found=").number(difference_->found, 3);
-    line.text(" expected=").number(difference_->expected, 3);
-  }
+  if (difference_) tell(*difference_, line);
   if (unused_) line.text(" go by the drawing with acknowledge");
   announcer.say(line);
 }

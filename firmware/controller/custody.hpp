@@ -25,6 +25,8 @@ class Custody {
 
   // The signature servoed with; empty: the drawing.
   [[nodiscard]] const std::optional<SignatureRecord>& active() const { return active_; }
+  // The same; null: the nominal model.
+  [[nodiscard]] const SignatureRecord* in_use() const { return active_ ? &*active_ : nullptr; }
   // CRC-32 at the end of its record. Precondition: active().
   [[nodiscard]] std::uint32_t active_crc() const { return store_.active_crc(); }
   [[nodiscard]] const std::optional<Machine>& machine() const { return machine_; }

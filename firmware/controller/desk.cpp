@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/controller/desk.hpp"
 
+#include <type_traits>
+
 #include "core/base/error_name.hpp"
 
 namespace armsig::controller {
@@ -11,6 +13,7 @@ void Desk::step() {
     if (!controls_.mover.is_handled(waiting_->ticket)) return;
     const auto refusal = controls_.mover.refusal(waiting_->ticket);
     out_.clear();
+    if (waiting_->missed_rad && !refusal) out_.orientation_missed(*waiting_->missed_rad);
     reply(waiting_->client, refusal ? Result<void>(std::unexpected(*refusal)) : Result<void>(),
           out_);
     waiting_.reset();
@@ -18,17 +21,36 @@ void Desk::step() {
   take_request();
 }
 
-// The client waits until its line is planned, then until the tick has taken it. Whether the arm is
-// still where the plan begins is for the tick to judge.
+// The client waits until its line is planned, or the way of its move looked at, then until the tick
+// has taken it. Whether the arm is still where the plan begins is for the tick to judge.
 [[gnu::noinline]] void Desk::step_planning() {
-  auto& planning = controls_.planning;
-  if (!planning || waiting_ || planning->step()) return;
+  if (waiting_) return;
+  step(controls_.planning);
+  if constexpr (kMayBound) step(controls_.looking);
+}
+
+template <typename Planning>
+void Desk::step(std::optional<Planning>& planning) {
+  if (!planning || planning->step()) return;
   const Planned& planned = planning->result();
+  out_.clear();
+  if constexpr (kMayBound) {
+    if (!planned && planned.error().error == Error::kOutsideWorkspace) {
+      add_room(out_, planning->room());
+    }
+  }
   const auto answer = planned ? when_taken(controls_.mover.send(*planned))
                               : Result<Answer>(std::unexpected(planned.error().error));
+  std::optional<double> missed_rad;
+  if constexpr (std::is_same_v<Planning, LinePlanning>) {
+    const auto& models = controls_.link.models;
+    if (may_miss_orientation(models[controls_.mover.now().model])) {
+      missed_rad = planning->missed_rad();
+    }
+  }
   planning.reset();
-  out_.clear();
   settle(planning_for_, answer, out_);
+  if (waiting_ && missed_rad) waiting_->missed_rad = missed_rad;
 }
 
 void Desk::take_request() {
@@ -53,6 +75,9 @@ Result<Answer> Desk::serve(const hal::ConsoleLine& line, Line& out) {
   }
   if (!verb->modes.contains(controls_.mover.now().mode) || (verb->alone && controls_.are_busy())) {
     return std::unexpected(Error::kWrongMode);
+  }
+  if (verb->referenced) {
+    if (auto sure = referenced(controls_, out); !sure) return std::unexpected(sure.error());
   }
   return verb->handler(controls_, request, out);
 }

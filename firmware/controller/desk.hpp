@@ -21,7 +21,9 @@ class Desk {
   void step();
   // The change of the store that an operator asked for is over.
   void stored(const Result<void>& result);
-  [[nodiscard]] bool is_computing() const { return controls_.planning.has_value(); }
+  [[nodiscard]] bool is_computing() const {
+    return controls_.planning.has_value() || controls_.looking.has_value();
+  }
   // Something that was asked for is under way.
   [[nodiscard]] bool is_busy() const { return waiting_ || controls_.are_busy(); }
 
@@ -33,9 +35,12 @@ class Desk {
   struct Waiting {
     Client client;
     Ticket ticket = 0;
+    std::optional<double> missed_rad = {};  // orientation, by the line that was sent
   };
 
   void step_planning();
+  template <typename Planning>
+  void step(std::optional<Planning>& planning);
   void take_request();
   [[nodiscard]] Result<Answer> serve(const hal::ConsoleLine& line, Line& out);
   void settle(const Client& client, const Result<Answer>& answer, const Line& out);

@@ -87,6 +87,7 @@ DrawingImage encode_drawing(const Arm& drawing) {
       out.real(value);
     }
   }
+  for (const double part : drawing.up_0) out.real(part);
   out.integer(content_crc_of(image), 4);
   return image;
 }
@@ -107,6 +108,7 @@ Result<Arm> decode_drawing(const DrawingImage& image) {
     drawing.joints.push_back(joint);
     drawing.limits.push_back(limits);
   }
+  for (double& part : drawing.up_0) part = in.real();
   const bool whole = in.integer(4) == content_crc_of(image);
   if (!whole || n == 0 || n > kMaxJoints || !in.all_finite()) {
     return std::unexpected(Error::kRecordCorrupt);

@@ -13,9 +13,9 @@ inline constexpr std::size_t kPartBytes = 192;  // of the image; twice as many c
 
 // The image of a drawing: joints n (u32), zero (u32); per joint, of kMaxJoints, type (0 revolute, 1
 // prismatic), theta, d, a, alpha, lower and upper limit as doubles in SI, those of unused joints
-// zero; CRC-32 (u32) of all before. Couplings are not in it: every reading that the controller
-// tells is that of the joint.
-inline constexpr std::size_t kDrawingBytes = 8 + kMaxJoints * 7 * 8 + 4;
+// zero; the direction against gravity in frame 0; CRC-32 (u32) of all before. Couplings are not in
+// it: every reading that the controller tells is that of the joint.
+inline constexpr std::size_t kDrawingBytes = 8 + (kMaxJoints * 7 + 3) * 8 + 4;
 using DrawingImage = std::array<std::uint8_t, kDrawingBytes>;
 
 [[nodiscard]] DrawingImage encode_drawing(const Arm& drawing);

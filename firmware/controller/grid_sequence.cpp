@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/controller/grid_sequence.hpp"
 
+#include <algorithm>
+
 namespace armsig::controller {
 
 GridSequence::GridSequence(const Configuration& configuration, Mover& mover, const Link& link,
@@ -19,8 +21,14 @@ Result<void> GridSequence::begin() {
   R_RT_ = origin.R;
   walk_.emplace(configuration_.grid.grid, taught[0]);
   checking_ = true;
+#ifndef ARMSIG_NO_REFINEMENT
+  look_ = {};
+  looking_ = false;
+  before_ = mover_.now().commanded;
+#endif
   moving_ = told_ = false;
   touched_ = 0;
+  most_missed_rad_ = 0;
   return {};
 }
 
@@ -66,28 +74,63 @@ void GridSequence::step() {
 [[gnu::noinline]] void GridSequence::tell_touched() {
   told_ = true;
   ++touched_;
-  announcer_.say(Line()
-                     .text("# touched vertex=")
-                     .integer(touched_)
-                     .text(" of=")
-                     .integer(configuration_.grid.grid.vertex_count()));
+  Line line;
+  line.text("# touched vertex=").integer(touched_);
+  line.text(" of=").integer(configuration_.grid.grid.vertex_count());
+  tell_missed(line, missed_rad_);
+  announcer_.say(line);
+}
+
+void GridSequence::tell_missed(Line& line, double missed_rad) const {
+  if (may_miss_orientation(model())) line.orientation_missed(missed_rad);
 }
 
 [[gnu::noinline]] void GridSequence::finish() {
   walk_.reset();
   mover_.send(CommandKind::kEndSequence);
-  announcer_.say(Line().text("# touch-grid done touched=").integer(touched_));
+  Line line;
+  line.text("# touch-grid done touched=").integer(touched_);
+  tell_missed(line, most_missed_rad_);
+  announcer_.say(line);
 }
 
-[[gnu::noinline]] Result<JointVector> GridSequence::joints_at_vertex() const {
-  const Pose X_0n = flange_pose(model(), {R_RT_, X_RW_ * walk_->vertex()});
+[[gnu::noinline]] Result<JointVector> GridSequence::joints_at_vertex() {
+  const Pose X_RT{R_RT_, X_RW_ * walk_->vertex()};
   calibration::LatelyTurned nothing;
-  ARMSIG_TRY(solution, joints_for(model(), X_0n, walk_->seed(), {.p_nP = model().p_nT}, nothing));
+  ARMSIG_TRY(solution, joints_for(model(), X_RT, walk_->seed(), {}, nothing));
+  missed_rad_ = solution.rotation_error_rad;
+  most_missed_rad_ = std::max(most_missed_rad_, missed_rad_);
   return evaluation::readings_found(solution);
 }
 
+#ifndef ARMSIG_NO_REFINEMENT
+bool GridSequence::is_clear_to(const JointVector& q) {
+  const auto says = look_on(look_, configuration_, before_, q);
+  looking_ = says == WayLook::Says::kMore;
+  if (looking_) return false;
+  if (says == WayLook::Says::kClear) {
+    look_ = {};
+    before_ = q;
+    return true;
+  }
+  Line line;
+  line.text("# touch-grid finds no way");
+  add_room(line, look_.room());
+  announcer_.say(line);
+  end(Error::kOutsideWorkspace, moving_joint(configuration_, look_.room()));
+  return false;
+}
+#else
+bool GridSequence::is_clear_to(const JointVector&) { return true; }
+#endif
+
 void GridSequence::go_on() {
-  if (!walk_->next()) {
+#ifndef ARMSIG_NO_REFINEMENT
+  const bool onward = !looking_;
+#else
+  constexpr bool onward = true;
+#endif
+  if (onward && !walk_->next()) {
     if (checking_) {
       checking_ = false;
       walk_.emplace(configuration_.grid.grid, configuration_.grid.taught[0]);
@@ -101,6 +144,7 @@ void GridSequence::go_on() {
     end(q.error());
     return;
   }
+  if (checking_ && !is_clear_to(*q)) return;
   walk_->reached(*q);
   if (checking_) return;
   const auto move = plan_joint_move(configuration_, mover_.now().commanded, *q);

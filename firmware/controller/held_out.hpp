@@ -4,9 +4,9 @@
 
 #include <limits>
 
+#include "core/calibration/servo_readings.hpp"
 #include "core/frames/alignment.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "firmware/calibration/servo_readings.hpp"
 #include "firmware/controller/signature_record.hpp"
 
 namespace armsig::controller {
@@ -15,6 +15,7 @@ struct HeldOutReport {
   std::size_t poses = 0;
   double candidate_rms_m = 0;
   double active_rms_m = 0;
+  std::uint32_t active = 0;  // number of the signature compared with; 0: the drawing
 
   [[nodiscard]] bool is_better() const { return poses > 0 && candidate_rms_m < active_rms_m; }
 };

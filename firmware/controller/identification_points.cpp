@@ -9,7 +9,7 @@ namespace {
 
 // Points in a row that give no position, until the sensor rather than the place is to blame.
 constexpr unsigned kLostInARow = 3;
-// So many of the held-out ones are looked for in the workspace box.
+// So many of the held-out ones are looked for where the arm is clear.
 constexpr std::size_t kMostSpread = 1000;
 // Of poses that are spread further than the sensor may see.
 constexpr unsigned kPosesLostInARow = 8;
@@ -66,7 +66,7 @@ bool IdentificationSequence::recall_next(const JointVector& q) {
   return !visit.again && recall(visit.pose);
 }
 
-// The box excludes the pose that was to be next.
+// What is around the arm excludes the pose that was to be next.
 void IdentificationSequence::pass_over() {
   if (stage_ == Stage::kSweeping) {
     sweep().turn_back();

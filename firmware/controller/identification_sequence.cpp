@@ -6,7 +6,16 @@
 
 #include <Eigen/Dense>
 
+#include "firmware/controller/signature_figures.hpp"
+
 namespace armsig::controller {
+namespace {
+
+std::uint32_t number_of(const SignatureRecord* record) {
+  return record == nullptr ? 0 : record->sequence;
+}
+
+}  // namespace
 
 IdentificationSequence::IdentificationSequence(const Configuration& configuration, Mover& mover,
                                                PointMeasurement& measurement,
@@ -16,21 +25,23 @@ IdentificationSequence::IdentificationSequence(const Configuration& configuratio
   if (can_refine()) log_.extend(refinement_->further_log());
 }
 
-void IdentificationSequence::begin(const SignatureRecord* active, Ticket begun) {
-  start(active, begun);
+void IdentificationSequence::begin(const Conditions& conditions, Ticket begun) {
+  start(conditions, begun);
   stage_ = Stage::kSweeping;
   log_.clear();
   forget_candidate();
   candidate_.emplace().signature.configuration = configuration_.sweeps.configuration;
+  stamp(conditions);
   begin_sweep();
 }
 
-void IdentificationSequence::begin_refining(const Refining& asked, const Machine& machine,
-                                            const SignatureRecord* active, Ticket begun) {
-  begin(active, begun);
+void IdentificationSequence::begin_refining(const Refining& asked, const Conditions& conditions,
+                                            Ticket begun) {
+  begin(conditions, begun);
   refines_ = true;
+  asked_m_ = asked.accuracy_m;
   const auto kept =
-      refinement_->begin({asked.accuracy_m, began_ + asked.time, asked.anew}, machine);
+      refinement_->begin({asked.accuracy_m, began_ + asked.time, asked.anew}, candidate_->machine);
   Line line;
   if (!kept) {
     announcer_.say(line.text("# identify begins anew").reason(kept.error()));
@@ -39,8 +50,9 @@ void IdentificationSequence::begin_refining(const Refining& asked, const Machine
   }
 }
 
-void IdentificationSequence::begin_comparison(const SignatureRecord* active, Ticket begun) {
-  start(active, begun);
+void IdentificationSequence::begin_comparison(const Conditions& conditions, Ticket begun) {
+  start(conditions, begun);
+  stamp(conditions);
   stage_ = Stage::kComparing;
   work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
 }
@@ -57,13 +69,14 @@ Result<bool> IdentificationSequence::receive(const Request& request) {
     candidate_.reset();
     return std::unexpected(opened.error());
   }
+  candidate_->sequence = 0;  // the store gives its own
   return received_ = true;
 }
 
-void IdentificationSequence::start(const SignatureRecord* active, Ticket begun) {
+void IdentificationSequence::start(const Conditions& conditions, Ticket begun) {
   paused_ = false;
   pause_reason_.reset();
-  active_ = active;
+  active_ = conditions.active;
   joint_ = held_out_ = points_done_ = 0;
   lost_in_a_row_ = 0;
   refines_ = approached_ = false;
@@ -75,13 +88,34 @@ void IdentificationSequence::start(const SignatureRecord* active, Ticket begun) 
 
 void IdentificationSequence::forget_candidate() {
   candidate_.reset();
+  asked_m_ = 0;
   received_ = false;
   report_ = {};
 }
 
-void IdentificationSequence::stamp(std::int64_t identified_at_s, const Machine& machine) {
-  candidate_->identified_at_s = identified_at_s;
-  candidate_->machine = machine;
+void IdentificationSequence::stamp(const Conditions& conditions) {
+  candidate_->identified_at_s = conditions.now_s;
+  candidate_->machine = {};
+  if (conditions.machine != nullptr) candidate_->machine = *conditions.machine;
+  compared_with_ = number_of(conditions.active);
+}
+
+[[gnu::noinline]] void IdentificationSequence::compare_conditions(const Machine& found,
+                                                                  const SignatureRecord* active) {
+  if (!has_verdict()) return;
+  auto other = difference(candidate_->machine, found);
+  if (!other && number_of(active) != compared_with_) {
+    other = MachineDifference{.what = "model",
+                              .joint = {},
+                              .found = static_cast<double>(number_of(active)),
+                              .expected = static_cast<double>(compared_with_)};
+  }
+  if (!other) return;
+  forget_candidate();
+  Line line;
+  line.text("# candidate dropped");
+  tell(*other, line);
+  announcer_.say(line);
 }
 
 void IdentificationSequence::resume() {
@@ -113,9 +147,9 @@ std::size_t IdentificationSequence::points_planned() const {
   return std::max(swept, refines_from_) + refining + configuration_.sweeps.held_out_poses;
 }
 
-double IdentificationSequence::left_s() const {
+std::optional<double> IdentificationSequence::left_s() const {
   const std::size_t measured = points_done_ - recalled_;
-  if (measured == 0 || points_done_ >= points_planned()) return 0;
+  if (measured == 0 || points_done_ >= points_planned()) return std::nullopt;
   const double elapsed_s = hal::seconds(mover_.now().now - began_);
   return elapsed_s / static_cast<double>(measured) *
          static_cast<double>(points_planned() - points_done_);
@@ -128,7 +162,8 @@ void IdentificationSequence::tell_progress(std::string_view what) const {
   if (const auto sigma_rad = axis_sigma_rad()) {
     line.text(" axis_sigma_deg=").number(degrees(*sigma_rad), 5);
   }
-  announcer_.say(line.text(" left_s=").number(left_s(), 0));
+  if (const auto left = left_s()) line.text(" left_s=").number(*left, 0);
+  announcer_.say(line);
 }
 
 void IdentificationSequence::arrived() {
@@ -257,22 +292,37 @@ void IdentificationSequence::add_targets() {
                                .link = signature.joint_count(),
                                .p_S = covariance * weighted,
                                .covariance_m2 = covariance});
-  candidate_->predicted_sigma_m = std::sqrt(covariance.trace());
+  candidate_->accuracy.predicted = {std::sqrt(covariance.trace()),
+                                    PredictedRegion::kSignatureConfiguration};
 }
 
 void IdentificationSequence::finish_held_out() {
   if (kMayRefine && refines_from_ > 0) forget_kept();
   report_ = comparison().report();
   candidate_->air_celsius = measurement_.air_celsius().value_or(0);
-  candidate_->held_out_rms_m = report_.candidate_rms_m;
-  announcer_.say(Line()
-                     .text("# candidate held_out=")
-                     .integer(report_.poses)
-                     .text(" candidate_rms_mm=")
-                     .number(1e3 * report_.candidate_rms_m, 4)
-                     .text(" active_rms_mm=")
-                     .number(1e3 * report_.active_rms_m, 4));
+  report_.active = active_ != nullptr ? active_->sequence : 0;
+  candidate_->accuracy.validated = {report_.candidate_rms_m,
+                                    static_cast<std::uint32_t>(report_.poses)};
+  Line line;
+  tell_verdict(line.text("# candidate"));
+  announcer_.say(line);
   stage_ = Stage::kReturning;
+}
+
+void IdentificationSequence::tell_verdict(Line& line) const {
+  SignatureFigures(*candidate_).tell(line);
+  line.text(" active=");
+  if (report_.active == 0) {
+    line.text("drawing");
+  } else {
+    line.integer(report_.active);
+  }
+  line.text(" active_rms_mm=").number(1e3 * report_.active_rms_m, 4);
+  line.text(" better=").text(report_.is_better() ? "yes" : "no");
+  if (!kMayRefine || asked_m_ == 0) return;
+  const auto& predicted = candidate_->accuracy.predicted;
+  line.text(" asked_mm=").number(1e3 * asked_m_, 4);
+  line.text(" reached=").text(predicted && predicted->rms_m <= asked_m_ ? "yes" : "no");
 }
 
 // A function of its own, as the stack has no room for a line below everything that step() calls.

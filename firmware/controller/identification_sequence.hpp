@@ -44,10 +44,17 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
                          PointMeasurement& measurement, const Announcer& announcer,
                          Refinement* refinement);
 
-  // Forgets candidate and log. `active` is the signature in use, null: the drawing; it must stay
-  // as it is until the sequence is over; `begun` is the kBeginSequence that it needs. Precondition:
-  // not is_running().
-  void begin(const SignatureRecord* active, Ticket begun);
+  // What holds where measuring begins. The candidate is of this, whatever holds where it is
+  // accepted.
+  struct Conditions {
+    const SignatureRecord* active = nullptr;  // in use; null: the nominal model
+    const Machine* machine = nullptr;         // null: not known
+    std::int64_t now_s = 0;                   // of the calendar
+  };
+
+  // Forgets candidate and log. The active signature must stay as it is until the sequence is over;
+  // `begun` is the kBeginSequence that it needs. Precondition: not is_running().
+  void begin(const Conditions& conditions, Ticket begun);
   [[nodiscard]] bool can_refine() const { return kMayRefine && refinement_ != nullptr; }
   // Further poses are being measured.
   [[nodiscard]] bool is_refining() const { return kMayRefine && stage_ == Stage::kRefining; }
@@ -58,17 +65,16 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
     bool anew = false;   // what an interrupted one has measured is not wanted
   };
   // The same, and refines until the accuracy is reached or the time is over. Where an earlier one
-  // on this `machine` was interrupted, it goes on from there. Precondition: can_refine().
-  void begin_refining(const Refining& asked, const Machine& machine, const SignatureRecord* active,
-                      Ticket begun);
+  // on this machine was interrupted, it goes on from there. Precondition: can_refine().
+  void begin_refining(const Refining& asked, const Conditions& conditions, Ticket begun);
   // The next part of a candidate from outside (receiving.hpp); true if it is whole then, and is the
   // candidate in place of any other. Errors: those of Receiving. Precondition: not is_running().
   [[nodiscard]] Result<bool> receive(const Request& request);
   // Whether there is a candidate from outside that has not been compared.
   [[nodiscard]] bool has_received() const { return received_ && !has_verdict(); }
-  // Compares it with `active` as begin() does in the end; what was measured before stays in the
-  // log. Preconditions: has_received(), not is_running().
-  void begin_comparison(const SignatureRecord* active, Ticket begun);
+  // Compares it with the active signature as begin() does in the end; what was measured before
+  // stays in the log. Preconditions: has_received(), not is_running().
+  void begin_comparison(const Conditions& conditions, Ticket begun);
   void pause() { paused_ = true; }
   void resume();
   // Ends it with `error` as the reason, wherever it is.
@@ -84,9 +90,13 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   [[nodiscard]] std::optional<Error> pause_reason() const { return pause_reason_; }
   [[nodiscard]] std::size_t points_done() const { return points_done_; }
   [[nodiscard]] std::size_t points_planned() const;
-  [[nodiscard]] double left_s() const;
+  // Empty before the first point, and once there are more than planned.
+  [[nodiscard]] std::optional<double> left_s() const;
   // For `status`. Precondition: is_refining().
   void tell_refinement(Line& line) const { refinement_->tell_state(line); }
+  // The candidate with its figures, and against which signature it was validated. Precondition:
+  // has_verdict().
+  void tell_verdict(Line& line) const;
   // Index of the joint that is being swept; nothing in another stage.
   [[nodiscard]] std::optional<std::size_t> swept_joint() const {
     return stage_ == Stage::kSweeping ? std::optional(joint_) : std::nullopt;
@@ -103,13 +113,15 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   [[nodiscard]] const HeldOutReport& report() const { return report_; }
   [[nodiscard]] const MeasurementLog& log() const { return log_; }
   void forget_candidate();
-  // When and on which machine the candidate was identified. Precondition: has_verdict().
-  void stamp(std::int64_t identified_at_s, const Machine& machine);
+  // The machine is `found`, and `active` in use, null: the nominal model. A candidate that was
+  // measured on another machine, or compared with another model, is dropped, and that is told.
+  void compare_conditions(const Machine& found, const SignatureRecord* active);
 
  private:
   friend class VisitingSequence<IdentificationSequence>;
 
-  void start(const SignatureRecord* active, Ticket begun);
+  void start(const Conditions& conditions, Ticket begun);
+  void stamp(const Conditions& conditions);
   [[nodiscard]] bool refines() const { return kMayRefine && refines_; }
   void ready();
   void refuse(Error error, std::optional<std::size_t> joint);
@@ -147,6 +159,7 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   std::size_t points_done_ = 0;
   unsigned lost_in_a_row_ = 0;
   bool refines_ = false;
+  double asked_m_ = 0;             // of the candidate; 0: no accuracy was asked for
   bool approached_ = false;        // the pose of the refinement, from its side
   std::uint16_t recalled_ = 0;     // of the points, those that an interrupted run had measured
   std::uint16_t passed_over_ = 0;  // of the held-out poses, as they are outside of the box
@@ -155,6 +168,7 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   // In it a candidate from outside comes in, too, part after part.
   std::variant<std::monostate, Sweep, Identification, HeldOutComparison, Receiving> work_;
   bool received_ = false;                     // the candidate came from outside
+  std::uint32_t compared_with_ = 0;           // number of the active signature; 0: nominal model
   std::optional<SignatureRecord> candidate_;  // being made until there is a verdict
   HeldOutReport report_;
   MeasurementLog log_;

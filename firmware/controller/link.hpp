@@ -67,6 +67,7 @@ struct Fault {
   std::optional<std::size_t> joint;
   std::uint32_t code = 0;  // the device's own, as in hal::DriveStatus
   std::string_view words;  // and what it means
+  hal::DeviceObject object = {};
 };
 
 // What became of a command.
@@ -82,20 +83,29 @@ struct Snapshot {
   std::uint32_t handled = 0;  // serial of the last command taken
   // Of the last commands taken, each at its serial modulo the size: more than the mailbox holds.
   std::array<CommandResult, 8> results{};
-  JointVector positions;  // actual readings
+  JointVector positions;  // actual readings, where they are known
   JointVector commanded;
   bool moving = false;
-  double left_s = 0;        // of the move under way
+  double left_s = 0;        // of the move under way, at most
   hal::Duration settled{};  // at rest within the tolerance for so long, up to now
   hal::Instant now;
-  std::size_t model = 0;  // index of the model servoed with
-  Pose X_RT;              // actual tool pose by that model
+  std::size_t model = 0;     // index of the model servoed with
+  std::optional<Pose> X_RT;  // actual tool pose by that model; empty: a position is not known
   bool all_disabled = false;
   FixedVector<std::uint16_t, kMaxJoints> status_words;  // the drives' own
   std::uint8_t limits_active = 0;  // bit per joint: its drive limits the motion by itself
+  std::uint8_t unsupervised = 0;   // bit per joint: its drive would keep its torque by itself
+  std::uint8_t known = 0;          // bit per joint: its drive has told its position
   Histogram lateness;
   Histogram execution;
 };
+
+// An object that a drive goes without, or has otherwise than wanted.
+struct DriveGap {
+  std::uint8_t joint = 0;  // from 0
+  hal::DeviceObject object;
+};
+inline constexpr std::size_t kMostGaps = 24;  // of all drives that are told
 
 // Sees every tick, from inside of it: to be bounded, and never to block.
 class TickObserver {
@@ -113,6 +123,7 @@ struct Link {
   hal::Mailbox<Command, 4> commands;  // background to tick
   LatestValue<Snapshot> snapshot;     // tick to background
   LatestValue<Machine> machine;       // tick to background, whenever the drives have been set up
+  LatestValue<FixedVector<DriveGap, kMostGaps>> gaps;  // before each machine
   // The background writes the one that the tick does not use, then sends kAdoptModel.
   std::array<Model, 2> models;
   TickObserver* observer = nullptr;  // set before the first tick

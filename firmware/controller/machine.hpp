@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/base/arm.hpp"
+#include "firmware/controller/text.hpp"
 #include "hal/drive_identity.hpp"
 #include "hal/joint_drives.hpp"
 
@@ -24,6 +25,9 @@ struct Machine {
 // Empty until every drive has told who it is.
 [[nodiscard]] std::optional<Machine> machine_of(const Arm& drawing, const hal::JointDrives& drives);
 
+// CRC-32 of what the drive says of itself; 0: it does not say who it is.
+[[nodiscard]] std::uint32_t mark_of(const hal::DriveIdentity& drive);
+
 struct MachineDifference {
   std::string_view what;             // "drive_serial", "gear_ratio", "drawing", ...
   std::optional<std::size_t> joint;  // from 0
@@ -31,9 +35,17 @@ struct MachineDifference {
   double expected = 0;
 };
 
+// ` what=drive_serial joint=3 found=2003.000 expected=1003.000`.
+void tell(const MachineDifference& difference, Line& line);
+
+// Whether another amplifier is a difference. A signature is of what fixes where a joint's reading
+// is zero: it outlives an amplifier, whose joint is unreferenced until somebody has looked
+// (references.hpp).
+enum class Amplifiers : std::uint8_t { kCompared, kIgnored };
+
 // The first thing in which `found` is not `expected`; empty where they are one. A number of a drive
 // that either does not tell is not compared.
-[[nodiscard]] std::optional<MachineDifference> difference(const Machine& expected,
-                                                          const Machine& found);
+[[nodiscard]] std::optional<MachineDifference> difference(
+    const Machine& expected, const Machine& found, Amplifiers amplifiers = Amplifiers::kCompared);
 
 }  // namespace armsig::controller

@@ -14,7 +14,15 @@
 
 namespace armsig::controller {
 
-inline constexpr std::size_t kMostSweepPoints = 60;  // of one joint
+// Where a program has no memory for a Refinement, nothing of what would call one is in its image.
+#ifdef ARMSIG_NO_REFINEMENT
+inline constexpr bool kMayRefine = false;
+#else
+inline constexpr bool kMayRefine = true;
+#endif
+
+// Of one joint. An image without memory for a refinement has less for the log as well.
+inline constexpr std::size_t kMostSweepPoints = kMayRefine ? 60 : 52;
 inline constexpr std::size_t kMostHeldOut = 16;
 // Six joints of the most points each; more joints have fewer (check() of the configuration).
 inline constexpr std::size_t kMostLogged = 6 * kMostSweepPoints + kMostHeldOut;

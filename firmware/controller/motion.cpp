@@ -15,6 +15,8 @@ using kinematics::Verdict;
 // The bound of the warm-started Newton iteration in a tick; 2 or 3 are the rule.
 constexpr int kTickIterations = 12;
 constexpr double kShortest_s = 0.02;
+// Of the time that a line lasts: its samples see slopes between two of them only on average.
+constexpr double kMargin = 1.05;
 
 std::unexpected<MoveRefusal> refused(Error error, std::optional<std::size_t> joint = {}) {
   return std::unexpected(MoveRefusal{error, joint});
@@ -64,7 +66,8 @@ Error obstacle_at(const Arm& arm, const JointVector& q) {
 }
 
 // Whether the flange can be at both tool poses, as far as twice the length of the stretched arm
-// tells: no two places of it are further apart.
+// tells: no two places of it are further apart. Where the orientations are not met, the tool
+// itself, which is so much further out.
 [[gnu::noinline]] bool is_within_span(const Model& model, const Arm& arm, const Pose& X_RT_from,
                                       const Pose& X_RT_to) {
   double length = 0;
@@ -75,8 +78,18 @@ Error obstacle_at(const Arm& arm, const JointVector& q) {
     length += std::hypot(row.a_m, std::abs(row.d_m) + std::max(0.0, slide));
   }
   constexpr double kManufacturing = 1.05;
+  if (may_miss_orientation(model)) {
+    return (X_RT_to.p - X_RT_from.p).norm() <= 2 * (kManufacturing * length + model.p_nT.norm());
+  }
   return (flange_pose(model, X_RT_to).p - flange_pose(model, X_RT_from).p).norm() <=
          2 * kManufacturing * length;
+}
+
+// Whether fewer than six joints have met the position of the next sample in another posture: there
+// is no way between.
+bool leaps(const Model& model, const JointVector& from, const JointVector& to) {
+  constexpr double kLeap = 0.25;  // rad or m in a hundredth of the line
+  return may_miss_orientation(model) && largest_change(from, to) > kLeap;
 }
 
 // What the motors turn for the joints to be at q.
@@ -108,6 +121,7 @@ Planned plan_joint_move(const Configuration& configuration, const JointVector& f
   move.from = from;
   move.to = to;
   move.duration_s = kShortest_s;
+  PathShares shares;
   const JointVector motors_to = motor_readings(configuration, to);
   const JointVector motors_from = motor_readings(configuration, from);
   if (const auto beyond = motor_beyond(configuration, motors_to)) {
@@ -116,11 +130,14 @@ Planned plan_joint_move(const Configuration& configuration, const JointVector& f
   for (std::size_t i = 0; i < to.size(); ++i) {
     const JointLimits& limits = configuration.drawing.limits[i];
     if (to[i] < limits.lower || to[i] > limits.upper) return refused(Error::kJointLimit, i);
-    move.duration_s = std::max(
-        move.duration_s,
-        duration_for(std::max(std::abs(to[i] - from[i]), std::abs(motors_to[i] - motors_from[i])),
-                     0, configuration.limits.speed[i], configuration.limits.acceleration[i]));
+    const double slope =
+        std::max(std::abs(to[i] - from[i]), std::abs(motors_to[i] - motors_from[i]));
+    const double speed = configuration.limits.speed[i];
+    const double acceleration = configuration.limits.acceleration[i];
+    move.duration_s = std::max(move.duration_s, duration_for(slope, 0, speed, acceleration));
+    shares.add(0, 1, slope, 0, speed, acceleration);
   }
+  move.braking = braking_limits(shares, move.duration_s);
   move.duration_s /= pace;
   return move;
 }
@@ -137,6 +154,7 @@ LinePlanning::LinePlanning(const Configuration& configuration, const Model& mode
   planned_->kind = MoveKind::kLine;
   planned_->from = planned_->to = search_ = from;
   slope_before_.resize(from.size());
+  if constexpr (kMayBound) asked_room_m_ = asked_room_m(configuration, from);
   begin(X_RT_to);
 }
 
@@ -178,9 +196,9 @@ bool LinePlanning::step() {
   }
   if (!planned_) return false;
   if (done_ <= kLineSamples) return true;
-  // The samples see a joint's speed between two of them only on average.
-  constexpr double kMargin = 1.05;
-  planned_->duration_s *= kMargin / pace_;
+  planned_->duration_s *= kMargin;
+  planned_->braking = braking_limits(shares_, planned_->duration_s);
+  planned_->duration_s /= pace_;
   return false;
 }
 
@@ -191,8 +209,7 @@ void LinePlanning::sample(int passes) {
   kinematics::InverseOptions options;
   const int most = options.max_iterations;
   options.max_iterations = passes;
-  const auto solution = joints_for(model_, flange_pose(model_, line_pose(*planned_, course)),
-                                   search_, options, lately_);
+  const auto solution = joints_for(model_, line_pose(*planned_, course), search_, options, lately_);
   if (!solution) {
     planned_ = refused(solution.error());
     return;
@@ -201,23 +218,25 @@ void LinePlanning::sample(int passes) {
   passes_of_sample_ += solution->iterations;
   if (solution->verdict == Verdict::kNotConverged) {
     constexpr double kHeadway = 1e-9;  // m and rad
-    const double missed = solution->position_error_m + solution->rotation_error_rad;
-    const bool stands = std::abs(missed - missed_m_) <= kHeadway;
+    const double left = solution->position_error_m + solution->rotation_error_rad;
+    const bool stands = std::abs(left - left_m_) <= kHeadway;
     search_ = solution->q;
-    missed_m_ = missed;
+    left_m_ = left;
     if (passes_of_sample_ < most) return;
     if (stands) {
       planned_ = refused(obstacle_at(configuration_.drawing, search_));
       return;
     }
   }
-  const auto q = readings_of(configuration_, *solution);
+  auto q = readings_of(configuration_, *solution);
+  if (q && leaps(model_, planned_->to, *q)) q = std::unexpected(Error::kSingularPath);
   if (!q) {
     planned_ = refused(q.error());
     return;
   }
   passes_of_sample_ = 0;
-  missed_m_ = 0;
+  left_m_ = 0;
+  missed_rad_ = std::max(missed_rad_, solution->rotation_error_rad);
   search_ = *q;
   take(*q);
 }
@@ -225,28 +244,62 @@ void LinePlanning::sample(int passes) {
 // The readings at the next sample; the move's end keeps how far the line came. Where the line
 // begins counts as well.
 void LinePlanning::take(const JointVector& q) {
-  const MotionLimits& limits = configuration_.limits;
   Move& move = *planned_;
   const int k = done_++;
   if (k == 0) return;
-  const JointVector motors = motor_readings(configuration_, q);
-  const JointVector motors_before = motor_readings(configuration_, move.to);
-  if (const auto beyond = motor_beyond(configuration_, motors)) {
+  if (const auto beyond = motor_beyond(configuration_, motor_readings(configuration_, q))) {
     planned_ = refused(Error::kJointLimit, beyond);
     return;
   }
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const double slope = (q[i] - move.to[i]) * kLineSamples;
-    const double of_motor = std::abs(motors[i] - motors_before[i]) * kLineSamples;
-    const double curvature = k == 1 ? 0 : (slope - slope_before_[i]) * kLineSamples;
-    move.duration_s =
-        std::max(move.duration_s, duration_for(std::abs(slope), std::abs(curvature),
-                                               limits.speed[i], limits.acceleration[i]));
-    move.duration_s = std::max(move.duration_s,
-                               duration_for(of_motor, 0, limits.speed[i], limits.acceleration[i]));
-    slope_before_[i] = slope;
+  JointVector slope = q;
+  for (std::size_t i = 0; i < q.size(); ++i) slope[i] = (q[i] - move.to[i]) * kLineSamples;
+  const JointVector& before = k == 1 ? slope : slope_before_;
+  keep_limits(slope, before);
+  if (!configuration_.drawing.couplings.empty()) {
+    keep_limits(motor_readings(configuration_, slope), motor_readings(configuration_, before));
+  }
+  slope_before_ = slope;
+  if constexpr (kMayBound) {
+    if (!keeps_clear(q)) return;
   }
   move.to = q;
+}
+
+// The line lasts long enough for joints, or their motors, that have `slope` up to the sample and
+// `before` up to the one before.
+void LinePlanning::keep_limits(const JointVector& slope, const JointVector& before) {
+  const MotionLimits& limits = configuration_.limits;
+  const double s_to = static_cast<double>(done_ - 1) / kLineSamples;
+  const double s_from = s_to - 2.0 / kLineSamples;
+  for (std::size_t i = 0; i < slope.size(); ++i) {
+    const double steep = std::abs(slope[i]);
+    const double curvature = std::abs(slope[i] - before[i]) * kLineSamples;
+    planned_->duration_s =
+        std::max(planned_->duration_s,
+                 duration_for(steep, curvature, limits.speed[i], limits.acceleration[i]));
+    shares_.add(s_from, s_to, kMargin * kMargin * steep, kMargin * kMargin * curvature,
+                limits.speed[i], limits.acceleration[i]);
+  }
+}
+
+// The arm goes from sample to sample about as it would straight in the readings. So short a way is
+// looked at in a few places.
+bool LinePlanning::keeps_clear(const JointVector& q) {
+  WayLook look(asked_room_m_);
+  const auto says =
+      look.whole(configuration_.drawing.joints, configuration_.around, planned_->to, q);
+  if (says == WayLook::Says::kClear) return true;
+  room_ = look.room();
+  planned_ = refused(Error::kOutsideWorkspace, moving_joint(configuration_, room_));
+  return false;
+}
+
+bool MoveLook::step() {
+  const auto says = look_on(look_, configuration_, planned_->from, planned_->to);
+  if (says == WayLook::Says::kLeaves) {
+    planned_ = refused(Error::kOutsideWorkspace, moving_joint(configuration_, look_.room()));
+  }
+  return says == WayLook::Says::kMore;
 }
 
 Planned plan_line(const Configuration& configuration, const Model& model, const JointVector& from,
@@ -258,9 +311,8 @@ Planned plan_line(const Configuration& configuration, const Model& model, const 
 }
 
 Result<JointVector> readings_at(const Move& move, const Configuration& configuration,
-                                const Model& model, const JointVector& former, double seconds,
+                                const Model& model, const JointVector& former, double s,
                                 calibration::LatelyTurned& lately) {
-  const double s = minimum_jerk(std::clamp(seconds / move.duration_s, 0.0, 1.0));
   if (move.kind == MoveKind::kJoint) {
     JointVector q = move.from;
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += s * (move.to[i] - move.from[i]);
@@ -271,8 +323,12 @@ Result<JointVector> readings_at(const Move& move, const Configuration& configura
   for (const double speed : configuration.limits.speed) {
     options.max_step.push_back(speed * hal::seconds(configuration.period));
   }
-  ARMSIG_TRY(solution,
-             joints_for(model, flange_pose(model, line_pose(move, s)), former, options, lately));
+  ARMSIG_TRY(solution, joints_for(model, line_pose(move, s), former, options, lately));
+  // A position that is met is on the line; the next ticks go on to turn the tool.
+  if (solution.verdict == Verdict::kNotConverged && may_miss_orientation(model) &&
+      solution.position_error_m <= options.position_tolerance_m) {
+    solution.verdict = Verdict::kConverged;
+  }
   return readings_of(configuration, solution);
 }
 

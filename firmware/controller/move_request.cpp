@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `move`: readings of some joints (q2_deg, q2_rad, q2_mm, q2_m), the others stay; or a straight
+// `move`: readings of some joints (q2_deg, q2_rad, q2_mm, q2_m), the others stay; dq2_deg and the
+// like are relative to where the joint is commanded to be; or a straight
 // line of the tool to x, y, z (_mm, _m) and, where given, the unit quaternion qw, qx, qy, qz; dx,
 // dy, dz (_mm, _m) instead are relative to where the tool is. `pace` slows the limits down. What is
 // told twice, in two units or to and by, is refused.
@@ -32,8 +33,11 @@ Key split(std::string_view key) {
   return {head(key, underscore), tail(key, underscore + 1)};
 }
 
-// q1 ... q8: the joint from 0.
+bool is_relative(std::string_view name) { return !name.empty() && name[0] == 'd'; }
+
+// q1 ... q8, dq1 ... dq8: the joint from 0.
 std::optional<std::size_t> joint_of(std::string_view name) {
+  if (is_relative(name)) name = tail(name, 1);
   if (name.size() != 2 || name[0] != 'q' || name[1] < '1' || name[1] > '8') return std::nullopt;
   return static_cast<std::size_t>(name[1] - '1');
 }
@@ -59,7 +63,7 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
     if (key == "pace") continue;
     const auto number = parse_number(value);
     const auto [name, unit] = split(key);
-    const bool relative = name.size() == 2 && name[0] == 'd';
+    const bool relative = name.size() == 2 && is_relative(name);
     const auto axis = letter(relative ? tail(name, 1) : name, "xyz");
     const bool is_quaternion = name.size() == 2 && name[0] == 'q' && unit.empty();
     const auto part = is_quaternion ? letter(tail(name, 1), "wxyz") : std::nullopt;
@@ -109,23 +113,50 @@ Result<JointVector> readings_of(const Request& request, const Arm& drawing,
     if (!number) return std::unexpected(Error::kOutOfRange);
     if (told[*joint]) return std::unexpected(Error::kContradiction);
     told[*joint] = true;
-    to[*joint] = *factor * *number;
+    to[*joint] = *factor * *number + (is_relative(name) ? from[*joint] : 0);
   }
   return to;
+}
+
+// An arm that may be elsewhere than its readings goes slowly, and not far without being looked at.
+Result<void> allow_jog(const Controls& controls, const JointVector& from, const JointVector& to,
+                       double pace, Line& out) {
+  if (referenced(controls, out)) return {};
+  bool near = pace <= References::kJogPace;
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const bool turns = controls.configuration.drawing.joints[i].type == JointType::kRevolute;
+    near = near && std::abs(to[i] - from[i]) <= (turns ? References::kJog_rad : References::kJog_m);
+  }
+  if (near) {
+    out.clear();
+    return {};
+  }
+  out.text(" at_most_deg=").number(degrees(References::kJog_rad), 0);
+  out.text(" at_most_mm=").number(1e3 * References::kJog_m, 0);
+  out.text(" pace=").number(References::kJogPace, 1);
+  return std::unexpected(Error::kUnreferenced);
 }
 
 Result<Answer> move_joints(Controls& controls, const Request& request, double pace, Line& out) {
   const JointVector& from = controls.mover.now().commanded;
   ARMSIG_TRY(to, readings_of(request, controls.configuration.drawing, from));
+  if (auto allowed = allow_jog(controls, from, to, pace, out); !allowed) {
+    return std::unexpected(allowed.error());
+  }
   const auto planned = plan_joint_move(controls.configuration, from, to, pace);
   if (!planned) {
     if (planned.error().joint) out.text(" joint=").integer(*planned.error().joint + 1);
     return std::unexpected(planned.error().error);
   }
-  return when_taken(controls.mover.send(*planned));
+  if (!kMayBound || controls.configuration.around.are_empty()) {
+    return when_taken(controls.mover.send(*planned));
+  }
+  controls.looking.emplace(controls.configuration, *planned);
+  return Answer{Answer::When::kPlanned};
 }
 
-Result<Answer> move_tool(Controls& controls, const Request& request, double pace) {
+Result<Answer> move_tool(Controls& controls, const Request& request, double pace, Line& out) {
+  if (auto sure = referenced(controls, out); !sure) return std::unexpected(sure.error());
   if (controls.custody.needs_acknowledgement()) {
     return std::unexpected(Error::kDrawingUnacknowledged);
   }
@@ -137,6 +168,33 @@ Result<Answer> move_tool(Controls& controls, const Request& request, double pace
 }
 
 }  // namespace
+
+Result<void> referenced(const Controls& controls, Line& out) {
+  const std::uint8_t joints = controls.references.unreferenced();
+  if (joints == 0) return {};
+  out.text(" joints=").numbers(joints);
+  return std::unexpected(Error::kUnreferenced);
+}
+
+// `confirm`: readings at which a person sees some joints, as in `move`.
+Result<Answer> confirm(Controls& controls, const Request& request, Line& out) {
+  const JointVector& now = controls.mover.now().positions;
+  ARMSIG_TRY(seen, readings_of(request, controls.configuration.drawing, now));
+  for (const auto& [key, value] : request.arguments) {
+    const auto [name, unit] = split(key);
+    const auto joint = joint_of(name);
+    if (!joint || is_relative(name)) return std::unexpected(Error::kUnknownRequest);
+    if (auto confirmed = controls.references.confirm(*joint, seen[*joint]); !confirmed) {
+      out.text(" joint=").integer(*joint + 1);
+      return std::unexpected(confirmed.error());
+    }
+  }
+  if (request.arguments.empty()) return std::unexpected(Error::kUnknownRequest);
+  if (const auto joints = controls.references.unreferenced(); joints != 0) {
+    out.text(" unreferenced=").numbers(joints);
+  }
+  return Answer();
+}
 
 Result<Answer> move(Controls& controls, const Request& request, Line& out) {
   double pace = 1;
@@ -150,7 +208,8 @@ Result<Answer> move(Controls& controls, const Request& request, Line& out) {
       joints = true;
     }
   }
-  return joints ? move_joints(controls, request, pace, out) : move_tool(controls, request, pace);
+  return joints ? move_joints(controls, request, pace, out)
+                : move_tool(controls, request, pace, out);
 }
 
 }  // namespace armsig::controller

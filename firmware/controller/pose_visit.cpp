@@ -53,7 +53,7 @@ void PoseVisit::begin(Ticket begun) {
 #ifndef ARMSIG_NO_REFINEMENT
 WayLook::Says PoseVisit::look_at_way(const JointVector& q) {
   if (looks_.at != Looking::kAtPose) return WayLook::Says::kClear;
-  const auto says = looks_.look.step(configuration_, configuration_.sweeps.configuration, q);
+  const auto says = look_on(looks_.look, configuration_, configuration_.sweeps.configuration, q);
   if (says == WayLook::Says::kClear) looks_ = {.look = {}, .at = Looking::kAtWay};
   if (says == WayLook::Says::kLeaves) forget_look();
   return says;
@@ -62,15 +62,27 @@ WayLook::Says PoseVisit::look_at_way(const JointVector& q) {
 std::expected<void, MoveRefusal> PoseVisit::go_inside(const JointVector& q) {
   const bool home = looks_.at == Looking::kAtWayHome;
   const JointVector& to = home ? configuration_.sweeps.configuration : q;
-  const auto says = looks_.look.step(configuration_, mover_.now().commanded, to);
+  const auto says = look_on(looks_.look, configuration_, mover_.now().commanded, to);
   if (says == WayLook::Says::kMore) return {};
   if (says == WayLook::Says::kLeaves) {
-    if (home) return std::unexpected(MoveRefusal{Error::kOutsideWorkspace, looks_.look.joint()});
+    if (home) {
+      const clearance::Room& room = looks_.look.room();
+      tell_no_way(room);
+      return std::unexpected(
+          MoveRefusal{Error::kOutsideWorkspace, moving_joint(configuration_, room)});
+    }
     looks_ = {.look = {}, .at = Looking::kAtWayHome};
     return {};
   }
   looks_ = {.look = {}, .at = home ? Looking::kAtWay : Looking::kAtPose, .goes_home = home};
   return move_to(to);
+}
+
+[[gnu::noinline]] void PoseVisit::tell_no_way(const clearance::Room& room) const {
+  Line line;
+  line.text("# ").text(sequence_).text(" finds no way");
+  add_room(line, room);
+  announcer_.say(line);
 }
 
 bool PoseVisit::is_half_way() { return std::exchange(looks_.goes_home, false); }

@@ -20,8 +20,8 @@ namespace armsig::controller {
 // of each joint's limits; the same at every call.
 [[nodiscard]] JointVector spread_pose(const Configuration& configuration, std::size_t index);
 
-// The same of those that a candidate is judged by. Where the workspace box excludes many they go on
-// where no self-calibration is offered one.
+// The same of those that a candidate is judged by. Where what is around the arm excludes many they
+// go on where no self-calibration is offered one.
 [[nodiscard]] JointVector held_out_pose(const Configuration& configuration, std::size_t index);
 
 // What became of a pose in a step.
@@ -51,15 +51,15 @@ class PoseVisit {
 
   // The sequence begins; `begun` is the kBeginSequence that it needs.
   void begin(Ticket begun);
-  // Whether `q` may be gone to: the way there from the signature configuration stays in the
-  // workspace box. A bounded step; while there is more to look at, to be asked again about it.
+  // Whether `q` may be gone to: the way there from the signature configuration is clear. A bounded
+  // step; while there is more to look at, to be asked again about it.
   [[nodiscard]] WayLook::Says look_at(const JointVector& q) {
     if constexpr (kMayBound) return look_at_way(q);
     return WayLook::Says::kClear;
   }
   // What look_at() has found is of no use: the pose is not gone to.
   void forget_look() { looks_ = {}; }
-  // Straight in the joint readings, or where that would leave the box by way of the signature
+  // Straight in the joint readings, or where that is not clear by way of the signature
   // configuration. A bounded step: until is_under_way() is true, to be called again. Errors: those
   // of plan_joint_move(); kLateTick (the tick has stopped); kOutsideWorkspace (there is no way from
   // where the arm is). Precondition: look_at(q) is clear.
@@ -90,6 +90,7 @@ class PoseVisit {
   [[nodiscard]] WayLook::Says look_at_way(const JointVector& q);
   [[nodiscard]] std::expected<void, MoveRefusal> go_inside(const JointVector& q);
   [[nodiscard]] std::expected<void, MoveRefusal> move_to(const JointVector& q);
+  void tell_no_way(const clearance::Room& room) const;
   // Whether the arm is at the signature configuration on the way to a pose.
   [[nodiscard]] bool is_half_way();
   [[nodiscard]] bool has_moved() const;
@@ -110,8 +111,8 @@ class PoseVisit {
 };
 
 // A sequence of visits, `Sequence`, which is told what becomes of each: ready() for the next one,
-// arrived(), take(point), lose(error), end(error, joint), pass_over() for a pose that the workspace
-// box excludes. It is its friend.
+// arrived(), take(point), lose(error), end(error, joint), pass_over() for a pose that what is
+// around the arm excludes. It is its friend.
 template <typename Sequence>
 class VisitingSequence {
  public:

@@ -8,14 +8,14 @@
 #include "core/base/check.hpp"
 #include "core/base/crc32.hpp"
 #include "firmware/controller/little_endian.hpp"
-#include "firmware/controller/record_store.hpp"
+#include "firmware/controller/store_ledger.hpp"
 
 namespace armsig::controller {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kPositionMagic{'A', 'P', 'O', 'S'};
-constexpr std::uint16_t kPositionVersion = 1;
-constexpr std::size_t kPositionBytes = 80;
+constexpr std::uint16_t kPositionVersion = 2;
+constexpr std::size_t kPositionBytes = 116;
 constexpr std::size_t kPositionCrcOffset = kPositionBytes - 4;
 using PositionImage = std::array<std::uint8_t, kPositionBytes>;
 
@@ -26,7 +26,8 @@ std::uint32_t position_crc(const PositionImage& image) {
   return crc32(std::as_bytes(std::span(image).first(kPositionCrcOffset)));
 }
 
-PositionImage image_of(const JointVector& positions, std::uint32_t number) {
+PositionImage image_of(const RestRecord& rest, std::uint32_t number) {
+  const JointVector& positions = rest.positions;
   PositionImage image{};
   LittleEndianWriter out(image);
   for (const std::uint8_t byte : kPositionMagic) out.integer(byte, 1);
@@ -34,14 +35,27 @@ PositionImage image_of(const JointVector& positions, std::uint32_t number) {
   out.integer(positions.size(), 2);
   out.integer(number, 4);
   for (std::size_t i = 0; i < kMaxJoints; ++i) out.real(i < positions.size() ? positions[i] : 0);
+  out.integer(rest.unreferenced, 4);
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    out.integer(i < rest.drives.size() ? rest.drives[i] : 0, 4);
+  }
   out.integer(position_crc(image), 4);
   return image;
 }
 
 struct Kept {
   std::uint32_t number = 0;
-  JointVector positions;
+  RestRecord rest;
 };
+
+// As a page holds them: as many of the eight as there are joints.
+template <typename Vector>
+void read_some(std::size_t joints, Vector& into, auto read) {
+  for (std::size_t i = 0; i < kMaxJoints; ++i) {
+    const auto value = read();
+    if (i < joints) into.push_back(value);
+  }
+}
 
 std::optional<Kept> kept_in(const PositionImage& image) {
   if (!std::ranges::equal(std::span(image).first(4), kPositionMagic)) return std::nullopt;
@@ -54,7 +68,9 @@ std::optional<Kept> kept_in(const PositionImage& image) {
   if (version != kPositionVersion || joints > kMaxJoints) return std::nullopt;
   Kept kept;
   kept.number = static_cast<std::uint32_t>(in.integer(4));
-  for (std::size_t i = 0; i < joints; ++i) kept.positions.push_back(in.real());
+  read_some(joints, kept.rest.positions, [&] { return in.real(); });
+  kept.rest.unreferenced = static_cast<std::uint8_t>(in.integer(4));
+  read_some(joints, kept.rest.drives, [&] { return static_cast<std::uint32_t>(in.integer(4)); });
   if (!in.all_finite()) return std::nullopt;
   return kept;
 }
@@ -67,7 +83,7 @@ bool PositionKeeper::fits() const {
          layout.page_bytes <= kLargestPage;
 }
 
-std::optional<JointVector> PositionKeeper::load(std::size_t joints) {
+std::optional<RestRecord> PositionKeeper::load(std::size_t joints) {
   kept_.reset();
   number_ = 0;
   next_page_ = 0;
@@ -82,16 +98,18 @@ std::optional<JointVector> PositionKeeper::load(std::size_t joints) {
     const auto kept = read ? kept_in(image) : std::nullopt;
     if (!kept || kept->number < number_) continue;
     number_ = kept->number;
-    kept_ = kept->positions;
+    kept_ = kept->rest;
   }
-  if (kept_ && kept_->size() != joints) kept_.reset();
+  if (kept_ && kept_->positions.size() != joints) kept_.reset();
   return kept_;
 }
 
-void PositionKeeper::begin(const JointVector& positions) {
+void PositionKeeper::begin(const RestRecord& rest) {
   const auto same = [](double a, double b) { return std::abs(a - b) <= kSamePlace; };
-  if (!fits() || (kept_ && std::ranges::equal(*kept_, positions, same))) return;
-  writing_ = positions;
+  const bool kept = kept_ && kept_->unreferenced == rest.unreferenced &&
+                    std::ranges::equal(kept_->drives, rest.drives) &&
+                    std::ranges::equal(kept_->positions, rest.positions, same);
+  if (fits() && !kept) writing_ = rest;
 }
 
 void PositionKeeper::step() {
@@ -105,14 +123,6 @@ void PositionKeeper::step() {
   const std::size_t at = sector_ * layout.sector_bytes() + next_page_++ * layout.page_bytes;
   if (program_padded(memory_, at, image_of(*writing_, ++number_))) kept_ = writing_;
   writing_.reset();
-}
-
-void keep_positions(hal::NonvolatileMemory& memory, const hal::JointDrives& drives) {
-  if (!drives.all(hal::DriveCondition::kDisabled)) return;
-  PositionKeeper keeper(memory, RecordStore(memory).sectors());
-  (void)keeper.load(drives.count());
-  keeper.begin(drives.positions());
-  while (keeper.is_writing()) keeper.step();
 }
 
 }  // namespace armsig::controller

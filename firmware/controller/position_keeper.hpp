@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the joints were when the torque was last taken off, kept over a loss of power: an encoder
-// that has lost its count shows by it at the next power-up.
+// Where the joints stood without torque, and which of them are not known to, kept over a loss of
+// power: an encoder that has lost its count shows by it at the next power-up.
 //
 // One sector of non-volatile memory, a page for each time, erased when it is full; the valid page
 // with the largest number counts. A write that power cuts short costs at most what was kept.
@@ -8,20 +8,30 @@
 //
 //   offset  bytes
 //        0      4  magic "APOS"
-//        4      2  version, 1
+//        4      2  version, 2
 //        6      2  joints, n
 //        8      4  number
 //       12     64  readings, 8 doubles; unused ones zero
-//       76      4  CRC-32 of all before
+//       76      4  a bit for each joint that is unreferenced (references.hpp)
+//       80     32  marks of the drives, 8 times 4; unused ones zero
+//      112      4  CRC-32 of all before
 #pragma once
 
 #include <optional>
 
 #include "core/base/arm.hpp"
-#include "hal/joint_drives.hpp"
 #include "hal/nonvolatile_memory.hpp"
 
 namespace armsig::controller {
+
+// Of each drive, as mark_of() has it; 0: it does not say who it is.
+using DriveMarks = FixedVector<std::uint32_t, kMaxJoints>;
+
+struct RestRecord {
+  JointVector positions;
+  std::uint8_t unreferenced = 0;  // bit per joint
+  DriveMarks drives;              // that told the positions when they were last known to be right
+};
 
 class PositionKeeper {
  public:
@@ -30,10 +40,11 @@ class PositionKeeper {
       : memory_(memory), sector_(sector) {}
 
   // What was kept last; empty: nothing, or not of so many joints. Also finds out where to write.
-  [[nodiscard]] std::optional<JointVector> load(std::size_t joints);
+  [[nodiscard]] std::optional<RestRecord> load(std::size_t joints);
 
-  // Begins to keep `positions`, unless they are what is kept already. Precondition: load().
-  void begin(const JointVector& positions);
+  // Begins to keep `rest`, unless it is what is kept already. Preconditions: load(); as many drives
+  // as positions.
+  void begin(const RestRecord& rest);
   [[nodiscard]] bool is_writing() const { return writing_.has_value(); }
   // One erase or one page. What fails is given up: nothing depends on it. Precondition:
   // is_writing().
@@ -46,11 +57,8 @@ class PositionKeeper {
   std::size_t sector_;
   std::size_t next_page_ = 0;
   std::uint32_t number_ = 0;
-  std::optional<JointVector> kept_;
-  std::optional<JointVector> writing_;
+  std::optional<RestRecord> kept_;
+  std::optional<RestRecord> writing_;
 };
-
-// Keeps where `drives` are, at the end of a controller that is no longer run: if none has torque.
-void keep_positions(hal::NonvolatileMemory& memory, const hal::JointDrives& drives);
 
 }  // namespace armsig::controller

@@ -57,12 +57,9 @@ Result<void> RecordStore::read(const StoredRecord& record) {
 bool RecordStore::was_never_used(const std::array<BankLedger, kStoreBanks>& ledgers) {
   for (std::size_t bank = 0; bank < kStoreBanks; ++bank) {
     if (ledgers[bank].strange > 1) return false;
-    // A record of either version begins here; what follows the former one's room need not be
-    // erased in a store that was made for it.
-    const auto begin = std::span(image_).first(kFormerRecordBytes);
-    const bool read = read_patiently(memory_, record_address(bank), begin).has_value();
+    const bool read = read_patiently(memory_, record_address(bank), image_).has_value();
     if (!read && bank > 0) return false;
-    if (read && !is_erased(begin)) return false;
+    if (read && !is_erased(image_)) return false;
   }
   return true;
 }

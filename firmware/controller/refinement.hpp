@@ -16,13 +16,6 @@
 
 namespace armsig::controller {
 
-// Where a program has no memory for a Refinement, nothing of what would call one is in its image.
-#ifdef ARMSIG_NO_REFINEMENT
-inline constexpr bool kMayRefine = false;
-#else
-inline constexpr bool kMayRefine = true;
-#endif
-
 // What was measured at a pose, for a later run that goes the same way.
 struct KeptPoint {
   std::size_t sweep = 0;                    // joint from 1, 0: a pose
@@ -83,7 +76,8 @@ class Refinement {
   [[nodiscard]] Next step(hal::Instant now) { return do_step(now); }
   [[nodiscard]] const Visit& visit() const { return do_visit(); }
   void tell(Line& line) const { do_tell(line); }
-  // For `status`: how far it is, ` predicted_mm=...`; nothing where nothing is known yet.
+  // For `status`: how far it is, ` candidate_predicted_tool_error_mm=...`; nothing where nothing is
+  // known yet.
   void tell_state(Line& line) const { do_tell_state(line); }
   // Poses to be measured in all, as far as is known.
   [[nodiscard]] std::size_t planned() const { return do_planned(); }

@@ -19,7 +19,6 @@ Servo::Servo(const Configuration& configuration, hal::JointDrives& drives, hal::
     : configuration_(configuration), drives_(drives), clock_(clock), link_(link) {
   ARMSIG_CHECK(drives.count() == configuration.drawing.joints.size());
   commanded_.resize(drives.count());
-  speed_.resize(drives.count());
 }
 
 void Servo::tick(hal::Duration lateness) {
@@ -49,6 +48,7 @@ void Servo::supervise_drives() {
     const hal::DriveStatus status = drives_.status(joint);
     if (status.condition != hal::DriveCondition::kFaulted && !status.fault) continue;
     fail(status.fault.value_or(Error::kDriveFault), joint, status.fault_code, status.words);
+    if (fault_->joint == joint) fault_->object = status.fault_object;
   }
   for (std::size_t joint = 0; joint < drives_.count() && has_torque(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
@@ -116,7 +116,7 @@ std::optional<Error> Servo::take(const Command& command) {
       break;
     case CommandKind::kHalt:
       in_sequence_ = false;
-      brake();
+      path_.brake();
       break;
     case CommandKind::kMove:
       // The operator's halt may have come before the move of a sequence that does not know of it.
@@ -149,22 +149,8 @@ std::optional<Error> Servo::begin(const Move& move) {
     if (std::abs(move.from[joint] - commanded_[joint]) > kSameReading) return Error::kWrongMode;
   }
   move_ = move;
-  course_s_ = brake_ = 0;
-  pace_ = 1;
+  path_.begin(move.duration_s, hal::seconds(configuration_.period));
   return std::nullopt;
-}
-
-// The arm stays on its path, which was checked, and slows down as fast as the joint that has the
-// longest to brake may.
-void Servo::brake() {
-  if (!move_ || brake_ > 0) return;
-  double longest_s = 0;
-  for (std::size_t joint = 0; joint < speed_.size(); ++joint) {
-    longest_s =
-        std::max(longest_s, std::abs(speed_[joint]) / configuration_.limits.acceleration[joint]);
-  }
-  const double period_s = hal::seconds(configuration_.period);
-  brake_ = period_s / std::max(longest_s, period_s);
 }
 
 void Servo::step_mode() {
@@ -196,28 +182,36 @@ void Servo::follow_positions() {
 }
 
 void Servo::publish_machine() {
+  publish_gaps();
   const auto machine = machine_of(configuration_.drawing, drives_);
   if (!machine) return;
   link_.machine.writing() = *machine;
   link_.machine.publish();
 }
 
+void Servo::publish_gaps() {
+  auto& gaps = link_.gaps.writing();
+  gaps.clear();
+  for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
+    for (std::size_t number = 0; !gaps.full(); ++number) {
+      const auto gap = drives_.gap(joint, number);
+      if (!gap) break;
+      gaps.push_back({static_cast<std::uint8_t>(joint), *gap});
+    }
+  }
+  link_.gaps.publish();
+}
+
 void Servo::step_move() {
   if (!move_) return;
-  const double period_s = hal::seconds(configuration_.period);
-  pace_ = std::max(0.0, pace_ - brake_);
-  course_s_ += pace_ * period_s;
-  const auto q =
-      readings_at(*move_, configuration_, link_.models[model_], commanded_, course_s_, lately_);
+  const auto q = readings_at(*move_, configuration_, link_.models[model_], commanded_,
+                             path_.advance(move_->braking), lately_);
   if (!q) {
     fail(q.error());
     return;
   }
-  for (std::size_t joint = 0; joint < q->size(); ++joint) {
-    speed_[joint] = ((*q)[joint] - commanded_[joint]) / period_s;
-  }
   commanded_ = *q;
-  if (course_s_ >= move_->duration_s || pace_ == 0) move_.reset();
+  if (path_.at_rest()) move_.reset();
 }
 
 bool Servo::is_settled() const {
@@ -236,6 +230,13 @@ void Servo::command_drives() {
   }
 }
 
+// Where every position is known.
+void Servo::publish_tool(Snapshot& out) const {
+  out.X_RT.reset();
+  if (out.known != (1U << drives_.count()) - 1) return;
+  if (const auto X_RT = tool_pose(link_.models[model_], out.positions)) out.X_RT = *X_RT;
+}
+
 void Servo::publish(hal::Duration lateness) {
   Snapshot& out = link_.snapshot.writing();
   out.mode = mode_;
@@ -245,19 +246,22 @@ void Servo::publish(hal::Duration lateness) {
   out.positions = drives_.positions();
   out.commanded = commanded_;
   out.moving = move_.has_value();
-  out.left_s = move_ ? std::max(0.0, move_->duration_s - course_s_) : 0;
+  out.left_s = move_ ? path_.left_s() : 0;
   out.settled = has_torque() ? now_ - unsettled_at_ : hal::Duration::zero();
   out.now = now_;
   out.model = model_;
-  if (const auto X_RT = tool_pose(link_.models[model_], out.positions)) out.X_RT = *X_RT;
   out.all_disabled = drives_.all(hal::DriveCondition::kDisabled);
   out.status_words.clear();
-  out.limits_active = 0;
+  out.limits_active = out.unsupervised = out.known = 0;
   for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
     out.status_words.push_back(status.status_word);
-    if (status.limit_active) out.limits_active |= static_cast<std::uint8_t>(1U << joint);
+    const auto bit = static_cast<std::uint8_t>(1U << joint);
+    if (status.limit_active) out.limits_active |= bit;
+    if (status.unsupervised) out.unsupervised |= bit;
+    if (status.has_position) out.known |= bit;
   }
+  publish_tool(out);
   lateness_.add(lateness);
   out.lateness = lateness_;
   execution_.add(clock_.now() - now_);

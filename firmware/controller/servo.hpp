@@ -26,12 +26,13 @@ class Servo {
   [[nodiscard]] std::optional<Error> take(const Command& command);
   void disable();
   [[nodiscard]] std::optional<Error> begin(const Move& move);
-  void brake();
   void step_mode();
   void step_move();
   void command_drives();
   void publish(hal::Duration lateness);
+  void publish_tool(Snapshot& out) const;
   void publish_machine();
+  void publish_gaps();
   void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0,
             std::string_view words = {});
   void learn_the_reason();
@@ -48,15 +49,11 @@ class Servo {
   bool in_sequence_ = false;
   std::optional<Move> move_;
   hal::Instant now_;
-  // How far the move under way is, in seconds of its plan. It advances by a period a tick, slower
-  // while a halt brakes it, so that a late tick makes the move longer and never jump.
-  double course_s_ = 0;
-  double pace_ = 1;   // of the course
-  double brake_ = 0;  // by how much the pace falls in a tick
+  // It advances by a period a tick, so that a late tick makes the move longer and never jump.
+  PathParameter path_;
   hal::Instant unsettled_at_;
   JointVector commanded_;
   calibration::LatelyTurned lately_;  // in the tick before
-  JointVector speed_;                 // of the commanded readings, in the last tick of a move
   std::size_t model_ = 0;
   std::uint32_t handled_ = 0;
   std::array<CommandResult, 8> results_{};

@@ -11,8 +11,7 @@ namespace armsig::controller {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic{'A', 'S', 'I', 'G'};
-constexpr std::uint16_t kVersion = 3;
-constexpr std::uint16_t kFormerVersion = 2;
+constexpr std::uint16_t kVersion = 4;
 
 using calibration::GravityTerm;
 using calibration::kMaxGravityTerms;
@@ -29,8 +28,7 @@ Vector3 read_vector(LittleEndianReader& in) {
   return v;
 }
 
-void write_machine(PartWriter& out, const Machine& machine) {
-  out.integer(machine.drawing_crc, 8);
+void write_drives(PartWriter& out, const Machine& machine) {
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
     const hal::DriveIdentity drive =
         i < machine.drives.size() ? machine.drives[i] : hal::DriveIdentity{};
@@ -43,9 +41,8 @@ void write_machine(PartWriter& out, const Machine& machine) {
   }
 }
 
-Machine read_machine(LittleEndianReader& in, std::size_t joints) {
-  Machine machine;
-  machine.drawing_crc = static_cast<std::uint32_t>(in.integer(8));
+void read_drives(LittleEndianReader& in, std::size_t joints, Machine& machine) {
+  machine.drives.clear();
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
     hal::DriveIdentity drive;
     for (std::uint32_t& number : drive.device) number = static_cast<std::uint32_t>(in.integer(4));
@@ -56,7 +53,6 @@ Machine read_machine(LittleEndianReader& in, std::size_t joints) {
     drive.reversed = in.integer(4) == 1;
     if (i < joints) machine.drives.push_back(drive);
   }
-  return machine;
 }
 
 // Four doubles, and the steps of all knots.
@@ -85,13 +81,16 @@ void write_deflections(PartWriter& out, const PackedDeflections& deflections) {
     out.integer(term.origin, 3);
     out.real(term.coefficient);
   }
+  write_vector(out, deflections.empty() ? Vector3(Vector3::Zero()) : deflections.up_0);
 }
 
 // False where what is read is not to be servoed with.
-bool read_deflections(LittleEndianReader& in, std::size_t joints, PackedDeflections& deflections) {
+bool read_deflections(LittleEndianReader& in, const Arm& nominal, std::size_t joints,
+                      PackedDeflections& deflections) {
   deflections.maps.clear();
   deflections.gravity.clear();
   deflections.drawn_zero.fill(0);
+  deflections.up_0 = Vector3::UnitZ();
   const std::uint64_t there = in.integer(4);
   const std::uint64_t terms = in.integer(4);
   if (there > 1 || terms > (there == 1 ? kMaxGravityTerms : 0)) return false;
@@ -114,7 +113,8 @@ bool read_deflections(LittleEndianReader& in, std::size_t joints, PackedDeflecti
     term.coefficient = in.real();
     if (k < terms) deflections.gravity.push_back(term);
   }
-  return check(deflections, joints).has_value();
+  deflections.up_0 = read_vector(in);
+  return nominal.joints.size() != joints || check(deflections, nominal).has_value();
 }
 
 const Target* hand_target(const Signature& signature) {
@@ -131,7 +131,7 @@ bool is_rotation(const Matrix3& R) {
 // Without the CRC; none where the image says another length than records have.
 std::span<const std::uint8_t> content_of(const RecordImage& image) {
   const std::uint64_t length = LittleEndianReader(image, 8).integer(4);
-  if (length != kRecordBytes && length != kFormerRecordBytes) return {};
+  if (length != kRecordBytes) return {};
   return std::span(image).first(static_cast<std::size_t>(length) - 4);
 }
 
@@ -140,7 +140,8 @@ void write(PartWriter& out, const SignatureRecord& record, std::uint32_t sequenc
   const std::size_t n = signature.joint_count();
   for (const std::uint8_t byte : kMagic) out.integer(byte, 1);
   out.integer(kVersion, 2);
-  out.integer(n, 2);
+  out.integer(n, 1);
+  out.integer(static_cast<std::uint64_t>(record.method), 1);
   out.integer(kRecordBytes, 4);
   out.integer(sequence, 4);
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
@@ -157,10 +158,15 @@ void write(PartWriter& out, const SignatureRecord& record, std::uint32_t sequenc
   out.integer(target != nullptr ? 1 : 0, 4);
   write_vector(out, target != nullptr ? target->p_S : Vector3::Zero());
   out.real(record.air_celsius);
-  out.real(record.held_out_rms_m);
+  const auto validated = record.accuracy.validated.value_or(ToolAccuracy::Validated{});
+  const auto predicted = record.accuracy.predicted.value_or(ToolAccuracy::Predicted{});
+  out.real(validated.rms_m);
   out.integer(static_cast<std::uint64_t>(record.identified_at_s), 8);
-  out.real(record.predicted_sigma_m);
-  write_machine(out, record.machine);
+  out.real(predicted.rms_m);
+  out.integer(record.machine.drawing_crc, 4);
+  out.integer(static_cast<std::uint64_t>(predicted.region), 2);
+  out.integer(validated.poses, 2);
+  write_drives(out, record.machine);
   write_deflections(out, record.deflections);
   out.integer(out.crc(), 4);
 }
@@ -194,6 +200,24 @@ bool read_signature(LittleEndianReader& in, std::size_t n, Signature& signature)
   target.p_S = read_vector(in);
   if (has_target) signature.targets.push_back(target);
   return rotations;
+}
+
+// And when it was identified, and of which drawing. False: no accuracy, or of no region.
+bool read_accuracy(LittleEndianReader& in, SignatureRecord& record) {
+  ToolAccuracy::Validated validated{.rms_m = in.real()};
+  record.identified_at_s = static_cast<std::int64_t>(in.integer(8));
+  ToolAccuracy::Predicted predicted{.rms_m = in.real()};
+  record.machine.drawing_crc = static_cast<std::uint32_t>(in.integer(4));
+  const std::uint64_t region = in.integer(2);
+  validated.poses = static_cast<std::uint32_t>(in.integer(2));
+  if (region >= kPredictedRegions.size() || !(validated.rms_m >= 0 && predicted.rms_m >= 0)) {
+    return false;
+  }
+  predicted.region = static_cast<PredictedRegion>(region);
+  record.accuracy = {};
+  if (validated.rms_m > 0) record.accuracy.validated = validated;
+  if (predicted.rms_m > 0) record.accuracy.predicted = predicted;
+  return true;
 }
 
 }  // namespace
@@ -232,22 +256,25 @@ Result<void> decode(const RecordImage& image, const Arm& drawing, SignatureRecor
   }
   LittleEndianReader in(image, 4);
   const std::uint64_t version = in.integer(2);
-  const auto n = static_cast<std::size_t>(in.integer(2));
+  const auto n = static_cast<std::size_t>(in.integer(1));
+  const std::uint64_t method = in.integer(1);
   const std::uint64_t length = in.integer(4);
-  const bool former = version == kFormerVersion && length == kFormerRecordBytes;
-  const bool known = former || (version == kVersion && length == kRecordBytes);
-  if (!known || n == 0 || n > kMaxJoints) return std::unexpected(Error::kRecordCorrupt);
+  const bool known = version == kVersion && length == kRecordBytes;
+  if (!known || n == 0 || n > kMaxJoints || method >= kMethods.size()) {
+    return std::unexpected(Error::kRecordCorrupt);
+  }
   record.sequence = static_cast<std::uint32_t>(in.integer(4));
   const bool rotations = read_signature(in, n, record.signature);
+  record.method = static_cast<Method>(method);
   record.air_celsius = in.real();
-  record.held_out_rms_m = in.real();
-  record.identified_at_s = static_cast<std::int64_t>(in.integer(8));
-  record.predicted_sigma_m = in.real();
-  record.machine = read_machine(in, n);
+  const bool stated = read_accuracy(in, record);
+  read_drives(in, n, record.machine);
   record.deflections.maps.clear();
   record.deflections.gravity.clear();
-  const bool bounded = former || read_deflections(in, n, record.deflections);
-  if (!in.all_finite() || !rotations || !bounded) return std::unexpected(Error::kRecordCorrupt);
+  const bool bounded = read_deflections(in, drawing, n, record.deflections);
+  if (!in.all_finite() || !rotations || !bounded || !stated) {
+    return std::unexpected(Error::kRecordCorrupt);
+  }
   if (n != drawing.joints.size()) return std::unexpected(Error::kRecordUnsuitable);
   for (std::size_t i = 0; i < n; ++i) {
     if (record.signature.types[i] != drawing.joints[i].type) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `status`, `signature`, `candidate`, `log`: what the controller says about itself.
+// `status`, `signature`, `candidate`, `log`: what the controller says about itself. A key whose
+// value is not known is left out.
 #include "core/base/error_name.hpp"
 #include "firmware/controller/verbs.hpp"
 
@@ -7,6 +8,7 @@ namespace armsig::controller {
 namespace {
 
 void tell(Line& line, std::string_view what, const Histogram& histogram) {
+  if (histogram.total == 0) return;
   line.text(" ").text(what).text("_mean_us=").number(histogram.mean_us(), 1);
   line.text(" ").text(what).text("_max_us=").number(1e6 * hal::seconds(histogram.largest), 1);
   line.text(" ").text(what).text("_bins=");
@@ -15,20 +17,11 @@ void tell(Line& line, std::string_view what, const Histogram& histogram) {
   }
 }
 
-// Joints whose drives limit the motion by themselves: ` limits_active=3,5`.
-void tell_limits(Line& line, const Snapshot& snapshot) {
-  line.text(" limits_active=");
-  bool first = true;
-  for (std::size_t joint = 0; joint < snapshot.positions.size(); ++joint) {
-    if ((snapshot.limits_active >> joint & 1U) == 0) continue;
-    line.text(first ? "" : ",").integer(joint + 1);
-    first = false;
-  }
-}
-
-// Readings of all joints, with `decimals`: ` q1_deg=10.0000 q2_mm=...`.
-void tell_readings(Line& line, const Arm& drawing, const JointVector& q, unsigned decimals) {
+// Readings of the joints whose bit is set in `known`, with `decimals`: ` q1_deg=10.0000 q2_mm=...`.
+void tell_readings(Line& line, const Arm& drawing, const JointVector& q, unsigned decimals,
+                   unsigned known = ~0U) {
   for (std::size_t i = 0; i < q.size(); ++i) {
+    if ((known >> i & 1U) == 0) continue;
     const bool turns = drawing.joints[i].type == JointType::kRevolute;
     line.text(" q").integer(i + 1).text(turns ? "_deg=" : "_mm=");
     line.number(turns ? degrees(q[i]) : 1e3 * q[i], decimals);
@@ -47,20 +40,30 @@ void tell_arm(Line& line, const Controls& controls) {
   if (s.fault) {
     line.text(" fault=").text(name(s.fault->error));
     if (s.fault->joint) line.text(" fault_joint=").integer(*s.fault->joint + 1);
+    line.device_object(s.fault->object, "fault_");
     line.device_says(s.fault->code, s.fault->words, "fault_");
   }
   line.text(" moving=").text(s.moving ? "yes" : "no");
-  if (s.limits_active != 0) tell_limits(line, s);
-  tell_readings(line, controls.configuration.drawing, s.positions, 4);
-  tell_point(line, s.X_RT.p, 3);
+  if (s.limits_active != 0) line.text(" limits_active=").numbers(s.limits_active);
+  if (s.unsupervised != 0) line.text(" unsupervised=").numbers(s.unsupervised);
+  if (const auto joints = controls.references.unreferenced(); joints != 0) {
+    line.text(" unreferenced=").numbers(joints);
+  }
+  tell_readings(line, controls.configuration.drawing, s.positions, 4, s.known);
+  if (s.X_RT) tell_point(line, s.X_RT->p, 3);
   const Model& model = controls.link.models[s.model];
   line.text(" model=").text(model.identified ? "signature" : "drawing");
-  if (model.identified) line.text(" maps=").text(model.joints.exact() ? "no" : "yes");
+  if (!model.identified) return;
+  model.figures.tell(line);
+  line.text(" maps=").text(model.joints.exact() ? "no" : "yes");
 }
 
 void tell_sensor(Line& line, const PointMeasurement& measurement) {
-  line.text(" sensor=");
-  line.text(measurement.trouble() ? name(*measurement.trouble()) : "well");
+  if (measurement.trouble()) {
+    line.text(" sensor=").text(name(*measurement.trouble()));
+  } else if (measurement.air_celsius()) {
+    line.text(" sensor=well");
+  }
   if (const std::string_view words = measurement.trouble_words(); !words.empty()) {
     line.text(" sensor_says=\"").text(words).text("\"");
   }
@@ -76,7 +79,7 @@ void tell_sequence(Line& line, const Controls& controls) {
     }
     line.text(" points=").integer(identification.points_done());
     line.text(" planned=").integer(identification.points_planned());
-    line.text(" left_s=").number(identification.left_s(), 0);
+    if (const auto left_s = identification.left_s()) line.text(" left_s=").number(*left_s, 0);
     if (const auto joint = identification.swept_joint()) {
       line.text(" sweep=").integer(*joint + 1);
       const auto sigma_rad = identification.axis_sigma_rad();
@@ -107,7 +110,9 @@ Result<Answer> tell_status(Controls& controls, const Request& /*request*/, Line&
   out.text(" ticks=").integer(s.execution.total);
   tell(out, "late", s.lateness);
   tell(out, "exec", s.execution);
-  out.text(" step_max_us=").number(1e6 * hal::seconds(controls.longest_step), 1);
+  if (controls.longest_step >= hal::Duration::zero()) {
+    out.text(" step_max_us=").number(1e6 * hal::seconds(controls.longest_step), 1);
+  }
   return Answer();
 }
 
@@ -117,10 +122,8 @@ Result<Answer> tell_signature(Controls& controls, const Request& /*request*/, Li
     out.text(" model=drawing");
     return Answer();
   }
-  out.text(" model=signature sequence=").integer(record->sequence);
-  out.text(" air_c=").number(record->air_celsius, 1);
-  out.text(" held_out_rms_mm=").number(1e3 * record->held_out_rms_m, 4);
-  out.text(" predicted_sigma_mm=").number(1e3 * record->predicted_sigma_m, 4);
+  out.text(" model=signature");
+  SignatureFigures(*record).tell(out);
   if (record->identified_at_s > 0) {
     out.text(" identified_unix_s=").integer(static_cast<std::uint64_t>(record->identified_at_s));
   }
@@ -137,11 +140,7 @@ Result<Answer> tell_signature(Controls& controls, const Request& /*request*/, Li
 Result<Answer> tell_candidate(Controls& controls, const Request& /*request*/, Line& out) {
   const IdentificationSequence& identification = controls.identification;
   if (!identification.has_verdict()) return std::unexpected(Error::kNoCandidate);
-  const HeldOutReport& report = identification.report();
-  out.text(" held_out=").integer(report.poses);
-  out.text(" candidate_rms_mm=").number(1e3 * report.candidate_rms_m, 4);
-  out.text(" active_rms_mm=").number(1e3 * report.active_rms_m, 4);
-  out.text(" better=").text(report.is_better() ? "yes" : "no");
+  identification.tell_verdict(out);
   return Answer();
 }
 

@@ -28,13 +28,14 @@ Sweep::Sweep(const Configuration& configuration, std::size_t joint)
       joint_(joint),
       estimator_({.type = configuration.drawing.joints[joint].type, .limits = {}}) {
   const SweepPlan& plan = configuration.sweeps;
-  auto [lower, upper] = configuration.drawing.limits[joint];
+  auto [lower, upper] = reach();
   const double least = lower;
   const double most = upper;
   const bool turns = configuration.drawing.joints[joint].type == JointType::kRevolute;
-  if (turns && plan.arc_rad < upper - lower) {
-    lower = std::clamp(plan.configuration[joint] - plan.arc_rad / 2, lower, upper - plan.arc_rad);
-    upper = lower + plan.arc_rad;
+  const double arc_rad = arc_of(plan, joint);
+  if (turns && arc_rad < upper - lower) {
+    lower = std::clamp(plan.configuration[joint] - arc_rad / 2, lower, upper - arc_rad);
+    upper = lower + arc_rad;
   }
   first_ = lower;
   step_ = (upper - lower) / static_cast<double>(plan.points - 1);
@@ -48,6 +49,11 @@ Sweep::Sweep(const Configuration& configuration, std::size_t joint)
     above_ = std::min(above_, std::max(plan.points, turn));
     below_ = std::min(below_, turn - std::min(turn, above_));
   }
+}
+
+const JointLimits& Sweep::reach() const {
+  const auto& free = configuration_.sweeps.free;
+  return free.empty() ? configuration_.drawing.limits[joint_] : free[joint_];
 }
 
 bool Sweep::is_accurate() const {
@@ -72,7 +78,7 @@ std::optional<double> Sweep::next() const {
     offset =
         below_ > 0 ? back - static_cast<double>(below_) : static_cast<double>(above_ - 1) - back;
   }
-  const JointLimits& limits = configuration_.drawing.limits[joint_];
+  const JointLimits& limits = reach();
   return std::clamp(first_ + step_ * offset, limits.lower, limits.upper);
 }
 

@@ -44,6 +44,8 @@ class Sweep {
   [[nodiscard]] std::optional<double> axis_sigma_rad() const { return axis_sigma_rad_; }
 
  private:
+  // How far the joint may go.
+  [[nodiscard]] const JointLimits& reach() const;
   [[nodiscard]] bool is_accurate() const;
 
   const Configuration& configuration_;

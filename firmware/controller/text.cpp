@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error_name.hpp"
+#include "core/base/pose.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -42,7 +43,10 @@ Line& Line::integer(std::uint64_t value) {
 }
 
 Line& Line::hex(std::uint32_t value, unsigned digits) {
-  text("0x");
+  return text("0x").hex_digits(value, digits);
+}
+
+Line& Line::hex_digits(std::uint32_t value, unsigned digits) {
   bool begun = false;
   for (unsigned digit = 8; digit-- > 0;) {
     const std::uint32_t nibble = (value >> (4 * digit)) & 0xFU;
@@ -75,6 +79,35 @@ Line& Line::device_says(std::uint32_t code, std::string_view words, std::string_
   text(" ").text(prefix).text("code=").hex(code, kEmergencyDigits);
   if (words.empty()) return *this;
   return text(" ").text(prefix).text("says=\"").text(words).text("\"");
+}
+
+Line& Line::device_object(const hal::DeviceObject& object, std::string_view prefix) {
+  constexpr unsigned kIndexDigits = 4;
+  if (object.index == 0) return *this;
+  text(" ").text(prefix).text("object=").hex_digits(object.index, kIndexDigits);
+  text("h:").integer(object.subindex);
+  const auto tell = [&](std::string_view key, const std::optional<std::uint32_t>& value) {
+    text(" ").text(prefix).text(key);
+    if (value) {
+      hex(*value, 1);
+    } else {
+      text("none");
+    }
+  };
+  tell("found=", object.found);
+  tell("wanted=", object.wanted);
+  return *this;
+}
+
+Line& Line::numbers(std::uint32_t bits) {
+  for (unsigned bit = 0, told = 0; bit < 32; ++bit) {
+    if ((bits >> bit & 1U) != 0) text(told++ == 0 ? "" : ",").integer(bit + 1);
+  }
+  return *this;
+}
+
+Line& Line::orientation_missed(double angle_rad) {
+  return text(" orientation_missed_deg=").number(degrees(angle_rad), 4);
 }
 
 Line& Line::reason(Error error) {

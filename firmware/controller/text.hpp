@@ -10,6 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/fixed_vector.hpp"
+#include "hal/device_object.hpp"
 
 namespace armsig::controller {
 
@@ -20,17 +21,26 @@ class Line {
   Line& integer(std::uint64_t value);
   // In hexadecimal, with at least `digits` of them: 0x2310.
   Line& hex(std::uint32_t value, unsigned digits);
+  // Of bits, the numbers of those that are set, from 1: 3,5.
+  Line& numbers(std::uint32_t bits);
   // With `decimals` digits after the point, at most 9.
   Line& number(double value, unsigned decimals);
   // A device's own code and what it means: ` code=0x2310 says="words"`, with `prefix` before either
   // key; nothing where the code is 0.
   Line& device_says(std::uint32_t code, std::string_view words, std::string_view prefix = {});
+  // An object of a device that is not as wanted: ` object=605Ah:0 found=0x0 wanted=0x6`, with
+  // `prefix` before each key; nothing where there is none.
+  Line& device_object(const hal::DeviceObject& object, std::string_view prefix = {});
+  // By how much an orientation is missed: ` orientation_missed_deg=0.0312`.
+  Line& orientation_missed(double angle_rad);
   // Why something ended: ` error=NAME reason="words"`.
   Line& reason(Error error);
   void clear() { characters_.clear(); }
   [[nodiscard]] std::string_view view() const { return {characters_.data(), characters_.size()}; }
 
  private:
+  Line& hex_digits(std::uint32_t value, unsigned digits);
+
   FixedVector<char, 1024> characters_;
 };
 

@@ -45,6 +45,14 @@ Result<RefiningRequest> refining_in(const Request& request) {
   return asked;
 }
 
+// What a candidate will be of that is measured from now on.
+IdentificationSequence::Conditions conditions_of(Controls& controls) {
+  const auto& machine = controls.custody.machine();
+  return {.active = controls.custody.in_use(),
+          .machine = machine ? &*machine : nullptr,
+          .now_s = controls.clock.calendar_s()};
+}
+
 Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
   ARMSIG_TRY(asked, refining_in(request));
   const bool refines = asked.accuracy_mm > 0;
@@ -54,15 +62,14 @@ Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
     return std::unexpected(Error::kUnsupported);
   }
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
-  const auto& active = controls.custody.active();
-  const SignatureRecord* const in_use = active ? &*active : nullptr;
+  const auto conditions = conditions_of(controls);
   if (kMayRefine && refines) {
     const auto time = std::chrono::duration_cast<hal::Duration>(
         std::chrono::duration<double, std::ratio<60>>(asked.minutes));
-    controls.identification.begin_refining({1e-3 * asked.accuracy_mm, time, asked.anew},
-                                           controls.link.machine.read(), in_use, answer.ticket);
+    controls.identification.begin_refining({1e-3 * asked.accuracy_mm, time, asked.anew}, conditions,
+                                           answer.ticket);
   } else {
-    controls.identification.begin(in_use, answer.ticket);
+    controls.identification.begin(conditions, answer.ticket);
   }
   return answer;
 }
@@ -104,7 +111,7 @@ Result<Answer> when_stored(const Result<void>& begun) {
 }
 
 Result<Answer> accept(Controls& controls, const Request& /*request*/, Line& /*out*/) {
-  return when_stored(controls.commit.begin_accept(controls.clock.calendar_s()));
+  return when_stored(controls.commit.begin_accept());
 }
 
 Result<Answer> rollback(Controls& controls, const Request& /*request*/, Line& /*out*/) {
@@ -119,11 +126,10 @@ Result<Answer> acknowledge(Controls& controls, const Request& /*request*/, Line&
 }
 
 Result<Answer> fetch(Controls& controls, const Request& request, Line& out) {
-  const auto& active = controls.custody.active();
   const auto& identification = controls.identification;
   const auto told =
       tell_part(request,
-                {.signature = active ? &*active : nullptr,
+                {.signature = controls.custody.in_use(),
                  .candidate = identification.has_verdict() ? &*identification.candidate() : nullptr,
                  .drawing = &controls.configuration.drawing},
                 out);
@@ -140,8 +146,7 @@ Result<Answer> send(Controls& controls, const Request& request, Line& out) {
 Result<Answer> compare(Controls& controls, const Request& /*request*/, Line& /*out*/) {
   if (!controls.identification.has_received()) return std::unexpected(Error::kNoCandidate);
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
-  const auto& active = controls.custody.active();
-  controls.identification.begin_comparison(active ? &*active : nullptr, answer.ticket);
+  controls.identification.begin_comparison(conditions_of(controls), answer.ticket);
   return answer;
 }
 
@@ -198,7 +203,8 @@ constexpr std::array kVerbs{
          .modes = modes_of(CommandKind::kHalt)},
     Verb{.name = "move",
          .handler = move,
-         .help = "q1_deg=10 q3_mm=5 moves joints; x_mm= y_mm= z_mm= qw= qx= qy= qz= or dx_mm= ... "
+         .help = "q1_deg=10 q3_mm=5 moves joints, dq1_deg=1 by so much; x_mm= y_mm= z_mm= qw= qx= "
+                 "qy= qz= or dx_mm= ... "
                  "moves the tool in a straight line; pace=0.5 slows down",
          .modes = kReady,
          .alone = true,
@@ -212,12 +218,14 @@ constexpr std::array kVerbs{
                      : "measures all joints; ends with a candidate",
          .modes = kReady,
          .alone = true,
+         .referenced = true,
          .takes = Verb::Takes::kKeys},
     Verb{.name = "check",
          .handler = check_arm,
          .help = "measures a few poses: is the arm still as it was accepted",
          .modes = kReady,
-         .alone = true},
+         .alone = true,
+         .referenced = true},
     Verb{.name = "pause", .handler = pause<true>, .help = "of identify"},
     Verb{.name = "resume", .handler = pause<false>, .help = "of identify; measures again"},
     Verb{.name = "send",
@@ -230,7 +238,8 @@ constexpr std::array kVerbs{
          .handler = compare,
          .help = "measures the held-out poses for a candidate that was sent",
          .modes = kReady,
-         .alone = true},
+         .alone = true,
+         .referenced = true},
     Verb{.name = "candidate",
          .handler = tell_candidate,
          .help = "the candidate against the active model on poses that neither was fitted to",
@@ -239,12 +248,19 @@ constexpr std::array kVerbs{
          .handler = accept,
          .help = "stores the candidate and servoes with it",
          .modes = kStanding,
-         .alone = true},
+         .alone = true,
+         .referenced = true},
     Verb{.name = "rollback",
          .handler = rollback,
          .help = "back to the signature before, from the first one to the drawing",
          .modes = kStanding,
          .alone = true},
+    Verb{.name = "confirm",
+         .handler = confirm,
+         .help = "q1_deg=10 q3_mm=5: a person sees these joints there; they are referenced again",
+         .modes = kStanding,
+         .alone = true,
+         .takes = Verb::Takes::kKeys},
     Verb{.name = "acknowledge",
          .handler = acknowledge,
          .help = "the tool may move by the drawing although a signature is stored"},
@@ -256,7 +272,8 @@ constexpr std::array kVerbs{
          .handler = touch_grid,
          .help = "sends the tool to every vertex of the grid that was taught",
          .modes = kReady,
-         .alone = true},
+         .alone = true,
+         .referenced = true},
     Verb{.name = "log",
          .handler = tell_log,
          .help = "how much was measured; row=N tells one row",

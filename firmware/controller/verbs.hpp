@@ -11,6 +11,7 @@
 #include "firmware/controller/identification_sequence.hpp"
 #include "firmware/controller/mover.hpp"
 #include "firmware/controller/point_measurement.hpp"
+#include "firmware/controller/references.hpp"
 #include "firmware/controller/text.hpp"
 #include "hal/clock.hpp"
 
@@ -28,13 +29,15 @@ struct Controls {
   CheckSequence& check;
   Custody& custody;
   Commit& commit;
-  const hal::Duration& longest_step;
+  References& references;
+  const hal::Duration& longest_step;          // below zero: none is over yet
   std::optional<LinePlanning> planning = {};  // of the straight line that was asked for
+  std::optional<MoveLook> looking = {};       // at the way of the joint move that was asked for
 
   // A sequence, a plan or a change of the store is under way.
   [[nodiscard]] bool are_busy() const {
     return identification.is_running() || grid.is_running() || check.is_running() || planning ||
-           commit.is_running();
+           looking || commit.is_running();
   }
 };
 
@@ -43,7 +46,7 @@ struct Answer {
   enum class When : std::uint8_t {
     kNow,
     kTaken,    // by the tick: the command with `ticket`
-    kPlanned,  // Controls::planning, and then taken
+    kPlanned,  // Controls::planning or looking, and then taken
     kStored,   // Controls::commit
   };
   When when = When::kNow;
@@ -61,6 +64,7 @@ struct Verb {
   Modes modes = kInAnyMode;  // others refuse it with kWrongMode
   bool alone = false;        // refused with kWrongMode while Controls::are_busy()
   bool only_asks = false;    // changes nothing
+  bool referenced = false;   // refused with kUnreferenced while a joint is
   Takes takes = Takes::kNothing;
 };
 
@@ -68,8 +72,12 @@ struct Verb {
 // Null if there is none.
 [[nodiscard]] const Verb* find_verb(std::string_view name);
 
+// Error: kUnreferenced; which joints are goes to `out`.
+[[nodiscard]] Result<void> referenced(const Controls& controls, Line& out);
+
 // Handlers that stand in files of their own.
 Result<Answer> move(Controls& controls, const Request& request, Line& out);
+Result<Answer> confirm(Controls& controls, const Request& request, Line& out);
 Result<Answer> tell_status(Controls& controls, const Request& request, Line& out);
 Result<Answer> tell_signature(Controls& controls, const Request& request, Line& out);
 Result<Answer> tell_candidate(Controls& controls, const Request& request, Line& out);

@@ -1,48 +1,47 @@
 // SPDX-License-Identifier: MIT
-// Whether the arm of the drawing stays in the workspace box, at a pose and on the way to it.
+// Where the controller looks at the way before the arm goes, and how it tells what is in it.
 #pragma once
 
-#include <cstdint>
+#include <algorithm>
 
+#include "core/clearance/clearance.hpp"
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/refinement.hpp"
+#include "firmware/controller/text.hpp"
 
 namespace armsig::controller {
 
-// The R5F has no memory for that either: its configuration may have no box.
+using clearance::kLeastRoom_m;
+using clearance::WayLook;
+
+// The R5F has no memory to look at the way: a test looks at the sweeps, held-out poses and checks
+// of its configuration (host_tests/r5f).
 inline constexpr bool kMayBound = kMayRefine;
 
-// What is nearer to a side of the box than this is outside.
-inline constexpr double kLeastRoom_m = 5e-3;
+// A step of `look` at the way of a joint move, readings of the joints.
+[[nodiscard]] inline WayLook::Says look_on(WayLook& look, const Configuration& configuration,
+                                           const JointVector& from, const JointVector& to) {
+  return look.step(configuration.drawing.joints, configuration.around, from, to);
+}
 
-// How far [m] the arm is from the nearest side, and which joint moves what is there; below zero: it
-// is beyond. `q`: effective readings. Precondition: there is a box.
-struct Room {
-  double left_m = 0;
-  std::size_t joint = 0;
-};
-[[nodiscard]] Room room_at(const Configuration& configuration, const JointVector& q);
+[[nodiscard]] inline clearance::Room room_at(const Configuration& configuration,
+                                             const JointVector& q, const JointVector& within = {}) {
+  return clearance::room_at(configuration.drawing.joints, configuration.around, q, within);
+}
 
-// A look along the way that a joint move takes, straight in the readings. It goes on by as much as
-// nothing can move farther than there is room (conservative advancement; Mirtich 1996): a way that
-// is clear has half of kLeastRoom_m everywhere, not in samples. A bounded part of it a step: six
-// places, some 40,000 instructions of a microcontroller.
-class WayLook {
- public:
-  enum class Says : std::uint8_t { kMore, kClear, kLeaves };
+// The joint that moves what is too near.
+[[nodiscard]] inline std::size_t moving_joint(const Configuration& configuration,
+                                              const clearance::Room& room) {
+  return std::min<std::size_t>(room.link, configuration.drawing.joints.size()) - 1;
+}
 
-  // Precondition: the same way in every step of a look, and no step after another answer than
-  // kMore. Without a box every way is clear.
-  [[nodiscard]] Says step(const Configuration& configuration, const JointVector& from,
-                          const JointVector& to);
-  // How much of the way is clear, up to 1.
-  [[nodiscard]] double part() const { return static_cast<double>(part_); }
-  // After kLeaves: the one that moves what leaves.
-  [[nodiscard]] std::size_t joint() const { return joint_; }
+// How much room an operator's move asks for that begins where the arm is: where it has less there,
+// it must not have less anywhere on the way.
+[[nodiscard]] double asked_room_m(const Configuration& configuration, const JointVector& from);
 
- private:
-  float part_ = 0;
-  std::uint8_t joint_ = 0;
-};
+// " link=4 near=floor room_mm=-12.0 x_mm=300.0 y_mm=0.0 z_mm=-12.0": what is too near to what; the
+// place of the link's outer end in the base frame. near= mounting_plane, floor, box, or link_2. The
+// link after the last is what the flange carries.
+void add_room(Line& line, const clearance::Room& room);
 
 }  // namespace armsig::controller

@@ -24,10 +24,15 @@ BlackBoxConfiguration box_of(const DaemonConfiguration& c) {
 
 }  // namespace
 
-Attendance::Attendance(const DaemonConfiguration& configuration, hal::Console& console)
+Attendance::Attendance(const DaemonConfiguration& configuration, hal::Console& console,
+                       hal::Console* reporting)
     : box_(box_of(configuration), journal_),
       logged_(console, journal_),
-      system_(logged_, watch_, box_) {}
+      system_(logged_, watch_, box_) {
+  consoles_.push_back(&system_);
+  if (reporting == nullptr) return;
+  consoles_.push_back(&reporting_.emplace(asking_.emplace(*reporting, journal_), watch_, box_));
+}
 
 void Attendance::begin(controller::Controller& controller) {
   controller.observe(box_);

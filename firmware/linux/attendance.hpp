@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-// What attends a controller in a process: log, black box, service manager, and the console through
+// What attends a controller in a process: log, black box, service manager, and the consoles through
 // which they hear of it.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 
+#include "core/base/fixed_vector.hpp"
 #include "firmware/controller/controller.hpp"
+#include "firmware/linux/asking_console.hpp"
 #include "firmware/linux/black_box.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
 #include "firmware/linux/journal.hpp"
@@ -18,14 +22,18 @@ namespace armsig::daemon {
 
 class Attendance {
  public:
-  // `console`, which outlives this, is the operators'.
-  Attendance(const DaemonConfiguration& configuration, hal::Console& console);
+  // Both outlive this. `console` is the operators'; `reporting`, or null, that of processes which
+  // only ask.
+  Attendance(const DaemonConfiguration& configuration, hal::Console& console,
+             hal::Console* reporting);
   ~Attendance() { journal_.end(); }  // whose thread uses the others
   Attendance(const Attendance&) = delete;
   Attendance& operator=(const Attendance&) = delete;
 
   // For the controller.
-  [[nodiscard]] hal::Console& console() { return system_; }
+  [[nodiscard]] std::span<hal::Console* const> consoles() const {
+    return {consoles_.data(), consoles_.size()};
+  }
   [[nodiscard]] ProcessWatch& watch() { return watch_; }
   [[nodiscard]] Journal& journal() { return journal_; }
 
@@ -44,6 +52,9 @@ class Attendance {
   BlackBox box_;
   JournalConsole logged_;
   SystemConsole system_;
+  std::optional<AskingConsole> asking_;
+  std::optional<SystemConsole> reporting_;
+  FixedVector<hal::Console*, 2> consoles_;
   ServiceManager manager_;
 };
 

@@ -50,6 +50,7 @@ std::string words_of(const controller::Fault& fault) {
   controller::Line line;
   line.text(name(fault.error));
   if (fault.joint) line.text(" joint=").integer(*fault.joint + 1);
+  line.device_object(fault.object);
   line.device_says(fault.code, fault.words).text(": ").text(describe(fault.error));
   return std::string(line.view());
 }
@@ -70,6 +71,7 @@ void BlackBox::add(Recording& recording, const controller::Snapshot& snapshot,
   row.lateness = lateness;
   row.mode = snapshot.mode;
   row.limits_active = snapshot.limits_active;
+  row.known = snapshot.known;
   for (std::size_t i = 0; i < configuration_.joints.size(); ++i) {
     row.actual[i] = snapshot.positions[i];
     row.commanded[i] = snapshot.commanded[i];
@@ -158,7 +160,7 @@ int BlackBox::write(const Recording& recording, const std::string& path) const {
   return reason;
 }
 
-// Columns as FORMATS names quantities: SI inside, the unit in the name.
+// Columns as docs/formats.md names quantities: the unit in the name.
 void BlackBox::print(const Recording& recording, std::FILE* file) const {
   fmt::print(file, "# armsigd black box of {}, written {}\n# fault: {}\n",
              on_one_line(configuration_.name), stamp(), words_of(recording.fault));
@@ -178,8 +180,12 @@ void BlackBox::print(const Recording& recording, std::FILE* file) const {
     for (std::size_t i = 0; i < configuration_.joints.size(); ++i) {
       const bool turns = configuration_.joints[i] == JointType::kRevolute;
       const auto told = [&](double reading) { return turns ? degrees(reading) : 1e3 * reading; };
-      fmt::print(file, ",{:.5f},{:.5f},0x{:04X},{}", told(row.actual[i]), told(row.commanded[i]),
-                 row.status_words[i], row.limits_active >> i & 1);
+      if ((row.known >> i & 1) == 0) {
+        fmt::print(file, ",,");  // nor was there anything to command
+      } else {
+        fmt::print(file, ",{:.5f},{:.5f}", told(row.actual[i]), told(row.commanded[i]));
+      }
+      fmt::print(file, ",0x{:04X},{}", row.status_words[i], row.limits_active >> i & 1);
     }
     fmt::print(file, "\n");
   }

@@ -54,6 +54,7 @@ class BlackBox final : public controller::TickObserver {
     hal::Duration lateness{};
     controller::Mode mode = controller::Mode::kStarting;
     std::uint8_t limits_active = 0;
+    std::uint8_t known = 0;
     std::array<double, kMaxJoints> actual{};
     std::array<double, kMaxJoints> commanded{};
     std::array<std::uint16_t, kMaxJoints> status_words{};

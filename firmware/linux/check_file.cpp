@@ -33,6 +33,13 @@ bool write_whole(int file, std::span<const std::uint8_t> bytes) {
   return true;
 }
 
+bool reaches_device(int file) {
+  while (::fsync(file) != 0) {
+    if (errno != EINTR) return false;
+  }
+  return true;
+}
+
 // As much of `into` as there is; negative where the device fails.
 ssize_t read_whole(int file, std::span<std::uint8_t> into) {
   std::size_t done = 0;
@@ -76,7 +83,7 @@ Result<void> CheckFile::do_write(const controller::CheckSubject& subject,
   {
     const FileDescriptor file(::open(
         unfinished_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerAndGroup));
-    if (!file.valid() || !write_whole(file.get(), image) || ::fsync(file.get()) != 0) {
+    if (!file.valid() || !write_whole(file.get(), image) || !reaches_device(file.get())) {
       const auto why = not_kept();
       ::unlink(unfinished_.c_str());
       return why;
@@ -84,7 +91,7 @@ Result<void> CheckFile::do_write(const controller::CheckSubject& subject,
   }
   if (::rename(unfinished_.c_str(), path_.c_str()) != 0) return not_kept();
   const FileDescriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!folder.valid() || ::fsync(folder.get()) != 0) return not_kept();
+  if (!folder.valid() || !reaches_device(folder.get())) return not_kept();
   return {};
 }
 

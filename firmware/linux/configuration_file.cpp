@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/mounting.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/yaml_map.hpp"
@@ -131,7 +132,7 @@ Read<void> read_sweeps(const YamlMap& root, DaemonConfiguration& c) {
   add_names(known, "arc", Dimension::kAngle);
   add_names(known, "axis_sigma", Dimension::kAngle);
   add_names(known, "point_sigma", Dimension::kLength);
-  return in_section(root, "sweeps", known, [&](Settings& settings) {
+  auto read = in_section(root, "sweeps", known, [&](Settings& settings) {
     settings.quantity("arc", Dimension::kAngle, plan.arc_rad)
         .integer("points", 1, kMost, plan.points)
         .integer("most_points", 1, kMost, plan.most_points)
@@ -141,6 +142,8 @@ Read<void> read_sweeps(const YamlMap& root, DaemonConfiguration& c) {
         .share("held_out_reach", plan.held_out_reach)
         .integer("target", 1, kMost, plan.target);
   });
+  for (double& arc_rad : plan.arcs_rad) arc_rad = arc_rad > 0 ? arc_rad : plan.arc_rad;
+  return read;
 }
 
 Read<void> read_check(const YamlMap& root, DaemonConfiguration& c) {
@@ -154,26 +157,36 @@ Read<void> read_check(const YamlMap& root, DaemonConfiguration& c) {
   return read;
 }
 
-Read<void> read_workspace(const YamlMap& root, DaemonConfiguration& c) {
-  const YamlNode* node = root.find("workspace");
-  if (node == nullptr) return {};
+// The box of `workspace`, and what the hand carries.
+Read<void> read_workspace(const YamlNode& node, clearance::Surroundings& around) {
   std::vector<std::string> known;
   for (const char* name : {"x", "y", "z", "hand"}) add_names(known, name, Dimension::kLength);
-  ARMSIG_TRY(map, YamlMap::open(*node, "workspace", known));
-  controller::WorkspaceBox box;
-  box.hand_m = c.p_nT.norm();
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+  ARMSIG_TRY(map, YamlMap::open(node, "workspace", known));
+  // What the hand carries may be told without a box.
+  const bool only_hand = node.keys.size() == 1 && node.keys[0].text.starts_with("hand");
+  for (Eigen::Index axis = 0; axis < 3 && !only_hand; ++axis) {
     const std::string_view name = std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1);
     ARMSIG_TRY(side, map.require_quantity(name, Dimension::kLength));
     ARMSIG_TRY(numbers, tool::read_numbers(*side.value, side.key->text, 2));
-    box.lower[axis] = side.unit.to_si(numbers[0]);
-    box.upper[axis] = side.unit.to_si(numbers[1]);
+    around.lower_B[axis] = side.unit.to_si(numbers[0]);
+    around.upper_B[axis] = side.unit.to_si(numbers[1]);
   }
   Settings settings(map);
-  if (auto done = settings.quantity("hand", Dimension::kLength, box.hand_m).done(); !done) {
-    return done;
+  return settings.quantity("hand", Dimension::kLength, around.hand_m).done();
+}
+
+// What the whole arm stays clear of, and what that leaves of the sweeps.
+Read<void> read_surroundings(const YamlMap& root, const YamlNode& node, DaemonConfiguration& c) {
+  ARMSIG_TRY(mounting, tool::read_mounting(root));
+  clearance::Surroundings& around = c.controller.around;
+  c.controller.drawing.up_0 = -clearance::gravity_B(c.controller.drawing, mounting);
+  around = clearance::surroundings_of(c.controller.drawing, mounting);
+  around.hand_m = c.p_nT.norm();
+  c.lengths = lengths_of(node);
+  if (const YamlNode* workspace = root.find("workspace")) {
+    if (auto done = read_workspace(*workspace, around); !done) return done;
   }
-  c.controller.workspace = box;
+  controller::limit_sweeps(c.controller);
   return {};
 }
 
@@ -195,7 +208,8 @@ Read<void> read_top(const YamlMap& root, DaemonConfiguration& c) {
   Settings settings(root);
   settings.time("period", c.controller.period)
       .integer("priority", 0, 99, c.priority)
-      .text("black_box", c.black_box);
+      .text("black_box", c.black_box)
+      .text("reporting_console", c.reporting_console);
   if (auto done = settings.done(); !done) return done;
   c.drives.period = c.controller.period;
   return {};
@@ -223,10 +237,10 @@ Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfig
   }
   if (auto ok = read_can(root, c); !ok) return ok;
   if (auto ok = read_sensor(*sensor, c); !ok) return ok;
-  for (const auto read :
-       {read_motion, read_supervision, read_dwell, read_sweeps, read_check, read_workspace}) {
+  for (const auto read : {read_motion, read_supervision, read_dwell, read_sweeps, read_check}) {
     if (auto ok = read(root, c); !ok) return ok;
   }
+  if (auto ok = read_surroundings(root, node, c); !ok) return ok;
   if (auto ok = take_drives(node, c); !ok) return ok;
   if (const YamlNode* grid = root.find("grid")) {
     if (auto ok = read_grid(*grid, c); !ok) return ok;
@@ -240,11 +254,12 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
   }
-  std::vector<std::string> known{"armsig",      "name",     "console", "store",  "priority",
-                                 "black_box",   "joints",   "can",     "sensor", "motion",
-                                 "supervision", "dwell",    "sweeps",  "check",  "grid",
-                                 "coupling",    "workspace"};
+  std::vector<std::string> known{
+      "armsig", "name",  "console", "store",    "priority",    "black_box",
+      "joints", "can",   "sensor",  "motion",   "supervision", "dwell",
+      "sweeps", "check", "grid",    "coupling", "workspace",   "reporting_console"};
   add_names(known, "period", Dimension::kTime);
+  tool::add_mounting_keys(known);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));
   DaemonConfiguration c;
   if (auto read = read_settings(root, node, c); !read) {

@@ -81,8 +81,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
     return 1;
   }
 
-  Attendance attendance(configuration, *places->console);
-  const std::array<hal::Console*, 1> consoles{&attendance.console()};
+  Attendance attendance(configuration, *places->console, places->reporting.get());
   warn_about_queue(configuration, attendance.journal());
   linux_hal::SteadyClock clock;
   linux_hal::SocketCan bus(
@@ -91,8 +90,8 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto controller = std::make_unique<controller::Controller>(
-      configuration.controller, master, backend->sensor(), clock, places->store, consoles,
-      &refinement->refinement(), &checks);
+      configuration.controller, master, backend->sensor(), clock, places->store,
+      attendance.consoles(), &refinement->refinement(), &checks);
   attendance.begin(*controller);
   const RealTimeLoop loop{.controller = *controller,
                           .clock = clock,
@@ -105,7 +104,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   const bool served = run_in_real_time(
       loop, [&] { attendance.started(first_words(configuration)); },
       [&] { at_rest = shut_down(master, clock, configuration.controller.period); }, stop);
-  if (served) controller::keep_positions(places->store, master);
+  if (served) controller->finish();
   attendance.end(stop, at_rest);
   return served ? 0 : 1;
 }

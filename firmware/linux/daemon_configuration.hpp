@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "firmware/controller/configuration.hpp"
+#include "firmware/formats/mounting.hpp"
 #include "firmware/formats/problem.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/range_sensor.hpp"
@@ -25,9 +26,11 @@ struct DaemonConfiguration {
   std::variant<linux_hal::RtuRangeSensorConfiguration, canopen::RangeNodeConfiguration> sensor;
   Vector3 p_nT = Vector3::Zero();  // the emitter in the frame of the last link, by the drawing
   std::string console;             // path of the Unix socket
+  std::string reporting_console;   // path of one that answers what changes nothing; empty: none
   std::string store;               // path of the file that keeps the signatures
   std::string black_box;           // folder of its files; empty: black-box beside the store
   int priority = 80;               // of the servo thread, SCHED_FIFO; 0: ordinary scheduling
+  tool::LengthWords lengths;       // in what the file tells `workspace`
   double bus_load = 0;             // of the CAN bus at worst, 1 being all of it
 };
 

@@ -35,9 +35,12 @@ Dimension acceleration_of(JointType type) {
 
 // Keys with the units of both types: a unit of the other type is told apart from an unknown key.
 std::vector<std::string> known_keys() {
-  std::vector<std::string> known{"type",       "node",     "counts_per_revolution",
-                                 "gear_ratio", "reversed", "zero_counts"};
-  for (const char* angle : {"theta", "alpha"}) add_names(known, angle, Dimension::kAngle);
+  std::vector<std::string> known{"type",         "node",      "counts_per_revolution",
+                                 "gear_ratio",   "reversed",  "zero_counts",
+                                 "unsupervised", "reference", "limits"};
+  for (const char* angle : {"theta", "alpha", "sweep_arc"}) {
+    add_names(known, angle, Dimension::kAngle);
+  }
   for (const char* length : {"d", "a", "lead"}) add_names(known, length, Dimension::kLength);
   for (const JointType type : {JointType::kRevolute, JointType::kPrismatic}) {
     for (const char* reading : {"limits", "following_error", "following_window", "sweep_at"}) {
@@ -123,6 +126,39 @@ Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
   return axis;
 }
 
+// That its drive keeps its torque when this process is gone is known, and seen to otherwise.
+Read<bool> read_unsupervised(const YamlMap& map) {
+  const YamlNode* node = map.find("unsupervised");
+  if (node == nullptr) return false;
+  if (node->text != "known") {
+    return tool::problem_at(*node, "unsupervised: " + tool::in_quotes(node->text),
+                            "known, or no such key");
+  }
+  return true;
+}
+
+// What its encoder knows at power-up.
+Read<controller::Reference> read_reference(const YamlMap& map) {
+  const YamlNode* node = map.find("reference");
+  if (node == nullptr || node->text == "absolute") return controller::Reference::kAbsolute;
+  if (node->text == "none") return controller::Reference::kNone;
+  return tool::problem_at(*node, "reference: " + tool::in_quotes(node->text), "absolute or none");
+}
+
+// How far a revolute joint is swept; 0: as the section `sweeps` says for all.
+Read<double> read_arc(const YamlMap& map, JointType type) {
+  double arc_rad = 0;
+  Settings settings(map);
+  settings.quantity("sweep_arc", Dimension::kAngle, arc_rad);
+  if (auto done = settings.done(); !done) return std::unexpected(std::move(done).error());
+  if (arc_rad > 0 && type == JointType::kPrismatic) {
+    return tool::problem_at((*map.find_quantity("sweep_arc", Dimension::kAngle))->key[0],
+                            "sweep_arc on " + map.name() + ", which is prismatic",
+                            "no arc: a slide is swept over its stroke");
+  }
+  return arc_rad;
+}
+
 // The fastest that the motor can turn the joint: of no use to plans, but positions that change far
 // faster are disbelieved.
 Read<double> read_motor_speed(const YamlMap& map, JointType type, double speed) {
@@ -141,6 +177,20 @@ Read<double> read_motor_speed(const YamlMap& map, JointType type, double speed) 
   return motor_speed;
 }
 
+// A drive moves as far as it is told: no limits by default here.
+Read<JointLimits> read_stated_limits(const YamlMap& map, JointType type) {
+  if (const YamlNode* none = map.find("limits")) {
+    return tool::problem_at(
+        *none, fmt::format("limits of {} are none, or have no unit", map.name()),
+        tool::any_of(tool::names_of("limits", tool::dimension_of(type))) +
+            ": a drive counts the turns of a joint without end up to limits, which may be many");
+  }
+  ARMSIG_TRY(limits, tool::read_limits(map, type));
+  ARMSIG_TRY(stated, map.require_quantity("limits", tool::dimension_of(type)));
+  (void)stated;
+  return limits;
+}
+
 Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   Arm& arm = c.controller.drawing;
   ARMSIG_TRY(map,
@@ -151,25 +201,28 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(d_m, map.quantity("d", Dimension::kLength));
   ARMSIG_TRY(a_m, map.quantity("a", Dimension::kLength));
   ARMSIG_TRY(alpha_rad, map.quantity("alpha", Dimension::kAngle));
-  ARMSIG_TRY(limits, tool::read_limits(map, type));
-  // A drive moves as far as it is told: no limits by default here.
-  ARMSIG_TRY(stated, map.require_quantity("limits", tool::dimension_of(type)));
-  (void)stated;
+  ARMSIG_TRY(limits, read_stated_limits(map, type));
   ARMSIG_TRY(axis, read_axis(map, type));
   ARMSIG_TRY(speed, positive(map, "speed", speed_of(type)));
   ARMSIG_TRY(acceleration, positive(map, "acceleration", acceleration_of(type)));
   ARMSIG_TRY(following_error, positive(map, "following_error", tool::dimension_of(type)));
   ARMSIG_TRY(sweep_at, map.quantity("sweep_at", tool::dimension_of(type)));
+  ARMSIG_TRY(arc_rad, read_arc(map, type));
+  ARMSIG_TRY(unsupervised, read_unsupervised(map));
+  ARMSIG_TRY(reference, read_reference(map));
   axis.limits = limits;
+  axis.unsupervised_known = unsupervised;
   ARMSIG_TRY(motor_speed, read_motor_speed(map, type, speed));
   axis.largest_speed = motor_speed;
   arm.joints.push_back({type, theta_rad, d_m, a_m, alpha_rad});
   arm.limits.push_back(limits);
   c.drives.axes.push_back(axis);
+  c.controller.references.push_back(reference);
   c.controller.limits.speed.push_back(speed);
   c.controller.limits.acceleration.push_back(acceleration);
   c.controller.supervision.following_error.push_back(following_error);
   c.controller.sweeps.configuration.push_back(sweep_at);
+  c.controller.sweeps.arcs_rad.push_back(arc_rad);
   return {};
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // armsigd: the controller on embedded Linux.
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -11,9 +12,11 @@
 #include <fmt/format.h>
 
 #include "firmware/command_line/option_problem.hpp"
+#include "firmware/controller/sweep.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/linux/daemon.hpp"
+#include "firmware/linux/drive_look.hpp"
 #include "firmware/linux/signals.hpp"
 #include "firmware/linux/virtual_run.hpp"
 
@@ -25,6 +28,8 @@ constexpr int kWrongUsage = 2;
 struct Options {
   std::string configuration;
   bool check = false;
+  bool drives = false;
+  bool json = false;
   bool is_virtual = false;
   std::string truth;
   std::string console;
@@ -81,11 +86,34 @@ void add_options(CLI::App& app, Options& options) {
       app.add_flag("--check", options.check, "only check the configuration; open and send nothing");
   CLI::Option* is_virtual = app.add_flag("--virtual", options.is_virtual,
                                          "run about an emulated arm instead of the cabinet");
+  CLI::Option* drives =
+      app.add_flag("--drives", options.drives,
+                   "only look at the drives on the bus: what each has, and what would be written; "
+                   "write nothing");
+  drives->excludes(check)->excludes(is_virtual);
+  app.add_flag("--json", options.json, "--drives: as JSON")->needs(drives);
   check->excludes(is_virtual);
   app.add_option("--console", options.console, "Unix socket, instead of the configured one");
   app.add_option("--store", options.store,
                  "file of signatures, instead of the configured one; the black box is beside it");
   add_virtual_options(app, is_virtual, options);
+}
+
+// What the arm stays clear of, and what that and the limits leave of each sweep.
+void tell_surroundings(const DaemonConfiguration& c) {
+  const controller::Configuration& whole = c.controller;
+  fmt::print("in force: {}\n", tool::surroundings_in_words(whole.around, c.lengths));
+  for (std::size_t joint = 0; joint < whole.drawing.joints.size(); ++joint) {
+    const bool turns = whole.drawing.joints[joint].type == JointType::kRevolute;
+    const auto [lower, upper] = controller::planned_arc(whole, joint);
+    const auto& limits = whole.drawing.limits[joint];
+    const double unit = turns ? degrees(1) : 1e3;
+    const double asked = std::min(turns ? controller::arc_of(whole.sweeps, joint) : 1e9,
+                                  limits.upper - limits.lower);
+    fmt::print("joint {} sweeps {:.1f} of {:.1f} {}, from {:.1f} to {:.1f}\n", joint + 1,
+               unit * (upper - lower), unit * asked, turns ? "degrees" : "mm", unit * lower,
+               unit * upper);
+  }
 }
 
 void tell(const DaemonConfiguration& c) {
@@ -102,6 +130,7 @@ void tell(const DaemonConfiguration& c) {
                1e3 * grid.grid.size_m[0], 1e3 * grid.grid.size_m[1], 1e3 * grid.grid.size_m[2]);
   }
   fmt::print("\n");
+  tell_surroundings(c);
 }
 
 int refuse(const tool::Problem& problem) {
@@ -121,6 +150,7 @@ int run(Options& options, const volatile std::sig_atomic_t& stop) {
     tell(*configuration);
     return 0;
   }
+  if (options.drives) return look_at_drives(*configuration, options.json, stop);
   if (!options.is_virtual) return run_cabinet(*configuration, stop);
   if (!options.truth.empty()) {
     const auto truth = tool::read_arm_file(options.truth);

@@ -66,7 +66,15 @@ std::optional<Places> open_places(const DaemonConfiguration& configuration) {
     complain(configuration.console, Kind::kSocket, console.error());
     return std::nullopt;
   }
-  return Places{std::move(*store), std::move(*console)};
+  Places places{std::move(*store), std::move(*console), nullptr};
+  if (configuration.reporting_console.empty()) return places;
+  auto reporting = linux_hal::SocketConsole::open(configuration.reporting_console);
+  if (!reporting) {
+    complain(configuration.reporting_console, Kind::kSocket, reporting.error());
+    return std::nullopt;
+  }
+  places.reporting = std::move(*reporting);
+  return places;
 }
 
 }  // namespace armsig::daemon

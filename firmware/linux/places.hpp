@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The store and the console of a cabinet, or why they cannot be opened.
+// The store and the consoles of a cabinet, or why they cannot be opened.
 #pragma once
 
 #include <memory>
@@ -14,9 +14,10 @@ namespace armsig::daemon {
 struct Places {
   linux_hal::FileMemory store;
   std::unique_ptr<linux_hal::SocketConsole> console;
+  std::unique_ptr<linux_hal::SocketConsole> reporting;  // or none
 };
 
-// Both open and this process's alone; nothing where one is refused, which standard error tells in
+// All open and this process's alone; nothing where one is refused, which standard error tells in
 // the words of who has to mend it.
 [[nodiscard]] std::optional<Places> open_places(const DaemonConfiguration& configuration);
 

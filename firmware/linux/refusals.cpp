@@ -99,9 +99,40 @@ Problem problem(const YamlNode& place, std::string what, std::string expected) {
   return tool::problem_at(place, std::move(what), std::move(expected)).error();
 }
 
+// What comes too near to what: where the arm stands, or on a sweep.
+Problem problem_of_place(const controller::ConfigurationRefusal& refusal, const YamlNode& root) {
+  const YamlNode* list = root.find("joints");
+  const std::size_t joints = list == nullptr ? kMaxJoints : list->items.size();
+  const tool::LengthWords words = lengths_of(root);
+  const bool sweeps = refusal.found != refusal.room.left_m;
+  if (!sweeps) {
+    return problem(place_of(refusal, root),
+                   fmt::format("in the signature configuration {}",
+                               tool::room_in_words(refusal.room, joints, words)),
+                   fmt::format("{:g} {} of room: sweep_at elsewhere, a larger box, or where the "
+                               "floor is (floor_mm) and how thick the links are (link_radius_mm)",
+                               words.per_m * refusal.needed, words.unit));
+  }
+  return problem(place_of(refusal, root),
+                 fmt::format("joint {}: what is around the arm leaves {:.0f} degrees of its sweep",
+                             *refusal.joint + 1, degrees(refusal.found)),
+                 fmt::format("{:.0f} degrees at least: sweep_at elsewhere, or a larger box",
+                             degrees(refusal.needed)));
+}
+
 }  // namespace
 
+tool::LengthWords lengths_of(const YamlNode& root) {
+  const YamlNode* workspace = root.find("workspace");
+  if (workspace == nullptr) return {};
+  for (const char* side : {"x_m", "y_m", "z_m"}) {
+    if (workspace->find(side) != nullptr) return {.unit = "m", .per_m = 1};
+  }
+  return {};
+}
+
 Problem problem_of(const controller::ConfigurationRefusal& refusal, const YamlNode& root) {
+  if (refusal.error == Error::kOutsideWorkspace) return problem_of_place(refusal, root);
   return problem(place_of(refusal, root),
                  fmt::format("{}{}: {}, found {:.6g}", joint_words(refusal.joint), refusal.setting,
                              describe(refusal.error), refusal.found),

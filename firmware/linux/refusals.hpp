@@ -7,6 +7,9 @@
 
 namespace armsig::daemon {
 
+// In what the file tells the box of `workspace`: metres where its sides are, else mm.
+[[nodiscard]] tool::LengthWords lengths_of(const tool::YamlNode& root);
+
 [[nodiscard]] tool::Problem problem_of(const controller::ConfigurationRefusal& refusal,
                                        const tool::YamlNode& root);
 [[nodiscard]] tool::Problem problem_of(const canopen::ConfigurationRefusal& refusal,

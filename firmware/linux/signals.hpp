@@ -11,7 +11,7 @@ namespace armsig::daemon {
 // gone), SIGQUIT, timers, limits, user-defined and real-time ones. SIGPIPE and those that suspend a
 // process are ignored: ticks that cease stop the drives by their own supervision, in no good way.
 // After SIGKILL, or a mistake of ours (SIGSEGV, SIGABRT, ...), nothing of the process is trusted to
-// stop the arm: the drives miss its heartbeat and SYNC, and stop by themselves.
+// stop the arm: drives that watch their master miss its heartbeat, and stop by themselves.
 [[nodiscard]] const volatile std::sig_atomic_t& catch_signals();
 
 }  // namespace armsig::daemon

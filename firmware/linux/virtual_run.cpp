@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "firmware/controller/position_keeper.hpp"
+#include "firmware/controller/record_store.hpp"
 #include "firmware/linux/attendance.hpp"
 #include "firmware/linux/check_file.hpp"
 #include "firmware/linux/daemon.hpp"
@@ -25,12 +27,21 @@ namespace {
 constexpr std::uint64_t kBendStream = 2;  // of the seed; 0: tolerances
 constexpr double kSteelGrowth_per_kelvin = 12e-6;
 
-cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualOptions& options) {
+// Where the arm was left, as a real one would stay; at first the signature configuration.
+JointVector start_of(const controller::Configuration& c, hal::NonvolatileMemory& store) {
+  controller::PositionKeeper keeper(store, controller::RecordStore(store).sectors());
+  const auto kept = keeper.load(c.drawing.joints.size());
+  return kept ? kept->positions : c.sweeps.configuration;
+}
+
+cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualOptions& options,
+                        hal::NonvolatileMemory& store) {
   const controller::Configuration& c = configuration.controller;
   simulated::Random random(options.seed);
   cabinet::World world;
   world.arm.arm = options.truth ? *options.truth : simulated::drawn_arm(c.drawing, {}, random);
   world.arm.X_S0 = simulated::demo_base_pose();
+  world.limbs.g_S = -world.limbs.g_S.norm() * (world.arm.X_S0.R * c.drawing.up_0);
   world.arm.targets.push_back(
       {.number = c.sweeps.target, .link = c.drawing.joints.size(), .p_L = configuration.p_nT});
   if (options.ideal) world.drive.emplace();
@@ -40,7 +51,7 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
   }
   world.play_rad = options.bends.play_rad;
   world.growth = kSteelGrowth_per_kelvin * options.warm_kelvin;
-  world.start = c.sweeps.configuration;
+  world.start = start_of(c, store);
   // Real ticks may be late: that is to be counted, and not to end by a fault of an emulated drive.
   if (options.real_time) world.sync_loss_periods = 0;
   for (const Vector3& p_S : c.sensor.receivers.p_S) world.sensor.receivers_S.push_back(p_S);
@@ -70,15 +81,14 @@ int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& 
                 const volatile std::sig_atomic_t& stop) {
   auto places = open_places(configuration);
   if (!places) return 1;
-  Attendance attendance(configuration, *places->console);
-  const std::array<hal::Console*, 1> consoles{&attendance.console()};
+  Attendance attendance(configuration, *places->console, places->reporting.get());
   linux_hal::SteadyClock clock;
   const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
-      configuration.controller, configuration.drives, world_of(configuration, options),
-      places->store, consoles, options.real_time ? &clock : nullptr, &refinement->refinement(),
-      &checks);
+      configuration.controller, configuration.drives,
+      world_of(configuration, options, places->store), places->store, attendance.consoles(),
+      options.real_time ? &clock : nullptr, &refinement->refinement(), &checks);
   attendance.begin(cabinet->controller());
   const auto started = [&] {
     attendance.started(fmt::format("{}: virtual cabinet, console at {}", configuration.name,

@@ -37,6 +37,7 @@ struct Pins {
   hal_bit_t* error;         // out: the pose last asked for is not met
   hal_bit_t* slow;          // out: near a singularity, joints turn fast for little motion
   hal_float_t* regularity;  // out: KinsAnswer
+  hal_float_t* missed;      // out: orientation missed by fewer than six joints [deg]
   hal_float_t* feed;        // out: for motion.adaptive-feed
   hal_float_t* slow_below;  // in: the regularity that `slow` and `feed` go by
 };
@@ -57,6 +58,7 @@ void tell(const KinsAnswer& answer) {
   }
   *pins->error = failed;
   *pins->regularity = answer.regularity;
+  *pins->missed = armsig::degrees(answer.missed_rad);
   const double below = *pins->slow_below;
   *pins->slow = answer.regularity < below;
   *pins->feed = *pins->slow ? std::max(answer.regularity / below, kLeastFeed) : 1;
@@ -70,6 +72,7 @@ int add_pins() {
       hal_pin_bit_newf(HAL_OUT, &pins->error, component, "armsigkins.error") == 0 &&
       hal_pin_bit_newf(HAL_OUT, &pins->slow, component, "armsigkins.slow") == 0 &&
       hal_pin_float_newf(HAL_OUT, &pins->regularity, component, "armsigkins.regularity") == 0 &&
+      hal_pin_float_newf(HAL_OUT, &pins->missed, component, "armsigkins.orientation-missed") == 0 &&
       hal_pin_float_newf(HAL_OUT, &pins->feed, component, "armsigkins.feed") == 0 &&
       hal_pin_float_newf(HAL_IN, &pins->slow_below, component, "armsigkins.slow-below") == 0;
   if (!added) return -1;
@@ -90,7 +93,7 @@ extern "C" {
 
 // NOLINTBEGIN: names and types as LinuxCNC has them
 static char* signature;
-RTAPI_MP_STRING(signature, "file of armsig export --format linuxcnc-kins");
+RTAPI_MP_STRING(signature, "file of armsig export in its format linuxcnc-kins");
 static int tool;
 RTAPI_MP_INT(tool, "number of a target on the last link; 0: the last link's frame");
 MODULE_LICENSE("GPL");

@@ -10,9 +10,6 @@ namespace {
 using kinematics::Verdict;
 
 constexpr double kMillimetresPerMetre = 1e3;
-// What a place may be missed by that is met, by an arm that can't meet the orientation.
-constexpr double kPlaceMet_m = 1e-8;
-constexpr std::size_t kWholePose = 6;
 
 // Degrees or millimetres per radian or metre.
 double unit_of(JointType type) {
@@ -25,15 +22,14 @@ Pose pose_of(const WorldPose& world) {
           world.p_mm / kMillimetresPerMetre};
 }
 
-std::string_view refusal_of(const kinematics::InverseSolution& solution, std::size_t joints) {
-  switch (solution.verdict) {
+std::string_view refusal_of(Verdict verdict) {
+  switch (verdict) {
     case Verdict::kConverged:
     case Verdict::kDegraded:
       return {};
     case Verdict::kJointLimit:
       return "a joint limit is in the way";
     case Verdict::kOutOfReach:
-      if (joints < kWholePose && solution.position_error_m < kPlaceMet_m) return {};
       return "out of reach";
     case Verdict::kStepLimit:
     case Verdict::kNotConverged:
@@ -91,11 +87,14 @@ KinsAnswer Kins::inverse(const WorldPose& pose, std::span<double> joints) const 
   const kinematics::InverseOptions at_tool{.p_nP = X_nT_.p};
   const auto solution =
       calibration::inverse(chain_, readings_, pose_of(pose) * X_Tn_, effective_of(joints), at_tool);
-  if (!solution) return {describe(solution.error()), 0};
-  KinsAnswer answer{refusal_of(*solution, count_), solution->regularity};
+  if (!solution) return {.refusal = describe(solution.error())};
+  KinsAnswer answer{.refusal = refusal_of(solution->verdict), .regularity = solution->regularity};
   if (!answer.refusal.empty()) return answer;
   const JointVector readings = readings_for(arm_.couplings, solution->q);
-  if (!inside_limits(readings)) return {"a joint limit is in the way", solution->regularity};
+  if (!inside_limits(readings)) {
+    return {.refusal = "a joint limit is in the way", .regularity = solution->regularity};
+  }
+  answer.missed_rad = solution->rotation_error_rad;
   for (std::size_t i = 0; i < count_; ++i) joints[i] = unit_of(arm_.joints[i].type) * readings[i];
   return answer;
 }

@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/calibration/servo_inverse.hpp"
+#include "core/calibration/servo_inverse.hpp"
 #include "firmware/linuxcnc/kins_model.hpp"
 
 namespace armsig::linuxcnc {
@@ -21,11 +21,14 @@ struct WorldPose {
 
 struct KinsAnswer {
   // Why the pose is not met; empty where it is. An arm of fewer than six joints meets a pose whose
-  // place it meets, with the orientation as near as its joints allow.
+  // place it meets, with the orientation as near as its joints allow (core/kinematics/inverse.hpp).
   std::string_view refusal;
   // The manipulability without units (core/kinematics/regularity.hpp): about 1 at best, 0 at a
   // singularity.
   double regularity = 0;
+  // The angle by which an arm of fewer than six joints misses the orientation; 0 where it is
+  // refused.
+  double missed_rad = 0;
 };
 
 class Kins {

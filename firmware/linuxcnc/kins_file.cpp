@@ -14,6 +14,7 @@
 
 #include "core/base/couplings.hpp"
 #include "core/base/crc32.hpp"
+#include "core/base/joint_range.hpp"
 
 namespace armsig::linuxcnc {
 namespace {
@@ -34,6 +35,13 @@ class Words {
     const std::string_view word = left_.substr(0, left_.find_first_of(" \t\r"));
     left_.remove_prefix(word.size());
     return word;
+  }
+  // Whether `word` is the next one, which is then taken.
+  [[nodiscard]] bool take(std::string_view word) {
+    Words behind = *this;
+    if (behind.next() != word) return false;
+    *this = behind;
+    return true;
   }
   [[nodiscard]] bool number(double& value) {
     return whole(next(), value) && std::abs(value) <= kLargestNumber;
@@ -73,7 +81,7 @@ class Parser {
     if (!tagged_) {
       tagged_ = key == "armsig" && words.next() == kKinsTag && words.end();
       if (tagged_) return {};
-      return "not a file of armsig export --format linuxcnc-kins, or of another version";
+      return "not a file of armsig export in its format linuxcnc-kins, or of another version";
     }
     for (const auto& [name, handler] : kHandlers) {
       if (name != key) continue;
@@ -98,7 +106,9 @@ class Parser {
       const DhJoint& row = model_.drawn[i];
       model_.deflections.drawn_zero[i] = row.type == JointType::kRevolute ? row.theta_rad : row.d_m;
     }
-    if (!calibration::check(model_.deflections, joints)) return "maps or gravity out of range";
+    Arm nominal = model_.arm;
+    nominal.joints = model_.drawn;
+    if (!calibration::check(model_.deflections, nominal)) return "maps or gravity out of range";
     return {};
   }
 
@@ -109,7 +119,7 @@ class Parser {
     std::string_view key;
     Refused (Parser::*take)(Words& words);
   };
-  static const std::array<Handler, 8> kHandlers;
+  static const std::array<Handler, 9> kHandlers;
 
   Refused joint(Words& words) {
     if (model_.arm.joints.full()) return "more joints than 8";
@@ -118,8 +128,11 @@ class Parser {
     DhJoint row;
     row.type = type == "revolute" ? JointType::kRevolute : JointType::kPrismatic;
     JointLimits limits;
-    if (!row_numbers(words, row) || !words.number(limits.lower) || !words.number(limits.upper)) {
+    if (!row_numbers(words, row) || !limit_numbers(words, limits)) {
       return "a joint has four numbers and two limits";
+    }
+    if (is_endless(limits) && row.type == JointType::kPrismatic) {
+      return "a prismatic joint has limits";
     }
     if (limits.lower > limits.upper) return "the limits are the wrong way round";
     model_.arm.joints.push_back(row);
@@ -200,6 +213,11 @@ class Parser {
     return {};
   }
 
+  Refused up(Words& words) {
+    if (!words.vector(model_.deflections.up_0)) return "up has three numbers";
+    return {};
+  }
+
   Refused gravity(Words& words) {
     calibration::GravityTerm term;
     if (model_.deflections.gravity.full()) return "more gravity than 28 terms";
@@ -213,6 +231,15 @@ class Parser {
     return {};
   }
 
+  // Two numbers, or the word for none.
+  static bool limit_numbers(Words& words, JointLimits& limits) {
+    if (words.take("none")) {
+      limits = kNoLimits;
+      return true;
+    }
+    return words.number(limits.lower) && words.number(limits.upper);
+  }
+
   static bool row_numbers(Words& words, DhJoint& row) {
     return words.number(row.theta_rad) && words.number(row.d_m) && words.number(row.a_m) &&
            words.number(row.alpha_rad);
@@ -223,7 +250,7 @@ class Parser {
   bool has_tip_ = false;
 };
 
-constexpr std::array<Parser::Handler, 8> Parser::kHandlers{{
+constexpr std::array<Parser::Handler, 9> Parser::kHandlers{{
     {"joint", &Parser::joint},
     {"coupling", &Parser::coupling},
     {"tip", &Parser::tip},
@@ -231,6 +258,7 @@ constexpr std::array<Parser::Handler, 8> Parser::kHandlers{{
     {"drawn", &Parser::drawn},
     {"configuration", &Parser::configuration},
     {"map", &Parser::map},
+    {"up", &Parser::up},
     {"gravity", &Parser::gravity},
 }};
 

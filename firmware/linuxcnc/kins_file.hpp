@@ -2,7 +2,9 @@
 // The file of a KinsModel: a line a thing, words apart by spaces, `#` begins a comment line.
 //
 //   armsig linuxcnc-kins/1
-//   joint revolute THETA_RAD D_M A_M ALPHA_RAD LOWER UPPER         1 to 8, base to tip
+//   joint revolute THETA_RAD D_M A_M ALPHA_RAD LOWER UPPER         1 to 8, base to tip; none
+//   instead
+//                                                                  of both: it turns without end
 //   coupling JOINT FROM RATIO                                      joints counted from 1
 //   tip X_M Y_M Z_M QW QX QY QZ
 //   tool NUMBER X_M Y_M Z_M

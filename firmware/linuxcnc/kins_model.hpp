@@ -5,8 +5,8 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
+#include "core/calibration/packed_deflections.hpp"
 #include "core/signature.hpp"
-#include "firmware/calibration/packed_deflections.hpp"
 
 namespace armsig::linuxcnc {
 

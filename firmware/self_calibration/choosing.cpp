@@ -58,10 +58,10 @@ void SelfCalibration::choose(hal::Instant now) {
 // A bounded step of it: the way to the pose, and that it may be come to from each of its sides.
 WayLook::Says SelfCalibration::look_at_offer(const JointVector& pose) {
   const JointVector& home = configuration_.sweeps.configuration;
-  const WayLook::Says says = look_.step(configuration_, home, pose);
-  if (says != WayLook::Says::kClear || !configuration_.workspace) return says;
-  const double room_m = room_at(configuration_, pose).left_m;
-  return room_m > approach_m(configuration_) ? says : WayLook::Says::kLeaves;
+  const WayLook::Says says = look_on(look_, configuration_, home, pose);
+  if (says != WayLook::Says::kClear || configuration_.around.are_empty()) return says;
+  const double room_m = room_at(configuration_, pose, approach(configuration_)).left_m;
+  return room_m > kLeastRoom_m ? says : WayLook::Says::kLeaves;
 }
 
 void SelfCalibration::take_offer(const JointVector& pose) {

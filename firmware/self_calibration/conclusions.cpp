@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/calibration/packed_deflections.hpp"
+#include "core/calibration/signature_of_model.hpp"
 #include "core/identification.hpp"
-#include "firmware/calibration/packed_deflections.hpp"
-#include "firmware/calibration/signature_of_model.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"
 
 namespace armsig::controller {
@@ -130,9 +130,7 @@ void SelfCalibration::refuse(Error error) {
 
 bool SelfCalibration::whole_is_better() const {
   if (!whole_) return false;
-  if (!calibration::check(calibration::packed(whole_->model), whole_->model.joint_count())) {
-    return false;
-  }
+  if (!calibration::check(calibration::packed(whole_->model), configuration_.drawing)) return false;
   return !geometry_ ||
          whole_->findings.held_out.rms_m <= kWorthDeflections * geometry_->findings.held_out.rms_m;
 }
@@ -152,7 +150,8 @@ Result<void> SelfCalibration::do_write(SignatureRecord& record) const {
   calibration::axes_to_signature(found->model, target, signature);
   signature.targets[0].covariance_m2 = found->tool_m2;
   derive_parameters(signature, configuration_.drawing);
-  record.predicted_sigma_m = std::sqrt(found->tool_m2.trace());
+  record.method = Method::kRefined;
+  record.accuracy.predicted = found->findings.predicted();
   record.deflections = {};
   if (whole_ && found == &*whole_) record.deflections = calibration::packed(found->model);
   return {};

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "firmware/calibration/engine_detail.hpp"
+#include "core/calibration/engine_detail.hpp"
 
 namespace armsig::controller {
 

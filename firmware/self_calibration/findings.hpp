@@ -5,7 +5,8 @@
 #include <array>
 #include <span>
 
-#include "firmware/calibration/engine.hpp"
+#include "core/base/tool_accuracy.hpp"
+#include "core/calibration/engine.hpp"
 #include "firmware/self_calibration/held_out_judge.hpp"
 #include "firmware/self_calibration/play.hpp"
 
@@ -77,6 +78,9 @@ struct Findings {
   std::size_t rejected = 0;  // of them, as blunders
 
   [[nodiscard]] double predicted_m() const;
+  [[nodiscard]] ToolAccuracy::Predicted predicted() const {
+    return {predicted_m(), PredictedRegion::kJointLimits};
+  }
   [[nodiscard]] bool is_believed() const { return held_out.poses >= kFewestSelfHeldOut; }
   // Measurements, of so many times the present number, by which `accuracy_m` would be reached;
   // infinite where play is in the way.

@@ -2,7 +2,7 @@
 // How well a fit predicts poses that were held out of it, or that it would be without.
 #pragma once
 
-#include "firmware/calibration/engine.hpp"
+#include "core/calibration/engine.hpp"
 
 namespace armsig::controller {
 

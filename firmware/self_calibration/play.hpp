@@ -3,12 +3,11 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
-#include "firmware/calibration/play_block.hpp"
+#include "core/calibration/half_play.hpp"
 
 namespace armsig::controller {
 
@@ -22,18 +21,8 @@ using Sides = std::uint8_t;
 // How far a target moves when each joint moves by one [m per rad or m].
 using Motions = std::array<Vector3, kMaxJoints>;
 
-// Half of a joint's play, as the rows alone say, without what the fit expects of it beforehand.
-struct HalfPlay {
-  double value = 0;  // rad or m
-  double sigma = 0;  // infinite: the poses do not tell
-
-  [[nodiscard]] bool is_seen() const { return std::abs(value) > 2 * sigma; }
-  // Square of what is there, as far as more than chance shows it.
-  [[nodiscard]] double squared() const;
-};
-using HalfPlays = FixedVector<HalfPlay, kMaxJoints>;
-
-// After a fit that found the play of so many joints.
-[[nodiscard]] HalfPlays half_plays(const calibration::PlayBlock& found, std::size_t joints);
+using calibration::half_plays;
+using calibration::HalfPlay;
+using calibration::HalfPlays;
 
 }  // namespace armsig::controller

@@ -67,11 +67,17 @@ std::uint32_t crc_of(const Configuration& configuration) {
   for (const Vector3& p_S : receivers.p_S) print.reals(p_S);
   print.reals(receivers.facing_S);
   print.real(receivers.range_sigma_m);
-  if (const auto& box = configuration.workspace) {
-    print.reals(box->lower);
-    print.reals(box->upper);
-    print.real(box->hand_m);
+  print.reals(sweeps.arcs_rad);
+  for (const auto& [lower, upper] : sweeps.free) print.reals(std::array{lower, upper});
+  const clearance::Surroundings& around = configuration.around;
+  for (const clearance::HalfSpace& plane : around.planes) {
+    print.reals(plane.normal_B);
+    print.real(plane.offset_m);
   }
+  print.reals(around.lower_B);
+  print.reals(around.upper_B);
+  print.reals(around.foot_B);
+  print.reals(std::array{around.link_radius_m, around.hand_m});
   return print.crc();
 }
 

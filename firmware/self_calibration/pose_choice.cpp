@@ -35,19 +35,12 @@ Sides dealt_sides(std::size_t number) {
   return static_cast<Sides>(mixed >> 24U);
 }
 
-double approach_m(const Configuration& configuration) {
-  double beyond_m = configuration.workspace ? configuration.workspace->hand_m : 0;
-  double moved_m = 0;
-  for (std::size_t i = configuration.drawing.joints.size(); i-- > 0;) {
-    const DhJoint& row = configuration.drawing.joints[i];
-    const auto [lower, upper] = configuration.drawing.limits[i];
-    const bool turns = row.type == JointType::kRevolute;
-    moved_m += turns ? kApproachAngle * (std::abs(row.a_m) + beyond_m) : kApproachLength;
-    const double d_m =
-        turns ? std::abs(row.d_m) : std::max(std::abs(row.d_m + lower), std::abs(row.d_m + upper));
-    beyond_m += std::hypot(row.a_m, d_m);
+JointVector approach(const Configuration& configuration) {
+  JointVector ways;
+  for (const DhJoint& row : configuration.drawing.joints) {
+    ways.push_back(row.type == JointType::kRevolute ? kApproachAngle : kApproachLength);
   }
-  return kLeastRoom_m + moved_m;
+  return ways;
 }
 
 JointVector approach_to(const Configuration& configuration, const JointVector& pose, Sides& sides) {

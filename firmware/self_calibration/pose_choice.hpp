@@ -19,8 +19,8 @@ namespace armsig::controller {
 // From which sides pose `number` is reached.
 [[nodiscard]] Sides dealt_sides(std::size_t number);
 
-// How far [m] anything of the arm may be from where it is at the pose, where it comes to it from.
-[[nodiscard]] double approach_m(const Configuration& configuration);
+// How far each joint is from its reading at the pose, at most, where it comes to it from.
+[[nodiscard]] JointVector approach(const Configuration& configuration);
 
 // Where a joint starts from that comes to `pose` from these sides: some way before it, inside of
 // its limits. A side on which there is no room is changed in `sides`.

@@ -2,7 +2,7 @@
 // What was measured in the beginning is measured again.
 #include <algorithm>
 
-#include "firmware/calibration/engine_detail.hpp"
+#include "core/calibration/engine_detail.hpp"
 #include "firmware/self_calibration/pose_choice.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"
 

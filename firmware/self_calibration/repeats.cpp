@@ -10,7 +10,6 @@
 namespace armsig::controller {
 namespace {
 
-constexpr double kSigmas = 5;
 constexpr int kRounds = 12;
 constexpr double kFiner = 8;            // by which the limit of a wrong point comes down in a round
 constexpr double kUndetermined = 1e-9;  // of the parameters' information, so that each has some
@@ -96,7 +95,8 @@ Repeats::Explained Repeats::explained_by(Motions One::* cause) const {
   double moved_m2 = 0;
   for (const One& one : all_) moved_m2 += one.moved(cause, by).squaredNorm();
   const auto poses = static_cast<double>(all_.size());
-  const double chance = numerics::chi_square_quantile(static_cast<double>(count), kSigmas);
+  const double chance =
+      numerics::chi_square_quantile(static_cast<double>(count), numerics::kFiveSigma);
   return {.beyond = before - loss() - chance,
           .by_m = std::sqrt(moved_m2 / poses),
           .left = static_cast<std::size_t>(

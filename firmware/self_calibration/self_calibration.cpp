@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kStepWork = 10'000;
 constexpr std::size_t kFirstVisits = 60;      // twelve of them held out
 constexpr std::size_t kSamples = 100;         // over which the accuracy is predicted
-constexpr std::size_t kMostSampled = 20'000;  // then those outside of the workspace box, too
+constexpr std::size_t kMostSampled = 20'000;  // then those that are not clear, too
 constexpr std::size_t kRowsAtOnce = 8;
 
 std::array<float, 6> packed_covariance(const Matrix3& m) {
@@ -30,7 +30,7 @@ Result<std::size_t> SelfCalibration::do_begin(const Aim& aim, const Machine& mac
   refused_.reset();
   aim_ = aim;
   visiting_since_.reset();
-  coming_.forget();
+  approach_.forget();
   recalls_ = false;
   count_ = visited_ = recalled_ = repeated_ = offered_ = looked_at_ = passed_over_ = 0;
   look_ = {};
@@ -51,7 +51,7 @@ std::optional<KeptPoint> SelfCalibration::do_recall(std::size_t sweep, const Joi
   auto kept = journal_->next(sweep, wanted);
   if (kept && kept->point && sweep == 0) ++recalled_;
   // Where those points are from that were kept, the arm has not been since.
-  if (recalls_ && !kept) coming_.forget();
+  if (recalls_ && !kept) approach_.forget();
   recalls_ = kept.has_value();
   return kept;
 }
@@ -82,16 +82,16 @@ void SelfCalibration::do_take(std::size_t sweep, const JointVector& readings,
   row.sweep = static_cast<std::uint8_t>(sweep);
   row.index = row.pose = static_cast<std::uint32_t>(count_);
   row.held_out = sweep == 0 && ++visited_ % kHeldOutEvery == 0;
-  row.sides = coming_.sides();
-  row.sided = coming_.sided();
+  row.sides = approach_.sides();
+  row.sided = approach_.sided();
   memory_.rows[count_++] = row;
 }
 
 // Also where the point is not taken.
 void SelfCalibration::note_way(std::size_t sweep, const JointVector& readings) {
   const JointTypes types = types_of(configuration_.drawing.joints);
-  if (sweep == 0) coming_.go_to(types, visit_.approach);
-  coming_.go_to(types, readings);
+  if (sweep == 0) approach_.go_to(types, visit_.approach);
+  approach_.go_to(types, readings);
 }
 
 void SelfCalibration::do_lose() {
@@ -261,8 +261,7 @@ void SelfCalibration::judge_step() {
 void SelfCalibration::predict_step() {
   if (prediction_.poses < kSamples) {
     const JointVector pose = sample_pose(configuration_, sampled_++);
-    const bool outside =
-        configuration_.workspace && room_at(configuration_, pose).left_m < kLeastRoom_m;
+    const bool outside = room_at(configuration_, pose).left_m < kLeastRoom_m;
     if (outside && sampled_ < kMostSampled) return;
     calibration::ChainFrames frames;
     evaluate(pose, frames);

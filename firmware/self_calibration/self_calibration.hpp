@@ -15,13 +15,13 @@
 #include <array>
 #include <optional>
 
-#include "core/arm_model/gravity_choice.hpp"
+#include "core/calibration/approach_direction.hpp"
+#include "core/calibration/engine.hpp"
+#include "core/calibration/gravity_choice.hpp"
 #include "core/frames/alignment.hpp"
-#include "firmware/calibration/engine.hpp"
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/refinement.hpp"
 #include "firmware/controller/workspace.hpp"
-#include "firmware/self_calibration/coming.hpp"
 #include "firmware/self_calibration/findings.hpp"
 #include "firmware/self_calibration/point_journal.hpp"
 #include "firmware/self_calibration/repeats.hpp"
@@ -187,14 +187,14 @@ class SelfCalibration final : public Refinement {
   std::size_t planned_ = 0;
 
   std::size_t offered_ = 0;
-  std::size_t passed_over_ = 0;  // of the offers, as they leave the workspace box
+  std::size_t passed_over_ = 0;  // of the offers, as they are not clear
   WayLook look_;                 // at the next offer
   std::size_t sampled_ = 0;      // poses that were thought of for the prediction
   std::size_t looked_at_ = 0;    // of the offers to one visit
   double best_m2_ = 0;
   JointVector best_;
   Visit visit_;
-  Coming coming_;
+  calibration::ApproachDirection approach_;
   bool recalls_ = false;  // the last point was one that had been kept
 
   calibration::ArmModel model_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/controller/signature_figures.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"
 
 namespace armsig::controller {
@@ -16,12 +17,12 @@ Line& millimetres(Line& line, std::string_view key, double metres) {
 }
 
 void tell_findings(Line& line, const Findings& found, double asked_m) {
-  millimetres(line, "predicted", found.predicted_m());
+  tell_predicted(line.text(" signature=candidate"), found.predicted());
   millimetres(line, "asked", asked_m);
   line.text(" held_out=").integer(found.held_out.poses);
   line.text(" blunders=").integer(found.held_out.blunders);
   line.text(" fitted=").integer(found.fitted).text(" rejected=").integer(found.rejected);
-  millimetres(line, "held_out_rms", found.held_out.rms_m);
+  if (found.held_out.poses > 0) millimetres(line, "held_out_rms", found.held_out.rms_m);
   millimetres(line, "sensor", found.sensor_m);
   millimetres(line, "model", found.model_m);
   millimetres(line, "play", found.play_m);
@@ -46,7 +47,7 @@ void SelfCalibration::tell_halving(Line& line, const Findings& found) const {
 
 void SelfCalibration::do_tell_state(Line& line) const {
   if (findings_.fitted == 0) return;
-  millimetres(line, "predicted", findings_.predicted_m());
+  tell_predicted(line, findings_.predicted(), "candidate_");
   millimetres(line, "asked", aim_.accuracy_m);
   tell_halving(line, findings_);
 }

@@ -7,7 +7,7 @@
 // that is fitted (hal/simulated).
 #pragma once
 
-#include "firmware/calibration/servo_readings.hpp"
+#include "core/calibration/servo_readings.hpp"
 #include "firmware/controller/configuration.hpp"
 #include "firmware/controller/signature_record.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"
@@ -71,8 +71,8 @@ class Story {
   calibration::ServoReadings joints_;
 };
 
-// All of it, from the sweeps to what is written; `timed(work)` calls `work`, a step of the
-// background, and `told(line)` gets what is said.
+// All of it, from the sweeps to what is written; `timed` is given each step of the background
+// and calls it, `told` is given each line that is said.
 template <typename Timed, typename Told>
 [[nodiscard]] Result<void> run(Story& story, Timed timed, Told told) {
   timed([&] { story.begin(); });

@@ -4,8 +4,8 @@
 // play.
 #pragma once
 
-#include "core/arm_model/model.hpp"
 #include "core/base/arm.hpp"
+#include "core/calibration/model.hpp"
 #include "hal/simulated/random.hpp"
 
 namespace armsig::cabinet {
