@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// Targets of FANUC's programs in text (.ls): the positions of /POS, poses (mm, W, P, R) or joint
+// readings of group 1, with the numbers of their user frame and user tool.
+#include <algorithm>
+#include <array>
+#include <map>
+#include <span>
+#include <string>
+
+#include <fmt/core.h>
+
+#include "firmware/formats/text.hpp"
+#include "firmware/host_tool/programs/program_text.hpp"
+#include "firmware/host_tool/programs/readers.hpp"
+
+namespace armsig::tool {
+namespace {
+
+constexpr std::array<std::string_view, 6> kFanucPose{"X", "Y", "Z", "W", "P", "R"};
+constexpr std::array<std::string_view, 6> kFanucJoints{"J1", "J2", "J3", "J4", "J5", "J6"};
+
+class FanucReader {
+ public:
+  FanucReader(std::string_view text, const ProgramFrames& frames)
+      : text_(in_capitals(without_quotes(text))), lines_(text), frames_(frames) {}
+
+  Program read() {
+    const std::size_t positions = std::min(text_.find("\n/POS"), text_.size());
+    find_positions(positions);
+    ProgramScanner scanner(std::string_view(text_).substr(0, positions));
+    while (scanner.next_word()) take_motion(scanner, positions);
+    for (auto& [number, position] : positions_) {
+      if (!position.used) leave(position.at, name_of(number) + ": no motion here goes to it");
+    }
+    return std::move(program_);
+  }
+
+ private:
+  struct Position {
+    std::size_t at = 0;
+    Bytes body;
+    bool used = false;
+  };
+
+  static std::string without_quotes(std::string_view text) {
+    std::string plain = without_comments(text, {.to_end_of_line = '\0'});
+    // Remarks are whole lines: "  3:  !Remark ;".
+    for (std::size_t at = plain.find('!'); at != std::string::npos; at = plain.find('!', at + 1)) {
+      for (std::size_t k = at; k < plain.size() && plain[k] != '\n'; ++k) plain[k] = ' ';
+    }
+    return plain;
+  }
+
+  static std::string name_of(int number) { return fmt::format("P[{}]", number); }
+
+  // P[1], P[1:"name"]: its number, and the place behind it.
+  static std::optional<int> position_number(ProgramScanner& scanner) {
+    if (!scanner.accept('[')) return std::nullopt;
+    const std::string number(scanner.word());
+    return parse_integer(number);
+  }
+
+  void find_positions(std::size_t from) {
+    ProgramScanner scanner(text_, from);
+    while (scanner.next_word()) {
+      const std::size_t at = scanner.at();
+      if (scanner.word() != "P") continue;
+      const auto number = position_number(scanner);
+      const std::size_t open = text_.find('{', at);
+      if (!number || open == std::string::npos) continue;
+      const std::size_t close = std::min(text_.find('}', open), text_.size());
+      // Groups beyond the first are other machines'.
+      const std::size_t group2 = text_.find("GP2", open);
+      positions_.try_emplace(*number, Position{at, {open + 1, std::min(close, group2)}, false});
+      scanner.go_to(close);
+    }
+  }
+
+  // J P[1] 100% FINE, also P[2] of an arc, on the line after.
+  void take_motion(ProgramScanner& scanner, std::size_t end) {
+    const std::size_t at = scanner.at();
+    const std::string_view word = scanner.word();
+    const bool move = word == "J" || word == "L" || word == "C" || word == "A";
+    const std::size_t behind = scanner.at();
+    if (word == "P") {
+      go_to(scanner, at, end);
+    } else if (move && scanner.word() == "PR") {
+      const auto number = position_number(scanner);
+      leave(at, fmt::format("PR[{}]: it is a register", number.value_or(0)));
+    }
+    scanner.go_to(behind);
+  }
+
+  void go_to(ProgramScanner& scanner, std::size_t at, std::size_t end) {
+    const auto number = position_number(scanner);
+    if (!number) return;
+    const auto found = positions_.find(*number);
+    if (found == positions_.end()) {
+      leave(at, name_of(*number) + ": it is not in /POS");
+      return;
+    }
+    Position& position = found->second;
+    const std::size_t stop = std::min(text_.find(';', at), end);
+    const std::string_view rest = std::string_view(text_).substr(at, stop - at);
+    if (rest.contains("OFFSET") || rest.contains(" INC")) {
+      leave(at, name_of(*number) + ": it is computed: an offset, or incremental");
+    }
+    if (position.used) return;
+    position.used = true;
+    add(*number, position);
+  }
+
+  // The number after NAME = or NAME :, in the body of a position.
+  [[nodiscard]] std::optional<Bytes> value(const Position& position, std::string_view name) const {
+    ProgramScanner scanner(std::string_view(text_).substr(0, position.body.end),
+                           position.body.begin);
+    while (scanner.next_word()) {
+      if (scanner.word() != name) continue;
+      if (scanner.accept('=') || scanner.accept(':')) return scanner.number();
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<std::vector<Bytes>> values(
+      const Position& position, std::span<const std::string_view> names) const {
+    std::vector<Bytes> all;
+    for (const std::string_view name : names) {
+      const auto one = value(position, name);
+      if (!one) return std::nullopt;
+      all.push_back(*one);
+    }
+    return all;
+  }
+
+  // 0 is the world, or the flange.
+  [[nodiscard]] std::optional<Pose> frame(const Position& position, std::string_view name,
+                                          const GivenFrames& given) const {
+    const auto number = value(position, name);
+    const std::string n(number ? text_at(text_, *number) : std::string_view("F"));
+    if (n == "0") return Pose{};
+    const Pose* const X = given.find(n);
+    return X != nullptr ? std::optional(*X) : std::nullopt;
+  }
+
+  void add(int number, const Position& position) {
+    ProgramTarget target;
+    target.line = lines_.line_of(position.at);
+    target.name = name_of(number);
+    const auto joints = values(position, kFanucJoints);
+    const auto pose = values(position, kFanucPose);
+    if (!joints && !pose) {
+      leave(position.at, target.name + ": it has neither X to R nor J1 to J6");
+      return;
+    }
+    target.joints = joints.has_value();
+    target.numbers = joints ? *joints : *pose;
+    target.values = values_at(text_, target.numbers);
+    const auto X_FT = frame(position, "UT", frames_.tools);
+    const auto X_BW = frame(position, "UF", frames_.frames);
+    if (!target.joints && (!X_FT || !X_BW)) {
+      leave(position.at,
+            fmt::format("{}: its {} is not known: {} NUMBER=...", target.name,
+                        X_FT ? "user frame" : "user tool", X_FT ? "--frame" : "--tool"));
+      return;
+    }
+    target.X_FT = X_FT.value_or(Pose{});
+    target.X_BW = X_BW.value_or(Pose{});
+    program_.targets.push_back(std::move(target));
+  }
+
+  void leave(std::size_t at, std::string what) {
+    program_.left.push_back({lines_.line_of(at), std::move(what)});
+  }
+
+  std::string text_;
+  LineNumbers lines_;
+  const ProgramFrames& frames_;
+  std::map<int, Position> positions_;
+  Program program_;
+};
+
+}  // namespace
+
+Program read_fanuc(std::string_view text, const ProgramFrames& frames) {
+  return FanucReader(text, frames).read();
+}
+
+}  // namespace armsig::tool
