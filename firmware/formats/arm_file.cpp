@@ -2,13 +2,16 @@
 #include "firmware/formats/arm_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "core/base/couplings.hpp"
 #include "core/base/error.hpp"
+#include "core/base/joint_range.hpp"
 #include "core/base/pose.hpp"
+#include "firmware/formats/mounting.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/yaml_map.hpp"
@@ -22,8 +25,9 @@ std::vector<std::string> joint_keys() {
   add_names(known, "d", Dimension::kLength);
   add_names(known, "a", Dimension::kLength);
   add_names(known, "alpha", Dimension::kAngle);
-  add_names(known, "limits", Dimension::kAngle);
-  add_names(known, "limits", Dimension::kLength);
+  add_limit_names(known);
+  add_names(known, "sweep_at", Dimension::kAngle);
+  add_names(known, "sweep_at", Dimension::kLength);
   return known;
 }
 
@@ -93,31 +97,69 @@ Read<ArmLimits> read_deviations(const YamlNode& node) {
   return limits;
 }
 
-Read<ArmDescription> arm_from(const YamlNode& root) {
-  if (auto tag = check_tag(root, kArmTag); !tag) return std::unexpected(std::move(tag).error());
-  ARMSIG_TRY(
-      map, YamlMap::open(root, "the arm", {"armsig", "name", "joints", "coupling", "deviations"}));
-  ArmDescription description;
-  ARMSIG_TRY(name, map.name_under("name"));
-  description.name = name;
+// The reading of the signature configuration, inside the limits.
+Read<void> read_sweep_at(const YamlMap& map, JointType type, const JointLimits& limits,
+                         JointVector& sweep_at) {
+  const JointType other =
+      type == JointType::kRevolute ? JointType::kPrismatic : JointType::kRevolute;
+  ARMSIG_TRY(wrong, map.find_quantity("sweep_at", dimension_of(other)));
+  if (wrong) {
+    return problem_at(
+        *wrong->key,
+        fmt::format("{} on {}, which is {}", wrong->key->text, map.name(), word_of(type)),
+        any_of(names_of("sweep_at", dimension_of(type))));
+  }
+  ARMSIG_TRY(found, map.find_quantity("sweep_at", dimension_of(type)));
+  if (!found) return {};
+  ARMSIG_TRY(number, read_number(*found->value, found->key->text));
+  const double reading = found->unit.to_si(number);
+  if (!(reading >= limits.lower && reading <= limits.upper)) {
+    return problem_at(*found->value,
+                      fmt::format("{} of {}: {:g}", found->key->text, map.name(), number),
+                      "a reading inside the limits");
+  }
+  sweep_at.push_back(reading);
+  return {};
+}
+
+Read<void> read_joint(const YamlNode& node, ArmDescription& description) {
+  Arm& arm = description.arm;
+  ARMSIG_TRY(map,
+             YamlMap::open(node, fmt::format("joint {}", arm.joints.size() + 1), joint_keys()));
+  if (auto named = read_joint_name(map, description.joint_names); !named) return named;
+  ARMSIG_TRY(joint, read_dh(map));
+  ARMSIG_TRY(limits, read_limits(map, joint.type));
+  if (auto done = read_sweep_at(map, joint.type, limits, description.sweep_at); !done) return done;
+  arm.joints.push_back(joint);
+  arm.limits.push_back(limits);
+  return {};
+}
+
+Read<void> read_arm_joints(const YamlMap& map, ArmDescription& description) {
   ARMSIG_TRY(list_node, map.require("joints"));
   ARMSIG_TRY(list, read_list(*list_node, "joints", 1, kMaxJoints));
   for (const YamlNode& node : *list) {
-    Arm& arm = description.arm;
-    ARMSIG_TRY(joint_map,
-               YamlMap::open(node, fmt::format("joint {}", arm.joints.size() + 1), joint_keys()));
-    if (auto named = read_joint_name(joint_map, description.joint_names); !named) {
-      return std::unexpected(std::move(named).error());
-    }
-    ARMSIG_TRY(joint, read_dh(joint_map));
-    ARMSIG_TRY(limits, read_limits(joint_map, joint.type));
-    arm.joints.push_back(joint);
-    arm.limits.push_back(limits);
+    if (auto done = read_joint(node, description); !done) return done;
   }
-  if (auto named =
-          check_joint_names(*list_node, description.arm.joints.size(), description.joint_names);
-      !named) {
-    return std::unexpected(std::move(named).error());
+  const std::size_t joints = description.arm.joints.size();
+  const std::size_t told = description.sweep_at.size();
+  if (told != 0 && told != joints) {
+    return problem_at(*list_node, fmt::format("{} of {} joints have a sweep_at", told, joints),
+                      "a sweep_at for every joint, or for none");
+  }
+  return check_joint_names(*list_node, joints, description.joint_names);
+}
+
+Read<ArmDescription> arm_from(const YamlNode& root) {
+  if (auto tag = check_tag(root, kArmTag); !tag) return std::unexpected(std::move(tag).error());
+  std::vector<std::string> known{"armsig", "name", "joints", "coupling", "deviations"};
+  add_mounting_keys(known);
+  ARMSIG_TRY(map, YamlMap::open(root, "the arm", known));
+  ArmDescription description;
+  ARMSIG_TRY(name, map.name_under("name"));
+  description.name = name;
+  if (auto done = read_arm_joints(map, description); !done) {
+    return std::unexpected(std::move(done).error());
   }
   if (const YamlNode* coupling = map.find("coupling")) {
     ARMSIG_TRY(couplings, read_couplings(*coupling, description.arm.joints));
@@ -127,12 +169,40 @@ Read<ArmDescription> arm_from(const YamlNode& root) {
     ARMSIG_TRY(limits, read_deviations(*deviations));
     description.limits = limits;
   }
+  ARMSIG_TRY(mounting, read_mounting(map));
+  description.mounting = mounting;
+  description.arm.up_0 = -clearance::gravity_B(description.arm, mounting);
   return description;
+}
+
+// `limits: none`, of a joint that turns without end.
+Read<JointLimits> read_no_limits(const YamlMap& map, const YamlNode& none, JointType type) {
+  const std::string expected = any_of(names_of("limits", dimension_of(type)));
+  if (none.kind != YamlNode::Kind::kScalar || none.text != "none") {
+    return problem_at(none, fmt::format("limits of {} have no unit", map.name()),
+                      type == JointType::kRevolute
+                          ? expected + "; or limits: none, of a joint that turns without end"
+                          : expected);
+  }
+  if (type == JointType::kPrismatic) {
+    return problem_at(none, fmt::format("{} is prismatic and has no limits", map.name()), expected);
+  }
+  ARMSIG_TRY(stated, map.find_quantity("limits", Dimension::kAngle));
+  if (!stated) return kNoLimits;
+  return problem_at(none, fmt::format("limits and {} of {}", stated->key->text, map.name()),
+                    "one of the two");
 }
 
 // The key `name` and its value, with what stands before the next key.
 std::string name_entry(const std::vector<std::string>& names, std::size_t joint) {
   return names.empty() ? "" : fmt::format("name: {}, ", yaml_quoted(names[joint]));
+}
+
+// The key `sweep_at` and its value, with what stands after the key before it.
+std::string sweep_at_entry(const ArmDescription& description, std::size_t joint) {
+  if (description.sweep_at.empty()) return {};
+  return fmt::format(", sweep_at_{}: {}", si_suffix(description.arm.joints[joint].type),
+                     number_text(description.sweep_at[joint]));
 }
 
 }  // namespace
@@ -163,7 +233,20 @@ Read<JointType> read_joint_type(const YamlMap& map) {
                     "revolute or prismatic");
 }
 
+void add_limit_names(std::vector<std::string>& known) {
+  known.emplace_back("limits");
+  add_names(known, "limits", Dimension::kAngle);
+  add_names(known, "limits", Dimension::kLength);
+}
+
+std::string limits_text(JointType type, const JointLimits& limits) {
+  if (is_endless(limits)) return "limits: none";
+  return fmt::format("limits_{}: [{}, {}]", si_suffix(type), number_text(limits.lower),
+                     number_text(limits.upper));
+}
+
 Read<JointLimits> read_limits(const YamlMap& map, JointType type) {
+  if (const YamlNode* none = map.find("limits")) return read_no_limits(map, *none, type);
   const Dimension dimension = dimension_of(type);
   const Dimension other = type == JointType::kRevolute ? Dimension::kLength : Dimension::kAngle;
   const std::string expected = any_of(names_of("limits", dimension));
@@ -242,12 +325,12 @@ std::string arm_text(const ArmDescription& description) {
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {
     const DhJoint& joint = arm.joints[i];
     text += fmt::format(
-        "  - {{{}type: {}, theta_rad: {}, d_m: {}, a_m: {}, alpha_rad: {}, limits_{}: [{}, {}]}}\n",
+        "  - {{{}type: {}, theta_rad: {}, d_m: {}, a_m: {}, alpha_rad: {}, {}{}}}\n",
         name_entry(description.joint_names, i), word_of(joint.type), number_text(joint.theta_rad),
         number_text(joint.d_m), number_text(joint.a_m), number_text(joint.alpha_rad),
-        si_suffix(joint.type), number_text(arm.limits[i].lower), number_text(arm.limits[i].upper));
+        limits_text(joint.type, arm.limits[i]), sweep_at_entry(description, i));
   }
-  return text + couplings_text(arm.couplings);
+  return text + couplings_text(arm.couplings) + mounting_text(description.mounting);
 }
 
 Read<void> write_arm_file(const std::string& path, const ArmDescription& description) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/arm.hpp"
+#include "core/clearance/surroundings.hpp"
 #include "firmware/formats/arm_limits.hpp"
 #include "firmware/formats/problem.hpp"
 #include "firmware/formats/yaml_tree.hpp"
@@ -22,6 +23,10 @@ struct ArmDescription {
   ArmLimits limits = {};  // NOLINT(readability-redundant-member-init)
   // What other software calls the joints (the key `name`): one each, no two alike, or none.
   std::vector<std::string> joint_names = {};  // NOLINT(readability-redundant-member-init)
+  // The keys `mounted`, `floor` and `link_radius`, or the defaults.
+  clearance::Mounting mounting = {};  // NOLINT(readability-redundant-member-init)
+  // The key `sweep_at`: the signature configuration, a reading a joint; or none.
+  JointVector sweep_at = {};  // NOLINT(readability-redundant-member-init)
 };
 
 // A revolute joint without limits gets -180 to 180 degrees; a prismatic one must state them.
@@ -39,14 +44,19 @@ struct ArmDescription {
 // What a YAML file of ours says it is: "arm/1", "signature/1", ...
 [[nodiscard]] Read<std::string> read_tag(const std::string& path);
 
+class YamlMap;
+
 // The `coupling` list, shared with the signature file.
 [[nodiscard]] Read<JointCouplings> read_couplings(const YamlNode& list, const DhRows& joints);
 [[nodiscard]] std::string couplings_text(const JointCouplings& couplings);
 
-// Two readings, the lower first, in the unit of the joint (limits_deg, limits_mm, ...); without
-// them +-180 degrees for a revolute joint. `map` must know all four keys.
-class YamlMap;
+// Two readings, the lower first, in the unit of the joint (limits_deg, limits_mm, ...); `limits:
+// none` of a joint that turns without end; without them +-180 degrees for a revolute joint. `map`
+// must know all keys of add_limit_names().
 [[nodiscard]] Read<JointLimits> read_limits(const YamlMap& map, JointType type);
+void add_limit_names(std::vector<std::string>& known);
+// The key and its value as read_limits() takes them, in SI.
+[[nodiscard]] std::string limits_text(JointType type, const JointLimits& limits);
 
 // The key `name` of one more joint, added to `names`; one that it already holds is refused.
 [[nodiscard]] Read<void> read_joint_name(const YamlMap& map, std::vector<std::string>& names);

@@ -53,8 +53,7 @@ void append(std::string& out, const YamlNode& node, std::string_view omitted_key
 }
 
 std::string crc_text(const YamlNode& document) {
-  const std::string text = canonical_text(document);
-  return fmt::format("0x{:08X}", crc32(std::as_bytes(std::span(text))));
+  return fmt::format("0x{:08X}", content_crc32(document));
 }
 
 }  // namespace
@@ -63,6 +62,11 @@ std::string canonical_text(const YamlNode& document) {
   std::string text;
   append(text, document, kCrcKey);
   return text;
+}
+
+std::uint32_t content_crc32(const YamlNode& document) {
+  const std::string text = canonical_text(document);
+  return crc32(std::as_bytes(std::span(text)));
 }
 
 Read<std::string> sealed(std::string body) {

@@ -3,6 +3,7 @@
 // keys, indentation and spelling of a number (0.5, 5e-1) are free, any other change is detected.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,9 @@ inline constexpr std::string_view kCrcKey = "crc32";
 //   number    printf %.17g, for an unquoted scalar that spells one; other scalars as they are
 //   nothing   ~
 [[nodiscard]] std::string canonical_text(const YamlNode& document);
+
+// The CRC-32 of that form.
+[[nodiscard]] std::uint32_t content_crc32(const YamlNode& document);
 
 // `body` (YAML without a crc32) followed by its crc32 line. The body must be valid.
 [[nodiscard]] Read<std::string> sealed(std::string body);

@@ -19,7 +19,6 @@ namespace {
 
 constexpr std::size_t kBuffer = std::size_t{256} << 10U;
 constexpr std::size_t kLongestLine = std::size_t{64} << 10U;
-constexpr std::size_t kMostOfUtf16 = std::size_t{64} << 20U;
 
 }  // namespace
 
@@ -34,31 +33,36 @@ Read<LineReader> LineReader::open(const std::string& path) {
   reader.handle_ = std::move(*handle);
   reader.buffer_.resize(kBuffer);
   if (auto begun = reader.refill(); !begun) return std::unexpected(std::move(begun).error());
-  if (is_utf16({reader.buffer_.data(), reader.end_})) return reader.from_utf16();
+  const std::string_view beginning(reader.buffer_.data(), reader.end_);
+  if (is_utf16(beginning)) {
+    reader.decoder_.emplace(beginning);
+    reader.size_ /= 2;  // mostly: of the text
+    const std::string bytes(beginning);
+    reader.end_ = 0;
+    if (auto decoded = reader.decode(bytes); !decoded) {
+      return std::unexpected(std::move(decoded).error());
+    }
+  }
   reader.choose_line_end();
   return reader;
 }
 
-// A line of UTF-16 has no end that is a byte: the whole of it is turned into UTF-8 first.
-Read<LineReader> LineReader::from_utf16() {
-  while (handle_) {
-    if (buffer_.size() > kMostOfUtf16) {
-      return std::unexpected(Problem{file_, 0, 0, "too much text in UTF-16",
-                                     fmt::format("at most {} MB, or UTF-8", kMostOfUtf16 >> 20U)});
-    }
-    if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
-    if (auto more = refill(); !more) return std::unexpected(std::move(more).error());
-  }
-  const auto text = in_utf8({buffer_.data(), end_});
-  if (!text) {
+// Appends `bytes` of UTF-16 to the buffer; none: there are no more.
+Read<void> LineReader::decode(std::string_view bytes) {
+  std::string text;
+  if (!decoder_->append(bytes, text) || (bytes.empty() && !decoder_->is_whole())) {
     return std::unexpected(
         Problem{file_, 0, 0, "text in UTF-16 that breaks off in mid-character", "a whole file"});
   }
-  return over(*text, file_);
+  buffer_.resize(std::max(buffer_.size(), end_ + text.size()));
+  std::ranges::copy(text, buffer_.begin() + static_cast<std::ptrdiff_t>(end_));
+  end_ += text.size();
+  return {};
 }
 
-LineReader LineReader::over(std::string_view text, std::string_view file) {
+LineReader LineReader::over(std::string_view text, std::string_view file, std::size_t first_line) {
   LineReader reader(file);
+  reader.number_ = first_line - 1;
   reader.buffer_.assign(text.begin(), text.end());
   reader.end_ = text.size();
   reader.size_ = text.size();
@@ -85,9 +89,17 @@ Read<void> LineReader::refill() {
   bytes_before_ += start_;
   end_ -= start_;
   start_ = 0;
-  const std::size_t count =
-      std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, handle_.get());
-  end_ += count;
+  // Room for what two bytes of UTF-16 become at most: three.
+  const std::size_t room =
+      decoder_ ? std::min((buffer_.size() - end_) / 3 * 2, kBuffer / 2) : buffer_.size() - end_;
+  std::vector<char> bytes(decoder_ ? room : 0);
+  char* into = decoder_ ? bytes.data() : buffer_.data() + end_;
+  const std::size_t count = std::fread(into, 1, room, handle_.get());
+  if (decoder_ && (count > 0 || std::ferror(handle_.get()) == 0)) {
+    if (auto decoded = decode({bytes.data(), count}); !decoded) return decoded;
+  } else {
+    end_ += count;
+  }
   if (count > 0) return {};
   if (std::ferror(handle_.get()) != 0) {
     return std::unexpected(
@@ -123,7 +135,7 @@ Read<bool> LineReader::next_raw() {
   }
 }
 
-Read<bool> LineReader::next() {
+Read<bool> LineReader::next_or_comment() {
   for (;;) {
     ARMSIG_TRY(more, next_raw());
     if (!more) return false;
@@ -131,9 +143,15 @@ Read<bool> LineReader::next() {
       line_start_ += kByteOrderMark.size();
       line_length_ -= kByteOrderMark.size();
     }
-    const std::string_view content = trimmed(line());
-    if (!content.empty() && content.front() != '#') return true;
-    commented_ = commented_ || !content.empty();
+    if (!trimmed(line()).empty()) return true;
+  }
+}
+
+Read<bool> LineReader::next() {
+  for (;;) {
+    ARMSIG_TRY(more, next_or_comment());
+    if (!more || trimmed(line()).front() != '#') return more;
+    commented_ = true;
   }
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The lines of a CSV file, one at a time, in constant memory; of one in UTF-16, in as much as it
-// has.
+// The lines of a CSV file, one at a time, in constant memory.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/formats/encoding.hpp"
 #include "firmware/formats/problem.hpp"
 #include "firmware/formats/text_file.hpp"
 
@@ -19,11 +19,15 @@ namespace armsig::tool {
 class LineReader {
  public:
   [[nodiscard]] static Read<LineReader> open(const std::string& path);
-  [[nodiscard]] static LineReader over(std::string_view text, std::string_view file);
+  // `first_line`: the number of the text's first line.
+  [[nodiscard]] static LineReader over(std::string_view text, std::string_view file,
+                                       std::size_t first_line = 1);
 
-  // Moves to the next line that says something; false at the end of the file. Refuses a file that
-  // can't be read, and a line longer than any of ours.
+  // Moves to the next line that is neither blank nor a comment (#); false at the end of the file.
+  // Refuses a file that can't be read, and a line longer than any of ours.
   [[nodiscard]] Read<bool> next();
+  // The same, comments among the lines.
+  [[nodiscard]] Read<bool> next_or_comment();
 
   [[nodiscard]] std::string_view line() const {
     return {buffer_.data() + line_start_, line_length_};  // valid until next()
@@ -41,11 +45,12 @@ class LineReader {
   explicit LineReader(std::string_view file) : file_(file) {}
   [[nodiscard]] Read<bool> next_raw();
   [[nodiscard]] Read<void> refill();
-  [[nodiscard]] Read<LineReader> from_utf16();
+  [[nodiscard]] Read<void> decode(std::string_view bytes);
   void choose_line_end();
 
   std::string file_;
   FileHandle handle_;  // null once everything is in the buffer
+  std::optional<Utf16Decoder> decoder_;
   std::size_t size_ = 0;
   std::vector<char> buffer_;
   std::size_t end_ = 0;    // of what the buffer holds

@@ -7,7 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "core/base/check.hpp"
 #include "core/base/error.hpp"
+#include "firmware/formats/infinity.hpp"
+#include "firmware/formats/pi_text.hpp"
 #include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
@@ -15,29 +18,12 @@ namespace {
 
 constexpr double kEmpty = std::numeric_limits<double>::quiet_NaN();
 
-// Walks the fields of a line: text without surrounding blanks, position of its first character.
-class Fields {
- public:
-  explicit Fields(std::string_view line) : line_(line) {}
-
-  [[nodiscard]] bool next() {
-    if (next_ > line_.size()) return false;
-    const std::size_t stop = std::min(line_.find(',', next_), line_.size());
-    const std::string_view raw = line_.substr(next_, stop - next_);
-    text_ = trimmed(raw);
-    position_ = next_ + (text_.empty() ? 0 : static_cast<std::size_t>(text_.data() - raw.data()));
-    next_ = stop + 1;
-    return true;
+char separator_of(std::string_view header) {
+  for (const char separator : {';', '\t', ','}) {
+    if (header.find(separator) != std::string_view::npos) return separator;
   }
-  [[nodiscard]] std::string_view text() const { return text_; }
-  [[nodiscard]] std::size_t position() const { return position_; }  // from 0
-
- private:
-  std::string_view line_;
-  std::string_view text_;
-  std::size_t position_ = 0;
-  std::size_t next_ = 0;
-};
+  return kBlanks;
+}
 
 std::vector<std::string> all_names(const std::vector<Quantity>& quantities) {
   std::vector<std::string> names;
@@ -70,13 +56,13 @@ std::vector<Quantity> joint_quantities(const JointTypes& types) {
   return quantities;
 }
 
-CsvTable::CsvTable(LineReader lines, std::vector<Quantity> quantities)
-    : lines_(std::move(lines)), quantities_(std::move(quantities)) {
+CsvTable::CsvTable(LineReader lines, std::vector<Quantity> quantities, Style style)
+    : lines_(std::move(lines)), style_(style), quantities_(std::move(quantities)) {
   values_.assign(quantities_.size(), kEmpty);
 }
 
-Read<CsvTable> CsvTable::open(LineReader lines, std::vector<Quantity> quantities) {
-  CsvTable table(std::move(lines), std::move(quantities));
+Read<CsvTable> CsvTable::open(LineReader lines, std::vector<Quantity> quantities, Style style) {
+  CsvTable table(std::move(lines), std::move(quantities), style);
   if (auto header = table.read_header(); !header) {
     return std::unexpected(std::move(header).error());
   }
@@ -86,6 +72,16 @@ Read<CsvTable> CsvTable::open(LineReader lines, std::vector<Quantity> quantities
 bool CsvTable::has(std::size_t quantity) const {
   return std::ranges::find(columns_, quantity, &Column::quantity) != columns_.end();
 }
+
+const CsvTable::Column& CsvTable::column_of(std::size_t quantity) const {
+  const auto column = std::ranges::find(columns_, quantity, &Column::quantity);
+  ARMSIG_CHECK(column != columns_.end());
+  return *column;
+}
+
+const Unit& CsvTable::unit(std::size_t quantity) const { return column_of(quantity).unit; }
+
+const std::string& CsvTable::header(std::size_t quantity) const { return column_of(quantity).name; }
 
 std::unexpected<Problem> CsvTable::at(std::size_t position, std::string what,
                                       std::string expected) const {
@@ -101,7 +97,7 @@ std::unexpected<Problem> CsvTable::problem(std::string what, std::string expecte
 
 std::unexpected<Problem> CsvTable::problem(std::size_t quantity, std::string what,
                                            std::string expected) const {
-  Fields fields(lines_.line());
+  Cells fields = cells();
   for (const Column& column : columns_) {
     if (!fields.next()) break;
     if (column.quantity == quantity) {
@@ -112,7 +108,7 @@ std::unexpected<Problem> CsvTable::problem(std::size_t quantity, std::string wha
 }
 
 std::string_view CsvTable::field(std::size_t quantity) const {
-  Fields fields(lines_.line());
+  Cells fields = cells();
   for (const Column& column : columns_) {
     if (!fields.next()) break;
     if (column.quantity == quantity) return fields.text();
@@ -135,8 +131,10 @@ std::unexpected<Problem> CsvTable::unknown_column(std::string_view name,
                 expected);
     }
   }
-  const auto joints = std::ranges::count_if(
-      quantities_, [](const Quantity& quantity) { return looks_like_a_joint(quantity.name); });
+  // Of joints that have units: the quaternion of ABB has not.
+  const auto joints = std::ranges::count_if(quantities_, [](const Quantity& quantity) {
+    return looks_like_a_joint(quantity.name) && !units_of(quantity.dimension).empty();
+  });
   if (joints > 0 && looks_like_a_joint(name)) {
     return at(position,
               fmt::format("column {} is for a joint outside the arm, which has {}", in_quotes(name),
@@ -172,7 +170,11 @@ Read<void> CsvTable::read_header() {
     return std::unexpected(Problem{lines_.file(), 0, 0, std::string(lines_.what_it_is()),
                                    "a header line, then one row a line"});
   }
-  for (Fields fields(lines_.line()); fields.next();) {
+  if (style_ == Style::kForeign) {
+    separator_ = separator_of(lines_.line());
+    numbers_ = TableNumbers(separator_);
+  }
+  for (Cells fields = cells(); fields.next();) {
     ARMSIG_TRY(column, column_named(fields.text(), fields.position()));
     const auto earlier = std::ranges::find(columns_, column.quantity, &Column::quantity);
     if (earlier != columns_.end()) {
@@ -195,6 +197,7 @@ Read<void> CsvTable::read_header() {
 Read<void> CsvTable::parse_field(std::string_view text, const Column& column,
                                  std::size_t position) {
   double& value = values_[column.quantity];
+  if (column.dimension == Dimension::kText) return {};
   if (text.empty()) {
     if (!quantities_[column.quantity].may_be_empty) {
       return at(position, fmt::format("{} is empty", column.name), "a number");
@@ -211,18 +214,45 @@ Read<void> CsvTable::parse_field(std::string_view text, const Column& column,
     value = *integer;
     return {};
   }
-  const auto number = parse_number(text);
-  if (!number) {
-    return at(position, fmt::format("{}: {}", column.name, why_not_a_number(text)), "a number");
-  }
-  value = column.unit.to_si(*number);
+  ARMSIG_TRY(number, parse_value(text, column, position));
+  value = column.unit.to_si(number);
   return {};
+}
+
+Read<double> CsvTable::parse_value(std::string_view text, const Column& column,
+                                   std::size_t position) {
+  if (style_ == Style::kForeign && column.dimension == Dimension::kAngle && names_pi(text)) {
+    const auto angle = parse_pi(text);
+    if (angle && column.unit.to_si(1) == 1) return *angle;
+    return at(position, fmt::format("{}: {}", column.name, in_quotes(text)),
+              angle ? "degrees, or a column in _rad" : "a number, or such as pi/2 and -3*pi/4");
+  }
+  if (style_ == Style::kForeign && column.dimension == Dimension::kNone) {
+    if (const auto infinity = parse_infinity(text)) return *infinity;
+  }
+  std::string plain(text);
+  if (style_ == Style::kForeign) {
+    auto decimal = numbers_.plain(text, column.name, lines_.number());
+    if (!decimal) {
+      return at(position, std::move(decimal.error().what), std::move(decimal.error().expected));
+    }
+    plain = *decimal;
+  }
+  const auto number = parse_number(plain);
+  if (number) return *number;
+  return at(position, fmt::format("{}: {}", column.name, why_not_a_number(text)), "a number");
 }
 
 Read<bool> CsvTable::next() {
   ARMSIG_TRY(more, lines_.next());
-  if (!more) return false;
-  Fields fields(lines_.line());
+  if (!more) {
+    if (!numbers_.decimal_comma()) return false;
+    if (auto whole = in_file(lines_.file(), numbers_.finish()); !whole) {
+      return std::unexpected(std::move(whole).error());
+    }
+    return false;
+  }
+  Cells fields = cells();
   std::size_t count = 0;
   for (const Column& column : columns_) {
     if (!fields.next()) {

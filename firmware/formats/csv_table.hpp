@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,8 @@
 #include "core/base/arm.hpp"
 #include "firmware/formats/csv_lines.hpp"
 #include "firmware/formats/problem.hpp"
+#include "firmware/formats/table_cells.hpp"
+#include "firmware/formats/table_numbers.hpp"
 #include "firmware/formats/units.hpp"
 
 namespace armsig::tool {
@@ -33,16 +36,26 @@ struct Quantity {
 
 class CsvTable {
  public:
+  // How the fields are written. kForeign: as spreadsheets and people write them too, separated by
+  // what the header has of semicolons, tabs, commas and blanks, with decimal commas where no comma
+  // separates, angles in radians as pi/2, and infinity where there is no unit.
+  enum class Style : std::uint8_t { kOurs, kForeign };
+
   // Reads as far as the header line. Values and problems below are addressed by the index of a
   // quantity in `quantities`.
-  [[nodiscard]] static Read<CsvTable> open(LineReader lines, std::vector<Quantity> quantities);
+  [[nodiscard]] static Read<CsvTable> open(LineReader lines, std::vector<Quantity> quantities,
+                                           Style style = Style::kOurs);
 
   [[nodiscard]] bool has(std::size_t quantity) const;
 
   // Moves to the next row; false at the end of the file.
   [[nodiscard]] Read<bool> next();
 
-  // In SI (integers as they are); NaN where the field is empty or the column absent.
+  // What the header says of a column that is there.
+  [[nodiscard]] const Unit& unit(std::size_t quantity) const;
+  [[nodiscard]] const std::string& header(std::size_t quantity) const;
+
+  // In SI (integers as they are); NaN where the field is empty, text, or the column absent.
   [[nodiscard]] double value(std::size_t quantity) const { return values_[quantity]; }
 
   [[nodiscard]] std::size_t line() const { return lines_.number(); }
@@ -63,17 +76,24 @@ class CsvTable {
     std::string name;  // as the header spells it
   };
 
-  CsvTable(LineReader lines, std::vector<Quantity> quantities);
+  CsvTable(LineReader lines, std::vector<Quantity> quantities, Style style);
+  [[nodiscard]] const Column& column_of(std::size_t quantity) const;
+  [[nodiscard]] Cells cells() const { return {lines_.line(), separator_, Quotes::kAreText}; }
   [[nodiscard]] Read<void> read_header();
   [[nodiscard]] Read<Column> column_named(std::string_view name, std::size_t position) const;
   [[nodiscard]] std::unexpected<Problem> unknown_column(std::string_view name,
                                                         std::size_t position) const;
   [[nodiscard]] Read<void> parse_field(std::string_view text, const Column& column,
                                        std::size_t position);
+  [[nodiscard]] Read<double> parse_value(std::string_view text, const Column& column,
+                                         std::size_t position);
   [[nodiscard]] std::unexpected<Problem> at(std::size_t position, std::string what,
                                             std::string expected) const;
 
   LineReader lines_;
+  Style style_ = Style::kOurs;
+  char separator_ = ',';
+  TableNumbers numbers_{','};
   std::vector<Quantity> quantities_;
   std::vector<Column> columns_;
   std::vector<double> values_;

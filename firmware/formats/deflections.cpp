@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.hpp"
-#include "firmware/calibration/packed_deflections.hpp"
+#include "core/calibration/packed_deflections.hpp"
 #include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
@@ -30,16 +30,18 @@ std::string row_text(const Values& values) {
   return text + "]";
 }
 
-Read<void> read_gravity(const YamlNode& node, ArmModel& model) {
+Read<void> read_gravity(const YamlNode& node, const Arm& nominal, ArmModel& model) {
   ARMSIG_TRY(list, read_list(node, "gravity", 0, calibration::kMaxGravityTerms));
   const auto n = static_cast<double>(model.joint_count());
+  const double lever_m = calibration::longest_lever_m(nominal);
   for (const YamlNode& item : *list) {
     ARMSIG_TRY(term, read_numbers(item, "a gravity term", 3));
     const bool known = term[0] >= 1 && term[0] <= n && term[1] > term[0] - 1 && term[1] <= n &&
                        std::floor(term[0]) == term[0] && std::floor(term[1]) == term[1];
-    if (!known || !(std::abs(term[2]) * calibration::kLongestLever_m <= kLargestDeflection)) {
+    if (!known || !(std::abs(term[2]) * lever_m <= kLargestDeflection)) {
       return problem_at(item, fmt::format("a gravity term {}, {}, {}", term[0], term[1], term[2]),
-                        "a joint, a link beyond it, and at most 0.01 rad or m per m");
+                        fmt::format("a joint, a link beyond it, and at most {:.3g} rad or m per m",
+                                    kLargestDeflection / lever_m));
     }
     model.gravity.push_back(
         {static_cast<std::uint8_t>(term[0] - 1), static_cast<std::uint8_t>(term[1]), term[2]});
@@ -99,6 +101,8 @@ std::string deflections_text(const SignatureRecord& record) {
   std::vector<double> zeros;
   for (const JointModel& joint : model.joints) zeros.push_back(joint.offset);
   text += fmt::format("  drawn_zero: {}\n", row_text(zeros));
+  text += fmt::format("  up: {}\n",
+                      row_text(std::array{model.up_0.x(), model.up_0.y(), model.up_0.z()}));
   text += model.gravity.empty() ? "  gravity: []\n" : "  gravity:\n";
   for (const GravityTerm& term : model.gravity) {
     text += fmt::format("    - [{}, {}, {}]\n", term.joint + 1, term.origin,
@@ -119,7 +123,7 @@ std::string deflections_text(const SignatureRecord& record) {
 Read<void> read_deflections(const YamlMap& root, SignatureRecord& record) {
   const YamlNode* node = root.find("deflections");
   if (node == nullptr) return {};
-  ARMSIG_TRY(map, YamlMap::open(*node, "deflections", {"drawn_zero", "gravity", "maps"}));
+  ARMSIG_TRY(map, YamlMap::open(*node, "deflections", {"drawn_zero", "up", "gravity", "maps"}));
   auto model = std::make_shared<ArmModel>(calibration::model_of(record.nominal, {}));
   const std::size_t n = model->joint_count();
   ARMSIG_TRY(zeros_node, map.require("drawn_zero"));
@@ -131,7 +135,14 @@ Read<void> read_deflections(const YamlMap& root, SignatureRecord& record) {
     if (auto done = read_map((*maps)[i], i, model->joints[i]); !done) return done;
   }
   ARMSIG_TRY(gravity_node, map.require("gravity"));
-  if (auto done = read_gravity(*gravity_node, *model); !done) return done;
+  if (auto done = read_gravity(*gravity_node, record.nominal, *model); !done) return done;
+  ARMSIG_TRY(up_0, map.vector3("up"));
+  constexpr double kUnit = 1e-9;
+  if (!(std::abs(up_0.norm() - 1) <= kUnit)) {
+    return problem_at(*map.find("up"), fmt::format("up: a vector of length {}", up_0.norm()),
+                      "a direction in frame 0, of length 1");
+  }
+  model->up_0 = up_0;
   record.deflections = std::move(model);
   return {};
 }

@@ -52,30 +52,6 @@ void append_utf8(std::string& text, std::uint32_t code) {
   }
 }
 
-// RFC 2781: two units of a pair make one character beyond the first 65,536.
-std::optional<std::string> from_utf16(std::string_view bytes, bool little_endian) {
-  if (bytes.size() % 2 != 0) return std::nullopt;
-  const auto unit = [&](std::size_t at) {
-    const auto low = static_cast<unsigned char>(bytes[little_endian ? at : at + 1]);
-    const auto high = static_cast<unsigned char>(bytes[little_endian ? at + 1 : at]);
-    return static_cast<std::uint32_t>(low) | static_cast<std::uint32_t>(high) << 8U;
-  };
-  std::string text;
-  for (std::size_t at = 0; at < bytes.size(); at += 2) {
-    const std::uint32_t code = unit(at);
-    if (code < 0xD800 || code > 0xDFFF) {
-      append_utf8(text, code);
-      continue;
-    }
-    if (code > 0xDBFF || at + 2 >= bytes.size()) return std::nullopt;
-    const std::uint32_t second = unit(at + 2);
-    if (second < 0xDC00 || second > 0xDFFF) return std::nullopt;
-    append_utf8(text, 0x10000U + ((code - 0xD800U) << 10U) + (second - 0xDC00U));
-    at += 2;
-  }
-  return text;
-}
-
 }  // namespace
 
 bool is_utf16(std::string_view bytes) {
@@ -83,14 +59,56 @@ bool is_utf16(std::string_view bytes) {
          order_by_zeros(bytes) != Order::kNone;
 }
 
-std::optional<std::string> in_utf8(std::string_view bytes) {
-  if (bytes.starts_with(kLittleEndian)) return from_utf16(bytes.substr(2), true);
-  if (bytes.starts_with(kBigEndian)) return from_utf16(bytes.substr(2), false);
-  if (const Order order = order_by_zeros(bytes); order != Order::kNone) {
-    return from_utf16(bytes, order == Order::kLittle);
+Utf16Decoder::Utf16Decoder(std::string_view bytes) {
+  const bool marked = bytes.starts_with(kLittleEndian) || bytes.starts_with(kBigEndian);
+  mark_ = marked ? kLittleEndian.size() : 0;
+  little_endian_ =
+      marked ? bytes.starts_with(kLittleEndian) : order_by_zeros(bytes) == Order::kLittle;
+}
+
+bool Utf16Decoder::append(std::string_view bytes, std::string& text) {
+  const std::size_t skipped = std::min(mark_, bytes.size());
+  mark_ -= skipped;
+  bytes.remove_prefix(skipped);
+  for (const char byte : bytes) {
+    if (!half_unit_) {
+      half_unit_ = byte;
+      continue;
+    }
+    const auto first = static_cast<unsigned char>(*half_unit_);
+    const auto second = static_cast<unsigned char>(byte);
+    half_unit_.reset();
+    const std::uint32_t unit = little_endian_ ? first | static_cast<std::uint32_t>(second) << 8U
+                                              : second | static_cast<std::uint32_t>(first) << 8U;
+    if (!take(unit, text)) return false;
   }
-  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
-  return std::string(bytes);
+  return true;
+}
+
+bool Utf16Decoder::take(std::uint32_t unit, std::string& text) {
+  const bool first_of_pair = unit >= 0xD800 && unit <= 0xDBFF;
+  const bool second_of_pair = unit >= 0xDC00 && unit <= 0xDFFF;
+  if (second_of_pair != (half_pair_ != 0)) return false;
+  if (first_of_pair) {
+    half_pair_ = unit;
+  } else if (second_of_pair) {
+    append_utf8(text, 0x10000U + ((half_pair_ - 0xD800U) << 10U) + (unit - 0xDC00U));
+    half_pair_ = 0;
+  } else {
+    append_utf8(text, unit);
+  }
+  return true;
+}
+
+std::optional<std::string> in_utf8(std::string_view bytes) {
+  if (!is_utf16(bytes)) {
+    if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+    return std::string(bytes);
+  }
+  std::string text;
+  Utf16Decoder decoder(bytes);
+  if (!decoder.append(bytes, text) || !decoder.is_whole()) return std::nullopt;
+  return text;
 }
 
 bool has_lone_returns(std::string_view bytes) {

@@ -2,111 +2,207 @@
 #include "firmware/formats/foreign_mapping.hpp"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "firmware/formats/foreign_header.hpp"
+#include "core/base/error.hpp"
+#include "firmware/formats/header_reader.hpp"
+#include "firmware/formats/headerless.hpp"
+#include "firmware/formats/table_cells.hpp"
 #include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
+namespace {
 
-std::vector<std::string> fields_of(std::string_view line, char separator) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == separator && !quoted) {
-      fields.emplace_back();
-    } else {
-      fields.back() += c;
-    }
+constexpr std::array kSeparators{';', '\t', ',', kBlanks};
+
+// What is told of a table without a header.
+std::unexpected<Problem> no_header(const ForeignTable& table, const TableNeed& need,
+                                   const HeaderCandidate& best) {
+  const std::size_t first = table.row_from(0);
+  // Of a line that names little of what is needed the units are no matter.
+  const bool is_near = 2 * best.named >= needed_quantities(need, {}).size();
+  const std::string doubt = best.doubt.empty() || !is_near ? "" : ": " + best.doubt;
+  std::vector<std::string> names;
+  for (const MappedColumn& entry : need.wanted.entries) {
+    if (!is_constant(entry.theirs)) names.push_back(entry.theirs);
   }
-  for (std::string& field : fields) field = std::string(trimmed(field));
-  return fields;
+  if (!names.empty()) {
+    return table.problem(
+        "no line of it has the columns " + all_of(names) + doubt,
+        "names of one line of the file, which begins with " + in_quotes(table.line(first).text));
+  }
+  if (need.kind == TableKind::kPoints) {
+    return table.at(first, "no header with x, y, z and their unit" + doubt,
+                    fmt::format("such as X [mm], or X and --units mm; or {} with places, "
+                                "x_mm=@2,y_mm=@3,z_mm=@4",
+                                need.wanted.option));
+  }
+  if (need.kind == TableKind::kJointLog) {
+    return table.at(first,
+                    fmt::format("no header with the readings of {} joints and their units{}",
+                                need.joints.types.size(), doubt),
+                    fmt::format("such as A1 [deg] or q1_deg, or A1 and --units deg,mm; or {} with "
+                                "a pair for each column, q1_deg=THEIR NAME or q1_deg=@2",
+                                need.wanted.option));
+  }
+  return table.problem(
+      "no line of it names joint readings and a position with their units" + doubt,
+      fmt::format("a header such as Sweep;Point;A1 [deg];...;X [mm];Y [mm];Z [mm], or {} with a "
+                  "pair for each column, x_mm=THEIR NAME or x_mm=@7; the file begins with {}",
+                  need.wanted.option, in_quotes(table.line(first).text)));
 }
 
-Read<Wanted> wanted_of(std::string_view mapping) {
-  Wanted wanted;
-  for (const std::string& entry : fields_of(mapping, ',')) {
+// Whether places say all that has to be known.
+bool needs_no_header(const TableNeed& need) {
+  const std::vector<MappedColumn>& entries = need.wanted.entries;
+  const bool all_places = std::ranges::all_of(entries, [](const MappedColumn& entry) {
+    return is_constant(entry.theirs) || is_place(entry.theirs);
+  });
+  if (!need.wanted.automatic || !all_places) return all_places && !entries.empty();
+  return std::ranges::all_of(needed_quantities(need, entries), [&](const std::string& quantity) {
+    return std::ranges::any_of(
+        entries, [&](const MappedColumn& entry) { return quantity_of(entry.ours) == quantity; });
+  });
+}
+
+// By places alone: the rows begin with the first in which every column that is a number has one.
+std::optional<TableLayout> by_places(const ForeignTable& table, const TableNeed& need) {
+  for (std::size_t k = 0; k < std::min(table.size(), kLongestPreamble); ++k) {
+    if (table.line(k).is_comment) continue;
+    for (const char separator : kSeparators) {
+      const auto cells = split_line(table.line(k).text, separator);
+      if (!cells) continue;
+      const auto fits = [&](const MappedColumn& entry) {
+        const auto place = place_of(entry.theirs);
+        if (!place) return is_constant(entry.theirs);
+        if (*place >= cells->size()) return false;
+        return is_text_column(entry.ours) || is_number((*cells)[*place], separator);
+      };
+      if (!std::ranges::all_of(need.wanted.entries, fits)) continue;
+      TableLayout layout;
+      layout.first_row = k;
+      layout.separator = separator;
+      layout.width = cells->size();
+      for (MappedColumn entry : need.wanted.entries) {
+        entry.place = place_of(entry.theirs);
+        layout.columns.push_back(std::move(entry));
+      }
+      for (std::size_t place = 0; place < cells->size(); ++place) {
+        if (!is_mapped(layout, place))
+          layout.ignored.push_back(fmt::format("column {}", place + 1));
+      }
+      return layout;
+    }
+  }
+  return std::nullopt;
+}
+
+// What a table that has neither is: poses in which any joint may have moved, of one reflector.
+void add_constants(const TableNeed& need, TableLayout& layout) {
+  if (need.kind != TableKind::kMeasurements || !need.wanted.automatic) return;
+  if (layout.find("sweep") == nullptr) layout.columns.push_back({"sweep", "#0"});
+  if (layout.find("target") == nullptr) layout.columns.push_back({"target", "#1"});
+}
+
+}  // namespace
+
+Read<Wanted> wanted_of(std::string_view option, std::string_view mapping) {
+  Wanted wanted{.option = std::string(option), .automatic = false, .entries = {}};
+  for (Cells cells(mapping, ','); cells.next();) {
+    const std::string_view entry = cells.text();
     const std::size_t equals = entry.find('=');
+    const bool is_pair =
+        equals != std::string_view::npos && equals > 0 && equals + 1 < entry.size();
+    const std::string theirs(is_pair ? trimmed(entry.substr(equals + 1)) : "");
     if (entry == "auto") {
       wanted.automatic = true;
-    } else if (equals != std::string::npos && equals > 0 && equals + 1 < entry.size()) {
-      wanted.entries.push_back({std::string(trimmed(entry.substr(0, equals))),
-                                std::string(trimmed(entry.substr(equals + 1)))});
+    } else if (is_pair && cells.well_quoted() && (!is_place(theirs) || place_of(theirs))) {
+      wanted.entries.push_back({std::string(trimmed(entry.substr(0, equals))), theirs});
     } else {
-      return std::unexpected(Problem{"--columns", 0, 0, in_quotes(entry) + " is no mapping",
-                                     "auto, x_mm=THEIR NAME, or target=#1 for every row"});
+      return std::unexpected(Problem{std::string(option), 0, 0, in_quotes(entry) + " is no mapping",
+                                     "auto, x_mm=THEIR NAME, x_mm=@7 for the seventh column, or "
+                                     "target=#1 for every row"});
     }
   }
   return wanted;
 }
 
-std::optional<Places> places_in(const std::vector<std::string>& header, const Wanted& wanted,
-                                const JointTypes& types, std::vector<MappedColumn>& columns) {
-  columns = wanted.entries;
-  Places places;
-  for (const MappedColumn& entry : wanted.entries) {
-    if (entry.theirs.starts_with('#')) {
-      places.emplace_back();
-      continue;
-    }
-    const auto place = std::ranges::find(header, entry.theirs);
-    if (place == header.end()) return std::nullopt;
-    places.emplace_back(static_cast<std::size_t>(place - header.begin()));
-  }
-  if (!wanted.automatic) return places;
-  std::size_t found = 0;
-  for (std::size_t k = 0; k < header.size(); ++k) {
-    if (std::ranges::find(places, k) != places.end()) continue;
-    const auto ours = our_name_of(header[k], types);
-    if (!ours) continue;
-    const auto same = [&](const MappedColumn& column) {
-      return quantity_of(column.ours) == quantity_of(*ours);
-    };
-    if (std::ranges::any_of(columns, same)) continue;
-    columns.push_back({*ours, header[k]});
-    places.emplace_back(k);
-    ++found;
-  }
-  // A table of an arm has at least its joints and a position.
-  if (columns.size() < types.size() + 3 || (found == 0 && wanted.entries.empty())) {
-    return std::nullopt;
-  }
-  return places;
+const MappedColumn* TableLayout::find(std::string_view quantity) const {
+  const auto found = std::ranges::find_if(
+      columns, [&](const MappedColumn& column) { return quantity_of(column.ours) == quantity; });
+  return found == columns.end() ? nullptr : &*found;
 }
 
-std::optional<Problem> contradiction(const std::string& path, const MappedMeasurements& mapped,
-                                     const JointTypes& types) {
-  for (const MappedColumn& column : mapped.columns) {
-    const auto stated = our_name_of(column.theirs, types);
-    if (!stated || *stated == column.ours || quantity_of(*stated) != quantity_of(column.ours)) {
-      continue;
+Read<TableLayout> layout_of(const ForeignTable& table, const TableNeed& need) {
+  HeaderCandidate best;
+  for (std::size_t k = 0; k < std::min(table.size(), kLongestPreamble); ++k) {
+    for (const char separator : kSeparators) {
+      auto candidate = read_header(table, need, k, separator);
+      if (!candidate) continue;
+      if (candidate->complete) {
+        if (candidate->fault) return std::unexpected(*std::move(candidate->fault));
+        add_constants(need, candidate->layout);
+        return std::move(candidate->layout);
+      }
+      if (candidate->named > best.named) best = *std::move(candidate);
     }
-    return Problem{path, static_cast<int>(mapped.header_line), 0,
-                   fmt::format("{} is to come from {}", column.ours, in_quotes(column.theirs)),
-                   *stated};
   }
-  return std::nullopt;
+  if (needs_no_header(need)) {
+    if (auto layout = by_places(table, need)) {
+      add_constants(need, *layout);
+      return *std::move(layout);
+    }
+  }
+  if (need.kind == TableKind::kPoints && need.wanted.automatic && best.doubt.empty()) {
+    ARMSIG_TRY(layout, headerless_points(table, need.units));
+    if (layout) return *std::move(layout);
+  }
+  return no_header(table, need, best);
 }
 
-std::optional<Problem> ambiguity(const std::string& path, const MappedMeasurements& mapped,
-                                 const Wanted& wanted, const JointTypes& types) {
-  for (std::size_t c = wanted.entries.size(); c < mapped.columns.size(); ++c) {
-    const MappedColumn& taken = mapped.columns[c];
-    for (const std::string& theirs : mapped.ignored) {
-      const auto ours = our_name_of(theirs, types);
-      if (!ours || quantity_of(*ours) != quantity_of(taken.ours)) continue;
-      return Problem{path, static_cast<int>(mapped.header_line), 0,
-                     fmt::format("{} may come from {} or from {}", quantity_of(taken.ours),
-                                 in_quotes(taken.theirs), in_quotes(theirs)),
-                     theirs == taken.theirs ? std::string("another name for one of the two columns")
-                                            : fmt::format("--columns auto,{}={}, or {}={}",
-                                                          taken.ours, taken.theirs, *ours, theirs)};
-    }
+Read<std::vector<std::string>> row_cells(const ForeignTable& table, const TableLayout& layout,
+                                         std::size_t k) {
+  std::vector<std::string> texts;
+  std::size_t filled = 0;  // up to the last that is not empty
+  Cells cells(table.line(k).text, layout.separator);
+  while (cells.next()) {
+    texts.emplace_back(cells.text());
+    if (!cells.text().empty()) filled = texts.size();
   }
-  return std::nullopt;
+  if (!cells.well_quoted()) {
+    return table.at(k, "a quote that is not closed, or text behind one", "\"text\"");
+  }
+  const auto counted = [&](std::size_t count, const char* expected) {
+    return table.at(
+        k,
+        fmt::format("the row has {} columns, {} {}", count,
+                    layout.header_line > 0 ? "its header" : "the first row", layout.width),
+        expected);
+  };
+  if (filled > layout.width) {
+    return counted(filled, layout.separator == ','
+                               ? "decimal points where commas separate the columns; or columns "
+                                 "separated by semicolons or tabs"
+                               : "as many in every row");
+  }
+  // Between blanks an empty cell can't be told from none.
+  if (layout.separator == kBlanks && filled < layout.width) {
+    return counted(filled,
+                   "as many in every row; semicolons or tabs between them where some are empty");
+  }
+  for (const MappedColumn& column : layout.columns) {
+    if (!column.place || *column.place < texts.size()) continue;
+    return table.at(k, "the row ends before " + in_quotes(column.theirs), "a cell for each column");
+  }
+  texts.resize(layout.width);
+  return texts;
+}
+
+std::string words_of_unused(const TableLayout& layout) {
+  return layout.ignored.empty() ? "" : "not used: " + all_of(layout.ignored);
 }
 
 }  // namespace armsig::tool

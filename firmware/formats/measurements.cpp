@@ -66,8 +66,8 @@ Read<MeasurementReader> MeasurementReader::over(LineReader lines, const JointTyp
 }
 
 Read<MeasurementReader> MeasurementReader::over(std::string_view text, std::string_view file,
-                                                const JointTypes& types) {
-  return over(LineReader::over(text, file), types);
+                                                const JointTypes& types, std::size_t first_line) {
+  return over(LineReader::over(text, file, first_line), types);
 }
 
 Read<MeasurementReader> MeasurementReader::open(const std::string& path, const JointTypes& types) {
@@ -182,6 +182,10 @@ Read<bool> MeasurementReader::next(MeasurementRow& row) {
                           "a standard deviation above 0, or nothing");
   }
   return true;
+}
+
+Problem MeasurementReader::problem_of_reading(std::size_t joint, std::string what) const {
+  return table_.problem(q_ + joint, std::move(what), "").error();
 }
 
 Read<std::size_t> read_measurements(const std::string& path, const JointTypes& types,

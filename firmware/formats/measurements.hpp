@@ -40,12 +40,17 @@ class MeasurementReader {
   // Reads the header.
   [[nodiscard]] static Read<MeasurementReader> open(const std::string& path,
                                                     const JointTypes& types);
+  // `first_line`: the number of the text's first line.
   [[nodiscard]] static Read<MeasurementReader> over(std::string_view text, std::string_view file,
-                                                    const JointTypes& types);
+                                                    const JointTypes& types,
+                                                    std::size_t first_line = 1);
 
   // Fills `row`, or gives false at the end of the file. Refuses a file without any row, and one
   // with more than kMaxTargets targets.
   [[nodiscard]] Read<bool> next(MeasurementRow& row);
+
+  // A problem with the reading of `joint` (from 0) in the row that was read last.
+  [[nodiscard]] Problem problem_of_reading(std::size_t joint, std::string what) const;
 
   [[nodiscard]] std::size_t receiver_count() const { return receivers_; }  // 0: positions
   [[nodiscard]] bool has_air() const { return table_.has(air_); }

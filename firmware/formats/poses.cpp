@@ -12,6 +12,7 @@
 #include "core/base/error.hpp"
 #include "firmware/formats/csv_table.hpp"
 #include "firmware/formats/csv_text.hpp"
+#include "firmware/formats/orientation_columns.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/units.hpp"
@@ -33,32 +34,22 @@ Read<std::vector<JointVector>> joint_poses_from(LineReader lines, const JointTyp
   return poses;
 }
 
-Read<Pose> pose_in(const CsvTable& table) {
-  const Vector3 p(table.value(0), table.value(1), table.value(2));
-  const Eigen::Quaterniond q(table.value(3), table.value(4), table.value(5), table.value(6));
-  constexpr double kTolerance = 1e-3;
-  const double length = q.coeffs().stableNorm();
-  if (!(std::abs(length - 1) <= kTolerance)) {
-    return table.problem(3, fmt::format("a quaternion of length {:.6g}", length),
-                         "a unit quaternion qw, qx, qy, qz");
-  }
-  return Pose{q.normalized().toRotationMatrix(), p};
-}
-
 Read<std::vector<Pose>> tool_poses_from(LineReader lines) {
   std::vector<Quantity> quantities;
   for (const char* name : {"x", "y", "z"}) quantities.push_back({name, Dimension::kLength});
-  for (const char* name : {"qw", "qx", "qy", "qz"}) quantities.push_back({name, Dimension::kNone});
+  const std::size_t first = quantities.size();
+  for (Quantity& quantity : orientation_quantities()) quantities.push_back(std::move(quantity));
   for (const char* name : {"sigma_x", "sigma_y", "sigma_z", "sigma"}) {
     quantities.push_back({.name = name, .dimension = Dimension::kLength, .required = false});
   }
   ARMSIG_TRY(table, CsvTable::open(std::move(lines), std::move(quantities)));
+  ARMSIG_TRY(orientation, OrientationColumns::of(table, first));
   std::vector<Pose> poses;
   for (;;) {
     ARMSIG_TRY(more, table.next());
     if (!more) break;
-    ARMSIG_TRY(pose, pose_in(table));
-    poses.push_back(pose);
+    ARMSIG_TRY(R, orientation.rotation(table));
+    poses.push_back({R, Vector3(table.value(0), table.value(1), table.value(2))});
   }
   if (poses.empty()) return table.problem("the file ends after its header", "rows of poses");
   return poses;

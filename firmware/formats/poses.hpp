@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pose files (CSV): joint poses q1_deg ..., and tool poses x_m, y_m, z_m, qw, qx, qy, qz in the
-// sensor frame (docs/formats.md).
+// Pose files (CSV): joint poses q1_deg ..., and tool poses x_m, y_m, z_m, qw, qx, qy, qz, or the
+// orientation as makers write it, in the sensor frame (docs/formats.md).
 #pragma once
 
 #include <span>

@@ -118,8 +118,8 @@ Read<void> read_correction(const YamlNode& node, const std::string& name, JointT
     known.insert(known.end(), {"cos_1_rad", "sin_1_rad", "cos_2_rad", "sin_2_rad"});
   }
   ARMSIG_TRY(map, YamlMap::open(node, "reading_correction of " + name, known));
-  refinement::ReadingTerms& terms = record.fitted.readings.back();
-  refinement::ReadingCorrection& correction = record.corrections.back();
+  calibration::ReadingTerms& terms = record.fitted.readings.back();
+  calibration::ReadingCorrection& correction = record.corrections.back();
   terms.gain = map.find("gain") != nullptr;
   terms.first = map.find("cos_1_rad") != nullptr || map.find("sin_1_rad") != nullptr;
   terms.second = map.find("cos_2_rad") != nullptr || map.find("sin_2_rad") != nullptr;
@@ -149,19 +149,13 @@ struct JointKeys {
     limits = fmt::format("limits_{}", unit);
   }
   [[nodiscard]] std::vector<std::string> known() const {
-    return {"name",
-            "type",
-            reading,
-            offset,
-            "pseudo_dh",
-            "s_model",
-            "axis_direction",
-            "axis_point_m",
-            "x_direction",
-            "y_direction",
-            "nominal",
-            limits,
-            "reading_correction",
+    return {"name",           "type",
+            reading,          offset,
+            "pseudo_dh",      "s_model",
+            "axis_direction", "axis_point_m",
+            "x_direction",    "y_direction",
+            "nominal",        "limits",
+            limits,           "reading_correction",
             "sweep"};
   }
 
@@ -169,7 +163,9 @@ struct JointKeys {
 };
 
 Read<JointLimits> read_required_limits(const YamlMap& map, std::string_view key, JointType type) {
-  if (auto node = map.require(key); !node) return std::unexpected(std::move(node).error());
+  if (map.find("limits") == nullptr) {
+    if (auto node = map.require(key); !node) return std::unexpected(std::move(node).error());
+  }
   return read_limits(map, type);
 }
 

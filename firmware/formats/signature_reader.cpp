@@ -11,6 +11,7 @@
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/canonical.hpp"
 #include "firmware/formats/deflections.hpp"
+#include "firmware/formats/mounting.hpp"
 #include "firmware/formats/signature_agreement.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/signature_joint_reader.hpp"
@@ -35,7 +36,7 @@ Read<void> read_joints(const YamlMap& root, SignatureRecord& record) {
       !named) {
     return named;
   }
-  const auto fitted = [](const refinement::ReadingTerms& terms) {
+  const auto fitted = [](const calibration::ReadingTerms& terms) {
     return terms.gain || terms.first || terms.second;
   };
   if (std::ranges::none_of(record.fitted.readings, fitted)) {
@@ -172,12 +173,55 @@ Read<void> read_numbers(const YamlMap& root, SignatureRecord& record) {
   if (done) done = read_if_there(root, "sigma_m", record.sigma_m);
   if (done) done = read_if_there(root, "unexplained_m", record.unexplained_m);
   if (done) done = read_if_there(root, "noise_freedom", record.noise_freedom);
-  if (done) done = read_if_there(root, "predicted_tool_error_m", record.predicted_tool_error_m);
   return done;
+}
+
+Read<double> read_length(const YamlMap& map, std::string_view key) {
+  ARMSIG_TRY(length_m, map.number(key));
+  if (length_m >= 0) return length_m;
+  return problem_at(*map.find(key), fmt::format("{}: {}", key, length_m), "no negative length");
+}
+
+Read<PredictedRegion> read_region(const YamlMap& map) {
+  ARMSIG_TRY(region, map.text("predicted_region"));
+  const auto* const found = std::ranges::find(kPredictedRegions, region);
+  if (found != kPredictedRegions.end()) {
+    return static_cast<PredictedRegion>(found - kPredictedRegions.begin());
+  }
+  return problem_at(*map.find("predicted_region"), "predicted_region: " + in_quotes(region),
+                    fmt::format("{}", fmt::join(kPredictedRegions, ", ")));
+}
+
+// A predicted error without its region is refused.
+Read<void> read_accuracy(const YamlNode& node, SignatureRecord& record) {
+  ARMSIG_TRY(map, YamlMap::open(node, "accuracy",
+                                {"controller_signature", "predicted_tool_error_m",
+                                 "predicted_region", "validation_rms_m", "validation_poses"}));
+  if (map.find("controller_signature") != nullptr) {
+    ARMSIG_TRY(number, map.integer("controller_signature", 1, std::numeric_limits<int>::max()));
+    record.controller_signature = static_cast<std::uint32_t>(number);
+  }
+  if (map.find("predicted_tool_error_m") != nullptr) {
+    ARMSIG_TRY(rms_m, read_length(map, "predicted_tool_error_m"));
+    ARMSIG_TRY(region, read_region(map));
+    record.accuracy.predicted = {rms_m, region};
+  }
+  if (map.find("validation_rms_m") != nullptr) {
+    ARMSIG_TRY(rms_m, read_length(map, "validation_rms_m"));
+    record.accuracy.validated = {rms_m, 0};
+  }
+  if (record.accuracy.validated && map.find("validation_poses") != nullptr) {
+    ARMSIG_TRY(poses, map.integer("validation_poses", 1, kMostRows));
+    record.accuracy.validated->poses = static_cast<std::uint32_t>(poses);
+  }
+  return {};
 }
 
 // What else it may have.
 Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
+  if (const YamlNode* node = root.find("accuracy")) {
+    if (auto read = read_accuracy(*node, record); !read) return read;
+  }
   if (const YamlNode* node = root.find("fit")) {
     ARMSIG_TRY(fit, read_fit(*node));
     record.fit = fit;
@@ -190,10 +234,15 @@ Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
       record.warnings.push_back(warning);
     }
   }
+  ARMSIG_TRY(origin, read_origin_section(root));
+  record.origin = origin;
   if (const YamlNode* node = root.find("coupling")) {
     ARMSIG_TRY(couplings, read_couplings(*node, record.nominal.joints));
     record.nominal.couplings = couplings;
   }
+  ARMSIG_TRY(mounting, read_mounting(root));
+  record.mounting = mounting;
+  record.nominal.up_0 = -clearance::gravity_B(record.nominal, mounting);
   if (const YamlNode* node = root.find("covariance")) {
     ARMSIG_TRY(covariance_of, root.text("covariance_of"));
     ARMSIG_TRY(covariance, read_covariance(*node, "covariance", 1, kLargestCovariance));
@@ -204,30 +253,14 @@ Read<void> read_extras(const YamlMap& root, SignatureRecord& record) {
 }
 
 std::vector<std::string> keys_of_a_signature() {
-  return {"armsig",
-          "name",
-          "serial",
-          "method",
-          "time",
-          "version",
-          "air_c",
-          "sigma_m",
-          "unexplained_m",
-          "noise_freedom",
-          "predicted_tool_error_m",
-          "fit",
-          "range_offsets_m",
-          "length_scale",
-          "warnings",
-          "base",
-          "joints",
-          "last_link",
-          "coupling",
-          "deflections",
-          "targets",
-          "covariance_of",
-          "covariance",
-          std::string(kCrcKey)};
+  std::vector<std::string> keys{
+      "armsig",      "name",    "serial",          "method",        "time",
+      "version",     "air_c",   "sigma_m",         "unexplained_m", "noise_freedom",
+      "accuracy",    "fit",     "range_offsets_m", "length_scale",  "warnings",
+      "origin",      "base",    "joints",          "last_link",     "coupling",
+      "deflections", "targets", "covariance_of",   "covariance",    std::string(kCrcKey)};
+  add_mounting_keys(keys);
+  return keys;
 }
 
 Read<SignatureRecord> record_from(const YamlNode& root) {

@@ -9,12 +9,15 @@
 
 #include <Eigen/Core>
 
-#include "core/arm_model/model.hpp"
-#include "core/arm_model/readings.hpp"
 #include "core/base/arm.hpp"
 #include "core/base/flight_time.hpp"
-#include "core/refinement/parameters.hpp"
+#include "core/base/tool_accuracy.hpp"
+#include "core/calibration/model.hpp"
+#include "core/calibration/parameters.hpp"
+#include "core/calibration/readings.hpp"
+#include "core/clearance/surroundings.hpp"
 #include "core/signature.hpp"
+#include "firmware/formats/origin.hpp"
 
 namespace armsig::tool {
 
@@ -38,9 +41,10 @@ struct SignatureRecord {
   std::string serial;                    // may be empty
   std::string method;  // "paper", "encoder", "refined", or "exact": computed, not measured
   Arm nominal;         // the drawing: rows, limits, couplings; as many joints as the signature
+  clearance::Mounting mounting;  // of that arm
   // What was fitted beside axes and targets (its unknowns are part of the covariance), and found.
-  refinement::ParameterRequest fitted;
-  FixedVector<refinement::ReadingCorrection, kMaxJoints> corrections;  // none, or one per joint
+  calibration::ParameterRequest fitted;
+  FixedVector<calibration::ReadingCorrection, kMaxJoints> corrections;  // none, or one per joint
   FixedVector<double, kMaxReceivers> receiver_offsets_m;  // as many as receivers, where fitted
   double scale = 0;  // a measured length is (1 + scale) times the true one
   // 1-sigma squares and products of the parameters, and what they are ("axis lines, 4 a revolute
@@ -51,19 +55,20 @@ struct SignatureRecord {
       sigma_m;               // noise of the measurements per axis, 1 sigma: as stated, or as found
   double unexplained_m = 0;  // what the residuals show beyond it, 1 sigma per axis
   double noise_freedom = 0;  // degrees of freedom that either was found with; 0: none was
-  // RMS over the joint limits; with deflections over the readings that were measured.
-  std::optional<double> predicted_tool_error_m;
+  ToolAccuracy accuracy;
+  std::uint32_t controller_signature = 0;  // its number in a controller's store; 0: of no store
   std::optional<FitRecord> fit;
   std::optional<double> air_c;
   std::string time;     // UTC, ISO 8601: 1986-04-07T12:00:00Z
   std::string version;  // of the armsig that made it
   std::vector<std::string> warnings;
+  std::optional<Origin> origin;  // the measurements it was found from; none where not known
 
   // Gravity and the maps of the readings; none where they were not found.
   std::shared_ptr<const calibration::ArmModel> deflections;
 
   // From what the encoders read to how far the joints have turned. Points to `deflections`.
-  [[nodiscard]] refinement::ReadingModel readings() const {
+  [[nodiscard]] calibration::ReadingModel readings() const {
     return {nominal.couplings, corrections, deflections.get()};
   }
 };

@@ -7,6 +7,7 @@
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/canonical.hpp"
 #include "firmware/formats/deflections.hpp"
+#include "firmware/formats/mounting.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
@@ -86,8 +87,8 @@ std::string feature_text(const features::JointFeature& feature) {
 // The corrections that were fitted; empty where there are none.
 std::string correction_text(const SignatureRecord& record, std::size_t i) {
   if (record.fitted.readings.empty()) return {};
-  const refinement::ReadingTerms& terms = record.fitted.readings[i];
-  const refinement::ReadingCorrection& c = record.corrections[i];
+  const calibration::ReadingTerms& terms = record.fitted.readings[i];
+  const calibration::ReadingCorrection& c = record.corrections[i];
   const bool revolute = record.signature.types[i] == JointType::kRevolute;
   std::string text;
   const auto add = [&](std::string_view key, double value) {
@@ -113,7 +114,6 @@ std::string joint_text(const SignatureRecord& record, std::size_t i) {
   const s_model::Parameters& s = signature.s_model[i];
   const Pose& X_SL = signature.X_SL[i];
   const DhJoint& nominal = record.nominal.joints[i];
-  const JointLimits& limits = record.nominal.limits[i];
   std::string text = fmt::format("  - type: {}  # joint {}\n", word_of(type), i + 1);
   const auto add = [&](std::string_view key, const std::string& value) {
     text += fmt::format("    {}: {}\n", key, value);
@@ -136,7 +136,7 @@ std::string joint_text(const SignatureRecord& record, std::size_t i) {
   add("nominal", fmt::format("{{theta_rad: {}, d_m: {}, a_m: {}, alpha_rad: {}}}",
                              number_text(nominal.theta_rad), number_text(nominal.d_m),
                              number_text(nominal.a_m), number_text(nominal.alpha_rad)));
-  add(fmt::format("limits_{}", unit), list_text(std::array{limits.lower, limits.upper}));
+  text += fmt::format("    {}\n", limits_text(type, record.nominal.limits[i]));
   text += correction_text(record, i);
   if (!signature.features.empty()) text += feature_text(signature.features[i]);
   return text;
@@ -171,6 +171,27 @@ std::string fit_text(const FitRecord& fit) {
                     number_text(fit.left_out->rms_m));
 }
 
+std::string accuracy_text(const SignatureRecord& record) {
+  const auto& [predicted, validated] = record.accuracy;
+  std::string text;
+  if (record.controller_signature > 0) {
+    text += fmt::format("  controller_signature: {}\n", record.controller_signature);
+  }
+  if (predicted) {
+    text += fmt::format(
+        "  predicted_tool_error_m: {}  # RMS over the region, 1 sigma, without the sensor's noise\n"
+        "  predicted_region: {}\n",
+        number_text(predicted->rms_m), name(predicted->region));
+  }
+  if (validated) {
+    text += fmt::format(
+        "  validation_rms_m: {}  # on poses that no fit has used, with the sensor's noise\n",
+        number_text(validated->rms_m));
+    if (validated->poses > 0) text += fmt::format("  validation_poses: {}\n", validated->poses);
+  }
+  return text.empty() ? text : "accuracy:\n" + text;
+}
+
 // Whose signature it is, how it was found, and how good it is.
 std::string head_text(const SignatureRecord& record) {
   std::string text =
@@ -190,10 +211,7 @@ std::string head_text(const SignatureRecord& record) {
   if (record.noise_freedom > 0) {
     text += fmt::format("noise_freedom: {}\n", number_text(record.noise_freedom));
   }
-  if (record.predicted_tool_error_m) {
-    text += fmt::format("predicted_tool_error_m: {}  # RMS over the work volume\n",
-                        number_text(*record.predicted_tool_error_m));
-  }
+  text += accuracy_text(record);
   if (record.fit) text += fit_text(*record.fit);
   return text;
 }
@@ -218,11 +236,12 @@ std::string body_text(const SignatureRecord& record) {
   for (const std::string& warning : record.warnings) {
     text += fmt::format("  - {}\n", yaml_quoted(warning));
   }
+  text += origin_text(record.origin);
   text += base_text(signature.X_SL[0]);
   text += "joints:\n";
   for (std::size_t i = 0; i < signature.joint_count(); ++i) text += joint_text(record, i);
   text += last_link_text(signature.X_SL.back());
-  text += couplings_text(record.nominal.couplings);
+  text += couplings_text(record.nominal.couplings) + mounting_text(record.mounting);
   text += deflections_text(record);
   text += targets_text(signature);
   if (record.covariance) {

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "firmware/formats/standard_output.hpp"
+#include "firmware/formats/terminal_line.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -216,6 +217,8 @@ void AtomicFile::write(std::string_view text) {
 
 void AtomicFile::flush() {
   std::string_view rest = buffer_;
+  // Not a regular file: it may be the terminal.
+  if (temporary_path_.empty() && !rest.empty()) TerminalLine::of_this_process().clear();
   while (!rest.empty() && first_errno_ == 0) {
     const ssize_t count = ::write(descriptor_, rest.data(), rest.size());
     if (count > 0) {
@@ -230,7 +233,9 @@ void AtomicFile::flush() {
 Read<void> AtomicFile::commit() {
   flush();
   const bool direct = temporary_path_.empty();
-  if (!direct && first_errno_ == 0 && ::fsync(descriptor_) != 0) first_errno_ = errno;
+  while (!direct && first_errno_ == 0 && ::fsync(descriptor_) != 0) {
+    if (errno != EINTR) first_errno_ = errno;
+  }
   if (::close(std::exchange(descriptor_, -1)) != 0 && first_errno_ == 0) first_errno_ = errno;
   if (!direct && first_errno_ == 0 && ::rename(temporary_path_.c_str(), real_path_.c_str()) != 0) {
     first_errno_ = errno;

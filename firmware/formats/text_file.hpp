@@ -25,6 +25,7 @@ using FileHandle = std::unique_ptr<std::FILE, FileCloser>;
 inline constexpr std::size_t kLargestDescription = std::size_t{256} << 10U;  // arm, sensor, daemon
 inline constexpr std::size_t kLargestSignature = std::size_t{4} << 20U;
 inline constexpr std::size_t kLargestUrdf = std::size_t{4} << 20U;
+inline constexpr std::size_t kLargestProgram = std::size_t{64} << 20U;  // of a robot
 
 // The content of `path`. Refuses a file of more than `largest` bytes.
 [[nodiscard]] Read<std::string> read_text_file(const std::string& path,

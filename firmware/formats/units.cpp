@@ -43,6 +43,7 @@ std::span<const Unit> units_of(Dimension dimension) {
       return kAngularAccelerationUnits;
     case Dimension::kAcceleration:
       return kAccelerationUnits;
+    case Dimension::kText:
     case Dimension::kNone:
     case Dimension::kInteger:
       return {};

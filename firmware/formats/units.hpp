@@ -14,6 +14,7 @@
 namespace armsig::tool {
 
 enum class Dimension : std::uint8_t {
+  kText,  // no number
   kNone,
   kInteger,
   kAngle,
@@ -36,7 +37,7 @@ struct Unit {
   [[nodiscard]] constexpr double to_si(double value) const { return value * multiply / divide; }
 };
 
-// The units that a name of this dimension may end in; none for kNone and kInteger.
+// The units that a name of this dimension may end in; none for kText, kNone and kInteger.
 [[nodiscard]] std::span<const Unit> units_of(Dimension dimension);
 
 // "theta_deg", "theta_rad" for an angle called theta; the bare name where there is no unit.

@@ -73,6 +73,7 @@ int run(int argc, char** argv) {
   add_identify(app, status);
   add_predict(app, status);
   add_solve(app, status);
+  add_compensate(app, status);
   add_check(app, status);
   add_suggest(app, status);
   add_evaluate(app, status);

@@ -18,11 +18,15 @@ using Table = Database::Table;
 
 constexpr const char* kNow =
     "SELECT arm.online, arm.current ->> 'mode', arm.current ->> 'fault', "
-    "arm.current ->> 'held_out_mm', "
+    "arm.current ->> 'validation_rms_mm', "
     "round((sqrt(d.sum[1]^2 + d.sum[2]^2 + d.sum[3]^2) / s.h)::numeric, 2), "
     "to_char(d.named_at AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), d.verdict, "
     "arm.current ->> 'model', arm.current ->> 'sensor', arm.current ->> 'air_c', "
-    "arm.current ->> 'firmware', arm.current ->> 'serial', arm.current ->> 'late_p99_us' "
+    "arm.current ->> 'firmware', arm.current ->> 'serial', arm.current ->> 'late_p99_us', "
+    "arm.current ->> 'signature_number', arm.current ->> 'predicted_tool_error_mm', "
+    "arm.current ->> 'predicted_region', arm.current ->> 'validation_poses', "
+    "(SELECT count(*) FROM row_refused r WHERE r.node = arm.node), "
+    "(SELECT problem FROM row_refused r WHERE r.node = arm.node ORDER BY received_at DESC LIMIT 1) "
     "FROM arm LEFT JOIN drift d USING (node) LEFT JOIN drift_setting s ON true WHERE node = $1";
 
 constexpr const char* kChecks =
@@ -38,7 +42,9 @@ constexpr const char* kChecks =
 constexpr const char* kWornNow =
     "SELECT to_char(since AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), hash, "
     "to_char(to_timestamp(identified_ms / 1000) AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
-    "sigma_mm, held_out_mm, air_c, signature.document FROM worn LEFT JOIN signature USING (hash) "
+    "predicted_tool_error_mm, predicted_region, validation_rms_mm, validation_poses, air_c, "
+    "number, "
+    "signature.document FROM worn LEFT JOIN signature USING (hash) "
     "WHERE node = $1 ORDER BY id DESC LIMIT 50";
 
 constexpr const char* kHistory =
@@ -54,16 +60,34 @@ std::string fact(std::string_view name, const Cell& value, std::string_view attr
   return fmt::format("<tr><th>{}", name) + cell(value, attributes) + "</tr>";
 }
 
+// Of the signature in use, and of no other.
+std::string accuracy(const std::vector<Cell>& row) {
+  std::string text = fact("signature number", row[13]);
+  if (row[14] && row[15]) {
+    text += fact("predicted tool error, RMS",
+                 fmt::format("{} mm over: {}", decimals(row[14], 3), in_words(*row[15])));
+  }
+  if (row[3]) {
+    text += fact("RMS on validation poses",
+                 fmt::format("{} mm on {} poses", decimals(row[3], 3), row[16].value_or("some")));
+  }
+  if (row[9]) text += fact("identified in air of", row[9].value() + " \u00b0C");
+  return text;
+}
+
 std::string now(const Table& table) {
   const auto& row = table[0];
   std::string text = "<h2>Now</h2>" + table_head("now", " class=f");
   text += row[0] == "t" ? fact("state", row[1]) : fact("state", "away", " class=bad");
   text += fact("fault", row[2], " class=bad");
-  if (row[3]) text += fact("accuracy, held-out poses", decimals(row[3], 3) + " mm");
   text += fact("drift, of its threshold", row[4], row[5] ? " class=bad" : "");
   text += fact("named as drifting, UTC", row[5], " class=bad");
-  text += fact("last check", row[6]) + fact("goes by the", row[7]) + fact("sensor", row[8]);
-  if (row[9]) text += fact("air", row[9].value() + " \u00b0C");
+  text += fact("last check", row[6]) + fact("goes by the", row[7]) + accuracy(row) +
+          fact("sensor", row[8]);
+  if (row[18]) {
+    text += fact("rows set aside",
+                 fmt::format("{}, the last for: {}", row[17].value_or(""), *row[18]), " class=bad");
+  }
   text += fact("firmware", row[10]) + fact("serial number", row[11]);
   if (row[12]) text += fact("tick late, 99 %", row[12].value() + " \u00b5s");
   return text + "</table></div>";
@@ -104,26 +128,24 @@ std::string chart(const Table& checks) {
 
 std::string signatures(const Table& worn) {
   if (worn.empty()) return "";
-  std::string text =
-      "<h2>Signatures</h2>" + table_head("signatures") +
-      "<tr><th>since, UTC<th>signature<th>identified, UTC"
-      "<th class=n>predicted \u03c3, mm<th class=n>held out, mm<th class=n>air, \u00b0C"
-      "<th>joint by joint</tr>";
+  std::string text = "<h2>Signatures</h2>" + table_head("signatures") +
+                     "<tr><th>since, UTC<th>signature<th>number<th>identified, UTC" +
+                     std::string(kFigureHeads) + "<th>joint by joint</tr>";
   std::string newest;  // the last change of which both documents are there
   for (std::size_t i = 0; i < worn.size(); ++i) {
     const auto& row = worn[i];
     text += "<tr>" + cell(row[0]) + "<td>" + (row[1] ? link_to_signature(*row[1]) : "the drawing");
-    text += cell(row[2]) + cell(decimals(row[3], 3), kNumber) + cell(decimals(row[4], 3), kNumber);
-    text += cell(decimals(row[5], 1), kNumber) + "<td>";
+    text +=
+        cell(row[8]) + cell(row[2]) + figures({row[3], row[4], row[5], row[6], row[7]}) + "<td>";
     const auto before = std::find_if(worn.begin() + static_cast<std::ptrdiff_t>(i) + 1, worn.end(),
-                                     [](const auto& former) { return former[6].has_value(); });
-    if (row[6] && before != worn.end() && (*before)[1] != row[1]) {
+                                     [](const auto& former) { return former[9].has_value(); });
+    if (row[9] && before != worn.end() && (*before)[1] != row[1]) {
       text += fmt::format("<a href=\"{}{}/{}\">against {}</a>", kCompare, escaped(*(*before)[1]),
                           escaped(*row[1]), escaped(std::string_view(*(*before)[1]).substr(0, 12)));
       if (newest.empty()) {
         newest = fmt::format("<h2>The last change, {}, joint by joint</h2>",
                              escaped(row[0].value_or(""))) +
-                 comparison_of(*(*before)[6], *row[6]);
+                 comparison_of(*(*before)[9], *row[9]);
       }
     }
     text += "</tr>";

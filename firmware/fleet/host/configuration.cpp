@@ -59,11 +59,29 @@ Read<DriftPlan> read_drift(const YamlMap& root) {
   return plan;
 }
 
+Read<void> read_page_names(const YamlMap& root, std::vector<std::string>& names) {
+  constexpr std::size_t kMostNames = 16;
+  constexpr std::size_t kLongestName = 253;  // of a host
+  const YamlNode* node = root.find("page_names");
+  if (node == nullptr) return {};
+  ARMSIG_TRY(list, tool::read_list(*node, "page_names", 1, kMostNames));
+  for (const YamlNode& item : *list) {
+    ARMSIG_TRY(name, tool::read_text(item, "a name of the page"));
+    const bool good = !name.empty() && name.size() <= kLongestName &&
+                      name.find_first_not_of(
+                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                          "0123456789-.") == std::string::npos;
+    if (!good) return problem_at(item, "no name of a host", "fleet.plant.example, without a port");
+    names.push_back(name);
+  }
+  return {};
+}
+
 Read<HostConfiguration> host_configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, "fleet/1"); !tag) return std::unexpected(tag.error());
-  ARMSIG_TRY(
-      root, YamlMap::open(node, "the host",
-                          {"armsig", "group", "host", "database", "page_port", "broker", "drift"}));
+  ARMSIG_TRY(root, YamlMap::open(node, "the host",
+                                 {"armsig", "group", "host", "database", "page_port", "page_names",
+                                  "broker", "drift"}));
   HostConfiguration configuration;
   ARMSIG_TRY(group, read_topic_name(root, "group"));
   ARMSIG_TRY(host, read_topic_name(root, "host"));
@@ -72,6 +90,9 @@ Read<HostConfiguration> host_configuration_from(const YamlNode& node) {
   ARMSIG_TRY(drift, read_drift(root));
   if (auto port = read_integer(root, "page_port", 1, 65'535, configuration.page_port); !port) {
     return std::unexpected(port.error());
+  }
+  if (auto names = read_page_names(root, configuration.page_names); !names) {
+    return std::unexpected(names.error());
   }
   configuration.group = group;
   configuration.host = host;

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/fleet/wire/mqtt_connection.hpp"
 #include "firmware/formats/problem.hpp"
@@ -25,8 +26,9 @@ struct DriftPlan {
 struct HostConfiguration {
   std::string group;
   std::string host;
-  std::string database;  // as libpq describes it
-  int page_port = 8080;  // on the loopback
+  std::string database;                 // as libpq describes it
+  int page_port = 8080;                 // on the loopback
+  std::vector<std::string> page_names;  // by which a proxy asks for it, beside the loopback's
   BrokerSettings broker;
   DriftPlan drift;
 };

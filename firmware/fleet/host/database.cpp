@@ -42,6 +42,49 @@ bool is_of_document(Item item) {
   return item >= Item::kDocumentHash && item <= Item::kDocumentText;
 }
 
+// Whether an error of this SQLSTATE is of what was to be stored, and not of the record: its
+// connection, memory, disk and locks. A key that is there already is no cabinet's either.
+bool is_of_data(std::string_view state) {
+  constexpr std::string_view kUnique = "23505";
+  constexpr std::array<std::string_view, 6> kOfData{"21", "22", "23", "38", "54", "P0"};
+  return state != kUnique && std::ranges::any_of(kOfData, [&](std::string_view known) {
+           return state.starts_with(known);
+         });
+}
+
+// What is told of a signature replaces all that was known of the one before. Where a row names
+// none, its figures are of none.
+bool names_signature(const Readings& readings) {
+  return std::ranges::find(readings.begin(), readings.end(), Item::kSignatureHash,
+                           &Reading::item) != readings.end();
+}
+
+// A birth has all items, those that the cabinet has not heard yet without a value.
+bool knows_signature(const Readings& birth) {
+  return std::ranges::any_of(birth, [](const Reading& reading) {
+    return (reading.item == Item::kSignatureHash && reading.value != Value()) ||
+           (reading.item == Item::kModel && reading.value == Value(Text("drawing")));
+  });
+}
+
+void forget_signature(Readings& known) {
+  Readings rest;
+  for (const Reading& reading : known) {
+    if (!is_of_signature(reading.item)) rest.push_back(reading);
+  }
+  known = rest;
+}
+
+// Every key of a signature, as an array of SQL.
+std::string signature_keys() {
+  std::string keys = "{";
+  for (const Item item : kOfSignature) {
+    if (keys.size() > 1) keys += ',';
+    keys += key_of(item);
+  }
+  return keys + '}';
+}
+
 std::string bits(std::uint64_t journal) {
   return std::to_string(std::bit_cast<std::int64_t>(journal));
 }
@@ -65,6 +108,12 @@ std::optional<Database> Database::open(const std::string& connection, const Drif
   return std::nullopt;
 }
 
+void Database::note_failure(const pg_result* result) {
+  const char* const state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
+  failed_state_ = state != nullptr ? state : "";
+  failed_ = PQerrorMessage(connection_.get());
+}
+
 std::string Database::problem() const {
   std::string text = failed_.empty() ? PQerrorMessage(connection_.get()) : failed_;
   while (text.ends_with('\n')) text.pop_back();
@@ -77,7 +126,9 @@ std::string Database::problem() const {
 bool Database::run(const char* command) {
   const Result result(PQexec(connection_.get(), command));
   const ExecStatusType status = PQresultStatus(result.get());
-  return status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK;
+  if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return true;
+  note_failure(result.get());
+  return false;
 }
 
 bool Database::run(const char* command, const std::vector<std::string>& arguments) {
@@ -92,7 +143,10 @@ std::optional<Database::Table> Database::ask(const char* question,
                                    nullptr, values.data(), nullptr, nullptr, 0));
   const ExecStatusType status = PQresultStatus(result.get());
   if (status == PGRES_COMMAND_OK) return Table{};
-  if (status != PGRES_TUPLES_OK) return std::nullopt;
+  if (status != PGRES_TUPLES_OK) {
+    note_failure(result.get());
+    return std::nullopt;
+  }
   Table table(static_cast<std::size_t>(PQntuples(result.get())));
   for (std::size_t row = 0; row < table.size(); ++row) {
     for (int column = 0; column < PQnfields(result.get()); ++column) {
@@ -151,11 +205,81 @@ std::optional<std::vector<Intake::Journal>> Database::journals() {
 }
 
 bool Database::store(const Batch& batch) {
-  failed_.clear();
-  if (run("BEGIN") && store_states(batch) && store_rows(batch) && run("COMMIT")) return true;
-  failed_ = PQerrorMessage(connection_.get());  // the end of the transaction has none
+  set_aside_.clear();
+  bool good = run("BEGIN");
+  if (good) {
+    const auto whole = attempt([&] { return store_whole(batch); });
+    good = whole == Attempt::kStored || (whole == Attempt::kRefused && store_by_arm(batch));
+  }
+  if (good && run("COMMIT")) return true;
+  const std::string why = failed_;  // the end of the transaction has none
   (void)run("ROLLBACK");
+  failed_ = why;
+  set_aside_.clear();
   return false;
+}
+
+bool Database::store_whole(const Batch& batch) { return store_states(batch) && store_rows(batch); }
+
+template <typename Store>
+Database::Attempt Database::attempt(const Store& store) {
+  if (!run("SAVEPOINT part")) return Attempt::kFailed;
+  if (store()) return run("RELEASE SAVEPOINT part") ? Attempt::kStored : Attempt::kFailed;
+  const std::string why = problem();
+  const bool of_data = is_of_data(failed_state_);
+  const bool back = run("ROLLBACK TO SAVEPOINT part; RELEASE SAVEPOINT part");
+  failed_ = why;
+  return back && of_data ? Attempt::kRefused : Attempt::kFailed;
+}
+
+// One arm's values are no reason to lose another's.
+bool Database::store_by_arm(const Batch& batch) {
+  std::map<std::string_view, Batch> arms;
+  for (const StoredState& state : batch.states) arms[state.node].states.push_back(state);
+  for (const StoredRow& row : batch.rows) arms[row.node].rows.push_back(row);
+  return std::ranges::all_of(arms, [&](const auto& named) {
+    const Batch& arm = named.second;
+    const auto whole = attempt([&] { return store_whole(arm); });
+    return whole == Attempt::kStored || (whole == Attempt::kRefused && store_by_row(arm));
+  });
+}
+
+// Of the arm that it is refused of: what can be stored is, and the rest is set aside. True unless
+// the record itself fails.
+bool Database::store_by_row(const Batch& arm) {
+  const auto stored = [&](const auto& first, const auto& instead) {
+    const Attempt one = attempt(first);
+    return one == Attempt::kStored ||
+           (one == Attempt::kRefused && attempt(instead) != Attempt::kFailed);
+  };
+  if (!arm.states.empty()) {
+    StoredState bare = arm.states.back();
+    bare.current.clear();
+    const auto as_told = [&] { return store_states({.states = arm.states, .rows = {}}); };
+    const auto known = [&] { return store_states({.states = {bare}, .rows = {}}); };
+    if (!stored(as_told, known)) return false;
+  }
+  return std::ranges::all_of(arm.rows, [&](const StoredRow& row) {
+    return stored([&] { return store_rows({.states = {}, .rows = {row}}); },
+                  [&] { return set_aside(row); });
+  });
+}
+
+// The row counts as arrived: it would be refused each time that it came.
+bool Database::set_aside(const StoredRow& row) {
+  const std::string why = problem();
+  if (set_aside_.empty()) {
+    set_aside_ = fmt::format("a row of {} is set aside: number {}: {}", row.node, row.number, why);
+  }
+  return run(
+      "WITH furthest AS (INSERT INTO journal (node, journal, contiguous, dropped) VALUES "
+      "($1::text, $2::bigint, $3::bigint, $4::bigint) ON CONFLICT (node, journal) DO UPDATE SET "
+      "contiguous = excluded.contiguous, dropped = greatest(journal.dropped, excluded.dropped)) "
+      "INSERT INTO row_refused (node, journal, number, at, reading, problem) VALUES ($1::text, "
+      "$2::bigint, $3::bigint, to_timestamp($5::double precision / 1000), $6::text, $7::text) "
+      "ON CONFLICT DO NOTHING",
+      {row.node, bits(row.journal), std::to_string(row.number), std::to_string(row.dropped),
+       std::to_string(row.time_ms), json_of(row.readings), why});
 }
 
 // The last state of each arm counts.
@@ -169,17 +293,21 @@ bool Database::store_states(const Batch& batch) {
   for (const auto& [node, state] : last) {
     nodes.add(node);
     online.add(state->online ? "t" : "f");
+    const bool knows = knows_signature(state->current);
     Readings told;
     for (const Reading& reading : state->current) {
-      if (!is_of_document(reading.item)) told.push_back(reading);
+      const bool skipped =
+          is_of_document(reading.item) || (is_of_signature(reading.item) && !knows);
+      if (!skipped) told.push_back(reading);
     }
     current.add(json_of(told));
   }
   return run(
       "INSERT INTO arm (node, online, current) SELECT * FROM unnest($1::text[], $2::boolean[], "
       "$3::jsonb[]) ON CONFLICT (node) DO UPDATE SET online = excluded.online, changed_at = now(), "
-      "current = arm.current || jsonb_strip_nulls(excluded.current)",
-      {nodes.text(), online.text(), current.text()});
+      "current = (CASE WHEN excluded.current ? 'signature' THEN arm.current - $4::text[] ELSE "
+      "arm.current END) || jsonb_strip_nulls(excluded.current)",
+      {nodes.text(), online.text(), current.text(), signature_keys()});
 }
 
 // The key refuses what would be there twice, and with it the whole transaction.
@@ -222,8 +350,11 @@ bool Database::store_newest(const Batch& batch) {
   std::map<std::string_view, Readings> newest;
   for (const StoredRow& row : batch.rows) {
     Readings& known = newest[row.node];
+    const bool names = names_signature(row.readings);
+    if (names) forget_signature(known);
     for (const Reading& reading : row.readings) {
       if (is_of_document(reading.item)) continue;
+      if (is_of_signature(reading.item) && !names) continue;
       auto* const before =
           std::ranges::find(known.begin(), known.end(), reading.item, &Reading::item);
       if (before != known.end()) {
@@ -240,9 +371,10 @@ bool Database::store_newest(const Batch& batch) {
     current.add(json_of(readings));
   }
   return run(
-      "UPDATE arm SET current = arm.current || come.current FROM unnest($1::text[], $2::jsonb[]) "
+      "UPDATE arm SET current = (CASE WHEN come.current ? 'signature' THEN arm.current - "
+      "$3::text[] ELSE arm.current END) || come.current FROM unnest($1::text[], $2::jsonb[]) "
       "AS come(node, current) WHERE arm.node = come.node",
-      {nodes.text(), current.text()});
+      {nodes.text(), current.text(), signature_keys()});
 }
 
 // Hands rows that tell `item` to a function of the record.

@@ -36,8 +36,11 @@ class Database {
 
   // All journals; none where the connection has failed. The same of the others.
   [[nodiscard]] std::optional<std::vector<Intake::Journal>> journals();
-  // In one transaction, with how far each journal has come. True: it is committed.
+  // In one transaction, with how far each journal has come. True: it is committed. A row that the
+  // record cannot take is set aside in its table row_refused, and the others are stored.
   [[nodiscard]] bool store(const Batch& batch);
+  // The first row that the last store() set aside, in words; empty: none.
+  [[nodiscard]] const std::string& set_aside() const { return set_aside_; }
   [[nodiscard]] std::optional<Table> ask(const char* question,
                                          const std::vector<std::string>& arguments = {});
   [[nodiscard]] std::string problem() const;
@@ -56,6 +59,18 @@ class Database {
   [[nodiscard]] bool run(const char* command, const std::vector<std::string>& arguments);
   [[nodiscard]] bool migrate();
   [[nodiscard]] bool keep(const DriftSettings& drift);
+  enum class Attempt : std::uint8_t {
+    kStored,
+    kRefused,  // for what was to be stored; nothing of it is there
+    kFailed    // for the record itself, or for a key that is there already
+  };
+  template <typename Store>
+  [[nodiscard]] Attempt attempt(const Store& store);
+  void note_failure(const pg_result* result);
+  [[nodiscard]] bool store_whole(const Batch& batch);
+  [[nodiscard]] bool store_by_arm(const Batch& batch);
+  [[nodiscard]] bool store_by_row(const Batch& arm);
+  [[nodiscard]] bool set_aside(const StoredRow& row);
   [[nodiscard]] bool store_states(const Batch& batch);
   [[nodiscard]] bool store_rows(const Batch& batch);
   [[nodiscard]] bool store_newest(const Batch& batch);
@@ -63,7 +78,9 @@ class Database {
                                std::string_view where = {});
 
   std::unique_ptr<pg_conn, Close> connection_;
-  std::string failed_;  // why the last batch was not stored
+  std::string failed_;        // why the last question was not answered
+  std::string failed_state_;  // its SQLSTATE; empty: there was no answer
+  std::string set_aside_;
 };
 
 }  // namespace armsig::fleet

@@ -2,6 +2,7 @@
 #include "firmware/fleet/host/intake.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace armsig::fleet {
@@ -14,7 +15,25 @@ constexpr std::size_t kMostJournals = 64;     // of one arm
 constexpr std::size_t kMostWaiting = 20'000;  // rows; what comes then is sent again
 // What the record can hold: a clock may be wrong, and its row is stored all the same.
 constexpr std::uint64_t kLatest_ms = 253'402'300'799'000;  // the end of the year 9999
+// No quantity of an arm is larger, and smaller ones are zero: what a database multiplies of them
+// neither overflows nor underflows.
+constexpr double kLargestReal = 1e15;
+constexpr double kSmallestReal = 1e-12;
 constexpr std::uint64_t kLargest = ~std::uint64_t{0} >> 1U;
+
+// A number that is none, or none of an arm, has no value.
+Readings bounded(const Readings& told) {
+  Readings readings;
+  for (Reading reading : told) {
+    if (auto* const real = std::get_if<double>(&reading.value)) {
+      const double size = std::abs(*real);
+      if (size < kSmallestReal) *real = 0;
+      if (!(size <= kLargestReal)) reading.value = {};
+    }
+    readings.push_back(reading);
+  }
+  return readings;
+}
 
 }  // namespace
 
@@ -55,7 +74,7 @@ void Intake::birth(std::string_view node, std::span<const std::byte> payload) {
   arm.rebirth_due = false;
   arm.bd_seq = *report->bd_seq;
   arm.next_seq = 1;
-  batch_.states.push_back({std::string(node), true, report->readings});
+  batch_.states.push_back({std::string(node), true, bounded(report->readings)});
 }
 
 // A late one, of a session that is over, says nothing.
@@ -113,7 +132,7 @@ void Intake::take_row(std::string_view node, Arm& arm, const Report& report) {
                   .time_ms = std::min(report.time_ms, kLatest_ms),
                   .historical = report.historical,
                   .readings = {}};
-    for (const Reading& reading : report.readings) {
+    for (const Reading& reading : bounded(report.readings)) {
       if (reading.item > Item::kDropped) row.readings.push_back(reading);
     }
     batch_.rows.push_back(std::move(row));

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "core/base/error_name.hpp"
-#include "firmware/drift/cusum.hpp"
-#include "firmware/drift/threshold.hpp"
+#include "core/drift/cusum.hpp"
+#include "firmware/analysis/evaluation/threshold.hpp"
 #include "firmware/fleet/host/configuration.hpp"
 #include "firmware/fleet/host/database.hpp"
 #include "firmware/fleet/host/http_server.hpp"
@@ -105,7 +105,7 @@ class Host {
     if (database_->store(batch)) {
       intake_.stored(batch);
       in_doubt_ = false;
-      tell(kThere);
+      tell(database_->set_aside().empty() ? kThere : database_->set_aside());
       return;
     }
     in_doubt_ = true;
@@ -153,7 +153,7 @@ int run(const char* path, bool check_only) {
                 drift->reference, drift->threshold);
     return 0;
   }
-  auto server = HttpServer::open(configuration->page_port);
+  auto server = HttpServer::open(configuration->page_port, configuration->page_names);
   if (!server) {
     std::fprintf(stderr, "armsig-fleet: port %d is taken\n", configuration->page_port);
     return 1;

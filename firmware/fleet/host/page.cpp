@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kArms =
     "SELECT arm.node, arm.online, arm.current ->> 'mode', arm.current ->> 'fault', "
-    "arm.current ->> 'held_out_mm', "
+    "arm.current ->> 'validation_rms_mm', "
     "round((sqrt(d.sum[1]^2 + d.sum[2]^2 + d.sum[3]^2) / s.h)::numeric, 2), "
     "d.named_at IS NOT NULL, to_char(d.last_at AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
     "d.verdict, arm.current ->> 'signature', arm.current ->> 'firmware' "
@@ -27,7 +27,8 @@ constexpr std::size_t kLot = 50;
 constexpr const char* kNamed =
     "SELECT count(*) FILTER (WHERE named_at IS NOT NULL), coalesce((SELECT sum(dropped) FROM "
     "journal), 0), (SELECT count(*) FROM arm), (SELECT count(*) FROM arm WHERE "
-    "current ->> 'mode' = 'faulted'), coalesce((SELECT sum(documents) FROM signature_refused), 0) "
+    "current ->> 'mode' = 'faulted'), coalesce((SELECT sum(documents) FROM signature_refused), 0), "
+    "(SELECT count(*) FROM row_refused) "
     "FROM drift";
 
 Answer arms(Database& database) {
@@ -38,10 +39,12 @@ Answer arms(Database& database) {
       std::ranges::count_if(*table, [](const auto& row) { return row[6] == "t"; });
   const auto there = std::ranges::count_if(*table, [](const auto& row) { return row[1] == "t"; });
   page.body += fmt::format(
-      "<h1>{} arms</h1><p>{} connected, {} away, {} drifting</p><p>Accuracy: of the signature, RMS "
-      "on poses held out. Drift: the sum of all checks over its threshold; from 1 on the arm is "
+      "<h1>{} arms</h1><p>{} connected, {} away, {} drifting</p><p>Validation: of the signature in "
+      "use, "
+      "RMS on its validation poses, the sensor's noise included. Drift: the sum of all checks over "
+      "its threshold; from 1 on the arm is "
       "named.</p>{}<thead><tr>"
-      "<th>arm<th>state<th>fault<th class=n>accuracy, mm<th class=n>drift<th>last check, UTC"
+      "<th>arm<th>state<th>fault<th class=n>validation, mm<th class=n>drift<th>last check, UTC"
       "<th>verdict<th>signature<th>firmware</tr></thead>",
       table->size(), there, std::ssize(*table) - there, drifting,
       table_head("arms", " class=arms"));
@@ -93,6 +96,8 @@ Answer metrics(const Intake& intake, Database* database) {
   metric(text, "arms_faulted", "gauge", "Arms whose controller is faulted", row[3].value_or("0"));
   metric(text, "signatures_refused", "gauge", "Documents that were not what their hash says",
          row[4].value_or("0"));
+  metric(text, "rows_refused", "gauge", "Rows that the record could not take, which are set aside",
+         row[5].value_or("0"));
   return answer;
 }
 

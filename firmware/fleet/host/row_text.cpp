@@ -8,13 +8,39 @@
 namespace armsig::fleet {
 namespace {
 
-constexpr std::array<std::string_view, kItems.size()> kKeys{
-    "journal",   "number",        "previous",       "dropped",        "arm",
-    "serial",    "firmware",      "mode",           "fault",          "model",
-    "signature", "identified_ms", "sigma_mm",       "held_out_mm",    "verdict",
-    "dx_mm",     "dy_mm",         "dz_mm",          "check_sigma_mm", "poses",
-    "air_c",     "late_p50_us",   "late_p99_us",    "late_max_us",    "sensor",
-    "document",  "document_part", "document_parts", "document_text"};
+constexpr std::array<std::string_view, kItems.size()> kKeys{"journal",
+                                                            "number",
+                                                            "previous",
+                                                            "dropped",
+                                                            "arm",
+                                                            "serial",
+                                                            "firmware",
+                                                            "mode",
+                                                            "fault",
+                                                            "model",
+                                                            "signature",
+                                                            "identified_ms",
+                                                            "predicted_tool_error_mm",
+                                                            "validation_rms_mm",
+                                                            "verdict",
+                                                            "dx_mm",
+                                                            "dy_mm",
+                                                            "dz_mm",
+                                                            "check_sigma_mm",
+                                                            "poses",
+                                                            "air_c",
+                                                            "late_p50_us",
+                                                            "late_p99_us",
+                                                            "late_max_us",
+                                                            "sensor",
+                                                            "document",
+                                                            "document_part",
+                                                            "document_parts",
+                                                            "document_text",
+                                                            "signature_number",
+                                                            "predicted_region",
+                                                            "validation_poses",
+                                                            "check_signature"};
 
 // Bytes that are no UTF-8 become '?': neither JSON nor the record takes them.
 std::string json_quoted(std::string_view text) {

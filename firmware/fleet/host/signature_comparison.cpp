@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "core/identification.hpp"
-#include "firmware/differences/differences.hpp"
+#include "firmware/analysis/differences/differences.hpp"
 #include "firmware/fleet/wire/signature_document.hpp"
 
 namespace armsig::fleet {
@@ -78,7 +78,7 @@ std::optional<SignatureComparison> compare_signatures(std::string_view before,
   if (!former || !actual || !same_joints(former->arm, actual->arm)) return std::nullopt;
   const std::size_t n = actual->arm.joints.size();
   // Too large for a stack. Without unknowns: exact.
-  const auto exact = std::make_unique<refinement::Refined>();
+  const auto exact = std::make_unique<calibration::Refined>();
   const KnownTarget tool{.number = 1, .link = n, .p_F = Vector3(0, 0, 0.1)};
   exact->signature = signature_of(actual->arm, JointVector(n), {}, std::span(&tool, 1));
   const auto bent_before = std::make_unique<ArmModel>(unpacked(former->deflections, former->arm));

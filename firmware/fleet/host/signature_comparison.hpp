@@ -27,11 +27,11 @@ struct SignatureComparison {
   bool whole = true;      // what they do at the tool is in the sums
 };
 
-// firmware/differences/differences.hpp with `before` as the drawing, at a point 0.1 m along the
-// last axis: Denavit-Hartenberg rows say nothing near parallel axes, the lines of the axes do.
-// None: a document is none, they are of other joints, or too different to be one arm's. Maps and
-// gravity are in the sums but where a document does not say at which readings they count as nought.
-// Joints that are coupled are taken as if they were not: no document says so.
+// firmware/analysis/differences/differences.hpp with `before` as the drawing, at a point 0.1 m
+// along the last axis: Denavit-Hartenberg rows say nothing near parallel axes, the lines of the
+// axes do. None: a document is none, they are of other joints, or too different to be one arm's.
+// Maps and gravity are in the sums but where a document does not say at which readings they count
+// as nought. Joints that are coupled are taken as if they were not: no document says so.
 [[nodiscard]] std::optional<SignatureComparison> compare_signatures(std::string_view before,
                                                                     std::string_view now);
 

@@ -18,7 +18,8 @@ namespace {
 constexpr const char* kWearers =
     "SELECT node, to_char(since AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
     "to_char(to_timestamp(identified_ms / 1000) AT TIME ZONE 'UTC', 'YYYY-MM-DD HH24:MI'), "
-    "sigma_mm, held_out_mm, air_c FROM worn WHERE hash = $1 ORDER BY id DESC LIMIT 50";
+    "predicted_tool_error_mm, predicted_region, validation_rms_mm, validation_poses, air_c, number "
+    "FROM worn WHERE hash = $1 ORDER BY id DESC LIMIT 50";
 
 constexpr const char* kDocumentByHash = "SELECT document FROM signature WHERE hash = $1";
 
@@ -80,6 +81,19 @@ std::string parameters_of(const Arm& arm) {
 
 }  // namespace
 
+std::string figures(const Figures& of) {
+  return cell(of.region ? decimals(of.predicted_mm, 3) : "", kNumber) +
+         cell(of.region ? in_words(*of.region) : "") +
+         cell(decimals(of.validation_mm, 3), kNumber) + cell(of.poses, kNumber) +
+         cell(decimals(of.air_c, 1), kNumber);
+}
+
+std::string in_words(std::string_view region) {
+  if (region == "configuration") return "signature configuration";
+  if (region == "measured") return "measured readings";
+  return region == "limits" ? "joint limits" : std::string(region);
+}
+
 Answer no_record() { return {.status = 503, .body = "the record does not answer\n"}; }
 
 std::string link_to_signature(const std::string& hash) {
@@ -132,14 +146,13 @@ Answer signature_page(const std::string& hash, Database& database) {
   page.body += fmt::format(
       "<p><a href=\"/\">all arms</a></p><h1>Signature {0}</h1><p>SHA-256 {1}</p><h2>Arms that went "
       "by "
-      "it</h2>{2}<tr><th>arm<th>since, UTC<th>identified, UTC<th class=n>predicted "
-      "\u03c3, mm<th class=n>held out, mm<th class=n>air, \u00b0C</tr>",
-      hash.substr(0, 12), hash, table_head("arms that went by it"));
+      "it</h2>{2}<tr><th>arm<th>since, UTC<th>number<th>identified, UTC{3}</tr>",
+      hash.substr(0, 12), hash, table_head("arms that went by it"), kFigureHeads);
   for (const auto& row : *wearers) {
     const std::string name = escaped(row[0].value_or(""));
     page.body += fmt::format("<tr><td><a href=\"{0}{1}\">{1}</a>", kArm, name);
-    page.body += cell(row[1]) + cell(row[2]) + cell(decimals(row[3], 3), kNumber) +
-                 cell(decimals(row[4], 3), kNumber) + cell(decimals(row[5], 1), kNumber) + "</tr>";
+    page.body += cell(row[1]) + cell(row[8]) + cell(row[2]) +
+                 figures({row[3], row[4], row[5], row[6], row[7]}) + "</tr>";
   }
   page.body += "</table></div><h2>Parameters</h2>";
   if (document->empty()) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "firmware/fleet/host/html.hpp"
 #include "firmware/fleet/host/page.hpp"
 
 namespace armsig::fleet {
@@ -16,6 +17,22 @@ inline constexpr std::string_view kSignature = "/signature/";
 [[nodiscard]] Answer no_record();
 
 [[nodiscard]] std::string link_to_signature(const std::string& hash);
+
+// The accuracy of one signature, as the record has it of that signature; a predicted error is shown
+// with its region alone.
+struct Figures {
+  Cell predicted_mm;
+  Cell region;
+  Cell validation_mm;
+  Cell poses;
+  Cell air_c;
+};
+inline constexpr std::string_view kFigureHeads =
+    "<th class=n>predicted tool error, mm RMS<th>over<th class=n>validation, mm RMS<th "
+    "class=n>poses<th class=n>air, \u00b0C";
+[[nodiscard]] std::string figures(const Figures& of);
+// A region of a predicted tool error.
+[[nodiscard]] std::string in_words(std::string_view region);
 
 // What changed between two documents, as a part of a page.
 [[nodiscard]] std::string comparison_of(std::string_view before, std::string_view actual);

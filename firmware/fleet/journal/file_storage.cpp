@@ -54,7 +54,9 @@ Result<void> FileStorage::do_write(std::uint64_t at, std::span<const std::byte> 
 }
 
 Result<void> FileStorage::do_sync() {
-  if (::fdatasync(file_) != 0) return std::unexpected(error_of(errno));
+  while (::fdatasync(file_) != 0) {
+    if (errno != EINTR) return std::unexpected(error_of(errno));
+  }
   return {};
 }
 

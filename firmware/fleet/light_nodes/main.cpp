@@ -103,7 +103,8 @@ class Fleet {
                       Reading{Item::kCheckPoses, 20UL}});
     } else {
       keep(cabinet, time,
-           std::array{Reading{Item::kAir, 20 + noise()}, Reading{Item::kMode, Text("servoing")}});
+           std::array{Reading{Item::kLatenessMax, 20 + noise()},
+                      Reading{Item::kMode, Text("servoing")}});
     }
   }
 
@@ -147,9 +148,10 @@ class Fleet {
          std::array{Reading{Item::kModel, Text("signature")},
                     Reading{Item::kSignatureHash, Text(sha256(document))},
                     Reading{Item::kSignatureDate, time.utc_ms},
-                    Reading{Item::kSignatureSigma, 0.08 + std::abs(noise())},
-                    Reading{Item::kHeldOut, 0.1 + std::abs(noise())},
-                    Reading{Item::kAir, 20 + 50 * noise()}});
+                    Reading{Item::kPredicted, 0.08 + std::abs(noise())},
+                    Reading{Item::kPredictedRegion, Text("limits")},
+                    Reading{Item::kValidation, 0.1 + std::abs(noise())},
+                    Reading{Item::kValidationPoses, 20UL}, Reading{Item::kAir, 20 + 50 * noise()}});
   }
 
   void wait() {

@@ -95,17 +95,26 @@ Readings readings_of_signature(std::string_view line) {
   readings.push_back({Item::kModel, text_or_nothing(value_of(line, "model"))});
   const std::string_view document = document_of_signature(line);
   if (document.empty()) {
-    for (const Item item :
-         {Item::kSignatureHash, Item::kSignatureDate, Item::kSignatureSigma, Item::kHeldOut}) {
-      readings.push_back({item, {}});
-    }
+    for (const Item item : kOfSignature) readings.push_back({item, {}});
     return readings;
   }
-  readings.push_back({Item::kSignatureHash, Text(sha256(document))});
-  add_whole(readings, Item::kSignatureDate, 1e3 * number_in(value_of(line, "identified_unix_s")));
-  add_number(readings, Item::kSignatureSigma, number_in(value_of(line, "predicted_sigma_mm")));
-  add_number(readings, Item::kHeldOut, number_in(value_of(line, "held_out_rms_mm")));
-  add_number(readings, Item::kAir, number_in(value_of(line, "air_c")));
+  Readings known;
+  known.push_back({Item::kSignatureHash, Text(sha256(document))});
+  add_whole(known, Item::kSignatureNumber, number_in(value_of(line, "signature")));
+  add_whole(known, Item::kSignatureDate, 1e3 * number_in(value_of(line, "identified_unix_s")));
+  // A predicted error without its region is no figure.
+  if (const std::string_view region = value_of(line, "predicted_region"); !region.empty()) {
+    add_number(known, Item::kPredicted, number_in(value_of(line, "predicted_tool_error_mm")));
+    known.push_back({Item::kPredictedRegion, Text(region)});
+  }
+  add_number(known, Item::kValidation, number_in(value_of(line, "validation_rms_mm")));
+  add_whole(known, Item::kValidationPoses, number_in(value_of(line, "validation_poses")));
+  add_number(known, Item::kAir, number_in(value_of(line, "air_c")));
+  // What is not known of it has no value: nothing of a former signature stays.
+  for (const Item item : kOfSignature) {
+    const auto* const found = std::ranges::find(known.begin(), known.end(), item, &Reading::item);
+    readings.push_back(found != known.end() ? *found : Reading{item, {}});
+  }
   return readings;
 }
 
@@ -150,6 +159,7 @@ Readings readings_of_check(std::string_view line) {
   add_number(readings, Item::kResidualZ, number_in(value_of(line, "dz_mm")));
   add_number(readings, Item::kCheckSigma, number_in(value_of(line, "sigma_mm")));
   add_whole(readings, Item::kCheckPoses, number_in(value_of(line, "poses")));
+  add_whole(readings, Item::kCheckSignature, number_in(value_of(line, "signature")));
   return readings;
 }
 

@@ -237,6 +237,14 @@ Result<void> EdgeNode::report(const Now& now, std::span<const Reading> readings)
   return {};
 }
 
+Result<void> EdgeNode::report_together(const Now& now, std::span<const Reading> readings) {
+  const bool changed = std::ranges::any_of(readings, [&](const Reading& reading) {
+    const Value* before = told(reading.item);
+    return before == nullptr || *before != reading.value;
+  });
+  return changed ? record(now, readings) : Result<void>();
+}
+
 Result<void> EdgeNode::record(const Now& now, std::span<const Reading> readings) {
   RowBytes row;
   for (const Reading& reading : readings) {

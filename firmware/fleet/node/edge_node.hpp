@@ -53,6 +53,9 @@ class EdgeNode {
   // Keeps those of `readings` that differ from what was told before, in as many rows as they need.
   // Errors: those of the journal; what was not kept counts as not told.
   [[nodiscard]] Result<void> report(const Now& now, std::span<const Reading> readings);
+  // Keeps all of `readings` in one row where any of them has changed: they hold together alone.
+  // Errors: those of record().
+  [[nodiscard]] Result<void> report_together(const Now& now, std::span<const Reading> readings);
   // Keeps all of `readings` in one row, changed or not: an event, as a check is. Errors:
   // kCapacityExceeded, those of the journal.
   [[nodiscard]] Result<void> record(const Now& now, std::span<const Reading> readings);

@@ -3,6 +3,7 @@
 // speaks MQTT; nothing leads from there to the servo.
 #include <poll.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -101,25 +102,42 @@ class Reporter {
     if (!kept) tell_once(kept.error());
   }
 
+  void keep_together(const Readings& readings, const Now& time) {
+    const auto kept = node_.report_together(time, {readings.data(), readings.size()});
+    if (!kept) tell_once(kept.error());
+  }
+
   // Another signature is told whole, its document before it, once that is there; what is as before
   // only if it changed.
   void take_signature(std::string_view line, const Readings& signature, const Now& time) {
     const std::string_view rows = document_of_signature(line);
     if (rows.empty()) {
       told_signature_.clear();
-      keep(signature, time);
+      keep_together(signature, time);
     } else if (line == told_signature_) {
-      keep(with_hash(signature, fetch_.document()), time);
+      keep_together(with_hash(signature, fetch_.document()), time);
     } else {
       told_signature_.clear();
       asked_signature_ = line;
-      fetch_.begin(rows);
+      fetch_.begin(rows, number_of(signature));
       console_.ask_record(fetch_.part());
     }
   }
 
+  static std::uint64_t number_of(const Readings& signature) {
+    const auto* const found = std::ranges::find(signature.begin(), signature.end(),
+                                                Item::kSignatureNumber, &Reading::item);
+    const auto* const number =
+        found != signature.end() ? std::get_if<std::uint64_t>(&found->value) : nullptr;
+    return number != nullptr ? *number : 0;
+  }
+
   void take_record(const Now& time) {
     if (fetch_.state() == RecordFetch::State::kAsks) return console_.ask_record(fetch_.part());
+    if (fetch_.state() == RecordFetch::State::kOther) {
+      changed_ = true;  // asked for at the next look
+      return;
+    }
     std::vector<Readings> rows = readings_of_document(fetch_.document());
     rows.push_back(with_hash(readings_of_signature(asked_signature_), fetch_.document()));
     for (const Readings& row : rows) {

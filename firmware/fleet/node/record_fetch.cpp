@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/base/crc32.hpp"
-#include "firmware/calibration/packed_deflections.hpp"
+#include "core/calibration/packed_deflections.hpp"
 #include "firmware/fleet/wire/signature_document.hpp"
 
 namespace armsig::fleet {
@@ -27,7 +27,7 @@ std::optional<std::size_t> take_size(std::string_view& text, std::string_view af
   return value;
 }
 
-// A record with everything: version 3.
+// A record with everything: version 4.
 class Record {
  public:
   explicit Record(std::span<const std::uint8_t> image) : image_(image) {}
@@ -38,6 +38,7 @@ class Record {
            integer(crc_at, 4) == crc32(std::as_bytes(image_.first(crc_at))) && joints() >= 1 &&
            joints() <= kMaxJoints;
   }
+  [[nodiscard]] std::uint64_t number() const { return integer(12, 4); }
   [[nodiscard]] std::size_t joints() const { return integer(6, 1); }
   [[nodiscard]] JointType type(std::size_t i) const {
     return integer(16 + i, 1) == 0 ? JointType::kRevolute : JointType::kPrismatic;
@@ -64,19 +65,22 @@ class Record {
                               .origin = static_cast<std::uint8_t>(integer(at + 1, 1)),
                               .coefficient = real(at + 4)});
     }
-    if (!calibration::check(read, joints())) return std::unexpected(Error::kRecordCorrupt);
+    read.up_0 = Vector3(real(kUpAt), real(kUpAt + 8), real(kUpAt + 16));
+    if (!calibration::check(read, of_unknown_lengths(joints())))
+      return std::unexpected(Error::kRecordCorrupt);
     return read;
   }
 
  private:
   static constexpr std::array<std::uint8_t, 4> kMagic{'A', 'S', 'I', 'G'};
-  static constexpr std::uint64_t kVersion = 3;
+  static constexpr std::uint64_t kVersion = 4;
   static constexpr std::size_t kConfigurationAt = 24;
   static constexpr std::size_t kBendsAt = 1408;
   static constexpr std::size_t kMapsAt = 1416;
   static constexpr std::size_t kMapBytes = 272;
   static constexpr std::size_t kGravityAt = 3592;
   static constexpr std::size_t kTermBytes = 12;
+  static constexpr std::size_t kUpAt = kGravityAt + calibration::kMaxGravityTerms * kTermBytes;
 
   [[nodiscard]] std::uint64_t integer(std::size_t at, std::size_t bytes) const {
     std::uint64_t value = 0;
@@ -90,7 +94,8 @@ class Record {
 
 }  // namespace
 
-void RecordFetch::begin(std::string_view rows) {
+void RecordFetch::begin(std::string_view rows, std::uint64_t number) {
+  number_ = number;
   state_ = State::kAsks;
   part_ = 1;
   document_ = rows;
@@ -130,6 +135,10 @@ void RecordFetch::finish() {
   state_ = State::kWhole;
   const Record record(image_);
   if (!record.is_whole()) return;
+  if (record.number() != number_) {
+    state_ = State::kOther;
+    return;
+  }
   FixedVector<JointType, kMaxJoints> types;
   JointVector configuration;
   for (std::size_t i = 0; i < record.joints(); ++i) {

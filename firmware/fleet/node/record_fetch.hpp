@@ -14,17 +14,18 @@ namespace armsig::fleet {
 
 class RecordFetch {
  public:
-  static constexpr std::size_t kRecordBytes = 3932;
+  static constexpr std::size_t kRecordBytes = 3956;
   static constexpr std::size_t kPartBytes = 192;
 
   enum class State : std::uint8_t {
     kNone,   // nothing is asked for
     kAsks,   // part() is to be asked for
     kWhole,  // document() is there
+    kOther,  // the record is of another signature, which became active meanwhile
   };
 
-  // Of the signature that was told with `rows`.
-  void begin(std::string_view rows);
+  // Of signature `number`, which was told with `rows`.
+  void begin(std::string_view rows, std::uint64_t number);
   [[nodiscard]] State state() const { return state_; }
   // The part that is asked for, from 1.
   [[nodiscard]] std::size_t part() const { return part_; }
@@ -39,6 +40,7 @@ class RecordFetch {
 
   State state_ = State::kNone;
   std::size_t part_ = 1;
+  std::uint64_t number_ = 0;
   std::array<std::uint8_t, kRecordBytes> image_{};
   std::string document_;
 };

@@ -38,15 +38,15 @@ enum class Item : std::uint8_t {
   kModel = 10,
   kSignatureHash = 11,
   kSignatureDate = 12,
-  kSignatureSigma = 13,
-  kHeldOut = 14,
+  kPredicted = 13,   // predicted tool error of the signature, RMS over its region, mm
+  kValidation = 14,  // RMS on its validation poses, mm
   kVerdict = 15,
   kResidualX = 16,
   kResidualY = 17,
   kResidualZ = 18,
   kCheckSigma = 19,
   kCheckPoses = 20,
-  kAir = 21,
+  kAir = 21,  // in which the signature was identified
   kLateness50 = 22,
   kLateness99 = 23,
   kLatenessMax = 24,
@@ -56,6 +56,10 @@ enum class Item : std::uint8_t {
   kDocumentPart = 27,  // from 1
   kDocumentParts = 28,
   kDocumentText = 29,
+  kSignatureNumber = 30,  // in the store of its controller
+  kPredictedRegion = 31,
+  kValidationPoses = 32,
+  kCheckSignature = 33,  // number of the signature that a check is of
 };
 
 struct ItemInfo {
@@ -80,10 +84,11 @@ inline constexpr std::array kItems{
              Datatype::kString},
     ItemInfo{Item::kSignatureDate, "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Date",
              Datatype::kDateTime},
-    ItemInfo{Item::kSignatureSigma,
-             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Predicted Sigma mm",
+    ItemInfo{Item::kPredicted,
+             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Predicted Tool Error mm",
              Datatype::kDouble},
-    ItemInfo{Item::kHeldOut, "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Held Out RMS mm",
+    ItemInfo{Item::kValidation,
+             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Validation RMS mm",
              Datatype::kDouble},
     ItemInfo{Item::kVerdict, "MotionDeviceSystem/MotionDevice/Check/Verdict", Datatype::kString},
     ItemInfo{Item::kResidualX, "MotionDeviceSystem/MotionDevice/Check/Residual X mm",
@@ -95,7 +100,8 @@ inline constexpr std::array kItems{
     ItemInfo{Item::kCheckSigma, "MotionDeviceSystem/MotionDevice/Check/Sigma mm",
              Datatype::kDouble},
     ItemInfo{Item::kCheckPoses, "MotionDeviceSystem/MotionDevice/Check/Poses", Datatype::kUInt32},
-    ItemInfo{Item::kAir, "MotionDeviceSystem/Controller/Air Temperature C", Datatype::kDouble},
+    ItemInfo{Item::kAir, "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Air Temperature C",
+             Datatype::kDouble},
     ItemInfo{Item::kLateness50, "MotionDeviceSystem/Controller/Tick Lateness P50 us",
              Datatype::kDouble},
     ItemInfo{Item::kLateness99, "MotionDeviceSystem/Controller/Tick Lateness P99 us",
@@ -115,6 +121,16 @@ inline constexpr std::array kItems{
     ItemInfo{Item::kDocumentText,
              "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Document/Text",
              Datatype::kString},
+    ItemInfo{Item::kSignatureNumber, "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Number",
+             Datatype::kUInt32},
+    ItemInfo{Item::kPredictedRegion,
+             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Predicted Region",
+             Datatype::kString},
+    ItemInfo{Item::kValidationPoses,
+             "MotionDeviceSystem/MotionDevice/Kinematics/Signature/Validation Poses",
+             Datatype::kUInt32},
+    ItemInfo{Item::kCheckSignature, "MotionDeviceSystem/MotionDevice/Check/Signature Number",
+             Datatype::kUInt32},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kItems.size(); ++i) {
@@ -137,6 +153,17 @@ static_assert([] {
     if (known.name == name) return known.item;
   }
   return std::nullopt;
+}
+
+// What is known of a signature: figures that hold for the hash in the same row alone.
+inline constexpr std::array kOfSignature{
+    Item::kSignatureHash,   Item::kSignatureNumber, Item::kSignatureDate,   Item::kPredicted,
+    Item::kPredictedRegion, Item::kValidation,      Item::kValidationPoses, Item::kAir};
+[[nodiscard]] constexpr bool is_of_signature(Item item) {
+  for (const Item known : kOfSignature) {
+    if (known == item) return true;
+  }
+  return false;
 }
 
 // A text of bounded length; what is longer is cut, between characters of UTF-8.

@@ -57,6 +57,8 @@ void MqttConnection::add_callbacks() {
   mosquitto_message_callback_set(
       client_.get(), [](mosquitto*, void* self, const mosquitto_message* message) {
         const auto* bytes = static_cast<const std::byte*>(message->payload);
+        // None of ours is as long: it is not kept in memory until somebody looks at it.
+        if (message->payloadlen > static_cast<int>(kLongestMessage)) return;
         Event& event = static_cast<MqttConnection*>(self)->events_.emplace_back();
         event.kind = Event::Kind::kMessage;
         event.topic = message->topic;

@@ -25,6 +25,9 @@ struct BrokerSettings {
 
 class MqttConnection {
  public:
+  // Longer ones that come are dropped; the broker's message_size_limit refuses them before.
+  static constexpr std::size_t kLongestMessage = 8192;
+
   struct Message {
     std::string_view topic;
     std::span<const std::byte> payload;

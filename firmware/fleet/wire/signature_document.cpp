@@ -127,16 +127,30 @@ bool take_deflections(Words& words, DocumentedSignature& signature) {
       return false;
     }
   }
+  // Documents of arms whose frame 0 has its z axis up do not say so.
+  if (const auto up = words.take("up")) {
+    std::array<double, 3> parts{};
+    if (!read_list(*up, std::span<double>(parts))) return false;
+    deflections.up_0 = Vector3(parts[0], parts[1], parts[2]);
+  }
   while (!words.empty()) {
     const auto text = words.take("gravity");
     GravityTerm term;
     if (!text || deflections.gravity.full() || !take_gravity(*text, term)) return false;
     deflections.gravity.push_back(term);
   }
-  return calibration::check(deflections, arm.joints.size()).has_value();
+  return calibration::check(deflections, of_unknown_lengths(arm.joints.size())).has_value();
 }
 
 }  // namespace
+
+Arm of_unknown_lengths(std::size_t joints) {
+  constexpr double kShortest_m = 0.2;
+  Arm arm;
+  arm.joints.resize(joints);
+  arm.joints[0].a_m = kShortest_m;
+  return arm;
+}
 
 std::string signature_document(std::string_view rows, std::span<const JointType> types,
                                const PackedDeflections& deflections,
@@ -156,6 +170,9 @@ std::string signature_document(std::string_view rows, std::span<const JointType>
     for (std::size_t k = 0; k < kKnots; ++k) {
       text += fmt::format("{}{}", k == 0 ? "" : ",", map.steps[k]);
     }
+  }
+  if (const Vector3& up = deflections.up_0; up != Vector3::UnitZ() && !deflections.empty()) {
+    text += fmt::format(" up={},{},{}", up.x(), up.y(), up.z());
   }
   for (const GravityTerm& term : deflections.gravity) {
     text += fmt::format(" gravity={},{},{}", term.joint + 1, term.origin, term.coefficient);

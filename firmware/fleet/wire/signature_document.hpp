@@ -9,8 +9,9 @@
 // all separated by one space: the rows as `signature` of the console tells them; which joints are
 // prismatic, where any is; of a signature that has them the zero of each joint in the drawing, the
 // reading at which it stands as the reading says, the map of its reading at its 120 knots, in
-// steps, and what gravity does: joint, link origin, rad (m) per m of lever. A signature that has
-// none of these is its rows alone. Documents of former versions have no `rest`.
+// steps, which way is up in frame 0, where that is not z, and what gravity does: joint, link
+// origin, rad (m) per m of lever. A signature that has none of these is its rows alone. Documents
+// of former versions have no `rest`.
 #pragma once
 
 #include <optional>
@@ -19,9 +20,13 @@
 #include <string_view>
 
 #include "core/base/arm.hpp"
-#include "firmware/calibration/packed_deflections.hpp"
+#include "core/calibration/packed_deflections.hpp"
 
 namespace armsig::fleet {
+
+// A nominal arm for calibration::check() where its lengths are not known: shorter than any. At
+// least one joint.
+[[nodiscard]] Arm of_unknown_lengths(std::size_t joints);
 
 // `rows` and what the joints' types and deflections add to them. `configuration`: that of the
 // signature, effective readings, as many as types; or none, and nothing is told of it.

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
@@ -41,8 +42,9 @@ int list(const ArmsOptions& options) {
   if (options.json) {
     print_json({{"status", 0}, {"arms", listed}});
   } else {
-    say("\nDrawings, not your arm: check lengths, zeros and senses against its papers.\n"
-        "Next: armsig arms --show NAME, with its source, to copy and change.\n");
+    say("\nDrawings, not your arm: check lengths, zeros and senses against its papers.\n");
+    say("--show prints one with its source, to copy and change.\n");
+    say_next(TypedCommand("arms").option("--show", known_arms().front().name));
   }
   return kDone;
 }

@@ -5,48 +5,81 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
-#include "firmware/drift/check_drift.hpp"
+#include "core/drift/check_drift.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/measurement_options.hpp"
 #include "firmware/host_tool/diagnosis/place.hpp"
+#include "firmware/host_tool/diagnosis/since_then.hpp"
 #include "firmware/host_tool/identification/nominal_fit.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/check_report.hpp"
 #include "firmware/host_tool/reading/copied_rows.hpp"
 #include "firmware/host_tool/reading/measurement_log.hpp"
+#include "firmware/host_tool/reading/range_health.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
-#include "firmware/host_tool/signature/record.hpp"
+#include "firmware/host_tool/reading/read_rows.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
 
 struct CheckOptions : CommonOptions {
-  std::string signature, measurements, sensor, arm;
+  RowSource rows;
+  std::string signature, arm;
 };
 
-// Every row of the file but copies, its ranges in metres of its own air.
-Read<MeasurementLog> read_log(const CheckOptions& options, const Signature& signature,
-                              const std::optional<SensorDescription>& sensor, CopiedRows& copies) {
+struct RowsToJudge {
   MeasurementLog log;
-  const auto rows = read_measurements(
-      options.measurements, signature.types, [&](const MeasurementRow& row) -> Read<void> {
-        const auto scale = range_scale(row, sensor, options.measurements);
-        if (!scale) return std::unexpected(scale.error());
-        if (copies.is_copy(row)) return {};
-        log.add(row, sensor, *scale);
-        if (row.ranges_m.empty()) return {};
-        if (const auto position = locate(row, *sensor, *scale)) log.add_located(position->p_S);
-        return {};
-      });
-  if (!rows) return std::unexpected(rows.error());
-  if (const auto unknown = log.index_targets(signature.targets)) {
-    return std::unexpected(Problem{options.measurements, 0, 0,
+  RowsRead read;
+  OriginMatch match;
+  std::size_t fitted = 0;  // rows left out because the signature was fitted to them
+};
+
+// No row that the signature was fitted to says whether it is right.
+Read<void> check_some_left(const RowsToJudge& rows, const RowSource& source) {
+  if (!rows.match.all_fitted()) return {};
+  return std::unexpected(
+      Problem{source.measurements, 0, 0,
+              fmt::format("{} are among those that the signature was fitted to, and no check of it",
+                          fitted_in_words(rows.match)),
+              "poses measured since, which had no part in it"});
+}
+
+// Every row of the file but copies and those that were fitted, its ranges in metres of its own air.
+Attempt<RowsToJudge> read_log(const SignatureRecord& record, const OpenRows& rows) {
+  RowsToJudge result;
+  RangeHealth health(rows.sensor);
+  const auto& origin = record.origin;
+  const auto read = read_rows(rows, {.remembered = kRememberedInMemory},
+                              [&](const MeasurementRow& row, double scale) -> Read<void> {
+                                const auto hash = row_hash(row, rows.types);
+                                if (origin && hash && origin->has_fitted(*hash)) {
+                                  ++result.fitted;
+                                  return {};
+                                }
+                                result.log.add(row, rows.sensor, scale);
+                                health.add(row, scale);
+                                if (row.ranges_m.empty()) return {};
+                                if (const auto position = locate(row, *rows.sensor, scale)) {
+                                  result.log.add_located(position->p_S);
+                                }
+                                return {};
+                              });
+  if (!read) return std::unexpected(read.error());
+  // Ranges that do not meet for another reason have outliers, which are named receiver by receiver.
+  if (auto ranges = health.contradiction(rows.source.measurements); ranges && health.drift()) {
+    return no_answer(std::move(*ranges));
+  }
+  result.read = *read;
+  result.match = match_of(origin, rows, *read);
+  if (const auto unknown = result.log.index_targets(record.signature.targets)) {
+    return std::unexpected(Problem{rows.source.measurements, 0, 0,
                                    fmt::format("target {} is not in the signature", *unknown),
                                    "targets that it has"});
   }
-  return log;
+  return result;
 }
 
 // The drawing to compare with: the one that the signature keeps, or another one.
@@ -78,68 +111,80 @@ constexpr double kLeftFromPlace = 1.0 / 3;
 struct Judgement {
   Judged<drift::DriftReport> report;
   std::optional<Place> place;
+  std::vector<calibration::Observation> as_seen;  // the rows as they were measured
 };
 
 // Judges the rows as they are and, where that does not do, from the place where they fit best: the
 // log then holds them as the sensor would have seen them from its place at the identification.
-Judgement judged(const refinement::Refined& estimate, MeasurementLog& log,
-                 const refinement::Receivers& receivers,
-                 std::vector<refinement::RowOutcome>& outcomes) {
-  const auto scratch = std::make_unique<refinement::SquareRootFactor>();
+Judgement judged(const calibration::Refined& estimate, MeasurementLog& log,
+                 const calibration::Receivers& receivers,
+                 std::vector<calibration::RowOutcome>& outcomes) {
+  const auto scratch = std::make_unique<calibration::SquareRootFactor>();
   auto& rows = log.observations();
   Judgement result{.report = drift::check_drift(estimate, rows, receivers, outcomes, *scratch),
-                   .place = {}};
+                   .place = {},
+                   .as_seen = rows};
   if (result.report && result.report->verdict == drift::DriftVerdict::kConsistent) return result;
   const auto place = fit_place(estimate, rows);
   if (!place || place->after_m > kLeftFromPlace * place->before_m) return result;
-  const auto as_seen = rows;
-  for (refinement::Observation& row : rows) row.p_S = place->X_ON * row.p_S;
-  std::vector<refinement::RowOutcome> from_there(rows.size());
+  for (calibration::Observation& row : rows) row.p_S = place->X_ON * row.p_S;
+  std::vector<calibration::RowOutcome> from_there(rows.size());
   auto report = drift::check_drift(estimate, rows, receivers, from_there, *scratch);
   if (report) {
     outcomes = std::move(from_there);
-    return {.report = std::move(report), .place = place};
+    result.report = std::move(report);
+    result.place = place;
+  } else {
+    rows = result.as_seen;
   }
-  rows = as_seen;
   return result;
 }
 
-Read<std::optional<SensorDescription>> sensor_for(const CheckOptions& options) {
-  if (options.sensor.empty()) return std::nullopt;
-  return read_checked_sensor(options.sensor);
+// Rows that something explains are no worse noise.
+void look_for_causes(const calibration::Refined& estimate, const Judgement& judgement,
+                     const std::vector<calibration::RowOutcome>& outcomes, Checked& checked) {
+  checked.since = since_then(estimate, judgement.as_seen, outcomes, judgement.place);
+  if (checked.since && checked.report.verdict == drift::DriftVerdict::kSensorWorse) {
+    checked.report.verdict = drift::DriftVerdict::kDrifted;
+  }
 }
 
 Attempt<ExitStatus> run(const CheckOptions& options) {
+  const std::string& file = options.rows.measurements;
   ARMSIG_TRY(record, read_signature_file(options.signature));
   ARMSIG_TRY(estimate, estimate_of(record, options.signature));
   ARMSIG_TRY(drawing, drawing_for(options, record));
-  ARMSIG_TRY(sensor, sensor_for(options));
   const Signature& signature = record.signature;
-  CopiedRows copies(kRememberedInMemory);
-  ARMSIG_TRY(log, read_log(options, signature, sensor, copies));
+  ARMSIG_TRY(rows, open_rows(options.rows, record.nominal, {signature.types, record.joint_names}));
+  ARMSIG_TRY(read, read_log(record, rows));
+  if (auto left = check_some_left(read, options.rows); !left) return no_answer(left.error());
 
-  std::vector<refinement::RowOutcome> outcomes(log.observations().size());
-  refinement::Receivers receivers;
-  if (sensor) receivers = receivers_of(*sensor).p_S;
+  MeasurementLog& log = read.log;
+  std::vector<calibration::RowOutcome> outcomes(log.observations().size());
+  calibration::Receivers receivers;
+  if (rows.sensor) receivers = receivers_of(*rows.sensor).p_S;
   const Judgement judgement = judged(*estimate, log, receivers, outcomes);
   const auto& report = judgement.report;
-  if (!report) return no_answer(problem_of(report.error(), options.measurements));
+  if (!report) return no_answer(problem_of(report.error(), file));
 
-  const Checked checked{
-      .report = *report,
-      .place = judgement.place,
-      .nominal = nominal_residuals(drawing, log.observations(), log.positions(),
-                                   {signature.targets.data(), signature.targets.size()}, receivers,
-                                   outcomes),
-      .rejected_lines = log.rejected_lines(outcomes),
-      .disbelieved = log.disbelieved_receivers(outcomes),
-      .copied = copies.count()};
+  Checked checked{.report = *report,
+                  .place = judgement.place,
+                  .since = {},
+                  .nominal = nominal_residuals(drawing, log.observations(), log.positions(),
+                                               {signature.targets.data(), signature.targets.size()},
+                                               receivers, outcomes),
+                  .rejected_lines = log.rejected_lines(outcomes),
+                  .disbelieved = log.disbelieved_receivers(outcomes),
+                  .copied = read.read.copies,
+                  .fitted = read.fitted,
+                  .origin_stated = read.match.stated};
   const bool healthy = report->verdict == drift::DriftVerdict::kConsistent && !judgement.place;
+  if (!healthy) look_for_causes(*estimate, judgement, outcomes, checked);
   const ExitStatus status = healthy ? kDone : kNoAnswer;
   if (options.json) {
-    print_json(json_of(checked, status));
+    print_json(json_of(checked, signature, status));
   } else {
-    print_checked(checked, signature.joint_count(), options.measurements);
+    print_checked(checked, signature, file);
   }
   return status;
 }
@@ -152,11 +197,9 @@ void add_check(CLI::App& app, int& status) {
       "check", "is the arm still the one identified? residuals on held-out poses");
   command->add_option("--signature", options->signature, "signature with covariance (YAML)")
       ->required();
-  command->add_option("--measurements", options->measurements, "held-out poses (CSV)")->required();
+  add_measurement_options(*command, options->rows, "held-out poses (CSV)")->required();
   command->add_option("--arm", options->arm,
                       "arm description (YAML) to compare with (default: the signature's)");
-  command->add_option("--sensor", options->sensor,
-                      "sensor description (YAML), where the rows are ranges to receivers");
   add_common(*command, *options);
   command->callback([options, &status] { status = status_of(run(*options), *options); });
 }

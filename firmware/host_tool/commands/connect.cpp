@@ -198,7 +198,7 @@ std::optional<Problem> contradiction(const ConnectOptions& options) {
   };
   if (options.is_about_a_file() && options.request.size() != 2) {
     return mistake(options.request[0] + " of one file",
-                   fmt::format("armsig connect {} {} FILE", options.path, options.request[0]));
+                   fmt::format("{} FILE, and no other word", options.request[0]));
   }
   const bool fetches = options.is_about_a_file() && options.request[0] == "fetch";
   if (options.says_what_to_fetch && !fetches) {

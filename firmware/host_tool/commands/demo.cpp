@@ -2,23 +2,27 @@
 // armsig demo: the whole story on a simulated Puma 560.
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <vector>
 
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/characters.hpp"
 #include "firmware/formats/measurement_writer.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/wrapping.hpp"
-#include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/identify.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/reading/copied_rows.hpp"
+#include "firmware/host_tool/reading/read_rows.hpp"
 #include "firmware/host_tool/report/report.hpp"
 #include "firmware/host_tool/signature/record.hpp"
 #include "firmware/host_tool/simulation/demo_run.hpp"
@@ -29,8 +33,8 @@ namespace {
 
 constexpr const char* kArmFile = "puma560.yaml";
 constexpr const char* kSensorFile = "sensor.yaml";
-constexpr const char* kMeasurementsFile = "robot1-measurements.csv";
-constexpr std::size_t kRobots = 7;  // as many as the paper identified
+constexpr const char* kMeasurements = "measurements.csv";  // after the name of the robot
+constexpr std::size_t kRobots = 7;                         // as many as the paper identified
 constexpr std::array<const char*, 4> kIndexNames{
     "Maximum normal deviation from a line", "Deviation from perpendicular between lines",
     "Maximum radial deviation of a grid point", "Maximum orientational deviation"};
@@ -40,11 +44,23 @@ struct DemoOptions : CommonOptions {
   std::uint64_t seed = 1;
 };
 
-std::array<double, 4> average_improvement(const std::vector<DemoRobot>& robots,
-                                          DemoMethod DemoRobot::* method) {
+// What identification found of a robot by one method, and how good that is.
+struct DemoMethod {
+  SignatureRecord record;
+  DemoScore score;
+};
+
+struct DemoResult {
+  DemoRobot robot;
+  DemoMethod paper;
+  DemoMethod encoder;
+};
+
+std::array<double, 4> average_improvement(const std::vector<DemoResult>& robots,
+                                          DemoMethod DemoResult::* method) {
   std::array<double, 4> average{};
-  for (const DemoRobot& robot : robots) {
-    const auto factors = improvement((robot.*method).grid);
+  for (const DemoResult& robot : robots) {
+    const auto factors = improvement((robot.*method).score.grid);
     for (std::size_t k = 0; k < 4; ++k)
       average[k] += factors[k] / static_cast<double>(robots.size());
   }
@@ -71,13 +87,13 @@ std::string table2(const Signature& signature, const Arm& printed) {
   return table.render();
 }
 
-std::string table3_text(const std::vector<DemoRobot>& robots) {
+std::string table3_text(const std::vector<DemoResult>& robots) {
   Table table({"Ideal model over arm signature", "Robot 1", "paper", "Robot 2", "paper",
                "Average of 7", "by the paper's fit"});
-  const auto average = average_improvement(robots, &DemoRobot::encoder);
-  const auto average_paper = average_improvement(robots, &DemoRobot::paper);
-  const auto robot1 = improvement(robots[0].encoder.grid);
-  const auto robot2 = improvement(robots[1].encoder.grid);
+  const auto average = average_improvement(robots, &DemoResult::encoder);
+  const auto average_paper = average_improvement(robots, &DemoResult::paper);
+  const auto robot1 = improvement(robots[0].encoder.score.grid);
+  const auto robot2 = improvement(robots[1].encoder.score.grid);
   for (std::size_t k = 0; k < 4; ++k) {
     const auto number = [](double value) { return fmt::format("{:.1f}", value); };
     table.add_row({kIndexNames[k], number(robot1[k]), number(table3(1)[k]), number(robot2[k]),
@@ -86,105 +102,136 @@ std::string table3_text(const std::vector<DemoRobot>& robots) {
   return table.render();
 }
 
-std::string tool_error_table(const std::vector<DemoRobot>& robots) {
+double stated_error_m(const SignatureRecord& record) {
+  return record.accuracy.predicted ? record.accuracy.predicted->rms_m : 0;
+}
+
+std::string tool_error_table(const std::vector<DemoResult>& robots) {
+  const auto millimetres = [](double metres) { return fmt::format("{:.3f}", 1e3 * metres); };
   Table table({"RMS tool error, sensor's frame", "Drawing mm", "Paper's fit mm",
-               "Encoder-referenced mm", "Improvement"});
-  for (const DemoRobot& robot : robots) {
-    table.add_row({robot.name, fmt::format("{:.3f}", 1e3 * robot.drawing_error_m),
-                   fmt::format("{:.3f}", 1e3 * robot.paper.tool_error_m),
-                   fmt::format("{:.3f}", 1e3 * robot.encoder.tool_error_m),
-                   fmt::format("{:.0f}", robot.drawing_error_m / robot.encoder.tool_error_m)});
+               "Encoder-referenced mm", "stated mm", "Improvement"});
+  for (const DemoResult& result : robots) {
+    const double error_m = result.encoder.score.tool_error_m;
+    table.add_row({result.robot.name, millimetres(result.robot.drawing_error_m),
+                   millimetres(result.paper.score.tool_error_m), millimetres(error_m),
+                   millimetres(stated_error_m(result.encoder.record)),
+                   fmt::format("{:.0f}", result.robot.drawing_error_m / error_m)});
   }
   return table.render();
 }
 
-nlohmann::ordered_json demo_json(const std::vector<DemoRobot>& robots) {
+nlohmann::ordered_json demo_json(const std::vector<DemoResult>& robots) {
   const auto method_json = [](const DemoMethod& method) {
-    return nlohmann::ordered_json{{"rms_tool_error_m", method.tool_error_m},
-                                  {"evaluation", comparison_json(method.grid)},
-                                  {"signature", signature_json(method.signature)}};
+    return nlohmann::ordered_json{{"rms_tool_error_m", method.score.tool_error_m},
+                                  {"predicted_tool_error_m", stated_error_m(method.record)},
+                                  {"warnings", method.record.warnings},
+                                  {"evaluation", comparison_json(method.score.grid)},
+                                  {"signature", signature_json(method.record.signature)}};
   };
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const DemoRobot& robot : robots) {
-    list.push_back({{"name", robot.name},
-                    {"sweep_duration_s", robot.sweep_duration_s},
-                    {"rejected", robot.rejected},
-                    {"drawing_rms_tool_error_m", robot.drawing_error_m},
-                    {"paper", method_json(robot.paper)},
-                    {"encoder", method_json(robot.encoder)}});
+  for (const DemoResult& result : robots) {
+    const auto& fit = result.encoder.record.fit;
+    list.push_back({{"name", result.robot.name},
+                    {"sweep_duration_s", result.robot.sweep_duration_s},
+                    {"rejected", fit ? fit->rows_rejected : 0},
+                    {"drawing_rms_tool_error_m", result.robot.drawing_error_m},
+                    {"paper", method_json(result.paper)},
+                    {"encoder", method_json(result.encoder)}});
   }
   return {{"status", 0}, {"robots", std::move(list)}};
 }
 
-// A file of the demonstration by its name, in its folder.
-using Named = std::function<std::string(const std::string&)>;
-
-// What the two methods found of a robot, and the truth.
-Read<void> write_signatures(const DemoRobot& robot, const std::string& prefix, const Named& named) {
-  const ArmDescription arm{.name = "Puma 560, " + robot.name, .arm = puma560()};
-  const auto write = [&](const char* kind, const SignatureRecord& record) {
-    return write_signature_file(named(prefix + kind + ".yaml"), record);
-  };
-  const auto record = [&](const Signature& signature, const char* method) {
-    return record_of({.signature = signature, .counts = {}, .air_celsius = 20.0, .warnings = {}},
-                     arm, method, "");
-  };
-  for (const auto& written : {write("paper", record(robot.paper.signature, "paper")),
-                              write("encoder", record(robot.encoder.signature, "encoder")),
-                              write("truth", exact_record(robot.truth, arm))}) {
-    if (!written) return std::unexpected(written.error());
+// The files of the demonstration by their names, in its folder; those written are kept.
+class DemoFolder {
+ public:
+  static Read<DemoFolder> create(const std::string& path) {
+    std::error_code error;
+    std::filesystem::create_directories(path, error);
+    if (error) return std::unexpected(Problem{path, 0, 0, error.message(), "a folder to write to"});
+    return DemoFolder(path);
   }
-  return {};
+
+  [[nodiscard]] std::string path(const std::string& name) const { return path_ + "/" + name; }
+  std::string written(const std::string& name) {
+    files_.push_back(path(name));
+    return files_.back();
+  }
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  explicit DemoFolder(std::string path) : path_(std::move(path)) {}
+
+  std::string path_;
+  std::vector<std::string> files_;
+};
+
+std::string name_of(std::size_t robot, const char* file) {
+  return fmt::format("robot{}-{}", robot + 1, file);
 }
 
-// Everything that a person needs to go on from the demonstration: drawing, sensor and measurements
-// of robot 1, the signatures and truths of all.
-Read<std::vector<std::string>> write_files(const std::vector<DemoRobot>& robots,
-                                           const std::vector<MeasurementRow>& rows_of_robot1,
-                                           const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return std::unexpected(Problem{folder, 0, 0, error.message(), "a folder to write to"});
-  std::vector<std::string> files;
-  const auto named = [&](const std::string& name) {
-    files.push_back(folder + "/" + name);
-    return files.back();
-  };
-  const ArmDescription drawing{.name = "Puma 560", .arm = puma560()};
-  if (auto written = write_arm_file(named(kArmFile), drawing); !written) {
-    return std::unexpected(written.error());
-  }
-  const SensorDescription sensor = demo_sensor_description();
-  if (auto written = write_sensor_file(named(kSensorFile), sensor); !written) {
-    return std::unexpected(written.error());
-  }
-  ARMSIG_TRY(writer, MeasurementWriter::create(named(kMeasurementsFile),
-                                               {.types = types_of(drawing.arm.joints),
-                                                .receivers = sensor.receivers_S.size(),
-                                                .air = true,
-                                                .sigma = true}));
-  for (const MeasurementRow& row : rows_of_robot1) writer.write(row);
-  if (auto written = writer.commit(); !written) return std::unexpected(written.error());
+Read<void> write_measurements(const DemoRobot& robot, const std::string& path) {
+  ARMSIG_TRY(writer, MeasurementWriter::create(
+                         path, {.types = types_of(puma560().joints),
+                                .receivers = demo_sensor_description().receivers_S.size(),
+                                .air = true,
+                                .sigma = true}));
+  for (const MeasurementRow& row : robot.rows) writer.write(row);
+  return writer.commit();
+}
 
-  for (std::size_t k = 0; k < robots.size(); ++k) {
-    if (auto written = write_signatures(robots[k], fmt::format("robot{}-", k + 1), named);
-        !written) {
-      return std::unexpected(std::move(written).error());
-    }
+RowSource rows_of(std::size_t robot, const DemoFolder& folder) {
+  return {.measurements = folder.path(name_of(robot, kMeasurements)),
+          .columns = {},
+          .sensor = folder.path(kSensorFile)};
+}
+
+// By the command that a person would give.
+Attempt<DemoMethod> identified(const DemoRobot& robot, std::size_t index, const char* method,
+                               DemoFolder& folder) {
+  IdentifyOptions options;
+  options.arm = folder.path(kArmFile);
+  options.rows = rows_of(index, folder);
+  options.method = method;
+  options.out = folder.written(name_of(index, method) + ".yaml");
+  ARMSIG_TRY(identified, identify_file(options));
+  ARMSIG_TRY(score, score_of(robot, identified.record.signature));
+  return DemoMethod{.record = std::move(identified.record), .score = score};
+}
+
+Attempt<DemoResult> run_robot(std::size_t index, std::uint64_t seed, DemoFolder& folder) {
+  DemoRobot robot = measured_demo_robot(index, seed);
+  const ArmDescription arm{.name = "Puma 560, " + robot.name, .arm = puma560()};
+  if (auto written = write_measurements(robot, folder.written(name_of(index, kMeasurements)));
+      !written) {
+    return std::unexpected(std::move(written).error());
   }
-  return files;
+  if (auto written = write_signature_file(folder.written(name_of(index, "truth.yaml")),
+                                          exact_record(robot.truth, arm));
+      !written) {
+    return std::unexpected(std::move(written).error());
+  }
+  ARMSIG_TRY(paper, identified(robot, index, "paper", folder));
+  ARMSIG_TRY(encoder, identified(robot, index, "encoder", folder));
+  return DemoResult{
+      .robot = std::move(robot), .paper = std::move(paper), .encoder = std::move(encoder)};
+}
+
+// What every robot has in common.
+Read<void> write_descriptions(DemoFolder& folder) {
+  const ArmDescription drawing{.name = "Puma 560", .arm = puma560()};
+  if (auto written = write_arm_file(folder.written(kArmFile), drawing); !written) return written;
+  return write_sensor_file(folder.written(kSensorFile), demo_sensor_description());
 }
 
 // The page about robot 1; nothing where armsig was built without pages.
-Read<std::optional<std::string>> write_report(const std::string& folder) {
-  const auto input = read_report_input({.signature = folder + "/robot1-encoder.yaml",
-                                        .measurements = folder + "/" + kMeasurementsFile,
-                                        .sensor = folder + "/" + kSensorFile,
-                                        .truth = folder + "/robot1-truth.yaml"});
+Read<std::optional<std::string>> write_report(const DemoFolder& folder) {
+  const auto input = read_report_input({.signature = folder.path("robot1-encoder.yaml"),
+                                        .rows = rows_of(0, folder),
+                                        .truth = folder.path("robot1-truth.yaml")});
   if (!input) return std::unexpected(input.error());
   const auto page = report_page(report_json(*input));
   if (!page) return std::nullopt;
-  std::string path = folder + "/report.html";
+  std::string path = folder.path("report.html");
   if (auto written = write_text_file(path, *page); !written) {
     return std::unexpected(written.error());
   }
@@ -192,17 +239,18 @@ Read<std::optional<std::string>> write_report(const std::string& folder) {
 }
 
 // The tables of the paper, with what this demonstration gives for them.
-void print_tables_of_the_paper(const std::vector<DemoRobot>& robots) {
+void print_tables_of_the_paper(const std::vector<DemoResult>& robots) {
   say("Table 1. Ideal kinematic parameters: the drawing\n\n{}\n", dh_table(puma560().joints));
   for (int robot : {1, 2}) {
-    const Signature& signature = robots[static_cast<std::size_t>(robot) - 1].encoder.signature;
+    const Signature& signature =
+        robots[static_cast<std::size_t>(robot) - 1].encoder.record.signature;
     say("Table 2. Arm signature of robot {}, as recovered and as printed in the paper\n\n{}\n",
         robot, table2(signature, table2_robot(robot)));
   }
   say("{}{}\n",
       paragraph(
           "* θ and d of links 1 and 6 depend on the choice of frames 0 and 6, which is free."),
-      near_parallel_note(robots[0].encoder.signature));
+      near_parallel_note(robots[0].encoder.record.signature));
   say("{}\n{}\n",
       paragraph("Table 3. Touching a 25 x 25 x 60 cm grid: improvement factors by circles that "
                 "follow the joint reading, beside those that the paper reached by plane and centre "
@@ -211,8 +259,16 @@ void print_tables_of_the_paper(const std::vector<DemoRobot>& robots) {
       table3_text(robots));
 }
 
-void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::string>& report,
-                 const DemoOptions& options) {
+// Robot 1 by the files that were written.
+TypedCommand identify_again(const DemoFolder& folder) {
+  TypedCommand identify("identify");
+  identify.file_option("--arm", folder.path(kArmFile));
+  add_rows(identify, rows_of(0, folder));
+  return identify.option("--out", "signature.yaml");
+}
+
+void print_story(const std::vector<DemoResult>& robots, const std::optional<std::string>& report,
+                 const DemoOptions& options, const DemoFolder& folder) {
   const DemoPlan plan;
   say("armsig demo: seven Puma 560, simulated as Stone, Sanderson and Neuman\n"
       "measured theirs (1986)\n\n{}\n",
@@ -220,42 +276,46 @@ void print_story(const std::vector<DemoRobot>& robots, const std::optional<std::
                     "Each joint is swept in turn as far as its limits allow, {} points a joint. An "
                     "ultrasonic sensor of 8 receivers, 0.2 mm (1 sigma) a range, {} pings a point, "
                     "locates a target on the moving link. On the arm this would take {}.",
-                    plan.points, plan.pings, duration_in_words(robots[0].sweep_duration_s)),
+                    plan.points, plan.pings, duration_in_words(robots[0].robot.sweep_duration_s)),
                 0));
   print_tables_of_the_paper(robots);
   say("{}{}\n", tool_error_table(robots),
       paragraph("Over the joint limits, each where the sensor sees it: the drawing with base and "
-                "tool fitted, the signatures as they are."));
+                "tool fitted, the signatures as they are. Stated is what the signature says of "
+                "itself, from the measurements alone."));
   say("Drawing, sensor, measurements, signatures and truths are in {}/.\n"
-      "Robot 1 again, by the command for your own arm:\n"
-      "  armsig identify --arm {}/{} --measurements {}/{} --sensor {}/{} --out signature.yaml\n",
-      options.out, options.out, kArmFile, options.out, kMeasurementsFile, options.out, kSensorFile);
+      "Robot 1 again, by the command for your own arm:\n  {}\n",
+      options.out, identify_again(folder).text());
   if (report) say("\nNext: open the report of robot 1 in a browser: {}\n", *report);
 }
 
-int run(const DemoOptions& options) {
-  std::vector<DemoRobot> robots;
-  std::vector<MeasurementRow> rows_of_robot1;
-  const auto keep = [&](const MeasurementRow& row) { rows_of_robot1.push_back(row); };
-  Progress progress("Identifying seven arms", kRobots);
-  for (std::size_t k = 0; k < kRobots; ++k) {
-    progress.update(k);
-    auto robot =
-        k == 0 ? run_demo_robot(k, options.seed + k, keep) : run_demo_robot(k, options.seed + k);
-    if (!robot) return fail(robot.error(), kNoAnswer, options);
-    robots.push_back(std::move(*robot));
+Attempt<ExitStatus> run(const DemoOptions& options) {
+  ARMSIG_TRY(folder, DemoFolder::create(options.out));
+  if (auto written = write_descriptions(folder); !written) {
+    return std::unexpected(std::move(written).error());
   }
-  const auto files = write_files(robots, rows_of_robot1, options.out);
-  if (!files) return fail(files.error(), kBadInput, options);
-  const auto report = write_report(options.out);
-  if (!report) return fail(report.error(), kBadInput, options);
+  std::vector<DemoResult> robots;
+  {
+    Progress progress("Identifying seven arms", kRobots);
+    for (std::size_t k = 0; k < kRobots; ++k) {
+      progress.update(k);
+      ARMSIG_TRY(result, run_robot(k, options.seed + k, folder));
+      robots.push_back(std::move(result));
+    }
+  }
+  ARMSIG_TRY(report, write_report(folder));
+  for (const DemoResult& result : robots) {
+    for (const std::string& warning : result.encoder.record.warnings) {
+      complain("armsig: warning: {}: {}", result.robot.name, shown(warning));
+    }
+  }
   if (options.json) {
     auto json = demo_json(robots);
-    json["files"] = *files;
-    json["report"] = *report ? nlohmann::ordered_json(**report) : nullptr;
+    json["files"] = folder.files();
+    json["report"] = report ? nlohmann::ordered_json(*report) : nullptr;
     print_json(json);
   } else {
-    print_story(robots, *report, options);
+    print_story(robots, report, options, folder);
   }
   return kDone;
 }
@@ -269,7 +329,7 @@ void add_demo(CLI::App& app, int& status) {
       ->capture_default_str();
   command->add_option("--seed", options->seed, "of the sensor's noise")->capture_default_str();
   add_common(*command, *options);
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
 
 }  // namespace armsig::tool

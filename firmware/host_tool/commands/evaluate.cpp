@@ -4,11 +4,12 @@
 
 #include <fmt/core.h>
 
-#include "core/evaluation/comparison.hpp"
 #include "core/identification.hpp"
+#include "firmware/analysis/evaluation/comparison.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/diagnosis/another_arm.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
@@ -81,8 +82,8 @@ Attempt<evaluation::Comparison> compared(const EvaluateOptions& options, const A
     complain("armsig: warning: {}: found with another drawing than that of {}", options.signature,
              options.arm);
   }
-  const refinement::ReadingModel readings = record.readings();
-  const refinement::ReadingModel true_readings = truth.readings();
+  const calibration::ReadingModel readings = record.readings();
+  const calibration::ReadingModel true_readings = truth.readings();
   const auto comparison = evaluation::compare(arm.arm, record.signature, truth.signature, {},
                                               {&readings, record.signature.configuration},
                                               {&true_readings, truth.signature.configuration});
@@ -110,7 +111,10 @@ Attempt<ExitStatus> run(const EvaluateOptions& options) {
   say("{}: touching a grid of {:.0f} x {:.0f} x {:.0f} cm, {} vertices\n\n{}", arm.name,
       100 * size_m[0], 100 * size_m[1], 100 * size_m[2], comparison.grid.vertex_count(),
       comparison_table(comparison));
-  say("\nNext: armsig report --signature {} --out report.html\n", options.signature);
+  say("\n");
+  say_next(TypedCommand("report")
+               .file_option("--signature", options.signature)
+               .option("--out", "report.html"));
   return kDone;
 }
 

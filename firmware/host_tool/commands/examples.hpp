@@ -13,7 +13,7 @@ struct Example {
   std::string_view line;
 };
 
-inline constexpr std::array<Example, 29> kExamples{{
+inline constexpr std::array<Example, 31> kExamples{{
     {"demo", "armsig demo --out demo"},
     {"arms", "armsig arms --show ur10e"},
     {"simulate",
@@ -40,6 +40,12 @@ inline constexpr std::array<Example, 29> kExamples{{
     {"solve",
      "armsig solve --signature signature.yaml --poses where.csv --target 1 --seed poses.csv --out "
      "readings.csv"},
+    {"compensate",
+     "armsig compensate --signature signature.yaml --into part.script --out corrected.script "
+     "--check"},
+    {"compensate",
+     "armsig compensate --signature signature.yaml --poses part.csv --tool 0,0,120,0,0,0 --out "
+     "corrected.csv"},
     {"evaluate",
      "armsig evaluate --arm demo/puma560.yaml --signature demo/robot1-encoder.yaml --truth "
      "demo/robot1-truth.yaml"},

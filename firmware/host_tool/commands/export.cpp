@@ -13,6 +13,7 @@
 #include "firmware/formats/standard_output.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/exports/urdf_correction.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
@@ -37,10 +38,18 @@ void tell_loss(std::string_view format, bool tables, double rms_m, double larges
       1e3 * largest_m);
 }
 
-std::string next_of(std::string_view format, const std::string& file) {
-  if (format == "urdf") return "check_urdf " + file;
-  if (format == "json") return "read it by any program; docs/formats.md names its keys";
-  return "read its first lines: they say what loads it, and how";
+void say_what_reads(const std::string& urdf) {
+  if (is_there_to_read(urdf)) say_next(TypedCommand::of_program("check_urdf").file(urdf));
+}
+
+void say_what_is_next(const ExportOptions& options) {
+  if (options.format == "urdf") {
+    say_what_reads(options.out);
+  } else if (options.format == "json") {
+    say("Next: read it by any program; docs/formats.md names its keys\n");
+  } else {
+    say("Next: read its first lines: they say what loads it, and how\n");
+  }
 }
 
 int run_format(const ExportOptions& options, const SignatureRecord& record) {
@@ -74,7 +83,7 @@ int run_format(const ExportOptions& options, const SignatureRecord& record) {
   } else {
     say("{}: {} joints as {}\n", record.arm_name, record.signature.joint_count(), options.format);
     for (const std::string& file : files) say("Written: {}\n", file_in_words(file));
-    say("Next: {}\n", next_of(options.format, file_or(options.out, "arm.urdf")));
+    say_what_is_next(options);
   }
   return kDone;
 }
@@ -104,7 +113,7 @@ void print_corrected(const ExportOptions& options, const SignatureRecord& record
   if (files.size() > 1) {
     say("Next: paste the origins of {} into {}\n", files.back(), corrected.made_by_xacro_from);
   } else {
-    say("Next: check_urdf {}\n", file_or(options.out, "arm.urdf"));
+    say_what_reads(options.out);
   }
 }
 

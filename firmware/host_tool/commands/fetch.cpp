@@ -12,8 +12,10 @@
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/measurement_writer.hpp"
 #include "firmware/formats/signature_file.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/console/fetching.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -34,7 +36,9 @@ SignatureRecord file_record(const controller::SignatureRecord& fetched, const Ar
   record.signature = fetched.signature;
   record.arm_name = options.name;
   record.serial = options.serial;
-  record.method = "encoder";
+  record.method = controller::kMethods[static_cast<std::size_t>(fetched.method)];
+  record.accuracy = fetched.accuracy;
+  record.controller_signature = fetched.sequence;
   record.nominal = drawing;
   record.air_c = fetched.air_celsius;
   record.time = utc(fetched.identified_at_s);
@@ -73,36 +77,70 @@ Read<std::size_t> write_log(Fetcher& fetcher, const Arm& drawing, const FetchOpt
   return rows.size();
 }
 
+// `next`: one after the other.
 int tell(const FetchOptions& options, std::string_view what, std::string_view words,
-         std::string_view next, const nlohmann::ordered_json& details) {
+         const std::vector<TypedCommand>& next, const nlohmann::ordered_json& details) {
   if (options.json) {
     nlohmann::ordered_json result{{"status", 0}, {"fetched", what}, {"out", options.file}};
     result.update(details);
     print_json(result);
   } else {
-    say("{}\nWritten: {}\nNext: {}\n", words, options.file, next);
+    say("{}\nWritten: {}\n", words, options.file);
+    for (const TypedCommand& command : next) say_next(command);
   }
   return kDone;
+}
+
+void add_accuracy(const ToolAccuracy& accuracy, nlohmann::ordered_json& details) {
+  if (accuracy.predicted) {
+    details["predicted_tool_error_m"] = accuracy.predicted->rms_m;
+    details["predicted_region"] = name(accuracy.predicted->region);
+  }
+  if (!accuracy.validated) return;
+  details["validation_rms_m"] = accuracy.validated->rms_m;
+  if (accuracy.validated->poses > 0) details["validation_poses"] = accuracy.validated->poses;
+}
+
+// A figure a line.
+std::string accuracy_in_words(const ToolAccuracy& accuracy) {
+  std::string words;
+  if (accuracy.predicted) {
+    words +=
+        fmt::format("  predicted tool error, 1 sigma: {:.3f} mm RMS over {}\n",
+                    1e3 * accuracy.predicted->rms_m, region_in_words(accuracy.predicted->region));
+  }
+  if (accuracy.validated) {
+    const auto poses = accuracy.validated->poses;
+    words += fmt::format("  on {}validation poses, with the sensor's noise: {:.3f} mm RMS\n",
+                         poses > 0 ? fmt::format("{} ", poses) : std::string(),
+                         1e3 * accuracy.validated->rms_m);
+  }
+  return words.empty() ? "  its accuracy is not recorded" : words.substr(0, words.size() - 1);
 }
 
 int fetch_record(Fetcher& fetcher, const Arm& drawing, const std::string& what,
                  const FetchOptions& options) {
   const auto fetched = fetcher.record(what, drawing);
   if (!fetched) return fail(fetched.error(), kNoAnswer, options);
-  const auto written = write_signature_file(options.file, file_record(*fetched, drawing, options));
+  const SignatureRecord record = file_record(*fetched, drawing, options);
+  const auto written = write_signature_file(options.file, record);
   if (!written) return fail(written.error(), kBadInput, options);
-  return tell(
-      options, what,
-      fmt::format("{}: {} joints, {:.3f} mm RMS on the poses held out, air {:.1f} degrees C",
-                  what == "candidate" ? "The candidate" : "The signature in use",
-                  fetched->signature.joint_count(), 1e3 * fetched->held_out_rms_m,
-                  fetched->air_celsius),
-      fmt::format("armsig report --signature {} --out report.html", options.file),
-      {{"joints", fetched->signature.joint_count()},
-       {"sequence", fetched->sequence},
-       {"held_out_rms_m", fetched->held_out_rms_m},
-       {"predicted_sigma_m", fetched->predicted_sigma_m},
-       {"air_c", fetched->air_celsius}});
+  nlohmann::ordered_json details{{"joints", fetched->signature.joint_count()},
+                                 {"signature", fetched->sequence},
+                                 {"method", record.method},
+                                 {"air_c", fetched->air_celsius}};
+  add_accuracy(fetched->accuracy, details);
+  const std::string which = what == "candidate"
+                                ? std::string("The candidate")
+                                : fmt::format("Signature {}, in use", fetched->sequence);
+  return tell(options, what,
+              fmt::format("{}: {} joints, method {}, air {:.1f} degrees C\n{}", which,
+                          fetched->signature.joint_count(), record.method, fetched->air_celsius,
+                          accuracy_in_words(fetched->accuracy)),
+              {TypedCommand("report")
+                   .file_option("--signature", options.file)
+                   .option("--out", "report.html")},
+              details);
 }
 
 }  // namespace
@@ -121,16 +159,24 @@ int fetch(ConsoleClient& console, const FetchOptions& options) {
     const auto written = write_arm_file(options.file, {.name = options.name, .arm = *drawing});
     if (!written) return fail(written.error(), kBadInput, options);
     return tell(options, what, fmt::format("The drawing: {} joints", drawing->joints.size()),
-                fmt::format("armsig connect {} fetch log.csv", options.console),
+                {TypedCommand("plan")
+                     .file_option("--arm", options.file)
+                     .option("--out", "sweeps-to-measure.csv")},
                 {{"joints", drawing->joints.size()}});
   }
   if (what == "log") {
     const auto rows = write_log(fetcher, *drawing, options);
     if (!rows) return fail(rows.error(), kNoAnswer, options);
     return tell(options, what, fmt::format("What was measured: {} points", *rows),
-                fmt::format("armsig connect {} fetch arm.yaml --what drawing, then armsig identify "
-                            "--arm arm.yaml --measurements {}",
-                            options.console, options.file),
+                {TypedCommand("connect")
+                     .file(options.console)
+                     .word("fetch")
+                     .word("arm.yaml")
+                     .option("--what", "drawing"),
+                 TypedCommand("identify")
+                     .option("--arm", "arm.yaml")
+                     .file_option("--measurements", options.file)
+                     .option("--out", "signature.yaml")},
                 {{"rows", *rows}});
   }
   return fetch_record(fetcher, *drawing, what, options);

@@ -1,26 +1,31 @@
 // SPDX-License-Identifier: MIT
 // armsig identify: measurements to a signature.
+#include "firmware/host_tool/commands/identify.hpp"
+
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
-#include <functional>
+
+#include <fmt/ranges.h>
 
 #include "core/base/error.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/file_roles.hpp"
-#include "firmware/formats/foreign_columns.hpp"
 #include "firmware/formats/signature_file.hpp"
-#include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/commands/identify_doubts.hpp"
+#include "firmware/host_tool/commands/identify_places.hpp"
+#include "firmware/host_tool/commands/measurement_options.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/diagnosis/collector.hpp"
 #include "firmware/host_tool/identification/identification_run.hpp"
 #include "firmware/host_tool/identification/undone.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/identify_report.hpp"
-#include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/reading/copied_rows.hpp"
 #include "firmware/host_tool/reading/range_health.hpp"
-#include "firmware/host_tool/reading/ranging.hpp"
+#include "firmware/host_tool/reading/read_rows.hpp"
 #include "firmware/host_tool/refinement/corrections_option.hpp"
 #include "firmware/host_tool/signature/doubt_stated.hpp"
 #include "firmware/host_tool/signature/record.hpp"
@@ -28,65 +33,66 @@
 namespace armsig::tool {
 namespace {
 
-struct IdentifyOptions : CommonOptions {
-  std::string arm, measurements, columns, sensor, out, serial;
-  std::string method = "encoder";
-  std::vector<std::string> correct;
-  bool accept_different_arm = false;
-  std::optional<MappedMeasurements> mapped;  // by `columns`
-};
-
-// The file as it is, or with its columns mapped.
-Read<MeasurementReader> open_measurements(const IdentifyOptions& options, const JointTypes& types) {
-  if (!options.mapped) return MeasurementReader::open(options.measurements, types);
-  auto reader = MeasurementReader::over(options.mapped->text, options.measurements, types);
-  if (!reader) reader.error().column = 0;  // of the mapped line, not of the file's
-  return reader;
-}
+// More rows take the refinement longer than ten seconds or so, and more memory than sweeps need.
+constexpr std::size_t kMostRowsToRefineUnasked = 20'000;
 
 // So many rows back a copy is found: of features, whose memory does not grow with the file, fewer.
 constexpr std::size_t kRemembered = std::size_t{8} << 10U;
 
-// Gives every row of the file but copies to `take`, and says how many copies there are.
-Read<std::size_t> read_all(const IdentifyOptions& options, const Arm& arm, const char* what,
-                           const std::function<Read<void>(const MeasurementRow&)>& take) {
-  auto reader = open_measurements(options, types_of(arm.joints));
-  if (!reader) return std::unexpected(reader.error());
-  Progress progress(what, 1000);
-  CopiedRows copies(options.method == "refined" ? kRememberedInMemory : kRemembered);
-  for (MeasurementRow row;;) {
-    auto more = reader->next(row);
-    if (!more && options.mapped) more.error().column = 0;
-    if (!more) return std::unexpected(more.error());
-    if (!*more) return copies.count();
-    if (copies.is_copy(row)) continue;
-    if (auto taken = take(row); !taken) return std::unexpected(std::move(taken).error());
-    if (const auto share = reader->progress()) {
-      progress.update(static_cast<std::size_t>(1000 * *share));
-    }
-  }
+RowReading reading_of(const IdentifyOptions& options, const char* what) {
+  return {.progress = what,
+          .remembered = options.method == "refined" ? kRememberedInMemory : kRemembered};
 }
 
 // Of the ranges of receivers whose offsets are asked for, 1 sigma.
 constexpr double kUnknownOffset_m = 5e-3;
 
-// A file that can be read again: features are validated in a second pass.
-bool is_repeatable(const std::string& path) { return std::filesystem::is_regular_file(path); }
+// Whether the rows can be read a second time: a pipe is gone by then.
+bool can_be_read_again(const OpenRows& rows) {
+  return rows.mapped || std::filesystem::is_regular_file(rows.source.measurements);
+}
 
-Read<Found> identified_by_features(const IdentifyOptions& options, const Arm& arm,
+// Puts the method that the rows support best in the place of "auto", and says why; nothing where a
+// method was asked for.
+Read<std::string> choose_method(IdentifyOptions& options, const OpenRows& source) {
+  if (options.method != kBestMethod) return {};
+  const auto take = [&](const char* method, std::string why) {
+    options.method = method;
+    return why;
+  };
+  if (!options.correct.empty()) return take("refined", "which can find the corrections");
+  if (!can_be_read_again(source)) {
+    return take("encoder", "as a pipe is read only once; --method refined uses free poses too");
+  }
+  ARMSIG_TRY(reader, open_reader(source));
+  std::size_t rows = 0;
+  std::size_t free_poses = 0;
+  for (MeasurementRow row; rows <= kMostRowsToRefineUnasked; ++rows) {
+    const auto more = reader.next(row);
+    if (!more || !*more) break;  // whoever reads the rows in earnest says what is wrong
+    free_poses += row.sweep == 0 && was_seen(row) ? 1 : 0;
+  }
+  if (rows > kMostRowsToRefineUnasked) {
+    return take("encoder", fmt::format("as there are more than {} rows; --method refined takes "
+                                       "longer, and uses free poses too",
+                                       kMostRowsToRefineUnasked));
+  }
+  if (free_poses == 0) return take("encoder", "as there are no free poses (sweep 0)");
+  return take("refined", fmt::format("which uses the {} free poses (sweep 0) too", free_poses));
+}
+
+Read<Found> identified_by_features(const IdentifyOptions& options, const OpenRows& rows,
                                    IdentificationRun& identification) {
   auto identified = identification.finish();
   if (!identified) return std::unexpected(identified.error());
   Found found{.identified = std::move(*identified), .refinement = {}, .validation = {}};
-  if ((!options.mapped && !is_repeatable(options.measurements)) ||
-      !identification.settle_validation()) {
-    return found;
-  }
-  const auto scored =
-      read_all(options, arm, "Scoring rows left out", [&](const MeasurementRow& row) -> Read<void> {
-        identification.score(row);
-        return {};
-      });
+  // Features are validated in a second pass.
+  if (!can_be_read_again(rows) || !identification.settle_validation()) return found;
+  const auto scored = read_rows(rows, reading_of(options, "Scoring rows left out"),
+                                [&](const MeasurementRow& row, double /*scale*/) -> Read<void> {
+                                  identification.score(row);
+                                  return {};
+                                });
   if (!scored) return std::unexpected(scored.error());
   found.validation = identification.validation();
   return found;
@@ -102,29 +108,23 @@ Read<Found> identified_by_refinement(IdentificationRun& identification,
                .validation = validation};
 }
 
-// As its description says, but for offsets that are asked for.
-Read<std::optional<SensorDescription>> sensor_for(const IdentifyOptions& options,
-                                                  const FurtherUnknowns& further) {
-  if (options.sensor.empty()) return std::nullopt;
-  ARMSIG_TRY(sensor, read_checked_sensor(options.sensor));
-  if (further.receiver_offsets) sensor.unknown_offset_m = kUnknownOffset_m;
-  return sensor;
-}
-
-// What the command line says beside the measurements.
+// What the command line says.
 struct Asked {
   FurtherUnknowns further;
   ArmDescription arm;
-  std::optional<SensorDescription> sensor;
+  OpenRows rows;
 
-  [[nodiscard]] std::size_t receivers() const { return sensor ? sensor->receivers_S.size() : 0; }
+  [[nodiscard]] const std::optional<SensorDescription>& sensor() const { return rows.sensor; }
+  [[nodiscard]] std::size_t receivers() const {
+    return rows.sensor ? rows.sensor->receivers_S.size() : 0;
+  }
 };
 
-// Maps the columns too, where they are those of other software.
-Read<Asked> read_asked(IdentifyOptions& options) {
+Read<Asked> read_asked(const IdentifyOptions& options) {
+  const RowSource& source = options.rows;
   if (auto apart = check_roles({{"--arm", options.arm},
-                                {"--measurements", options.measurements},
-                                {"--sensor", options.sensor}},
+                                {"--measurements", source.measurements},
+                                {"--sensor", source.sensor}},
                                {{"--out", options.out}});
       !apart) {
     return std::unexpected(std::move(apart).error());
@@ -132,16 +132,41 @@ Read<Asked> read_asked(IdentifyOptions& options) {
   if (auto serial = check_option_text("--serial", options.serial); !serial) {
     return std::unexpected(std::move(serial).error());
   }
-  ARMSIG_TRY(further, parse_corrections(options.correct, options.method, !options.sensor.empty()));
+  ARMSIG_TRY(further, parse_corrections(options.correct, options.method, !source.sensor.empty()));
   ARMSIG_TRY(arm, read_arm(options.arm));
-  if (!options.columns.empty()) {
-    ARMSIG_TRY(mapped,
-               map_measurements(options.measurements, options.columns, types_of(arm.arm.joints)));
-    say(stderr, "{}", in_words(mapped));
-    options.mapped = std::move(mapped);
+  ARMSIG_TRY(rows, open_rows(source, arm.arm, {types_of(arm.arm.joints), arm.joint_names}));
+  if (rows.sensor && further.receiver_offsets) rows.sensor->unknown_offset_m = kUnknownOffset_m;
+  return Asked{.further = further, .arm = std::move(arm), .rows = std::move(rows)};
+}
+
+// Whether the method fits it; all rows are evidence for and against the result.
+bool is_fitted(const IdentifyOptions& options, const MeasurementRow& row) {
+  return options.method == "refined" || row.sweep > 0;
+}
+
+// What decides the result beside the rows.
+std::string fit_options(const IdentifyOptions& options) {
+  std::string words = "--method " + options.method;
+  if (!options.correct.empty()) {
+    words += fmt::format(" --correct {}", fmt::join(options.correct, ","));
   }
-  ARMSIG_TRY(sensor, sensor_for(options, further));
-  return Asked{.further = further, .arm = std::move(arm), .sensor = std::move(sensor)};
+  if (options.accept_different_arm) words += " --accept-different-arm";
+  return words;
+}
+
+Origin fitted_origin(const IdentifyOptions& options, const OpenRows& rows, const RowsRead& read,
+                     std::vector<std::uint64_t> fitted) {
+  Origin origin = origin_of(rows, read, std::move(fitted));
+  origin.arm = shown(options.arm);
+  origin.options = fit_options(options);
+  return origin;
+}
+
+Problem with_copies(Problem problem, std::size_t copies) {
+  if (copies > 0) {
+    problem.what += fmt::format("; {} rows are copies of others, and count once", copies);
+  }
+  return problem;
 }
 
 // What the rows give, and what they say of themselves.
@@ -149,40 +174,71 @@ struct FromRows {
   Found found;
   Evidence evidence;
   std::size_t copies = 0;
+  Origin origin;
+  RangeHealth health;
 };
 
 Attempt<FromRows> find(const IdentifyOptions& options, const Asked& asked) {
   const Arm& arm = asked.arm.arm;
+  const std::string& file = options.rows.measurements;
   const bool refine = options.method == "refined";
   IdentificationRun identification(
-      arm, asked.sensor, options.measurements,
+      arm, asked.sensor(), file,
       options.method == "paper" ? features::Method::kPaper : features::Method::kEncoder,
       refine ? Purpose::kRefinement : Purpose::kValidatedFeatures);
-  EvidenceCollector collector(arm, asked.sensor);
-  RangeHealth health(asked.sensor);
+  EvidenceCollector collector(arm, asked.sensor());
+  RangeHealth health(asked.sensor());
+  std::vector<std::uint64_t> fitted;
   Read<void> taken;  // the first row that was refused says why; the others are evidence
-  const auto read =
-      read_all(options, arm, "Reading measurements", [&](const MeasurementRow& row) -> Read<void> {
-        ARMSIG_TRY(scale, range_scale(row, asked.sensor, options.measurements));
-        collector.add(row);
-        health.add(row, scale);
-        if (taken) taken = identification.take(row);
-        return {};
-      });
+  const auto read = read_rows(asked.rows, reading_of(options, "Reading measurements"),
+                              [&](const MeasurementRow& row, double scale) -> Read<void> {
+                                const auto hash = row_hash(row, asked.rows.types);
+                                if (hash && is_fitted(options, row)) fitted.push_back(*hash);
+                                collector.add(row);
+                                health.add(row, scale);
+                                if (taken) taken = identification.take(row);
+                                return {};
+                              });
   if (!read && taken) return std::unexpected(read.error());
-  const auto identified = [&] {
-    return refine ? identified_by_refinement(identification, asked.further)
-                  : identified_by_features(options, arm, identification);
-  };
-  Read<Found> found = taken ? identified() : std::unexpected(taken.error());
-  if (found) return FromRows{std::move(*found), collector.evidence(), *read};
-  // Of rows without a position nothing else can be said.
-  if (auto ranges = health.problem(options.measurements)) return no_answer(std::move(*ranges));
-  Problem said = explained(std::move(found).error(), collector.evidence(), asked.arm.limits);
-  if (read && *read > 0) {
-    said.what += fmt::format("; {} rows are copies of others, and count once", *read);
+  // A scale that is asked for is found from ranges that do not meet.
+  if (read && !asked.further.scale) {
+    if (auto ranges = health.contradiction(file)) return no_answer(std::move(*ranges));
   }
-  return no_answer(std::move(said));
+  Read<Found> found = !taken   ? std::unexpected(taken.error())
+                      : refine ? identified_by_refinement(identification, asked.further)
+                               : identified_by_features(options, asked.rows, identification);
+  const std::size_t copies = read ? read->copies : 0;
+  if (found) {
+    return FromRows{std::move(*found), collector.evidence(), copies,
+                    fitted_origin(options, asked.rows, *read, std::move(fitted)),
+                    std::move(health)};
+  }
+  // Of rows without a position nothing else can be said.
+  if (auto ranges = health.problem(file)) return no_answer(std::move(*ranges));
+  return no_answer(with_copies(
+      explained(std::move(found).error(), collector.evidence(), asked.arm.limits), copies));
+}
+
+// What is warned of whatever the arm is like.
+void warn_of_rows(const IdentifyOptions& options, FromRows& rows, SignatureRecord& record) {
+  Found& found = rows.found;
+  if (const auto slide = doubt_of_slide(record.signature); slide && !found.scale_stated) {
+    warn_of(*slide, fmt::format("{}: {}", slide->what, slide->expected), record, found);
+  }
+  if (const auto drift = rows.health.drift(); drift && !found.scale_stated) {
+    warn_of({.what = drift->in_words(),
+             .cause = {},
+             .expected = kCureOfDrift,
+             .refuses = false,
+             .probability = 1,
+             .lengths_factor = 1 + drift->excess(drift->last_line)},
+            fmt::format("{}; {}", drift->in_words(), kCureOfDrift), record, found);
+  }
+  if (rows.copies > 0) {
+    record.warnings.push_back(
+        fmt::format("{}: {} rows are copies of others to the last digit, and count once",
+                    options.rows.measurements, rows.copies));
+  }
 }
 
 // The record, with its doubts as warnings.
@@ -190,51 +246,68 @@ Attempt<SignatureRecord> record_for(const IdentifyOptions& options, const Asked&
                                     FromRows& rows) {
   Found& found = rows.found;
   SignatureRecord record = record_of(found.identified, asked.arm, options.method, options.serial);
+  record.origin = rows.origin;
   const Evidence evidence =
-      found.refinement ? undone(rows.evidence, *found.refinement, asked.sensor) : rows.evidence;
+      found.refinement ? undone(rows.evidence, *found.refinement, asked.sensor()) : rows.evidence;
   // What is stated, over what the method itself predicts.
   const double enlarged =
       found.refinement ? add_refinement(record, *found.refinement, asked.receivers(), evidence)
                        : add_features(record, found.validation, evidence);
-  if (const auto doubt = doubt_of(evidence, asked.arm.limits, record, enlarged)) {
-    const Problem problem = problem_of(*doubt, options.measurements);
+  const auto doubt = doubt_of(evidence, asked.arm.limits, record, enlarged,
+                              found.refinement ? &*found.refinement : nullptr);
+  // Ranges to receivers at known places tell how long a millimetre is.
+  const bool ruled_out = doubt && !doubt->refuses && doubt->lengths_factor != 1 &&
+                         rows.health.rules_out(doubt->lengths_factor);
+  if (doubt && !ruled_out) {
+    const Problem problem = problem_of(*doubt, options.rows.measurements);
     if (doubt->refuses && !options.accept_different_arm) return no_answer(problem);
     warn_of(*doubt,
             doubt->refuses ? "accepted as a different arm: " + problem.what
                            : fmt::format("{}: {}", problem.what, problem.expected),
             record, found);
   }
-  if (const auto slide = doubt_of_slide(record.signature); slide && !found.scale_stated) {
-    warn_of(*slide, fmt::format("{}: {}", slide->what, slide->expected), record, found);
-  }
-  if (rows.copies > 0) {
-    record.warnings.push_back(
-        fmt::format("{}: {} rows are copies of others to the last digit, and count once",
-                    options.measurements, rows.copies));
-  }
+  warn_of_rows(options, rows, record);
   return record;
 }
 
-Attempt<ExitStatus> run(IdentifyOptions options) {
-  ARMSIG_TRY(asked, read_asked(options));
-  ARMSIG_TRY(rows, find(options, asked));
-  ARMSIG_TRY(record, record_for(options, asked, rows));
-  if (auto written = write_signature_file(options.out, record); !written) {
-    return std::unexpected(std::move(written).error());
-  }
-  for (const std::string& warning : record.warnings) {
+// The page of what was found; nothing where it, or what it was found from, cannot be read again.
+void say_how_to_report(const IdentifyOptions& options) {
+  if (!is_there_to_read(options.out) || !is_there_to_read(options.rows.measurements)) return;
+  TypedCommand report("report");
+  report.file_option("--signature", options.out);
+  say_next(add_rows(report, options.rows).option("--out", "report.html"));
+}
+
+Attempt<ExitStatus> run(const IdentifyOptions& options) {
+  if (!options.instrument.empty()) return identify_by_places(options);
+  ARMSIG_TRY(identified, identify_file(options));
+  for (const std::string& warning : identified.record.warnings) {
     complain("armsig: warning: {}", shown(warning));
   }
-  const ReportedFiles files{options.measurements, options.out};
+  const ReportedFiles files{options.rows.measurements, options.out};
   if (options.json) {
-    print_json(json_of(rows.found, record, files, asked.receivers()));
+    print_json(json_of(identified.found, identified.record, files, identified.receivers));
   } else {
-    print_identified(rows.found, record, files, asked.receivers());
+    print_identified(identified.found, identified.record, files, identified.receivers);
+    say_how_to_report(options);
   }
   return kDone;
 }
 
 }  // namespace
+
+Attempt<IdentifiedFile> identify_file(IdentifyOptions options) {
+  ARMSIG_TRY(asked, read_asked(options));
+  ARMSIG_TRY(why, choose_method(options, asked.rows));
+  ARMSIG_TRY(rows, find(options, asked));
+  rows.found.why_method = std::move(why);
+  ARMSIG_TRY(record, record_for(options, asked, rows));
+  if (auto written = write_signature_file(options.out, record); !written) {
+    return std::unexpected(std::move(written).error());
+  }
+  return IdentifiedFile{
+      .found = std::move(rows.found), .record = std::move(record), .receivers = asked.receivers()};
+}
 
 void add_identify(CLI::App& app, int& status) {
   auto options = std::make_shared<IdentifyOptions>();
@@ -243,13 +316,14 @@ void add_identify(CLI::App& app, int& status) {
       ->add_option("--arm", options->arm,
                    "arm description (YAML), or a name that `armsig arms` lists: the drawing")
       ->required();
-  command->add_option("--measurements", options->measurements, "sweeps (CSV)")->required();
+  add_measurement_options(*command, options->rows, "sweeps (CSV)")->required();
   command
       ->add_option(
           "--method", options->method,
-          "encoder: circles follow the joint reading; paper: plane and centre of rotation alone; "
-          "refined: maximum likelihood over all rows, those with sweep 0 too")
-      ->check(CLI::IsMember({"encoder", "paper", "refined"}))
+          "auto: refined where there are free poses (sweep 0), else encoder; encoder: circles "
+          "follow the joint reading; paper: plane and centre of rotation alone; refined: maximum "
+          "likelihood over all rows, those with sweep 0 too")
+      ->check(CLI::IsMember({kBestMethod, "encoder", "paper", "refined"}))
       ->capture_default_str();
   command
       ->add_option(
@@ -262,11 +336,9 @@ void add_identify(CLI::App& app, int& status) {
       ->delimiter(',')
       ->check(CLI::IsMember({"gain", "first-order", "second-order", "readings-that-help",
                              "range-offsets", "scale", "none"}));
-  command->add_option("--sensor", options->sensor,
-                      "sensor description (YAML), where the rows are ranges to receivers");
-  command->add_option("--columns", options->columns,
-                      "measurements of other software: auto, or x_mm=THEIR NAME,target=#1,... "
-                      "(semicolons, decimal commas and lines before the header are understood)");
+  command->add_option("--instrument", options->instrument,
+                      "instrument description (YAML), where the rows are touches of sockets and "
+                      "planes or lengths of wires, a place by its name, and no positions");
   command->add_option("--serial", options->serial, "serial number of the arm, for the record");
   command->add_option("--out", options->out, "signature file to write (YAML)")->required();
   command->add_flag("--accept-different-arm", options->accept_different_arm,

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "core/refinement/chain.hpp"
+#include "core/calibration/chain.hpp"
+#include "firmware/host_tool/diagnosis/rejected_rows.hpp"
+#include "firmware/host_tool/refinement/refinement_words.hpp"
 #include "firmware/host_tool/signature/doubt_stated.hpp"
 
 namespace armsig::tool {
@@ -14,21 +16,48 @@ namespace {
 // Fewer rows than these say nothing against an arm.
 constexpr std::size_t kFewestToDoubt = 12;
 
+// A coupling that explains more than this of the error of rows left out makes what is stated wrong.
+constexpr double kExplainsTooMuch = 1.5;
+
+Doubt doubt_of_coupling(const FoundCoupling& found) {
+  return {.what = in_words(found),
+          .cause = evidence_in_words(found),
+          .expected = remedy_for(found),
+          .refuses = found.rejected < found.rejected_without ||
+                     found.left_out_mean_without_m > kExplainsTooMuch * found.left_out_mean_m};
+}
+
+// What the rows say against the refinement's model beside what they say against the arm.
+std::optional<Doubt> doubt_of_model(const Evidence& evidence, const RefinementOutcome& outcome) {
+  auto rejected = doubt_of_rejected(evidence, outcome.rejected_lines);
+  if (!outcome.coupling) return rejected;
+  Doubt coupling = doubt_of_coupling(*outcome.coupling);
+  if (!rejected) return coupling;
+  rejected->cause = coupling.what + ": " + coupling.cause;
+  rejected->expected = coupling.expected;
+  return rejected;
+}
+
 }  // namespace
 
 std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
-                              const SignatureRecord& record, double enlarged) {
+                              const SignatureRecord& record, double enlarged,
+                              const RefinementOutcome* outcome) {
   if (evidence.rows.size() < kFewestToDoubt) return std::nullopt;
-  const refinement::PoeChain chain(record.signature, record.readings());
+  const calibration::PoeChain chain(record.signature, record.readings());
   const auto& targets = record.signature.targets;
   const auto predicted_S = [&](const EvidenceRow& row) -> std::optional<Vector3> {
     const auto* target = std::ranges::find(targets, row.target, &Target::number);
     if (target == targets.end()) return std::nullopt;
     return chain.point(chain.motion(row.q), *target);
   };
-  return doubt(evidence, limits,
-               FoundArm{.predicted_S = predicted_S,
-                        .predicted_error_m = record.predicted_tool_error_m.value_or(0) / enlarged});
+  const double predicted_m = record.accuracy.predicted ? record.accuracy.predicted->rms_m : 0;
+  auto of_arm =
+      doubt(evidence, limits,
+            FoundArm{.predicted_S = predicted_S, .predicted_error_m = predicted_m / enlarged});
+  if (outcome == nullptr || (of_arm && of_arm->refuses)) return of_arm;
+  auto of_model = doubt_of_model(evidence, *outcome);
+  return of_model ? of_model : of_arm;
 }
 
 Problem explained(Problem problem, const Evidence& evidence, const ArmLimits& limits) {

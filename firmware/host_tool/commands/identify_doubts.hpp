@@ -13,8 +13,10 @@
 namespace armsig::tool {
 
 // `enlarged`: what the record states of its accuracy, over what the method itself predicts.
+// `outcome`: of the refinement, null for another method.
 [[nodiscard]] std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
-                                            const SignatureRecord& record, double enlarged);
+                                            const SignatureRecord& record, double enlarged,
+                                            const RefinementOutcome* outcome);
 
 // A refusal, with the mistake that explains it where one is found.
 [[nodiscard]] Problem explained(Problem problem, const Evidence& evidence, const ArmLimits& limits);

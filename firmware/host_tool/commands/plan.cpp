@@ -4,14 +4,17 @@
 
 #include "core/base/error.hpp"
 #include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/mounting.hpp"
 #include "firmware/formats/wrapping.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/commands/pose_options.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/simulation/boxed_sweeps.hpp"
+#include "firmware/host_tool/simulation/clear_sweeps.hpp"
+#include "firmware/host_tool/simulation/configuration_search.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -19,12 +22,23 @@ namespace {
 struct PlanOptions : PoseOptions {
   std::string arm;
   std::vector<double> configuration, target_mm{0, 0, 0};
-  double arc_deg = 180;
+  std::vector<double> arcs_deg{180};  // one for all joints, or one each
   std::size_t points = 24;
 };
 
-Read<JointVector> configuration_of(const PlanOptions& options, const Arm& arm) {
-  if (options.configuration.empty()) return middle_of_limits(arm);
+// As asked for, else as the arm description says, else the one that is found best.
+Read<JointVector> configuration_of(const PlanOptions& options, const ArmDescription& described,
+                                   const clearance::Surroundings& around) {
+  const Arm& arm = described.arm;
+  if (options.configuration.empty()) {
+    if (!described.sweep_at.empty()) return described.sweep_at;
+    JointVector chosen = chosen_configuration(arm, around);
+    if (!chosen.empty()) return chosen;
+    return std::unexpected(Problem{options.arm, 0, 0,
+                                   "no configuration was found in which the arm is clear",
+                                   "--configuration, a larger box, or, in the arm description, "
+                                   "where its floor is and how thick its links are"});
+  }
   if (options.configuration.size() != arm.joints.size()) {
     return std::unexpected(Problem{"--configuration", 0, 0,
                                    fmt::format("{} readings", options.configuration.size()),
@@ -48,14 +62,17 @@ Read<JointVector> configuration_of(const PlanOptions& options, const Arm& arm) {
   return configuration;
 }
 
-ReachBox box_of(const PlanOptions& options) {
-  ReachBox box;
-  box.p_FT = 1e-3 * Vector3(options.target_mm[0], options.target_mm[1], options.target_mm[2]);
-  if (const auto asked = options.box()) {
-    box.lower_B = asked->lower;
-    box.upper_B = asked->upper;
+Read<JointVector> arcs_of(const PlanOptions& options, const Arm& arm) {
+  const std::size_t told = options.arcs_deg.size();
+  if (told != 1 && told != arm.joints.size()) {
+    return std::unexpected(Problem{"--arc", 0, 0, fmt::format("{} arcs", told),
+                                   fmt::format("one, or {}, one a joint", arm.joints.size())});
   }
-  return box;
+  JointVector arcs_rad;
+  for (std::size_t j = 0; j < arm.joints.size(); ++j) {
+    arcs_rad.push_back(radians(options.arcs_deg[told == 1 ? 0 : j]));
+  }
+  return arcs_rad;
 }
 
 // The poses in the order in which the arm goes through them, each sweep from the configuration.
@@ -89,7 +106,7 @@ Read<ArmDescription> arm_with_margin(const PlanOptions& options) {
 }
 
 void print_plan(const PlanOptions& options, const ArmDescription& arm, const SweepPlan& plan,
-                std::size_t poses) {
+                const clearance::Surroundings& around, std::size_t poses) {
   const JointTypes types = types_of(arm.arm.joints);
   Table table({"Joint", "held at", "swept from", "to", "Points"});
   for (std::size_t j = 0; j < types.size(); ++j) {
@@ -99,12 +116,21 @@ void print_plan(const PlanOptions& options, const ArmDescription& arm, const Swe
                    reading_in_words(types[j], sweep.last()), fmt::format("{}", sweep.points)});
   }
   say("{}: sweeps to measure\n\n{}\n{}\n", arm.name, table.render(),
-      paragraph(fmt::format("{} poses; the arm needs about {} and the sensor its own time. Look "
-                            "where they go first: the plan knows limits and box, not what stands "
-                            "around.",
-                            poses, duration_in_words(duration_s(arm.arm, plan, {})))));
-  say("Written: {}\nNext: measure at each, then armsig join, or armsig identify --arm {}\n",
-      file_in_words(options.out), options.arm);
+      paragraph(fmt::format("{} poses; the arm needs about {} and the sensor its own time.", poses,
+                            duration_in_words(duration_s(arm.arm, plan, {})))));
+  say("{}\n", paragraph(fmt::format("Every pose and the way to it keep the joint limits, and: {}. "
+                                    "Look where they go first: nothing else is known of what "
+                                    "stands around.",
+                                    surroundings_in_words(around))));
+  say("Written: {}\n\n{}", file_in_words(options.out),
+      paragraph(
+          "Measure at each, and write what you measure to measurements.csv; of a joint log and "
+          "a tracker's points armsig join makes it.",
+          0));
+  say_next(TypedCommand("identify")
+               .file_option("--arm", options.arm)
+               .option("--measurements", "measurements.csv")
+               .option("--out", "signature.yaml"));
 }
 
 Attempt<ExitStatus> run(const PlanOptions& options) {
@@ -112,14 +138,18 @@ Attempt<ExitStatus> run(const PlanOptions& options) {
     return std::unexpected(std::move(apart).error());
   }
   ARMSIG_TRY(arm, arm_with_margin(options));
-  ARMSIG_TRY(configuration, configuration_of(options, arm.arm));
-  const auto plan = sweeps_inside(arm.arm, configuration, radians(options.arc_deg), options.points,
-                                  box_of(options));
+  const clearance::Surroundings around = options.around(
+      arm.arm, arm.mounting,
+      1e-3 * Vector3(options.target_mm[0], options.target_mm[1], options.target_mm[2]).norm());
+  ARMSIG_TRY(arcs_rad, arcs_of(options, arm.arm));
+  ARMSIG_TRY(configuration, configuration_of(options, arm, around));
+  const auto plan = clear_sweeps(arm.arm, around, configuration, arcs_rad, options.points);
   if (!plan) return no_answer(plan.error());
   const std::vector<JointVector> poses = poses_of(*plan);
+  const std::vector<Stop> route = route_by_home(arm.arm, around, configuration, poses);
   const std::string title = fmt::format("{}: sweeps to measure, a joint after the other", arm.name);
   if (auto written =
-          write_poses(options.out, options.program(title), types_of(arm.arm.joints), poses);
+          write_route(options.out, options.program(title, around), types_of(arm.arm.joints), route);
       !written) {
     return std::unexpected(std::move(written).error());
   }
@@ -127,10 +157,11 @@ Attempt<ExitStatus> run(const PlanOptions& options) {
     print_json({{"status", 0},
                 {"arm", arm.name},
                 {"poses", poses.size()},
+                {"configuration", std::vector<double>(configuration.begin(), configuration.end())},
                 {"sweeps", json_of(*plan)},
                 {"out", options.out}});
   } else {
-    print_plan(options, arm, *plan, poses.size());
+    print_plan(options, arm, *plan, around, poses.size());
   }
   return kDone;
 }
@@ -148,9 +179,12 @@ void add_plan(CLI::App& app, int& status) {
   command
       ->add_option("--configuration", options->configuration,
                    "where the other joints are held, degrees or mm a joint, separated by commas "
-                   "(default: the middle of the limits)")
+                   "(default: sweep_at of the arm description, else the best found)")
       ->delimiter(',');
-  command->add_option("--arc", options->arc_deg, "of revolute joints, degrees")
+  command
+      ->add_option("--arc", options->arcs_deg,
+                   "of revolute joints at most, degrees: one, or one a joint, separated by commas")
+      ->delimiter(',')
       ->check(CLI::Range(30.0, 360.0))
       ->capture_default_str();
   command->add_option("--points", options->points, "a sweep")
@@ -161,9 +195,7 @@ void add_plan(CLI::App& app, int& status) {
                    "the target in the last frame of the drawing: x,y,z")
       ->delimiter(',')
       ->expected(3);
-  add_pose_options(
-      *command, *options,
-      "where the target may be, in the base of the drawing: x,y,z lowest, then highest");
+  add_pose_options(*command, *options);
   command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
 

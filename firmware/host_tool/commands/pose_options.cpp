@@ -3,24 +3,42 @@
 
 #include <utility>
 
+#include <fmt/core.h>
+
+#include "firmware/formats/mounting.hpp"
+
 namespace armsig::tool {
 
 Margin PoseOptions::margin() const {
   return {.angle_rad = radians(margin_deg), .length_m = 1e-3 * margin_mm};
 }
 
-Programme PoseOptions::program(std::string comment) const {
-  return {.format = format, .comment = std::move(comment), .wait_s = wait_s};
+clearance::Surroundings PoseOptions::around(const Arm& arm, const clearance::Mounting& mounting,
+                                            double hand_m) const {
+  clearance::Surroundings around = clearance::surroundings_of(arm, mounting);
+  around.hand_m = hand_m;
+  if (!box_mm.empty()) {
+    around.lower_B = 1e-3 * Vector3(box_mm[0], box_mm[1], box_mm[2]);
+    around.upper_B = 1e-3 * Vector3(box_mm[3], box_mm[4], box_mm[5]);
+  }
+  return around;
 }
 
-std::optional<PoseBox> PoseOptions::box() const {
-  if (box_mm.empty()) return std::nullopt;
-  return PoseBox{1e-3 * Vector3(box_mm[0], box_mm[1], box_mm[2]),
-                 1e-3 * Vector3(box_mm[3], box_mm[4], box_mm[5])};
+Programme PoseOptions::program(std::string comment, const clearance::Surroundings& around) const {
+  return {.format = format,
+          .comment = std::move(comment),
+          .assumed = {fmt::format("the joint limits of the arm description, less {}° and {} mm",
+                                  margin_deg, margin_mm),
+                      surroundings_in_words(around), "nothing else stands in the way"},
+          .wait_s = wait_s};
 }
 
-void add_pose_options(CLI::App& command, PoseOptions& options, const std::string& box) {
-  command.add_option("--box-mm", options.box_mm, box)->delimiter(',')->expected(6);
+void add_pose_options(CLI::App& command, PoseOptions& options) {
+  command
+      .add_option("--box-mm", options.box_mm,
+                  "where the whole arm may be, in its base frame: x,y,z lowest, then highest")
+      ->delimiter(',')
+      ->expected(6);
   command.add_option("--margin-deg", options.margin_deg, "kept from the limits of revolute joints")
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();

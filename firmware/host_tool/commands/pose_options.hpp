@@ -3,37 +3,34 @@
 // they are written.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "core/base/pose.hpp"
+#include "core/clearance/surroundings.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/exports/robot_program.hpp"
 #include "firmware/host_tool/simulation/margin.hpp"
 
 namespace armsig::tool {
 
-// Metres; in the frame that the command says.
-struct PoseBox {
-  Vector3 lower;
-  Vector3 upper;
-};
-
 struct PoseOptions : CommonOptions {
   std::string out;
   std::string format = "csv";
-  std::vector<double> box_mm;  // lowest x, y, z, then highest; or none
+  std::vector<double> box_mm;  // of the whole arm: lowest x, y, z, then highest; or none
   double margin_deg = 2;
   double margin_mm = 5;
   double wait_s = 2;
 
-  [[nodiscard]] std::optional<PoseBox> box() const;
+  // What the arm stays clear of: as it is mounted, the box, and a target `hand_m` from the last
+  // origin.
+  [[nodiscard]] clearance::Surroundings around(const Arm& arm, const clearance::Mounting& mounting,
+                                               double hand_m) const;
   [[nodiscard]] Margin margin() const;
-  [[nodiscard]] Programme program(std::string comment) const;
+  // `comment`: what the poses are.
+  [[nodiscard]] Programme program(std::string comment, const clearance::Surroundings& around) const;
 };
 
-// `box`: what the box is of, for --help. The common options are among them.
-void add_pose_options(CLI::App& command, PoseOptions& options, const std::string& box);
+// The common options are among them.
+void add_pose_options(CLI::App& command, PoseOptions& options);
 
 }  // namespace armsig::tool

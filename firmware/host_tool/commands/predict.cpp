@@ -7,18 +7,19 @@
 #include <fmt/core.h>
 
 #include "core/kinematics/s_model_chain.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/poses.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/reading/beyond_limits.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
-#include "firmware/host_tool/signature/model.hpp"
+#include "firmware/library/estimate.hpp"
+#include "firmware/library/signature_chain.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -91,10 +92,10 @@ Read<Prediction> prediction(const PredictOptions& options, const SignatureRecord
   Prediction found;
   found.of = target ? fmt::format("target {}", target->number) : "the last link's frame";
   const Signature& signature = record.signature;
-  const refinement::ReadingModel readings = record.readings();
+  const calibration::ReadingModel readings = record.readings();
   for (const JointVector& q : joints) {
     found.poses.push_back(predicted(
-        signature, refinement::true_readings(readings, signature.configuration, q), target));
+        signature, calibration::true_readings(readings, signature.configuration, q), target));
   }
   if (options.sigma) {
     ARMSIG_TRY(sigmas_m, sigmas_of(record, options.signature, *target, joints));
@@ -120,8 +121,12 @@ void print_prediction(const PredictOptions& options, const Prediction& found,
   if (options.sigma) {
     say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(found.sigmas_m));
   }
-  say("Next: armsig solve --signature {} --poses {}{} --out readings.csv\n", options.signature,
-      file_or(options.out, "poses.csv"), target ? fmt::format(" --target {}", target->number) : "");
+  if (!is_there_to_read(options.out)) return;
+  say_next(TypedCommand("solve")
+               .file_option("--signature", options.signature)
+               .file_option("--poses", options.out)
+               .option("--target", target ? std::to_string(target->number) : "")
+               .option("--out", "readings.csv"));
 }
 
 Attempt<ExitStatus> run(const PredictOptions& options) {

@@ -9,6 +9,7 @@
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/measurement_options.hpp"
 #include "firmware/host_tool/diagnosis/another_arm.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
@@ -44,10 +45,21 @@ Read<void> check_measurements(const ReportFiles& files, const ReportInput& input
   const double share = input.measured ? input.measured->missed_share() : 0;
   if (share <= kNotItsOwn) return {};
   return std::unexpected(Problem{
-      files.measurements, 0, 0,
+      files.rows.measurements, 0, 0,
       fmt::format("the signature misses half of the rows by {:.0f} % of their spread, or more",
                   100 * share),
       "the measurements that the signature was found from, in the units of their header"});
+}
+
+// A page to sign is of the measurements that the signature was found from.
+Read<void> check_nothing_to_sign(const CertificateNames& names, const ReportInput& input) {
+  if (input.certifies() || names.empty()) return {};
+  std::string words = other_measurements_in_words(input);  // a sentence, which names the file
+  words.pop_back();
+  return std::unexpected(
+      Problem{"", 0, 0, std::move(words),
+              "the measurements that it was found from; without --operator, --instrument and "
+              "--instrument-serial the page is written, and is none to sign"});
 }
 
 // Compared with the truth of another arm nothing of the report holds.
@@ -62,10 +74,30 @@ Read<void> check_truth(const ReportFiles& files, const ReportInput& input) {
                                  "--truth of the arm that the signature is of"});
 }
 
+void print_written(const ReportOptions& options, const nlohmann::ordered_json& report,
+                   bool certified, std::size_t bytes) {
+  if (options.json) {
+    print_json({{"status", 0},
+                {"reading_maps", report["reading_maps"]},
+                {"verdict", report["verdict"]},
+                {"origin", report["about"]["origin"]},
+                {"certified", certified},
+                {"sweeps", report["sweeps"].size()},
+                {"bytes", bytes},
+                {"out", options.out}});
+    return;
+  }
+  say("{}", paragraph(report["verdict"]["headline"].get<std::string>(), 0));
+  for (const auto& sentence : report["verdict"]["sentences"]) {
+    say("{}", paragraph(sentence.get<std::string>()));
+  }
+  say("\nWritten: {}\nNext: open it in a browser\n", file_in_words(options.out));
+}
+
 int run(const ReportOptions& options) {
   const auto apart = check_roles({{"--signature", options.files.signature},
-                                  {"--measurements", options.files.measurements},
-                                  {"--sensor", options.files.sensor},
+                                  {"--measurements", options.files.rows.measurements},
+                                  {"--sensor", options.files.rows.sensor},
                                   {"--truth", options.files.truth}},
                                  {{"--out", options.out}});
   if (!apart) return fail(apart.error(), kBadInput, options);
@@ -74,29 +106,19 @@ int run(const ReportOptions& options) {
   const auto good = check_names(options.names, input->record);
   if (!good) return fail(good.error(), kBadInput, options);
   for (const auto& fits :
-       {check_measurements(options.files, *input), check_truth(options.files, *input)}) {
+       {check_measurements(options.files, *input), check_truth(options.files, *input),
+        check_nothing_to_sign(options.names, *input)}) {
     if (!fits) return fail(fits.error(), kNoAnswer, options);
   }
+  const std::string other = other_measurements_in_words(*input);
+  if (!other.empty()) complain("armsig: warning: {}", other);
   input->names = options.names;
   const auto report = report_json(*input);
   const auto page = report_page(report);
   if (!page) return fail(page.error(), kNoAnswer, options);
   const auto written = write_text_file(options.out, *page);
   if (!written) return fail(written.error(), kBadInput, options);
-  if (options.json) {
-    print_json({{"status", 0},
-                {"reading_maps", report["reading_maps"]},
-                {"verdict", report["verdict"]},
-                {"sweeps", report["sweeps"].size()},
-                {"bytes", page->size()},
-                {"out", options.out}});
-    return kDone;
-  }
-  say("{}", paragraph(report["verdict"]["headline"].get<std::string>(), 0));
-  for (const auto& sentence : report["verdict"]["sentences"]) {
-    say("{}", paragraph(sentence.get<std::string>()));
-  }
-  say("\nWritten: {}\nNext: open it in a browser\n", file_in_words(options.out));
+  print_written(options, report, input->certifies(), page->size());
   return kDone;
 }
 
@@ -107,13 +129,9 @@ void add_report(CLI::App& app, int& status) {
   CLI::App* command =
       app.add_subcommand("report", "a page that shows the signature (HTML, readable offline)");
   command->add_option("--signature", options->files.signature, "signature (YAML)")->required();
-  CLI::Option* measurements =
-      command->add_option("--measurements", options->files.measurements,
-                          "what it was identified from (CSV): adds the sweeps");
-  command
-      ->add_option("--sensor", options->files.sensor,
-                   "sensor description (YAML), where the rows are ranges to receivers")
-      ->needs(measurements);
+  add_measurement_options(*command, options->files.rows,
+                          "what it was identified from (CSV): adds the sweeps; with other "
+                          "measurements the page says so, and is none to sign");
   command->add_option("--truth", options->files.truth,
                       "exact signature of the arm (YAML), where it is simulated");
   CertificateNames& names = options->names;

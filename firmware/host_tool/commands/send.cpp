@@ -8,9 +8,10 @@
 
 #include <fmt/core.h>
 
-#include "firmware/calibration/packed_deflections.hpp"
+#include "core/calibration/packed_deflections.hpp"
 #include "firmware/controller/receiving.hpp"
 #include "firmware/formats/signature_file.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/console/fetching.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 
@@ -73,10 +74,12 @@ Read<controller::SignatureRecord> controller_record(const SignatureRecord& file,
   controller::SignatureRecord record;
   record.signature = signature;
   record.air_celsius = file.air_c.value_or(0);
-  record.predicted_sigma_m = file.predicted_tool_error_m.value_or(0);
+  record.accuracy = file.accuracy;
+  const auto* const method = std::ranges::find(controller::kMethods, file.method);
+  record.method = static_cast<controller::Method>(method - controller::kMethods.begin());
   if (file.deflections != nullptr) {
     record.deflections = calibration::packed(*file.deflections);
-    if (!calibration::check(record.deflections, signature.joint_count())) {
+    if (!calibration::check(record.deflections, drawing)) {
       return refused("maps or gravity by which a reading could jump",
                      "geometry alone (identify --method encoder)");
     }
@@ -99,10 +102,11 @@ int send(ConsoleClient& console, const FetchOptions& options) {
   if (options.json) {
     print_json({{"status", 0}, {"sent", options.file}, {"joints", drawing->joints.size()}});
   } else {
-    say("Sent: {}, a candidate of {} joints; nothing is in use yet\n"
-        "Next: armsig connect {} compare --wait, which moves the arm to poses held out; then "
-        "accept\n",
-        options.file, drawing->joints.size(), options.console);
+    say("Sent: {}, a candidate of {} joints; nothing is in use yet. The comparison moves the arm "
+        "to\n"
+        "poses held out; a candidate that is nearer to them can be accepted\n",
+        options.file, drawing->joints.size());
+    say_next(TypedCommand("connect").file(options.console).word("compare").word("--wait"));
   }
   return kDone;
 }

@@ -8,12 +8,14 @@
 #include "firmware/formats/measurement_writer.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/commands/simulate_options.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/progress.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/reading/read_rows.hpp"
 #include "firmware/host_tool/refinement/tolerances_option.hpp"
 #include "firmware/host_tool/signature/record.hpp"
 #include "firmware/host_tool/simulation/simulation.hpp"
@@ -161,8 +163,11 @@ void print_simulated(const SimulateOptions& options, const std::string& arm, std
   say("{}: {} rows {}; the sweeps would take {} on the arm\n", arm, rows,
       place_in_words(options.out), duration_in_words(duration_s));
   if (!options.truth_out.empty()) say("The truth is in {}\n", options.truth_out);
-  say("Next: armsig identify --arm {} --measurements {} --out signature.yaml\n", options.arm,
-      file_or(options.out, "measurements.csv"));
+  if (!is_there_to_read(options.out)) return;
+  TypedCommand identify("identify");
+  identify.file_option("--arm", options.arm);
+  add_rows(identify, {.measurements = options.out, .columns = {}, .sensor = options.sensor});
+  say_next(identify.option("--out", "signature.yaml"));
 }
 
 Attempt<ExitStatus> run(const SimulateOptions& options) {

@@ -4,16 +4,15 @@
 
 #include <fmt/core.h>
 
-#include "core/kinematics/cold_start.hpp"
-#include "core/kinematics/forward.hpp"
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/poses.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/seeds.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
-#include "firmware/host_tool/reading/beyond_limits.hpp"
-#include "firmware/host_tool/signature/model.hpp"
+#include "firmware/library/encoder_arm.hpp"
+#include "firmware/library/signature_chain.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -40,77 +39,34 @@ const char* verdict_word(kinematics::Verdict verdict) {
   return "not converged";
 }
 
-bool is_solved(kinematics::Verdict verdict) {
-  return verdict == kinematics::Verdict::kConverged || verdict == kinematics::Verdict::kDegraded;
-}
-
-// Limits are met exactly but for rounding.
-constexpr double kAtLimit = 1e-9;
 constexpr double kRotationMissed = 1e-8;  // rad; above what rounding leaves of a pose that is met
 
-struct Answer {
-  kinematics::Verdict verdict = kinematics::Verdict::kOutOfReach;
-  JointVector readings;  // of the encoders
-  double rotation_error_rad = 0;
-};
+// The arm of the signature, of the point asked for in the sensor frame.
+EncoderArm arm_of(const SignatureRecord& record, const std::optional<Target>& target) {
+  const kinematics::Chain chain = chain_of_record(record);
+  return EncoderArm({.chain = chain,
+                     .readings = record.readings(),
+                     .configuration = record.signature.configuration,
+                     .limits = record.nominal.limits,
+                     .X_B0 = record.signature.X_SL[0],
+                     .X_nF = point_in_last_frame(record, chain, target)});
+}
 
-class Solver {
- public:
-  Solver(const SignatureRecord& record, const std::optional<Target>& target)
-      : chain_(chain_of_record(record)),
-        form_(kinematics::closed_form(chain_)),
-        X_0S_(record.signature.X_SL[0].inverse()),
-        X_nP_(point_in_last_frame(record, chain_, target)),
-        readings_(record.readings()),
-        configuration_(record.signature.configuration),
-        limits_(record.nominal.limits) {}
-
-  [[nodiscard]] Result<Answer> solve(const Pose& X_SP, const JointVector* seed) const {
-    Pose X_0n = X_0S_ * X_SP * X_nP_.inverse();
-    // The frames of a file are rotations to as many digits as were written.
-    X_0n.R = Eigen::Quaterniond(X_0n.R).normalized().toRotationMatrix();
-    const kinematics::InverseOptions at_tool{.p_nP = X_nP_.p};
-    JointVector reference;
-    Answer nearest;
-    if (seed != nullptr) {
-      reference = refinement::true_readings(readings_, configuration_, *seed);
-      ARMSIG_TRY(solution, kinematics::inverse(chain_, X_0n, reference, at_tool));
-      nearest = answer(solution);
-      if (is_solved(nearest.verdict)) return nearest;
-    }
-    // Where no way leads from the seed, the solution nearest to it.
-    ARMSIG_TRY(solutions, kinematics::cold_start(chain_, form_, X_0n, reference, at_tool));
-    for (const kinematics::NamedSolution& named : solutions) {
-      const Answer found = answer(named.solution);
-      if (is_solved(found.verdict)) return found;
-      if (nearest.readings.empty()) nearest = found;
-    }
-    return nearest;
+Result<FoundReadings> solved(const EncoderArm& arm, const Pose& X_SP, const JointVector* seed) {
+  FoundReadings nearest;
+  if (seed != nullptr) {
+    ARMSIG_TRY(near, arm.inverse(X_SP, *seed));
+    if (is_solved(near.verdict)) return near;
+    nearest = near;
   }
-
- private:
-  // The limits of coupled joints are those of their own readings.
-  [[nodiscard]] Answer answer(const kinematics::InverseSolution& solution) const {
-    Answer answer{solution.verdict,
-                  refinement::encoder_readings(readings_, configuration_, solution.q),
-                  solution.rotation_error_rad};
-    for (std::size_t i = 0; i < answer.readings.size(); ++i) {
-      const double reading = answer.readings[i];
-      const bool inside =
-          reading >= limits_[i].lower - kAtLimit && reading <= limits_[i].upper + kAtLimit;
-      if (is_solved(answer.verdict) && !inside) answer.verdict = kinematics::Verdict::kJointLimit;
-    }
-    return answer;
+  // Where no way leads from the seed, the solution nearest to it.
+  ARMSIG_TRY(all, arm.solutions(X_SP, seed != nullptr ? *seed : JointVector()));
+  for (const FoundReadings& found : all) {
+    if (is_solved(found.verdict)) return found;
+    if (nearest.readings.empty()) nearest = found;
   }
-
-  kinematics::Chain chain_;
-  kinematics::ClosedForm form_;
-  Pose X_0S_;
-  Pose X_nP_;
-  refinement::ReadingModel readings_;
-  JointVector configuration_;
-  FixedVector<JointLimits, kMaxJoints> limits_;
-};
+  return nearest;
+}
 
 // Poses can be those of a target that the last link carries.
 Read<std::optional<Target>> target_for(const SolveOptions& options, const SignatureRecord& record) {
@@ -128,17 +84,10 @@ Read<std::optional<Target>> target_for(const SolveOptions& options, const Signat
 // One for all of the `poses`, or one for each.
 Attempt<std::vector<JointVector>> seeds_for(const SolveOptions& options,
                                             const SignatureRecord& record, std::size_t poses) {
-  if (options.seed.empty()) return {};
-  ARMSIG_TRY(seeds, read_joint_poses(options.seed, record.signature.types));
-  if (seeds.size() != 1 && seeds.size() != poses) {
+  ARMSIG_TRY(seeds, read_seeds(options.seed, record));
+  if (!options.seed.empty() && seeds.size() != 1 && seeds.size() != poses) {
     return std::unexpected(Problem{options.seed, 0, 0, fmt::format("{} seeds", seeds.size()),
                                    fmt::format("one, or one for each of the {} poses", poses)});
-  }
-  const auto beyond = beyond_limits(record.nominal, seeds);
-  if (beyond && beyond->out_of_question) {
-    return no_answer({options.seed, 0, 0,
-                      fmt::format("row {}: {}", beyond->worst + 1, beyond->words),
-                      "readings in the unit that the column's name says"});
   }
   return seeds;
 }
@@ -148,13 +97,13 @@ struct Solutions {
   double rotation_error_rad = 0;  // the largest
 };
 
-Attempt<Solutions> solutions_of(const SolveOptions& options, const Solver& solver,
+Attempt<Solutions> solutions_of(const SolveOptions& options, const EncoderArm& arm,
                                 const std::vector<Pose>& poses,
                                 const std::vector<JointVector>& seeds) {
   Solutions found;
   for (std::size_t k = 0; k < poses.size(); ++k) {
     const JointVector* seed = seeds.empty() ? nullptr : &seeds[std::min(k, seeds.size() - 1)];
-    const auto solution = solver.solve(poses[k], seed);
+    const auto solution = solved(arm, poses[k], seed);
     if (!solution || !is_solved(solution->verdict)) {
       const std::string why(solution ? verdict_word(solution->verdict)
                                      : describe(solution.error()));
@@ -196,7 +145,7 @@ Attempt<ExitStatus> run(const SolveOptions& options) {
   ARMSIG_TRY(target, target_for(options, record));
   ARMSIG_TRY(poses, read_tool_poses(options.poses));
   ARMSIG_TRY(seeds, seeds_for(options, record, poses.size()));
-  ARMSIG_TRY(found, solutions_of(options, Solver(record, target), poses, seeds));
+  ARMSIG_TRY(found, solutions_of(options, arm_of(record, target), poses, seeds));
   const std::string title =
       fmt::format("{}: joint readings for the poses of {}", record.arm_name, options.poses);
   if (auto written = write_joint_poses(options.out, record.signature.types, found.readings, title);

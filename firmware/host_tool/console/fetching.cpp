@@ -46,7 +46,11 @@ bool from_hex(std::string_view digits, std::span<std::uint8_t> bytes) {
 
 // What helps against an error of the controller.
 std::string cure_of(std::string_view error) {
-  if (error.contains("NO_CANDIDATE") || error.contains("NO_SIGNATURE")) return "identify first";
+  if (error.contains("NO_CANDIDATE")) return "a candidate: identify first";
+  if (error.contains("NO_SIGNATURE")) {
+    return "a signature in use: accept the candidate first, or fetch it by --what candidate; where "
+           "there is none, identify first";
+  }
   if (error.contains("WRONG_MODE")) return "a controller without a sequence or a commit under way";
   if (error.contains("RECORD_CORRUPT")) return "a line that loses nothing: try again";
   return kExpected;

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/console/web_board.hpp"
 
+#include <sys/eventfd.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <system_error>
 
 #include <fmt/core.h>
 
@@ -29,15 +34,32 @@ std::string value_or_empty(const WebBoard::Values& values, std::string_view key)
 
 }  // namespace
 
+WebBoard::WebBoard() : news_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (!news_.valid()) throw std::system_error(errno, std::generic_category(), "eventfd");
+}
+
 void WebBoard::changed() {
   ++version_;
-  news_.notify_all();
+  const std::uint64_t one = 1;
+  (void)!::write(news_.get(), &one, sizeof one);
+}
+
+void WebBoard::take_news() const {
+  std::uint64_t count = 0;
+  (void)!::read(news_.get(), &count, sizeof count);
+}
+
+bool WebBoard::is_seen(const Seen& seen) const {
+  const std::lock_guard lock(mutex_);
+  return seen.version == version_;
 }
 
 void WebBoard::connected(const Json& arm) {
   const std::lock_guard lock(mutex_);
   arm_ = arm;
   ++arm_version_;
+  status_.clear();  // of a controller that may have started anew
+  candidate_.reset();
   linked_ = true;
   heard_ = Clock::now();
   changed();
@@ -69,12 +91,6 @@ void WebBoard::axis_sigma(const std::string& joint, const std::string& points,
   } else {
     history.back() = entry;  // the same points, and a later fit to them
   }
-  changed();
-}
-
-void WebBoard::signature(const Values& values) {
-  const std::lock_guard lock(mutex_);
-  signature_ = values;
   changed();
 }
 
@@ -128,21 +144,9 @@ void WebBoard::touch() {
   changed();
 }
 
-void WebBoard::close() {
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
-  changed();
-}
-
 std::string WebBoard::black_box() const {
   const std::lock_guard lock(mutex_);
   return value_or_empty(status_, "black_box");
-}
-
-bool WebBoard::wait(const Seen& seen, milliseconds longest) {
-  std::unique_lock lock(mutex_);
-  news_.wait_for(lock, longest, [&] { return closed_ || version_ != seen.version; });
-  return !closed_;
 }
 
 std::string WebBoard::events(Seen& seen, const Json& own) const {
@@ -167,7 +171,6 @@ std::string WebBoard::events(Seen& seen, const Json& own) const {
     state["age_ms"] = std::chrono::duration_cast<milliseconds>(Clock::now() - *heard_).count();
   }
   state["status"] = json_of(status_);
-  state["signature"] = json_of(signature_);
   state["candidate"] = candidate_ ? json_of(*candidate_) : Json(nullptr);
   state["sigmas"] = sigmas_;
   state.update(own);

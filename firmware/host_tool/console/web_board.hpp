@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What a live page shows, as far as it is known: written by the one thread that talks to the
-// controller, read by one thread a viewer, each at its own pace.
+// controller, read by the one that serves the viewers, each of them at its own pace.
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -15,6 +14,8 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "hal/linux/file_descriptor.hpp"
 
 namespace armsig::tool {
 
@@ -36,6 +37,9 @@ class WebBoard {
     std::size_t points = 0;
   };
 
+  // Throws std::system_error where the system has no descriptor left.
+  WebBoard();
+
   // --- Written ----------------------------------------------------------------------------------
 
   // The console is open, and its drawing was told.
@@ -43,7 +47,6 @@ class WebBoard {
   // The console is not there, for a reason in words.
   void gone(std::string why);
   void status(const Values& values);
-  void signature(const Values& values);
   void candidate(const std::optional<Values>& values);
   void say(std::string line);
   // How well the axis of `joint`, from 1, is known by the run's first `points`.
@@ -59,15 +62,16 @@ class WebBoard {
   void busy(std::string_view verb);
   // Something that viewers see has changed elsewhere.
   void touch();
-  // Waiting viewers come back at once, now and from now on.
-  void close();
 
   // --- Read -------------------------------------------------------------------------------------
 
   // The file of the black box, as the controller named it; empty: none.
   [[nodiscard]] std::string black_box() const;
-  // Waits until there is something new since `seen`, at most `longest`; false once it is closed.
-  [[nodiscard]] bool wait(const Seen& seen, milliseconds longest);
+  // A descriptor that can be read when something has changed since take_news().
+  [[nodiscard]] int news() const { return news_.get(); }
+  void take_news() const;
+  // Whether there is nothing new since `seen`.
+  [[nodiscard]] bool is_seen(const Seen& seen) const;
   // What is new since `seen`, as server-sent events; the state in any case, with the members of
   // `own`, which are this viewer's.
   [[nodiscard]] std::string events(Seen& seen, const Json& own) const;
@@ -78,9 +82,8 @@ class WebBoard {
   void changed();  // the mutex is held
 
   mutable std::mutex mutex_;
-  std::condition_variable news_;
+  linux_hal::FileDescriptor news_;
   std::uint64_t version_ = 1;
-  bool closed_ = false;
 
   bool linked_ = false;
   std::string why_ = "not connected yet";
@@ -88,7 +91,6 @@ class WebBoard {
   std::uint64_t arm_version_ = 0;
   Json arm_;
   Values status_;
-  Values signature_;
   std::optional<Values> candidate_;
   std::string busy_;
   Json answer_;

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Writes OUT, the files of the live page as C++: cmake -D FOLDER= -D MESSAGES= -D OUT= -P web_files.cmake
 function(literal file result)
   file(READ ${file} text)

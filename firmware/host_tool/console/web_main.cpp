@@ -23,7 +23,7 @@ int run(std::span<char* const> words) {
     return error == std::errc{} && end == text.data() + text.size();
   };
   if (words.size() != kWebWords || !number(words[kPortWord])) {
-    std::fputs("armsig-web is started by `armsig connect CONSOLE --web`\n", stderr);
+    std::fputs("armsig-web is started by the option --web of `armsig connect`\n", stderr);
     return kBadInput;
   }
   options.console = words[kConsoleWord];

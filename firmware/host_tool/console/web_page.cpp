@@ -2,6 +2,7 @@
 #include "firmware/host_tool/console/web_page.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,9 +41,22 @@ Read<std::string> token_of(const std::string& file) {
     if (written == static_cast<ssize_t>(token.size())) return token;
     return std::unexpected(refused(file, std::strerror(errno)));
   }
-  const linux_hal::FileDescriptor kept(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  // What others may have written or read is no key; a device or a pipe would wait.
+  const linux_hal::FileDescriptor kept(
+      ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct stat status{};
+  if (!kept.valid() || ::fstat(kept.get(), &status) != 0) {
+    return std::unexpected(refused(file, std::strerror(errno)));
+  }
+  if (!S_ISREG(status.st_mode)) return std::unexpected(refused(file, "no file"));
+  if (status.st_uid != ::geteuid()) {
+    return std::unexpected(refused(file, "it belongs to another user"));
+  }
+  if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
+    return std::unexpected(refused(file, "others may read or write it: remove it for a new key"));
+  }
   std::array<char, 64> text{};
-  const ssize_t size = kept.valid() ? ::read(kept.get(), text.data(), text.size()) : -1;
+  const ssize_t size = ::read(kept.get(), text.data(), text.size());
   if (size < 0) return std::unexpected(refused(file, std::strerror(errno)));
   const std::string_view token(text.data(), static_cast<std::size_t>(size));
   if (!is_token(token)) return std::unexpected(refused(file, "no token"));
@@ -63,8 +77,7 @@ Problem serve_web_page(const WebPageOptions& options) {
   }
   say("{}\nThe address is a key: who has it can move the arm. Ctrl-C ends.\n", server.address());
   (void)std::fflush(stdout);
-  (void)server.serve();
-  board.close();
+  server.serve();
   return {"--web", 0, 0, "the server has ended", "a computer with a loopback"};
 }
 

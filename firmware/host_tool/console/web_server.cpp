@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/console/web_server.hpp"
 
-#include <httplib.h>
-#include <sys/stat.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <deque>
+#include <array>
+#include <cerrno>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <random>
-#include <thread>
-#include <vector>
+#include <utility>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "firmware/host_tool/console/web_advice.hpp"
 #include "firmware/host_tool/console/web_files.hpp"
@@ -24,62 +23,17 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A stream takes a worker as long as it lasts; the others serve what is asked once.
-constexpr std::size_t kWorkers = WebViewers::kMost + 6;
-constexpr std::size_t kMostWaiting = 16;      // connections that no worker has taken up
-constexpr milliseconds kLongestSilence{500};  // of a stream: by then its viewer hears of us
-constexpr int kMostUnread = 32768;            // bytes
-constexpr std::size_t kLongestBody = 512;
+constexpr milliseconds kLongestRequest{2000};  // from its first byte, or of nothing at all
+constexpr milliseconds kLongestStall{2000};    // of a reader: slower, and it is dropped
+constexpr milliseconds kLongestSilence{500};   // of a stream
+constexpr milliseconds kLongestFarewell{500};  // of a connection that we have ended
+constexpr int kWaiting = 128;                  // connections that the kernel keeps for us
+constexpr int kAcceptedAtOnce = 64;
+constexpr int kMostUnread = 32768;                              // bytes in the kernel
+constexpr std::size_t kMostDiscarded = std::size_t{64} << 10U;  // after the reply
 constexpr std::size_t kLongestViewer = 64;
+constexpr std::size_t kPieceOfFile = std::size_t{64} << 10U;
 constexpr std::uintmax_t kLargestBlackBox = std::uintmax_t{64} << 20U;
-constexpr int kForbidden = 403;
-
-// A fixed number of threads, and a queue that makes accept() wait when it is full: further
-// connections are the kernel's, which refuses what is too much for it.
-class Workers final : public httplib::TaskQueue {
- public:
-  Workers() {
-    for (std::size_t i = 0; i < kWorkers; ++i) threads_.emplace_back([this] { work(); });
-  }
-
-  void enqueue(std::function<void()> task) override {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return tasks_.size() < kMostWaiting || ending_; });
-    tasks_.push_back(std::move(task));
-    changed_.notify_all();
-  }
-
-  void shutdown() override {
-    {
-      const std::lock_guard lock(mutex_);
-      ending_ = true;
-    }
-    changed_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
-  }
-
- private:
-  void work() {
-    for (;;) {
-      std::function<void()> task;
-      {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return !tasks_.empty() || ending_; });
-        if (tasks_.empty()) return;
-        task = std::move(tasks_.front());
-        tasks_.pop_front();
-        changed_.notify_all();
-      }
-      task();
-    }
-  }
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<std::function<void()>> tasks_;
-  std::vector<std::thread> threads_;
-  bool ending_ = false;
-};
 
 // In a time that does not tell how much of it is right.
 bool is_same(std::string_view one, std::string_view other) {
@@ -96,9 +50,8 @@ bool is_viewer(std::string_view name) {
   return !name.empty() && name.size() <= kLongestViewer && std::ranges::all_of(name, is_letter);
 }
 
-void refuse(httplib::Response& response, int status, const std::string& words) {
-  response.status = status;
-  response.set_content(words + "\n", "text/plain; charset=utf-8");
+HttpReply refused(int status, std::string_view words) {
+  return {.status = status, .body = fmt::format("{}\n", words), .fields = {}};
 }
 
 // What the controller says is its file must look like one of its black box.
@@ -110,137 +63,273 @@ bool is_black_box(const std::filesystem::path& path) {
          std::filesystem::file_size(path, error) <= kLargestBlackBox;
 }
 
-void send_black_box(const std::string& file, httplib::Response& response) {
-  if (file.empty()) return refuse(response, 404, "no fault has left a black box yet");
-  const std::filesystem::path path(file);
-  std::ifstream in(path, std::ios::binary);
-  if (!is_black_box(path) || !in) {
-    return refuse(response, 404, "the black box is a file of the controller's computer: " + file);
-  }
-  response.set_header("Content-Disposition",
-                      fmt::format("attachment; filename=\"{}\"", path.filename().string()));
-  response.set_content(std::string(std::istreambuf_iterator<char>(in), {}), "text/csv");
-}
-
-void harden(httplib::Server& server) {
-  server.new_task_queue = [] { return new Workers; };
-  server.set_read_timeout(2);
-  server.set_write_timeout(2);  // a reader that is slower than that is dropped
-  server.set_keep_alive_timeout(2);
-  server.set_keep_alive_max_count(32);
-  server.set_payload_max_length(kLongestBody);
-  server.set_tcp_nodelay(true);
-  server.set_default_headers(
-      {{"Content-Security-Policy",
-        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-        "img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
-       {"X-Content-Type-Options", "nosniff"},
-       {"Referrer-Policy", "no-referrer"},
-       {"Cross-Origin-Resource-Policy", "same-origin"},
-       {"Cross-Origin-Opener-Policy", "same-origin"},
-       {"Cache-Control", "no-store"}});
-}
-
 }  // namespace
 
-struct WebServer::Http {
-  httplib::Server server;
-  std::string advice = web_advice().dump();
-};
-
 WebServer::WebServer(std::string token, WebBoard& board, WebWatch& watch)
-    : token_(std::move(token)), board_(board), watch_(watch), http_(std::make_unique<Http>()) {
-  harden(http_->server);
-  http_->server.set_pre_routing_handler([this](const auto& request, auto& response) {
-    return admits(request, response) ? httplib::Server::HandlerResponse::Unhandled
-                                     : httplib::Server::HandlerResponse::Handled;
-  });
-  http_->server.Get(".*", [this](const auto& request, auto& response) { get(request, response); });
-  http_->server.Post(".*",
-                     [this](const auto& request, auto& response) { post(request, response); });
-}
-
-WebServer::~WebServer() { http_->server.stop(); }
+    : token_(std::move(token)), advice_(web_advice().dump()), board_(board), watch_(watch) {}
 
 std::optional<int> WebServer::bind(int port) {
-  constexpr const char* kLoopback = "127.0.0.1";
-  httplib::Server& server = http_->server;
-  // Not the library's SO_REUSEPORT, with which a second server would share the port in silence.
-  server.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    // What a reader has not taken of a few seconds; more, and it is dropped.
-    ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kMostUnread, sizeof kMostUnread);
-  });
-  if (port == 0) {
-    port_ = server.bind_to_any_port(kLoopback);
-  } else {
-    port_ = server.bind_to_port(kLoopback, port) ? port : -1;
+  linux_hal::FileDescriptor socket(
+      ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  // Not SO_REUSEPORT, with which a second server would share the port in silence.
+  const int yes = 1;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_SNDBUF, &kMostUnread, sizeof kMostUnread);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): what the system asks for
+  auto* const generic = reinterpret_cast<sockaddr*>(&address);
+  if (!socket.valid() || ::bind(socket.get(), generic, size) != 0 ||
+      ::listen(socket.get(), kWaiting) != 0 || ::getsockname(socket.get(), generic, &size) != 0) {
+    return std::nullopt;
   }
-  if (port_ <= 0) return std::nullopt;
+  listener_ = std::move(socket);
+  port_ = ntohs(address.sin_port);
   return port_;
 }
-
-bool WebServer::serve() { return http_->server.listen_after_bind(); }
 
 std::string WebServer::address() const {
   return fmt::format("http://127.0.0.1:{}/{}/", port_, token_);
 }
 
-// A page elsewhere can make a browser ask us, by a name that it lets mean 127.0.0.1: but then the
-// Host is that name, and the Origin that page.
-bool WebServer::admits(const httplib::Request& request, httplib::Response& response) const {
-  const std::string host = request.get_header_value("Host");
-  const bool ours =
-      host == fmt::format("127.0.0.1:{}", port_) || host == fmt::format("localhost:{}", port_);
-  const std::string origin = request.get_header_value("Origin");
-  const std::string_view path = request.path;
-  const std::size_t end = path.find('/', 1);
-  if (!ours || (!origin.empty() && origin != "http://" + host) || end == std::string_view::npos ||
-      !is_same(path.substr(1, end - 1), token_)) {
-    refuse(response, kForbidden, "the address that `armsig connect --web` printed is needed whole");
-    return false;
+void WebServer::serve() {
+  std::vector<pollfd> ready;
+  for (;;) {
+    ready.assign({{listener_.get(), POLLIN, 0}, {board_.news(), POLLIN, 0}});
+    auto until = Clock::now() + kLongestSilence;
+    for (const Connection& one : connections_) {
+      const bool sends = !one.out.empty() || one.file != nullptr;
+      const int events = sends ? POLLOUT : POLLIN;
+      ready.push_back({one.socket.get(), static_cast<short>(events), 0});
+      until = std::min(until, one.stream && !sends ? one.stream->due : one.until);
+    }
+    const auto left = std::chrono::ceil<milliseconds>(until - Clock::now());
+    const int count = ::poll(ready.data(), ready.size(),
+                             static_cast<int>(std::clamp<milliseconds::rep>(left.count(), 0, 500)));
+    if (count < 0 && errno != EINTR) return;
+    board_.take_news();
+    for (std::size_t i = 0; i < connections_.size(); ++i) {
+      Connection& one = connections_[i];
+      const auto happened = count > 0 ? ready[i + 2].revents : 0;
+      bool good = (happened & (POLLERR | POLLNVAL)) == 0;
+      if (good && (happened & (POLLIN | POLLHUP)) != 0) good = receive(one);
+      if (good) tell_news(one);
+      if (good) good = send(one) && take_requests(one) && send(one);
+      if (!good || (one.until < Clock::now() && !(one.stream && one.out.empty()))) drop(one);
+    }
+    std::erase_if(connections_, [](const Connection& one) { return !one.socket.valid(); });
+    if (count > 0 && ready[0].revents != 0) accept_all();
   }
-  if (request.method != "GET" && request.method != "POST") {
-    refuse(response, 405, "only GET and POST");
-    return false;
+}
+
+void WebServer::drop(Connection& connection) {
+  if (connection.stream) {
+    viewers_.end(connection.stream->place);
+    board_.touch();
+  }
+  connection = {};
+}
+
+void WebServer::accept_all() {
+  for (int i = 0; i < kAcceptedAtOnce; ++i) {
+    linux_hal::FileDescriptor socket(
+        ::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (!socket.valid() && (errno == EMFILE || errno == ENFILE) && !connections_.empty()) {
+      make_room();
+      continue;
+    }
+    if (!socket.valid()) return;
+    const int yes = 1;
+    ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    if (connections_.size() >= kMostConnections) make_room();
+    Connection& added = connections_.emplace_back();
+    added.socket = std::move(socket);
+    added.until = Clock::now() + kLongestRequest;
+    // What has been sent by now is answered before its place may be somebody else's.
+    if (!(receive(added) && take_requests(added) && send(added))) {
+      drop(added);
+      connections_.pop_back();
+    }
+  }
+}
+
+// Of those who have not shown the key, or have their reply, the first; else of those who do not
+// look on.
+void WebServer::make_room() {
+  auto victim = std::ranges::find_if(connections_,
+                                     [](const auto& one) { return !one.knows_key || one.lingers; });
+  if (victim == connections_.end()) {
+    victim = std::ranges::find_if(connections_, [](const auto& one) { return !one.stream; });
+  }
+  if (victim == connections_.end()) return;
+  drop(*victim);
+  connections_.erase(victim);
+}
+
+bool WebServer::receive(Connection& connection) {
+  std::array<char, 4096> bytes{};
+  constexpr std::size_t kMost = kLongestHead + kLongestBody;
+  while (connection.in.size() < kMost) {
+    const ssize_t count = ::recv(connection.socket.get(), bytes.data(), bytes.size(), 0);
+    if (count < 0) return errno == EAGAIN || errno == EINTR;
+    if (count == 0) return false;
+    if (connection.stream) return true;  // nothing is expected of a viewer
+    if (connection.lingers) {
+      connection.discarded += static_cast<std::size_t>(count);
+      return connection.discarded <= kMostDiscarded;
+    }
+    if (connection.in.empty()) connection.until = Clock::now() + kLongestRequest;
+    connection.in.append(bytes.data(), static_cast<std::size_t>(count));
   }
   return true;
 }
 
-void WebServer::get(const httplib::Request& request, httplib::Response& response) {
-  const std::string_view name = std::string_view(request.path).substr(token_.size() + 2);
-  if (name == "events") return stream(request, response);
-  if (name == "black-box.csv") return send_black_box(board_.black_box(), response);
-  if (name == "advice.json") return response.set_content(http_->advice, "application/json");
+// One after the other: the next when the reply to the one before is on its way.
+bool WebServer::take_requests(Connection& connection) {
+  while (connection.out.empty() && !connection.file && !connection.stream && !connection.closes) {
+    const auto request = http_request(connection.in);
+    if (!request) return true;
+    connection.closes = request->refused != 0 || !request->keeps_alive;
+    // The key is judged before the body is waited for.
+    const bool admitted = request->refused == 0 && admits(*request);
+    if (request->refused != 0) {
+      connection.out = http_text(refused(request->refused, "not a request of the page"), true);
+    } else if (!admitted) {
+      connection.closes = true;
+      connection.out = http_text(
+          refused(403, "the address that `armsig connect` printed for --web is needed whole"),
+          true);
+    } else {
+      connection.knows_key = true;
+      const std::size_t whole = request->head_bytes + request->body_bytes;
+      if (connection.in.size() < whole) {
+        connection.closes = false;
+        return true;
+      }
+      answer(connection, *request,
+             std::string_view(connection.in).substr(request->head_bytes, request->body_bytes));
+      connection.in.erase(0, whole);
+    }
+    connection.until = Clock::now() + kLongestStall;
+    if (!send(connection)) return false;
+  }
+  return true;
+}
+
+bool WebServer::send(Connection& connection) const {
+  for (;;) {
+    if (connection.out.empty() && connection.file) {
+      connection.out.resize(kPieceOfFile);
+      connection.file->read(connection.out.data(), kPieceOfFile);
+      connection.out.resize(static_cast<std::size_t>(connection.file->gcount()));
+      if (!*connection.file) connection.file.reset();
+    }
+    if (connection.out.empty()) {
+      // What the other end still sends must not take the reply away from it.
+      if (connection.closes && !std::exchange(connection.lingers, true)) {
+        ::shutdown(connection.socket.get(), SHUT_WR);
+        connection.until = Clock::now() + kLongestFarewell;
+      }
+      return true;
+    }
+    const ssize_t count =
+        ::send(connection.socket.get(), connection.out.data(), connection.out.size(), MSG_NOSIGNAL);
+    if (count < 0) return errno == EAGAIN || errno == EINTR;
+    connection.until = Clock::now() + kLongestStall;
+    connection.out.erase(0, static_cast<std::size_t>(count));
+    if (connection.file) return true;  // one piece a pass
+  }
+}
+
+// What a slow viewer has not taken is not piled up: it is told the rest in one when it has.
+void WebServer::tell_news(Connection& connection) {
+  if (!connection.stream || !connection.out.empty()) return;
+  Stream& stream = *connection.stream;
+  if (Clock::now() < stream.due && board_.is_seen(stream.seen)) return;
+  connection.out = board_.events(stream.seen, viewers_.told(stream.viewer));
+  connection.until = Clock::now() + kLongestStall;
+  stream.due = Clock::now() + kLongestSilence;
+}
+
+// A page elsewhere can make a browser ask us, by a name that it lets mean 127.0.0.1: but then the
+// Host is that name, and the Origin that page.
+bool WebServer::admits(const HttpRequest& request) const {
+  const bool ours = request.host == fmt::format("127.0.0.1:{}", port_) ||
+                    request.host == fmt::format("localhost:{}", port_);
+  const bool same_origin =
+      request.origin.empty() || request.origin == fmt::format("http://{}", request.host);
+  const std::size_t end = request.path.find('/', 1);
+  return ours && same_origin && end != std::string_view::npos &&
+         is_same(request.path.substr(1, end - 1), token_);
+}
+
+void WebServer::answer(Connection& connection, const HttpRequest& request, std::string_view body) {
+  if (request.method == "GET") return get(connection, request);
+  const HttpReply reply =
+      request.method == "POST" ? post(request, body) : refused(405, "only GET and POST");
+  connection.out = http_text(reply, connection.closes);
+}
+
+void WebServer::get(Connection& connection, const HttpRequest& request) {
+  const std::string_view name = request.path.substr(token_.size() + 2);
+  if (name == "events") return begin_stream(connection, request);
+  if (name == "black-box.csv") return send_black_box(connection);
+  HttpReply reply = refused(404, "there is no such thing");
   const std::string_view wanted = name.empty() ? "page.html" : name;
   const auto* const file = std::ranges::find(kWebFiles, wanted, &WebFile::name);
-  if (file == kWebFiles.end()) return refuse(response, 404, "there is no such thing");
-  response.set_content(file->content.data(), file->content.size(), std::string(file->type));
+  if (name == "advice.json") {
+    reply = {.type = "application/json", .body = advice_, .fields = {}};
+  } else if (file != kWebFiles.end()) {
+    reply = {.type = file->type, .body = std::string(file->content), .fields = {}};
+  }
+  connection.out = http_text(reply, connection.closes);
 }
 
-void WebServer::stream(const httplib::Request& request, httplib::Response& response) {
-  const std::string viewer = request.get_param_value("viewer");
-  if (!is_viewer(viewer)) return refuse(response, 400, "viewer=: letters and digits");
-  const auto place = viewers_.begin(viewer);
-  if (!place) return refuse(response, 503, "too many look already");
+void WebServer::begin_stream(Connection& connection, const HttpRequest& request) {
+  const std::string viewer(query_value(request.query, "viewer"));
+  const auto place = is_viewer(viewer) ? viewers_.begin(viewer) : std::nullopt;
+  if (!place) {
+    const HttpReply reply = is_viewer(viewer) ? refused(503, "too many look already")
+                                              : refused(400, "viewer=: letters and digits");
+    connection.out = http_text(reply, connection.closes);
+    return;
+  }
   board_.touch();
-  auto seen = std::make_shared<WebBoard::Seen>();
-  response.set_chunked_content_provider(
-      "text/event-stream",
-      [this, viewer, seen](std::size_t /*offset*/, httplib::DataSink& sink) {
-        if (!board_.wait(*seen, kLongestSilence)) return false;
-        const std::string events = board_.events(*seen, viewers_.told(viewer));
-        return sink.write(events.data(), events.size());
-      },
-      [this, place](bool /*success*/) {
-        viewers_.end(*place);
-        board_.touch();
-      });
+  connection.closes = false;
+  connection.stream =
+      Stream{.place = *place, .viewer = viewer, .seen = {}, .due = Clock::now() + kLongestSilence};
+  connection.out = http_head({.type = "text/event-stream", .body = {}, .fields = {}}, {}, true) +
+                   board_.events(connection.stream->seen, viewers_.told(viewer));
 }
 
-void WebServer::post(const httplib::Request& request, httplib::Response& response) {
-  const auto json = nlohmann::json::parse(request.body, nullptr, false);
+void WebServer::send_black_box(Connection& connection) {
+  const std::filesystem::path path(board_.black_box());
+  auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (path.empty() || !is_black_box(path) || !*file || error) {
+    const std::string why =
+        path.empty() ? "no fault has left a black box yet"
+                     : "the black box is a file of the controller's computer: " + path.string();
+    connection.out = http_text(refused(404, why), connection.closes);
+    return;
+  }
+  // By its end: whatever has become of the file meanwhile, the next reply does not begin in it.
+  connection.closes = true;
+  connection.out =
+      http_head({.type = "text/csv",
+                 .body = {},
+                 .fields = fmt::format("Content-Disposition: attachment; filename=\"{}\"\r\n",
+                                       path.filename().string())},
+                size, true);
+  connection.file = std::move(file);
+}
+
+HttpReply WebServer::post(const HttpRequest& request, std::string_view body) {
+  const auto json = nlohmann::json::parse(body, nullptr, false);
   const auto text = [&](const char* key) {
     const bool there = json.is_object() && json.contains(key) && json[key].is_string();
     return there ? json[key].get<std::string>() : std::string();
@@ -249,22 +338,21 @@ void WebServer::post(const httplib::Request& request, httplib::Response& respons
   const std::string verb = text("verb");
   const bool known = verb == "take-over" || WebWatch::knows(verb);
   const bool sent_by_page = request.path == fmt::format("/{}/request", token_) &&
-                            request.get_header_value("Content-Type") == "application/json";
+                            request.content_type == "application/json";
   if (!sent_by_page || !is_viewer(viewer) || !known) {
-    return refuse(response, 400, "not a request of the page");
+    return refused(400, "not a request of the page");
   }
   if (verb == "take-over") {
     viewers_.take_over(viewer);
     board_.touch();
   } else if (verb != "stop" && !viewers_.holds(viewer)) {
     const bool free = viewers_.told(viewer)["free"];
-    return refuse(response, kForbidden,
-                  free ? "nobody holds the controls; take them over first"
-                       : "another viewer holds the controls");
+    return refused(403, free ? "nobody holds the controls; take them over first"
+                             : "another viewer holds the controls");
   } else if (!watch_.request(verb)) {
-    return refuse(response, 409, "another request is under way");
+    return refused(409, "another request is under way");
   }
-  response.status = 202;
+  return {.status = 202, .body = {}, .fields = {}};
 }
 
 std::string random_token() {

@@ -6,7 +6,6 @@
 namespace armsig::tool {
 
 std::optional<std::size_t> WebViewers::begin(const std::string& viewer) {
-  const std::lock_guard lock(mutex_);
   auto* const place = std::ranges::find(looking_, std::string());
   if (place == looking_.end()) return std::nullopt;
   if (holder_.empty()) holder_ = viewer;
@@ -14,13 +13,7 @@ std::optional<std::size_t> WebViewers::begin(const std::string& viewer) {
   return static_cast<std::size_t>(place - looking_.begin());
 }
 
-void WebViewers::end(std::size_t place) {
-  const std::lock_guard lock(mutex_);
-  looking_[place].clear();
-}
-
 void WebViewers::take_over(const std::string& viewer) {
-  const std::lock_guard lock(mutex_);
   if (looks(viewer)) holder_ = viewer;
 }
 
@@ -29,12 +22,10 @@ bool WebViewers::looks(const std::string& viewer) const {
 }
 
 bool WebViewers::holds(const std::string& viewer) const {
-  const std::lock_guard lock(mutex_);
   return holder_ == viewer && looks(viewer);
 }
 
 WebBoard::Json WebViewers::told(const std::string& viewer) const {
-  const std::lock_guard lock(mutex_);
   const auto count = std::ranges::count_if(looking_, [](const auto& one) { return !one.empty(); });
   return {{"holds", holder_ == viewer}, {"free", !looks(holder_)}, {"viewers", count}};
 }

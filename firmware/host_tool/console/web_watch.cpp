@@ -123,7 +123,7 @@ void WebWatch::run(const std::stop_token& ending) {
 
 void WebWatch::converse(ConsoleClient& console, const std::stop_token& ending) {
   lost_ = false;
-  models_due_ = true;
+  candidate_due_ = true;
   was_running_ = false;
   rounds_ = 0;
   Fetcher fetcher(console, path_, kAnswer);
@@ -149,14 +149,15 @@ bool WebWatch::look(ConsoleClient& console) {
   if (running && !was_running_) board_.begin_run();
   const bool ended = was_running_ && !running;
   was_running_ = running;
-  models_due_ = models_due_ || ended;
+  candidate_due_ = candidate_due_ || ended;
   board_.status(values);
   tell_axis(values, "sweep");
   constexpr unsigned kSeldom = 8;
   if (running || ended || rounds_++ % kSeldom == 0) {
+    candidate_due_ = candidate_due_ || !running;  // others accept or measure, too
     if (!look_at_log(console)) return false;
   }
-  return !models_due_ || look_at_models(console);
+  return !candidate_due_ || look_at_candidate(console);
 }
 
 bool WebWatch::look_at_log(ConsoleClient& console) {
@@ -177,13 +178,10 @@ bool WebWatch::look_at_log(ConsoleClient& console) {
   return true;
 }
 
-bool WebWatch::look_at_models(ConsoleClient& console) {
-  const auto signature = ask(console, "signature", kAnswer);
-  if (!signature) return !lost_ && !console.gone();
+bool WebWatch::look_at_candidate(ConsoleClient& console) {
   const auto candidate = ask(console, "candidate", kAnswer);
   if (!candidate) return !lost_ && !console.gone();
-  models_due_ = false;
-  board_.signature(values_of(*signature));
+  candidate_due_ = false;
   board_.candidate(is_error(*candidate) ? std::nullopt : std::optional(values_of(*candidate)));
   return true;
 }
@@ -209,7 +207,7 @@ bool WebWatch::pass_on(ConsoleClient& console) {
   }
   board_.busy("");
   tell(verb, reply);
-  models_due_ = true;
+  candidate_due_ = true;
   return !lost_ && !console.gone();
 }
 
@@ -234,7 +232,7 @@ void WebWatch::said(std::string line) {
   if (line.starts_with("# identify swept")) tell_axis(values_of(line), "joint");
   if (line.starts_with("# candidate") || line.starts_with("# signature") ||
       line.starts_with("# mode") || line.starts_with("# identify")) {
-    models_due_ = true;
+    candidate_due_ = true;
   }
   board_.say(std::move(line));
 }

@@ -34,7 +34,7 @@ class WebWatch {
   void converse(ConsoleClient& console, const std::stop_token& ending);
   [[nodiscard]] bool look(ConsoleClient& console);
   [[nodiscard]] bool look_at_log(ConsoleClient& console);
-  [[nodiscard]] bool look_at_models(ConsoleClient& console);
+  [[nodiscard]] bool look_at_candidate(ConsoleClient& console);
   [[nodiscard]] bool pass_on(ConsoleClient& console);
   void hear(ConsoleClient& console, const std::stop_token& ending);
   void said(std::string line);
@@ -54,8 +54,8 @@ class WebWatch {
   std::string wanted_;  // by a viewer; empty: nothing
   bool stop_wanted_ = false;
 
-  bool lost_ = false;       // no reply came in time: which reply is whose is no longer known
-  bool models_due_ = true;  // signature and candidate may have changed
+  bool lost_ = false;          // no reply came in time: which reply is whose is no longer known
+  bool candidate_due_ = true;  // it may have changed
   bool was_running_ = false;
   unsigned rounds_ = 0;
 

@@ -24,14 +24,14 @@ Evidence evidence_of(const SignatureRecord& record, const Arm& drawing) {
   // Off the last axis, so that its zero and its tilt are seen too.
   const Vector3 tool(0.12, 0.05, 0.1);
   const Signature& signature = record.signature;
-  const refinement::ReadingModel readings = record.readings();
+  const calibration::ReadingModel readings = record.readings();
   Evidence evidence{.arm = drawing, .rows = {}};
   for (int n = 1; n <= kPoses; ++n) {
     EvidenceRow row;
     row.line = static_cast<std::size_t>(n);
     row.target = 1;
     row.q = work_configuration(signature.types, drawing.limits, n);
-    const JointVector turned = refinement::true_readings(readings, signature.configuration, row.q);
+    const JointVector turned = calibration::true_readings(readings, signature.configuration, row.q);
     row.p_S = kinematics::link_pose(signature, turned, signature.joint_count()) * tool;
     evidence.rows.push_back(row);
   }

@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 
 #include "core/numerics/rotations.hpp"
-#include "core/refinement/cube_rotations.hpp"
+#include "firmware/analysis/starts/cube_rotations.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -176,7 +176,7 @@ std::vector<BasePlace> find_base(std::span<const PlacedRow> rows, std::size_t ta
   if (rows.empty()) return places;
   std::vector<double> weights(rows.size(), 1.0);
   std::vector<Matrix3> starts;
-  refinement::for_each_cube_rotation([&](const Matrix3& R) { starts.push_back(R); });
+  calibration::for_each_cube_rotation([&](const Matrix3& R) { starts.push_back(R); });
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     const Normal normal = normal_of(rows, targets, weights);
     const Reduced reduced = reduced_of(normal);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/low_discrepancy.hpp"
+#include "firmware/host_tool/diagnosis/slide_leads.hpp"
 #include "firmware/host_tool/diagnosis/unchanging_arm.hpp"
 
 namespace armsig::tool {
@@ -76,7 +77,17 @@ class ScoreTest {
  public:
   ScoreTest(const Evidence& evidence, const DeviatingChain& chain,
             const std::vector<Vector3>& residuals_S)
-      : evidence_(evidence), residuals_(residuals_S), arm_(evidence, chain, residuals_S) {}
+      : evidence_(evidence),
+        chain_(chain),
+        residuals_(residuals_S),
+        leads_(evidence),
+        arm_(evidence, chain, residuals_S) {}
+
+  // Whether an unchanging arm misses no more than what rounding leaves, of which nothing can be
+  // said.
+  [[nodiscard]] bool is_computed() const {
+    return !(arm_.squares() > kComputed_m * kComputed_m * arm_.weight());
+  }
 
   void consider(const std::vector<Candidate>& candidates, const Sums& sums, bool slow,
                 std::size_t from) {
@@ -103,24 +114,32 @@ class ScoreTest {
     }
   }
 
-  // A strain is no unknown of the arm: rows know it by where they are.
+  // A strain is no unknown of the arm: rows know it by where they are. What leads of slides can do
+  // as well is not the sensor's.
   [[nodiscard]] Change strain() const {
     Vector3 middle = Vector3::Zero();
     for (const EvidenceRow& row : evidence_.rows) middle += row.p_S;
     middle /= static_cast<double>(evidence_.rows.size());
-    Eigen::MatrixXd across = Eigen::MatrixXd::Zero(arm_.size(), kStrains);
-    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(kStrains, kStrains);
-    Eigen::VectorXd score = Eigen::VectorXd::Zero(kStrains);
+    const Eigen::Index leads = leads_.count();
+    Eigen::MatrixXd across = Eigen::MatrixXd::Zero(arm_.size(), leads + kStrains);
+    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(leads + kStrains, leads + kStrains);
+    Eigen::VectorXd score = Eigen::VectorXd::Zero(leads + kStrains);
+    Eigen::Matrix3Xd of_chain(3, chain_.all().count);
+    Eigen::Matrix3Xd E(3, leads + kStrains);
     for (std::size_t k = 0; k < arm_.rows(); ++k) {
-      const auto E = moved_by_strains(evidence_.rows[k].p_S - middle);
+      const EvidenceRow& row = evidence_.rows[k];
+      chain_.derivatives(row, of_chain);
+      E << leads_.of(row, chain_, of_chain), moved_by_strains(row.p_S - middle);
       across.noalias() += arm_.weight(k) * (arm_.derivatives(k).transpose() * E);
       own.noalias() += arm_.weight(k) * (E.transpose() * E);
       score.noalias() += arm_.weight(k) * (E.transpose() * residuals_[k]);
     }
-    Scored scored{.across = across,
-                  .usual = own,
-                  .left = own - across.transpose() * arm_.inverse() * across,
-                  .score = score - across.transpose() * arm_.step()};
+    const Eigen::MatrixXd left = own - across.transpose() * arm_.inverse() * across;
+    Scored scored{.across = across.rightCols(kStrains),
+                  .usual = own.bottomRightCorner(kStrains, kStrains),
+                  .left = left.bottomRightCorner(kStrains, kStrains),
+                  .score = (score - across.transpose() * arm_.step()).tail(kStrains)};
+    take_out_leads(left, score - across.transpose() * arm_.step(), scored);
     score_of(scored, 1);
     double squares = 0;
     for (const EvidenceRow& row : evidence_.rows) {
@@ -201,8 +220,24 @@ class ScoreTest {
     return std::sqrt(squares / static_cast<double>(arm_.rows() - from));
   }
 
+  // `left`, `score`: of leads and strains, what an unchanging arm can do taken out.
+  void take_out_leads(const Eigen::MatrixXd& left, const Eigen::VectorXd& score,
+                      Scored& scored) const {
+    const Eigen::Index leads = leads_.count();
+    if (leads == 0) return;
+    constexpr double kWeight = 1 / (kUsualSize * kUsualSize);
+    Eigen::MatrixXd of_leads = left.topLeftCorner(leads, leads);
+    of_leads.diagonal().array() += kWeight;
+    const Eigen::MatrixXd inverse = inverse_of(of_leads, of_leads.diagonal());
+    const Eigen::MatrixXd across = left.topRightCorner(leads, kStrains);
+    scored.left -= across.transpose() * inverse * across;
+    scored.score -= across.transpose() * inverse * score.head(leads);
+  }
+
   const Evidence& evidence_;
+  const DeviatingChain& chain_;
   const std::vector<Vector3>& residuals_;
+  SlideLeads leads_;
   UnchangingArm arm_;
   std::optional<Change> best_;
 };
@@ -213,6 +248,7 @@ std::optional<Change> likeliest_change(const Evidence& evidence, const Deviating
                                        const std::vector<Vector3>& residuals_S) {
   if (evidence.rows.size() < kFewestRows) return std::nullopt;
   ScoreTest test(evidence, chain, residuals_S);
+  if (test.is_computed()) return std::nullopt;
   auto change = test.run(candidates_of(evidence, chain));
   const Change strain = test.strain();
   if (!change || strain.evidence > change->evidence) change = strain;

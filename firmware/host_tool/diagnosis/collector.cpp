@@ -21,7 +21,7 @@ void EvidenceCollector::add(const MeasurementRow& row) {
   EvidenceRow kept{.line = row.line, .sweep = row.sweep, .target = row.target, .q = row.q};
   if (row.p_S) {
     kept.p_S = *row.p_S;
-    kept.sigma_m = row.sigma_m.value_or(0);
+    kept.covariance_m2 = std::pow(row.sigma_m.value_or(0), 2) * Matrix3::Identity();
   } else {
     if (row.ranges_m.empty() || !sensor_) return;
     const auto scale = range_scale(row, sensor_, "");
@@ -30,7 +30,7 @@ void EvidenceCollector::add(const MeasurementRow& row) {
     if (!position) return;
     kept.p_S = position->p_S;
     evidence_.located = true;
-    kept.sigma_m = std::sqrt(position->covariance_m2.trace() / 3);
+    kept.covariance_m2 = position->covariance_m2;
   }
   evidence_.rows.push_back(kept);
   if (evidence_.rows.size() < kRowsKept) return;

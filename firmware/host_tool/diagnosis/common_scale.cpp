@@ -14,8 +14,7 @@ constexpr double kUsualShift_m = 0.5e-3;
 constexpr double kUsualShare = 0.5e-3;  // of the reach, where that is more
 // Residuals hang together, as model errors do: so many numbers' worth of them, halved.
 constexpr double kIndependent = 15;
-constexpr double kWorthAsking = 4;   // of evidence
-constexpr double kNothing_m = 1e-6;  // rows that were computed, not measured
+constexpr double kWorthAsking = 4;  // of evidence
 constexpr int kMostSteps = 6;
 constexpr double kSettled = 2e-4;  // of the factor, in a step
 // The common normal between two axes has a length and a place along the first.
@@ -66,8 +65,8 @@ std::optional<CommonScale> common_scale(const Evidence& evidence, const NearFit&
   found.after_m = std::sqrt(after / axes);
   found.evidence = numbers * std::log((before + usual) / (after + usual));
   // What is left of the rows tells as well where a slide's reading says how long a millimetre is.
-  found.evidence += kIndependent * std::log(std::max(kNothing_m, fit.best_rms_m) /
-                                            std::max(kNothing_m, found.fit.best_rms_m));
+  found.evidence += kIndependent * std::log(std::max(kComputed_m, fit.best_rms_m) /
+                                            std::max(kComputed_m, found.fit.best_rms_m));
   found.undone = std::move(scaled);
   return found;
 }

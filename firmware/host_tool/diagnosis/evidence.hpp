@@ -16,6 +16,10 @@ inline constexpr double kGoldenShare = 0.6180339887498949;
 
 // Precondition: not empty.
 [[nodiscard]] double median_of(std::vector<double> values);
+// Rows that miss by less were computed, not measured: what is left of them is rounding and the
+// curvature of what was linearised, and accuses nothing.
+inline constexpr double kComputed_m = 1e-6;
+
 // 1 sigma per axis of errors in space of these lengths, by their median. Precondition: not empty.
 [[nodiscard]] double sigma_by_median(std::vector<double> lengths);
 // No measurement is believed to be better [m].
@@ -39,8 +43,13 @@ struct EvidenceRow {
   int target = 0;
   JointVector q;  // as read: couplings not applied; radians or metres
   Vector3 p_S = Vector3::Zero();
-  double sigma_m = 0;  // 1 sigma per axis as stated; 0 where nothing was stated
+  // Of the position, by the sigma that the row states for it or for its ranges; zero where it
+  // states none.
+  Matrix3 covariance_m2 = Matrix3::Zero();
   bool moved = false;  // measured from the second of two places of the sensor
+
+  // 1 sigma per axis as stated (root mean square of the three); 0 where nothing was stated.
+  [[nodiscard]] double sigma_m() const;
 };
 
 struct Evidence {
@@ -71,5 +80,19 @@ struct SeenTarget {
 // the path of each sweep's target by its joint reading, or by the order of the rows. 0 without a
 // sweep of eight rows.
 [[nodiscard]] double noise_of_sweeps_m(const Evidence& evidence);
+
+// The noise that the sweeps show, shared out to any row as the rows state their sigmas: a position
+// from ranges is not as good everywhere.
+class RowNoise {
+ public:
+  explicit RowNoise(const Evidence& evidence);
+
+  // Expected square of the length of the error of a row's position [m^2]; 0 where no sweep tells.
+  [[nodiscard]] double mean_square(const EvidenceRow& row) const;
+
+ private:
+  double of_sweeps_m_ = 0;  // 1 sigma per axis
+  double over_stated_ = 0;  // that over what the rows of the sweeps state; 0 where they state none
+};
 
 }  // namespace armsig::tool

@@ -14,6 +14,7 @@
 
 #include <fmt/core.h>
 
+#include "core/calibration/standing_still.hpp"
 #include "firmware/host_tool/diagnosis/common_scale.hpp"
 #include "firmware/host_tool/diagnosis/hypothesis.hpp"
 #include "firmware/host_tool/diagnosis/moved.hpp"
@@ -145,7 +146,12 @@ class Search {
     }
     std::uint32_t turning = 0;
     for (std::size_t j = 0; j < evidence_.arm.joints.size(); ++j) {
-      if (evidence_.arm.joints[j].type != JointType::kRevolute) continue;
+      const JointType type = evidence_.arm.joints[j].type;
+      const auto readings = [](const EvidenceRow& row) { return row.q; };
+      if (type != JointType::kRevolute ||
+          calibration::stood_still(evidence_.rows, readings, j, type)) {
+        continue;
+      }
       turning |= 1U << j;
       try_gain(1U << j, fmt::format("the reading of joint {} is", j + 1), 1);
     }
@@ -210,7 +216,10 @@ class Search {
 
   void take(const Evidence& undone, const NearFit& fit, double surprise, Explanation explanation) {
     if (!is_sound(fit, limits_, undone.arm, reference_.stated_m)) return;
-    const NearFit& before = before_;
+    NearFit before = before_;
+    // A mistake must explain what the arm that was found misses, not what a stiff one does.
+    before.best_rms_m = std::min(before.best_rms_m, reference_.fit.best_rms_m);
+    before.clipped_m = std::min(before.clipped_m, reference_.fit.clipped_m);
     if (is_built(before) && !is_built(fit)) return;
     if (is_out_of_reach(undone) && !is_out_of_reach(evidence_)) return;
     const double size_m = size_of(undone);

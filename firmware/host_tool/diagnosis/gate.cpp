@@ -43,6 +43,17 @@ std::vector<double> misses_m(const Evidence& evidence, const FoundArm& found) {
   return lengths_m;
 }
 
+// What the found arm misses less than the nearest to the drawing does is no mistake: gravity and
+// maps explain it.
+void judge_by(const FoundArm& found, const Evidence& evidence, Reference& reference) {
+  std::vector<double> lengths_m = misses_m(evidence, found);
+  std::erase_if(lengths_m, [](double length_m) { return length_m < 0; });
+  if (lengths_m.size() < evidence.rows.size()) return;
+  NearFit& fit = reference.fit;
+  fit.clipped_m = std::min(fit.clipped_m, clipped_rms(lengths_m, fit.reach_m));
+  fit.best_rms_m = std::min(fit.best_rms_m, trimmed_rms(std::move(lengths_m)));
+}
+
 // A group of rows that the nearest arm does not explain, while it explains the others.
 std::string objection_to_group(const Evidence& evidence, const NearFit& fit, double allowed_m) {
   std::vector<double> lengths_m;
@@ -53,12 +64,9 @@ std::string objection_to_group(const Evidence& evidence, const NearFit& fit, dou
                      worst.name, short_length(worst.length_m));
 }
 
-// Rows that scatter less were computed, not measured.
-constexpr double kExact_m = 1e-6;
-
 bool states_too_much(const Reference& reference, const Evidence& evidence) {
   const double scatter_m = std::max(reference.sweeps_m, reference.shown_m);
-  return !evidence.located && evidence.rows.size() >= kFewestForSigma && scatter_m > kExact_m &&
+  return !evidence.located && evidence.rows.size() >= kFewestForSigma && scatter_m > kComputed_m &&
          reference.stated_m > kSigmaTooLarge * scatter_m;
 }
 
@@ -169,6 +177,14 @@ std::optional<Change> change_of(const Evidence& evidence, const Reference& refer
     if (const auto p_S = found->predicted_S(row)) residuals_S[k] = row.p_S - *p_S;
   }
   auto of_found = likeliest_change(evidence, reference.chain, residuals_S);
+  // What the arm that was found does not miss has not changed. Of sweeps alone maps may have taken
+  // a change, and of any rows part of a strain.
+  const bool strained = likeliest && likeliest->of == Change::Of::kStrain;
+  const bool swept =
+      std::ranges::none_of(evidence.rows, [](const EvidenceRow& row) { return row.sweep == 0; });
+  if (!swept && !strained && rms_length(residuals_S) < rms_length(reference.fit.residuals_S)) {
+    return of_found;
+  }
   if (!likeliest || (of_found && of_found->explains() > likeliest->explains())) return of_found;
   return likeliest;
 }
@@ -191,12 +207,27 @@ std::optional<Doubt> doubt_of_change(const Evidence& evidence, const Reference& 
                .tool_off_m = moved_by_change(*change, evidence, reference.chain)};
 }
 
+// Where no mistake explains what is wrong.
+void say_what_is_expected(Doubt& result, bool states_too_much, bool found,
+                          const std::optional<Doubt>& change) {
+  if (states_too_much) {
+    if (!found) result.cause = result.what;
+    result.expected = "1 sigma of a position per axis, in the unit of the column's name";
+  } else if (change && change->refuses) {
+    result.cause = change->what + ": " + change->cause;
+    result.expected = change->expected;
+  } else {
+    result.expected =
+        "the arm of the description, in one place, with rigid targets; or --accept-different-arm";
+  }
+}
+
 }  // namespace
 
 std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
                            const std::optional<FoundArm>& found) {
   const Evidence evidence = thinned(all, kRowsToJudge);
-  const auto reference = reference_of(evidence, limits);
+  auto reference = reference_of(evidence, limits);
   if (!reference) return std::nullopt;
   Doubt result;
   result.what = objection(evidence, *reference, limits, found);
@@ -208,6 +239,7 @@ std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
   }
   const auto change = doubt_of_change(evidence, *reference, found);
   const auto& said = change ? change : scale;
+  if (!refused) judge_by(*found, evidence, *reference);
   if (!refused && !is_suspicious(*reference)) return said;
   if (const auto explanation = explain(evidence, *reference, limits, refused)) {
     if (result.what.empty() && !found && explanation->harmless) return std::nullopt;
@@ -221,18 +253,7 @@ std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
     return result;
   }
   if (result.what.empty()) return said;
-  if (states_too_much(*reference, evidence)) {
-    if (!found) result.cause = result.what;
-    result.expected = "1 sigma of a position per axis, in the unit of the column's name";
-    return result;
-  }
-  if (change && change->refuses) {
-    result.cause = change->what + ": " + change->cause;
-    result.expected = change->expected;
-    return result;
-  }
-  result.expected =
-      "the arm of the description, in one place, with rigid targets; or --accept-different-arm";
+  say_what_is_expected(result, states_too_much(*reference, evidence), found.has_value(), change);
   return result;
 }
 

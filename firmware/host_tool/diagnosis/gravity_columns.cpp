@@ -37,7 +37,7 @@ Eigen::Matrix3Xd GravityColumns::by_tool(const EvidenceRow& row, const Deviating
     at_tool.target = tool->number;
     chain.derivatives(at_tool, of_tool);
   }
-  const Vector3 down = -chain.X_SB().R.col(2);
+  const Vector3 down = -(chain.X_SB().R * model_.up_0);
   for (std::size_t j = 0; j < joints; ++j) {
     const Eigen::Index zero = chain.of_zero(j).first;
     columns.col(static_cast<Eigen::Index>(j)) = down.dot(of_tool.col(zero)) * J.col(zero);

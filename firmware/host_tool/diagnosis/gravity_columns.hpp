@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // How the points of an arm move that gravity bends at its joints: one column a term, as
-// core/arm_model/gravity_choice.hpp chooses them, and one a joint of a weight at the target on the
-// last link, which no term of the drawing's link frames holds.
+// core/calibration/gravity_choice.hpp chooses them, and one a joint of a weight at the target on
+// the last link, which no term of the drawing's link frames holds.
 #pragma once
 
-#include "core/arm_model/model.hpp"
+#include "core/calibration/model.hpp"
 #include "firmware/host_tool/diagnosis/deviating_chain.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 

@@ -83,11 +83,8 @@ class Fit {
     fit.X_SB = chain_.X_SB();
     fit.X_SM = chain_.X_SM();
     std::vector<double> lengths;
-    for (const Vector3& residual : residuals_) {
-      lengths.push_back(residual.norm());
-      fit.clipped_m += std::pow(std::min(lengths.back(), kClip * fit.reach_m), 2);
-    }
-    fit.clipped_m = std::sqrt(fit.clipped_m / static_cast<double>(lengths.size()));
+    for (const Vector3& residual : residuals_) lengths.push_back(residual.norm());
+    fit.clipped_m = clipped_rms(lengths, fit.reach_m);
     fit.sigma_m = sigma_by_median(lengths);
     fit.best_rms_m = trimmed_rms(std::move(lengths));
     return fit;
@@ -183,6 +180,14 @@ double drawn_misfit(const Evidence& evidence) {
     least = std::min(least, found.best_rms_m / found.reach_m);
   }
   return least;
+}
+
+double clipped_rms(const std::vector<double>& lengths_m, double reach_m) {
+  double squares = 0;
+  for (const double length_m : lengths_m) {
+    squares += std::pow(std::min(length_m, kClip * reach_m), 2);
+  }
+  return std::sqrt(squares / static_cast<double>(lengths_m.size()));
 }
 
 std::optional<NearestArm> nearest_arm(const Evidence& evidence, const ArmLimits& limits,

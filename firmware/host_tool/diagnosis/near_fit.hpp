@@ -39,6 +39,9 @@ struct NearFit {
 // fitted, as a share of the drawing's reach: quick, to choose by. Infinite without rows.
 [[nodiscard]] double drawn_misfit(const Evidence& evidence);
 
+// RMS of lengths, none counted above a tenth of the reach. Precondition: not empty.
+[[nodiscard]] double clipped_rms(const std::vector<double>& lengths_m, double reach_m);
+
 struct NearestArm {
   NearFit fit;
   DeviatingChain chain;  // as fitted, to be differentiated

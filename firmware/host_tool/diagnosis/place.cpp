@@ -7,7 +7,7 @@
 
 #include <Eigen/SVD>
 
-#include "core/refinement/chain.hpp"
+#include "core/calibration/chain.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {
@@ -52,13 +52,13 @@ Pose aligned(const std::vector<Pair>& pairs, const std::vector<double>& weights)
 
 }  // namespace
 
-std::optional<Place> fit_place(const refinement::Refined& estimate,
-                               std::span<const refinement::Observation> positions) {
-  const refinement::PoeChain chain(estimate.signature, estimate.readings);
+std::optional<Place> fit_place(const calibration::Refined& estimate,
+                               std::span<const calibration::Observation> positions) {
+  const calibration::PoeChain chain(estimate.signature, estimate.readings);
   std::vector<Pair> pairs;
   Vector3 middle = Vector3::Zero();
-  for (const refinement::Observation& row : positions) {
-    if (row.kind != refinement::ObservationKind::kPosition) continue;
+  for (const calibration::Observation& row : positions) {
+    if (row.kind != calibration::ObservationKind::kPosition) continue;
     pairs.push_back(
         {row.p_S, chain.point(chain.motion(row.readings), estimate.signature.targets[row.target])});
     middle += row.p_S;

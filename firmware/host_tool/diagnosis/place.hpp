@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "core/refinement/refined.hpp"
+#include "core/calibration/refined.hpp"
 
 namespace armsig::tool {
 
@@ -19,7 +19,7 @@ struct Place {
 };
 
 // Robust against gross outliers (Kabsch, reweighted). Nothing with fewer than four positions.
-[[nodiscard]] std::optional<Place> fit_place(const refinement::Refined& estimate,
-                                             std::span<const refinement::Observation> positions);
+[[nodiscard]] std::optional<Place> fit_place(const calibration::Refined& estimate,
+                                             std::span<const calibration::Observation> positions);
 
 }  // namespace armsig::tool

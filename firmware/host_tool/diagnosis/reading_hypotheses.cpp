@@ -6,12 +6,22 @@
 
 #include <fmt/core.h>
 
+#include "core/calibration/standing_still.hpp"
 #include "firmware/host_tool/diagnosis/hypothesis.hpp"
 
 namespace armsig::tool {
 namespace {
 
 constexpr double kRadian = 180 / kPi;
+// Of a larger factor the joint may only seem to have stood still.
+constexpr double kGear = 2;
+
+// No row shows a gear or a coupling of a joint that stood still.
+bool moved(const Evidence& evidence, std::size_t joint) {
+  return !calibration::stood_still(
+      evidence.rows, [](const EvidenceRow& row) { return row.q; }, joint,
+      evidence.arm.joints[joint].type);
+}
 
 struct ReadingUnit {
   double factor;
@@ -68,10 +78,14 @@ void add_reading_units(const Evidence& evidence, std::vector<Hypothesis>& all) {
                    }});
   };
   for (std::size_t j = 0; j < joints.size(); ++j) {
+    const bool still = !moved(evidence, j);
+    const auto add = [&](const ReadingUnit& unit) {
+      if (!still || unit.factor > kGear) add_one(j, unit);
+    };
     if (joints[j].type == JointType::kRevolute) {
-      for (const ReadingUnit& unit : kAngles) add_one(j, unit);
+      std::ranges::for_each(kAngles, add);
     } else {
-      for (const ReadingUnit& unit : kLengths) add_one(j, unit);
+      std::ranges::for_each(kLengths, add);
     }
   }
 }
@@ -82,6 +96,7 @@ void add_order(const Evidence& evidence, std::vector<Hypothesis>& all) {
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = i + 1; j < n; ++j) {
       if (joints[i].type != joints[j].type) continue;
+      if (!moved(evidence, i) && !moved(evidence, j)) continue;
       all.push_back(
           {.cause = fmt::format("the readings of joints {} and {} are swapped", i + 1, j + 1),
            .undoing = "the other way round",
@@ -123,8 +138,9 @@ std::string coupling_line(std::size_t joint, std::size_t from, double ratio) {
 void add_couplings(const Evidence& evidence, std::vector<Hypothesis>& all) {
   const auto& joints = evidence.arm.joints;
   for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (!moved(evidence, j)) continue;
     for (std::size_t i = j < 3 ? 0 : j - 3; i < j; ++i) {
-      if (joints[i].type != joints[j].type) continue;
+      if (joints[i].type != joints[j].type || !moved(evidence, i)) continue;
       for (const double ratio : {1.0, -1.0, 0.5, -0.5}) {
         all.push_back(
             {.cause = fmt::format("joint {} is coupled to joint {}", j + 1, i + 1),

@@ -9,10 +9,10 @@
 
 #include "core/base/error.hpp"
 #include "core/identification.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
-#include "firmware/calibration/geometry_alone.hpp"
+#include "firmware/analysis/evaluation/geometry_alone.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {

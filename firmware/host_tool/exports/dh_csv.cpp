@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "core/base/joint_range.hpp"
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"
@@ -32,6 +33,7 @@ std::string heading(const SignatureRecord& record, const std::string& convention
   return comment_text(
       without_formulas(provenance(record)) + convention +
       "The reading is added to theta of a revolute joint, to d of a prismatic one.\n"
+      "A joint without lower and upper turns without end.\n"
       "Pose of the last link in the sensor frame = base * product of the rows * tool.\n"
       "base: " +
       pose_words(X_S0) + "\ntool: " + pose_words(X_FL) + "\n" + coupling_lines(record.nominal));
@@ -41,6 +43,7 @@ std::string row_text(std::size_t joint, JointType type, const std::array<double,
                      const JointLimits& limits) {
   std::string text = fmt::format("{},{}", joint + 1, word_of(type));
   for (const double parameter : parameters) text += fmt::format(",{}", number_text(parameter));
+  if (is_endless(limits)) return text + ",,\n";
   return text + fmt::format(",{},{}\n", number_text(limits.lower), number_text(limits.upper));
 }
 

@@ -16,9 +16,9 @@ namespace armsig::tool {
 // The largest distance from `armsig predict` that an export may have anywhere in the work volume.
 inline constexpr double kExportTolerance_m = 1e-9;
 
-// Robot description of ROS, from the axes: root link `sensor`, then `base_link`, `link_1` ...,
-// `last_link` (the frame that predict answers for) and a link a target. A coupled joint gets a
-// mimic joint about the same axis before it.
+// Robot description of ROS, from the axes: root link `sensor`, then `base_link`, a link a
+// joint, `last_link` (the frame that predict answers for) and a link a target. A coupled joint gets
+// a mimic joint about the same axis before it.
 [[nodiscard]] Read<std::string> urdf_text(const SignatureRecord& record);
 
 // Calibrated kinematics of the Universal Robots drivers, from the axes. Refuses an arm whose axes

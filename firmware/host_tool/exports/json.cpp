@@ -3,10 +3,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/joint_range.hpp"
 #include "firmware/host_tool/exports/export.hpp"
-#include "firmware/host_tool/exports/joint_frames.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
+#include "firmware/library/joint_frames.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -79,9 +80,10 @@ Json deflections_json(const SignatureRecord& record) {
        "u = (reading - origin) knots_per_unit, k = floor(u), t = u - k, the sum of coefficients "
        "k ... k + 3 modulo 120 by (1-t)^3/6, (4-6t^2+3t^3)/6, (4-6(1-t)^2+3(1-t)^3)/6, t^3/6. "
        "Gravity: coefficient z_joint . ((O_link - O_joint) x down), of a slide z_joint . down; "
-       "axes and origins by `drawing`, base upright, at the effective readings"},
+       "axes and origins by `drawing` at the effective readings, down = -up in its frame 0"},
       {"drawing", std::move(drawing)},
       {"at_rest", std::move(at_rest)},
+      {"up", {model.up_0.x(), model.up_0.y(), model.up_0.z()}},
       {"gravity", std::move(gravity)},
       {"maps", std::move(maps)}};
 }
@@ -94,8 +96,9 @@ Read<std::string> json_text(const SignatureRecord& record) {
   Json joints = Json::array();
   for (const Pose& X_PJ : frames.X_PJ) joints.push_back(pose_json(X_PJ));
   Json limits = Json::array();
-  for (const JointLimits& limit : record.nominal.limits)
-    limits.push_back({limit.lower, limit.upper});
+  for (const JointLimits& limit : record.nominal.limits) {
+    limits.push_back(is_endless(limit) ? Json(nullptr) : Json{limit.lower, limit.upper});
+  }
   Json json{
       {"armsig", "export/1"},
       {"name", record.arm_name},

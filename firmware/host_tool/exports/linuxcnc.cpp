@@ -5,6 +5,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/error.hpp"
+#include "core/base/joint_range.hpp"
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/host_tool/exports/dh_rows.hpp"
@@ -58,6 +59,10 @@ std::string ini_lines(const SignatureRecord& record, const JointVector& offsets)
       "  [TRAJ] COORDINATES = XYZABC, LINEAR_UNITS = mm, ANGULAR_UNITS = degree\n";
   for (std::size_t i = 0; i < offsets.size(); ++i) {
     const JointLimits& limits = record.nominal.limits[i];
+    if (is_endless(limits)) {
+      text += fmt::format("  [JOINT_{}] TYPE = ANGULAR, no MIN_LIMIT and no MAX_LIMIT\n", i);
+      continue;
+    }
     text += fmt::format("  [JOINT_{}] TYPE = ANGULAR, MIN_LIMIT = {:.4f}, MAX_LIMIT = {:.4f}\n", i,
                         degrees(limits.lower + offsets[i]), degrees(limits.upper + offsets[i]));
   }
@@ -177,6 +182,16 @@ std::vector<Companion> linuxcnc_tables(const SignatureRecord& record) {
 Read<std::string> linuxcnc_text(const SignatureRecord& record) {
   if (auto six = need_six_revolute(kLinuxCncFormat, record.signature); !six) {
     return std::unexpected(std::move(six).error());
+  }
+  // LinuxCNC holds the last entry beyond a table; a map goes on turn after turn.
+  if (record.deflections) {
+    for (std::size_t i = 0; i < record.nominal.limits.size(); ++i) {
+      if (!is_endless(record.nominal.limits[i])) continue;
+      return cannot_hold(
+          kLinuxCncFormat,
+          fmt::format("joint {} turns without end, and its map is a table with ends", i + 1),
+          "linuxcnc-kins, which holds any");
+    }
   }
   ARMSIG_TRY(unrotate, unrotate_lines(record.nominal));
   ARMSIG_TRY(standard, standard_rows(kLinuxCncFormat, record));

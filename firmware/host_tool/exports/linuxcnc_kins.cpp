@@ -5,7 +5,8 @@
 #include <fmt/core.h>
 
 #include "core/base/crc32.hpp"
-#include "firmware/calibration/packed_deflections.hpp"
+#include "core/base/joint_range.hpp"
+#include "core/calibration/packed_deflections.hpp"
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"
@@ -42,6 +43,10 @@ std::string kins_heading(const SignatureRecord& record, const StandardRows& stan
   for (std::size_t i = 0; i < record.nominal.limits.size(); ++i) {
     const auto [lower, upper] = record.nominal.limits[i];
     const bool turns = record.signature.types[i] == JointType::kRevolute;
+    if (is_endless(record.nominal.limits[i])) {
+      text += fmt::format("  [JOINT_{}] TYPE = ANGULAR, no MIN_LIMIT and no MAX_LIMIT\n", i);
+      continue;
+    }
     const double unit = turns ? degrees(1.0) : 1e3;
     text += fmt::format("  [JOINT_{}] TYPE = {}, MIN_LIMIT = {:.4f}, MAX_LIMIT = {:.4f}\n", i,
                         turns ? "ANGULAR" : "LINEAR", unit * lower, unit * upper);
@@ -66,6 +71,7 @@ std::string kins_maps(const SignatureRecord& record) {
     for (const std::int16_t step : map.steps) text += fmt::format(" {}", step);
     text += "\n";
   }
+  text += "up" + kins_numbers(std::array{packed.up_0.x(), packed.up_0.y(), packed.up_0.z()}) + "\n";
   for (const calibration::GravityTerm& term : packed.gravity) {
     text += fmt::format("gravity {} {} {}\n", term.joint + 1, term.origin,
                         number_text(term.coefficient));
@@ -82,7 +88,8 @@ Read<std::string> linuxcnc_kins_text(const SignatureRecord& record) {
   for (std::size_t i = 0; i < standard.rows.size(); ++i) {
     const JointLimits& limits = record.nominal.limits[i];
     text += fmt::format("joint {}", word_of(standard.rows[i].type)) + kins_row(standard.rows[i]) +
-            kins_numbers(std::array{limits.lower, limits.upper}) + "\n";
+            (is_endless(limits) ? " none" : kins_numbers(std::array{limits.lower, limits.upper})) +
+            "\n";
   }
   for (const JointCoupling& coupling : record.nominal.couplings) {
     text += fmt::format("coupling {} {} {}\n", coupling.joint + 1, coupling.from + 1,

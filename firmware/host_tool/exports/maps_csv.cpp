@@ -28,8 +28,15 @@ std::string heading(const SignatureRecord& record) {
       "120.\n"
       "value: the map at the reading; sigma: what it is known to, 1 sigma.\n"
       "gravity: coefficient times the lever of link origin `index` about the axis of the joint, "
-      "z . ((O_index - O_joint) x down)\n(of a slide: z . down), by the drawing, whose base stands "
-      "upright; rad or m per m.\n";
+      "z . ((O_index - O_joint) x down)\n(of a prismatic joint: z . down), by the nominal rows; "
+      "rad "
+      "or m per m.\n";
+  if (record.deflections) {
+    const Vector3 down = Vector3::Zero() - record.deflections->up_0;
+    text += fmt::format("down in frame 0 of the nominal rows: {},{},{}\n", number_text(down.x()),
+                        number_text(down.y()), number_text(down.z()));
+  }
+
   for (std::size_t i = 0; i < record.nominal.joints.size(); ++i) {
     const DhJoint& row = record.nominal.joints[i];
     const bool revolute = row.type == JointType::kRevolute;
@@ -56,7 +63,7 @@ std::string heading(const SignatureRecord& record) {
 Read<std::string> maps_csv_text(const SignatureRecord& record) {
   if (!record.deflections) {
     return cannot_hold("maps-csv", "its signature has no gravity and no maps of the readings",
-                       "a signature that `armsig identify --method refined` found them for");
+                       "a signature that `armsig identify` found them for, by --method refined");
   }
   const ArmModel& model = *record.deflections;
   std::string text =

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "core/base/joint_range.hpp"
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
@@ -26,11 +27,14 @@ std::string matrix(const Pose& X) {
 
 std::string link(const DhJoint& row, const JointLimits& limits) {
   const bool revolute = row.type == JointType::kRevolute;
-  return fmt::format("    {}({}={}, a={}, alpha={}, offset={}, qlim=[{}, {}]),\n",
+  const std::string qlim = is_endless(limits) ? "None"
+                                              : fmt::format("[{}, {}]", number_text(limits.lower),
+                                                            number_text(limits.upper));
+  return fmt::format("    {}({}={}, a={}, alpha={}, offset={}, qlim={}),\n",
                      revolute ? "RevoluteDH" : "PrismaticDH", revolute ? "d" : "theta",
                      number_text(revolute ? row.d_m : row.theta_rad), number_text(row.a_m),
                      number_text(row.alpha_rad), number_text(revolute ? row.theta_rad : row.d_m),
-                     number_text(limits.lower), number_text(limits.upper));
+                     qlim);
 }
 
 // A string of Python in ASCII. JSON writes what is above U+FFFF as two halves, which Python keeps.

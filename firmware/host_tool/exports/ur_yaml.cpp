@@ -15,9 +15,10 @@
 #include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/host_tool/exports/export.hpp"
-#include "firmware/host_tool/exports/joint_frames.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
+#include "firmware/library/joint_frames.hpp"
+#include "firmware/linuxcnc/roll_pitch_yaw.hpp"
 
 namespace armsig::tool {
 namespace {

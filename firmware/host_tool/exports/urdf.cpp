@@ -4,13 +4,14 @@
 
 #include <fmt/core.h>
 
+#include "core/base/joint_range.hpp"
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"
 #include "firmware/host_tool/exports/export.hpp"
-#include "firmware/host_tool/exports/joint_frames.hpp"
 #include "firmware/host_tool/exports/provenance.hpp"
 #include "firmware/host_tool/exports/urdf_places.hpp"
+#include "firmware/library/joint_frames.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -60,14 +61,19 @@ struct MovingJoint {
   std::string mimic;  // an element, or nothing
 };
 
+std::string limit_element(const JointLimits& limits) {
+  if (is_endless(limits)) return "    <limit effort=\"0\" velocity=\"0\"/>\n";
+  return fmt::format("    <limit lower=\"{}\" upper=\"{}\" effort=\"0\" velocity=\"0\"/>\n",
+                     number_text(limits.lower), number_text(limits.upper));
+}
+
 std::string moving(const MovingJoint& joint) {
   return fmt::format(
              "  <joint name=\"{}\" type=\"{}\">\n"
              "    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n",
-             joint.name, word_of(joint.type), joint.parent, joint.child) +
-         origin(joint.X_PJ) + "    <axis xyz=\"0 0 1\"/>\n" +
-         fmt::format("    <limit lower=\"{}\" upper=\"{}\" effort=\"0\" velocity=\"0\"/>\n",
-                     number_text(joint.limits.lower), number_text(joint.limits.upper)) +
+             joint.name, is_endless(joint.limits) ? "continuous" : word_of(joint.type),
+             joint.parent, joint.child) +
+         origin(joint.X_PJ) + "    <axis xyz=\"0 0 1\"/>\n" + limit_element(joint.limits) +
          joint.mimic + "  </joint>\n" + link(joint.child);
 }
 

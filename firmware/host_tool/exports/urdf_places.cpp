@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 
 #include "firmware/formats/text.hpp"
-#include "firmware/host_tool/exports/joint_frames.hpp"
+#include "firmware/linuxcnc/roll_pitch_yaw.hpp"
 
 namespace armsig::tool {
 namespace {

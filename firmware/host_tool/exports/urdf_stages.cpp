@@ -16,13 +16,6 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-Pose moved_by(const UrdfJoint& joint, double reading) {
-  if (joint.motion == UrdfMotion::kTurns) {
-    return {rotation_about(joint.axis_J, reading), Vector3::Zero()};
-  }
-  return {Matrix3::Identity(), joint.axis_J * reading};
-}
-
 // Takes the joints of a path one by one.
 class Stager {
  public:

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/calibration/fit_row.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "firmware/calibration/fit_row.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {

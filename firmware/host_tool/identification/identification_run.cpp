@@ -162,7 +162,7 @@ void IdentificationRun::add_targets_of_mixed_poses(Signature& signature) const {
       known->link = seen.link;
       continue;
     }
-    const refinement::Observation* first = log_->first_position(seen.number);
+    const calibration::Observation* first = log_->first_position(seen.number);
     if (first == nullptr || signature.targets.full()) continue;
     const JointVector q = effective_readings(nominal_, first->readings);
     Target target = seen;

@@ -7,13 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 
 namespace armsig::tool {
 namespace {
 
 constexpr std::size_t kFewestOfSweep = 8;
-constexpr double kNumbersOfPoint = 3;
 // Noise is known by a median, and has longer tails than that tells: so much of its variance is none
 // of the arm's.
 constexpr double kChance = 1.5;
@@ -21,12 +20,14 @@ constexpr double kChance = 1.5;
 struct JudgedSweep {
   std::vector<double> lengths_m;  // of what the estimate misses its rows by
   double predicted = 0;           // sum of the variances of these
+  double noise = 0;               // sum of the squares that the sensor's noise makes of them
 };
 
 using JudgedSweeps = std::map<std::pair<std::size_t, int>, JudgedSweep>;  // by sweep and target
 
-JudgedSweeps judged_sweeps(const Evidence& evidence, const refinement::Refined& estimate) {
+JudgedSweeps judged_sweeps(const Evidence& evidence, const calibration::Refined& estimate) {
   const auto& targets = estimate.signature.targets;
+  const RowNoise noise(evidence);
   JudgedSweeps sweeps;
   for (const EvidenceRow& row : evidence.rows) {
     const auto* target = std::ranges::find(targets, row.target, &Target::number);
@@ -35,6 +36,7 @@ JudgedSweeps judged_sweeps(const Evidence& evidence, const refinement::Refined& 
     JudgedSweep& sweep = sweeps[{row.sweep, row.target}];
     sweep.lengths_m.push_back((row.p_S - uncertainty::tool_position(estimate, row.q, t)).norm());
     sweep.predicted += uncertainty::tool_covariance(estimate, row.q, t).trace();
+    sweep.noise += noise.mean_square(row);
   }
   std::erase_if(sweeps, [](const auto& of) { return of.second.lengths_m.size() < kFewestOfSweep; });
   return sweeps;
@@ -56,16 +58,15 @@ double mean_square(const std::vector<double>& lengths_m) {
 }  // namespace
 
 std::optional<MissedSweeps> judge_missed_sweeps(const Evidence& evidence,
-                                                const refinement::Refined& estimate) {
+                                                const calibration::Refined& estimate) {
   const JudgedSweeps sweeps = judged_sweeps(evidence, estimate);
   if (sweeps.empty()) return std::nullopt;
-  const double noise_m = noise_of_sweeps_m(evidence);
   double missed = 0;
   double predicted = 0;
   for (const auto& [of, sweep] : sweeps) {
-    missed +=
-        std::max(0.0, mean_square(sweep.lengths_m) - kChance * kNumbersOfPoint * noise_m * noise_m);
-    predicted += sweep.predicted / static_cast<double>(sweep.lengths_m.size());
+    const auto rows = static_cast<double>(sweep.lengths_m.size());
+    missed += std::max(0.0, mean_square(sweep.lengths_m) - kChance * sweep.noise / rows);
+    predicted += sweep.predicted / rows;
   }
   const auto count = static_cast<double>(sweeps.size());
   return MissedSweeps{.missed_m = std::sqrt(missed / count),

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "core/refinement/refined.hpp"
+#include "core/calibration/refined.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {
@@ -19,6 +19,6 @@ struct MissedSweeps {
 // How far the estimate misses the rows of the sweeps, and how far it says that it does: each sweep
 // of each target counts as one. Nothing without a sweep of eight rows of a known target.
 [[nodiscard]] std::optional<MissedSweeps> judge_missed_sweeps(const Evidence& evidence,
-                                                              const refinement::Refined& estimate);
+                                                              const calibration::Refined& estimate);
 
 }  // namespace armsig::tool

@@ -5,28 +5,26 @@
 #include <cmath>
 #include <memory>
 
-#include "core/refinement/row.hpp"
-#include "core/refinement/start.hpp"
+#include "core/calibration/row.hpp"
+#include "firmware/analysis/starts/start.hpp"
 
 namespace armsig::tool {
 
-std::optional<ResidualSummary> nominal_residuals(const Arm& nominal,
-                                                 std::span<const refinement::Observation> log,
-                                                 std::span<const refinement::Observation> positions,
-                                                 std::span<const Target> targets,
-                                                 const refinement::Receivers& receivers,
-                                                 std::span<const refinement::RowOutcome> judged) {
-  const auto fitted = refinement::fit_base_and_tool(nominal, positions, targets);
+std::optional<ResidualSummary> nominal_residuals(
+    const Arm& nominal, std::span<const calibration::Observation> log,
+    std::span<const calibration::Observation> positions, std::span<const Target> targets,
+    const calibration::Receivers& receivers, std::span<const calibration::RowOutcome> judged) {
+  const auto fitted = calibration::fit_base_and_tool(nominal, positions, targets);
   if (!fitted) return std::nullopt;
-  const auto drawn = std::make_unique<refinement::Refined>();
-  drawn->signature = refinement::drawn_signature(nominal, *fitted, log, targets);
+  const auto drawn = std::make_unique<calibration::Refined>();
+  drawn->signature = calibration::drawn_signature(nominal, *fitted, log, targets);
   drawn->readings.couplings = nominal.couplings;
-  const refinement::PoeChain chain(drawn->signature, drawn->readings);
+  const calibration::PoeChain chain(drawn->signature, drawn->readings);
   ResidualSummary summary;
   for (std::size_t k = 0; k < log.size(); ++k) {
     if (judged[k].rejected) continue;
-    const refinement::Observation& row = log[k];
-    const double residual_m = refinement::residual_length(
+    const calibration::Observation& row = log[k];
+    const double residual_m = calibration::residual_length(
         *drawn, receivers, row,
         chain.point(chain.motion(row.readings), drawn->signature.targets[row.target]));
     ++summary.rows;

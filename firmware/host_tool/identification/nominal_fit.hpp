@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "core/arm_model/observation.hpp"
+#include "core/calibration/observation.hpp"
 #include "core/signature.hpp"
 
 namespace armsig::tool {
@@ -20,8 +20,8 @@ struct ResidualSummary {
 // Residuals of the arm as drawn, its base and targets fitted to `positions`, over those rows of
 // `log` that `judged` does not reject. Nothing where the positions do not tell base and targets.
 [[nodiscard]] std::optional<ResidualSummary> nominal_residuals(
-    const Arm& nominal, std::span<const refinement::Observation> log,
-    std::span<const refinement::Observation> positions, std::span<const Target> targets,
-    const refinement::Receivers& receivers, std::span<const refinement::RowOutcome> judged);
+    const Arm& nominal, std::span<const calibration::Observation> log,
+    std::span<const calibration::Observation> positions, std::span<const Target> targets,
+    const calibration::Receivers& receivers, std::span<const calibration::RowOutcome> judged);
 
 }  // namespace armsig::tool

@@ -35,6 +35,8 @@ Evidence undone(const Evidence& evidence, const RefinementOutcome& outcome,
                                   std::span(outcome.refined->receiver_offsets_m).first(offsets));
     }
     row.p_S /= 1 + outcome.refined->scale;
+    const auto moved = outcome.moved_by_play.find(row.line);
+    if (moved != outcome.moved_by_play.end()) row.p_S -= moved->second;
   }
   return unscaled;
 }

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "core/refinement/refined.hpp"
+#include "core/calibration/refined.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {
@@ -18,6 +18,6 @@ struct UnusedPoses {
 // How far the estimate misses the rows with sweep 0, and how far it says that it does. Nothing of
 // fewer than a dozen rows of known targets.
 [[nodiscard]] std::optional<UnusedPoses> judge_unused_poses(const Evidence& evidence,
-                                                            const refinement::Refined& estimate);
+                                                            const calibration::Refined& estimate);
 
 }  // namespace armsig::tool

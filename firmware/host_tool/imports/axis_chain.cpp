@@ -52,6 +52,11 @@ void straighten(AxisChain& chain, std::vector<std::string>& notes) {
   const double sine = before.cross(chain.X_BT.R.col(2)).norm();
   if (sine > 0 && sine < kMeantParallel_rad) {
     const double sense = before.dot(chain.X_BT.R.col(2)) > 0 ? 1 : -1;
+    if (sine > kSmall) {
+      notes.push_back(fmt::format(
+          "the z axis of the tip link was {:.2g} rad from parallel to axis {}; made parallel", sine,
+          chain.axes.size()));
+    }
     chain.X_BT = frame_on(chain.X_BT.p, sense * before, chain.X_BT.R);
   }
 }
@@ -97,6 +102,16 @@ double clean_length(double length_m) {
   return cleaned(length_m, std::round(length_m * kMicrometres) / kMicrometres);
 }
 
+// Rows without the noise of sines and cosines.
+void clean(DhRows& rows) {
+  for (DhJoint& row : rows) {
+    row.theta_rad = clean_angle(row.theta_rad);
+    row.alpha_rad = clean_angle(row.alpha_rad);
+    row.d_m = clean_length(row.d_m);
+    row.a_m = clean_length(row.a_m);
+  }
+}
+
 }  // namespace
 
 DrawnChain drawn(const AxisChain& given) {
@@ -121,14 +136,10 @@ DrawnChain drawn(const AxisChain& given) {
     X_BL = X_next;
   }
   result.arm.joints = pseudo_dh::from_s_model(parameters, types, zero);
-  for (DhJoint& row : result.arm.joints) {
-    row.theta_rad = clean_angle(row.theta_rad);
-    row.alpha_rad = clean_angle(row.alpha_rad);
-    row.d_m = clean_length(row.d_m);
-    row.a_m = clean_length(row.a_m);
-  }
+  clean(result.arm.joints);
   for (const ChainAxis& axis : chain.axes) result.arm.limits.push_back(axis.limits);
   result.arm.couplings = chain.couplings;
+  result.arm.up_0 = result.X_B0.R.transpose() * Vector3::UnitZ();
   result.X_FT = pseudo_dh::link_frame_in_dh_frame(parameters.back());
   if (!is_identity(result.X_B0)) {
     result.notes.push_back("frame 0 of the arm description stands in the base link " +

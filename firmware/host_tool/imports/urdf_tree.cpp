@@ -2,12 +2,15 @@
 #include "firmware/host_tool/imports/urdf_tree.hpp"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/text.hpp"
+#include "firmware/host_tool/imports/plausible.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -16,6 +19,12 @@ using tinyxml2::XMLElement;
 
 constexpr double kLeastAxis = 1e-9;
 constexpr std::size_t kLongestPath = 256;
+constexpr std::size_t kMostAttributes = 64;
+constexpr std::array<std::pair<const char*, std::string_view>, 4> kOtherFormats{
+    {{"mujoco", "MJCF, a model of MuJoCo"},
+     {"mujocoinclude", "MJCF, a part of a model of MuJoCo"},
+     {"sdf", "SDF, a model of Gazebo"},
+     {"COLLADA", "COLLADA, a scene"}}};
 
 Read<Vector3> vector_attribute(const XMLElement& element, const char* name, const Vector3& absent) {
   const char* text = element.Attribute(name);
@@ -47,6 +56,14 @@ Read<Pose> origin_of(const XMLElement& joint) {
   if (origin == nullptr) return Pose{};
   ARMSIG_TRY(xyz, vector_attribute(*origin, "xyz", Vector3::Zero()));
   ARMSIG_TRY(rpy, vector_attribute(*origin, "rpy", Vector3::Zero()));
+  if (!(rpy.cwiseAbs().maxCoeff() <= kMostAngle_rad)) {
+    return problem_at(*origin, fmt::format("rpy: {}", in_quotes(attribute(*origin, "rpy"))),
+                      "radians");
+  }
+  if (!(xyz.norm() <= kMostLength_m)) {
+    return problem_at(*origin, fmt::format("xyz: {}", in_quotes(attribute(*origin, "xyz"))),
+                      "metres");
+  }
   return Pose{rotation_z(rpy.z()) * rotation_about(Vector3::UnitY(), rpy.y()) * rotation_x(rpy.x()),
               xyz};
 }
@@ -74,9 +91,30 @@ Read<Vector3> axis_of(const XMLElement& joint) {
   return Vector3(direction.normalized());
 }
 
+bool is_xacro(const XMLElement& element) {
+  return std::string_view(element.Name()).starts_with("xacro:");
+}
+
+// The first element of xacro inside of `element`, however deep; nullptr where there is none. The
+// parser lets no element be deeper than it can go.
+const XMLElement* xacro_in(const XMLElement& element) {
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    if (is_xacro(*child)) return child;
+    if (const XMLElement* found = xacro_in(*child)) return found;
+  }
+  return nullptr;
+}
+
 Read<UrdfJoint> read_joint(const XMLElement& element, std::size_t place) {
   if (auto name = check_urdf_name(element, "a joint"); !name) {
     return std::unexpected(std::move(name).error());
+  }
+  if (const XMLElement* xacro = xacro_in(element)) {
+    return problem_at(*xacro,
+                      fmt::format("xacro that is not expanded, in joint {}",
+                                  in_quotes(attribute(element, "name"))),
+                      "xacro FILE -o arm.urdf first");
   }
   UrdfJoint joint;
   joint.element = &element;
@@ -105,6 +143,30 @@ Read<void> find_link(const XMLElement& robot, const std::string& name) {
                     meant.empty() ? any_of(names) : meant);
 }
 
+struct JointAbove {
+  const XMLElement* element = nullptr;  // none: the link hangs on nothing
+  std::size_t place = 0;                // among the joints of the robot, from 0
+};
+
+// The one joint whose child the link is.
+Read<JointAbove> joint_above(const XMLElement& robot, const std::string& link) {
+  JointAbove above;
+  std::size_t place = 0;
+  for (const XMLElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint"), ++place) {
+    if (child_attribute(*joint, "child", "link") != link) continue;
+    if (above.element != nullptr) {
+      return problem_at(*joint,
+                        fmt::format("link {} hangs on joint {} and on joint {}", in_quotes(link),
+                                    in_quotes(attribute(*above.element, "name")),
+                                    in_quotes(attribute(*joint, "name"))),
+                        "one joint above each link");
+    }
+    above = {joint, place};
+  }
+  return above;
+}
+
 std::string_view why_not_xml(tinyxml2::XMLError error) {
   switch (error) {
     case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
@@ -124,6 +186,40 @@ std::string_view why_not_xml(tinyxml2::XMLError error) {
     default:
       return "it can't be parsed";
   }
+}
+
+// The end of what begins at `at` with "<": a comment, text taken as it is, or an element, of which
+// `values` is how many values in quotes it has.
+std::size_t end_of_markup(std::string_view text, std::size_t at, std::size_t& values) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kWithoutAttributes{
+      {{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}}};
+  for (const auto& [begin, end] : kWithoutAttributes) {
+    if (text.substr(at).starts_with(begin)) return text.find(end, at + begin.size());
+  }
+  values = 0;
+  while ((at = text.find_first_of("\"'>", at)) != std::string_view::npos && text[at] != '>') {
+    ++values;
+    at = text.find(text[at], at + 1);
+    if (at == std::string_view::npos) break;
+    ++at;
+  }
+  return at;
+}
+
+// The parser compares every attribute of an element with all before it: time by their square.
+Read<void> check_attributes(std::string_view text) {
+  for (std::size_t at = text.find('<'); at != std::string_view::npos;) {
+    std::size_t values = 0;
+    const std::size_t end = end_of_markup(text, at, values);
+    if (values > kMostAttributes) {
+      const auto line = 1 + std::ranges::count(text.substr(0, at), '\n');
+      return problem_at(static_cast<int>(line), 0,
+                        fmt::format("more than {} attributes in one element", kMostAttributes),
+                        "a URDF file; xacro must be expanded before");
+    }
+    at = end == std::string_view::npos ? end : text.find('<', end);
+  }
+  return {};
 }
 
 }  // namespace
@@ -160,15 +256,19 @@ Read<void> check_urdf_name(const XMLElement& element, std::string_view whose) {
 }
 
 Read<void> refuse_xacro(const XMLElement& robot, std::string expected) {
+  constexpr std::array<std::string_view, 3> kDefinitions{"xacro:property", "xacro:arg",
+                                                         "xacro:macro"};
   for (const XMLElement* element = robot.FirstChildElement(); element != nullptr;
        element = element->NextSiblingElement()) {
-    if (!std::string_view(element->Name()).starts_with("xacro:")) continue;
+    if (!is_xacro(*element)) continue;
+    if (std::ranges::find(kDefinitions, element->Name()) != kDefinitions.end()) continue;
     return problem_at(*element, "xacro that is not expanded", std::move(expected));
   }
   return {};
 }
 
 Read<const XMLElement*> parse_urdf(std::string_view text, tinyxml2::XMLDocument& document) {
+  if (auto few = check_attributes(text); !few) return std::unexpected(std::move(few).error());
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     return problem_at(document.ErrorLineNum(), 0,
                       fmt::format("not XML: {}", why_not_xml(document.ErrorID())),
@@ -176,7 +276,20 @@ Read<const XMLElement*> parse_urdf(std::string_view text, tinyxml2::XMLDocument&
   }
   const XMLElement* robot = document.FirstChildElement("robot");
   if (robot != nullptr) return robot;
+  for (const auto& [root, format] : kOtherFormats) {
+    const XMLElement* other = document.FirstChildElement(root);
+    if (other == nullptr) continue;
+    return problem_at(*other, fmt::format("the file is {}", format),
+                      "a URDF file of the same arm: its maker's, or what a converter makes of it");
+  }
   return problem_at(1, 0, "there is no robot in the file", "<robot name=...> as its root");
+}
+
+Pose moved_by(const UrdfJoint& joint, double reading) {
+  if (joint.motion == UrdfMotion::kTurns) {
+    return {rotation_about(joint.axis_J, reading), Vector3::Zero()};
+  }
+  return {Matrix3::Identity(), joint.axis_J * reading};
 }
 
 const XMLElement* urdf_joint(const XMLElement& robot, std::string_view name) {
@@ -197,22 +310,21 @@ Read<std::vector<UrdfJoint>> urdf_path(const XMLElement& robot, const std::strin
   // Joints hang on their children: from the tip upwards there is one way only.
   std::vector<UrdfJoint> path;
   for (std::string link = tip; link != base;) {
-    const XMLElement* above = nullptr;
-    std::size_t place = 0;
-    for (const XMLElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
-         joint = joint->NextSiblingElement("joint")) {
-      above = child_attribute(*joint, "child", "link") == link ? joint : nullptr;
-      if (above != nullptr) break;
-      ++place;
+    ARMSIG_TRY(above, joint_above(robot, link));
+    if (path.size() == kLongestPath) {
+      return problem_at(robot,
+                        fmt::format("more than {} joints between link {} and link {}", kLongestPath,
+                                    in_quotes(tip), in_quotes(base)),
+                        "a chain of links without a loop, of at most as many joints");
     }
-    if (above == nullptr || path.size() > kLongestPath) {
+    if (above.element == nullptr) {
       return problem_at(
           robot, fmt::format("link {} is not below link {}", in_quotes(tip), in_quotes(base)),
           "a tip link that hangs on the base link");
     }
-    ARMSIG_TRY(joint, read_joint(*above, place));
+    ARMSIG_TRY(joint, read_joint(*above.element, above.place));
     path.push_back(joint);
-    link = child_attribute(*above, "parent", "link");
+    link = child_attribute(*above.element, "parent", "link");
   }
   std::ranges::reverse(path);
   return path;

@@ -30,15 +30,20 @@ struct UrdfJoint {
 [[nodiscard]] Read<const tinyxml2::XMLElement*> parse_urdf(std::string_view text,
                                                            tinyxml2::XMLDocument& document);
 
-// Refuses a robot with xacro in it, which must be expanded before; `expected`: how.
+// Refuses a robot with xacro in it that may stand for joints, which must be expanded before;
+// `expected`: how. What only defines something stands for none.
 [[nodiscard]] Read<void> refuse_xacro(const tinyxml2::XMLElement& robot, std::string expected);
 
 // The joints from link `base` to link `tip`, base first. Refuses links that are not there or not
-// below one another, a joint that is neither revolute, continuous, prismatic nor fixed, and a place
-// or axis that is no three numbers.
+// below one another, a link with two parents, a joint that is neither revolute, continuous,
+// prismatic nor fixed, one with xacro in it, and a place or axis that is no three numbers, or such
+// as only degrees or millimetres are.
 [[nodiscard]] Read<std::vector<UrdfJoint>> urdf_path(const tinyxml2::XMLElement& robot,
                                                      const std::string& base,
                                                      const std::string& tip);
+
+// What a joint that moves does at a reading.
+[[nodiscard]] Pose moved_by(const UrdfJoint& joint, double reading);
 
 // The joint of that name; nullptr where there is none.
 [[nodiscard]] const tinyxml2::XMLElement* urdf_joint(const tinyxml2::XMLElement& robot,

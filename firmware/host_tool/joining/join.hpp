@@ -1,67 +1,51 @@
 // SPDX-License-Identifier: MIT
-// A controller's joint log and a tracker's points, put together: one row a point.
+// A controller's joint log and a tracker's points, put together: one row a point, or a standstill.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "firmware/formats/measurements.hpp"
-#include "firmware/host_tool/joining/columns.hpp"
+#include "firmware/formats/timestamp.hpp"
+#include "firmware/host_tool/joining/logs.hpp"
 
 namespace armsig::tool {
 
-// As a log has it, and what it stands for: nothing where that is not understood.
-struct LoggedTime {
-  std::string text;
-  std::optional<double> seconds;
-};
+// By name: a point belongs to the pose of its name; several points of one name repeat it. A point
+// A::B::P1 belongs to the pose A::B::P1, B::P1 or P1. By order: the k-th point to the k-th pose. By
+// time: a point to the pose logged nearest to it, within `within_s`; the readings of the log must
+// stand still there (the rows of the log within that time agree). By standstill: the mean of the
+// points while the log stands still, but for the first and last `within_s`, is one row.
+enum class JoinBy : std::uint8_t { kName, kOrder, kTime, kStandstill };
 
-// One row of the joint log.
-struct LoggedPose {
-  std::size_t line = 0;
-  std::string name;  // empty: none
-  LoggedTime time;
-  std::optional<int> target;
-  JointVector q;
-};
-
-struct TrackedPoint {
-  std::size_t line = 0;
-  std::string name;
-  LoggedTime time;
-  Vector3 p_S = Vector3::Zero();
-};
-
-[[nodiscard]] Read<std::vector<LoggedPose>> read_joint_log(const std::string& path,
-                                                           const JointTypes& types,
-                                                           const StatedUnits& units);
-[[nodiscard]] Read<std::vector<TrackedPoint>> read_tracked_points(const std::string& path,
-                                                                  const JointTypes& types,
-                                                                  const StatedUnits& units);
-
-enum class JoinBy : std::uint8_t { kName, kOrder, kTime };
-
-struct JoinFiles {
-  std::string joints;
-  std::string points;
+struct JoinSettings {
+  JoinBy by = JoinBy::kName;
+  double within_s = 0.5;
+  int target = 1;              // the number of poses whose log does not say
+  std::size_t reflectors = 1;  // measured at each pose, one after the other; numbered from `target`
+  DateOrder dates = DateOrder::kUnknown;
+  std::optional<double> clock_offset_s;  // added to the times of the points
 };
 
 struct Joined {
   std::vector<MeasurementRow> rows;      // in the order of the points; sweep 0
-  std::vector<std::size_t> points_left;  // lines of points without a pose
-  std::size_t poses_left = 0;            // poses without a point
+  std::vector<std::size_t> points_left;  // lines of points without a pose; none by standstill
+  std::size_t poses_left = 0;            // poses, or standstills, without a point
+  // By standstill: points that are part of a mean, and standstills whose points moved.
+  std::size_t averaged = 0;
+  std::size_t moving = 0;
+  // What the standstills tell of the clocks, where another offset does better; in words.
+  std::string clock_doubt;
 };
 
-// By name: a point belongs to the pose of its name; several points of one name repeat it. By order:
-// the k-th point to the k-th pose, of which there must be as many. By time: a point to the pose
-// logged nearest to it, within `within_s`; the readings of the log must stand still there (the rows
-// of the log within that time agree). `target`: the number of poses whose log does not say.
-// Refuses: names that two poses share with different readings, other counts, no time, nothing that
-// goes together.
-[[nodiscard]] Read<Joined> join(const std::vector<LoggedPose>& poses,
-                                const std::vector<TrackedPoint>& points, JoinBy by, double within_s,
-                                int target, const JoinFiles& files, const JointTypes& types);
+// Refuses: names that two poses share with different readings or that points of two groups share,
+// other counts, times that clock_of() refuses or of two kinds, points of one pose and reflector
+// that are not one point, another number of points a pose than of reflectors, nothing that goes
+// together. Where two clocks are likely, the standstills tell the offset in the refusal.
+[[nodiscard]] Read<Joined> join(const JointLog& log, const TrackedPoints& tracked,
+                                const JoinSettings& settings, const JointTypes& types);
 
 // Which joint moved where: a run of rows of one target, at least kShortestSweep, in which one
 // joint moves in one direction and all others rest, becomes its sweep. Returns rows of each joint.

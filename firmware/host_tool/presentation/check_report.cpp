@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 
@@ -41,7 +42,8 @@ void print_residuals(const char* of, double rms_m, double mean_m, double largest
       1e3 * largest_m);
 }
 
-std::string_view next_step(const Checked& checked) {
+std::string next_step(const Checked& checked) {
+  if (checked.since) return mend_of(*checked.since);
   if (checked.place) return "identify from there, or put the sensor back";
   switch (checked.report.verdict) {
     case drift::DriftVerdict::kConsistent:
@@ -51,11 +53,11 @@ std::string_view next_step(const Checked& checked) {
       if (checked.report.noise_factor > kNoNoise) {
         return "look at the units and columns of the measurements, and whose arm they are of";
       }
-      return "measure one pose ten times. Where it scatters more than is stated, look after\n"
-             "the sensor: targets, air, its own check. Where it does not, identify with these\n"
-             "poses too, --method refined";
+      return "measure one pose ten times. Where it scatters more than is stated, look after "
+             "the sensor: targets, air, its own check. Where it does not, identify anew, with "
+             "poses measured since only, --method refined";
     default:
-      return "sweep the joints again and armsig identify";
+      return "sweep the joints again, and identify";
   }
 }
 
@@ -70,7 +72,17 @@ void print_verdict(const Checked& checked, const std::string& measurements) {
 }
 
 // What may have made the rows miss.
-void print_cause(const drift::DriftReport& report, std::size_t joints) {
+void print_cause(const Checked& checked, const Signature& signature) {
+  const drift::DriftReport& report = checked.report;
+  const std::size_t joints = signature.joint_count();
+  if (checked.since) {
+    for (const std::string& words : in_words(*checked.since, signature)) {
+      say("{}", paragraph("most likely " + words));
+    }
+    say("  with that the signature misses the rows by {:.3f} mm RMS instead of {:.3f} mm\n",
+        1e3 * checked.since->after_m, 1e3 * checked.since->before_m);
+    return;
+  }
   if (report.verdict == drift::DriftVerdict::kDrifted) {
     say("  most likely {}\n", what_moved(report, joints));
   }
@@ -93,6 +105,12 @@ void print_rows(const Checked& checked) {
   say("  {} rows, {} of them outliers\n", report.rows + report.rows_rejected, report.rows_rejected);
   if (checked.copied > 0) {
     say("  {} rows are copies of others, and count once\n", checked.copied);
+  }
+  if (checked.fitted > 0) {
+    say("  {} more rows had a part in the signature, and none in this check\n", checked.fitted);
+  }
+  if (!checked.origin_stated) {
+    say("  whether the signature was fitted to them it does not say\n");
   }
   if (!checked.rejected_lines.empty()) {
     say("  outliers, by line: {}\n", lines_in_words(checked.rejected_lines));
@@ -123,15 +141,16 @@ void print_fit(const Checked& checked) {
 
 }  // namespace
 
-void print_checked(const Checked& checked, std::size_t joints, const std::string& measurements) {
+void print_checked(const Checked& checked, const Signature& signature,
+                   const std::string& measurements) {
   print_verdict(checked, measurements);
-  print_cause(checked.report, joints);
+  print_cause(checked, signature);
   print_rows(checked);
   print_fit(checked);
-  say("\nNext: {}\n", next_step(checked));
+  say("\n{}", paragraph("Next: " + next_step(checked), 0));
 }
 
-nlohmann::ordered_json json_of(const Checked& checked, int status) {
+nlohmann::ordered_json json_of(const Checked& checked, const Signature& signature, int status) {
   const drift::DriftReport& report = checked.report;
   nlohmann::ordered_json json{
       {"status", status},
@@ -144,6 +163,7 @@ nlohmann::ordered_json json_of(const Checked& checked, int status) {
       {"rows", report.rows},
       {"rows_rejected", report.rows_rejected},
       {"rows_copied", checked.copied},
+      {"rows_fitted", checked.origin_stated ? nlohmann::ordered_json(checked.fitted) : nullptr},
       {"rejected_lines", checked.rejected_lines},
       {"rms_m", report.rms_m},
       {"mean_m", report.mean_m},
@@ -153,6 +173,10 @@ nlohmann::ordered_json json_of(const Checked& checked, int status) {
     json["receivers_rejected"].push_back({{"receiver", receiver.number},
                                           {"rejected", receiver.rejected},
                                           {"ranges", receiver.ranges}});
+  }
+  if (checked.since) {
+    json["since_then"] = in_words(*checked.since, signature);
+    json["rms_with_that_m"] = checked.since->after_m;
   }
   if (checked.place) {
     json["place"] = {{"shift_m", checked.place->shift_m},

@@ -7,10 +7,10 @@
 
 #include <fmt/core.h>
 
-#include "firmware/differences/differences.hpp"
+#include "firmware/analysis/differences/differences.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -124,14 +124,14 @@ differences::Bendings bendings_of(const SignatureRecord& record) {
 }  // namespace
 
 std::optional<DifferenceTable> difference_table(const SignatureRecord& record,
-                                                const refinement::Refined* estimate) {
+                                                const calibration::Refined* estimate) {
   const Signature& signature = record.signature;
   const auto tool = tool_target(signature);
   if (!tool || record.nominal.limits.size() != signature.joint_count() ||
       !std::ranges::equal(record.nominal.joints, signature.types, {}, &DhJoint::type)) {
     return std::nullopt;
   }
-  auto exact = std::make_unique<refinement::Refined>();
+  auto exact = std::make_unique<calibration::Refined>();
   if (estimate == nullptr) {
     exact->signature = signature;
     exact->readings = record.readings();

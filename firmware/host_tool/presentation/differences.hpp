@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/refinement/refined.hpp"
+#include "core/calibration/refined.hpp"
 #include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {
@@ -33,7 +33,7 @@ struct DifferenceTable {
 // `estimate`: what is behind the record, or nullptr. Nothing where the signature has no target on
 // the last link, or is of another arm than its drawing.
 [[nodiscard]] std::optional<DifferenceTable> difference_table(const SignatureRecord& record,
-                                                              const refinement::Refined* estimate);
+                                                              const calibration::Refined* estimate);
 // The same with the estimate of the record's own covariance.
 [[nodiscard]] std::optional<DifferenceTable> difference_table(const SignatureRecord& record);
 

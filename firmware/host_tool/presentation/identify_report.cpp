@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "firmware/formats/wrapping.hpp"
+#include "firmware/host_tool/diagnosis/evidence.hpp"
 #include "firmware/host_tool/presentation/differences.hpp"
 #include "firmware/host_tool/presentation/refinement_report.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
@@ -20,13 +21,19 @@
 namespace armsig::tool {
 namespace {
 
-void print_head(const ReportedFiles& files, const SignatureRecord& record,
-                const RowCounts& counts) {
+void print_head(const ReportedFiles& files, const SignatureRecord& record, const Found& found) {
   const Signature& signature = record.signature;
+  const RowCounts& counts = found.identified.counts;
   say("{}: arm signature from {} by the {} method\n\n", record.arm_name, files.measurements,
       record.method);
+  if (!found.why_method.empty()) {
+    say("{}\n", paragraph(fmt::format("the {} method, {}", record.method, found.why_method)));
+  }
   say("  {} rows: {} rejected as outliers", counts.rows,
       record.fit ? record.fit->rows_rejected : 0);
+  if (found.refinement && found.refinement->free_poses_rejected > 0) {
+    say(" ({} of the {} free poses)", found.refinement->free_poses_rejected, counts.mixed);
+  }
   if (counts.missing > 0) say(", {} without a position", counts.missing);
   if (counts.inconsistent > 0) {
     say(", {} with ranges that do not meet in a point", counts.inconsistent);
@@ -58,17 +65,17 @@ void print_left_out(const calibration::HeldOutScore& score) {
 
 // The figures that count, whichever the method: they are not those of the fit.
 // Both figures where maps leave the readings that were not measured less certain.
-void print_predicted(const Found& found, double error_m) {
+void print_predicted(const Found& found, const ToolAccuracy::Predicted& predicted) {
   constexpr double kNoWorse = 1.1;
   const auto over_limits_m =
       found.refinement ? found.refinement->predicted_over_limits_m : std::nullopt;
-  std::string where = over_limits_m ? "readings measured" : "joint limits";
-  if (over_limits_m && *over_limits_m > kNoWorse * error_m) {
+  std::string where = region_in_words(predicted.region);
+  if (over_limits_m && *over_limits_m > kNoWorse * predicted.rms_m) {
     where += fmt::format(", {:.3f} mm over all that the joint limits allow", 1e3 * *over_limits_m);
   }
   say("{}", paragraph(fmt::format(
-                "predicted tool error, 1 sigma, in the sensor's frame: {:.3f} mm RMS over the {}",
-                1e3 * error_m, where)));
+                "predicted tool error, 1 sigma, in the sensor's frame: {:.3f} mm RMS over {}",
+                1e3 * predicted.rms_m, where)));
 }
 
 // What nothing that was measured tells, unless a slide's reading says how long a millimetre is.
@@ -77,7 +84,7 @@ std::optional<double> moved_by_unseen_scale_m(const Found& found, const Signatur
   const bool slides = std::ranges::find(record.signature.types, JointType::kPrismatic) !=
                       record.signature.types.end();
   const bool asked = found.refinement && found.refinement->fitted.scale;
-  if (slides || asked || found.scale_stated || !record.predicted_tool_error_m) return std::nullopt;
+  if (slides || asked || found.scale_stated || !record.accuracy.predicted) return std::nullopt;
   return moved_by_scale_m(record, 1 + kScaleToName);
 }
 
@@ -96,7 +103,7 @@ void print_validation(const Found& found) {
       left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
   if (found.refinement && found.refinement->left_out) {
     print_left_out(*found.refinement->left_out);
-  } else if (left_out.far_off > 0) {
+  } else if (left_out.far_off > 0 && left_out.rms_m > kComputed_m) {
     say("  without the {} of them that are far off: {:.3f} mm RMS, {:.3f} mm mean\n",
         left_out.far_off, 1e3 * left_out.rms_kept_m, 1e3 * left_out.mean_kept_m);
   }
@@ -140,7 +147,7 @@ void print_accuracy(const Found& found, const SignatureRecord& record) {
   say("\nHow accurate it is\n\n");
   print_validation(found);
   if (found.refinement) print_other_models(*found.refinement);
-  if (record.predicted_tool_error_m) print_predicted(found, *record.predicted_tool_error_m);
+  if (record.accuracy.predicted) print_predicted(found, *record.accuracy.predicted);
   print_what_is_left_open(found, record);
 }
 
@@ -173,8 +180,9 @@ nlohmann::ordered_json validation_json(const Found& found) {
 // The keys of what is known of the accuracy of the tool, as far as it is.
 void add_tool_error(const Found& found, const SignatureRecord& record,
                     nlohmann::ordered_json& json) {
-  if (record.predicted_tool_error_m) {
-    json["predicted_tool_error_m"] = *record.predicted_tool_error_m;
+  if (const auto& predicted = record.accuracy.predicted) {
+    json["predicted_tool_error_m"] = predicted->rms_m;
+    json["predicted_region"] = name(predicted->region);
   }
   if (found.refinement && found.refinement->predicted_over_limits_m) {
     json["predicted_over_limits_m"] = *found.refinement->predicted_over_limits_m;
@@ -192,14 +200,13 @@ void add_tool_error(const Found& found, const SignatureRecord& record,
 
 void print_identified(const Found& found, const SignatureRecord& record, const ReportedFiles& files,
                       std::size_t receivers) {
-  print_head(files, record, found.identified.counts);
+  print_head(files, record, found);
   if (found.refinement) print_refinement(*found.refinement, receivers);
   if (const auto differences = difference_table(record)) {
     say("\n{}", in_words(*differences, record.signature.joint_count()));
   }
   print_accuracy(found, record);
-  say("\nWritten: {}\nNext: armsig report --signature {} --measurements {} --out report.html\n",
-      file_in_words(files.out), file_or(files.out, "signature.yaml"), files.measurements);
+  say("\nWritten: {}\n", file_in_words(files.out));
 }
 
 nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record,
@@ -208,6 +215,7 @@ nlohmann::ordered_json json_of(const Found& found, const SignatureRecord& record
   nlohmann::ordered_json json{{"status", 0},
                               {"arm", record.arm_name},
                               {"method", record.method},
+                              {"why_method", found.why_method},
                               {"rows", counts.rows},
                               {"rows_missing", counts.missing},
                               {"rows_inconsistent", counts.inconsistent},

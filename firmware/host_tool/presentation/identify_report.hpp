@@ -17,7 +17,8 @@ struct Found {
   Identified identified;
   std::optional<RefinementOutcome> refinement;
   std::optional<CrossValidation> validation;
-  bool scale_stated = false;  // a scale of the sensor is part of the predicted tool error
+  bool scale_stated = false;    // a scale of the sensor is part of the predicted tool error
+  std::string why_method = {};  // "which ..."; empty where the method was asked for
 };
 
 struct ReportedFiles {

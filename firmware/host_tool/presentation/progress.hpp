@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A progress bar on standard error for work that takes longer than a second; nothing where it is
-// not a terminal.
+// A progress bar in the terminal's line (formats/terminal_line.hpp) for work that takes longer than
+// a second; nothing where standard error is no terminal.
 #pragma once
 
 #include <chrono>
@@ -11,8 +11,10 @@ namespace armsig::tool {
 
 class Progress {
  public:
+  using Clock = std::chrono::steady_clock;
+
   // `total` steps are expected; 0 when unknown.
-  Progress(std::string what, std::size_t total);
+  Progress(std::string what, std::size_t total, Clock::time_point (*now)() = Clock::now);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -21,13 +23,11 @@ class Progress {
   void update(std::size_t done);
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   std::string what_;
   std::size_t total_;
+  Clock::time_point (*now_)();
   bool on_terminal_;
-  bool drawn_ = false;
-  Clock::time_point started_ = Clock::now();
+  Clock::time_point started_ = now_();
   Clock::time_point last_drawn_ = started_;
 };
 

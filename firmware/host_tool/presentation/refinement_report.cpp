@@ -13,10 +13,10 @@
 namespace armsig::tool {
 namespace {
 
-void print_corrections(const refinement::Refined& refined) {
+void print_corrections(const calibration::Refined& refined) {
   say("  errors of the readings\n");
   for (std::size_t j = 0; j < refined.readings.corrections.size(); ++j) {
-    const refinement::ReadingCorrection& c = refined.readings.corrections[j];
+    const calibration::ReadingCorrection& c = refined.readings.corrections[j];
     say("    joint {}: gain {:+.6f}, once a turn {:.4f}°, twice a turn {:.4f}°\n", j + 1, c.gain,
         degrees(std::hypot(c.cos_1, c.sin_1)), degrees(std::hypot(c.cos_2, c.sin_2)));
   }
@@ -39,9 +39,9 @@ void print_noise(const NoiseStatement& noise, bool beyond_chance) {
   }
 }
 
-nlohmann::ordered_json corrections_json(const refinement::ReadingModel& readings) {
+nlohmann::ordered_json corrections_json(const calibration::ReadingModel& readings) {
   nlohmann::ordered_json corrections;
-  for (const refinement::ReadingCorrection& c : readings.corrections) {
+  for (const calibration::ReadingCorrection& c : readings.corrections) {
     corrections.push_back({{"gain", c.gain},
                            {"cos_1_rad", c.cos_1},
                            {"sin_1_rad", c.sin_1},
@@ -54,7 +54,7 @@ nlohmann::ordered_json corrections_json(const refinement::ReadingModel& readings
 }  // namespace
 
 void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
-  const refinement::FitQuality& quality = outcome.refined->quality;
+  const calibration::FitQuality& quality = outcome.refined->quality;
   say("\nThe refinement\n\n");
   if (outcome.drawing_rms_m) {
     say("  drawing, base and tool fitted   {:8.3f} mm RMS\n", 1e3 * *outcome.drawing_rms_m);
@@ -79,11 +79,12 @@ void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
 }
 
 nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::size_t receivers) {
-  const refinement::Refined& refined = *outcome.refined;
+  const calibration::Refined& refined = *outcome.refined;
   nlohmann::ordered_json json{
       {"rms_m", refined.quality.rms_m},
       {"rows_used", refined.quality.rows_used},
       {"rows_rejected", refined.quality.rows_rejected},
+      {"free_poses_rejected", outcome.free_poses_rejected},
       {"iterations", refined.quality.iterations},
       {"noise_factor", refined.quality.noise_factor},
       {"sigma_m", refined.quality.sigma_m},

@@ -8,6 +8,7 @@
 
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/standard_output.hpp"
+#include "firmware/formats/terminal_line.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 
 namespace armsig::tool {
@@ -43,12 +44,9 @@ std::string place_in_words(const std::string& file) {
   return (file == kStandardOutput ? "on " : "in ") + file_in_words(file);
 }
 
-std::string file_or(const std::string& file, std::string_view name) {
-  return file == kStandardOutput ? std::string(name) : file;
-}
-
 void put(std::FILE* stream, std::string_view text) {
   if (output_is_the_file && stream == stdout) stream = stderr;
+  TerminalLine::of_this_process().clear();
   const std::string safe = shown_lines(text);
   if (std::fwrite(safe.data(), 1, safe.size(), stream) < safe.size()) {
     throw std::system_error(errno, std::generic_category(), "the output can't be written");

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/evaluation/comparison.hpp"
 #include "core/signature.hpp"
+#include "firmware/analysis/evaluation/comparison.hpp"
 
 namespace armsig::tool {
 
@@ -18,7 +18,8 @@ namespace armsig::tool {
 // Denavit-Hartenberg rows in degrees and millimetres, in the layout of the paper's Tables 1 and 2.
 [[nodiscard]] std::string dh_table(const DhRows& rows);
 
-// What to know about a `d` of metres, in words; empty where all axes are well apart from parallel.
+// What to know about a distance d of metres, in words; empty where all axes are well apart from
+// parallel.
 [[nodiscard]] std::string near_parallel_note(const Signature& signature);
 
 // The four indices with the ideal model and with the signature, and their ratios.

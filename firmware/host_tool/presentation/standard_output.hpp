@@ -20,7 +20,4 @@ void leave_standard_output_to_the_file();
 // Where what was written is: `in FILE`, or on standard output.
 [[nodiscard]] std::string place_in_words(const std::string& file);
 
-// `file` in a command to be typed next; `name` where it went to standard output.
-[[nodiscard]] std::string file_or(const std::string& file, std::string_view name);
-
 }  // namespace armsig::tool

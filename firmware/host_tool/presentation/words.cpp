@@ -96,4 +96,16 @@ std::string duration_in_words(double seconds) {
   return fmt::format("{} s", whole);
 }
 
+std::string region_in_words(PredictedRegion region) {
+  switch (region) {
+    case PredictedRegion::kSignatureConfiguration:
+      return "the signature configuration alone";
+    case PredictedRegion::kMeasuredReadings:
+      return "the readings measured";
+    case PredictedRegion::kJointLimits:
+      break;
+  }
+  return "the joint limits";
+}
+
 }  // namespace armsig::tool

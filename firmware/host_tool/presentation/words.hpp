@@ -7,6 +7,7 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
+#include "core/base/tool_accuracy.hpp"
 
 namespace armsig::tool {
 
@@ -24,5 +25,8 @@ namespace armsig::tool {
 
 // `3 h 20 min`, `12 min 5 s`, `8 s`.
 [[nodiscard]] std::string duration_in_words(double seconds);
+
+// "the joint limits": a region of a predicted tool error.
+[[nodiscard]] std::string region_in_words(PredictedRegion region);
 
 }  // namespace armsig::tool

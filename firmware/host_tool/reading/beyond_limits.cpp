@@ -2,6 +2,7 @@
 #include "firmware/host_tool/reading/beyond_limits.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -21,7 +22,51 @@ double beyond(JointType type, const JointLimits& limits, double reading) {
   return outside / (type == JointType::kRevolute ? 2 * kPi : range);
 }
 
+std::string beyond_in_words(std::size_t joint, JointType type, const JointLimits& limits,
+                            double reading) {
+  return fmt::format("joint {} reads {}, its limits are {} to {}", joint + 1,
+                     reading_in_words(type, reading), reading_in_words(type, limits.lower),
+                     reading_in_words(type, limits.upper));
+}
+
 }  // namespace
+
+std::optional<ImpossibleReading> impossible_reading(const Arm& drawing, const JointVector& q) {
+  if (drawing.limits.size() != q.size()) return std::nullopt;
+  std::optional<ImpossibleReading> found;
+  double farthest = 1;
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    const JointType type = drawing.joints[j].type;
+    const double by = beyond(type, drawing.limits[j], q[j]);
+    if (by <= farthest) continue;
+    farthest = by;
+    found =
+        ImpossibleReading{.joint = j, .words = beyond_in_words(j, type, drawing.limits[j], q[j])};
+  }
+  return found;
+}
+
+void ImpossibleRows::add(Problem problem) {
+  if (rows++ == 0) first = std::move(problem);
+}
+
+Problem ImpossibleRows::problem(std::size_t of, std::string_view unit_from) const {
+  Problem problem = first;
+  if (2 * rows >= of) {
+    problem.what += fmt::format(
+        "; {} of {} rows are so: the unit (degrees or radians) or the order of the joints is wrong",
+        rows, of);
+    problem.expected = fmt::format(
+        "readings in the unit that {} says, of the joints in the order of the arm description",
+        unit_from);
+    return problem;
+  }
+  if (rows > 1) problem.what += fmt::format("; {} of {} rows are so", rows, of);
+  problem.expected = fmt::format(
+      "readings in the unit that {} says; whole turns taken off a joint that turns without an end",
+      unit_from);
+  return problem;
+}
 
 std::optional<BeyondLimits> beyond_limits(const Arm& drawing, std::span<const JointVector> rows) {
   if (drawing.limits.size() != drawing.joints.size()) return std::nullopt;
@@ -37,9 +82,7 @@ std::optional<BeyondLimits> beyond_limits(const Arm& drawing, std::span<const Jo
       if (by <= farthest) continue;
       farthest = by;
       found.worst = k;
-      found.words = fmt::format(
-          "joint {} reads {}, its limits are {} to {}", j + 1, reading_in_words(type, rows[k][j]),
-          reading_in_words(type, limits.lower), reading_in_words(type, limits.upper));
+      found.words = beyond_in_words(j, type, limits, rows[k][j]);
     }
     found.rows += outside ? 1 : 0;
   }

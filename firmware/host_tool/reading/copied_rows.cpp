@@ -9,12 +9,6 @@
 namespace armsig::tool {
 namespace {
 
-bool was_seen(const MeasurementRow& row) {
-  return row.p_S || std::ranges::any_of(row.ranges_m, [](const std::optional<double>& range_m) {
-           return range_m.has_value();
-         });
-}
-
 // Of a million rows no two differ and look alike.
 std::size_t digest_of(const MeasurementRow& row) {
   std::string bytes;
@@ -31,6 +25,12 @@ std::size_t digest_of(const MeasurementRow& row) {
 }
 
 }  // namespace
+
+bool was_seen(const MeasurementRow& row) {
+  return row.p_S || std::ranges::any_of(row.ranges_m, [](const std::optional<double>& range_m) {
+           return range_m.has_value();
+         });
+}
 
 bool CopiedRows::is_copy(const MeasurementRow& row) {
   if (!was_seen(row)) return false;

@@ -15,6 +15,9 @@ namespace armsig::tool {
 // Of rows that are all kept in memory, so many are remembered.
 inline constexpr std::size_t kRememberedInMemory = std::size_t{4} << 20U;
 
+// Whether the row gives a position, or a range at least.
+[[nodiscard]] bool was_seen(const MeasurementRow& row);
+
 class CopiedRows {
  public:
   // Remembers the last `remembered` rows.

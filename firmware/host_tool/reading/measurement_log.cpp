@@ -7,7 +7,7 @@ namespace armsig::tool {
 
 void MeasurementLog::add(const MeasurementRow& row, const std::optional<SensorDescription>& sensor,
                          double scale) {
-  refinement::Observation observation;
+  calibration::Observation observation;
   observation.sweep = row.sweep;
   observation.readings = row.q;
   const auto keep = [&] {
@@ -24,7 +24,7 @@ void MeasurementLog::add(const MeasurementRow& row, const std::optional<SensorDe
   for (std::size_t k = 0; sensor && k < row.ranges_m.size(); ++k) {
     if (!row.ranges_m[k]) continue;
     ranges_ = true;
-    observation.kind = refinement::ObservationKind::kRange;
+    observation.kind = calibration::ObservationKind::kRange;
     observation.receiver = k;
     observation.range_m = scale * *row.ranges_m[k];
     observation.sigma_m = row.sigma_m.value_or(sensor->range_sigma_m);
@@ -40,15 +40,15 @@ void MeasurementLog::add(const MeasurementRow& row, const std::optional<SensorDe
 }
 
 void MeasurementLog::add_located(const Vector3& p_S) {
-  refinement::Observation position = observations_.back();
-  position.kind = refinement::ObservationKind::kPosition;
+  calibration::Observation position = observations_.back();
+  position.kind = calibration::ObservationKind::kPosition;
   position.p_S = p_S;
   located_.push_back(position);
   located_numbers_.push_back(target_numbers_.back());
 }
 
 std::optional<int> MeasurementLog::index_targets(const FixedVector<Target, kMaxTargets>& targets) {
-  const auto index = [&](std::vector<refinement::Observation>& rows,
+  const auto index = [&](std::vector<calibration::Observation>& rows,
                          const std::vector<int>& numbers) -> std::optional<int> {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const auto* found = std::ranges::find(targets, numbers[k], &Target::number);
@@ -61,16 +61,16 @@ std::optional<int> MeasurementLog::index_targets(const FixedVector<Target, kMaxT
   return index(located_, located_numbers_);
 }
 
-const refinement::Observation* MeasurementLog::first_position(int target) const {
+const calibration::Observation* MeasurementLog::first_position(int target) const {
   const std::vector<int>& numbers = located_.empty() ? target_numbers_ : located_numbers_;
   const auto found = std::ranges::find(numbers, target);
   if (found == numbers.end()) return nullptr;
   const auto& first = positions()[static_cast<std::size_t>(found - numbers.begin())];
-  return first.kind == refinement::ObservationKind::kPosition ? &first : nullptr;
+  return first.kind == calibration::ObservationKind::kPosition ? &first : nullptr;
 }
 
 std::vector<std::size_t> MeasurementLog::rejected_lines(
-    const std::vector<refinement::RowOutcome>& outcomes) const {
+    const std::vector<calibration::RowOutcome>& outcomes) const {
   std::vector<std::size_t> lines;
   for (std::size_t k = 0; k < outcomes.size(); ++k) {
     if (outcomes[k].rejected && (lines.empty() || lines.back() != lines_[k])) {
@@ -81,12 +81,12 @@ std::vector<std::size_t> MeasurementLog::rejected_lines(
 }
 
 std::vector<DisbelievedReceiver> MeasurementLog::disbelieved_receivers(
-    const std::vector<refinement::RowOutcome>& outcomes) const {
+    const std::vector<calibration::RowOutcome>& outcomes) const {
   constexpr std::size_t kFewest = 3;
   std::map<std::size_t, DisbelievedReceiver> all;
   for (std::size_t k = 0; k < outcomes.size(); ++k) {
-    const refinement::Observation& row = observations_[k];
-    if (row.kind != refinement::ObservationKind::kRange) continue;
+    const calibration::Observation& row = observations_[k];
+    if (row.kind != calibration::ObservationKind::kRange) continue;
     DisbelievedReceiver& receiver = all[row.receiver];
     receiver.number = row.receiver + 1;
     ++receiver.ranges;

@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "core/refinement/refined.hpp"
+#include "core/calibration/refined.hpp"
 #include "firmware/formats/measurements.hpp"
 #include "firmware/formats/sensor_file.hpp"
 
@@ -35,34 +35,34 @@ class MeasurementLog {
   [[nodiscard]] std::vector<Target> targets(std::size_t joints) const;
 
   // The first row that gives the position of a target, measured or located; null where none does.
-  [[nodiscard]] const refinement::Observation* first_position(int target) const;
+  [[nodiscard]] const calibration::Observation* first_position(int target) const;
 
   // Positions to start from: those located where the log holds ranges, otherwise the log itself.
-  [[nodiscard]] const std::vector<refinement::Observation>& positions() const {
+  [[nodiscard]] const std::vector<calibration::Observation>& positions() const {
     return located_.empty() ? observations_ : located_;
   }
 
   // No row holds ranges.
   [[nodiscard]] bool positions_only() const { return located_.empty() && !ranges_; }
 
-  [[nodiscard]] std::vector<refinement::Observation>& observations() { return observations_; }
-  [[nodiscard]] const std::vector<refinement::Observation>& observations() const {
+  [[nodiscard]] std::vector<calibration::Observation>& observations() { return observations_; }
+  [[nodiscard]] const std::vector<calibration::Observation>& observations() const {
     return observations_;
   }
   // The lines whose observations were rejected, each once.
   [[nodiscard]] std::vector<std::size_t> rejected_lines(
-      const std::vector<refinement::RowOutcome>& outcomes) const;
+      const std::vector<calibration::RowOutcome>& outcomes) const;
   // The receivers of which most ranges were rejected.
   [[nodiscard]] std::vector<DisbelievedReceiver> disbelieved_receivers(
-      const std::vector<refinement::RowOutcome>& outcomes) const;
+      const std::vector<calibration::RowOutcome>& outcomes) const;
   // Line of the file that observation k came from.
   [[nodiscard]] std::size_t line(std::size_t k) const { return lines_[k]; }
 
  private:
-  std::vector<refinement::Observation> observations_;
+  std::vector<calibration::Observation> observations_;
   std::vector<std::size_t> lines_;
   std::vector<int> target_numbers_;
-  std::vector<refinement::Observation> located_;
+  std::vector<calibration::Observation> located_;
   std::vector<int> located_numbers_;
   bool ranges_ = false;
   std::map<int, std::size_t> outermost_sweep_;  // 0: seen in a row with sweep 0

@@ -17,6 +17,11 @@ constexpr std::size_t kSampled = 60;
 constexpr std::size_t kEnoughToGiveUp = 6;
 // A slip is named where so large a share of the rows that failed meets in a point with it.
 constexpr double kMost = 0.7;
+constexpr double kRuledOut = 5;  // sigmas
+
+constexpr const char* kCureOfScale =
+    "air_c of every row where the sound goes, with calibrated_at_c of the sensor, or --method "
+    "refined --correct scale";
 
 std::string cure_of(Error error) {
   if (error == Error::kRangesInconsistent) {
@@ -40,10 +45,13 @@ void RangeHealth::add(const MeasurementRow& row, double scale) {
   }
   if (heard == 0) return;
   ++rows_;
+  scale_->add(row, scale);
   const auto position = locate(row, *sensor_, scale);
   if (position) return;
   ++failures_[position.error()];
-  if (sample_.size() < kSampled) sample_.push_back({row, scale});
+  if (position.error() == Error::kRangesInconsistent && sample_.size() < kSampled) {
+    sample_.push_back({row, scale});
+  }
 }
 
 std::size_t RangeHealth::located_by(const SensorDescription& sensor, double factor) const {
@@ -55,7 +63,14 @@ std::size_t RangeHealth::located_by(const SensorDescription& sensor, double fact
   return located;
 }
 
+std::size_t RangeHealth::located_by(const RangeScale& scale) const {
+  return static_cast<std::size_t>(std::ranges::count_if(sample_, [&](const Kept& kept) {
+    return locate(kept.row, *sensor_, kept.scale / (1 + scale.excess(kept.row.line))).has_value();
+  }));
+}
+
 // The larger of ranges and receivers is left as it is: against its sigma the noise is its own.
+// NOLINTNEXTLINE(readability-function-size): a list of slips
 std::optional<RangeHealth::Slip> RangeHealth::likeliest_slip() const {
   std::size_t most = 0;
   Slip likeliest;
@@ -92,6 +107,12 @@ std::optional<RangeHealth::Slip> RangeHealth::likeliest_slip() const {
               "the receivers in the order of the columns r1, r2, ...");
     }
   }
+  const std::optional<RangeScale> scale = scale_->result();
+  if (const std::size_t located = scale ? located_by(*scale) : 0; located > most) {
+    most = located;
+    likeliest = {.words = scale->in_words() + ": with that undone",
+                 .mend = scale->drifts() ? kCureOfDrift : kCureOfScale};
+  }
   if (static_cast<double>(most) < kMost * static_cast<double>(sample_.size())) return std::nullopt;
   likeliest.words += fmt::format(" {} of {} of them do", most, sample_.size());
   return likeliest;
@@ -113,6 +134,30 @@ std::optional<Problem> RangeHealth::problem(const std::string& file) const {
   if (2 * failed <= rows_) return std::nullopt;
   const Error why =
       std::ranges::max_element(failures_, {}, [](const auto& f) { return f.second; })->first;
+  return problem_of(why, failed, file);
+}
+
+std::optional<Problem> RangeHealth::contradiction(const std::string& file) const {
+  const auto found = failures_.find(Error::kRangesInconsistent);
+  if (found == failures_.end() || 2 * found->second <= rows_) return std::nullopt;
+  return problem_of(found->first, found->second, file);
+}
+
+std::optional<RangeScale> RangeHealth::drift() const {
+  if (!scale_) return std::nullopt;
+  auto scale = scale_->result();
+  if (!scale || !scale->drifts()) return std::nullopt;
+  return scale;
+}
+
+bool RangeHealth::rules_out(double factor) const {
+  const auto common = scale_ ? scale_->common() : std::nullopt;
+  if (!common) return false;
+  const double off = std::abs(factor - 1 - common->excess);
+  return off > kRuledOut * common->sigma && 2 * std::abs(common->excess) < std::abs(factor - 1);
+}
+
+Problem RangeHealth::problem_of(Error why, std::size_t failed, const std::string& file) const {
   Problem problem{file, 0, 0,
                   fmt::format("{} of {} rows with ranges give no position: {}{}", failed, rows_,
                               describe(why), never_heard()),

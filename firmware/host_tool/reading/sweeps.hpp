@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "core/base/arm.hpp"
-#include "core/features/fusion.hpp"
 #include "core/features/sweep_estimator.hpp"
 #include "core/signature.hpp"
+#include "firmware/analysis/evaluation/fusion.hpp"
 #include "firmware/formats/problem.hpp"
 
 namespace armsig::tool {

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/refinement/determination.hpp"
-#include "core/refinement/zero_offsets.hpp"
+#include "firmware/analysis/starts/determination.hpp"
+#include "firmware/analysis/starts/zero_offsets.hpp"
 #include "firmware/host_tool/refinement/candidates.hpp"
+#include "firmware/host_tool/refinement/coupled_joints.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -26,6 +27,10 @@ constexpr std::size_t kMostRowsToOffer = 1000;
 constexpr double kNeedsCorrections = 0.8;
 // A scale known no better than this (1.7 K of air temperature) counts as unknown.
 constexpr double kLeastScaleSigma = 1e-3;
+// Play is looked for where a score test says so much of it (a logarithm of likelihoods): beside the
+// geometry alone, whose gravity and maps look like it, and beside the model that was chosen.
+constexpr double kClearPlay = 40;
+constexpr double kWorthPlay = 12;
 
 // Of a variance found with so many degrees of freedom: what chance may add to it, as a share.
 double chance(double freedom) { return kChance * std::sqrt(2 / std::max(freedom, 1.0)); }
@@ -45,12 +50,12 @@ NoiseStatement noise_of(double variance, double freedom, double stated_variance)
 
 class CalibrationFit {
  public:
-  CalibrationFit(const CalibrationLog& log, std::span<refinement::RowOutcome> verdicts)
+  CalibrationFit(const CalibrationLog& log, std::span<calibration::RowOutcome> verdicts)
       : log_(log), verdicts_(verdicts), candidates_(log) {}
 
   std::expected<Calibrated, Refusal> operator()() {
     const double most_m = candidates_.limits().drawn_rms_m;
-    const auto drawn = refinement::fit_base_and_tool(log_.nominal, log_.positions, log_.targets);
+    const auto drawn = calibration::fit_base_and_tool(log_.nominal, log_.positions, log_.targets);
     if (!drawn && !log_.start) return std::unexpected(drawn.error());
     if (drawn) found_.drawing_rms_m = drawn->rms_m;
     if (drawn && drawn->rms_m <= most_m &&
@@ -58,7 +63,7 @@ class CalibrationFit {
       return std::move(found_);
     }
     if (drawn && drawn->rms_m > kZerosInDoubt_m) {
-      const auto zeroed = refinement::fit_zeros(log_.nominal, log_.positions, log_.targets);
+      const auto zeroed = calibration::fit_zeros(log_.nominal, log_.positions, log_.targets);
       if (zeroed && zeroed->fitted.rms_m <= most_m &&
           attempt(start_from_drawing(log_, zeroed->arm, zeroed->fitted), true)) {
         found_.zero_shifts = zeroed->shifts;
@@ -71,19 +76,44 @@ class CalibrationFit {
   }
 
  private:
+  // A geometry, and the same with gravity and maps where they help.
+  struct Choice {
+    Candidate geometry;
+    std::optional<Candidate> whole;
+
+    [[nodiscard]] Candidate& best() { return whole ? *whole : geometry; }
+  };
+
   // True, and everything found, where the fit from there is to be believed. `upright`: the start
   // has the drawing's base.
   bool attempt(const FitStart& from, bool upright) {
     auto geometry = candidates_.geometry(from);
     if (!geometry) return note(geometry.error());
-    const bool unasked = may_correct(*geometry);
+    auto played = candidates_.played(*geometry, kClearPlay);
+    std::optional<Choice> chosen;
+    if (played) chosen = corrected(std::move(*played), upright);
+    if (!chosen || !has_certain_play(chosen->best())) {
+      candidates_.find_play(false);
+      chosen = corrected(std::move(*geometry), upright);
+      played = candidates_.played(chosen->best(), kWorthPlay);
+      if (played) chosen->best() = std::move(*played);
+    }
+    found_.coupling = find_coupling(log_, candidates_, chosen->best());
+    if (const auto done = adopt(std::move(*chosen)); !done) return note(done.error());
+    return true;
+  }
+
+  // With corrections of the readings where they are asked for or needed.
+  Choice corrected(Candidate geometry, bool upright) {
+    const bool unasked = may_correct(geometry);
     std::optional<Candidate> corrected;
-    if (log_.choose_readings || unasked) corrected = candidates_.corrected(*geometry);
+    if (log_.choose_readings || unasked) corrected = candidates_.corrected(geometry);
     if (corrected && log_.choose_readings) {
       geometry = std::move(*corrected);
       corrected.reset();
     }
-    Choice chosen = choose(std::move(*geometry), upright);
+    found_.offered.reset();
+    Choice chosen = choose(std::move(geometry), upright);
     if (corrected && predicts_better(*corrected, chosen.best(), kWorthCorrections)) {
       if (predicts_better(*corrected, chosen.best(), kNeedsCorrections) ||
           taken_back(*corrected, chosen.best()) >= kFewestTakenBack) {
@@ -97,17 +127,8 @@ class CalibrationFit {
       auto geared = candidates_.geared(chosen.geometry, *chosen.whole);
       if (geared) chosen = choose(std::move(*geared), upright);
     }
-    if (const auto done = adopt(std::move(chosen)); !done) return note(done.error());
-    return true;
+    return chosen;
   }
-
-  // A geometry, and the same with gravity and maps where they help.
-  struct Choice {
-    Candidate geometry;
-    std::optional<Candidate> whole;
-
-    [[nodiscard]] Candidate& best() { return whole ? *whole : geometry; }
-  };
 
   Choice choose(Candidate geometry, bool upright) {
     Choice choice{std::move(geometry), std::nullopt};
@@ -137,6 +158,8 @@ class CalibrationFit {
     if (choice.geometry.left_out) found_.geometry = choice.geometry.left_out->score;
     if (best.deflected) found_.deflections = best.model;
     found_.alone = best.alone;
+    found_.half_plays = best.half_plays;
+    found_.moved_by_play = std::move(best.moved_by_play);
     if (const auto named = name_undetermined(best.variance); !named) return named;
     state(best.variance);
     return {};
@@ -144,25 +167,26 @@ class CalibrationFit {
 
   // Refuses a scale that the rows alone do not tell.
   std::expected<void, Refusal> name_undetermined(double variance) {
-    refinement::Refined& refined = *found_.refined;
-    const auto alone = std::make_unique<refinement::RowsAlone>();
-    refinement::gather_rows(log_.rows, verdicts_, log_.receivers, std::sqrt(variance), refined,
-                            *alone);
-    refinement::name_undetermined(*alone, refined);
+    calibration::Refined& refined = *found_.refined;
+    const auto alone = std::make_unique<calibration::RowsAlone>();
+    calibration::gather_rows(log_.rows, verdicts_, log_.receivers, std::sqrt(variance), refined,
+                             *alone);
+    calibration::name_undetermined(*alone, refined);
     if (!found_.request.scale) return {};
-    const double sigma = refinement::parameter_sigma(alone->information, refined.layout.scale);
+    const double sigma = calibration::parameter_sigma(alone->information, refined.layout.scale);
     if (sigma <= kLeastScaleSigma) return {};
     return std::unexpected(Refusal{Error::kScaleUndetermined, sigma, kLeastScaleSigma});
   }
 
   void state(double variance) {
-    refinement::Refined& refined = *found_.refined;
-    refinement::FitQuality& quality = refined.quality;
+    calibration::Refined& refined = *found_.refined;
+    calibration::FitQuality& quality = refined.quality;
     const double k = found_.left_out ? found_.left_out->factor : 1;
     const double shown = k * k * variance;
     const double stated = candidates_.stated_variance();
     found_.noise = noise_of(shown, quality.noise_freedom, stated);
-    const NoiseStatement& noise = found_.noise;
+    NoiseStatement& noise = found_.noise;
+    noise.unexplained_m = std::hypot(noise.unexplained_m, play_m());
     refined.information.scale(1 / k);
     for (Target& target : refined.signature.targets) target.covariance_m2 *= k * k;
     quality.sigma_is_estimated = noise.stated_m == 0 || noise.contradicted;
@@ -173,8 +197,17 @@ class CalibrationFit {
         stated > 0 && shown > stated * (1 + chance(quality.noise_freedom));
   }
 
+  // Play moves the target of a row by, per axis; nobody knows from which side a pose will be
+  // reached that is asked for later.
+  [[nodiscard]] double play_m() const {
+    if (found_.half_plays.empty()) return 0;
+    double squares = 0;
+    for (const Vector3& moved : found_.moved_by_play) squares += moved.squaredNorm();
+    return std::sqrt(squares / (3 * static_cast<double>(found_.moved_by_play.size())));
+  }
+
   const CalibrationLog& log_;
-  std::span<refinement::RowOutcome> verdicts_;
+  std::span<calibration::RowOutcome> verdicts_;
   Candidates candidates_;
   Calibrated found_;
   std::optional<Refusal> refused_;
@@ -183,7 +216,7 @@ class CalibrationFit {
 }  // namespace
 
 std::expected<Calibrated, Refusal> run_calibration(const CalibrationLog& log,
-                                                   std::span<refinement::RowOutcome> verdicts) {
+                                                   std::span<calibration::RowOutcome> verdicts) {
   return CalibrationFit(log, verdicts)();
 }
 

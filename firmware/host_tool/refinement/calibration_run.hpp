@@ -7,8 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/refinement/start.hpp"
-#include "firmware/calibration/held_out.hpp"
+#include "core/calibration/half_play.hpp"
+#include "firmware/analysis/evaluation/held_out.hpp"
+#include "firmware/analysis/starts/start.hpp"
 
 namespace armsig::tool {
 
@@ -23,14 +24,25 @@ struct NoiseStatement {
 
 // Corrections of the readings that were not asked for, and would help.
 struct OfferedCorrections {
-  refinement::ReadingTerms terms;
+  calibration::ReadingTerms terms;
   double left_out_mean_m = 0;  // cross-validated, with them
 };
 
+// A coupling that the arm description lacks, or has with another ratio.
+struct FoundCoupling {
+  JointCoupling coupling;
+  double sigma = 0;          // of its ratio
+  double drawn_ratio = 0;    // 0: the description lacks it
+  std::size_t rejected = 0;  // rows, with it
+  std::size_t rejected_without = 0;
+  double left_out_mean_m = 0;
+  double left_out_mean_without_m = 0;
+};
+
 struct Calibrated {
-  std::unique_ptr<refinement::Refined> refined;
+  std::unique_ptr<calibration::Refined> refined;
   calibration::FitSummary summary;
-  refinement::ParameterRequest request;  // corrections found
+  calibration::ParameterRequest request;  // corrections found
   std::optional<OfferedCorrections> offered;
   std::optional<calibration::HeldOutScore> left_out;  // none of too few poses
   std::optional<calibration::HeldOutScore> geometry;  // the same of geometry alone
@@ -38,22 +50,25 @@ struct Calibrated {
   // Gravity and maps of the readings, where poses left out are predicted better with them; the
   // readings of `refined` point there.
   std::shared_ptr<const calibration::ArmModel> deflections;
-  std::vector<std::size_t> alone;  // targets that a single row sees: nothing checks them
-  double drawing_rms_m = 0;        // of the drawing with base and targets fitted
-  JointVector zero_shifts;         // of the start, where the drawing's zeros led nowhere
+  std::optional<FoundCoupling> coupling;  // not part of `refined`
+  calibration::HalfPlays half_plays;      // none where no play was found
+  std::vector<Vector3> moved_by_play;     // the target of every row of the log
+  std::vector<std::size_t> alone;         // targets that a single row sees: nothing checks them
+  double drawing_rms_m = 0;               // of the drawing with base and targets fitted
+  JointVector zero_shifts;                // of the start, where the drawing's zeros led nowhere
 };
 
 struct CalibrationLog {
   const Arm& nominal;
   const std::optional<Signature>& start;  // from features, or none
-  std::span<const refinement::Observation> rows;
+  std::span<const calibration::Observation> rows;
   // What the base is found from: the rows, or where their ranges put the targets.
-  std::span<const refinement::Observation> positions;
+  std::span<const calibration::Observation> positions;
   std::span<const Target> targets;
-  const refinement::Receivers& receivers;
-  const refinement::ParameterRequest& request;  // corrections to be found
-  bool choose_readings = false;                 // those of the readings that help
-  bool as_read = false;                         // none, even where they are needed
+  const calibration::Receivers& receivers;
+  const calibration::ParameterRequest& request;  // corrections to be found
+  bool choose_readings = false;                  // those of the readings that help
+  bool as_read = false;                          // none, even where they are needed
 };
 
 // Fits the geometry, and gravity and maps of the readings where they help, and scores the model on
@@ -61,6 +76,6 @@ struct CalibrationLog {
 // those of fit_base_and_tool(); kNotConverged and kTooManyOutliers where no arm near the
 // description explains the rows; kScaleUndetermined; kCapacityExceeded (unknowns, capacity).
 [[nodiscard]] std::expected<Calibrated, Refusal> run_calibration(
-    const CalibrationLog& log, std::span<refinement::RowOutcome> verdicts);
+    const CalibrationLog& log, std::span<calibration::RowOutcome> verdicts);
 
 }  // namespace armsig::tool

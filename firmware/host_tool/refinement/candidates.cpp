@@ -5,9 +5,10 @@
 #include <array>
 #include <cmath>
 
-#include "core/refinement/determination.hpp"
-#include "firmware/calibration/packed_deflections.hpp"
-#include "firmware/calibration/signature_of_model.hpp"
+#include "core/calibration/packed_deflections.hpp"
+#include "core/calibration/signature_of_model.hpp"
+#include "core/calibration/standing_still.hpp"
+#include "firmware/analysis/starts/determination.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -21,9 +22,11 @@ constexpr double kWorthDeflections = 0.98;
 
 constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
 constexpr calibration::ModelParts kGravity{.gravity = true, .maps = false};
+constexpr calibration::ModelParts kMaps{.gravity = false, .maps = true};
 constexpr calibration::ModelParts kWhole{};
-constexpr refinement::ReadingTerms kGears{true, false, false};
-constexpr std::array<refinement::ReadingTerms, 4> kCorrections{
+constexpr double kCertain = 5;  // sigmas of a joint's play
+constexpr calibration::ReadingTerms kGears{true, false, false};
+constexpr std::array<calibration::ReadingTerms, 4> kCorrections{
     {{false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
 // Errors of gears larger than this are no encoder's; and beyond so many sigmas no chance.
 constexpr double kNotableGain = 5e-4;
@@ -34,9 +37,15 @@ bool fits_the_engine(const FitStart& start) {
          calibration::kMaxGeometry;
 }
 
-// Whether an arm can be like that: a signature holds no more, and no servo goes by more.
-bool is_bounded(const calibration::ArmModel& model) {
-  return calibration::check(calibration::packed(model), model.joint_count()).has_value();
+// Joints whose maps no signature holds, and no servo goes by; each a bit.
+std::uint8_t without_bounds(const calibration::PackedDeflections& deflections) {
+  std::uint8_t joints = 0;
+  for (std::size_t j = 0; j < deflections.maps.size(); ++j) {
+    if (!calibration::is_bounded(deflections.maps[j])) {
+      joints = static_cast<std::uint8_t>(joints | 1U << j);
+    }
+  }
+  return joints;
 }
 
 }  // namespace
@@ -61,13 +70,21 @@ std::size_t taken_back(const Candidate& candidate, const Candidate& other) {
   return count;
 }
 
-bool is_off_by_its_gear(const refinement::Refined& refined, std::size_t joint) {
+bool is_certain(const calibration::HalfPlay& half) {
+  return std::abs(half.value) > kCertain * half.sigma;
+}
+
+bool has_certain_play(const Candidate& found) {
+  return std::ranges::any_of(found.half_plays, is_certain);
+}
+
+bool is_off_by_its_gear(const calibration::Refined& refined, std::size_t joint) {
   const auto& corrections = refined.readings.corrections;
   const std::size_t column = refined.layout.gain[joint];
-  if (joint >= corrections.size() || column == refinement::kNoColumn) return false;
+  if (joint >= corrections.size() || column == calibration::kNoColumn) return false;
   const double gain = std::abs(corrections[joint].gain);
   return gain >= kNotableGain &&
-         gain > kSignificantGain * refinement::parameter_sigma(refined.information, column);
+         gain > kSignificantGain * calibration::parameter_sigma(refined.information, column);
 }
 
 double Candidates::most_m() const {
@@ -76,18 +93,22 @@ double Candidates::most_m() const {
 
 std::expected<Candidate, Refusal> Candidates::fitted(const FitStart& from,
                                                      const calibration::ModelParts& parts,
-                                                     const refinement::ParameterRequest& request) {
+                                                     const calibration::ParameterRequest& request) {
   FitStart start = from;
   const auto summary = fitting_.run(start, parts);
   if (!summary) return std::unexpected(Refusal{summary.error(), 0, 0});
   Candidate found;
   found.start = from;
   found.end = start;
+  found.parts = parts;
   found.request = request;
+  found.half_plays = fitting_.half_plays(start.model.joint_count());
+  found.moved_by_play = fitting_.moved_by_play();
+  found.half = fitting_.play().half;
   found.summary = *summary;
   found.variance = fitting_.engine().scales().sigma_squared;
   found.model = std::make_shared<calibration::ArmModel>(start.model);
-  refinement::Refined& refined = *found.refined;
+  calibration::Refined& refined = *found.refined;
   refined.signature = from.signature;
   refined.signature.s_model.clear();
   refined.signature.pseudo_dh.clear();
@@ -104,7 +125,7 @@ std::expected<Candidate, Refusal> Candidates::fitted(const FitStart& from,
   refined.quality.iterations = summary->rounds;
   refined.quality.noise_freedom =
       static_cast<double>(refined.quality.scalars) - summary->degrees_of_model;
-  std::vector<double> scratch(refinement::kMaxParameters * refinement::kMaxParameters);
+  std::vector<double> scratch(calibration::kMaxParameters * calibration::kMaxParameters);
   const auto done = calibration::geometry_to_signature(
       start.model, start.targets, fitting_.engine(), refined, request, scratch);
   if (!done) return std::unexpected(done.error());
@@ -126,23 +147,33 @@ std::expected<void, Refusal> Candidates::believable(const Candidate& found) cons
     return refuse(Error::kNotConverged, rms_m, most_m());
   }
   if (log_.start) return {};
-  return refinement::like_its_drawing(found.start.signature, found.refined->signature, limits_);
+  return calibration::like_its_drawing(found.start.signature, found.refined->signature, limits_);
 }
 
 std::expected<Candidate, Refusal> Candidates::geometry(const FitStart& from) {
-  auto found = fitted(from, kGeometry, log_.request);
+  return geometry(from, log_.request);
+}
+
+std::expected<Candidate, Refusal> Candidates::geometry(
+    const FitStart& from, const calibration::ParameterRequest& request) {
+  auto found = fitted(from, kGeometry, request);
   if (!found) return found;
   if (const auto good = believable(*found); !good) return std::unexpected(good.error());
-  found->left_out = fitting_.score(found->end, kGeometry);
+  score(*found);
   return found;
 }
 
 // A model too rich for the rows is no error, only no choice.
 std::optional<Candidate> Candidates::with_terms(const Candidate& plain,
-                                                const refinement::ReadingTerms& terms) {
+                                                const calibration::ReadingTerms& terms) {
   FitStart start = plain.start;
-  refinement::ParameterRequest request = log_.request;
+  calibration::ParameterRequest request = log_.request;
   request.readings.resize(log_.nominal.joints.size(), terms);
+  const auto readings = [](const calibration::Observation& row) { return row.readings; };
+  for (std::size_t j = 0; j < request.readings.size(); ++j) {
+    const JointType type = log_.nominal.joints[j].type;
+    if (calibration::stood_still(log_.rows, readings, j, type)) request.readings[j] = {};
+  }
   calibration::ask_for(request, start.model);
   if (!fits_the_engine(start)) return std::nullopt;
   auto candidate = fitted(start, kGeometry, request);
@@ -158,7 +189,7 @@ bool Candidates::corrections_take_back(const Candidate& plain) {
 
 std::optional<Candidate> Candidates::corrected(const Candidate& plain) {
   std::optional<Candidate> best;
-  for (const refinement::ReadingTerms& terms : kCorrections) {
+  for (const calibration::ReadingTerms& terms : kCorrections) {
     auto candidate = with_terms(plain, terms);
     if (!candidate) continue;
     candidate->left_out = fitting_.score(candidate->end, kGeometry);
@@ -182,27 +213,74 @@ std::optional<Candidate> Candidates::geared(const Candidate& plain, const Candid
   return candidate;
 }
 
+std::optional<Candidate> Candidates::bounded(const FitStart& bent, calibration::ModelParts parts,
+                                             const calibration::ParameterRequest& request) {
+  // What one pose alone shows, or a target next to an axis, may become a step in a map.
+  for (std::size_t tries = 0; tries <= log_.nominal.joints.size(); ++tries) {
+    auto found = fitted(bent, parts, request);
+    if (!found || !believable(*found)) return std::nullopt;
+    const calibration::PackedDeflections packed = calibration::packed(*found->model);
+    if (calibration::check(packed, log_.nominal)) {
+      score(*found);
+      return std::move(*found);
+    }
+    const std::uint8_t steep = without_bounds(packed);
+    if (steep == 0) return std::nullopt;
+    parts.without_map = static_cast<std::uint8_t>(parts.without_map | steep);
+  }
+  return std::nullopt;
+}
+
 std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
   if (!geometry.left_out) return std::nullopt;
   FitStart bent = geometry.start;
   calibration::choose_gravity_terms(log_.nominal, bent.model);
   if (!fits_the_engine(bent)) return std::nullopt;
-  // What one pose alone shows may become a step in a map; then gravity is all that is believed.
-  for (const calibration::ModelParts& parts : {kWhole, kGravity}) {
-    auto found = fitted(bent, parts, geometry.request);
-    if (!found || !believable(*found)) return std::nullopt;
-    if (is_bounded(*found->model)) return where_better(std::move(*found), parts, geometry);
+  std::optional<Candidate> best;
+  const auto consider = [&](const calibration::ModelParts& parts) {
+    auto found = bounded(bent, parts, geometry.request);
+    const bool better =
+        found && predicts_better(*found, best ? *best : geometry, kWorthDeflections);
+    if (better) best = std::move(found);
+  };
+  consider(kGravity);
+  const bool bends = best.has_value();
+  consider(kWhole);
+  // Every arm bends a little: gravity that helps by itself, or does no harm, stays.
+  if (!bends) consider(kMaps);
+  if (best) deflect(*best);
+  return best;
+}
+
+std::optional<Candidate> Candidates::fitted_as(const FitStart& start, const Candidate& like) {
+  if (like.deflected) return bounded(start, like.parts, like.request);
+  auto found = geometry(start, like.request);
+  if (!found) return std::nullopt;
+  return std::move(*found);
+}
+
+std::optional<Candidate> Candidates::played(const Candidate& plain, double worth) {
+  if (!plain.left_out) return std::nullopt;
+  const Beside more = beside(plain);
+  if (more.nats_of_play() < worth) return std::nullopt;
+  fitting_.assume_first_sides(more.first_sides());
+  fitting_.find_play(true);
+  auto found = fitted_as(plain.start, plain);
+  if (found && has_certain_play(*found) && predicts_better(*found, plain, kWorthCorrections)) {
+    if (plain.deflected) deflect(*found);
+    return found;
   }
+  fitting_.find_play(false);
   return std::nullopt;
 }
 
-// `found` was the last fit, with gravity or maps.
-std::optional<Candidate> Candidates::where_better(Candidate found,
-                                                  const calibration::ModelParts& parts,
-                                                  const Candidate& geometry) {
-  fitting_.note_covered(*found.model);
-  found.left_out = fitting_.score(found.end, parts);
-  if (!predicts_better(found, geometry, kWorthDeflections)) return std::nullopt;
+void Candidates::score(Candidate& found) {
+  if (found.parts.gravity || found.parts.maps) fitting_.note_covered(*found.model);
+  found.left_out = fitting_.score(found.end, found.parts);
+}
+
+// `found` was the last fit, with gravity or maps, and is taken.
+void Candidates::deflect(Candidate& found) {
   const double k = found.left_out->score.factor;
   for (calibration::JointModel& joint : found.model->joints) {
     joint.deviation.fill(0);
@@ -210,7 +288,6 @@ std::optional<Candidate> Candidates::where_better(Candidate found,
   }
   found.refined->readings.deflections = found.model.get();
   found.deflected = true;
-  return found;
 }
 
 }  // namespace armsig::tool

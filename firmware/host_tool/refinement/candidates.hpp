@@ -4,7 +4,8 @@
 // scores.
 #pragma once
 
-#include "core/refinement/start.hpp"
+#include "firmware/analysis/starts/start.hpp"
+#include "firmware/host_tool/refinement/beside.hpp"
 #include "firmware/host_tool/refinement/fitting.hpp"
 
 namespace armsig::tool {
@@ -17,15 +18,21 @@ inline constexpr std::size_t kFewestTakenBack = 2;
 struct Candidate {
   FitStart start;  // where its fit began
   FitStart end;    // and where it ended: folds begin there, and need not find the way again
-  refinement::ParameterRequest request;
-  std::unique_ptr<refinement::Refined> refined = std::make_unique<refinement::Refined>();
+  calibration::ModelParts parts;
+  calibration::ParameterRequest request;
+  std::unique_ptr<calibration::Refined> refined = std::make_unique<calibration::Refined>();
   std::shared_ptr<calibration::ArmModel> model;
   calibration::FitSummary summary;
   std::optional<LeftOut> left_out;  // none of too few poses
-  std::vector<refinement::RowOutcome> verdicts;
+  std::vector<calibration::RowOutcome> verdicts;
   std::vector<std::size_t> alone;  // targets that a single row sees
   double variance = 0;
-  bool deflected = false;  // with gravity and maps
+  bool deflected = false;  // with gravity or maps
+  // Half of each joint's play, none where it was not found; what it has moved the target of every
+  // row of the log by; and as the engine found it.
+  calibration::HalfPlays half_plays;
+  std::vector<Vector3> moved_by_play;
+  calibration::PlayBlock::Numbers half = calibration::PlayBlock::Numbers::Zero();
 };
 
 // Whether `candidate` predicts poses left out with at most `share` of the mean error of `other`, of
@@ -36,8 +43,12 @@ struct Candidate {
 // How many rows `other` rejects and `candidate` does not.
 [[nodiscard]] std::size_t taken_back(const Candidate& candidate, const Candidate& other);
 
+// Whether play is there beyond any doubt.
+[[nodiscard]] bool is_certain(const calibration::HalfPlay& half);
+[[nodiscard]] bool has_certain_play(const Candidate& found);
+
 // Whether a joint's reading is proportionally off by more than encoders are, beyond chance.
-[[nodiscard]] bool is_off_by_its_gear(const refinement::Refined& refined, std::size_t joint);
+[[nodiscard]] bool is_off_by_its_gear(const calibration::Refined& refined, std::size_t joint);
 
 class Candidates {
  public:
@@ -55,33 +66,51 @@ class Candidates {
   // stand in for a gear, and says nothing of readings beyond those measured.
   [[nodiscard]] std::optional<Candidate> geared(const Candidate& plain, const Candidate& whole);
 
-  // With gravity and maps too, where poses left out are predicted better with them; without maps
-  // where those found are no arm's.
+  // With gravity, with maps, or with both, whichever predicts poses left out best, if any does
+  // better. A joint whose map is no arm's goes without one.
   [[nodiscard]] std::optional<Candidate> deflected(const Candidate& geometry);
+
+  // The same as `plain` with the play of the joints, where a score test gives it `worth` (a
+  // logarithm of likelihoods), it is certain, and poses left out are predicted better. Every later
+  // candidate then has it too.
+  [[nodiscard]] std::optional<Candidate> played(const Candidate& plain, double worth);
+  void find_play(bool wanted) { fitting_.find_play(wanted); }
+
+  // From another start, with all that `like` has.
+  [[nodiscard]] std::optional<Candidate> fitted_as(const FitStart& start, const Candidate& like);
+
+  // What other unknowns would explain beside it.
+  [[nodiscard]] Beside beside(const Candidate& found) const {
+    return {log_, fitting_.rows(), found.end, found.half};
+  }
 
   // Whether the richest corrections take back rows that `plain` rejects.
   [[nodiscard]] bool corrections_take_back(const Candidate& plain);
 
   [[nodiscard]] double stated_variance() const { return fitting_.stated_variance(); }
-  [[nodiscard]] const refinement::StartLimits& limits() const { return limits_; }
+  [[nodiscard]] const calibration::StartLimits& limits() const { return limits_; }
 
  private:
   [[nodiscard]] std::expected<Candidate, Refusal> fitted(
       const FitStart& from, const calibration::ModelParts& parts,
-      const refinement::ParameterRequest& request);
+      const calibration::ParameterRequest& request);
+  [[nodiscard]] std::expected<Candidate, Refusal> geometry(
+      const FitStart& from, const calibration::ParameterRequest& request);
   [[nodiscard]] std::expected<void, Refusal> believable(const Candidate& found) const;
   [[nodiscard]] std::optional<Candidate> with_terms(const Candidate& plain,
-                                                    const refinement::ReadingTerms& terms);
-  [[nodiscard]] std::optional<Candidate> where_better(Candidate found,
-                                                      const calibration::ModelParts& parts,
-                                                      const Candidate& geometry);
+                                                    const calibration::ReadingTerms& terms);
+  [[nodiscard]] std::optional<Candidate> bounded(const FitStart& bent,
+                                                 calibration::ModelParts parts,
+                                                 const calibration::ParameterRequest& request);
+  void score(Candidate& found);
+  static void deflect(Candidate& found);
   // What a fit may be left with: an arm's, or a coarse sensor's.
   [[nodiscard]] double most_m() const;
 
   const CalibrationLog& log_;
   Fitting fitting_;
   // An arm of several metres, or one driven by cables, may be left with more than a table-top one.
-  refinement::StartLimits limits_{.rms_m = 10e-3};
+  calibration::StartLimits limits_{.rms_m = 10e-3};
 };
 
 }  // namespace armsig::tool

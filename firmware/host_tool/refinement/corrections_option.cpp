@@ -14,7 +14,7 @@ Read<FurtherUnknowns> parse_corrections(const std::vector<std::string>& words,
   };
   FurtherUnknowns further;
   if (words.empty()) return further;
-  if (method != "refined") {
+  if (method == "encoder" || method == "paper") {
     return mistake(fmt::format("the method is {}", method),
                    "--method refined, which can find corrections");
   }
@@ -37,7 +37,7 @@ Read<FurtherUnknowns> parse_corrections(const std::vector<std::string>& words,
   return further;
 }
 
-std::string corrections_in_words(const refinement::ReadingTerms& terms) {
+std::string corrections_in_words(const calibration::ReadingTerms& terms) {
   std::string words;
   const auto add = [&](bool term, std::string_view word) {
     if (term) words += fmt::format("{}{}", words.empty() ? "" : ",", word);

@@ -11,11 +11,12 @@
 
 namespace armsig::tool {
 
-// `has_receivers`: the sensor measures ranges, whose offsets can be found.
+// `method` as asked for: "refined", or one still to be chosen, finds them. `has_receivers`: the
+// sensor measures ranges, whose offsets can be found.
 [[nodiscard]] Read<FurtherUnknowns> parse_corrections(const std::vector<std::string>& words,
                                                       std::string_view method, bool has_receivers);
 
 // As --correct wants them.
-[[nodiscard]] std::string corrections_in_words(const refinement::ReadingTerms& terms);
+[[nodiscard]] std::string corrections_in_words(const calibration::ReadingTerms& terms);
 
 }  // namespace armsig::tool

@@ -2,8 +2,11 @@
 #include "firmware/host_tool/refinement/fitting.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "core/calibration/approach_direction.hpp"
 
 namespace armsig::tool {
 
@@ -23,10 +26,10 @@ void equip(const CalibrationLog& log, calibration::ArmModel& model) {
 }
 
 // The mean of the variances that rows state; 0 where none does.
-double mean_variance(std::span<const refinement::Observation> rows) {
+double mean_variance(std::span<const calibration::Observation> rows) {
   double sum = 0;
   std::size_t count = 0;
-  for (const refinement::Observation& row : rows) {
+  for (const calibration::Observation& row : rows) {
     if (!(row.sigma_m > 0)) continue;
     sum += row.sigma_m * row.sigma_m;
     ++count;
@@ -34,12 +37,12 @@ double mean_variance(std::span<const refinement::Observation> rows) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-FitRow row_of(const refinement::Observation& from, double stated_variance) {
+FitRow row_of(const calibration::Observation& from, double stated_variance) {
   FitRow row;
   row.readings = from.readings;
   row.target = static_cast<std::uint8_t>(from.target);
   row.sweep = static_cast<std::uint8_t>(from.sweep);
-  if (from.kind == refinement::ObservationKind::kRange) {
+  if (from.kind == calibration::ObservationKind::kRange) {
     row.receiver = static_cast<std::uint8_t>(from.receiver);
     row.range_m = from.range_m;
   } else {
@@ -52,14 +55,33 @@ FitRow row_of(const refinement::Observation& from, double stated_variance) {
   return row;
 }
 
+// How often each joint turned back from row to row: where it did so rarely, backlash looks like a
+// step in time. Rows in no order of time show none.
+class TurnsBack {
+ public:
+  void add(unsigned joints) {
+    for (std::size_t j = 0; j < kMaxJoints; ++j) count_[j] += joints >> j & 1U;
+  }
+  // A bit a joint.
+  [[nodiscard]] std::uint8_t often() const {
+    constexpr std::size_t kFewest = 8;
+    unsigned joints = 0;
+    for (std::size_t j = 0; j < kMaxJoints; ++j) joints |= count_[j] >= kFewest ? 1U << j : 0U;
+    return static_cast<std::uint8_t>(joints);
+  }
+
+ private:
+  std::array<std::size_t, kMaxJoints> count_{};
+};
+
 }  // namespace
 
 FitStart start_from_drawing(const CalibrationLog& log, const Arm& arm,
-                            const refinement::BaseAndTool& fitted) {
+                            const calibration::BaseAndTool& fitted) {
   FitStart start{
       calibration::model_of(arm, fitted.X_SB),
       {},
-      log.start ? *log.start : refinement::drawn_signature(arm, fitted, log.rows, log.targets),
+      log.start ? *log.start : calibration::drawn_signature(arm, fitted, log.rows, log.targets),
       false};
   equip(log, start.model);
   for (std::size_t t = 0; t < log.targets.size(); ++t) {
@@ -90,13 +112,31 @@ FitStart start_from_signature(const CalibrationLog& log) {
 }
 
 Fitting::Fitting(const CalibrationLog& log) : stated_variance_(mean_variance(log.rows)) {
-  for (const refinement::Observation& from : log.rows) {
+  const JointTypes types = types_of(log.nominal.joints);
+  calibration::ApproachDirection approach;
+  TurnsBack turns_back;
+  for (const calibration::Observation& from : log.rows) {
     rows_.push_back(row_of(from, stated_variance_));
+    const std::uint8_t sides = approach.sides();
+    const std::uint8_t sided = approach.sided();
+    approach.go_to(types, from.readings);
+    turns_back.add(sided & approach.sided() & (sides ^ approach.sides()));
+    rows_.back().sides = approach.sides();
+    rows_.back().sided = approach.sided();
     rows_.back().index = static_cast<std::uint32_t>(rows_.size() - 1);
   }
-  calibration::group_poses(rows_, types_of(log.nominal.joints));
+  sided_ = turns_back.often();
+  for (FitRow& row : rows_) row.sided = static_cast<std::uint8_t>(row.sided & sided_);
+  calibration::group_poses(rows_, types);
   poses_ = calibration::deal_folds(rows_);
   cache_.resize(rows_.size());
+}
+
+void Fitting::assume_first_sides(std::uint8_t up) {
+  for (FitRow& row : rows_) {
+    row.sides = static_cast<std::uint8_t>(row.sides | (up & sided_ & ~row.sided));
+    row.sided = sided_;
+  }
 }
 
 Result<calibration::FitSummary> Fitting::run(FitStart& start,
@@ -104,6 +144,8 @@ Result<calibration::FitSummary> Fitting::run(FitStart& start,
   matrix_.resize(calibration::matrix_size(Engine::columns(start.model, start.targets.size())));
   engine_ = std::make_unique<Engine>(start.model, start.targets, rows_, cache_, matrix_, *work_);
   engine_->set_stated_variance(stated_variance_);
+  play_ = {};
+  if (finds_play_) engine_->find_play(play_);
   if (start.of_the_rows) {
     engine_->set_scales(
         {.rotation = kWide, .shift = kWide, .zero = kWide, .geometry_is_held = true});
@@ -118,14 +160,27 @@ std::optional<LeftOut> Fitting::score(FitStart start, const calibration::ModelPa
   std::vector<calibration::RowScore> scores(rows_.size());
   std::vector<float> order(rows_.size());
   const calibration::Scales scales = engine_->scales();
-  const auto left_out = calibration::score_held_out(
-      {start.model, start.targets, rows_, cache_, matrix_, *work_, stated_variance_}, parts, scales,
-      {rejected.get(), rows_.size()}, scores, order);
+  const auto left_out =
+      calibration::score_held_out({start.model, start.targets, rows_, cache_, matrix_, *work_,
+                                   stated_variance_, finds_play_ ? &play_ : nullptr},
+                                  parts, scales, {rejected.get(), rows_.size()}, scores, order);
   if (!left_out || left_out->rows == left_out->rejected) return std::nullopt;
   LeftOut found{*left_out, std::vector<float>(rows_.size())};
   for (std::size_t k = 0; k < rows_.size(); ++k)
     found.length_m[rows_[k].index] = scores[k].length_m;
   return found;
+}
+
+calibration::HalfPlays Fitting::half_plays(std::size_t joints) const {
+  return finds_play_ ? calibration::half_plays(play_, joints) : calibration::HalfPlays{};
+}
+
+std::vector<Vector3> Fitting::moved_by_play() const {
+  std::vector<Vector3> moved(rows_.size(), Vector3::Zero());
+  for (std::size_t k = 0; finds_play_ && k < rows_.size(); ++k) {
+    moved[rows_[k].index] = engine_->behind(rows_[k], cache_[k]);
+  }
+  return moved;
 }
 
 void Fitting::note_covered(calibration::ArmModel& model) const {
@@ -140,8 +195,8 @@ void Fitting::note_covered(calibration::ArmModel& model) const {
   }
 }
 
-void Fitting::report(std::span<refinement::RowOutcome> verdicts,
-                     refinement::FitQuality& quality) const {
+void Fitting::report(std::span<calibration::RowOutcome> verdicts,
+                     calibration::FitQuality& quality) const {
   double squares = 0;
   for (const FitRow& row : rows_) {
     verdicts[row.index] = {row.residual.norm(), row.weight, row.weight == 0};

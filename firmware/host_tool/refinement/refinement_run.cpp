@@ -7,12 +7,12 @@
 #include <fmt/core.h>
 
 #include "core/identification.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
-#include "firmware/calibration/geometry_alone.hpp"
+#include "firmware/analysis/evaluation/geometry_alone.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/refinement/candidates.hpp"
 #include "firmware/host_tool/refinement/refinement_words.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -25,7 +25,7 @@ constexpr double kNotableShift = 0.05;
 // Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
 constexpr std::size_t kToTellNoise = 3;
 
-bool any(const refinement::ReadingTerms& terms) {
+bool any(const calibration::ReadingTerms& terms) {
   return terms.gain || terms.first || terms.second;
 }
 
@@ -47,7 +47,10 @@ class Run {
                                const FurtherUnknowns& further);
   [[nodiscard]] Read<void> check_counts(const std::optional<Signature>& start) const;
   void note_zeros(const JointVector& shifts);
-  void note_gears(const refinement::Refined& refined);
+  void note_gears(const calibration::Refined& refined);
+  void take_out_rejected(RefinementOutcome& outcome);
+  void name_open(RefinementOutcome& outcome) const;
+  void note_play(const calibration::HalfPlays& half_plays);
   [[nodiscard]] std::size_t unknowns() const;
   [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
   [[nodiscard]] std::unexpected<Problem> refuse(const Refusal& refusal) const;
@@ -61,9 +64,9 @@ class Run {
   const Arm& nominal_;
   MeasurementLog& log_;
   const std::string& file_;
-  refinement::Receivers receivers_;
+  calibration::Receivers receivers_;
   FixedVector<Target, kMaxTargets> targets_;
-  std::vector<refinement::RowOutcome> verdicts_;
+  std::vector<calibration::RowOutcome> verdicts_;
   std::optional<double> drawing_rms_m_;
   std::vector<std::string> notes_;
   Calibrated calibrated_;
@@ -71,7 +74,7 @@ class Run {
 
 // With the reading that seems to be to blame, where one is found.
 std::unexpected<Problem> Run::suspecting(Problem problem) const {
-  const auto suspicion = refinement::suspect_readings(nominal_, log_.positions(), targets());
+  const auto suspicion = calibration::suspect_readings(nominal_, log_.positions(), targets());
   if (suspicion) {
     problem.what += "; " + in_words(*suspicion);
     problem.expected = remedy_for(*suspicion);
@@ -136,14 +139,29 @@ void Run::note_zeros(const JointVector& shifts) {
   }
 }
 
-void Run::note_gears(const refinement::Refined& refined) {
+void Run::note_gears(const calibration::Refined& refined) {
   for (std::size_t j = 0; j < refined.readings.corrections.size(); ++j) {
     if (!is_off_by_its_gear(refined, j)) continue;
     const double gain = refined.readings.corrections[j].gain;
-    notes_.push_back(
-        fmt::format("joint {}: its reading is {:.4f} times what it moves, which the signature "
-                    "corrects; look at the gear ratio",
-                    j + 1, 1 / (1 + gain)));
+    const bool slides = nominal_.joints[j].type == JointType::kPrismatic;
+    notes_.push_back(fmt::format(
+        "joint {}: its reading is {:.4f} times what it moves, which the signature "
+        "corrects; look at the {}",
+        j + 1, 1 / (1 + gain),
+        slides ? "lead, or at the sensor's scale along it, as no row tells which" : "gear ratio"));
+  }
+}
+
+void Run::note_play(const calibration::HalfPlays& half_plays) {
+  for (std::size_t j = 0; j < half_plays.size(); ++j) {
+    if (!is_certain(half_plays[j])) continue;
+    const bool turns = nominal_.joints[j].type == JointType::kRevolute;
+    const double unit = turns ? degrees(2) : 2e3;
+    notes_.push_back(fmt::format(
+        "joint {}: {:.4f} ± {:.4f}{} of backlash, by the order of the rows: the signature is the "
+        "arm in the middle of it, and half of it is part of what is stated",
+        j + 1, unit * std::abs(half_plays[j].value), unit * half_plays[j].sigma,
+        turns ? "°" : " mm"));
   }
 }
 
@@ -153,7 +171,7 @@ Read<void> Run::check_counts(const std::optional<Signature>& start) const {
   std::size_t numbers = 0;
   bool stated = true;
   for (const auto& row : rows) {
-    numbers += row.kind == refinement::ObservationKind::kPosition ? 3 : 1;
+    numbers += row.kind == calibration::ObservationKind::kPosition ? 3 : 1;
     stated = stated && row.sigma_m > 0;
   }
   const std::size_t least = unknowns();
@@ -168,7 +186,7 @@ Read<void> Run::check_counts(const std::optional<Signature>& start) const {
 
 Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns& further) {
   if (const auto counted = check_counts(start); !counted) return counted;
-  refinement::ParameterRequest request;
+  calibration::ParameterRequest request;
   request.receiver_offsets = further.receiver_offsets;
   request.scale = further.scale;
   if (any(further.readings)) request.readings.resize(nominal_.joints.size(), further.readings);
@@ -186,18 +204,23 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
   calibrated_ = std::move(*done);
   note_zeros(calibrated_.zero_shifts);
   note_gears(*calibrated_.refined);
+  note_play(calibrated_.half_plays);
   if (start) return mixed_agree();
   drawing_rms_m_ = calibrated_.drawing_rms_m;
   return {};
 }
 
 Read<void> Run::mixed_agree() const {
-  if (const auto contradicting = contradicting_mixed()) {
-    return suspecting({file_, 0, 0,
-                       fmt::format("{} rows with sweep 0 contradict the sweeps", *contradicting),
-                       "sweeps and poses of one arm, in one place, with rigid targets"});
-  }
-  return {};
+  const auto contradicting = contradicting_mixed();
+  if (!contradicting) return {};
+  Problem problem{file_, 0, 0,
+                  fmt::format("{} rows with sweep 0 contradict the sweeps", *contradicting),
+                  "sweeps and poses of one arm, in one place, with rigid targets"};
+  const auto& coupling = calibrated_.coupling;
+  if (!coupling) return suspecting(std::move(problem));
+  problem.what += "; " + in_words(*coupling) + ": " + evidence_in_words(*coupling);
+  problem.expected = remedy_for(*coupling);
+  return std::unexpected(std::move(problem));
 }
 
 // What the base lacks is counted in rows, what the unknowns lack in numbers.
@@ -214,32 +237,22 @@ std::unexpected<Problem> Run::refuse_start(const Refusal& refusal) const {
                   : "rows in which three receivers or more heard it, at four poses or more"});
 }
 
-Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
-                                        const FurtherUnknowns& further) {
-  if (auto placed = place_targets(start); !placed) return std::unexpected(placed.error());
-  if (auto fitted = fit(start, further); !fitted) return std::unexpected(fitted.error());
-  refinement::Refined& refined = *calibrated_.refined;
-  derive_parameters(refined.signature, nominal_);
-
-  RefinementOutcome outcome{.refined = nullptr,
-                            .fitted = calibrated_.request,
-                            .rejected_lines = log_.rejected_lines(verdicts_),
-                            .undetermined = {},
-                            .cross_validation = {},
-                            .left_out = calibrated_.left_out,
-                            .noise = calibrated_.noise,
-                            .deflections = calibrated_.deflections,
-                            .geometry_left_out_mean_m = {},
-                            .offered = calibrated_.offered,
-                            .drawing_rms_m = drawing_rms_m_,
-                            .notes = notes_,
-                            .predicted_tool_error_m = {},
-                            .predicted_over_limits_m = {}};
+// Rows that were rejected have no part in what follows.
+void Run::take_out_rejected(RefinementOutcome& outcome) {
   auto& rows = log_.observations();
-  for (std::size_t k = 0; k < verdicts_.size(); ++k) {
-    if (verdicts_[k].rejected) rows[k].use = refinement::RowUse::kIgnore;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (!outcome.half_plays.empty()) {
+      outcome.moved_by_play[log_.line(k)] = calibrated_.moved_by_play[k];
+    }
+    if (!verdicts_[k].rejected) continue;
+    rows[k].use = calibration::RowUse::kIgnore;
+    outcome.free_poses_rejected += rows[k].sweep == 0;
   }
-  for (const refinement::Undetermined& open : refined.undetermined) {
+}
+
+void Run::name_open(RefinementOutcome& outcome) const {
+  const calibration::Refined& refined = *calibrated_.refined;
+  for (const calibration::Undetermined& open : refined.undetermined) {
     outcome.undetermined.push_back(in_words(open, refined.signature));
   }
   for (const std::size_t t : calibrated_.alone) {
@@ -247,6 +260,35 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
         fmt::format("target {}: a single row sees it, and nothing checks that row",
                     refined.signature.targets[t].number));
   }
+}
+
+Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
+                                        const FurtherUnknowns& further) {
+  if (auto placed = place_targets(start); !placed) return std::unexpected(placed.error());
+  if (auto fitted = fit(start, further); !fitted) return std::unexpected(fitted.error());
+  calibration::Refined& refined = *calibrated_.refined;
+  derive_parameters(refined.signature, nominal_);
+
+  RefinementOutcome outcome{.refined = nullptr,
+                            .fitted = calibrated_.request,
+                            .rejected_lines = log_.rejected_lines(verdicts_),
+                            .free_poses_rejected = 0,
+                            .undetermined = {},
+                            .cross_validation = {},
+                            .left_out = calibrated_.left_out,
+                            .noise = calibrated_.noise,
+                            .deflections = calibrated_.deflections,
+                            .geometry_left_out_mean_m = {},
+                            .offered = calibrated_.offered,
+                            .coupling = calibrated_.coupling,
+                            .half_plays = calibrated_.half_plays,
+                            .moved_by_play = {},
+                            .drawing_rms_m = drawing_rms_m_,
+                            .notes = notes_,
+                            .predicted_tool_error = {},
+                            .predicted_over_limits_m = {}};
+  take_out_rejected(outcome);
+  name_open(outcome);
   if (calibrated_.deflections) outcome.geometry_left_out_mean_m = calibrated_.geometry->mean_m;
   if (const auto& score = calibrated_.left_out) {
     outcome.cross_validation =
@@ -260,14 +302,16 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
 }  // namespace
 
 void predict_tool_error(const Arm& nominal, RefinementOutcome& outcome) {
-  const refinement::Refined& refined = *outcome.refined;
+  const calibration::Refined& refined = *outcome.refined;
   const auto tool = tool_target(refined.signature);
   if (!tool) return;
-  outcome.predicted_tool_error_m = uncertainty::predicted_rms(refined, nominal.limits, *tool);
+  const double over_limits_m = uncertainty::predicted_rms(refined, nominal.limits, *tool);
+  outcome.predicted_tool_error = {over_limits_m, PredictedRegion::kJointLimits};
   if (!outcome.deflections) return;  // a map says nothing of readings that were not measured
-  outcome.predicted_over_limits_m = outcome.predicted_tool_error_m;
-  outcome.predicted_tool_error_m = uncertainty::predicted_rms(
-      refined, calibration::covered_limits(*outcome.deflections, nominal.limits), *tool);
+  outcome.predicted_over_limits_m = over_limits_m;
+  const auto covered = calibration::covered_limits(*outcome.deflections, nominal.limits);
+  outcome.predicted_tool_error = {uncertainty::predicted_rms(refined, covered, *tool),
+                                  PredictedRegion::kMeasuredReadings};
 }
 
 Read<RefinementOutcome> run_refinement(const Arm& nominal, const std::optional<Signature>& start,

@@ -5,12 +5,12 @@
 
 namespace armsig::tool {
 
-std::string in_words(const refinement::Undetermined& open, const Signature& signature) {
-  const std::string phrase(refinement::describe(open.open));
+std::string in_words(const calibration::Undetermined& open, const Signature& signature) {
+  const std::string phrase(calibration::describe(open.open));
   switch (open.open) {
-    case refinement::Open::kTarget:
+    case calibration::Open::kTarget:
       return fmt::format("target {}: {}", signature.targets[open.index].number, phrase);
-    case refinement::Open::kReceiverOffset:
+    case calibration::Open::kReceiverOffset:
       return fmt::format("receiver {}: {}", open.index + 1, phrase);
     default:
       return fmt::format("joint {}: {}", open.index + 1, phrase);
@@ -55,7 +55,7 @@ Problem refinement_problem(const Refusal& refusal, const std::string& file) {
   }
 }
 
-std::string in_words(const refinement::ReadingSuspicion& suspicion) {
+std::string in_words(const calibration::ReadingSuspicion& suspicion) {
   const JointCoupling& coupling = suspicion.coupling;
   const std::string evidence =
       fmt::format("then base and tool fit to {:.1f} mm instead of {:.1f} mm", 1e3 * suspicion.rms_m,
@@ -72,7 +72,30 @@ std::string in_words(const refinement::ReadingSuspicion& suspicion) {
                      coupling.joint + 1, coupling.from + 1, coupling.ratio, evidence);
 }
 
-std::string remedy_for(const refinement::ReadingSuspicion& suspicion) {
+std::string in_words(const FoundCoupling& found) {
+  const std::string instead = found.drawn_ratio == 0
+                                  ? "which the arm description does not say"
+                                  : fmt::format("and not by {:+.5f}", found.drawn_ratio);
+  return fmt::format("joint {} follows joint {} by {:+.5f} ± {:.5f} of its reading, {}",
+                     found.coupling.joint + 1, found.coupling.from + 1, found.coupling.ratio,
+                     found.sigma, instead);
+}
+
+std::string evidence_in_words(const FoundCoupling& found) {
+  return fmt::format(
+      "with it rows left out are predicted to {:.3f} mm instead of {:.3f} mm, and {} rows are "
+      "rejected instead of {}",
+      1e3 * found.left_out_mean_m, 1e3 * found.left_out_mean_without_m, found.rejected,
+      found.rejected_without);
+}
+
+std::string remedy_for(const FoundCoupling& found) {
+  return fmt::format(
+      "in the arm description \"coupling: [{{joint: {}, from: {}, ratio: {:.5f}}}]\"",
+      found.coupling.joint + 1, found.coupling.from + 1, found.coupling.ratio);
+}
+
+std::string remedy_for(const calibration::ReadingSuspicion& suspicion) {
   const JointCoupling& coupling = suspicion.coupling;
   if (suspicion.reversed()) {
     return fmt::format("the reading of joint {} with the other sign", coupling.joint + 1);

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/evaluation/tool_error.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "firmware/host_tool/exports/joint_frames.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/analysis/evaluation/tool_error.hpp"
+#include "firmware/library/estimate.hpp"
+#include "firmware/library/joint_frames.hpp"
 
 namespace armsig::tool {
 namespace {

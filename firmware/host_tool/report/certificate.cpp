@@ -6,8 +6,10 @@
 
 #include <fmt/core.h>
 
+#include "core/base/joint_range.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/report/verdict.hpp"
 
 namespace armsig::tool {
@@ -105,8 +107,19 @@ std::vector<std::string> accuracy_in_words(const SignatureRecord& record) {
         "what comes nearest, and it is not AP.",
         out.rows, left_out_in_turn(record) ? " in turn" : "", stated_mm(out.mean_m),
         stated_mm(out.rms_m)));
+  } else if (const auto& validated = record.accuracy.validated) {
+    words.push_back(
+        fmt::format("Positioning accuracy: at {} one visit each, the signature puts the target {} "
+                    "off, root mean square, the sensor's scatter included. ISO 9283 has AP for the "
+                    "barycentre of 30 visits to each of five poses: this is not AP.",
+                    validation_poses_in_words(*validated), stated_mm(validated->rms_m)));
   } else {
     words.emplace_back("Positioning accuracy (ISO 9283: AP): no positions were held out.");
+  }
+  const auto& predicted = record.accuracy.predicted;
+  if (predicted && predicted->region == PredictedRegion::kSignatureConfiguration) {
+    words.push_back(fmt::format("Predicted tool error at {}: {}, one standard deviation.",
+                                region_in_words(predicted->region), stated_mm(predicted->rms_m)));
   }
   words.emplace_back(
       "Positioning repeatability (ISO 9283: RP): not measured. It is the arm's own, and no "
@@ -135,6 +148,8 @@ std::vector<std::string> not_measured(const SignatureRecord& record,
     }
     const JointType type = sweep.feature.type;
     const double near = type == JointType::kRevolute ? kAtLimit_rad : kAtLimit_m;
+    const bool whole_turn = is_endless(limits) && reach.upper - reach.lower > 2 * kPi - near;
+    if (whole_turn) continue;
     if (reach.lower < limits.lower + near && reach.upper > limits.upper - near) continue;
     joints.push_back(fmt::format("joint {} beyond {}", sweep.joint + 1,
                                  range_in_words(type, reach.lower, reach.upper)));

@@ -18,6 +18,11 @@ struct CertificateNames {
   std::string operator_name;
   std::string instrument;
   std::string instrument_serial;
+
+  // Nobody is named who measured, and nothing that it was measured with.
+  [[nodiscard]] bool empty() const {
+    return operator_name.empty() && instrument.empty() && instrument_serial.empty();
+  }
 };
 
 // One line of the budget: a standard uncertainty of the tool's position (GUM, JCGM 100:2008, 4.2:

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/library/estimate.hpp"
 #include "hal/simulated/random.hpp"
 
 namespace armsig::tool {
@@ -33,12 +33,12 @@ evaluation::Indices median(const std::vector<evaluation::Indices>& all) {
 }  // namespace
 
 std::optional<GridTask> grid_task(const SignatureRecord& record,
-                                  const refinement::Refined* estimate,
+                                  const calibration::Refined* estimate,
                                   const std::optional<SignatureRecord>& truth) {
-  const refinement::ReadingModel readings = record.readings();
+  const calibration::ReadingModel readings = record.readings();
   const evaluation::Turning turning{&readings, record.signature.configuration};
   if (truth) {
-    const refinement::ReadingModel true_readings = truth->readings();
+    const calibration::ReadingModel true_readings = truth->readings();
     const auto comparison =
         evaluation::compare(record.nominal, record.signature, truth->signature, {}, turning,
                             {&true_readings, truth->signature.configuration});

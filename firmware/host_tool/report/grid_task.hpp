@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "core/evaluation/comparison.hpp"
+#include "firmware/analysis/evaluation/comparison.hpp"
 #include "firmware/formats/signature_record.hpp"
 #include "firmware/host_tool/report/uncertain_signature.hpp"
 
@@ -23,7 +23,7 @@ struct GridTask {
 // Nothing where the grid can't be touched, and where neither truth nor estimate says how far the
 // signature may be from the arm. `estimate` may be null.
 [[nodiscard]] std::optional<GridTask> grid_task(const SignatureRecord& record,
-                                                const refinement::Refined* estimate,
+                                                const calibration::Refined* estimate,
                                                 const std::optional<SignatureRecord>& truth);
 
 }  // namespace armsig::tool

@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/kinematics/s_model_chain.hpp"
+#include "firmware/host_tool/reading/copied_rows.hpp"
 #include "firmware/host_tool/reading/ranging.hpp"
 
 namespace armsig::tool {
@@ -47,14 +48,12 @@ double MeasuredSweeps::missed_share() const {
 namespace {
 
 // Nothing where the row gives no position.
-Read<std::optional<LocatedRow>> located(const MeasurementRow& row, const Arm& nominal,
-                                        const std::optional<SensorDescription>& sensor,
-                                        const std::string& path) {
+std::optional<LocatedRow> located(const MeasurementRow& row, const Arm& nominal,
+                                  const std::optional<SensorDescription>& sensor, double scale) {
   LocatedRow result{.line = row.line,
                     .sweep = row.sweep,
                     .target = row.target,
                     .q = effective_readings(nominal, row.q)};
-  ARMSIG_TRY(scale, range_scale(row, sensor, path));
   if (row.ranges_m.empty()) {
     if (!row.p_S) return std::nullopt;
     result.p_S = *row.p_S;
@@ -70,30 +69,30 @@ Read<std::optional<LocatedRow>> located(const MeasurementRow& row, const Arm& no
 
 }  // namespace
 
-Read<MeasuredSweeps> read_measured_sweeps(const std::string& path, const SignatureRecord& record,
-                                          const std::optional<SensorDescription>& sensor) {
+Read<MeasuredSweeps> read_measured_sweeps(const OpenRows& rows, const SignatureRecord& record) {
   MeasuredSweeps measured;
   const Signature& signature = record.signature;
-  const refinement::ReadingModel readings = record.readings();
+  const calibration::ReadingModel readings = record.readings();
   const auto compare = [&](const MeasurementRow& row, const LocatedRow& found) {
     const auto* target = std::ranges::find(signature.targets, row.target, &Target::number);
     if (target == signature.targets.end()) return;
-    const JointVector turned = refinement::true_readings(readings, signature.configuration, row.q);
+    const JointVector turned = calibration::true_readings(readings, signature.configuration, row.q);
     measured.compare(found, kinematics::target_position(signature, turned, *target));
   };
-  const auto rows =
-      read_measurements(path, record.signature.types, [&](const MeasurementRow& row) -> Read<void> {
-        ARMSIG_TRY(found, located(row, record.nominal, sensor, path));
-        if (found) {
-          measured.add(*found);
-          compare(row, *found);
-        } else {
-          ++measured.not_located;
-        }
-        return {};
-      });
-  if (!rows) return std::unexpected(rows.error());
-  measured.rows = *rows;
+  const auto read =
+      read_rows(rows, {.remembered = kRememberedInMemory},
+                [&](const MeasurementRow& row, double scale) -> Read<void> {
+                  if (const auto found = located(row, record.nominal, rows.sensor, scale)) {
+                    measured.add(*found);
+                    compare(row, *found);
+                  } else {
+                    ++measured.not_located;
+                  }
+                  return {};
+                });
+  if (!read) return std::unexpected(read.error());
+  measured.rows = read->rows;
+  measured.match = match_of(record.origin, rows, *read);
   return measured;
 }
 

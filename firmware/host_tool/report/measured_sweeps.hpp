@@ -9,6 +9,7 @@
 
 #include "firmware/formats/signature_record.hpp"
 #include "firmware/host_tool/identification/identification_run.hpp"
+#include "firmware/host_tool/reading/read_rows.hpp"
 
 namespace armsig::tool {
 
@@ -27,6 +28,7 @@ struct MeasuredSweep {
 
 struct MeasuredSweeps {
   std::vector<MeasuredSweep> sweeps;  // by joint, then target
+  OriginMatch match;                  // with the rows that the signature was found from
   std::size_t rows = 0;
   std::size_t not_located = 0;                       // no position, or ranges that do not meet
   std::size_t mixed = 0;                             // poses in which any joint may have moved
@@ -43,10 +45,8 @@ struct MeasuredSweeps {
   [[nodiscard]] double missed_share() const;
 };
 
-// Reads the measurements of the arm that `record` describes. Problems are those of the file, and of
-// ranges without a sensor.
-[[nodiscard]] Read<MeasuredSweeps> read_measured_sweeps(
-    const std::string& path, const SignatureRecord& record,
-    const std::optional<SensorDescription>& sensor);
+// Reads `rows`, measurements of the arm that `record` describes. Refuses what read_rows() does.
+[[nodiscard]] Read<MeasuredSweeps> read_measured_sweeps(const OpenRows& rows,
+                                                        const SignatureRecord& record);
 
 }  // namespace armsig::tool

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/refinement/chain.hpp"
-#include "firmware/calibration/geometry_alone.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "core/base/joint_range.hpp"
+#include "core/calibration/chain.hpp"
+#include "firmware/analysis/evaluation/geometry_alone.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -27,7 +28,7 @@ Target tool_of(const Signature& signature) {
 
 JointLimits covered_by(const SignatureRecord& record, std::size_t joint) {
   const JointLimits& covered = record.deflections->joints[joint].covered;
-  return covered.lower < covered.upper ? covered : record.nominal.limits[joint];
+  return covered.lower < covered.upper ? covered : finite_range(record.nominal.limits[joint]);
 }
 
 ReadingMapPicture curve_of(const SignatureRecord& record, std::size_t joint) {
@@ -36,7 +37,7 @@ ReadingMapPicture curve_of(const SignatureRecord& record, std::size_t joint) {
   picture.joint = joint;
   picture.type = model.type;
   picture.covered = covered_by(record, joint);
-  const JointLimits& limits = record.nominal.limits[joint];
+  const JointLimits limits = finite_range(record.nominal.limits[joint]);
   const double from = std::min(limits.lower, picture.covered.lower);
   const double to = std::max(limits.upper, picture.covered.upper);
   for (int k = 0; k <= kPoints; ++k) {
@@ -67,8 +68,8 @@ ArmModel maps_of(const ArmModel& model) {
 // How far a part of the model moves the tool: RMS and at most.
 calibration::Leftover moved_by(const SignatureRecord& record, const ArmModel& part,
                                const std::vector<JointVector>& poses) {
-  const refinement::ReadingModel bent{record.nominal.couplings, {}, &part};
-  const refinement::ReadingModel rigid{record.nominal.couplings, {}, nullptr};
+  const calibration::ReadingModel bent{record.nominal.couplings, {}, &part};
+  const calibration::ReadingModel rigid{record.nominal.couplings, {}, nullptr};
   Signature tool = record.signature;
   tool.targets.clear();
   tool.targets.push_back(tool_of(record.signature));
@@ -86,12 +87,12 @@ std::optional<ReadingMaps> reading_maps(const SignatureRecord& record) {
         calibration::covered_configuration(*record.deflections, record.nominal.limits, n));
   }
   const Target tool = tool_of(record.signature);
-  const refinement::PoeChain chain(record.signature, record.readings());
+  const calibration::PoeChain chain(record.signature, record.readings());
   std::array<double, kMaxJoints> levers{};
   std::array<double, kMaxJoints> moves{};
   for (const JointVector& q : poses) {
-    refinement::PointJacobian jacobian;
-    const refinement::JointMotion motion = chain.motion(q);
+    calibration::PointJacobian jacobian;
+    const calibration::JointMotion motion = chain.motion(q);
     chain.point_and_jacobian(motion, tool, jacobian);
     for (std::size_t i = 0; i < q.size(); ++i) {
       if (motion.joints[i].moved == 0) continue;

@@ -11,9 +11,9 @@
 #include "core/base/crc32.hpp"
 #include "core/base/error.hpp"
 #include "firmware/formats/canonical.hpp"
+#include "firmware/formats/characters.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text_file.hpp"
-#include "firmware/host_tool/signature/record.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -43,22 +43,43 @@ std::string name_of(const std::string& path) {
 
 }  // namespace
 
+std::string other_measurements_in_words(const ReportInput& input) {
+  if (input.certifies()) return {};
+  const OriginMatch& match = input.measured->match;
+  const std::string file = shown(input.measurements->name);
+  if (!match.stated) {
+    return fmt::format(
+        "The signature does not say which measurements it was found from. Whether they are those "
+        "of "
+        "{} is not known, and there is no page to sign.",
+        file);
+  }
+  const std::string origin = name_of(input.record.origin->measurements);
+  if (match.same_rows) {
+    return fmt::format(
+        "The ranges of {} are those that the signature was found from, by another sensor "
+        "description. There is no page to sign.",
+        file);
+  }
+  return fmt::format(
+      "{} holds other measurements than {}, from which the signature was found: it was fitted to "
+      "{}. They are shown beside the signature, and there is no page to sign.",
+      file, origin, fitted_in_words(match));
+}
+
 Read<ReportInput> read_report_input(const ReportFiles& files) {
   ReportInput input;
   ARMSIG_TRY(record, read_signature_file(files.signature));
   ARMSIG_TRY(crc, stated_crc32(record));
   input.record = record;
   input.signature = {name_of(files.signature), crc};
-  if (!files.measurements.empty()) {
-    std::optional<SensorDescription> sensor;
-    if (!files.sensor.empty()) {
-      ARMSIG_TRY(read, read_checked_sensor(files.sensor));
-      sensor = read;
-    }
-    ARMSIG_TRY(measured, read_measured_sweeps(files.measurements, record, sensor));
-    ARMSIG_TRY(measurements_crc, crc32_of_file(files.measurements));
+  if (const std::string& file = files.rows.measurements; !file.empty()) {
+    ARMSIG_TRY(rows,
+               open_rows(files.rows, record.nominal, {record.signature.types, record.joint_names}));
+    ARMSIG_TRY(measured, read_measured_sweeps(rows, record));
+    ARMSIG_TRY(measurements_crc, crc32_of_file(file));
     input.measured = measured;
-    input.measurements = {name_of(files.measurements), measurements_crc};
+    input.measurements = {name_of(file), measurements_crc};
   }
   if (!files.truth.empty()) {
     ARMSIG_TRY(truth, read_signature_file(files.truth));

@@ -14,9 +14,8 @@ namespace armsig::tool {
 // Files by their paths; all but the signature may be empty.
 struct ReportFiles {
   std::string signature;
-  std::string measurements;  // what it was identified from
-  std::string sensor;        // where those are ranges to receivers
-  std::string truth;         // exact signature, where the arm is simulated
+  RowSource rows;     // what it was identified from, or measured later
+  std::string truth;  // exact signature, where the arm is simulated
 };
 
 // A file that the report is made from: its name, and the CRC-32 of its content.
@@ -32,7 +31,14 @@ struct ReportInput {
   std::optional<ReportSource> measurements;
   std::optional<SignatureRecord> truth;  // where the arm is simulated
   CertificateNames names;
+
+  // The page to sign is of the rows that the signature was found from: with others there is none.
+  [[nodiscard]] bool certifies() const { return !measured || measured->match.is_origin(); }
 };
+
+// What the measurements are where they are not those of the signature; empty where they are, and
+// where there are none.
+[[nodiscard]] std::string other_measurements_in_words(const ReportInput& input);
 
 [[nodiscard]] Read<ReportInput> read_report_input(const ReportFiles& files);
 

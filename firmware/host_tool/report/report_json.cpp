@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 #include "firmware/host_tool/presentation/differences.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/report/arm_drawing.hpp"
@@ -36,6 +38,16 @@ Json source_json(const ReportSource& source) {
   return {{"name", source.name}, {"crc32", source.crc32}};
 }
 
+// What the signature says of the rows that it was found from.
+Json origin_json(const Origin& origin) {
+  return {{"measurements", origin.measurements},
+          {"columns", origin.columns},
+          {"sensor", origin.sensor},
+          {"options", origin.options},
+          {"rows", origin.rows},
+          {"rows_crc32", fmt::format("0x{:08X}", origin.rows_crc32)}};
+}
+
 Json about_json(const ReportInput& input) {
   const SignatureRecord& record = input.record;
   Json about{{"arm", record.arm_name},
@@ -47,6 +59,8 @@ Json about_json(const ReportInput& input) {
              {"sigma_m", or_null(record.sigma_m)},
              {"warnings", record.warnings},
              {"signature", source_json(input.signature)}};
+  about["origin"] = record.origin ? origin_json(*record.origin) : Json(nullptr);
+  about["other_measurements"] = other_measurements_in_words(input);
   if (input.measurements) about["measurements"] = source_json(*input.measurements);
   if (input.measured) {
     about["rows"] = input.measured->rows;
@@ -141,7 +155,7 @@ Json row_json(const DhJoint& row) {
           {"alpha_rad", row.alpha_rad}};
 }
 
-Json parameters_json(const SignatureRecord& record, const refinement::Refined* estimate) {
+Json parameters_json(const SignatureRecord& record, const calibration::Refined* estimate) {
   DhRows sigmas;
   if (estimate != nullptr) sigmas = parameter_sigmas(*estimate, record.nominal);
   Json rows = Json::array();
@@ -258,7 +272,7 @@ nlohmann::ordered_json report_json(const ReportInput& input) {
   report["sweeps"] = std::move(sweep_list);
   const auto maps = reading_maps(record);
   report["reading_maps"] = maps ? reading_maps_json(*maps) : Json(nullptr);
-  report["certificate"] = certificate_json(input, sweeps, map);
+  report["certificate"] = input.certifies() ? certificate_json(input, sweeps, map) : Json(nullptr);
   report["map"] = map ? map_json(*map) : Json(nullptr);
   report["grid"] = nullptr;
   if (task) {

@@ -5,12 +5,13 @@
 #include <cmath>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/evaluation/tool_error.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
-#include "firmware/calibration/geometry_alone.hpp"
-#include "firmware/differences/differences.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/analysis/differences/differences.hpp"
+#include "firmware/analysis/evaluation/geometry_alone.hpp"
+#include "firmware/analysis/evaluation/tool_error.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -22,7 +23,7 @@ constexpr int kShareConfigurations = 40;
 // Variance of the tool that each axis alone brings, by differences of a sigma of each unknown.
 std::vector<double> joint_share(const SignatureRecord& record,
                                 const FixedVector<JointLimits, kMaxJoints>& limits,
-                                const refinement::Refined& estimate, std::size_t tool) {
+                                const calibration::Refined& estimate, std::size_t tool) {
   const Eigen::MatrixXd covariance = covariance_of(estimate);
   std::vector<double> variance(record.signature.joint_count(), 0.0);
   for (std::size_t joint = 0; joint < variance.size(); ++joint) {
@@ -49,10 +50,20 @@ std::vector<double> joint_share(const SignatureRecord& record,
   return variance;
 }
 
-// The drawing, its joints limited to what the signature was measured at, where that counts.
-Arm judged_drawing(const SignatureRecord& record) {
+// The region of the predicted error, so that it is held against the drawing's over the same poses.
+// Maps say nothing of readings that were not measured.
+PredictedRegion judged_region(const SignatureRecord& record) {
+  const auto& predicted = record.accuracy.predicted;
+  if (predicted && predicted->region != PredictedRegion::kSignatureConfiguration) {
+    return predicted->region;
+  }
+  return record.deflections ? PredictedRegion::kMeasuredReadings : PredictedRegion::kJointLimits;
+}
+
+// The drawing, its joints limited to the region.
+Arm judged_drawing(const SignatureRecord& record, PredictedRegion region) {
   Arm drawing = record.nominal;
-  if (record.deflections) {
+  if (record.deflections && region == PredictedRegion::kMeasuredReadings) {
     drawing.limits = calibration::covered_limits(*record.deflections, drawing.limits);
   }
   return drawing;
@@ -60,15 +71,15 @@ Arm judged_drawing(const SignatureRecord& record) {
 
 // The drawing with base and tool fitted to the arm; with its axes laid over the arm's where it is
 // another arm altogether.
-Signature drawn_model(const Arm& drawing, const refinement::Refined& arm, std::size_t tool) {
+Signature drawn_model(const Arm& drawing, const calibration::Refined& arm, std::size_t tool) {
   const auto fitted = differences::fitted_drawing(drawing, arm, tool);
   return fitted ? *fitted : evaluation::drawing_as_model(drawing, arm.signature);
 }
 
 // An arm that is known exactly.
-std::unique_ptr<refinement::Refined> known(const Signature& signature,
-                                           const refinement::ReadingModel& readings) {
-  auto arm = std::make_unique<refinement::Refined>();
+std::unique_ptr<calibration::Refined> known(const Signature& signature,
+                                            const calibration::ReadingModel& readings) {
+  auto arm = std::make_unique<calibration::Refined>();
   arm->signature = signature;
   arm->readings = readings;
   return arm;
@@ -78,7 +89,7 @@ std::unique_ptr<refinement::Refined> known(const Signature& signature,
 Vector3 target_at(const SignatureRecord& arm, const Target& target, const JointVector& q) {
   const Signature& signature = arm.signature;
   return kinematics::target_position(
-      signature, refinement::true_readings(arm.readings(), signature.configuration, q), target);
+      signature, calibration::true_readings(arm.readings(), signature.configuration, q), target);
 }
 
 const Target* target_numbered(const Signature& signature, int number) {
@@ -115,16 +126,17 @@ void compare_with_truth(const SignatureRecord& record, const Arm& drawing,
 }  // namespace
 
 std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
-                                           const refinement::Refined* estimate,
+                                           const calibration::Refined* estimate,
                                            const std::optional<SignatureRecord>& truth) {
   const auto tool = tool_target(record.signature);
   if (!tool || record.nominal.limits.size() != record.signature.joint_count()) return std::nullopt;
   const Signature& signature = record.signature;
   const Target& target = signature.targets[*tool];
-  const Arm drawing = judged_drawing(record);
+  const PredictedRegion region = judged_region(record);
+  const Arm drawing = judged_drawing(record, region);
   const Signature drawn = drawn_model(drawing, *known(signature, record.readings()), *tool);
   ToolErrorMap map;
-  map.over = record.deflections ? "the readings measured" : "the joint limits";
+  map.over = region_in_words(region);
   double squares = 0;
   for (int n = 1; n <= kRmsConfigurations; ++n) {
     const JointVector q = evenly_spread_configuration(signature.types, drawing.limits, n);
@@ -139,7 +151,8 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
     map.points.push_back(at);
   }
   map.drawing_rms_m = std::sqrt(squares / kRmsConfigurations);
-  map.predicted_rms_m = record.predicted_tool_error_m;
+  const auto& predicted = record.accuracy.predicted;
+  if (predicted && predicted->region == region) map.predicted_rms_m = predicted->rms_m;
   if (estimate != nullptr) {
     if (!map.predicted_rms_m) {
       map.predicted_rms_m = uncertainty::predicted_rms(*estimate, drawing.limits, *tool);

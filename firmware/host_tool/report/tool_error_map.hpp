@@ -35,7 +35,7 @@ struct ToolErrorMap {
 // Nothing for an arm without a target on its last link. All in the sensor's frame: the drawing with
 // base and tool fitted to the arm, the signature as it is. `estimate` may be null.
 [[nodiscard]] std::optional<ToolErrorMap> tool_error_map(
-    const SignatureRecord& record, const refinement::Refined* estimate,
+    const SignatureRecord& record, const calibration::Refined* estimate,
     const std::optional<SignatureRecord>& truth);
 
 }  // namespace armsig::tool

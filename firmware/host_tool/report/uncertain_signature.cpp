@@ -3,10 +3,10 @@
 
 #include <cmath>
 
+#include "core/calibration/chain.hpp"
 #include "core/identification.hpp"
-#include "core/refinement/chain.hpp"
-#include "core/uncertainty/feature_information.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/analysis/uncertainty/feature_information.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -17,30 +17,30 @@ constexpr double kDerivativeStep = 1e-2;
 
 }  // namespace
 
-std::unique_ptr<refinement::Refined> estimate_behind(const SignatureRecord& record) {
+std::unique_ptr<calibration::Refined> estimate_behind(const SignatureRecord& record) {
   if (record.covariance) {
     auto estimate = estimate_of(record, "");
     return estimate ? std::move(*estimate) : nullptr;
   }
   if (record.signature.features.size() != record.signature.joint_count()) return nullptr;
-  auto estimate = std::make_unique<refinement::Refined>();
+  auto estimate = std::make_unique<calibration::Refined>();
   if (!uncertainty::from_features(record.signature, *estimate)) return nullptr;
   estimate->readings.couplings = record.nominal.couplings;
   return estimate;
 }
 
-Signature moved(const refinement::Refined& estimate, const Arm& nominal,
+Signature moved(const calibration::Refined& estimate, const Arm& nominal,
                 const Eigen::VectorXd& step) {
-  refinement::StateVector x{};
+  calibration::StateVector x{};
   for (Eigen::Index k = 0; k < step.size(); ++k) x.at(static_cast<std::size_t>(k)) = step[k];
   Signature signature = estimate.signature;
-  refinement::ReadingModel readings = estimate.readings;
-  refinement::apply_corrections(estimate.layout, x, 1.0, signature, readings);
+  calibration::ReadingModel readings = estimate.readings;
+  calibration::apply_corrections(estimate.layout, x, 1.0, signature, readings);
   derive_parameters(signature, nominal);
   return signature;
 }
 
-DhRows parameter_sigmas(const refinement::Refined& estimate, const Arm& nominal) {
+DhRows parameter_sigmas(const calibration::Refined& estimate, const Arm& nominal) {
   const Eigen::MatrixXd covariance = covariance_of(estimate);
   const auto n = covariance.rows();
   const std::size_t joints = estimate.signature.joint_count();

@@ -6,21 +6,21 @@
 
 #include <Eigen/Core>
 
-#include "core/refinement/refined.hpp"
+#include "core/calibration/refined.hpp"
 #include "firmware/formats/signature_record.hpp"
 
 namespace armsig::tool {
 
 // The estimate behind a record: by its covariance, or by that of its sweeps; null where it has
 // neither.
-[[nodiscard]] std::unique_ptr<refinement::Refined> estimate_behind(const SignatureRecord& record);
+[[nodiscard]] std::unique_ptr<calibration::Refined> estimate_behind(const SignatureRecord& record);
 
 // The signature with its unknowns moved by `step`, in the order of the layout of `estimate`, its
 // parameters derived anew.
-[[nodiscard]] Signature moved(const refinement::Refined& estimate, const Arm& nominal,
+[[nodiscard]] Signature moved(const calibration::Refined& estimate, const Arm& nominal,
                               const Eigen::VectorXd& step);
 
 // 1 sigma of each pseudo Denavit-Hartenberg parameter.
-[[nodiscard]] DhRows parameter_sigmas(const refinement::Refined& estimate, const Arm& nominal);
+[[nodiscard]] DhRows parameter_sigmas(const calibration::Refined& estimate, const Arm& nominal);
 
 }  // namespace armsig::tool

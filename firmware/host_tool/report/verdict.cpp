@@ -6,6 +6,8 @@
 
 #include <fmt/core.h>
 
+#include "firmware/host_tool/presentation/words.hpp"
+
 namespace armsig::tool {
 namespace {
 
@@ -74,7 +76,8 @@ void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
   doubt_the_drawing(before_m, verdict);
 }
 
-void judge_without_covariance(const std::optional<ToolErrorMap>& map, Verdict& verdict) {
+void judge_without_covariance(const SignatureRecord& record, const std::optional<ToolErrorMap>& map,
+                              Verdict& verdict) {
   if (!map) {
     verdict.headline =
         "An arm signature; no target on the last link says how well it places a tool.";
@@ -82,8 +85,13 @@ void judge_without_covariance(const std::optional<ToolErrorMap>& map, Verdict& v
   }
   verdict.headline = fmt::format("The drawing is {} from this signature over {}.",
                                  length_in_words(map->drawing_rms_m), map->over);
-  verdict.sentences.emplace_back(
-      "How sure the signature is can't be said: the file holds neither covariance nor sweeps.");
+  const auto& predicted = record.accuracy.predicted;
+  verdict.sentences.push_back(
+      predicted ? fmt::format("The predicted tool error is {} (1σ) at {}; over {} it is not known.",
+                              length_in_words(predicted->rms_m), region_in_words(predicted->region),
+                              map->over)
+                : "The uncertainty of the signature is not known: the file holds neither "
+                  "covariance nor sweeps.");
 }
 
 // How sure: what the scatter says, and what it cannot.
@@ -110,6 +118,12 @@ void say_how_sure(const SignatureRecord& record, Verdict& verdict) {
         "Points that were left out of the fit{} are {} from where it puts them (root "
         "mean square), the sensor's own noise included.",
         left_out_in_turn(record) ? " in turn" : "", length_in_words(record.fit->left_out->rms_m)));
+  }
+  if (const auto& validated = record.accuracy.validated) {
+    verdict.sentences.push_back(
+        fmt::format("At {} the tool is {} from where the signature puts it (root mean square), the "
+                    "sensor's own noise included.",
+                    validation_poses_in_words(*validated), length_in_words(validated->rms_m)));
   }
   if (record.method != "exact") {
     verdict.sentences.emplace_back(
@@ -152,7 +166,7 @@ Verdict verdict(const SignatureRecord& record, const std::vector<SweepPicture>& 
   } else if (map && map->predicted_rms_m) {
     judge_by_prediction(*map, verdict);
   } else {
-    judge_without_covariance(map, verdict);
+    judge_without_covariance(record, map, verdict);
   }
   say_how_sure(record, verdict);
   add_joint_steps(sweeps, verdict);
@@ -182,6 +196,11 @@ bool left_out_in_turn(const SignatureRecord& record) {
   if (!record.fit || !record.fit->left_out) return false;
   return record.method == "refined" ||
          record.fit->left_out->rows == record.fit->rows_used + record.fit->rows_rejected;
+}
+
+std::string validation_poses_in_words(const ToolAccuracy::Validated& validated) {
+  const std::string count = validated.poses > 0 ? fmt::format("{} ", validated.poses) : "the ";
+  return count + "validation poses, which no fit has used,";
 }
 
 std::string residuals_in_words(const SweepPicture& sweep) {

@@ -20,6 +20,8 @@ struct Verdict {
 // Whether the rows left out were left out of a fit each, and are in the last; the features leave
 // out poses beside their sweeps for good.
 [[nodiscard]] bool left_out_in_turn(const SignatureRecord& record);
+// "20 validation poses, which no fit has used,".
+[[nodiscard]] std::string validation_poses_in_words(const ToolAccuracy::Validated& validated);
 
 [[nodiscard]] Verdict verdict(const SignatureRecord& record,
                               const std::vector<SweepPicture>& sweeps,

@@ -9,9 +9,9 @@
 #include <fmt/core.h>
 
 #include "core/base/low_discrepancy.hpp"
+#include "core/calibration/row.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "core/refinement/row.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -26,14 +26,14 @@ constexpr double kToldByTool = 1e-4;
 // What `factor` on all lengths does to the tool, base and tool fitted; empty without a target on
 // the last link.
 std::vector<Vector3> moved_by_scale(const SignatureRecord& record, double factor) {
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Square = Eigen::Matrix<double, 6, 6>;
+  using Column = Eigen::Matrix<double, 6, 1>;
   const Signature& signature = record.signature;
   const auto tool = tool_target(signature);
   if (!tool) return {};
   // A scale only stretches: no turn of the base undoes it, a shift and another tool do in part.
-  Matrix6 squares = Matrix6::Zero();
-  Vector6 gradient = Vector6::Zero();
+  Square squares = Square::Zero();
+  Column gradient = Column::Zero();
   std::vector<Vector3> moved;
   std::vector<Eigen::Matrix<double, 3, 6>> undoing;
   for (int k = 1; k <= kJudgedConfigurations; ++k) {
@@ -46,13 +46,13 @@ std::vector<Vector3> moved_by_scale(const SignatureRecord& record, double factor
     squares += undoing.back().transpose() * undoing.back();
     gradient += undoing.back().transpose() * moved.back();
   }
-  const Vector6 best = squares.ldlt().solve(gradient);
+  const Column best = squares.ldlt().solve(gradient);
   for (std::size_t k = 0; k < moved.size(); ++k) moved[k] -= undoing[k] * best;
   return moved;
 }
 
 // The unknowns of the estimate that move the tool like `moved`, as nearly as they can.
-Eigen::VectorXd unknowns_that_move(const refinement::Refined& estimate,
+Eigen::VectorXd unknowns_that_move(const calibration::Refined& estimate,
                                    const FixedVector<JointLimits, kMaxJoints>& limits,
                                    std::size_t tool, const std::vector<Vector3>& moved,
                                    double& left_squares) {
@@ -60,12 +60,12 @@ Eigen::VectorXd unknowns_that_move(const refinement::Refined& estimate,
   const auto numbers = 3 * static_cast<Eigen::Index>(moved.size());
   Eigen::MatrixXd J(numbers, size);
   Eigen::VectorXd d(numbers);
-  const refinement::PoeChain chain(estimate.signature, estimate.readings);
-  refinement::RowBlock<3> rows;
+  const calibration::PoeChain chain(estimate.signature, estimate.readings);
+  calibration::RowBlock<3> rows;
   for (Eigen::Index k = 0; k < numbers; k += 3) {
     const JointVector q =
         work_configuration(estimate.signature.types, limits, static_cast<int>(k / 3 + 1));
-    (void)refinement::position_rows(estimate, chain, q, tool, rows);
+    (void)calibration::position_rows(estimate, chain, q, tool, rows);
     for (Eigen::Index i = 0; i < 3; ++i) {
       J.row(k + i) =
           Eigen::Map<const Eigen::RowVectorXd>(rows.rows[static_cast<std::size_t>(i)].data(), size);
@@ -89,7 +89,7 @@ void spread(SignatureRecord& record, double probability, const std::vector<Vecto
   const Eigen::VectorXd x =
       unknowns_that_move(**estimate, record.nominal.limits, *tool, moved, left_squares);
   *record.covariance += probability * x * x.transpose();
-  const refinement::Layout& layout = (*estimate)->layout;
+  const calibration::Layout& layout = (*estimate)->layout;
   for (std::size_t t = 0; t < record.signature.targets.size(); ++t) {
     const Vector3 of_target = x.segment<3>(static_cast<Eigen::Index>(layout.target[t]));
     record.signature.targets[t].covariance_m2 += probability * of_target * of_target.transpose();
@@ -126,8 +126,7 @@ std::optional<Doubt> doubt_of_slide(const Signature& signature) {
 }
 
 double state_doubt(SignatureRecord& record, const Doubt& doubt) {
-  if (!(doubt.probability > 0) || !record.predicted_tool_error_m || record.warnings.empty())
-    return 0;
+  if (!(doubt.probability > 0) || !record.accuracy.predicted || record.warnings.empty()) return 0;
   const bool scale = doubt.lengths_factor != 1;
   const std::vector<Vector3> moved =
       scale ? moved_by_scale(record, doubt.lengths_factor) : doubt.tool_off_m;
@@ -138,7 +137,8 @@ double state_doubt(SignatureRecord& record, const Doubt& doubt) {
       "probably as it is so",
       scale ? "it is the sensor's" : "so", 1e3 * off_m, scale ? ", base and tool fitted" : "");
   const double stated_m = std::sqrt(doubt.probability) * off_m;
-  record.predicted_tool_error_m = std::hypot(*record.predicted_tool_error_m, stated_m);
+  double& predicted_m = record.accuracy.predicted->rms_m;
+  predicted_m = std::hypot(predicted_m, stated_m);
   spread(record, doubt.probability, moved);
   return stated_m;
 }

@@ -8,15 +8,13 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
-#include "core/measurement/receivers.hpp"
-#include "core/uncertainty/feature_information.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/analysis/uncertainty/feature_information.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/identification/missed_sweeps.hpp"
 #include "firmware/host_tool/identification/unused_poses.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
-#include "firmware/host_tool/reading/ranging.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
 #include "firmware/host_tool/sweeps_alone/unseen_bending.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -30,7 +28,7 @@ constexpr double kNotable = 2;
 
 double square(double x) { return x * x; }
 
-void add_covariance(SignatureRecord& record, const refinement::Refined& refined) {
+void add_covariance(SignatureRecord& record, const calibration::Refined& refined) {
   record.covariance = covariance_of(refined);
   record.covariance_of =
       "axis lines in their link frames (direction x, y; position x, y of a revolute joint), each "
@@ -44,7 +42,7 @@ std::optional<FitRecord::LeftOut> left_out(const std::optional<CrossValidation>&
 }
 
 // Every sigma of the estimate and of the targets, times `factor`.
-void enlarge(SignatureRecord& record, refinement::Refined& estimate, double factor) {
+void enlarge(SignatureRecord& record, calibration::Refined& estimate, double factor) {
   estimate.information.scale(1 / factor);
   for (Target& target : estimate.signature.targets) target.covariance_m2 *= square(factor);
   for (Target& target : record.signature.targets) target.covariance_m2 *= square(factor);
@@ -67,9 +65,9 @@ struct Enlargement {
 };
 
 // The errors of the parameters are the same in all poses: those measured say what they come to.
-Enlargement by_unused_poses(const Evidence& evidence, const refinement::Refined& estimate) {
+Enlargement by_unused_poses(const Evidence& evidence, const calibration::Refined& estimate) {
   const auto unused = judge_unused_poses(evidence, estimate);
-  if (!unused) return {};
+  if (!unused || unused->missed_m < kComputed_m) return {};
   const double factor = unused->missed_m / unused->predicted_m;
   return {
       factor,
@@ -84,10 +82,10 @@ Enlargement by_unused_poses(const Evidence& evidence, const refinement::Refined&
 constexpr double kElsewhere = 4;
 
 // Nor do the features know of each other: each follows its own sweep.
-Enlargement by_missed_sweeps(const Evidence& evidence, const refinement::Refined& estimate,
+Enlargement by_missed_sweeps(const Evidence& evidence, const calibration::Refined& estimate,
                              const Arm& nominal, std::size_t tool) {
   const auto sweeps = judge_missed_sweeps(evidence, estimate);
-  if (!sweeps) return {};
+  if (!sweeps || sweeps->missed_m < kComputed_m) return {};
   const double stated_m = uncertainty::predicted_rms(estimate, nominal.limits, tool);
   const double factor = std::min(sweeps->missed_m / sweeps->predicted_m,
                                  std::hypot(1, kElsewhere * sweeps->missed_m / stated_m));
@@ -100,10 +98,10 @@ Enlargement by_missed_sweeps(const Evidence& evidence, const refinement::Refined
 }
 
 // Sweeps do not tell what bends, what is tilted and what a gear does apart: so much more is stated.
-Enlargement by_bending(const Evidence& evidence, const refinement::Refined& estimate,
+Enlargement by_bending(const Evidence& evidence, const calibration::Refined& estimate,
                        const Arm& nominal, std::size_t tool, bool by_features) {
   const auto bending = judge_bending(evidence, estimate, nominal.limits, tool, !by_features);
-  if (!bending) return {};
+  if (!bending || bending->expected_m < kComputed_m) return {};
   return {bending->factor,
           fmt::format("the sweeps show that the arm bends or a gear is off, and not which: at the "
                       "tool {:.3f} mm are stated, {:.1f} times what {} predict{}; further poses "
@@ -114,7 +112,7 @@ Enlargement by_bending(const Evidence& evidence, const refinement::Refined& esti
 }
 
 // The largest: each tells of the same parameters.
-Enlargement enlargement_of(const Evidence& evidence, const refinement::Refined& estimate,
+Enlargement enlargement_of(const Evidence& evidence, const calibration::Refined& estimate,
                            const Arm& nominal, std::optional<std::size_t> tool) {
   Enlargement most;
   const auto consider = [&](Enlargement one) {
@@ -138,6 +136,7 @@ SignatureRecord record_of(const Identified& identified, const ArmDescription& ar
   record.serial = serial;
   record.method = method;
   record.nominal = arm.arm;
+  record.mounting = arm.mounting;
   record.air_c = identified.air_celsius;
   record.time = now_utc();
   record.version = ARMSIG_VERSION;
@@ -147,7 +146,7 @@ SignatureRecord record_of(const Identified& identified, const ArmDescription& ar
 
 double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::size_t receivers,
                       const Evidence& evidence) {
-  refinement::Refined& refined = *outcome.refined;
+  calibration::Refined& refined = *outcome.refined;
   Enlargement more;
   if (const auto tool = tool_target(refined.signature)) {
     more = by_bending(evidence, refined, record.nominal, *tool, false);
@@ -161,7 +160,7 @@ double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::
   record.sigma_m = refined.quality.sigma_m;
   record.unexplained_m = refined.quality.unexplained_m;
   record.noise_freedom = refined.quality.noise_freedom;
-  record.predicted_tool_error_m = outcome.predicted_tool_error_m;
+  record.accuracy.predicted = outcome.predicted_tool_error;
   record.fitted = outcome.fitted;
   record.deflections = outcome.deflections;
   if (!outcome.fitted.readings.empty()) record.corrections = refined.readings.corrections;
@@ -194,7 +193,7 @@ double add_features(SignatureRecord& record, const std::optional<CrossValidation
   fit.left_out = left_out(validation);
   record.fit = fit;
   record.sigma_m = std::sqrt(variance);
-  const auto estimate = std::make_unique<refinement::Refined>();
+  const auto estimate = std::make_unique<calibration::Refined>();
   if (!uncertainty::from_features(signature, *estimate)) return 1;
   estimate->readings = record.readings();
   const auto tool = tool_target(signature);
@@ -203,8 +202,9 @@ double add_features(SignatureRecord& record, const std::optional<CrossValidation
   if (more.factor >= kNotable) record.warnings.push_back(more.why);
   add_covariance(record, *estimate);
   if (tool) {
-    record.predicted_tool_error_m =
-        uncertainty::predicted_rms(*estimate, record.nominal.limits, *tool);
+    record.accuracy.predicted = {
+        uncertainty::predicted_rms(*estimate, record.nominal.limits, *tool),
+        PredictedRegion::kJointLimits};
   }
   return more.factor;
 }
@@ -216,20 +216,10 @@ SignatureRecord exact_record(const Signature& signature, const ArmDescription& a
   record.joint_names = arm.joint_names;
   record.method = "exact";
   record.nominal = arm.arm;
+  record.mounting = arm.mounting;
   record.time = now_utc();
   record.version = ARMSIG_VERSION;
   return record;
-}
-
-Read<SensorDescription> read_checked_sensor(const std::string& path) {
-  auto sensor = read_sensor_file(path);
-  if (!sensor) return sensor;
-  const auto usable = measurement::check(receivers_of(*sensor));
-  if (!usable) {
-    return std::unexpected(Problem{path, 0, 0, std::string(describe(usable.error())),
-                                   remedy_in_words(usable.error())});
-  }
-  return sensor;
 }
 
 }  // namespace armsig::tool

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "firmware/formats/arm_file.hpp"
-#include "firmware/formats/sensor_file.hpp"
 #include "firmware/formats/signature_record.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 #include "firmware/host_tool/identification/identification_run.hpp"
@@ -30,8 +29,5 @@ double add_features(SignatureRecord& record, const std::optional<CrossValidation
 
 // A signature computed rather than measured (method "exact").
 [[nodiscard]] SignatureRecord exact_record(const Signature& signature, const ArmDescription& arm);
-
-// A sensor description whose receivers can locate a target, or what is wrong with it.
-[[nodiscard]] Read<SensorDescription> read_checked_sensor(const std::string& path);
 
 }  // namespace armsig::tool

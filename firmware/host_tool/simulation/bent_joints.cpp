@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "firmware/calibration/packed_deflections.hpp"
+#include "core/calibration/packed_deflections.hpp"
 
 namespace armsig::tool {
 
@@ -24,13 +24,13 @@ Read<std::shared_ptr<const calibration::ArmModel>> bounded_bends(const Arm& draw
                 "one that moves the joint by at most a tenth of what its reading moves"});
   }
   for (const calibration::GravityTerm& term : told.gravity) {
-    if (calibration::is_bounded(term, bent->joint_count())) continue;
+    if (calibration::is_bounded(term, drawing)) continue;
     return std::unexpected(Problem{
         "--sag-mm", 0, 0,
         fmt::format("{:.3g} turns joint {} by {:.2g}° for each metre that the weight is out",
                     1e3 * bends.sag_m, term.joint + 1, degrees(std::abs(term.coefficient))),
-        fmt::format("at most {:.2g}°",
-                    degrees(calibration::kLargestDeflection / calibration::kLongestLever_m))});
+        fmt::format("at most {:.2g}°", degrees(calibration::kLargestDeflection /
+                                               calibration::longest_lever_m(drawing)))});
   }
   return bent;
 }

@@ -6,9 +6,8 @@
 
 #include <fmt/core.h>
 
-#include "core/evaluation/tool_error.hpp"
-#include "firmware/differences/differences.hpp"
-#include "firmware/host_tool/identification/identification_run.hpp"
+#include "firmware/analysis/differences/differences.hpp"
+#include "firmware/analysis/evaluation/tool_error.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"
 #include "hal/simulated/demo_sensor.hpp"
 #include "hal/simulated/tolerances.hpp"
@@ -25,28 +24,9 @@ Arm built_robot(std::size_t robot) {
   return simulated::drawn_arm(puma560(), simulated::Tolerances{}, random);
 }
 
-Read<DemoMethod> judged(const IdentificationRun& run, const Arm& drawing, const Signature& truth,
-                        std::size_t* rejected) {
-  const auto identified = run.finish();
-  if (!identified) return std::unexpected(identified.error());
-  for (const auto& feature : identified->signature.features) {
-    *rejected += feature.quality.rejected;
-  }
-  const auto grid = evaluation::compare(drawing, identified->signature, truth);
-  if (!grid) {
-    return std::unexpected(Problem{
-        "", 0, 0, fmt::format("the grid can't be touched: {}", describe(grid.error())), ""});
-  }
-  return DemoMethod{
-      .signature = identified->signature,
-      .grid = *grid,
-      .tool_error_m = evaluation::rms_tool_error(identified->signature, truth, kToolTarget, Pose{},
-                                                 drawing.limits, kErrorConfigurations)};
-}
-
 // Of the drawing with base and tool fitted to the arm.
 double fitted_drawing_error_m(const Arm& drawing, const Signature& truth) {
-  const auto arm = std::make_unique<refinement::Refined>();
+  const auto arm = std::make_unique<calibration::Refined>();
   arm->signature = truth;
   const auto* tool = std::ranges::find(truth.targets, kToolTarget, &Target::number);
   const auto drawn = differences::fitted_drawing(
@@ -69,15 +49,12 @@ SensorDescription demo_sensor_description() {
   return sensor;
 }
 
-Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed,
-                               const std::function<void(const MeasurementRow&)>& watch,
-                               const DemoPlan& plan) {
+DemoRobot measured_demo_robot(std::size_t robot, std::uint64_t noise_seed, const DemoPlan& plan) {
   const Arm drawing = puma560();
   simulated::SimulatedArm built{
       .arm = built_robot(robot), .X_S0 = simulated::demo_base_pose(), .targets = {}};
   const JointVector configuration = middle_of_limits(drawing);
   mount_link_targets(built, configuration, plan.target_radius_m);
-
   const Simulation simulation{
       .arm = built,
       .plan = plan_sweeps(drawing, configuration, plan.arc_rad, plan.points),
@@ -85,30 +62,27 @@ Read<DemoRobot> run_demo_robot(std::size_t robot, std::uint64_t noise_seed,
       .pings = plan.pings,
       .mixed_poses = 0,
       .seed = noise_seed};
-  IdentificationRun by_paper(drawing, demo_sensor_description(), "", features::Method::kPaper);
-  IdentificationRun by_encoder(drawing, demo_sensor_description(), "", features::Method::kEncoder);
-  Read<void> taken;
-  simulate(simulation, [&](const MeasurementRow& row) {
-    if (taken) taken = by_paper.take(row);
-    if (taken) taken = by_encoder.take(row);
-    if (watch) watch(row);
-  });
-  if (!taken) return std::unexpected(taken.error());
-
   DemoRobot result;
   result.name = robot < 2 ? fmt::format("Robot {} of Table 2", robot + 1)
                           : fmt::format("Drawn about Table 1, no. {}", robot - 1);
+  simulate(simulation, [&](const MeasurementRow& row) { result.rows.push_back(row); });
   result.truth = truth_of(built, configuration);
-  result.sweep_duration_s = duration_s(drawing, simulation.plan, {.pings = plan.pings});
   result.drawing_error_m = fitted_drawing_error_m(drawing, result.truth);
-  std::size_t ignored = 0;
-  auto paper = judged(by_paper, drawing, result.truth, &ignored);
-  if (!paper) return std::unexpected(paper.error());
-  result.paper = *paper;
-  auto encoder = judged(by_encoder, drawing, result.truth, &result.rejected);
-  if (!encoder) return std::unexpected(encoder.error());
-  result.encoder = *encoder;
+  result.sweep_duration_s = duration_s(drawing, simulation.plan, {.pings = plan.pings});
   return result;
+}
+
+Read<DemoScore> score_of(const DemoRobot& robot, const Signature& found) {
+  const Arm drawing = puma560();
+  const auto grid = evaluation::compare(drawing, found, robot.truth);
+  if (!grid) {
+    return std::unexpected(Problem{
+        "", 0, 0, fmt::format("the grid can't be touched: {}", describe(grid.error())), ""});
+  }
+  return DemoScore{
+      .grid = *grid,
+      .tool_error_m = evaluation::rms_tool_error(found, robot.truth, kToolTarget, Pose{},
+                                                 drawing.limits, kErrorConfigurations)};
 }
 
 }  // namespace armsig::tool

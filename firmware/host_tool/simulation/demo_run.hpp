@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The whole story on simulated arms: sweep, identify by both methods, touch the grid.
+// Simulated arms for the whole story: swept, and judged by touching the grid.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <functional>
 #include <string>
+#include <vector>
 
-#include "core/evaluation/comparison.hpp"
+#include "firmware/analysis/evaluation/comparison.hpp"
 #include "firmware/formats/problem.hpp"
 #include "firmware/formats/sensor_file.hpp"
 #include "firmware/host_tool/simulation/simulation.hpp"
@@ -22,28 +21,26 @@ struct DemoPlan {
   double target_radius_m = 0.3;
 };
 
-struct DemoMethod {
-  Signature signature;
-  evaluation::Comparison grid;
-  double tool_error_m = 0;  // RMS over the joint space
-};
-
+// A simulated arm, and what the sensor saw of it.
 struct DemoRobot {
   std::string name;
   Signature truth;
-  DemoMethod paper;
-  DemoMethod encoder;
   double drawing_error_m = 0;  // RMS tool error of the drawing, its base and tool fitted
-  std::size_t rejected = 0;
   double sweep_duration_s = 0;
+  std::vector<MeasurementRow> rows;
 };
 
 // Robot 0 and 1: the robots of Table 2. Others: drawn about Table 1 with the usual tolerances, each
-// with its own seed. `noise_seed` repeats the measurement of the same robot. `watch`, where there
-// is one, sees every measured row.
-[[nodiscard]] Read<DemoRobot> run_demo_robot(
-    std::size_t robot, std::uint64_t noise_seed,
-    const std::function<void(const MeasurementRow&)>& watch = {}, const DemoPlan& plan = {});
+// with its own seed. `noise_seed` repeats the measurement of the same robot.
+[[nodiscard]] DemoRobot measured_demo_robot(std::size_t robot, std::uint64_t noise_seed,
+                                            const DemoPlan& plan = {});
+
+// A signature found of a robot, against the truth.
+struct DemoScore {
+  evaluation::Comparison grid;
+  double tool_error_m = 0;  // RMS over the joint space
+};
+[[nodiscard]] Read<DemoScore> score_of(const DemoRobot& robot, const Signature& found);
 
 // The sensor that measures.
 [[nodiscard]] SensorDescription demo_sensor_description();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/joint_range.hpp"
 #include "core/identification.hpp"
 #include "core/measurement/ping_median.hpp"
 
@@ -128,7 +129,7 @@ void simulate(const Simulation& simulation,
   row.sweep = 0;
   for (std::size_t k = 0; k < simulation.mixed_poses; ++k) {
     for (std::size_t j = 0; j < arm.joints.size(); ++j) {
-      const auto [lower, upper] = arm.limits[j];
+      const auto [lower, upper] = finite_range(arm.limits[j]);
       row.q[j] = random.uniform(lower, upper);
     }
     measure(targets.back());

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "core/base/check.hpp"
+#include "core/base/joint_range.hpp"
 #include "core/base/pose.hpp"
 
 namespace armsig::tool {
 
 JointVector middle_of_limits(const Arm& arm) {
   JointVector middle;
-  for (const JointLimits& limits : arm.limits) middle.push_back((limits.lower + limits.upper) / 2);
+  for (const JointLimits& limits : arm.limits) middle.push_back(middle_of(limits));
   return middle;
 }
 

@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/sweeps_alone/whole_model.hpp"
 
 namespace armsig::tool {
@@ -22,10 +22,12 @@ constexpr int kScaleRounds = 25;
 constexpr double kGeometryVariance = 25;
 constexpr double kQuickShare = 0.7;  // see engine_scales.cpp
 constexpr double kLeastBlockScale = 1e-6;
+// A block's variance may be anything over eight decades: natural logarithm of that.
+constexpr double kScaleRange = 18.4;
 // What gears and gravity that are not there have as evidence is less.
 constexpr double kSpeaks = 1;
 
-// The rows: y = A x + e.
+// The rows: y = A x + e, every number of one variance.
 struct LinearRows {
   Eigen::MatrixXd A;
   Eigen::VectorXd y;
@@ -34,9 +36,21 @@ struct LinearRows {
 struct Posterior {
   Eigen::VectorXd x;
   Eigen::MatrixXd covariance;
-  std::vector<double> scale;  // of every block
-  double variance = 0;        // of a row's number
-  double log_evidence = 0;
+  std::vector<double> scale;       // of every block
+  std::vector<double> determined;  // columns of every block that the rows determine
+  double variance = 0;             // of a row's number
+  double log_evidence = 0;         // at these scales
+
+  // With the scales integrated out, by Laplace's approximation: the more a block has to say, the
+  // less of the range of its scale would do (MacKay, Bayesian interpolation, 1992). Without it
+  // scales found from the rows would make noise look like maps.
+  [[nodiscard]] double log_evidence_of_any_scale() const {
+    double sum = log_evidence;
+    for (const double own : determined) {
+      if (own > 0) sum += std::min(0.0, std::log(4 * kPi / own) / 2 - std::log(kScaleRange));
+    }
+    return sum;
+  }
 };
 
 // The columns of the first blocks, sigma and scales by the fixed points of the engine
@@ -53,6 +67,7 @@ class Fit {
     const Eigen::VectorXd gradient = A.transpose() * rows_.y;
     Posterior found;
     found.scale.assign(blocks, 1.0);
+    found.determined.assign(blocks, 0.0);
     found.variance = rows_.y.squaredNorm() / static_cast<double>(rows_.y.size());
     for (int round = 0; round < kScaleRounds; ++round) {
       const Eigen::LLT<Eigen::MatrixXd> factor(information(squares, found));
@@ -97,6 +112,7 @@ class Fit {
           root.block(block.first, block.first, root.rows() - block.first, block.size());
       const double trace = block.precision.cwiseProduct(columns.transpose() * columns).sum();
       const double own = std::clamp(size - trace / found.scale[b], 1e-3, size);
+      found.determined[b] = own;
       determined += own;
       const double quick = std::max(squares, 1e-12) / (own + block.zeros);
       const double sure = (squares + trace) / (size + block.zeros);
@@ -139,7 +155,8 @@ std::optional<std::size_t> index_of(const Signature& signature, int number) {
 }
 
 // Rows of known targets that are no blunders.
-std::vector<EvidenceRow> sound_rows(const Evidence& evidence, const refinement::Refined& estimate) {
+std::vector<EvidenceRow> sound_rows(const Evidence& evidence,
+                                    const calibration::Refined& estimate) {
   std::vector<EvidenceRow> rows;
   std::vector<double> lengths;
   for (const EvidenceRow& row : thinned(evidence, kMostRows).rows) {
@@ -157,22 +174,43 @@ std::vector<EvidenceRow> sound_rows(const Evidence& evidence, const refinement::
   return sound;
 }
 
-LinearRows linearised(const WholeModel& model, const refinement::Refined& estimate,
+// What makes the numbers of every row independent, of a variance that is one for all on average:
+// the positions that ranges give are better along one direction than along another, and not as good
+// everywhere. A row that states nothing counts as the average.
+std::vector<Matrix3> whitening(std::span<const EvidenceRow> rows) {
+  double sum = 0;
+  double count = 0;
+  for (const EvidenceRow& row : rows) {
+    const double sigma_m = row.sigma_m();
+    sum += sigma_m * sigma_m;
+    count += sigma_m > 0 ? 1 : 0;
+  }
+  std::vector<Matrix3> whitening(rows.size(), Matrix3::Identity());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (!(rows[k].sigma_m() > 0)) continue;
+    const Matrix3 relative = rows[k].covariance_m2 * (count / sum);
+    whitening[k] = relative.llt().matrixL().solve(Matrix3::Identity());
+  }
+  return whitening;
+}
+
+LinearRows linearised(const WholeModel& model, const calibration::Refined& estimate,
                       std::span<const EvidenceRow> from) {
   const auto numbers = 3 * static_cast<Eigen::Index>(from.size());
   LinearRows rows{.A = Eigen::MatrixXd(numbers, model.columns()), .y = Eigen::VectorXd(numbers)};
+  const std::vector<Matrix3> whiten = whitening(from);
   for (std::size_t k = 0; k < from.size(); ++k) {
     const auto first = 3 * static_cast<Eigen::Index>(k);
     const WholeModel::At at = model.at(from[k].q, *index_of(estimate.signature, from[k].target));
-    rows.A.middleRows<3>(first) = at.columns;
-    rows.y.segment<3>(first) = from[k].p_S - at.p_S + at.bent;
+    rows.A.middleRows<3>(first) = whiten[k] * at.columns;
+    rows.y.segment<3>(first) = whiten[k] * (from[k].p_S - at.p_S + at.bent);
   }
   return rows;
 }
 
 // Mean square at the tool of what the estimate misses, by that posterior.
 double expected_square(const WholeModel& model, const Posterior& posterior,
-                       const refinement::Refined& estimate,
+                       const calibration::Refined& estimate,
                        const FixedVector<JointLimits, kMaxJoints>& limits, std::size_t tool) {
   double sum = 0;
   for (int k = 1; k <= kJudgedConfigurations; ++k) {
@@ -191,7 +229,7 @@ double expected_square(const WholeModel& model, const Posterior& posterior,
 }  // namespace
 
 std::optional<UnseenBending> judge_bending(const Evidence& evidence,
-                                           const refinement::Refined& estimate,
+                                           const calibration::Refined& estimate,
                                            const FixedVector<JointLimits, kMaxJoints>& limits,
                                            std::size_t tool, bool tried) {
   const bool estimate_bends = estimate.readings.deflections != nullptr;
@@ -211,7 +249,8 @@ std::optional<UnseenBending> judge_bending(const Evidence& evidence,
   const Posterior bent = fit(model.blocks().size());
   UnseenBending found;
   found.stated_m = uncertainty::predicted_rms(estimate, limits, tool, kJudgedConfigurations);
-  found.probability = 1 / (1 + std::exp(straight.log_evidence - bent.log_evidence));
+  found.probability =
+      1 / (1 + std::exp(straight.log_evidence_of_any_scale() - bent.log_evidence_of_any_scale()));
   const auto square_of = [&](const Posterior& posterior) {
     return expected_square(model, posterior, estimate, limits, tool);
   };

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "core/refinement/refined.hpp"
+#include "core/calibration/refined.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {
@@ -25,7 +25,7 @@ struct UnseenBending {
 // must speak for themselves. Nothing where poses with sweep 0 are among the rows, or the rows are
 // few.
 [[nodiscard]] std::optional<UnseenBending> judge_bending(
-    const Evidence& evidence, const refinement::Refined& estimate,
+    const Evidence& evidence, const calibration::Refined& estimate,
     const FixedVector<JointLimits, kMaxJoints>& limits, std::size_t tool, bool tried);
 
 }  // namespace armsig::tool

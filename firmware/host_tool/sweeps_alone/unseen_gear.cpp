@@ -6,7 +6,7 @@
 #include "core/base/low_discrepancy.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
-#include "firmware/host_tool/signature/estimate.hpp"
+#include "firmware/library/estimate.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -33,8 +33,8 @@ double moved_by_gear_m(const SignatureRecord& record, std::size_t joint, const T
 std::optional<UnseenGear> least_seen_gear(const SignatureRecord& record) {
   const Signature& signature = record.signature;
   const auto tool = tool_target(signature);
-  if (!tool || !record.predicted_tool_error_m) return std::nullopt;
-  UnseenGear least{.moved_m = kWorthNaming * *record.predicted_tool_error_m};
+  if (!tool || !record.accuracy.predicted) return std::nullopt;
+  UnseenGear least{.moved_m = kWorthNaming * record.accuracy.predicted->rms_m};
   for (std::size_t j = 0; j < signature.features.size(); ++j) {
     const bool corrected = j < record.corrections.size() && record.corrections[j].gain != 0;
     if (signature.types[j] != JointType::kRevolute || corrected) continue;

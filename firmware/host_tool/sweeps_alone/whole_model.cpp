@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/frames/alignment.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 
 namespace armsig::tool {
@@ -40,7 +41,7 @@ double correlation(double a, double b) {
 
 }  // namespace
 
-WholeModel::WholeModel(const Arm& drawing, const refinement::Refined& estimate,
+WholeModel::WholeModel(const Arm& drawing, const calibration::Refined& estimate,
                        std::span<const EvidenceRow> rows, std::size_t tool)
     : estimate_(estimate), drawn_(calibration::model_of(drawing, {})), tool_(tool) {
   const Signature& signature = estimate.signature;
@@ -49,17 +50,21 @@ WholeModel::WholeModel(const Arm& drawing, const refinement::Refined& estimate,
   }
   drawn_.couplings = drawing.couplings;
   calibration::choose_gravity_terms(drawing, drawn_);
+  const Pose X_SB = frames::align(frames::axis_lines(signature),
+                                  frames::axis_lines(drawing, signature.configuration))
+                        .X_AB;
+  down_S_ = -(X_SB.R * drawing.up_0);
   geometry_ = kBaseColumns + 3 * static_cast<Eigen::Index>(signature.targets.size()) +
               static_cast<Eigen::Index>(kDeviations * signature.joint_count());
   columns_ = geometry_;
-  for (const refinement::Parameter& parameter : estimate.layout.parameters) {
-    if (refinement::of_reading(parameter)) corrections_.push_back(parameter);
+  for (const calibration::Parameter& parameter : estimate.layout.parameters) {
+    if (calibration::of_reading(parameter)) corrections_.push_back(parameter);
   }
   const std::size_t corrected = corrections_.size();
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
-    const refinement::Parameter gear{.kind = refinement::ParameterKind::kReadingGain,
-                                     .index = static_cast<std::uint8_t>(i)};
-    if (estimate.layout.gain[i] == refinement::kNoColumn) corrections_.push_back(gear);
+    const calibration::Parameter gear{.kind = calibration::ParameterKind::kReadingGain,
+                                      .index = static_cast<std::uint8_t>(i)};
+    if (estimate.layout.gain[i] == calibration::kNoColumn) corrections_.push_back(gear);
   }
   for (const std::size_t size : {corrected, corrections_.size() - corrected}) {
     const auto columns = static_cast<Eigen::Index>(size);
@@ -112,7 +117,7 @@ void WholeModel::add_knots(std::size_t joint, std::span<const EvidenceRow> rows)
 WholeModel::At WholeModel::at(const JointVector& readings, std::size_t target) const {
   const Signature& signature = estimate_.signature;
   const JointVector turned =
-      refinement::true_readings(estimate_.readings, signature.configuration, readings);
+      calibration::true_readings(estimate_.readings, signature.configuration, readings);
   At at{.columns = Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, columns_)};
   at.p_S = kinematics::target_position(signature, turned, signature.targets[target]);
   const std::size_t link = signature.targets[target].link;
@@ -128,7 +133,7 @@ WholeModel::At WholeModel::at(const JointVector& readings, std::size_t target) c
   for (std::size_t i = 0; i < link; ++i) {
     motion[i] = add_deviations(i, kinematics::link_pose(signature, turned, i), at);
   }
-  const refinement::Deflections now = refinement::deflections_at(estimate_.readings, readings);
+  const calibration::Deflections now = calibration::deflections_at(estimate_.readings, readings);
   for (std::size_t i = 0; i < link; ++i) at.bent += now[i] * motion[i];
   add_readings(readings, motion, at);
   add_gravity(readings, motion, at);
@@ -158,14 +163,14 @@ void WholeModel::add_readings(const JointVector& readings, const Motions& motion
   const Signature& signature = estimate_.signature;
   const JointVector effective = effective_readings(estimate_.readings.couplings, readings);
   Eigen::Index column = blocks_[kReadings].first;
-  for (const refinement::Parameter& parameter : corrections_) {
+  for (const calibration::Parameter& parameter : corrections_) {
     at.columns.col(column++) = kCorrectionSigma *
-                               refinement::turn_by(parameter, effective[parameter.index]) *
+                               calibration::turn_by(parameter, effective[parameter.index]) *
                                motion[parameter.index];
   }
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
     const auto added = [&](double reading) {
-      return refinement::corrected_reading(estimate_.readings, i, reading) - reading;
+      return calibration::corrected_reading(estimate_.readings, i, reading) - reading;
     };
     at.bent += (added(effective[i]) - added(signature.configuration[i])) * motion[i];
   }
@@ -186,7 +191,6 @@ void WholeModel::add_weight_of_tool(const JointVector& turned, const Motions& mo
                                     At& at) const {
   const Signature& signature = estimate_.signature;
   const Vector3 tool_S = kinematics::target_position(signature, turned, signature.targets[tool_]);
-  const Vector3 down_S = -signature.X_SL[0].R.col(2);
   const auto first = blocks_[kGravity].first + static_cast<Eigen::Index>(drawn_.gravity.size());
   for (std::size_t i = 0; i < signature.joint_count(); ++i) {
     const Pose X_SJ = kinematics::link_pose(signature, turned, i);
@@ -194,7 +198,7 @@ void WholeModel::add_weight_of_tool(const JointVector& turned, const Motions& mo
     const bool revolute = signature.types[i] == JointType::kRevolute;
     const Vector3 moves = revolute ? Vector3(z.cross(tool_S - X_SJ.p)) : z;
     at.columns.col(first + static_cast<Eigen::Index>(i)) =
-        calibration::map_unit(signature.types[i]) * down_S.dot(moves) * motion[i];
+        calibration::map_unit(signature.types[i]) * down_S_.dot(moves) * motion[i];
   }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // All that may move a target of an arm, linearised about an estimate of it: base, targets, five
 // deviations a joint, those corrections of the readings that the estimate has, gravity, and the map
-// of every joint's reading as a Gaussian process at the readings that were measured (section 8 of
-// ALGORITHMS; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, section 2.2).
+// of every joint's reading as a Gaussian process at the readings that were measured (docs/model.md,
+// section 7; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, section 2.2).
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 #include <Eigen/Core>
 
-#include "core/arm_model/model.hpp"
-#include "core/refinement/refined.hpp"
+#include "core/calibration/model.hpp"
+#include "core/calibration/refined.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 
 namespace armsig::tool {
@@ -32,7 +32,7 @@ class WholeModel {
  public:
   // `rows` are those whose readings the maps are told at, `tool` the target that has the tool's
   // weight. The estimate is kept as a reference.
-  WholeModel(const Arm& drawing, const refinement::Refined& estimate,
+  WholeModel(const Arm& drawing, const calibration::Refined& estimate,
              std::span<const EvidenceRow> rows, std::size_t tool);
 
   // What moves the target at readings `readings`.
@@ -76,10 +76,11 @@ class WholeModel {
   void add_weight_of_tool(const JointVector& turned, const Motions& motion, At& at) const;
   void add_map(std::size_t joint, double reading, const Vector3& motion, At& at) const;
 
-  const refinement::Refined& estimate_;
-  std::vector<refinement::Parameter> corrections_;  // of the readings: of the estimate, then gears
+  const calibration::Refined& estimate_;
+  std::vector<calibration::Parameter> corrections_;  // of the readings: of the estimate, then gears
   calibration::ArmModel drawn_;
   std::size_t tool_;
+  Vector3 down_S_ = Vector3::Zero();
   std::array<Knots, kMaxJoints> knots_;
   std::vector<PriorBlock> blocks_;
   Eigen::Index geometry_ = 0;

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: MIT
 -- Arms, their journals, every row that came, signatures by what they are.
 CREATE TABLE arm (
   node text PRIMARY KEY CHECK (length(node) BETWEEN 1 AND 64),

@@ -1,4 +1,5 @@
--- The sum over many checks in which a slow change shows: Crosier (1988), as firmware/drift/cusum.hpp computes it.
+-- SPDX-License-Identifier: MIT
+-- The sum over many checks in which a slow change shows: Crosier (1988), as core/drift/cusum.hpp computes it.
 CREATE FUNCTION crosier_step(state double precision[], x double precision, y double precision, z double precision,
                              k double precision) RETURNS double precision[]
 LANGUAGE sql IMMUTABLE PARALLEL SAFE AS $$

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: MIT
 -- A row's journal is written by the statement that writes the row: to look it up once more for every row took a third of
 -- the time of a batch.
 ALTER TABLE row DROP CONSTRAINT row_node_journal_fkey;

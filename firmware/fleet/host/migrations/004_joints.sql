@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: MIT
 -- Documents with maps, gravity and the types of the joints are longer.
 ALTER TABLE signature_part DROP CONSTRAINT signature_part_parts_check;
 ALTER TABLE signature_part ADD CHECK (parts BETWEEN 1 AND 128);

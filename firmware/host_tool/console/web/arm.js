@@ -44,9 +44,8 @@ export class ArmView {
   setStatus(status) {
     if (this.joints.length === 0) return;
     const q = this.joints.map((joint, i) => reading(status, i + 1, joint.revolute));
-    if (!q.every(Number.isFinite)) return;
-    this.q = q;
-    if (status.model === 'drawing' && this.offset === null) {
+    this.q = q.every(Number.isFinite) ? q : null;
+    if (this.q !== null && status.model === 'drawing' && this.offset === null) {
       const last = this.#frames(q).at(-1);
       const tool = minus(['x_mm', 'y_mm', 'z_mm'].map((key) => status[key] / 1e3), last.map((row) => row[3]));
       const own = [0, 1, 2].map((k) => last[0][k] * tool[0] + last[1][k] * tool[1] + last[2][k] * tool[2]);
@@ -105,13 +104,14 @@ export class ArmView {
 
   draw() {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    if (this.q === null || width === 0) return;
+    if (width === 0) return;
     const ratio = Math.min(devicePixelRatio, 2);
     this.canvas.width = width * ratio;
     this.canvas.height = height * ratio;
     const pen = this.canvas.getContext('2d');
     pen.scale(ratio, ratio);
     this.pen = pen;
+    if (this.q === null) return;  // the canvas is empty: where the arm is is not known
     this.#aim(width, height);
     this.#floor();
     this.#arcs();

@@ -23,8 +23,7 @@ let heard = 0;       // when the server was heard last
 let shownAnswer = null;
 let asked = '';      // the verb that was pressed and is not answered yet
 let pausedBy = '';   // the name of what paused the measurement, as the controller said
-let refined = null;  // what a self-calibration predicts of the tool, as the controller said last
-let play = null;     // of which joints, likewise
+let play = null;     // of the joints, as the controller reported it of the candidate
 
 // --- What the server tells -------------------------------------------------------------------------
 
@@ -39,10 +38,9 @@ function rowOf(values) {
 // The words key=value of a line.
 const valuesOf = (line) => Object.fromEntries([...line.matchAll(/(\w+)=(\S+)/g)].map(([, key, value]) => [key, value]));
 
-// What of a self-calibration a line tells; a new one begins with its sweeps.
-function takeRefined(line) {
-  if (line.startsWith('# identify sweep')) [refined, play] = [null, null];
-  if (/^# identify (refining|accuracy=)/.test(line)) refined = valuesOf(line);
+// The play of the joints; a new measurement has sweeps before it.
+function takePlay(line) {
+  if (line.startsWith('# identify swept')) play = null;
   if (line.startsWith('# identify play ')) play = valuesOf(line);
 }
 
@@ -65,7 +63,7 @@ function listen() {
   });
   on('said', (lines) => {
     for (const line of lines) pausedBy = /^# identify paused error=(\S+)/.exec(line)?.[1] ?? (line.startsWith('# identify ') ? '' : pausedBy);
-    lines.forEach(takeRefined);
+    lines.forEach(takePlay);
     const bad = (line) => / error=|faulted|refused|ended|lost/.test(line);
     const items = lines.map((line) => element('li', bad(line) ? { class: 'bad' } : {}, line.replace(/^# /, '')));
     byId('said').prepend(...items.reverse());
@@ -110,19 +108,20 @@ function showProgress({ status }) {
   const beyond = points >= planned;
   const why = status.sweep ? ', until each axis is known' : '';
   tell('progress-points', beyond ? `${points} points: more than the ${planned} planned${why}` : `${points} of ${planned} points`);
-  tell('progress-left', points > 0 && !beyond ? `${duration(Number(status.left_s))} left` : '');
+  tell('progress-left', status.left_s && !beyond ? `${duration(Number(status.left_s))} left` : '');
 }
 
 function showVerdict({ candidate, status }) {
   const shown = candidate !== null && status.sequence === 'none' && status.mode !== 'faulted';
   byId('verdict').hidden = !shown;
   if (!shown) return;
-  const [ours, theirs] = [Number(candidate.candidate_rms_mm), Number(candidate.active_rms_mm)];
+  const [ours, theirs] = [Number(candidate.validation_rms_mm), Number(candidate.active_rms_mm)];
   const largest = Math.max(ours, theirs, 1e-9);
   byId('candidate-bar').style.width = `${(100 * ours) / largest}%`;
   byId('active-bar').style.width = `${(100 * theirs) / largest}%`;
   tell('candidate-rms', `${rough(ours)} mm`);
   tell('active-rms', `${rough(theirs)} mm`);
+  tell('active-name', candidate.active === 'drawing' ? 'the drawing' : `signature ${candidate.active}`);
 }
 
 function showFault({ status }) {
@@ -137,28 +136,47 @@ function showFault({ status }) {
   blackBox.show(status.black_box ?? '', status.fault_joint);
 }
 
-function showFacts({ status, signature, sigmas }) {
+// Every figure is of one reply, which names the signature that it is of: `status` the one in use, `candidate` the candidate.
+function showFacts({ status, candidate, sigmas }) {
   const trouble = troubleOf(status, pausedBy);
-  const facts = [['model', status.model], ['sensor', trouble ? markdown(adviceFor(trouble).words ?? trouble) : 'answers']];
+  const facts = [['model', status.model]];
+  if (trouble || status.sensor) facts.push(['sensor', trouble ? markdown(adviceFor(trouble).words ?? trouble) : 'answers']);
   if (status.sensor_says) facts.push(['sensor says', status.sensor_says]);
   if (status.store) facts.push(['store', markdown(adviceFor(status.store).words ?? status.store)]);
   if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);
-  if (signature.held_out_rms_mm) facts.push(['signature', `number ${signature.sequence}, ${rough(Number(signature.held_out_rms_mm))} mm RMS on poses held out, ${signature.air_c} \u00b0C`]);
-  const shares = dials.shares(sigmas).filter(Number.isFinite);
-  if (refined?.predicted_mm) facts.push(...refinedFacts());
-  else if (shares.length > 0) facts.push(['tool', `\u00b1 ${rough(Math.hypot(...shares))} mm by the ${shares.length === joints.length ? 'axes found' : `${shares.length} of ${joints.length} axes known so far`}`]);
-  facts.push(['control tick', `at most ${rough(Number(status.late_max_us ?? 0))} \u00b5s late`]);
+  if (status.unsupervised) facts.push(['holds torque without this controller', `joint ${status.unsupervised}`]);
+  if (status.unreferenced) facts.push(['may stand elsewhere than it reads', `joint ${status.unreferenced}: look at it, then confirm`]);
+  if (status.signature) facts.push(['signature', [`number ${status.signature}`, ...accuracyOf(status), ...(status.air_c ? [`${status.air_c} \u00b0C`] : [])].join(', ')]);
+  facts.push(...candidateFacts(status, candidate, sigmas));
+  if (status.late_max_us) facts.push(['control tick', `at most ${rough(Number(status.late_max_us))} \u00b5s late`]);
   const key = JSON.stringify(facts);
   if (byId('facts').dataset.key === key) return;
   byId('facts').dataset.key = key;
   byId('facts').replaceChildren(...facts.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]));
 }
 
-// What a self-calibration says: of the tool, and of the play that it has seen.
-function refinedFacts() {
-  const [predicted, asked] = [Number(refined.predicted_mm), Number(refined.asked_mm)];
-  const reached = refined.accuracy === 'reached' ? ': reached' : refined.accuracy ? ': not reached' : ' so far';
-  const facts = [['tool', `${rough(predicted)} mm RMS predicted, ${fixed(asked, 2)} mm asked for${reached}`]];
+const kRegions = { configuration: 'at the signature configuration', measured: 'over the readings measured', limits: 'over the joint limits' };
+
+// What a reply tells of the accuracy of the signature that it names.
+function accuracyOf(told, prefix = '') {
+  const words = [];
+  const predicted = told[`${prefix}predicted_tool_error_mm`];
+  if (predicted) words.push(`${rough(Number(predicted))} mm RMS predicted ${kRegions[told[`${prefix}predicted_region`]] ?? ''}`);
+  if (told.validation_rms_mm && !prefix) words.push(`${rough(Number(told.validation_rms_mm))} mm RMS on ${told.validation_poses ?? 'the'} validation poses`);
+  return words;
+}
+
+// Of a measurement under way, and of what it found until that is accepted: its accuracy, and the play that it has seen.
+function candidateFacts(status, candidate, sigmas) {
+  const running = status.sequence === 'identifying' || status.sequence === 'paused';
+  if (running) {
+    if (status.candidate_predicted_tool_error_mm) return [['candidate', `${accuracyOf(status, 'candidate_')} so far, ${fixed(Number(status.asked_mm), 2)} mm asked for`]];
+    const shares = dials.shares(sigmas).filter(Number.isFinite);
+    return shares.length > 0 ? [['candidate', `tool \u00b1 ${rough(Math.hypot(...shares))} mm by ${shares.length} of ${joints.length} axes known so far`]] : [];
+  }
+  if (!candidate) return [];
+  const asked = candidate.asked_mm ? [`${fixed(Number(candidate.asked_mm), 2)} mm asked for: ${candidate.reached === 'yes' ? 'reached' : 'not reached'}`] : [];
+  const facts = [['candidate', [...accuracyOf(candidate), ...asked].join(', ')]];
   const size = (joint) => (joints[joint - 1]?.revolute ? `${rough(Number(play[`q${joint}_deg`]))}\u00b0` : `${rough(Number(play[`q${joint}_mm`]))} mm`);
   const seen = (play?.seen ?? '').split(',').filter((joint) => Number(joint) > 0);
   if (seen.length > 0) facts.push(['play', seen.map((joint) => `joint ${joint} ${size(joint)}`).join(', ')]);
@@ -168,7 +186,8 @@ function refinedFacts() {
 function showReadings({ status }) {
   const parts = joints.map((joint, i) => {
     const q = reading(status, i + 1, joint.revolute);
-    return element('span', {}, `${i + 1} `, element('b', {}, joint.revolute ? `${fixed(degrees(q), 2)}\u00b0` : `${fixed(1e3 * q, 2)} mm`));
+    const words = !Number.isFinite(q) ? 'not known' : joint.revolute ? `${fixed(degrees(q), 2)}\u00b0` : `${fixed(1e3 * q, 2)} mm`;
+    return element('span', {}, `${i + 1} `, element('b', {}, words));
   });
   byId('readings').replaceChildren(...parts);
 }

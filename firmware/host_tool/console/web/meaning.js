@@ -10,7 +10,7 @@ export const markdown = (text) => text.replace(/\[([^\]]*)\]\([^)]*\)/g, '$1').r
 
 // The name of what is wrong with the sensor, now or when the measurement paused; empty: nothing.
 export function troubleOf(status, pausedBy) {
-  if (status.sensor !== 'well') return status.sensor;
+  if (status.sensor && status.sensor !== 'well') return status.sensor;
   return status.sequence === 'paused' ? pausedBy : '';
 }
 
@@ -36,7 +36,7 @@ export function situation({ status, candidate }, pausedBy, jointCount) {
   if (status.sequence === 'touching') return { headline: 'Touching the grid', words: 'The arm moves by itself. Keep clear of it.', next: 'halt' };
   if (candidate) {
     const better = candidate.better === 'yes';
-    return { headline: better ? 'The candidate is better' : 'The candidate is not better', words: `On ${candidate.held_out} poses that neither was fitted to, the tool was off by (RMS):`, next: better ? 'accept' : 'identify' };
+    return { headline: better ? 'The candidate is better' : 'The candidate is not better', words: `On ${candidate.validation_poses} validation poses, to which neither was fitted, the tool was off by (RMS):`, next: better ? 'accept' : 'identify' };
   }
   if (status.mode === 'idle') return { headline: 'Without torque', words: `${model} Enable gives the drives torque; the arm holds where it is.`, next: 'enable' };
   if (status.mode === 'servoing') return { headline: 'Moving', words: model, next: 'halt' };
@@ -44,7 +44,7 @@ export function situation({ status, candidate }, pausedBy, jointCount) {
 }
 
 // Whether the controller would take the verb now.
-export function possible(verb, { status, candidate, signature }) {
+export function possible(verb, { status, candidate }) {
   const { mode, sequence } = status;
   const free = sequence === 'none' && mode !== 'servoing';
   const standing = (mode === 'idle' || mode === 'holding') && free;
@@ -52,6 +52,6 @@ export function possible(verb, { status, candidate, signature }) {
     enable: mode === 'idle', disable: ['holding', 'servoing', 'sweeping'].includes(mode), reset: mode === 'faulted',
     identify: mode === 'holding' && free, pause: sequence === 'identifying', resume: sequence === 'paused',
     halt: mode === 'servoing' || mode === 'sweeping', accept: standing && candidate?.better === 'yes',
-    rollback: standing && signature.model === 'signature', acknowledge: status.acknowledge === 'needed',
+    rollback: standing && status.model === 'signature', acknowledge: status.acknowledge === 'needed',
   }[verb];
 }

@@ -23,7 +23,8 @@ function verdict() {
   by('headline').append(...phrase(report.verdict.headline));
   by('sentences').append(...report.verdict.sentences.map((text) => element('p', {}, ...phrase(text))));
   by('next-steps').append(...report.verdict.next_steps.map((text) => element('li', {}, ...phrase(text))));
-  by('warnings').append(...about.warnings.map((text) => element('p', { class: 'warning' }, text)));
+  const warnings = [about.other_measurements, ...about.warnings].filter(Boolean);
+  by('warnings').append(...warnings.map((text) => element('p', { class: 'warning' }, text)));
   by('version').textContent = about.version;
   if (map === null) return;
   const known = map.true_rms_m !== null;
@@ -101,7 +102,7 @@ function sweepRms(sweep) {
 
 function sweeps(webGl) {
   if (report.sweeps.length === 0) {
-    by('sweeps').append(element('p', {}, 'Give armsig report the measurements (--measurements) to see the sweeps.'));
+    by('sweeps').append(element('p', {}, 'With --measurements the page shows the sweeps too.'));
     return;
   }
   for (const sweep of report.sweeps) {

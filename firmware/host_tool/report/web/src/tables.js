@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The tables: parameters, the grid task, what was measured.
-import { bounded, decimalsFor, degrees, element, fixed, length, phrase } from './text.js';
+import { bounded, decimalsFor, degrees, element, fixed, foundFrom, length, phrase } from './text.js';
 
 const cell = (text, kind = '') => element('td', kind ? { class: kind } : {}, text);
 const head = (...names) => element('thead', {}, element('tr', {}, ...names.map((name, k) => element('th', k < 2 ? { class: 'text' } : {}, name))));
@@ -139,7 +139,8 @@ export function aboutTable(about) {
     ['Program', `armsig ${about.version}`],
     ['Signature', `${about.signature.name}, CRC-32 ${about.signature.crc32}`],
   ];
-  if (about.measurements) rows.push(['Measurements', `${about.measurements.name}, CRC-32 ${about.measurements.crc32}`]);
+  rows.push(['Found from', foundFrom(about.origin)]);
+  if (about.measurements) rows.push([about.other_measurements ? 'Other measurements' : 'Measurements', `${about.measurements.name}, CRC-32 ${about.measurements.crc32}`]);
   if (about.rows !== undefined) {
     const parts = [`${about.rows} rows`];
     if (about.rows_not_located > 0) parts.push(`${about.rows_not_located} without a usable position`);

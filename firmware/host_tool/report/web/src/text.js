@@ -45,3 +45,7 @@ export function decimalsFor(sigma, least, most) {
 
 export const colour = (name) =>
   getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+// The measurements that a signature was found from, as it says itself.
+export const foundFrom = (origin) => (origin === null ? 'the signature does not say which measurements'
+  : `${origin.measurements.split('/').at(-1)}: ${origin.rows} rows, CRC-32 of the rows ${origin.rows_crc32}`);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Touches (CSV): joint readings with the name of the place that the tool was at, and the length
+// where a wire was read (docs/formats.md).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/arm.hpp"
+#include "firmware/formats/instrument_file.hpp"
+#include "firmware/formats/problem.hpp"
+
+namespace armsig::tool {
+
+struct Touch {
+  std::size_t line = 0;  // of the file, from 1
+  std::string place;
+  JointVector q;        // as read: couplings not applied
+  double length_m = 0;  // of a wire
+};
+
+// Refuses a place without a name, a wire without a length, a length where none belongs, and a file
+// without any row.
+[[nodiscard]] Read<std::vector<Touch>> read_touches(const std::string& path,
+                                                    const JointTypes& types,
+                                                    const InstrumentDescription& description);
+[[nodiscard]] Read<std::vector<Touch>> parse_touches(std::string_view text, std::string_view file,
+                                                     const JointTypes& types,
+                                                     const InstrumentDescription& description);
+
+}  // namespace armsig::tool

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// What goes wrong with sockets, planes and wires, found in the rows and named (docs/model.md,
+// section 13).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "firmware/host_tool/places/place_fit.hpp"
+
+namespace armsig::tool {
+
+// A touch that was rejected: what it misses its place by, and the place that it fits instead.
+struct RejectedTouch {
+  std::size_t line = 0;
+  std::size_t place = 0;
+  double off_m = 0;
+  std::optional<std::size_t> fits;
+};
+[[nodiscard]] std::vector<RejectedTouch> rejected_touches(const PlaceTask& task,
+                                                          const PlaceFit& fit);
+
+// A known length as the touches and the other lengths that are believed have it.
+struct PredictedLength {
+  double length_m = 0;
+  double sigma_m = 0;
+  double off = 0;  // known less predicted, in sigma of both
+  bool believed = true;
+};
+
+// Beyond so many sigma a known length contradicts everything else.
+inline constexpr double kContradictingLength = 4;
+
+// Of every known length of `task`; `free` was fitted to the touches alone, without any. The one
+// that contradicts the others most is not believed, as long as one does and another is left.
+[[nodiscard]] std::vector<PredictedLength> predicted_lengths(const PlaceTask& task,
+                                                             const PlaceFit& free);
+
+}  // namespace armsig::tool
