@@ -27,6 +27,8 @@ volatile std::sig_atomic_t stop_requested = 0;
 struct Options {
   std::string console;
   std::string truth;
+  std::string drive_tables;
+  std::string drive;
   int robot = 1;
   std::vector<double> start_deg;
   std::vector<double> target_mm{30, 20, 120};
@@ -67,6 +69,22 @@ void bend(const Options& options, PlantConfiguration& plant) {
   plant.bent = cabinet::bent_model(drawing, bends, random);
 }
 
+// The table of `--drives` whose name begins so.
+void take_drive(const Options& options, PlantConfiguration& plant) {
+  if (options.drive_tables.empty()) return;
+  std::string names;
+  for (const test::DriveTable& table : test::read_drive_tables(options.drive_tables)) {
+    if (table.name.starts_with(options.drive)) {
+      plant.counts_per_revolution = table.counts_per_revolution;
+      plant.drive_table = table;
+      return;
+    }
+    names += "\n  " + table.name;
+  }
+  throw CLI::ValidationError(
+      fmt::format("--drive {}: {} has{}", options.drive, options.drive_tables, names));
+}
+
 // Checks what the options say together; CLI11 has checked each.
 PlantConfiguration plant_of(Options& options) {
   PlantConfiguration& plant = options.plant;
@@ -83,6 +101,7 @@ PlantConfiguration plant_of(Options& options) {
   plant.field = simulated::demo_sensor();
   plant.field.range_sigma_m = 1e-3 * options.sigma_mm;
   bend(options, plant);
+  take_drive(options, plant);
   return plant;
 }
 
@@ -125,6 +144,12 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 2))
       ->capture_default_str();
   app.add_option("--truth", options.truth, "arm description (YAML) that the arm is instead");
+  CLI::Option* tables =
+      app.add_option("--drive-tables", options.drive_tables,
+                     "table (CSV) of what drives have, as host_tests/support/drives.csv");
+  app.add_option("--drive", options.drive,
+                 "--drive-tables: the begin of the name of the drive that all joints have")
+      ->needs(tables);
   app.add_option("--start-deg", options.start_deg, "readings at power-up")->delimiter(',');
   app.add_option("--zero-counts", plant.zero_counts, "counts where a reading is zero")
       ->delimiter(',');

@@ -14,8 +14,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/evaluation/comparison.hpp"
 #include "core/identification.hpp"
+#include "firmware/analysis/evaluation/comparison.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"
 #include "hal/simulated/arm.hpp"
@@ -140,7 +140,7 @@ void run_all(const Changes& changes, bool full) {
   if (full) expect_the_indices_of_table_3(*configuration, readings);
   std::printf("%s\n%s\n", daemon.ask("status").c_str(), daemon.ask("system").c_str());
   const std::string committed = daemon.ask("signature");
-  EXPECT_TRUE(committed.starts_with("ok model=signature sequence=1")) << committed;
+  EXPECT_TRUE(committed.starts_with("ok model=signature signature=1")) << committed;
   // Killed with the arm under torque: the drives miss their master and stop.
   EXPECT_EQ(daemon.end(SIGKILL), -1);
   daemon.start();

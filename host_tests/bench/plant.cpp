@@ -64,8 +64,12 @@ simulated::DriveConfiguration Plant::drive_of(std::size_t joint) const {
                   : simulated::honest_slide_drive(node, counts_per_unit(joint));
   }
   drive.node = node;
-  drive.encoder_counts =
-      static_cast<std::uint32_t>(std::lround(configuration_.counts_per_revolution));
+  if (configuration_.drive_table) {
+    configuration_.drive_table->apply(drive);
+  } else {
+    drive.encoder_counts =
+        static_cast<std::uint32_t>(std::lround(configuration_.counts_per_revolution));
+  }
   drive.motion.start =
       configuration_.start[joint] * counts_per_unit(joint) + configuration_.zero_counts[joint];
   drive.motion.bandwidth_hz = configuration_.bandwidth_hz;

@@ -19,6 +19,7 @@
 #include "hal/simulated/range_node.hpp"
 #include "hal/simulated/ultrasonic_field.hpp"
 #include "host_tests/bench/modbus_server.hpp"
+#include "host_tests/support/drive_tables.hpp"
 
 namespace armsig::bench {
 
@@ -35,7 +36,8 @@ struct PlantConfiguration {
   JointVector start;                // readings at power-up
   double bandwidth_hz = 25;         // of the position loops: following error = speed / (pi * this)
   unsigned sync_loss_periods = 0;   // that drives bear while enabled; 0: any number
-  bool ideal = false;               // else drives as they are: simulated::honest_drive()
+  std::optional<test::DriveTable> drive_table;  // what every drive has and lacks
+  bool ideal = false;  // else drives as they are: simulated::honest_drive()
   // Maps of the readings and sag; none: the joints turn as the encoders read.
   std::optional<calibration::ArmModel> bent;
   double play_rad = 0;  // of every joint, beside what its drive has of its own

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "core/refinement/base_and_tool.hpp"
+#include "firmware/analysis/starts/base_and_tool.hpp"
 #include "host_tests/benchmarks/calibration_work.hpp"
 #include "host_tests/benchmarks/rows.hpp"
 
@@ -31,7 +31,7 @@ CalibrationWork::CalibrationWork(const CalibrationLog& of) {
   const Arm drawing = test::puma();
   Target target;
   target.link = drawing.joints.size();
-  const auto fitted = refinement::fit_base_and_tool(drawing, log_, {&target, 1});
+  const auto fitted = calibration::fit_base_and_tool(drawing, log_, {&target, 1});
   if (!fitted) std::abort();
   *start_ = calibration::model_of(drawing, fitted->X_SB);
   start_p_L_ = fitted->p_LT[0];

@@ -18,7 +18,7 @@ namespace armsig::benchmarks {
 namespace {
 
 constexpr std::size_t kJoints = 6;
-// Units of the priors, as firmware/calibration/engine.hpp states them.
+// Units of the priors, as core/calibration/engine.hpp states them.
 constexpr double kRotation = 2e-3;
 constexpr double kShift_m = 1e-3;
 constexpr double kZero = 10e-3;
@@ -47,7 +47,7 @@ void move(const Pose& X, T* p) {
 struct MeasuredRow {
   const calibration::ArmModel* start;
   const Vector3* start_p_L;
-  const refinement::Observation* row;
+  const calibration::Observation* row;
   double sigma_m;
 
   template <typename T>
@@ -135,7 +135,7 @@ double distance_between(const CalibrationWork& work, const Unknowns& x) {
   test::Random random(7);
   double largest = 0;
   for (int k = 0; k < 20; ++k) {
-    refinement::Observation at;
+    calibration::Observation at;
     at.readings = random.configuration(test::puma());
     Vector3 p_S;
     MeasuredRow{&work.start(), &work.start_p_L(), &at, 1}(

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/calibration/engine.hpp"
+#include "core/calibration/engine.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::benchmarks {

@@ -30,7 +30,7 @@ struct IdentificationWork {
     for (std::size_t joint = 0; joint < configuration.size(); ++joint) {
       features::SweepEstimator sweep({.type = drawing.joints[joint].type});
       for (; row < log.size() && log[row].sweep == joint + 1; ++row) {
-        const refinement::Observation& of = log[row];
+        const calibration::Observation& of = log[row];
         const Matrix3 covariance_m2 = of.sigma_m * of.sigma_m * Matrix3::Identity();
         if (!sweep.add(of.readings[joint], of.p_S, covariance_m2)) std::abort();
       }

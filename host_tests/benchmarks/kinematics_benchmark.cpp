@@ -4,7 +4,7 @@
 #include <random>
 #include <string>
 
-#include "core/kinematics/cold_start.hpp"
+#include "firmware/analysis/postures/cold_start.hpp"
 #include "host_tests/benchmarks/kinematics_work.hpp"
 #include "host_tests/benchmarks/rows.hpp"
 #include "host_tests/support/kinematics_random.hpp"

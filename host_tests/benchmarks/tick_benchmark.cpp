@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <random>
 
+#include "core/calibration/servo_inverse.hpp"
 #include "core/kinematics/forward.hpp"
-#include "firmware/calibration/servo_inverse.hpp"
 #include "host_tests/benchmarks/rows.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
-// `predict` for readings that the arm cannot have.
+// Readings that the arm cannot have, in every file that holds readings.
+#include <array>
+#include <string>
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
 #include "host_tests/cli/files.hpp"
@@ -56,6 +60,79 @@ TEST(BeyondLimits, by_turns_are_refused) {
       << outcome.err;
   EXPECT_NE(outcome.err.find("in the unit that the column's name says"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "p.csv"));
+}
+
+// m.csv with 4200 degrees for joint 2 in so many rows from `first` on, as spoilt.csv; "LINE:COLUMN"
+// of the first of them.
+std::string spoil(const Folder& folder, std::size_t first, std::size_t count) {
+  Csv rows = Csv::read(folder / "m.csv");
+  const std::size_t column = rows.column("q2_deg");
+  for (std::size_t k = first; k < first + count; ++k) rows.rows[k][column] = "4200";
+  rows.write(folder / "spoilt.csv");
+  const std::vector<std::string> lines = split(read_file(folder / "spoilt.csv"), '\n');
+  return std::to_string(first + 2) + ":" + std::to_string(lines[first + 1].find("4200") + 1);
+}
+
+// All that take measurements.
+const std::array<const char*, 4> kTakers{
+    "identify --arm arm.yaml --measurements spoilt.csv --method encoder --out other.yaml",
+    "identify --arm arm.yaml --measurements spoilt.csv --method refined --out other.yaml",
+    "check --signature s.yaml --measurements spoilt.csv",
+    "report --signature s.yaml --measurements spoilt.csv --out r.html"};
+
+TEST(BeyondLimits, by_turns_in_one_row_of_measurements_are_refused_with_their_place) {
+  const Folder folder;
+  ASSERT_NO_FATAL_FAILURE(identify_two_joints(folder));
+  const std::string place = spoil(folder, 30, 1);
+  EXPECT_EQ(place.substr(0, 3), "32:");
+  for (const char* command : kTakers) {
+    const Outcome outcome = run_tool(folder, command);
+    EXPECT_EQ(outcome.status, 2) << command;
+    EXPECT_EQ(outcome.err,
+              "armsig: spoilt.csv:" + place +
+                  ": joint 2 reads 4200.000°, its limits are -170.000° to 170.000°; expected "
+                  "readings in the unit that the header says; whole turns taken off a joint that "
+                  "turns without an end\n")
+        << command;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "other.yaml"));
+}
+
+TEST(BeyondLimits, by_turns_in_half_of_the_rows_are_a_wrong_unit_or_order) {
+  const Folder folder;
+  ASSERT_NO_FATAL_FAILURE(identify_two_joints(folder));
+  const std::size_t rows = Csv::read(folder / "m.csv").rows.size();
+  ASSERT_EQ(rows, 48U);
+  for (const std::size_t count : {rows / 2, rows}) {
+    const std::string place = spoil(folder, 0, count);
+    for (const char* command : kTakers) {
+      const Outcome outcome = run_tool(folder, command);
+      EXPECT_EQ(outcome.status, 2) << command;
+      EXPECT_EQ(outcome.err.find("armsig: spoilt.csv:" + place +
+                                 ": joint 2 reads 4200.000°, its limits are -170.000° to "
+                                 "170.000°; " +
+                                 std::to_string(count) +
+                                 " of 48 rows are so: the unit (degrees or radians) or the order "
+                                 "of the joints is wrong; expected"),
+                0U)
+          << command << ": " << outcome.err;
+    }
+  }
+  spoil(folder, 0, rows / 2 - 1);
+  EXPECT_NE(run_tool(folder, kTakers[0]).err.find("; 23 of 48 rows are so; expected"),
+            std::string::npos);
+}
+
+// A controller may count a turn more than the drawing does, and limits are not stops.
+TEST(BeyondLimits, by_no_more_than_a_turn_in_measurements_are_taken) {
+  const Folder folder;
+  ASSERT_NO_FATAL_FAILURE(identify_two_joints(folder));
+  Csv rows = Csv::read(folder / "m.csv");
+  const std::size_t column = rows.column("q2_deg");
+  for (Fields& row : rows.rows) row[column] = std::to_string(std::stod(row[column]) + 360);
+  rows.write(folder / "spoilt.csv");
+  const Outcome outcome = run_tool(folder, kTakers[0]);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
 }
 
 TEST(BeyondLimits, of_a_seed_by_turns_are_refused) {

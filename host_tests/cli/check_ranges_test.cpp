@@ -3,6 +3,7 @@
 // not to blame, and it is said what is.
 #include <nlohmann/json.hpp>
 
+#include "core/base/pose.hpp"
 #include "host_tests/cli/files.hpp"
 
 namespace armsig::cli {
@@ -59,17 +60,33 @@ TEST(CheckRanges, names_a_receiver_whose_ranges_are_outliers) {
 TEST(CheckRanges, does_not_put_another_unit_down_to_the_sensor) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(identify_puma(folder));
-  Csv held = Csv::read(folder / "held.csv");
-  for (std::string& name : held.header) {
+  const Csv held = Csv::read(folder / "held.csv");
+  const auto check = [&](const Csv& rows) {
+    rows.write(folder / "held.csv");
+    return run_tool(folder,
+                    "check --signature s.yaml --measurements held.csv --sensor sensor.yaml");
+  };
+  Csv radians_as_degrees = held;
+  for (std::size_t k = 0; k < held.rows.size(); ++k) {
+    for (int joint = 1; joint <= 6; ++joint) {
+      const std::string name = "q" + std::to_string(joint) + "_deg";
+      radians_as_degrees.rows[k][held.column(name)] = std::to_string(radians(held.number(k, name)));
+    }
+  }
+  const Outcome small = check(radians_as_degrees);
+  EXPECT_EQ(small.status, 1);
+  EXPECT_NE(small.out.find("not in the units and columns that their header says"),
+            std::string::npos)
+      << small.out << small.err;
+  Csv degrees_as_radians = held;
+  for (std::string& name : degrees_as_radians.header) {
     if (name.starts_with('q')) name.replace(name.size() - 3, 3, "rad");
   }
-  held.write(folder / "held.csv");
-  const Outcome outcome =
-      run_tool(folder, "check --signature s.yaml --measurements held.csv --sensor sensor.yaml");
-  EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(outcome.out.find("not in the units and columns that their header says"),
+  const Outcome large = check(degrees_as_radians);
+  EXPECT_EQ(large.status, 2);
+  EXPECT_NE(large.err.find("20 of 20 rows are so: the unit (degrees or radians) or the order"),
             std::string::npos)
-      << outcome.out << outcome.err;
+      << large.err;
 }
 
 }  // namespace

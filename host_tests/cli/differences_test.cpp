@@ -7,7 +7,7 @@
 
 #include "core/base/links.hpp"
 #include "core/base/low_discrepancy.hpp"
-#include "core/refinement/base_and_tool.hpp"
+#include "firmware/analysis/starts/base_and_tool.hpp"
 #include "host_tests/cli/predictions.hpp"
 #include "host_tests/support/known_arms.hpp"
 
@@ -66,8 +66,8 @@ TEST(DifferenceTable, says_which_joint_differs_and_what_that_does) {
 
 TEST(DifferenceTable, is_printed_for_a_person) {
   const Folder folder;
-  const Outcome outcome =
-      identified(folder, "theta_deg: 0, d_mm: 430.7", "theta_deg: 0.3, d_mm: 430.7", "");
+  const Outcome outcome = identified(folder, "theta_deg: 0, d_mm: 430.7",
+                                     "theta_deg: 0.3, d_mm: 430.7", "--method encoder");
   EXPECT_NE(outcome.out.find("What is different from the drawing"), std::string::npos);
   EXPECT_NE(outcome.out.find("tilt about the link from axis 2 to 3"), std::string::npos);
   EXPECT_NE(outcome.out.find("+0.30"), std::string::npos) << outcome.out;
@@ -94,10 +94,10 @@ double distance_from_the_drawing_m(const Folder& folder) {
   constexpr int kPoses = 400;
   const Arm drawing = test::puma560();
   const JointTypes types = types_of(drawing.joints);
-  std::vector<refinement::Observation> rows(kPoses);
+  std::vector<calibration::Observation> rows(kPoses);
   std::string poses = "q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad\n";
   for (int k = 0; k < kPoses; ++k) {
-    refinement::Observation& row = rows[static_cast<std::size_t>(k)];
+    calibration::Observation& row = rows[static_cast<std::size_t>(k)];
     row.readings = evenly_spread_configuration(types, drawing.limits, k + 1);
     Fields fields;
     for (const double q : row.readings) fields.push_back(std::to_string(q));
@@ -109,11 +109,11 @@ double distance_from_the_drawing_m(const Folder& folder) {
     rows[k].p_S = {points.number(k, "x_m"), points.number(k, "y_m"), points.number(k, "z_m")};
   }
   const Target tool{.number = 1, .link = drawing.joints.size()};
-  const auto fitted = refinement::fit_base_and_tool(drawing, rows, std::span(&tool, 1));
+  const auto fitted = calibration::fit_base_and_tool(drawing, rows, std::span(&tool, 1));
   EXPECT_TRUE(fitted.has_value());
   if (!fitted) return 0;
   double squares = 0;
-  for (const refinement::Observation& row : rows) {
+  for (const calibration::Observation& row : rows) {
     const Pose X_SL = fitted->X_SB * dh_frames(drawing.joints, row.readings).back();
     squares += (X_SL * fitted->p_LT[0] - row.p_S).squaredNorm() / kPoses;
   }

@@ -2,6 +2,7 @@
 // Files that the tests of the command start from.
 #pragma once
 
+#include <cstdio>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -33,7 +34,8 @@ inline constexpr const char* kPuma560 =
     "  - {type: revolute, theta_deg: 0, d_mm: 430.7, a_mm: 0, alpha_deg: -90, limits_deg: [-110, "
     "170]}\n"
     "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: 90, limits_deg: [-100, 100]}\n"
-    "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: 0, limits_deg: [-266, 266]}\n";
+    "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: 0, limits_deg: [-266, 266]}\n"
+    "floor_mm: 672\n";
 
 // Leaves arm.yaml, m.csv (24 points a sweep) and the truth t.yaml of that arm in the folder.
 inline Outcome measure_two_joints(const Folder& folder) {
@@ -93,5 +95,16 @@ struct Csv {
     return std::stod(rows[row][column(name)]);
   }
 };
+
+// The rows as another measurement of the same poses: 2 nm elsewhere, so that no row is one that a
+// signature was fitted to, and every figure is the same.
+inline Csv measured_again(Csv rows) {
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", rows.number(k, "x_mm") + 2e-6);
+    rows.rows[k][rows.column("x_mm")] = text;
+  }
+  return rows;
+}
 
 }  // namespace armsig::cli

@@ -6,7 +6,7 @@
 namespace armsig::cli {
 namespace {
 
-void expect_refused(const Outcome& outcome, const std::string& words) {
+void expect_refused_at_once(const Outcome& outcome, const std::string& words) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
 }
@@ -25,7 +25,7 @@ TEST(Names, with_control_characters_are_refused_in_a_urdf) {
     write_file(folder / "r.urdf", urdf_called(bad));
     const Outcome outcome =
         run_tool(folder, "import --urdf r.urdf --base b --tip t --out arm.yaml");
-    expect_refused(outcome, "r.urdf:1: name of the robot: the character");
+    expect_refused_at_once(outcome, "r.urdf:1: name of the robot: the character");
     EXPECT_FALSE(std::filesystem::exists(folder / "arm.yaml"));
   }
   write_file(folder / "r.urdf", urdf_called("Gr&#246;&#223;e"));
@@ -36,16 +36,16 @@ TEST(Names, with_control_characters_are_refused_in_options_and_descriptions) {
   const Folder folder;
   write_file(folder / "arm.yaml", kTwoJointArm);
   write_file(folder / "m.csv", "sweep,target\n");
-  expect_refused(run_tool(folder,
-                          "identify --arm arm.yaml --measurements m.csv --out s.yaml "
-                          "--serial \"$(printf 'a\\rb')\""),
-                 "--serial: the character \"\\x0D\" in \"a\\x0Db\"; expected printable");
+  expect_refused_at_once(run_tool(folder,
+                                  "identify --arm arm.yaml --measurements m.csv --out s.yaml "
+                                  "--serial \"$(printf 'a\\rb')\""),
+                         "--serial: the character \"\\x0D\" in \"a\\x0Db\"; expected printable");
   for (const char* escape : {"\\r", "\\n", "\\e", "\\N", "\\L", "\\P", "\\0", "\\x7f"}) {
     std::string arm = kTwoJointArm;
     arm.replace(arm.find("two joints"), 10, std::string("\"a") + escape + "b\"");
     write_file(folder / "odd.yaml", arm);
     const Outcome outcome = run_tool(folder, "simulate --arm odd.yaml --json --out m.csv");
-    expect_refused(outcome, "odd.yaml:2:7: the character");
+    expect_refused_at_once(outcome, "odd.yaml:2:7: the character");
   }
 }
 
@@ -55,7 +55,7 @@ TEST(Terminals, are_given_no_command_by_what_a_message_repeats) {
       "predict --signature \"$(printf 'a\\033[2J\\302\\233b')\" "
       "--joints q.csv --out \"$(printf 'o\\033c')\" --json";
   const Outcome outcome = run_tool(folder, arguments);
-  expect_refused(outcome, "a\\x1B[2J\\x9Bb");
+  expect_refused_at_once(outcome, "a\\x1B[2J\\x9Bb");
   for (const std::string& said : {outcome.out, outcome.err}) {
     EXPECT_EQ(said.find('\033'), std::string::npos) << said;
     EXPECT_EQ(said.find("\xC2\x9B"), std::string::npos) << said;
@@ -73,7 +73,8 @@ TEST(Targets, beyond_thirty_two_are_refused_before_they_cost_memory) {
   write_file(folder / "m.csv", rows);
   const Outcome outcome =
       run_tool(folder, "identify --arm arm.yaml --measurements m.csv --out s.yaml");
-  expect_refused(outcome, "m.csv:34:3: target 32 is one too many; expected at most 32 targets");
+  expect_refused_at_once(outcome,
+                         "m.csv:34:3: target 32 is one too many; expected at most 32 targets");
 }
 
 TEST(Output, is_never_one_of_the_inputs) {
@@ -84,9 +85,10 @@ TEST(Output, is_never_one_of_the_inputs) {
   std::filesystem::create_hard_link(folder / "arm.yaml", folder / "hard.yaml");
   const std::string identify = "identify --arm arm.yaml --measurements m.csv --out ";
   for (const char* out : {"arm.yaml", "./arm.yaml", "soft.yaml", "hard.yaml"}) {
-    expect_refused(run_tool(folder, identify + out), "is the file of --arm too");
+    expect_refused_at_once(run_tool(folder, identify + out), "is the file of --arm too");
   }
-  expect_refused(run_tool(folder, identify + "./m.csv"), "is the file of --measurements too");
+  expect_refused_at_once(run_tool(folder, identify + "./m.csv"),
+                         "is the file of --measurements too");
   EXPECT_EQ(read_file(folder / "arm.yaml"), kTwoJointArm);
   EXPECT_EQ(
       run_tool(folder, "simulate --arm arm.yaml --out /dev/null --truth-out /dev/null").status, 0);
@@ -99,12 +101,14 @@ TEST(Output, is_refused_before_the_work_where_no_file_can_be) {
   std::filesystem::create_symlink("loop", folder / "loop");
   // There are no measurements: they would be said if they had been looked for first.
   const std::string identify = "identify --arm arm.yaml --measurements none.csv --out ";
-  expect_refused(run_tool(folder, identify + "''"),
-                 "--out: an empty name; expected a file, or - for standard output");
-  expect_refused(run_tool(folder, identify + "folder"), "folder: can't be written: Is a directory");
-  expect_refused(run_tool(folder, identify + "none/s.yaml"),
-                 "none/s.yaml: can't be written: none: No such file or directory");
-  expect_refused(run_tool(folder, identify + "loop"), "loop: can't be written: Too many levels");
+  expect_refused_at_once(run_tool(folder, identify + "''"),
+                         "--out: an empty name; expected a file, or - for standard output");
+  expect_refused_at_once(run_tool(folder, identify + "folder"),
+                         "folder: can't be written: Is a directory");
+  expect_refused_at_once(run_tool(folder, identify + "none/s.yaml"),
+                         "none/s.yaml: can't be written: none: No such file or directory");
+  expect_refused_at_once(run_tool(folder, identify + "loop"),
+                         "loop: can't be written: Too many levels");
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "loop"));
 }
 
@@ -118,8 +122,8 @@ TEST(Output, by_a_link_to_nothing_yet_is_the_file_that_it_names) {
   EXPECT_TRUE(std::filesystem::is_regular_file(folder / "results/m.csv"));
   std::filesystem::remove(folder / "link.csv");
   std::filesystem::create_symlink("nowhere/m.csv", folder / "link.csv");
-  expect_refused(run_tool(folder, "simulate --arm arm.yaml --out link.csv"),
-                 "link.csv: can't be written: nowhere: No such file or directory");
+  expect_refused_at_once(run_tool(folder, "simulate --arm arm.yaml --out link.csv"),
+                         "link.csv: can't be written: nowhere: No such file or directory");
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.csv"));
 }
 
@@ -135,7 +139,7 @@ TEST(Output, is_never_written_twice) {
   const Folder folder;
   write_file(folder / "arm.yaml", kTwoJointArm);
   for (const char* truth : {"x.yaml", "./x.yaml", "X.yaml"}) {
-    expect_refused(
+    expect_refused_at_once(
         run_tool(folder, std::string("simulate --arm arm.yaml --out x.yaml --truth-out ") + truth),
         "is the file of --out too");
   }

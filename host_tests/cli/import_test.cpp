@@ -101,6 +101,41 @@ TEST(Import, reads_continuous_joints_and_limits) {
   EXPECT_NE(read_file(folder / "a.yaml").find("limits_rad: [-1, 2]"), std::string::npos);
 }
 
+// A parser that looks each attribute up among those before it takes hours for these four megabytes.
+TEST(Import, refuses_an_element_of_more_attributes_than_any_has) {
+  const Folder folder;
+  std::string attributes;
+  for (int i = 0; attributes.size() < 4'000'000; ++i) {
+    attributes += " a" + std::to_string(i) + "='>'";
+  }
+  const std::string text =
+      "<!-- 'one quote --><robot name=\"r\">\n<link" + attributes + "/></robot>";
+  const Outcome outcome = import_robot(folder, text, "--base base --tip tip");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("r.urdf:2: more than 64 attributes in one element"), std::string::npos)
+      << outcome.err;
+}
+
+TEST(Import, says_that_a_chain_is_too_long_and_not_that_it_is_none) {
+  const auto chain = [](int joints) {
+    std::string text = "<robot name=\"r\"><link name=\"l0\"/>";
+    for (int i = 1; i <= joints; ++i) {
+      const std::string n = std::to_string(i);
+      text += "<link name=\"l" + n + "\"/><joint name=\"j" + n + "\" type=\"" +
+              (i == 1 ? "continuous" : "fixed") + "\"><parent link=\"l" + std::to_string(i - 1) +
+              "\"/><child link=\"l" + n + "\"/></joint>";
+    }
+    return text + "</robot>";
+  };
+  const Folder folder;
+  EXPECT_EQ(import_robot(folder, chain(256), "--base l0 --tip l256").status, 0);
+  const Outcome longer = import_robot(folder, chain(257), "--base l0 --tip l257");
+  EXPECT_EQ(longer.status, 2);
+  EXPECT_NE(longer.err.find("more than 256 joints between link \"l257\" and link \"l0\""),
+            std::string::npos)
+      << longer.err;
+}
+
 TEST(Import, says_what_is_wrong_with_a_urdf) {
   const Folder folder;
   const auto expect = [&](const std::string& text, const std::string& what,
@@ -144,8 +179,14 @@ TEST(Import, says_what_is_wrong_with_denavit_hartenberg_rows) {
   expect("theta_deg,d_mm,a_mm\n0,0,0\n",
          "there is no column for alpha; expected alpha_deg or alpha_rad");
   expect("theta_deg,d_mm,a_mm,twist\n0,0,0,0\n", "unknown column \"twist\"");
-  expect("theta_deg,d_mm,a_mm,alpha_deg\n0,0,0\n", "dh.csv:2: the row has 3 fields; expected 4");
-  expect("theta_deg,d_mm,a_mm,alpha_deg\n0,x,0,0\n", "d: \"x\" is not a number");
+  expect("theta_deg,d_mm,a_mm,alpha_deg\n0,0,0\n",
+         "dh.csv:2:6: the row ends after 3 of 4 fields; expected alpha_deg next");
+  expect("theta_deg,d_mm,a_mm,alpha_deg\n0,0,0,0,7\n", "\"7\" follows the last of 4 fields");
+  expect("theta_deg,d_mm,a_mm,alpha_deg\n0,x,0,0\n", "dh.csv:2:3: d_mm: \"x\" is not a number");
+  expect("theta_deg,d_mm,a_mm,alpha_deg,alpha_prev_deg,a_prev_mm\n0,0,0,0,0,0\n",
+         "there are columns of standard rows (a, alpha) and of modified ones; expected one");
+  expect("theta_deg,d_mm,a_mm,alpha_deg,lower_rad_or_m\n0,0,0,0,-1\n",
+         "there is no column for upper_rad_or_m");
   expect("type,theta_deg,d_mm,a_mm,alpha_deg\nhinge,0,0,0,0\n", "type: \"hinge\"");
   expect("type,theta_deg,d_mm,a_mm,alpha_deg\nprismatic,0,0,0,0\n", "has no limits");
 }

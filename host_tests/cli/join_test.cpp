@@ -113,8 +113,47 @@ TEST(Join, never_guesses_which_of_two_columns_is_meant) {
       run_tool(folder, "join --arm arm.yaml --joints log.csv --points points.csv --out joined.csv");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err,
-            "armsig: log.csv:1: columns \"A1 [deg]\" and \"J1 [deg]\" are of one quantity; "
-            "expected one of the two, the other left out or under another name\n");
+            "armsig: log.csv:1: q1 may come from \"A1 [deg]\" or from \"J1 [deg]\"; expected "
+            "--joint-columns auto,q1_deg=A1 [deg], or q1_deg=J1 [deg]\n");
+}
+
+// A reading, or positions, that no arm has: another unit than is said.
+TEST(Join, refuses_what_no_arm_reads_or_reaches) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kTwoJointArm);
+  write_file(folder / "log.csv", "Name;A1 [deg];A2 [deg]\nP1;10;20\nP2;30;9759\nP3;-90;20\n");
+  write_file(folder / "points.csv", "Name;X [mm];Y [mm];Z [mm]\nP1;100;200;300\nP3;-400;0;0\n");
+  const auto join = [&] {
+    return run_tool(folder,
+                    "join --arm arm.yaml --joints log.csv --points points.csv --out joined.csv");
+  };
+  EXPECT_EQ(join().err,
+            "armsig: log.csv:3: joint 2 reads 9759.000°, its limits are -170.000° to 170.000°; "
+            "expected readings in the unit that the header or --units says; whole turns taken off "
+            "a joint that turns without an end\n");
+  // Degrees in radians' columns.
+  write_file(folder / "log.csv", "Name;A1 [rad];A2 [rad]\nP1;10;20\nP2;0;0\nP3;-90;20\n");
+  EXPECT_EQ(join().err,
+            "armsig: log.csv:2: joint 2 reads 1145.916°, its limits are -170.000° to 170.000°; 2 "
+            "of 3 rows are so: the unit (degrees or radians) or the order of the joints is wrong; "
+            "expected readings in the unit that the header or --units says, of the joints in the "
+            "order of the arm description\n");
+  write_file(folder / "log.csv", "Name;A1 [deg];A2 [deg]\nP1;10;20\nP3;-90;20\n");
+  EXPECT_EQ(join().status, 0);
+  std::filesystem::remove(folder / "joined.csv");
+  // Metres, and micrometres, under the name of millimetres.
+  write_file(folder / "points.csv", "Name;X [mm];Y [mm];Z [mm]\nP1;0.1;0.2;0.3\nP3;-0.4;0;0\n");
+  EXPECT_NE(join().err.find("points.csv: positions of target 1 stay within 0.616 mm, and the arm "
+                            "moves it by some"),
+            std::string::npos);
+  write_file(folder / "points.csv",
+             "Name;X [mm];Y [mm];Z [mm]\nP1;100000;200000;300000\nP3;-400000;0;0\n");
+  const Outcome far = join();
+  EXPECT_EQ(far.status, 2);
+  EXPECT_NE(far.err.find("points.csv: positions of target 1 lie 616 m apart, and the arm reaches "),
+            std::string::npos)
+      << far.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "joined.csv"));
 }
 
 TEST(Join, names_a_control_character) {

@@ -16,7 +16,9 @@ TEST(Plan, sweeps_a_joint_after_the_other_inside_the_limits_less_the_margin) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
   const Outcome outcome =
-      run_tool(folder, "plan --arm arm.yaml --points 10 --margin-deg 5 --out plan.csv");
+      run_tool(folder,
+               "plan --arm arm.yaml --configuration 0,-90,90,30,0,0 --points 10 "
+               "--margin-deg 5 --out plan.csv");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Csv plan = Csv::read(folder / "plan.csv");
   ASSERT_EQ(plan.rows.size(), 60U);
@@ -42,19 +44,20 @@ constexpr const char* kPlanar =
     "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 300, alpha_deg: 0, limits_deg: [-170, "
     "170]}\n"
     "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 250, alpha_deg: 0, limits_deg: [-170, "
-    "170]}\n";
+    "170]}\n"
+    "floor_mm: 100\n";
 
 TEST(Plan, stays_inside_the_box) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPlanar);
   const std::string boxed =
-      "plan --arm arm.yaml --configuration 0,0 --box-mm 200,-400,-10,700,400,10 --json --out p.csv";
+      "plan --arm arm.yaml --configuration 0,0 --box-mm 200,-400,-50,700,400,50 --json --out p.csv";
   const Outcome outcome = run_tool(folder, boxed);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const double end_rad = json::parse(outcome.out)["sweeps"][0]["last"];
-  // y = 550 sin(q1) = 400; the search goes by quarters of a degree.
-  EXPECT_LE(550 * std::sin(end_rad), 400);
-  EXPECT_NEAR(end_rad, std::asin(400.0 / 550), 0.005);
+  // y = 550 sin(q1) = 400, less the 12.5 mm that the links are thick and 5 mm of room.
+  EXPECT_LE(550 * std::sin(end_rad), 400 - 12.5 - 2.5);
+  EXPECT_NEAR(end_rad, std::asin((400 - 12.5 - 5) / 550), 0.01);
   const Csv plan = Csv::read(folder / "p.csv");
   for (std::size_t row = 0; row < plan.rows.size(); ++row) {
     const double q1 = plan.number(row, "q1_deg") * 3.14159265358979 / 180;
@@ -73,10 +76,11 @@ TEST(Plan, says_what_the_box_leaves_too_little_of) {
     EXPECT_NE(outcome.err.find(what), std::string::npos) << outcome.err;
     EXPECT_FALSE(std::filesystem::exists(folder / "p.csv"));
   };
-  expect("--configuration 0,0 --box-mm 500,-100,-10,700,100,10", 1,
-         "joint 1 sweeps 21 degrees between its limits inside the box; expected 30 at least");
-  expect("--configuration 0,0 --box-mm 0,0,0,100,100,100", 1,
-         "the target is at 550, 0, 0 mm in the configuration, outside of the box");
+  expect("--configuration 0,0 --box-mm 200,-102,-50,700,102,50", 1,
+         "joint 1 sweeps 18 degrees: link 2 and the box would meet; expected 30 at least");
+  expect("--configuration 0,0 --box-mm -100,-100,-100,100,100,100", 1,
+         "link 2 is 463 mm beyond the box; it ends at 550, 0, 0 mm of the base frame");
+  expect("--arc 90,90,90", 2, "3 arcs; expected one, or 2, one a joint");
   expect("--configuration 0,175", 2, "joint 2 at 175.000°; expected -168.000° to 168.000°");
   expect("--configuration 0", 2, "1 readings; expected 2, one a joint");
   expect("--margin-deg 89", 2, "89 leaves less than half of joint 1, -170 to 170");
@@ -98,6 +102,12 @@ std::vector<std::vector<double>> numbers_after(const std::string& text, const st
     poses.push_back(numbers);
   }
   return poses;
+}
+
+std::size_t count_of(const std::string& text, const std::string& words) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = text.find(words, at)) != std::string::npos; ++at) ++count;
+  return count;
 }
 
 TEST(Programs, go_where_the_table_says) {
@@ -123,17 +133,68 @@ TEST(Programs, go_where_the_table_says) {
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const std::string text = read_file(folder / "program");
     const auto poses = numbers_after(text, language.before, language.end);
-    ASSERT_EQ(poses.size(), table.rows.size());
-    for (std::size_t row = 0; row < poses.size(); ++row) {
-      ASSERT_EQ(poses[row].size(), 6U);
+    // First the configuration, which the sweeps begin from.
+    ASSERT_EQ(poses.size(), table.rows.size() + 1);
+    for (std::size_t row = 0; row < table.rows.size(); ++row) {
+      ASSERT_EQ(poses[row + 1].size(), 6U);
       for (std::size_t j = 0; j < 6; ++j) {
-        EXPECT_NEAR(language.unit * poses[row][j], table.number(row, table.header[j]), 1e-4);
+        EXPECT_NEAR(language.unit * poses[row + 1][j], table.number(row, table.header[j]), 1e-4);
       }
     }
-    std::size_t waits = 0;
-    for (std::size_t at = 0; (at = text.find(language.wait, at)) != std::string::npos; ++at)
-      ++waits;
-    EXPECT_EQ(waits, poses.size());
+    EXPECT_EQ(count_of(text, language.wait), poses.size() - count_of(text, "only gone through"));
+  }
+}
+
+TEST(Programs, begin_with_what_they_do_and_stop_before_they_move) {
+  const Folder folder;
+  struct Language {
+    const char* format;
+    const char* mark;
+    const char* stop;
+    const char* move;
+  };
+  for (const Language& language : {Language{"urscript", "# ", "  popup(\"", "movej("},
+                                   Language{"rapid", "! ", "    Stop;\n", "MoveAbsJ"},
+                                   Language{"krl", "; ", "  HALT\n", "PTP {"}}) {
+    SCOPED_TRACE(language.format);
+    const Outcome outcome =
+        run_tool(folder, std::string("plan --arm ur5 --out program --format ") + language.format);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::string text = read_file(folder / "program");
+    const std::size_t stop = text.find(language.stop);
+    ASSERT_NE(stop, std::string::npos);
+    EXPECT_LT(stop, text.find(language.move));
+    for (const char* const words :
+         {"UR5: sweeps to measure", "Assumed: the joint limits of the arm description, less 2",
+          "Assumed: no link below the mounting plane", "Speed: ", "Clear the area of the arm"}) {
+      const std::size_t at = text.find(std::string(language.mark) + words);
+      EXPECT_LT(at, stop) << words;
+    }
+  }
+}
+
+// The arc of one joint is asked for by itself.
+TEST(Plan, sweeps_each_joint_over_its_own_arc) {
+  const Folder folder;
+  const Outcome outcome =
+      run_tool(folder, "plan --arm ur5 --arc 90,60,120,45,100,300 --json --out p.csv");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json sweeps = json::parse(outcome.out)["sweeps"];
+  constexpr std::array<double, 6> kArcs{90, 60, 120, 45, 100, 300};
+  for (std::size_t j = 0; j < 6; ++j) {
+    const double arc = sweeps[j]["last"].get<double>() - sweeps[j]["first"].get<double>();
+    EXPECT_NEAR(arc * 180 / 3.14159265358979, kArcs.at(j), 1e-6);
+  }
+}
+
+// Where the arm description has no signature configuration one is found.
+TEST(Plan, finds_a_configuration_with_good_sweeps) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", kPuma560);
+  const Outcome outcome = run_tool(folder, "plan --arm arm.yaml --json --out p.csv");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const json& sweep : json::parse(outcome.out)["sweeps"]) {
+    EXPECT_GT(sweep["last"].get<double>() - sweep["first"].get<double>(), 2.6);
   }
 }
 

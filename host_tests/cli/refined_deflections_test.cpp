@@ -43,7 +43,8 @@ TEST(RefinedDeflections, are_found_where_they_help_stored_and_applied) {
   ASSERT_EQ(solved.status, 0) << solved.err;
   std::filesystem::rename(folder / "solved.csv", folder / "q.csv");
   EXPECT_LT(largest_distance(predict(folder, "s.yaml", "1"), predicted), 1e-9);
-  EXPECT_EQ(run_tool(folder, "check --signature s.yaml --measurements m.csv").status, 0);
+  measured_again(Csv::read(folder / "m.csv")).write(folder / "later.csv");
+  EXPECT_EQ(run_tool(folder, "check --signature s.yaml --measurements later.csv").status, 0);
   const Outcome exported =
       run_tool(folder, "export --signature s.yaml --format urdf --out arm.urdf");
   EXPECT_EQ(exported.status, 0);

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kReceivers =
+constexpr const char* kSensorDescription =
     "armsig: sensor/1\nname: eight around a square\nreceivers:\n"
     "  - {x_mm: -600, y_mm: -600, z_mm: 2000}\n  - {x_mm: 0, y_mm: -600, z_mm: 2100}\n"
     "  - {x_mm: 600, y_mm: -600, z_mm: 2000}\n  - {x_mm: -600, y_mm: 0, z_mm: 2100}\n"
@@ -26,7 +26,7 @@ constexpr double kSigma = 0.02e-3;
 // Ranges to eight receivers, at mixed poses only.
 Csv ranges(const Folder& folder, int poses, const std::string& options = "") {
   write_file(folder / "arm.yaml", kPuma560);
-  write_file(folder / "sensor.yaml", kReceivers);
+  write_file(folder / "sensor.yaml", kSensorDescription);
   const Outcome outcome = run_tool(
       folder,
       "simulate --arm arm.yaml --sensor sensor.yaml --sigma-mm 0.02 --tolerances 1 "

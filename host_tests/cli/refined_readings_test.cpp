@@ -51,8 +51,8 @@ TEST(Refined, solves_for_the_readings_of_a_coupled_elbow) {
 TEST(Refined, sweeps_of_a_coupled_elbow_are_refused_by_the_features) {
   const Folder folder;
   simulated(folder, "--sigma-mm 0", with_coupled_elbow(-1)).write(folder / "m.csv");
-  const Outcome outcome =
-      run_tool(folder, "identify --arm arm.yaml --measurements m.csv --out s.yaml");
+  const Outcome outcome = run_tool(
+      folder, "identify --arm arm.yaml --measurements m.csv --method encoder --out s.yaml");
   expect_refused(folder, outcome, 1, "sweep 2 carries joint 3 along");
   EXPECT_NE(outcome.err.find("--method refined"), std::string::npos) << outcome.err;
 }
@@ -106,7 +106,8 @@ TEST(Refined, finds_stores_and_applies_corrections_of_the_readings) {
   // Predictions are asked for in the encoder's readings, and come out true; so do solutions.
   write_joint_poses(rows, folder / "q.csv");
   EXPECT_LT(largest_distance(predict(folder, "s.yaml", "1"), truth), 1e-6);
-  EXPECT_EQ(run_tool(folder, "check --signature s.yaml --measurements m.csv").status, 0);
+  measured_again(Csv::read(folder / "m.csv")).write(folder / "later.csv");
+  EXPECT_EQ(run_tool(folder, "check --signature s.yaml --measurements later.csv").status, 0);
   EXPECT_EQ(
       run_tool(folder, "suggest --signature s.yaml --count 2 --sigma-mm 0.2 --out n.csv").status,
       0);
@@ -221,7 +222,8 @@ TEST(Refined, refuses_corrections_by_another_method_or_of_what_is_not_there) {
   const Folder folder;
   simulated(folder).write(folder / "m.csv");
   const std::string identify = "identify --arm arm.yaml --measurements m.csv --out s.yaml ";
-  expect_refused(folder, run_tool(folder, identify + "--correct gain"), 2, "--method refined");
+  expect_refused(folder, run_tool(folder, identify + "--method encoder --correct gain"), 2,
+                 "--method refined");
   expect_refused(folder, run_tool(folder, identify + "--method refined --correct range-offsets"), 2,
                  "receivers");
   EXPECT_NE(run_tool(folder, identify + "--method refined --correct gian").status, 0);

@@ -43,8 +43,8 @@ struct Judged {
 
 Judged judge(const Folder& folder, const Csv& rows) {
   rows.write(folder / "m.csv");
-  const Outcome outcome =
-      run_tool(folder, "identify --arm arm.yaml --measurements m.csv --out s.yaml --json");
+  const Outcome outcome = run_tool(
+      folder, "identify --arm arm.yaml --measurements m.csv --method encoder --out s.yaml --json");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   if (outcome.status != 0) return {};
   const double stated_m =

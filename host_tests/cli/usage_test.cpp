@@ -141,7 +141,10 @@ TEST(Usage, says_what_to_do_next_at_the_end_of_every_command) {
         "--truth-out t.yaml",
         "plan --arm arm.yaml --out plan.csv",
         "identify --arm arm.yaml --measurements m.csv --method refined --out s.yaml",
-        "check --signature s.yaml --measurements m.csv", "report --signature s.yaml --out r.html",
+        "simulate --arm arm.yaml --truth t.yaml --hand-target-mm 80,30,120 --points 4 "
+        "--mixed-poses 20 --sigma-mm 0.05 --seed 2 --out later.csv",
+        "check --signature s.yaml --measurements later.csv",
+        "report --signature s.yaml --out r.html",
         "suggest --signature s.yaml --count 2 --out n.csv",
         "predict --signature s.yaml --joints n.csv --target 1 --out p.csv",
         "solve --signature s.yaml --poses p.csv --target 1 --seed n.csv --out q.csv",
@@ -166,7 +169,12 @@ TEST(Usage, refuses_to_simulate_bends_that_no_signature_could_tell) {
   EXPECT_EQ(steep.status, 2);
   EXPECT_NE(steep.err.find("--maps-deg: 0.5 is too steep a map of joint "), std::string::npos)
       << steep.err;
-  const Outcome weak = run_tool(folder, "simulate --arm irb120 --sag-mm 20 --out m.csv");
+  // A hand's breadth of an arm that sags by the most that can be asked for.
+  write_file(folder / "short.yaml",
+             "armsig: arm/1\nname: short\njoints:\n"
+             "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: -90}\n"
+             "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 80, alpha_deg: 0}\n");
+  const Outcome weak = run_tool(folder, "simulate --arm short.yaml --sag-mm 20 --out m.csv");
   EXPECT_EQ(weak.status, 2);
   EXPECT_NE(weak.err.find("--sag-mm: 20 turns joint 2 by "), std::string::npos) << weak.err;
 }

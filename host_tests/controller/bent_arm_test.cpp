@@ -4,7 +4,7 @@
 // turned.
 #include <gtest/gtest.h>
 
-#include "core/arm_model/readings.hpp"
+#include "core/calibration/readings.hpp"
 #include "core/identification.hpp"
 #include "core/kinematics/forward.hpp"
 #include "firmware/controller/signature_store.hpp"
@@ -30,8 +30,9 @@ Signature true_geometry() {
 Vector3 true_tool(const JointVector& readings) {
   static const calibration::ArmModel bent = test::bent_puma_model();
   const Arm robot = tool::table2_robot(1);
-  const refinement::ReadingModel model{robot.couplings, {}, &bent};
-  const JointVector turned = refinement::true_readings(model, test::puma_configuration(), readings);
+  const calibration::ReadingModel model{robot.couplings, {}, &bent};
+  const JointVector turned =
+      calibration::true_readings(model, test::puma_configuration(), readings);
   const Pose X_0n = *kinematics::forward(kinematics::make_chain(robot.joints), turned);
   return simulated::demo_base_pose() * (X_0n * kTool);
 }
@@ -61,10 +62,11 @@ double worst_miss_m(const calibration::PackedDeflections& deflections) {
   store(puma, deflections);
   puma.start(test::puma_controller(), 1);
   EXPECT_TRUE(puma.enable());
+  puma.confirm();
   EXPECT_NE(puma.ask("status").find(" model=signature"), std::string::npos);
   EXPECT_EQ(puma.ask("move q1_deg=20 q2_deg=-60 q3_deg=40 q5_deg=50"), "ok");
   EXPECT_TRUE(puma.run_until(Mode::kServoing, 0.1) && puma.run_until(Mode::kHolding));
-  const Vector3 begin = puma.now().X_RT.p;
+  const Vector3 begin = puma.now().X_RT->p;
   double worst_m = 0;
   for (const Vector3& way :
        {Vector3(-0.05, 0, 0), Vector3(0.03, -0.04, 0.03), Vector3(0.04, -0.05, 0.02)}) {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/drift/threshold.hpp"
+#include "firmware/analysis/evaluation/threshold.hpp"
 #include "hal/simulated/random.hpp"
 #include "host_tests/support/failure_of.hpp"
 

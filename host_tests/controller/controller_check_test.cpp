@@ -64,7 +64,7 @@ TEST(Check, sound_arm_is_as_accepted_and_stands_where_it_stood) {
   const JointVector before = puma.now().commanded;
   for (int i = 1; i <= 3; ++i) {
     const std::string line = checked(puma);
-    EXPECT_TRUE(line.starts_with("# check verdict=\"as accepted\" dx_mm=")) << line;
+    EXPECT_TRUE(line.starts_with("# check verdict=\"as accepted\" signature=1 dx_mm=")) << line;
     EXPECT_TRUE(line.contains(" poses=16 ")) << line;
     EXPECT_TRUE(line.contains(" learnt=" + std::to_string(i) + " of=20")) << line;
   }

@@ -33,6 +33,7 @@ struct Quick : PumaCabinet {
 
 TEST(Commit, says_why_there_is_nothing_to_accept_or_to_roll_back) {
   Quick puma;
+  const std::size_t changed = puma.memory.changed;
   puma.expect_error("accept", "NO_CANDIDATE");
   puma.expect_error("rollback", "NO_SIGNATURE");
   ASSERT_EQ(puma.ask("identify"), "ok");
@@ -44,20 +45,21 @@ TEST(Commit, says_why_there_is_nothing_to_accept_or_to_roll_back) {
   ASSERT_EQ(puma.mode(), Mode::kFaulted);
   puma.expect_error("accept", "WRONG_MODE");
   puma.expect_error("rollback", "WRONG_MODE");
-  EXPECT_EQ(puma.memory.changed, 0U);
+  EXPECT_EQ(puma.memory.changed, changed);
 }
 
-TEST(Commit, forgets_the_candidate_when_it_is_stored_and_not_when_another_is_rolled_back) {
+// Of the second one nobody knows whether it beats the model that the rollback goes back to.
+TEST(Commit, forgets_the_candidate_when_it_is_stored_or_what_it_was_compared_with_is_rolled_back) {
   Quick puma;
   ASSERT_TRUE(puma.identify());
   ASSERT_EQ(puma.ask("accept"), "ok");
   puma.expect_error("candidate", "NO_CANDIDATE");
   puma.expect_error("accept", "NO_CANDIDATE");
   ASSERT_TRUE(puma.identify());
-  ASSERT_TRUE(puma.ask("candidate").starts_with("ok held_out=3 "));
+  ASSERT_TRUE(puma.ask("candidate").starts_with("ok signature=candidate "));
   ASSERT_EQ(puma.ask("rollback"), "ok");
   EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
-  EXPECT_TRUE(puma.ask("candidate").starts_with("ok held_out=3 "));
+  puma.expect_error("candidate", "NO_CANDIDATE");
 }
 
 TEST(Commit, answers_what_is_its_own_where_another_asks_meanwhile) {
@@ -79,7 +81,7 @@ TEST(Commit, is_possible_without_torque) {
   ASSERT_EQ(puma.ask("disable"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kIdle, 1));
   EXPECT_EQ(puma.ask("accept"), "ok");
-  EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature sequence=1 "));
+  EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature signature=1 "));
   EXPECT_EQ(puma.ask("rollback"), "ok");
   EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
 }
@@ -96,34 +98,18 @@ TEST(Commit, of_a_new_signature_ends_the_trouble_with_an_old_one) {
   EXPECT_EQ(puma.ask("status").find(" store="), std::string::npos);
 }
 
-TEST(Commit, is_of_its_drives_and_another_number_is_told_with_the_one_expected) {
-  Quick puma;
-  ASSERT_TRUE(puma.identify());
-  ASSERT_EQ(puma.ask("accept"), "ok");
-  puma.first_serial = 2001;
-  puma.start(Quick::configuration(), 1);
-  ASSERT_TRUE(puma.run_until(Mode::kIdle));
-  puma.run(0.1);
-  std::string unused;
-  for (const std::string& line : puma.console.told) {
-    if (line.starts_with("# signature unused")) unused = line;
-  }
-  EXPECT_NE(unused.find(" what=drive_serial joint=1 found=2001.000 expected=1001.000 go by the "
-                        "drawing with acknowledge"),
-            std::string::npos)
-      << unused;
-}
-
-TEST(Positions, are_kept_once_after_the_torque_went_and_not_while_the_arm_is_pushed_about) {
+TEST(Positions, are_kept_once_more_when_an_arm_that_was_pushed_stands_still) {
   Quick puma;
   ASSERT_EQ(puma.ask("disable"), "ok");
   puma.run(2);
   const std::size_t kept = puma.memory.changed;
   EXPECT_GT(kept, 0U);
   puma.cabinet->drive(0).push(0.2 * test::kPumaCountsPerRadian);
-  puma.run(2);
+  puma.run(0.9);
   EXPECT_NEAR(puma.now().positions[0], 0.2, 1e-3) << "it was pushed";
   EXPECT_EQ(puma.memory.changed, kept);
+  puma.run(3);
+  EXPECT_EQ(puma.memory.changed, kept + 256);
 }
 
 }  // namespace

@@ -131,18 +131,21 @@ TEST(ShownFigures, are_those_of_the_log_the_report_and_the_record) {
   EXPECT_GT(row.sigma_m(), 1e-6);
   const HeldOutReport report = sequence.report();
   const std::string candidate = puma.ask("candidate");
-  EXPECT_EQ(word(candidate, "held_out"), std::to_string(report.poses));
-  EXPECT_NEAR(std::stod(word(candidate, "candidate_rms_mm")), 1e3 * report.candidate_rms_m, 1e-4);
+  EXPECT_EQ(word(candidate, "validation_poses"), std::to_string(report.poses));
+  EXPECT_NEAR(std::stod(word(candidate, "validation_rms_mm")), 1e3 * report.candidate_rms_m, 1e-4);
   EXPECT_NEAR(std::stod(word(candidate, "active_rms_mm")), 1e3 * report.active_rms_m, 1e-4);
-  const std::string figures = candidate.substr(3, candidate.find(" better=") - 3);
+  EXPECT_EQ(word(candidate, "active"), "drawing");
+  const std::string figures = candidate.substr(3);
   EXPECT_EQ(std::ranges::count(puma.console.told, "# candidate " + figures), 1) << figures;
   EXPECT_EQ(word(candidate, "better"), "yes");
   ASSERT_EQ(puma.ask("accept"), "ok");
   const SignatureRecord& record = *puma.cabinet->state().active();
-  EXPECT_NEAR(record.held_out_rms_m, report.candidate_rms_m, 1e-6);
+  EXPECT_EQ(validation_rms_m(record), report.candidate_rms_m);
   const std::string shown = puma.ask("signature");
-  EXPECT_NEAR(std::stod(word(shown, "held_out_rms_mm")), 1e3 * record.held_out_rms_m, 1e-4);
-  EXPECT_NEAR(std::stod(word(shown, "predicted_sigma_mm")), 1e3 * record.predicted_sigma_m, 1e-4);
+  EXPECT_NEAR(std::stod(word(shown, "validation_rms_mm")), 1e3 * validation_rms_m(record), 1e-4);
+  EXPECT_NEAR(std::stod(word(shown, "predicted_tool_error_mm")),
+              1e3 * record.accuracy.predicted->rms_m, 1e-4);
+  EXPECT_EQ(word(shown, "predicted_region"), "configuration");
   EXPECT_NEAR(std::stod(word(shown, "air_c")), record.air_celsius, 0.05);
   for (std::size_t i = 0; i < 6; ++i) {
     const DhJoint& dh = record.signature.pseudo_dh[i];
@@ -170,7 +173,7 @@ TEST(Disable, takes_the_torque_off_and_is_answered) {
 // 10 degrees about the base's z axis, to where the tool is.
 TEST(Quaternion, turns_the_tool_in_its_place) {
   Bent puma;
-  const Pose from = puma.now().X_RT;
+  const Pose from = *puma.now().X_RT;
   const Matrix3 wanted = rotation_about(Vector3::UnitZ(), radians(10)) * from.R;
   const Eigen::Quaterniond q(wanted);
   const auto part = [](const char* key, double value) {
@@ -183,9 +186,9 @@ TEST(Quaternion, turns_the_tool_in_its_place) {
   ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.5));
   ASSERT_TRUE(puma.run_until(Mode::kHolding, 30));
   puma.run(0.5);
-  EXPECT_LT(angle_between(puma.now().X_RT.R, wanted), 2e-4);
-  EXPECT_GT(angle_between(puma.now().X_RT.R, from.R), radians(9.9));
-  EXPECT_LT((puma.now().X_RT.p - from.p).norm(), 2e-4);
+  EXPECT_LT(angle_between(puma.now().X_RT->R, wanted), 2e-4);
+  EXPECT_GT(angle_between(puma.now().X_RT->R, from.R), radians(9.9));
+  EXPECT_LT((puma.now().X_RT->p - from.p).norm(), 2e-4);
 }
 
 TEST(Quaternion, is_refused_in_part_of_another_length_and_beside_joints) {
@@ -205,12 +208,12 @@ TEST(Quaternion, is_refused_in_part_of_another_length_and_beside_joints) {
 
 TEST(Places, of_the_tool_are_millimetres_and_metres_absolute_and_by) {
   Bent puma;
-  const Vector3 from = puma.now().X_RT.p;
+  const Vector3 from = puma.now().X_RT->p;
   ASSERT_EQ(puma.ask("move y_m=" + std::to_string(from.y() + 0.03) + " dz_m=-0.02"), "ok");
   ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.5));
   ASSERT_TRUE(puma.run_until(Mode::kHolding, 30));
   puma.run(0.5);
-  EXPECT_LT((puma.now().X_RT.p - from - Vector3(0, 0.03, -0.02)).norm(), 2e-4);
+  EXPECT_LT((puma.now().X_RT->p - from - Vector3(0, 0.03, -0.02)).norm(), 2e-4);
 }
 
 // A small grid before the bent arm.

@@ -50,8 +50,8 @@ TEST(CoupledWrist, is_where_the_model_says) {
   EXPECT_NEAR(puma.now().positions[5], radians(-20), 1e-4);
   const double motor = puma.cabinet->sensor().true_readings()[5];
   EXPECT_GT(std::abs(motor - radians(-20)), 0.05) << "the motor turns for joints 4 and 5 as well";
-  EXPECT_LT((puma.hand_0().p - puma.now().X_RT.p).norm(), 1e-4);
-  EXPECT_LT(angle_between(puma.hand_0().R, puma.now().X_RT.R), 2e-4);
+  EXPECT_LT((puma.hand_0().p - puma.now().X_RT->p).norm(), 1e-4);
+  EXPECT_LT(angle_between(puma.hand_0().R, puma.now().X_RT->R), 2e-4);
 }
 
 TEST(CoupledWrist, carries_the_tool_along_a_line) {

@@ -73,7 +73,7 @@ TEST(Identification, pauses_for_trouble_of_the_sensor_and_goes_on) {
     puma.run(5);
     ASSERT_TRUE(sequence.is_paused()) << describe(error);
     EXPECT_EQ(sequence.pause_reason(), error);
-    EXPECT_EQ(puma.memory.changed, 0U);
+    EXPECT_EQ(puma.memory.stored, 0U);
     const std::size_t points = sequence.points_done();
     puma.cabinet->sensor().set_error({});
     ASSERT_EQ(puma.ask("resume"), "ok");
@@ -140,7 +140,7 @@ TEST(Identification, has_nothing_to_accept_before_it_is_done) {
   EXPECT_TRUE(puma.ask("accept").starts_with("error"));
   EXPECT_TRUE(puma.ask("candidate").starts_with("error"));
   EXPECT_TRUE(puma.ask("rollback").starts_with("error"));
-  EXPECT_EQ(puma.memory.changed, 0U);
+  EXPECT_EQ(puma.memory.stored, 0U);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ void expect_safe(PumaCabinet& puma, Error error) {
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_NE(puma.cabinet->drive(i).state(), State::kOperationEnabled) << i;
   }
-  EXPECT_EQ(puma.memory.changed, 0U);
+  EXPECT_EQ(puma.memory.stored, 0U);
 }
 
 TEST(Configuration, of_the_puma_is_accepted) { EXPECT_TRUE(check(test::puma_controller())); }
@@ -128,21 +128,21 @@ TEST(Controller, moves_the_tool_along_a_straight_line) {
   ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
   ASSERT_TRUE(puma.run_until(Mode::kHolding));
   puma.run(0.3);
-  const Pose from = puma.now().X_RT;
+  const Pose from = *puma.now().X_RT;
   ASSERT_EQ(puma.ask("move dz_mm=-100 dx_mm=50"), "ok") << puma.console.replies.back();
   const Vector3 along = Vector3(0.05, 0, -0.1).normalized();
   double worst_m = 0;
   double worst_rad = 0;
   for (int i = 0; i < 5000 && (i < 10 || puma.mode() != Mode::kHolding); ++i) {
     puma.cabinet->step();
-    const Vector3 off = puma.now().X_RT.p - from.p;
+    const Vector3 off = puma.now().X_RT->p - from.p;
     worst_m = std::max(worst_m, (off - along * along.dot(off)).norm());
-    worst_rad = std::max(worst_rad, angle_between(from.R, puma.now().X_RT.R));
+    worst_rad = std::max(worst_rad, angle_between(from.R, puma.now().X_RT->R));
   }
   puma.run(0.3);
   EXPECT_LT(worst_m, 0.5e-3);  // the drives' lag and counts
   EXPECT_LT(worst_rad, 2e-3);
-  EXPECT_NEAR((puma.now().X_RT.p - from.p).dot(along), Vector3(0.05, 0, -0.1).norm(), 5e-5);
+  EXPECT_NEAR((puma.now().X_RT->p - from.p).dot(along), Vector3(0.05, 0, -0.1).norm(), 5e-5);
 }
 
 TEST(Controller, refuses_what_is_out_of_reach_or_beyond_a_limit_before_it_moves) {

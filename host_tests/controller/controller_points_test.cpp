@@ -73,16 +73,17 @@ TEST(Identify, visits_each_joints_arc_and_the_poses_held_out_and_returns) {
     }
   }
   EXPECT_EQ(puma.told("# identify swept joint="), 6U);
-  EXPECT_EQ(puma.told("# candidate held_out=3 "), 1U);
-  const std::string held_out = puma.last("# candidate held_out=3 ");
+  EXPECT_EQ(puma.told("# candidate signature=candidate "), 1U);
+  const std::string held_out = puma.last("# candidate signature=candidate ");
   const std::size_t active = held_out.find(" active_rms_mm=");
-  const std::size_t candidate = held_out.find(" candidate_rms_mm=");
+  const std::size_t candidate = held_out.find(" validation_rms_mm=");
   ASSERT_NE(active, std::string::npos) << held_out;
-  EXPECT_NEAR(std::stod(held_out.substr(candidate + 18)),
+  EXPECT_NEAR(std::stod(held_out.substr(candidate + 19)),
               1e3 * puma.sequence().report().candidate_rms_m, 0.51e-4);
   EXPECT_NEAR(std::stod(held_out.substr(active + 15)), 1e3 * puma.sequence().report().active_rms_m,
               0.51e-4);
-  EXPECT_EQ(held_out.size() - held_out.rfind('.'), 5U) << "four decimals: " << held_out;
+  EXPECT_EQ(held_out.find(' ', active + 1) - held_out.find('.', active), 5U)
+      << "four decimals: " << held_out;
   EXPECT_EQ(puma.told("# identify done"), 1U);
   puma.run(0.1);
   for (std::size_t joint = 0; joint < 6; ++joint) {
@@ -92,11 +93,12 @@ TEST(Identify, visits_each_joints_arc_and_the_poses_held_out_and_returns) {
 
 TEST(Identify, tells_how_much_is_left_by_what_was_done) {
   Measured puma;
-  EXPECT_EQ(puma.sequence().left_s(), 0) << "nothing is known before the first point";
+  EXPECT_FALSE(puma.sequence().left_s()) << "nothing is known before the first point";
+  EXPECT_EQ(puma.ask("status").find(" left_s="), std::string::npos);
   const hal::Instant began = puma.now().now;
   puma.measure(10);
   const double a_point_s = hal::seconds(puma.now().now - began) / 10;
-  EXPECT_NEAR(puma.sequence().left_s(), 41 * a_point_s, 0.05 * 41 * a_point_s);
+  EXPECT_NEAR(puma.sequence().left_s().value_or(0), 41 * a_point_s, 0.05 * 41 * a_point_s);
   EXPECT_EQ(puma.told("# identify swept joint=1 points=8 planned=51 axis_sigma_deg=0."), 1U);
   const std::string swept = puma.last("# identify swept joint=1 ");
   EXPECT_LT(swept.rfind('.'), swept.find(" left_s=")) << "whole seconds: " << swept;
@@ -199,12 +201,12 @@ TEST(Identify, tells_what_it_found_to_a_tenth_of_a_micrometre) {
     return std::min(line.find(' ', point), line.size()) - point - 1;
   };
   const std::string candidate = puma.ask("candidate");
-  EXPECT_EQ(decimals(candidate, " candidate_rms_mm="), 4U) << candidate;
+  EXPECT_EQ(decimals(candidate, " validation_rms_mm="), 4U) << candidate;
   EXPECT_EQ(decimals(candidate, " active_rms_mm="), 4U);
   ASSERT_EQ(puma.ask("accept"), "ok");
   const std::string signature = puma.ask("signature");
-  EXPECT_EQ(decimals(signature, " held_out_rms_mm="), 4U) << signature;
-  EXPECT_EQ(decimals(signature, " predicted_sigma_mm="), 4U);
+  EXPECT_EQ(decimals(signature, " validation_rms_mm="), 4U) << signature;
+  EXPECT_EQ(decimals(signature, " predicted_tool_error_mm="), 4U);
 }
 
 TEST(Identify, ends_by_a_halt_and_by_a_fault_with_its_joint) {

@@ -56,12 +56,11 @@ TEST(Refusals, a_line_that_would_need_a_joint_faster_than_its_limit_is_not_follo
   to.p += Vector3(0.05, 0, -0.1);
   const Planned planned = plan_line(configuration, model, from, to);
   ASSERT_TRUE(planned);
-  const double period_s = hal::seconds(configuration.period);
+  const double first = minimum_jerk(hal::seconds(configuration.period) / planned->duration_s);
   calibration::LatelyTurned lately;
-  EXPECT_TRUE(readings_at(*planned, configuration, model, from, period_s, lately));
+  EXPECT_TRUE(readings_at(*planned, configuration, model, from, first, lately));
   // As if all ticks of the first half had been lost.
-  const auto jump =
-      readings_at(*planned, configuration, model, from, planned->duration_s / 2, lately);
+  const auto jump = readings_at(*planned, configuration, model, from, 0.5, lately);
   EXPECT_EQ(test::failure_of(jump), Error::kSpeedLimit);
 }
 

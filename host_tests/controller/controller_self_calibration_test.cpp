@@ -36,7 +36,7 @@ TEST(SelfCalibration, reaches_the_accuracy_that_was_asked_for_on_poses_never_mea
   const std::chrono::duration<double, std::ratio<60>> minutes = puma.cabinet->clock().now() - from;
   const std::string told = puma.heard("# identify accuracy=");
   EXPECT_TRUE(told.starts_with("# identify accuracy=reached model=maps ")) << told;
-  const double predicted_mm = value_after(told, "predicted_mm");
+  const double predicted_mm = value_after(told, "predicted_tool_error_mm");
   EXPECT_LE(predicted_mm, asked_mm());
   EXPECT_GT(value_after(told, "geometry_rms_mm"), value_after(told, "held_out_rms_mm"));
   const std::string play = puma.heard("# identify play");
@@ -49,7 +49,14 @@ TEST(SelfCalibration, reaches_the_accuracy_that_was_asked_for_on_poses_never_mea
   // Stated, and what it is: of 12 held-out poses a quarter is chance.
   EXPECT_NEAR(predicted_mm / miss_mm, 1, 0.3) << told;
   EXPECT_EQ(puma.ask("accept"), "ok");
-  EXPECT_TRUE(puma.ask("status").contains(" model=signature maps=yes "));
+  // In use it is told as it was found.
+  for (const char* asking : {"status", "signature"}) {
+    const std::string reply = puma.ask(asking);
+    EXPECT_TRUE(reply.contains(" model=signature signature=1 ")) << reply;
+    EXPECT_EQ(value_after(reply, "predicted_tool_error_mm"), predicted_mm) << reply;
+    EXPECT_TRUE(reply.contains(" predicted_region=limits ")) << reply;
+  }
+  EXPECT_TRUE(puma.ask("status").contains(" maps=yes "));
   EXPECT_TRUE(puma.ask("log").contains(" capacity=1076"));
 }
 
@@ -61,12 +68,13 @@ TEST(SelfCalibration, is_not_what_the_features_alone_reach) {
   std::printf("features alone: true %.3f mm\n", 1e3 * miss_m);
   EXPECT_GT(miss_m, 0.25e-3);
   EXPECT_EQ(puma.ask("accept"), "ok");
-  EXPECT_TRUE(puma.ask("status").contains(" model=signature maps=no "));
+  EXPECT_TRUE(puma.ask("status").contains(" model=signature signature=1 "));
+  EXPECT_TRUE(puma.ask("status").contains(" maps=no "));
 }
 
 TEST(SelfCalibration, says_that_time_is_over_and_what_would_help) {
   BentPuma puma;
-  const SignatureRecord* const record = puma.identified("identify accuracy_mm=0.06 minutes=9");
+  const SignatureRecord* const record = puma.identified("identify accuracy_mm=0.06 minutes=10");
   ASSERT_NE(record, nullptr);
   const std::string told = puma.heard("# identify accuracy=");
   EXPECT_TRUE(told.starts_with("# identify accuracy=missed model=maps ")) << told;
@@ -91,8 +99,9 @@ TEST(SelfCalibration, says_while_it_refines_how_far_it_is_and_what_half_of_the_e
   }
   const std::string told = puma.heard("# identify refining ");
   const std::string status = puma.ask("status");
-  EXPECT_TRUE(status.contains(" refining=yes predicted_mm=")) << status;
-  EXPECT_EQ(value_after(status, "predicted_mm"), value_after(told, "predicted_mm"));
+  EXPECT_TRUE(status.contains(" refining=yes candidate_predicted_tool_error_mm=")) << status;
+  EXPECT_EQ(value_after(status, "candidate_predicted_tool_error_mm"),
+            value_after(told, "predicted_tool_error_mm"));
   EXPECT_EQ(value_after(status, "asked_mm"), 0.06);
   // Half of the error is four times the measurements, more where play has a part in it.
   const double measured = static_cast<double>(puma.cabinet->state().identification().log().size());
@@ -151,11 +160,11 @@ TEST(SelfCalibration, keeps_what_the_features_say_where_time_is_too_short_to_jud
 // How near frames and target come to a side of the box.
 struct Watched {
   void look(BentPuma& puma) {
-    const auto& box = *puma.configuration.workspace;
+    const clearance::Surroundings& box = puma.configuration.around;
     const JointVector& q = puma.now().commanded;
     const auto frames = dh_frames(puma.configuration.drawing.joints, q);
     const auto see = [&](const Vector3& p) {
-      least_m = std::min({least_m, (p - box.lower).minCoeff(), (box.upper - p).minCoeff()});
+      least_m = std::min({least_m, (p - box.lower_B).minCoeff(), (box.upper_B - p).minCoeff()});
     };
     for (std::size_t k = 1; k < frames.size(); ++k) see(frames[k].p);
     see(frames.back() * puma.world.arm.targets[0].p_L);
@@ -167,7 +176,7 @@ struct Watched {
 Configuration in_a_box() {
   Configuration configuration = BentPuma::arc_of_90_degrees();
   configuration.sweeps.arc_rad = radians(60);
-  configuration.workspace = WorkspaceBox{{-0.62, -0.62, -0.25}, {0.86, 0.74, 1.15}, 0.16};
+  configuration.around = test::boxed({-0.62, -0.62, -0.25}, {0.86, 0.74, 1.15}, 0.16);
   return configuration;
 }
 
@@ -193,16 +202,20 @@ TEST(SelfCalibration, stays_in_its_workspace_box_from_its_first_sweep_to_its_las
 
 TEST(SelfCalibration, is_refused_where_no_way_leads_from_the_arm_into_its_workspace_box) {
   BentPuma puma(kBends, nullptr, in_a_box());
+  puma.world.start[1] = 0;
+  puma.power_up();
   ASSERT_TRUE(puma.enable());
-  ASSERT_EQ(puma.ask("move q2_deg=0"), "ok");
-  ASSERT_TRUE(puma.run_until(Mode::kServoing, 1) && puma.run_until(Mode::kHolding, 60));
   const JointVector before = puma.now().commanded;
   ASSERT_EQ(puma.ask("identify"), "ok");
   puma.run(1);
   EXPECT_EQ(puma.mode(), Mode::kHolding);
   const std::string told = puma.heard("# identify ended error=OUTSIDE_WORKSPACE");
   EXPECT_TRUE(told.contains(" joint=")) << told;
+  EXPECT_TRUE(puma.heard("# identify finds no way link=").contains(" near=box room_mm=-")) << told;
   EXPECT_EQ(puma.now().commanded[1], before[1]);
+  // An operator moves it back; and not farther out.
+  EXPECT_TRUE(puma.ask("move q1_deg=90 q2_deg=20").contains("OUTSIDE_WORKSPACE"));
+  EXPECT_EQ(puma.ask("move q2_deg=-90"), "ok");
 }
 
 TEST(SelfCalibration, refuses_by_name_what_it_cannot_do) {

@@ -1,40 +1,20 @@
 // SPDX-License-Identifier: MIT
 // A signature from outside: what arrives damaged or does not belong here is refused by name, and
 // what arrives well has to beat the active model on held-out poses as any other.
-#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "firmware/controller/receiving.hpp"
+#include "host_tests/support/sent_signature.hpp"
 #include "host_tests/support/table_3_run.hpp"
 
 namespace armsig::controller {
 namespace {
 
+using test::part_of;
 using test::PumaCabinet;
-
-std::string part_of(const RecordImage& image, std::size_t part) {
-  std::string request =
-      "send part=" + std::to_string(part) + " bytes=" + std::to_string(image.size()) + " hex=";
-  const std::size_t begin = (part - 1) * kPartBytes;
-  for (std::size_t i = begin; i < std::min(begin + kPartBytes, image.size()); ++i) {
-    request += "0123456789abcdef"[image[i] / 16];
-    request += "0123456789abcdef"[image[i] % 16];
-  }
-  return request;
-}
-
-constexpr std::size_t kParts = (kRecordBytes + kPartBytes - 1) / kPartBytes;
-
-// The answer to the last part.
-std::string sent(PumaCabinet& puma, const RecordImage& image) {
-  for (std::size_t part = 1; part < kParts; ++part) {
-    const std::string reply = puma.ask(part_of(image, part));
-    if (reply != "ok") return "part " + std::to_string(part) + ": " + reply;
-  }
-  return puma.ask(part_of(image, kParts));
-}
+using test::sent;
 
 struct Identified {
   std::vector<std::uint8_t> memory;
@@ -68,7 +48,7 @@ TEST(Send, signature_that_fits_is_compared_accepted_and_in_use) {
   ASSERT_EQ(sent(puma, encode(identified().record)), "ok received=candidate");
   EXPECT_TRUE(puma.ask("candidate").starts_with("error NO_CANDIDATE")) << "not compared yet";
   EXPECT_TRUE(puma.ask("accept").starts_with("error NO_CANDIDATE"));
-  EXPECT_EQ(puma.memory.changed, 0U);
+  EXPECT_EQ(puma.memory.stored, 0U);
   ASSERT_EQ(puma.ask("compare"), "ok");
   puma.run_until(Mode::kSweeping, 1);
   EXPECT_TRUE(puma.ask("status").contains(" planned=8 "));

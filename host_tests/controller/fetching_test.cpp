@@ -55,7 +55,7 @@ TEST(Fetching, parts_together_are_the_image) {
   for (int part = 1; part <= 3; ++part) {
     ASSERT_TRUE(store.ask("fetch what=drawing part=" + std::to_string(part)));
     const std::string told(store.line.view());
-    EXPECT_TRUE(told.starts_with(" bytes=460 parts=3 hex=")) << told;
+    EXPECT_TRUE(told.starts_with(" bytes=484 parts=3 hex=")) << told;
     all += told.substr(told.find("hex=") + 4);
   }
   EXPECT_EQ(all, hex_of(encode_drawing(store.drawing)));

@@ -19,12 +19,12 @@ Arm two_joints() {
 }
 
 // By Python's zlib.crc32 over the little-endian doubles 1, theta, d, a, alpha; 0, ...; joint, from,
-// ratio.
+// ratio; 0, 0, 1, which is up.
 TEST(DrawingCrc, is_that_of_its_numbers_in_their_order) {
-  EXPECT_EQ(drawing_crc(two_joints()), 0x82E7A642U);
+  EXPECT_EQ(drawing_crc(two_joints()), 0xA4D52ECDU);
 }
 
-TEST(DrawingCrc, differs_in_every_part_of_a_coupling) {
+TEST(DrawingCrc, differs_in_every_part_of_a_coupling_and_in_how_the_arm_stands) {
   const std::uint32_t as_drawn = drawing_crc(two_joints());
   Arm other = two_joints();
   other.couplings[0].joint = 0;
@@ -35,6 +35,9 @@ TEST(DrawingCrc, differs_in_every_part_of_a_coupling) {
   other = two_joints();
   other.couplings[0].ratio = -2;
   EXPECT_NE(drawing_crc(other), as_drawn);
+  other = two_joints();
+  other.up_0 = {1, 0, 0};
+  EXPECT_NE(drawing_crc(other), as_drawn) << "on a wall";
 }
 
 }  // namespace

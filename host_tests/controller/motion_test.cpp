@@ -152,7 +152,8 @@ TEST(Line, keeps_the_limits_of_every_joint_and_wastes_little) {
   double fastest = 0;
   double sharpest = 0;
   for (int k = 1; k <= steps; ++k) {
-    const auto q = readings_at(*line, arm.configuration, arm.model, before, k * 0.002, lately);
+    const double s = minimum_jerk(k * 0.002 / line->duration_s);
+    const auto q = readings_at(*line, arm.configuration, arm.model, before, s, lately);
     ASSERT_TRUE(q) << k;
     for (std::size_t i = 0; i < 6; ++i) {
       const double speed = ((*q)[i] - before[i]) / 0.002;
@@ -247,17 +248,18 @@ TEST(Line, that_a_motor_cant_follow_is_refused_for_its_joint) {
   EXPECT_EQ(refusal.joint, 5U);
 }
 
-TEST(ReadingsAt, stay_at_the_end_when_the_time_is_over_and_at_the_start_before_it) {
+TEST(ReadingsAt, of_a_joint_move_are_on_the_straight_line_between_its_ends) {
   const Arm6 arm;
   const Planned move = plan_joint_move(arm.configuration, arm.from, arm.moved(3, 1.0));
   ASSERT_TRUE(move);
   calibration::LatelyTurned lately;
-  const auto at = [&](double seconds) {
-    return *readings_at(*move, arm.configuration, arm.model, arm.from, seconds, lately);
+  const auto at = [&](double s) {
+    return *readings_at(*move, arm.configuration, arm.model, arm.from, s, lately);
   };
-  EXPECT_EQ(at(-1)[3], arm.from[3]);
-  EXPECT_NEAR(at(move->duration_s / 2)[3], arm.from[3] + 0.5, 1e-12);
-  EXPECT_NEAR(at(10 * move->duration_s)[3], arm.from[3] + 1.0, 1e-12);
+  EXPECT_EQ(at(0)[3], arm.from[3]);
+  EXPECT_NEAR(at(0.25)[3], arm.from[3] + 0.25, 1e-12);
+  EXPECT_NEAR(at(1)[3], arm.from[3] + 1.0, 1e-12);
+  EXPECT_EQ(at(0.5)[0], arm.from[0]);
 }
 
 // In the tick, where a plan would have told before: a line that goes on where the arm does not.
@@ -272,8 +274,7 @@ TEST(ReadingsAt, of_a_place_that_the_arm_does_not_come_to_are_none) {
     line.X_RT_from = line.X_RT_to = *tool_pose(arm.model, from);
     line.X_RT_to.p += by;
     calibration::LatelyTurned lately;
-    return test::failure_of(
-        readings_at(line, arm.configuration, arm.model, from, line.duration_s, lately));
+    return test::failure_of(readings_at(line, arm.configuration, arm.model, from, 1, lately));
   };
   // Stretched, and straight on.
   JointVector stretched = arm.from;

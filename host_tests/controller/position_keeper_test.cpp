@@ -7,19 +7,20 @@
 #include <gtest/gtest.h>
 
 #include "core/base/crc32.hpp"
-#include "firmware/controller/record_store.hpp"
+#include "firmware/controller/store_ledger.hpp"
 #include "host_tests/support/ram_memory.hpp"
-#include "host_tests/support/set_drives.hpp"
 
 namespace armsig::controller {
 namespace {
 
 constexpr std::size_t kSector = 6;
 constexpr std::size_t kBegin = kSector * test::RamMemory::kLayout.sector_bytes();
-constexpr std::size_t kImage = 80;
+constexpr std::size_t kImage = 116;
 
 std::vector<double> at(double reading) { return std::vector<double>(6, reading); }
-JointVector readings_of(double reading) { return JointVector(6, reading); }
+RestRecord readings_of(double reading) {
+  return {.positions = JointVector(6, reading), .unreferenced = 5, .drives = DriveMarks(6, 9)};
+}
 
 void keep(test::RamMemory& memory, double reading) {
   PositionKeeper keeper(memory, kSector);
@@ -31,9 +32,11 @@ void keep(test::RamMemory& memory, double reading) {
 
 // None where there are none.
 std::vector<double> kept(test::RamMemory& memory, std::size_t joints = 6) {
-  const auto positions = PositionKeeper(memory, kSector).load(joints);
-  if (!positions) return {};
-  return {positions->begin(), positions->end()};
+  const auto rest = PositionKeeper(memory, kSector).load(joints);
+  if (!rest) return {};
+  EXPECT_EQ(rest->unreferenced, 5);
+  EXPECT_TRUE(std::ranges::equal(rest->drives, DriveMarks(6, 9)));
+  return {rest->positions.begin(), rest->positions.end()};
 }
 const std::vector<double> kNone;
 
@@ -88,7 +91,7 @@ TEST(PositionKeeper, takes_no_image_with_a_byte_changed) {
 }
 
 TEST(PositionKeeper, takes_none_of_another_version_of_too_many_joints_or_of_no_number) {
-  for (const auto& [offset, value] : {std::pair{4, 2}, {6, 9}, {6, 255}, {19, 0x7F}}) {
+  for (const auto& [offset, value] : {std::pair{4, 3}, {6, 9}, {6, 255}, {19, 0x7F}}) {
     test::RamMemory memory;
     keep(memory, 1);
     ASSERT_NE(kept(memory), kNone);
@@ -154,17 +157,18 @@ TEST(PositionKeeper, neither_takes_nor_keeps_any_in_pages_too_small_or_too_large
   }
 }
 
-TEST(KeepPositions, is_for_drives_without_torque_alone) {
+TEST(PositionKeeper, keeps_what_became_known_of_an_arm_that_stands_where_it_stood) {
   test::RamMemory memory;
-  test::SetDrives drives{6};
-  drives.actual = readings_of(0.5);
-  drives.set_all(hal::DriveCondition::kDisabled);
-  drives.statuses[5].condition = hal::DriveCondition::kEnabled;
-  keep_positions(memory, drives);
-  EXPECT_EQ(memory.changed, 0U);
-  drives.set_all(hal::DriveCondition::kDisabled);
-  keep_positions(memory, drives);
-  EXPECT_GT(memory.changed, 0U);
+  keep(memory, 1);
+  PositionKeeper keeper(memory, kSector);
+  RestRecord confirmed = *keeper.load(6);
+  confirmed.unreferenced = 0;
+  keeper.begin(confirmed);
+  EXPECT_TRUE(keeper.is_writing());
+  confirmed = *keeper.load(6);
+  confirmed.drives[5] = 10;
+  keeper.begin(confirmed);
+  EXPECT_TRUE(keeper.is_writing());
 }
 
 // Pages that a foreign tool has put in another order: the highest number is the last.

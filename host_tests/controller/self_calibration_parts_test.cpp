@@ -8,8 +8,8 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "core/calibration/approach_direction.hpp"
 #include "firmware/controller/pose_visit.hpp"
-#include "firmware/self_calibration/coming.hpp"
 #include "firmware/self_calibration/findings.hpp"
 #include "firmware/self_calibration/pose_choice.hpp"
 #include "hal/simulated/random.hpp"
@@ -56,9 +56,9 @@ TEST(HalfPlays, are_what_the_fit_found_and_what_its_prior_held_back) {
   EXPECT_NEAR(half_plays(found, 1)[0].sigma, 1e-5, 1e-12);
 }
 
-TEST(Coming, knows_the_side_of_a_joint_once_it_has_moved_and_while_it_stands) {
+TEST(ApproachDirection, knows_the_side_of_a_joint_once_it_has_moved_and_while_it_stands) {
   const JointTypes types{JointType::kRevolute, JointType::kPrismatic};
-  Coming coming;
+  calibration::ApproachDirection coming;
   coming.go_to(types, {0.0, 0.1});
   EXPECT_EQ(coming.sided(), 0U) << "nobody knows how it came there";
   coming.go_to(types, {0.1, 0.1});

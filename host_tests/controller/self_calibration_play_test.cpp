@@ -79,7 +79,8 @@ struct Tally {
     }
     ++runs;
     predicted_over_true +=
-        1e-3 * number_after(arm->heard("# identify accuracy="), "predicted_mm") / arm->miss_m();
+        1e-3 * number_after(arm->heard("# identify accuracy="), "predicted_tool_error_mm") /
+        arm->miss_m();
   }
 };
 

@@ -47,10 +47,12 @@ TEST(ServoFaults, of_a_drive_are_told_with_its_code_and_words_in_every_mode) {
   bench.drives.statuses[3].fault = Error::kDriveFault;
   bench.drives.statuses[3].fault_code = 0x4210;
   bench.drives.statuses[3].words = "too warm";
+  bench.drives.statuses[3].fault_object = {.index = 0x605A, .subindex = 0, .found = 0, .wanted = 6};
   bench.tick();
   bench.expect_fault(Error::kDriveFault, 3);
   EXPECT_EQ(bench.link.snapshot.read().fault->code, 0x4210U);
   EXPECT_EQ(bench.link.snapshot.read().fault->words, "too warm");
+  EXPECT_EQ(bench.link.snapshot.read().fault->object.index, 0x605A);
 }
 
 TEST(ServoFaults, a_drive_that_says_why_later_is_listened_to_and_another_cause_is_not) {

@@ -26,15 +26,6 @@ double hours() {
   return told == nullptr ? 1.0 / 6 : std::strtod(told, nullptr);
 }
 
-Configuration quick() {
-  Configuration configuration = test::puma_with_grid();
-  configuration.grid.grid.count = {2, 2, 2};
-  configuration.dwell.pings = 3;
-  configuration.sweeps.points = configuration.sweeps.most_points = 8;
-  configuration.sweeps.held_out_poses = 3;
-  return configuration;
-}
-
 struct Load {
   double resident_MB = 0;
   std::ptrdiff_t descriptors = 0;
@@ -54,7 +45,10 @@ class Soak {
     puma_.memory.refusal.reset();
     for (int attempt = 0; attempt < 8; ++attempt) {
       if (puma_.mode() == Mode::kSweeping) (void)puma_.ask("halt");
-      if (puma_.run_until(Mode::kHolding, 1)) return true;
+      if (puma_.run_until(Mode::kHolding, 1)) {
+        puma_.confirm();
+        return true;
+      }
       if (puma_.mode() != Mode::kIdle) (void)puma_.ask("reset");
       if (!puma_.run_until(Mode::kIdle, 10)) continue;
       (void)puma_.ask("enable");
@@ -188,7 +182,7 @@ class Soak {
     puma_.start(configuration_, random_());
   }
 
-  Configuration configuration_ = quick();
+  Configuration configuration_ = test::quick_puma_with_grid();
   PumaCabinet puma_{1, configuration_, test::honest_puma_drive()};
   std::mt19937 random_{17};
   double before_s_ = 0;

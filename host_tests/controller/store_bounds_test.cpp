@@ -53,7 +53,7 @@ TEST(StoreFits, pages_of_a_ledgers_entry_to_the_largest_four_of_them_a_sector_an
   EXPECT_FALSE(fits({.page_bytes = 513, .pages_per_sector = 8, .sectors = 10}));
   EXPECT_TRUE(fits({.page_bytes = 256, .pages_per_sector = 4, .sectors = 20}));
   EXPECT_FALSE(fits({.page_bytes = 256, .pages_per_sector = 3, .sectors = 40}));
-  // Sixteen pages of 256 bytes for a record of 3932, and a sector of the ledger, three times.
+  // Sixteen pages of 256 bytes for a record of 3956, and a sector of the ledger, three times.
   EXPECT_TRUE(fits({.page_bytes = 256, .pages_per_sector = 8, .sectors = 9}));
   EXPECT_FALSE(fits({.page_bytes = 256, .pages_per_sector = 8, .sectors = 8}));
 }

@@ -55,6 +55,21 @@ TEST(Line, writes_what_a_device_says) {
             " fault_code=0x2310 fault_says=\"too warm\"");
 }
 
+TEST(Line, writes_an_object_of_a_device_as_makers_do) {
+  EXPECT_EQ(Line().device_object({}).view(), "");
+  EXPECT_EQ(Line().device_object({.index = 0x605A, .subindex = 0, .found = 0, .wanted = 6}).view(),
+            " object=605Ah:0 found=0x0 wanted=0x6");
+  const hal::DeviceObject absent{.index = 0x1016, .subindex = 1, .found = {}, .wanted = 0x007F0096};
+  EXPECT_EQ(Line().device_object(absent, "fault_").view(),
+            " fault_object=1016h:1 fault_found=none fault_wanted=0x7F0096");
+}
+
+TEST(Line, writes_the_numbers_of_bits) {
+  EXPECT_EQ(Line().numbers(0).view(), "");
+  EXPECT_EQ(Line().numbers(0b10100).view(), "3,5");
+  EXPECT_EQ(Line().numbers(0x80000001).view(), "1,32");
+}
+
 TEST(Line, ends_at_its_capacity) {
   Line line;
   for (int i = 0; i < 1023; ++i) line.text("a");

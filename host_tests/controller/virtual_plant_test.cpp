@@ -143,8 +143,8 @@ double held_out_mm(const World& world) {
     plant.run(1);
     reply = plant.ask("candidate");
   }
-  const std::size_t at = reply.find("candidate_rms_mm=");
-  return at == std::string::npos ? 0 : std::stod(reply.substr(at + 17));
+  const std::size_t at = reply.find("validation_rms_mm=");
+  return at == std::string::npos ? 0 : std::stod(reply.substr(at + 18));
 }
 
 TEST(VirtualPlant, identification_by_geometry_alone_shows_the_maps_on_held_out_poses) {

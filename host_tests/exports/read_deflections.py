@@ -20,8 +20,9 @@ def spline(origin, per_unit, coefficients, reading):
     return sum(coefficients[(k + j) % n] * basis(j - 3, 3) for j in range(4))
 
 
-def sagging(drawing, joints, gravity, effective):
-    """What gravity turns each joint by; the drawing stands upright."""
+def sagging(drawing, joints, gravity, effective, up=(0, 0, 1)):
+    """What gravity turns each joint by; `up` in frame 0 of the drawing."""
+    down = -np.array(up)
     T = np.eye(4)
     axes, origins = [], []
     for row, joint, q in zip(drawing, joints, effective, strict=True):
@@ -35,9 +36,9 @@ def sagging(drawing, joints, gravity, effective):
     for term in gravity:
         j = term["joint"] - 1
         if joints[j]["type"] == "revolute":
-            lever = axes[j] @ np.cross(origins[term["link"]] - origins[j], [0, 0, -1])
+            lever = axes[j] @ np.cross(origins[term["link"]] - origins[j], down)
         else:
-            lever = axes[j] @ [0, 0, -1]
+            lever = axes[j] @ down
         by[j] += term["coefficient"] * lever
     return by
 
@@ -95,7 +96,8 @@ def pose_by(export):
         joints = export["signature"]["joints"]
 
         def by(readings):
-            return sagging(said["drawing"], joints, said["gravity"], couple_by(export["coupling"], readings)) + \
+            return sagging(said["drawing"], joints, said["gravity"], couple_by(export["coupling"], readings),
+                           said.get("up", (0, 0, 1))) + \
                 [spline(m["origin"], m["knots_per_unit"], m["coefficients"], reading)
                  for m, reading in zip(said["maps"], readings, strict=True)]
         return effective + by(q) - by(said["at_rest"])

@@ -232,7 +232,7 @@ TEST(UrdfCorrection, names_of_joints_come_through_to_an_export) {
   const Folder folder;
   make_individual_of(folder, kRobot, "--base base_link --tip tool0");
   ASSERT_EQ(export_as(folder, "urdf").status, 0);
-  EXPECT_NE(read_file(folder / "export.out").find("<joint name=\"wrist two\" type=\"revolute\">"),
+  EXPECT_NE(read_file(folder / "export.out").find("<joint name=\"wrist two\" type=\"continuous\">"),
             std::string::npos);
 }
 

@@ -26,6 +26,9 @@ inline std::uint64_t steady_ms() {
                                         .count());
 }
 
+// What the nodes of these tests are told of the calendar.
+inline std::uint64_t utc_ms() { return 1'700'000'000'000 + steady_ms(); }
+
 inline BrokerSettings broker_settings() {
   const char* port = std::getenv("ARMSIG_BROKER_PORT");
   EXPECT_NE(port, nullptr) << "run by host_tests/fleet/with_broker";
@@ -102,7 +105,7 @@ class BrokerCase : public testing::Test {
   void step() {
     observer.service();
     if (!transport) return;
-    const Now now{.steady_ms = steady_ms(), .utc_ms = 1'700'000'000'000 + steady_ms()};
+    const Now now{.steady_ms = steady_ms(), .utc_ms = utc_ms()};
     MqttConnection& connection = transport->connection();
     pollfd ready{.fd = connection.descriptor(), .events = POLLIN, .revents = 0};
     if (connection.wants_write()) ready.events |= POLLOUT;
@@ -119,7 +122,7 @@ class BrokerCase : public testing::Test {
   void row(double x, std::int64_t later_ms = 0) {
     const Reading reading{Item::kResidualX, x};
     const Now now{.steady_ms = steady_ms(),
-                  .utc_ms = 1'700'000'000'000 + steady_ms() + static_cast<std::uint64_t>(later_ms)};
+                  .utc_ms = utc_ms() + static_cast<std::uint64_t>(later_ms)};
     ASSERT_TRUE(node->record(now, {&reading, 1}));
   }
   std::vector<Report> heard(const std::string& verb) const {

@@ -50,6 +50,20 @@ TEST_F(FleetBroker, NothingOfANodeIsRetained) {
   EXPECT_EQ(late.heard.size(), 1U);
 }
 
+// Where the broker lets it through, as this one does.
+TEST_F(FleetBroker, MessageThatIsLongerThanAnyOfOursIsNotKept) {
+  const std::string other = "spBv1.0/" + group + "/NDATA/arm-9";
+  const std::vector<std::byte> longest(MqttConnection::kLongestMessage, std::byte{1});
+  const std::vector<std::byte> longer(MqttConnection::kLongestMessage + 1, std::byte{1});
+  static_assert(MqttConnection::kLongestMessage >= kLongestPayload);
+  observer.publish(other, longer);
+  observer.publish(other, std::vector<std::byte>(std::size_t{20} << 20U));
+  observer.publish(other, longest);
+  until([&] { return observer.count(other) > 0; });
+  EXPECT_EQ(observer.count(other), 1U);
+  EXPECT_EQ(observer.last(other).payload.size(), longest.size());
+}
+
 TEST_F(FleetBroker, IntendedEndIsToldOnce) {
   until([&] { return observer.count(topic("NBIRTH")) == 1; });
   host_state(false);

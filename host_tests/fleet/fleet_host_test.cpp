@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What the host takes, asks for and acknowledges, without broker and record.
+#include <array>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "firmware/fleet/host/arm_page.hpp"
@@ -200,6 +203,43 @@ TEST(FleetRowText, ReadingsAreJson) {
   EXPECT_EQ(json_of(readings), R"({"mode":"a\"b\\c?","air_c":-0.5,"fault":null})");
 }
 
+// Numbers whose squares a database cannot hold never come to it.
+TEST_F(FleetIntake, NumbersAreBoundedOnBothSides) {
+  Readings birth;
+  birth.push_back({Item::kCheckSigma, 1e-200});
+  const Payload born = encode_birth(1, 0, birth);
+  intake.birth("arm-1", {born.data(), born.size()});
+  seq = 1;
+  RowMessage message{.journal = kName,
+                     .number = 1,
+                     .previous = 0,
+                     .dropped = 0,
+                     .time_ms = 5,
+                     .historical = false,
+                     .readings = {}};
+  const std::array<std::pair<Item, double>, 4> sent{{{Item::kResidualX, 1e-200},
+                                                     {Item::kResidualY, -1e200},
+                                                     {Item::kResidualZ, 0.25},
+                                                     {Item::kAir, std::nan("")}}};
+  for (const auto& [item, value] : sent) message.readings.push_back({item, value});
+  const Payload payload = encode_row(9, seq++, message);
+  intake.data("arm-1", {payload.data(), payload.size()});
+  const Batch batch = intake.take_batch();
+  const auto value_of = [](const Readings& readings, Item item) {
+    for (const Reading& reading : readings) {
+      if (reading.item == item) return reading.value;
+    }
+    return Value(false);
+  };
+  ASSERT_EQ(batch.rows.size(), 1U);
+  EXPECT_EQ(value_of(batch.rows[0].readings, Item::kResidualX), Value(0.0));
+  EXPECT_EQ(value_of(batch.rows[0].readings, Item::kResidualY), Value());
+  EXPECT_EQ(value_of(batch.rows[0].readings, Item::kResidualZ), Value(0.25));
+  EXPECT_EQ(value_of(batch.rows[0].readings, Item::kAir), Value());
+  ASSERT_EQ(batch.states.size(), 1U);
+  EXPECT_EQ(value_of(batch.states[0].current, Item::kCheckSigma), Value(0.0));
+}
+
 TEST(FleetHostConfiguration, ExampleTellsTheDefaults) {
   const auto read = read_host_configuration(ARMSIG_EXAMPLE);
   ASSERT_TRUE(read) << tool::render(read.error());
@@ -224,7 +264,12 @@ TEST(FleetHostConfiguration, IsCheckedAsAWhole) {
   ASSERT_TRUE(read) << tool::render(read.error());
   EXPECT_EQ(read->drift.poses, 16);
   EXPECT_EQ(read->page_port, 8080);
-  for (const char* more : {"page_port: 0\n", "colour: red\n", "group: again\n"}) {
+  const auto named =
+      parse_host_configuration(good + "page_names: [fleet.plant.example]\n", "fleet.yaml");
+  ASSERT_TRUE(named) << tool::render(named.error());
+  EXPECT_EQ(named->page_names, std::vector<std::string>{"fleet.plant.example"});
+  for (const char* more : {"page_port: 0\n", "colour: red\n", "group: again\n", "page_names: []\n",
+                           "page_names: [\"a b\"]\n", "page_names: [\"fleet:8080\"]\n"}) {
     EXPECT_FALSE(parse_host_configuration(good + more, "fleet.yaml")) << more;
   }
   const std::string wrong =

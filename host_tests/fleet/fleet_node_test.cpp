@@ -63,15 +63,34 @@ TEST(FleetNode, SignatureIsNamedByItsParametersAlone) {
   const std::string parameters =
       "theta1_deg=0.010000 d1_mm=1.0000 a1_mm=2.0000 alpha1_deg=-90.000000";
   const std::string head =
-      "ok model=signature sequence=3 air_c=21.5 held_out_rms_mm=0.1200 "
-      "predicted_sigma_mm=0.0800 identified_unix_s=1790000000 ";
+      "ok model=signature signature=3 predicted_tool_error_mm=0.0800 predicted_region=limits "
+      "validation_rms_mm=0.1200 validation_poses=20 air_c=21.5 identified_unix_s=1790000000 ";
   const Readings readings = readings_of_signature(head + parameters);
   ASSERT_NE(find(readings, Item::kSignatureHash), nullptr);
   EXPECT_EQ(*find(readings, Item::kSignatureHash), Value(Text(sha256(parameters))));
   EXPECT_EQ(*find(readings, Item::kSignatureDate), Value(std::uint64_t{1'790'000'000'000}));
-  EXPECT_EQ(*find(readings, Item::kSignatureSigma), Value(0.08));
-  EXPECT_EQ(*find(readings, Item::kHeldOut), Value(0.12));
+  EXPECT_EQ(*find(readings, Item::kSignatureNumber), Value(std::uint64_t{3}));
+  EXPECT_EQ(*find(readings, Item::kPredicted), Value(0.08));
+  EXPECT_EQ(*find(readings, Item::kPredictedRegion), Value(Text("limits")));
+  EXPECT_EQ(*find(readings, Item::kValidation), Value(0.12));
+  EXPECT_EQ(*find(readings, Item::kValidationPoses), Value(std::uint64_t{20}));
   EXPECT_EQ(*find(readings, Item::kAir), Value(21.5));
+  RowBytes row;
+  for (const Reading& reading : readings) EXPECT_TRUE(add_reading(row, reading)) << "one row";
+}
+
+// So that no figure of a former signature stays beside another, or beside the drawing.
+TEST(FleetNode, SignatureIsToldWithAllItsFiguresAlsoThoseThatAreNotKnown) {
+  for (const std::string line :
+       {"ok model=drawing", "ok model=signature signature=3 theta1_deg=1",
+        "ok model=signature signature=3 predicted_tool_error_mm=0.08 theta1_deg=1"}) {
+    const Readings readings = readings_of_signature(line);
+    for (const Item item : kOfSignature) {
+      ASSERT_NE(find(readings, item), nullptr) << line << info(item).name;
+    }
+    EXPECT_EQ(*find(readings, Item::kPredicted), Value()) << "of no region: " << line;
+    EXPECT_EQ(*find(readings, Item::kValidation), Value()) << line;
+  }
   EXPECT_EQ(*find(readings_of_signature("ok model=drawing"), Item::kSignatureHash), Value());
 }
 
@@ -117,7 +136,7 @@ controller::SignatureRecord bent_record() {
 std::vector<std::string> fetched(const controller::RecordImage& image) {
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < image.size(); at += controller::kPartBytes) {
-    std::string line = "ok bytes=3932 parts=21 hex=";
+    std::string line = "ok bytes=3956 parts=21 hex=";
     for (std::size_t i = at; i < std::min(at + controller::kPartBytes, image.size()); ++i) {
       line += fmt::format("{:02x}", image[i]);
     }
@@ -128,7 +147,7 @@ std::vector<std::string> fetched(const controller::RecordImage& image) {
 
 std::string document_by(const std::vector<std::string>& lines) {
   RecordFetch fetch;
-  fetch.begin("theta1_deg=0");
+  fetch.begin("theta1_deg=0", 0);
   for (const std::string& line : lines) {
     if (fetch.state() != RecordFetch::State::kAsks) break;
     EXPECT_TRUE(fetch.take(line)) << line;
@@ -153,6 +172,18 @@ TEST(FleetNode, DocumentHasWhatTheRecordOfTheControllerAddsToTheRows) {
   EXPECT_TRUE(document.ends_with(" gravity=1,2,0.0001"));
 }
 
+// Another was accepted between the rows and the record: they are no document together.
+TEST(FleetNode, RowsOfOneSignatureAndTheRecordOfAnotherAreNoDocument) {
+  controller::SignatureRecord record = bent_record();
+  record.sequence = 4;
+  for (const std::uint64_t number : {3U, 4U}) {
+    RecordFetch fetch;
+    fetch.begin("theta1_deg=0", number);
+    for (const std::string& line : fetched(encode(record))) EXPECT_TRUE(fetch.take(line));
+    EXPECT_EQ(fetch.state(), number == 4 ? RecordFetch::State::kWhole : RecordFetch::State::kOther);
+  }
+}
+
 // Whatever the controller answers, the rows are told.
 TEST(FleetNode, RowsAreTheDocumentWhereNoRecordComes) {
   auto lines = fetched(encode(bent_record()));
@@ -160,22 +191,23 @@ TEST(FleetNode, RowsAreTheDocumentWhereNoRecordComes) {
   EXPECT_EQ(document_by(lines), "theta1_deg=0") << "a wrong CRC";
   for (const char* line :
        {"error UNKNOWN_REQUEST no such request", "error UNSUPPORTED x",
-        "ok bytes=", "ok bytes=12 parts=1 hex=00", "ok bytes=3932 parts=21 hex=0"}) {
+        "ok bytes=", "ok bytes=12 parts=1 hex=00", "ok bytes=3956 parts=21 hex=0"}) {
     EXPECT_EQ(document_by({line}), "theta1_deg=0") << line;
   }
   lines = fetched(encode(bent_record()));
   lines[20].back() = 'x';
   EXPECT_EQ(document_by(lines), "theta1_deg=0") << "no digit";
   RecordFetch fetch;
-  EXPECT_FALSE(fetch.take("ok bytes=3932 parts=21 hex=00")) << "nothing is asked for";
-  fetch.begin("theta1_deg=0");
+  EXPECT_FALSE(fetch.take("ok bytes=3956 parts=21 hex=00")) << "nothing is asked for";
+  fetch.begin("theta1_deg=0", 0);
   EXPECT_FALSE(fetch.take("# mode holding"));
   EXPECT_FALSE(fetch.take("ok mode=idle"));
 }
 
 TEST(FleetNode, CheckIsReadWithItsResidual) {
   const Readings readings = readings_of_check(
-      "# check verdict=consistent dx_mm=0.01 dy_mm=-0.02 dz_mm=0.03 sigma_mm=0.025 poses=16");
+      "# check verdict=consistent signature=3 dx_mm=0.01 dy_mm=-0.02 dz_mm=0.03 sigma_mm=0.025 "
+      "poses=16");
   ASSERT_NE(find(readings, Item::kResidualY), nullptr);
   EXPECT_EQ(*find(readings, Item::kVerdict), Value(Text("consistent")));
   EXPECT_EQ(*find(readings, Item::kResidualY), Value(-0.02));

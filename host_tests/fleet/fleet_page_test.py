@@ -38,7 +38,7 @@ ACTUAL = FORMER.replace("a2_mm=431.8000", "a2_mm=432.2000").replace("alpha3_deg=
 FILL = """
 INSERT INTO arm (node, online, current) SELECT 'arm-' || n, n % 50 <> 0, jsonb_build_object('mode',
   CASE WHEN n % 211 = 0 THEN 'faulted' ELSE 'servoing' END, 'fault', CASE WHEN n % 211 = 0 THEN
-  'DRIVE_EMERGENCY joint 4: continuous over-current' END, 'held_out_mm', 0.08 + n % 17 * 0.003, 'model', 'signature',
+  'DRIVE_EMERGENCY joint 4: continuous over-current' END, 'validation_rms_mm', 0.08 + n % 17 * 0.003, 'model', 'signature',
   'signature', encode(sha256(n::text::bytea), 'hex'), 'firmware', '0.21.0', 'sensor', 'well', 'air_c', 21.5,
   'late_p99_us', 8) FROM generate_series(1, {arms}) AS n;
 INSERT INTO drift (node, signature, checks, sum, last_at, last_mm, verdict, named_at) SELECT 'arm-' || n, 'x', 300,
@@ -49,9 +49,9 @@ INSERT INTO row (node, journal, number, at, historical, reading) SELECT 'arm-777
   false, jsonb_build_object('verdict', 'as accepted', 'dx_mm', 0.02 * sin(n) + CASE WHEN n > 390 THEN 0.1 ELSE 0 END, 'dy_mm',
   0.02 * cos(n), 'dz_mm', 0.01, 'check_sigma_mm', 0.02, 'poses', 20) FROM generate_series(1, 400) AS n;
 INSERT INTO signature (hash, document) VALUES ('{former}', '{former_text}'), ('{actual}', '{actual_text}');
-INSERT INTO worn (node, hash, since, identified_ms, sigma_mm, held_out_mm, air_c) VALUES
-  ('arm-777', '{former}', now() - interval '200 days', 1.75e12, 0.08, 0.11, 20.5),
-  ('arm-777', '{actual}', now() - interval '1 day', 1.76e12, 0.07, 0.10, 21.5);
+INSERT INTO worn (node, hash, since, identified_ms, predicted_tool_error_mm, predicted_region, validation_rms_mm, validation_poses, number, air_c) VALUES
+  ('arm-777', '{former}', now() - interval '200 days', 1.75e12, 0.08, 'limits', 0.11, 20, 1, 20.5),
+  ('arm-777', '{actual}', now() - interval '1 day', 1.76e12, 0.07, 'limits', 0.10, 20, 2, 21.5);
 UPDATE arm SET current = current || jsonb_build_object('signature', '{actual}') WHERE node = 'arm-777';
 """
 
@@ -148,7 +148,7 @@ class FleetPage(unittest.TestCase):
         tab.click("td a")
         tab.wait("document.querySelector('h1').textContent == 'arm-777'")
         text = tab.ask("document.body.innerText")
-        for words in ("named as drifting", "Mean residual of the last 200 checks", "The last change", "held out"):
+        for words in ("named as drifting", "Mean residual of the last 200 checks", "The last change", "validation"):
             self.assertIn(words, text)
         # Of the joints, the third axis was shifted and the fourth is not there: rows are of three.
         joints = tab.ask("[...[...document.querySelectorAll('table')].find(t => t.innerText.startsWith('joint')).rows]"

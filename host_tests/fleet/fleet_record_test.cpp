@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/drift/cusum.hpp"
+#include "core/drift/cusum.hpp"
 #include "firmware/fleet/host/database.hpp"
 #include "firmware/fleet/node/controller_lines.hpp"
 #include "firmware/fleet/node/sha256.hpp"
@@ -69,11 +69,11 @@ TEST_F(FleetRecord, RowsAndHowFarTheyGoAreStoredTogether) {
   Batch batch = born();
   constexpr std::uint64_t kName = 0xFEDCBA9876543210;
   batch.rows.push_back(row(5, {Item::kMode, Text("idle \"quoted\" \\ {,}")}, kName));
-  batch.rows.push_back(row(9, {Item::kAir, 20.5}, kName));
+  batch.rows.push_back(row(9, {Item::kLatenessMax, 20.5}, kName));
   store(batch);
   EXPECT_EQ(one("SELECT count(*) FROM row"), "2");
   EXPECT_EQ(one("SELECT current ->> 'mode' FROM arm"), "idle \"quoted\" \\ {,}");
-  EXPECT_EQ(one("SELECT current ->> 'air_c' FROM arm"), "20.5");
+  EXPECT_EQ(one("SELECT current ->> 'late_max_us' FROM arm"), "20.5");
   const auto journals = database->journals();
   ASSERT_TRUE(journals);
   ASSERT_EQ(journals->size(), 1U);
@@ -112,6 +112,117 @@ TEST_F(FleetRecord, NoValueThatACabinetCanSendStopsIt) {
   batch.rows.back().dropped = ~std::uint64_t{0} >> 1U;
   store(batch);
   EXPECT_EQ(one("SELECT count(*) FROM row"), std::to_string(number));
+}
+
+StoredRow of(const std::string& node, StoredRow stored) {
+  stored.node = node;
+  return stored;
+}
+
+// Every other arm's rows are stored, in this batch and in the next ones; the row counts as arrived.
+TEST_F(FleetRecord, RowThatItCannotTakeIsSetAsideAndStopsNoOther) {
+  Batch batch = born();
+  batch.states.push_back({"arm-2", true, {}});
+  std::uint64_t number = 0;
+  while (number < 20) batch.rows.push_back(check(++number, {0, 0, 0}));
+  batch.rows.push_back(check(++number, {1e-200, 0, 0}));  // its square is none
+  batch.rows.push_back(check(++number, {0.01, 0, 0}));
+  batch.rows.push_back(of("arm-2", check(1, {0.01, 0, 0})));
+  store(batch);
+  EXPECT_EQ(one("SELECT count(*) FROM row WHERE node = 'arm-1'"), "21");
+  EXPECT_EQ(one("SELECT count(*) FROM row WHERE node = 'arm-2'"), "1");
+  EXPECT_EQ(one("SELECT node || ' ' || number FROM row_refused"), "arm-1 21");
+  EXPECT_NE(one("SELECT problem FROM row_refused").find("underflow"), std::string::npos);
+  EXPECT_NE(one("SELECT reading FROM row_refused").find("1e-200"), std::string::npos);
+  EXPECT_EQ(one("SELECT contiguous FROM journal WHERE node = 'arm-1'"), "22");
+  EXPECT_NE(database->set_aside().find("of arm-1 is set aside: number 21: "), std::string::npos);
+  Batch next;
+  next.rows.push_back(check(23, {0, 1e-200, 0}));
+  next.rows.push_back(of("arm-2", check(2, {0.01, 0, 0})));
+  store(next);
+  EXPECT_EQ(one("SELECT contiguous FROM journal WHERE node = 'arm-1'"), "23");
+  EXPECT_EQ(one("SELECT count(*) FROM row_refused"), "2");
+  Batch sound;
+  sound.rows.push_back(of("arm-2", check(3, {0.01, 0, 0})));
+  store(sound);
+  EXPECT_EQ(database->set_aside(), "");
+}
+
+// A birth that it cannot take leaves the arm known, without what it told.
+TEST_F(FleetRecord, BirthThatItCannotTakeStopsNoRow) {
+  Batch batch;
+  ASSERT_TRUE(
+      database->ask("ALTER TABLE arm ADD CONSTRAINT no_fault CHECK (NOT current ? 'fault')"));
+  batch.states.push_back({"arm-1", true, {}});
+  batch.states[0].current.push_back({Item::kFault, Text("hostile")});
+  batch.states.push_back({"arm-2", true, {}});
+  batch.rows.push_back(row(1, {Item::kMode, Text("idle")}));
+  batch.rows.push_back(of("arm-2", row(1, {Item::kMode, Text("idle")})));
+  store(batch);
+  ASSERT_TRUE(database->ask("ALTER TABLE arm DROP CONSTRAINT no_fault"));
+  EXPECT_EQ(one("SELECT count(*) FROM row"), "2");
+  EXPECT_EQ(one("SELECT count(*) FROM arm WHERE online"), "2");
+  EXPECT_EQ(one("SELECT current ->> 'fault' FROM arm WHERE node = 'arm-1'"), "null");
+}
+
+constexpr const char* kFigures =
+    "SELECT concat_ws(' ', current ->> 'signature', current ->> 'signature_number', "
+    "current ->> 'predicted_tool_error_mm', current ->> 'predicted_region', "
+    "current ->> 'validation_rms_mm', current ->> 'validation_poses', current ->> 'air_c') FROM "
+    "arm";
+
+StoredRow signed_by(std::uint64_t number, const std::string& line) {
+  StoredRow stored = row(number, {Item::kMode, Text("holding")});
+  stored.readings = readings_of_signature(line);
+  return stored;
+}
+
+// Whatever it is told, the record has no figure beside a signature that it is not of.
+TEST_F(FleetRecord, FiguresOfASignatureGoWithIt) {
+  const std::string first =
+      "ok model=signature signature=1 predicted_tool_error_mm=0.1357 predicted_region=limits "
+      "validation_rms_mm=0.1500 validation_poses=20 air_c=21.5 theta1_deg=1";
+  const std::string second =
+      "ok model=signature signature=2 predicted_tool_error_mm=0.0267 "
+      "predicted_region=configuration air_c=22.5 theta1_deg=2";
+  const std::string of_first = sha256("theta1_deg=1") + " 1 0.1357 limits 0.15 20 21.5";
+  const std::string of_second = sha256("theta1_deg=2") + " 2 0.0267 configuration 22.5";
+  Batch batch = born();
+  batch.rows.push_back(signed_by(1, first));
+  store(batch);
+  EXPECT_EQ(one(kFigures), of_first);
+  const auto then = [&](const StoredRow& told) {
+    Batch next;
+    next.rows.push_back(told);
+    store(next);
+    return one(kFigures);
+  };
+  EXPECT_EQ(then(signed_by(2, second)), of_second);
+  EXPECT_EQ(then(row(3, {Item::kValidation, 0.001})), of_second) << "of no signature";
+  EXPECT_EQ(then(signed_by(4, first)), of_first) << "rolled back";
+  Batch away;
+  away.states.push_back({"arm-1", false, {}});
+  store(away);
+  EXPECT_EQ(one(kFigures), of_first);
+  Readings reborn;  // all that it has not heard yet is without a value
+  for (const ItemInfo& item : kItems) reborn.push_back({item.item, {}});
+  Batch birth;
+  birth.states.push_back({"arm-1", true, reborn});
+  store(birth);
+  EXPECT_EQ(one(kFigures), of_first) << "nothing else is known";
+  for (Reading& reading : reborn) {
+    if (reading.item == Item::kModel) reading.value = Text("drawing");
+  }
+  birth.states[0].current = reborn;
+  store(birth);
+  EXPECT_EQ(one(kFigures), "") << "the drawing";
+  EXPECT_EQ(then(signed_by(5, first)), of_first);
+  EXPECT_EQ(then(signed_by(6, "ok model=drawing")), "");
+  EXPECT_EQ(one("SELECT string_agg(concat_ws(' ', number, predicted_tool_error_mm, "
+                "predicted_region, validation_rms_mm, validation_poses), ', ' ORDER BY id) FROM "
+                "worn"),
+            "1 0.1357 limits 0.15 20, 2 0.0267 configuration, 1 0.1357 limits 0.15 20, ")
+      << "the same is told once more and is no news; then the drawing";
 }
 
 TEST_F(FleetRecord, SqlAggregateIsCoresSum) {
@@ -189,7 +300,7 @@ std::vector<StoredRow> told(std::string_view document, std::uint64_t number) {
     rows.back().readings = part;
   }
   rows.push_back(row(number, {Item::kSignatureHash, Text(sha256(document))}));
-  rows.back().readings.push_back({Item::kHeldOut, 0.12});
+  rows.back().readings.push_back({Item::kValidation, 0.12});
   return rows;
 }
 
@@ -202,7 +313,7 @@ TEST_F(FleetRecord, DocumentOfASignatureIsPutTogetherUnderItsHash) {
   store(batch);
   EXPECT_EQ(one("SELECT count(*) FROM signature"), "0") << "a part is missing";
   EXPECT_EQ(one("SELECT hash FROM worn"), sha256(kParameters));
-  EXPECT_EQ(one("SELECT held_out_mm FROM worn"), "0.12");
+  EXPECT_EQ(one("SELECT validation_rms_mm FROM worn"), "0.12");
   Batch rest;
   rest.rows.push_back(second);
   rest.rows[0].number = 9;
@@ -305,7 +416,7 @@ TEST_F(FleetRecord, EachChangeOfSignatureIsKeptOnce) {
 TEST_F(FleetRecord, SchemaIsBroughtUpToDateOnce) {
   std::string why;
   ASSERT_TRUE(Database::open(std::getenv("ARMSIG_RECORD"), kDrift, why)) << why;
-  EXPECT_EQ(one("SELECT count(*) FROM migration"), "4");
+  EXPECT_EQ(one("SELECT count(*) FROM migration"), "6");
   EXPECT_EQ(one("SELECT h FROM drift_setting"), "5.6");
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "firmware/host_tool/console/line_editor.hpp"
 #include "hal/serial_console.hpp"
@@ -19,7 +20,7 @@ using hal::DriveCondition;
 class IdealDrives final : public hal::JointDrives {
  public:
   IdealDrives(const JointVector& start, const FixedVector<JointLimits, kMaxJoints>& limits)
-      : positions_(start), limits_(limits) {}
+      : positions_(start), steps_(start.size()), limits_(limits) {}
 
  private:
   [[nodiscard]] std::size_t do_count() const override { return positions_.size(); }
@@ -29,15 +30,21 @@ class IdealDrives final : public hal::JointDrives {
     hal::DriveStatus status;
     status.condition = condition_;
     status.has_torque = condition_ == DriveCondition::kEnabled;
+    status.has_position = true;
     return status;
   }
   Result<void> do_write(const JointVector& targets, hal::Instant /*now*/) override {
     for (std::size_t i = 0; i < targets.size(); ++i) {
       FUZZ_CHECK(std::isfinite(targets[i]));
+      const double step = targets[i] - positions_[i];
+      const double growth = step - std::exchange(steps_[i], 0);
       if (condition_ != DriveCondition::kEnabled) continue;
       FUZZ_CHECK(targets[i] >= limits_[i].lower - 1e-9 && targets[i] <= limits_[i].upper + 1e-9);
-      // 1 rad/s is the limit of test::puma_controller, a tick 2 ms.
-      FUZZ_CHECK(std::fabs(targets[i] - positions_[i]) <= 1.001 * 0.002);
+      // 1 rad/s and 3 rad/s2 are the limits of test::puma_controller, a tick 2 ms; the inverse
+      // meets a pose within 1e-10.
+      FUZZ_CHECK(std::fabs(step) <= 0.002 + 1e-9);
+      FUZZ_CHECK(std::fabs(growth) <= 3 * 0.002 * 0.002 + 4e-9);
+      steps_[i] = step;
     }
     if (condition_ == DriveCondition::kEnabled) positions_ = targets;
     return {};
@@ -53,6 +60,7 @@ class IdealDrives final : public hal::JointDrives {
   void do_reset_faults() override { condition_ = DriveCondition::kDisabled; }
 
   JointVector positions_;
+  JointVector steps_;  // to them, in the last tick
   FixedVector<JointLimits, kMaxJoints> limits_;
   DriveCondition condition_ = DriveCondition::kDisabled;
 };

@@ -6,6 +6,7 @@
 
 #include "firmware/formats/encoding.hpp"
 #include "firmware/formats/foreign_columns.hpp"
+#include "firmware/formats/measurements.hpp"
 #include "firmware/host_tool/imports/import.hpp"
 #include "firmware/host_tool/joining/join.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
@@ -34,7 +35,7 @@ void fuzz_columns(Bytes bytes) {
   if (!mapped) return;
   (void)in_words(*mapped);
   // What was made of the file is a file of ours, or is refused in words.
-  auto reader = MeasurementReader::over(mapped->text, "F", kTypes);
+  auto reader = MeasurementReader::over(mapped->text, "F", kTypes, mapped->first_line);
   check_words(reader);
   if (!reader) return;
   for (MeasurementRow row;;) {
@@ -53,14 +54,16 @@ void fuzz_join(Bytes bytes) {
   for (const StatedUnits& units : {StatedUnits{}, StatedUnits{.angle = "deg", .length = "mm"}}) {
     const auto poses = read_joint_log(log_file.path(), kTypes, units);
     check_words(poses);
-    const auto tracked = read_tracked_points(points_file.path(), kTypes, units);
+    const auto tracked = read_tracked_points(points_file.path(), units);
     check_words(tracked);
     if (!poses || !tracked) continue;
-    for (const JoinBy by : {JoinBy::kName, JoinBy::kOrder, JoinBy::kTime}) {
-      auto joined = join(*poses, *tracked, by, 0.5, 1, {"log", "points"}, kTypes);
+    for (const JoinBy by : {JoinBy::kName, JoinBy::kOrder, JoinBy::kTime, JoinBy::kStandstill}) {
+      JoinSettings settings;
+      settings.by = by;
+      auto joined = join(*poses, *tracked, settings, kTypes);
       check_words(joined);
       if (!joined) continue;
-      FUZZ_CHECK(!joined->rows.empty() && joined->rows.size() <= tracked->size());
+      FUZZ_CHECK(!joined->rows.empty() && joined->rows.size() <= tracked->points.size());
       const auto found = find_sweeps(joined->rows, kTypes);
       FUZZ_CHECK(found.size() >= kTypes.size());
       for (const MeasurementRow& row : joined->rows) {
@@ -98,9 +101,18 @@ void fuzz_dh(Bytes bytes) {
   check_import(import_dh(file.path()));
 }
 
-constexpr std::array kTargets{Target{"columns", fuzz_columns}, Target{"join", fuzz_join},
-                              Target{"encoding", fuzz_encoding}, Target{"urdf", fuzz_urdf},
-                              Target{"dh", fuzz_dh}};
+void fuzz_maker_yaml(Bytes bytes) {
+  const File file(text_of(bytes));
+  check_import(import_ur_yaml(file.path()));
+  check_import(import_opw(file.path()));
+}
+
+constexpr std::array kTargets{Target{"columns", fuzz_columns},
+                              Target{"join", fuzz_join},
+                              Target{"encoding", fuzz_encoding},
+                              Target{"urdf", fuzz_urdf},
+                              Target{"dh", fuzz_dh},
+                              Target{"maker_yaml", fuzz_maker_yaml}};
 
 }  // namespace
 

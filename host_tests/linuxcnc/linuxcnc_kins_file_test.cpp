@@ -3,6 +3,7 @@
 #include <span>
 
 #include "core/base/crc32.hpp"
+#include "core/base/joint_range.hpp"
 #include "firmware/linuxcnc/kins_file.hpp"
 #include "host_tests/exports/exported_arm.hpp"
 #include "host_tests/support/failure_of.hpp"
@@ -42,6 +43,14 @@ TEST(LinuxCncKinsFile, is_read_as_it_says) {
             2U);
 }
 
+TEST(LinuxCncKinsFile, has_joints_that_turn_without_end) {
+  const std::string text = sealed(with(kSmall, "-2 2", "none"));
+  const auto model = linuxcnc::parse_kins(text);
+  ASSERT_TRUE(model) << model.error().what;
+  EXPECT_TRUE(is_endless(model->arm.limits[0]));
+  EXPECT_FALSE(is_endless(model->arm.limits[1]));
+}
+
 TEST(LinuxCncKinsFile, is_refused_by_the_line_that_is_wrong) {
   const struct {
     std::string from, to;
@@ -49,11 +58,12 @@ TEST(LinuxCncKinsFile, is_refused_by_the_line_that_is_wrong) {
     std::string_view what;
   } cases[] = {
       {"kins/1", "kins/2", 1,
-       "not a file of armsig export --format linuxcnc-kins, or of another version"},
+       "not a file of armsig export in its format linuxcnc-kins, or of another version"},
       {"prismatic", "spherical", 4, "a joint is revolute or prismatic"},
       {"0.3", "nan", 3, "a joint has four numbers and two limits"},
       {"0.3", "1e7", 3, "a joint has four numbers and two limits"},
       {"0.3", "0.3x", 3, "a joint has four numbers and two limits"},
+      {"-1 1", "none", 4, "a prismatic joint has limits"},
       {"-2 2", "2 -2", 3, "the limits are the wrong way round"},
       {"-2 2", "-2 2 2", 3, "more words than this line has"},
       {"coupling 2 1", "coupling 2 3", 5, "a coupling has two joints and a ratio"},

@@ -79,7 +79,7 @@ TEST(PositionCovariance, is_used_whole_and_reaches_the_cramer_rao_bound) {
     test::Log log;
     std::vector<Matrix3> relative;
     for (int p = 0; p < kScatterPoses; ++p) {
-      refinement::Observation row;
+      Observation row;
       row.readings = random.configuration(cell.arm);
       const Vector3 p_S = cell.point(row.readings, 0);
       const Vector3 noise(random.normal(kAlong), random.normal(kAcross), random.normal(kAcross));

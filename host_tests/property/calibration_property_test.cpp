@@ -44,7 +44,7 @@ Tally judge(const ModelParts& parts, std::uint64_t seed) {
     const auto measure = [&](int poses) {
       test::Log log;
       for (int p = 0; p < poses; ++p) {
-        refinement::Observation row;
+        Observation row;
         row.readings = random.configuration(cell.arm);
         row.p_S = test::misbehaving_point(cell, row.readings, m) + noise(sigma, random);
         log.push_back(row);

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/drift/cusum.hpp"
+#include "core/drift/cusum.hpp"
 #include "host_tests/support/simulated_checks.hpp"
 
 namespace armsig::drift {

@@ -6,16 +6,16 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "core/uncertainty/suggestion.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
-#include "firmware/drift/check_drift.hpp"
+#include "core/drift/check_drift.hpp"
+#include "firmware/analysis/uncertainty/suggestion.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "host_tests/support/calibration_case.hpp"
 
 namespace armsig {
 namespace {
 
-using refinement::Refined;
-using refinement::RowOutcome;
+using calibration::Refined;
+using calibration::RowOutcome;
 using test::Cell;
 using test::Log;
 using test::Random;
@@ -110,7 +110,7 @@ Trials run(int trials, bool same_arm, double arc_deg, int mixed, double outliers
            const JointVector& configuration = test::cell_configuration()) {
   Trials sum;
   const auto refined = std::make_unique<Refined>();
-  const auto scratch = std::make_unique<refinement::SquareRootFactor>();
+  const auto scratch = std::make_unique<calibration::SquareRootFactor>();
   for (int trial = 0; trial < trials; ++trial) {
     Random arm_random(same_arm ? 1 : 1 + static_cast<std::uint64_t>(trial));
     const Cell cell = test::puma_cell(arm_random);

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/evaluation/tool_error.hpp"
+#include "firmware/analysis/evaluation/tool_error.hpp"
 #include "firmware/host_tool/identification/identification_run.hpp"
 #include "firmware/host_tool/simulation/simulation.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"

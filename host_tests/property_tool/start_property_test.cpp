@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "firmware/host_tool/refinement/calibration_run.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
@@ -12,7 +12,7 @@
 namespace armsig {
 namespace {
 
-using refinement::Observation;
+using calibration::Observation;
 using test::Cell;
 using test::Log;
 using test::Random;
@@ -44,7 +44,7 @@ std::expected<tool::Calibrated, Refusal> calibrated(const Arm& drawing, const Lo
   Target target;
   target.number = 1;
   target.link = drawing.joints.size();
-  std::vector<refinement::RowOutcome> outcomes(log.size());
+  std::vector<calibration::RowOutcome> outcomes(log.size());
   return tool::run_calibration({.nominal = drawing,
                                 .start = std::nullopt,
                                 .rows = log,

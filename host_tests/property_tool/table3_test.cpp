@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/simulation/demo_run.hpp"
-#include "firmware/paper_arms/paper_arms.hpp"
+#include "host_tests/support/demo_features.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -21,10 +20,14 @@ constexpr int kSeeds = 100;
 std::array<double, 4> mean_improvement(std::size_t robot, int seeds) {
   std::array<double, 4> mean{};
   for (int seed = 1; seed <= seeds; ++seed) {
-    const auto result = run_demo_robot(robot, static_cast<std::uint64_t>(seed));
-    EXPECT_TRUE(result) << (result ? "" : render(result.error()));
-    if (!result) continue;
-    const auto factors = improvement(result->encoder.grid);
+    const DemoRobot measured = measured_demo_robot(robot, static_cast<std::uint64_t>(seed));
+    const auto found = test::found_by_features(measured);
+    EXPECT_TRUE(found) << (found ? "" : render(found.error()));
+    if (!found) continue;
+    const auto score = score_of(measured, *found);
+    EXPECT_TRUE(score) << (score ? "" : render(score.error()));
+    if (!score) continue;
+    const auto factors = improvement(score->grid);
     for (std::size_t k = 0; k < 4; ++k) mean[k] += factors[k] / seeds;
   }
   return mean;

@@ -239,7 +239,7 @@ class ReportPage(unittest.TestCase):
 
     def test_draws_a_slide_where_the_drawing_has_it_and_says_what_of_its_rows_is_free(self):
         run("simulate", "--arm", "stanford", "--tolerances", "1", "--sigma-mm", "0.1", "--mixed-poses", "30", "--out", "slide.csv")
-        run("identify", "--arm", "stanford", "--measurements", "slide.csv", "--out", "slide.yaml")
+        run("identify", "--arm", "stanford", "--measurements", "slide.csv", "--method", "encoder", "--out", "slide.yaml")
         run("report", "--signature", "slide.yaml", "--measurements", "slide.csv", "--out", "slide.html")
         page, console = opened(os.path.abspath("slide.html"), NO_WEBGL)
         self.assertEqual(console, [])
@@ -290,6 +290,20 @@ class ReportPage(unittest.TestCase):
         self.assertAlmostEqual(float(found[1]), 0.1, delta=max(0.003, 5 * float(found[2])))
         self.assertIn("disk is mounted off its centre", page.ids["sweeps"])
         self.assertIn("encoder of joint 4", page.ids["next-steps"])
+
+    def test_has_no_page_to_sign_of_other_measurements(self):
+        self.assertIn("robot1-measurements.csv: 720 rows, CRC-32 of the rows 0x", self.page.ids["certificate-about"])
+        run("simulate", "--arm", "demo/puma560.yaml", "--truth", "demo/robot1-truth.yaml", "--sensor", "demo/sensor.yaml", "--seed",
+            "9", "--out", "later.csv")
+        run("report", "--signature", "demo/robot1-encoder.yaml", "--measurements", "later.csv", "--sensor", "demo/sensor.yaml",
+            "--out", "later.html")
+        page, console = opened(os.path.abspath("later.html"), NO_WEBGL)
+        self.assertEqual(console, [])
+        words = "later.csv holds other measurements than robot1-measurements.csv"
+        self.assertIn(words, page.ids["warnings"])
+        self.assertIn(words, page.ids["certificate-section"])
+        self.assertIn("No page to sign", page.ids["certificate-section"])
+        self.assertNotIn("certificate-about", page.ids)
 
     def test_does_without_measurements(self):
         run("report", "--signature", "demo/robot2-encoder.yaml", "--out", "bare.html")

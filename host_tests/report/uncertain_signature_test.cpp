@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/host_tool/simulation/demo_run.hpp"
-#include "firmware/paper_arms/paper_arms.hpp"
+#include "host_tests/support/demo_features.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -26,9 +25,10 @@ TEST(ParameterSigma, is_the_scatter_of_the_parameters_over_repeated_measurements
   std::array<double, 6> squares_m2{};
   std::array<double, 6> squares_rad2{};
   for (std::uint64_t seed = 1; seed <= kRepeats; ++seed) {
-    const auto robot = run_demo_robot(1, seed);
-    ASSERT_TRUE(robot);
-    const Signature& found = robot->encoder.signature;
+    const DemoRobot robot = measured_demo_robot(1, seed);
+    const auto identified = test::found_by_features(robot);
+    ASSERT_TRUE(identified);
+    const Signature& found = *identified;
     if (sigmas.empty()) {
       const SignatureRecord record = record_with(found);
       const auto estimate = estimate_behind(record);
@@ -36,9 +36,9 @@ TEST(ParameterSigma, is_the_scatter_of_the_parameters_over_repeated_measurements
       sigmas = parameter_sigmas(*estimate, record.nominal);
     }
     for (std::size_t i = 0; i < 6; ++i) {
-      squares_m2[i] += std::pow(found.pseudo_dh[i].a_m - robot->truth.pseudo_dh[i].a_m, 2);
+      squares_m2[i] += std::pow(found.pseudo_dh[i].a_m - robot.truth.pseudo_dh[i].a_m, 2);
       squares_rad2[i] +=
-          std::pow(found.pseudo_dh[i].alpha_rad - robot->truth.pseudo_dh[i].alpha_rad, 2);
+          std::pow(found.pseudo_dh[i].alpha_rad - robot.truth.pseudo_dh[i].alpha_rad, 2);
     }
   }
   // a and alpha of all but the last row do not depend on how the outer frames are chosen. The
@@ -51,9 +51,7 @@ TEST(ParameterSigma, is_the_scatter_of_the_parameters_over_repeated_measurements
 }
 
 TEST(ParameterSigma, is_unknown_without_covariance_and_sweeps) {
-  const auto robot = run_demo_robot(0, 1);
-  ASSERT_TRUE(robot);
-  EXPECT_FALSE(estimate_behind(record_with(robot->truth)));
+  EXPECT_FALSE(estimate_behind(record_with(measured_demo_robot(0, 1).truth)));
 }
 
 }  // namespace

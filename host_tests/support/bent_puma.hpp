@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "firmware/calibration/packed_deflections.hpp"
+#include "core/calibration/packed_deflections.hpp"
 #include "firmware/paper_arms/paper_arms.hpp"
 
 namespace armsig::test {

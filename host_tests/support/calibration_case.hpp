@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "core/refinement/start.hpp"
-#include "firmware/calibration/held_out.hpp"
-#include "firmware/calibration/signature_of_model.hpp"
+#include "core/calibration/signature_of_model.hpp"
+#include "firmware/analysis/evaluation/held_out.hpp"
+#include "firmware/analysis/starts/start.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::test {
@@ -23,7 +23,7 @@ class Calibration {
       : parts_(parts), rows_(log.size()), cache_(log.size()) {
     Target target;
     target.link = arm.joints.size();
-    const auto fitted = refinement::fit_base_and_tool(arm, log, {&target, 1});
+    const auto fitted = calibration::fit_base_and_tool(arm, log, {&target, 1});
     if (!fitted) return;
     *model_ = calibration::model_of(arm, fitted->X_SB);
     if (parts.gravity) calibration::choose_gravity_terms(arm, *model_);
@@ -69,14 +69,14 @@ class Calibration {
   }
 
   // After fit(): axes, target and their covariance in the frames of the drawing.
-  bool put_into(refinement::Refined& refined, const Arm& arm, const Log& log) const {
+  bool put_into(calibration::Refined& refined, const Arm& arm, const Log& log) const {
     Target target;
     target.link = arm.joints.size();
-    const refinement::BaseAndTool drawn{start_->X_SB, {{start_targets_[0].p_L}}, 0};
+    const calibration::BaseAndTool drawn{start_->X_SB, {{start_targets_[0].p_L}}, 0};
     refined = {};
-    refined.signature = refinement::drawn_signature(arm, drawn, log, {&target, 1});
+    refined.signature = calibration::drawn_signature(arm, drawn, log, {&target, 1});
     refined.readings.couplings = arm.couplings;
-    std::vector<double> scratch(refinement::kMaxParameters * refinement::kMaxParameters);
+    std::vector<double> scratch(calibration::kMaxParameters * calibration::kMaxParameters);
     if (!calibration::geometry_to_signature(*model_, targets_, *engine_, refined, {}, scratch)) {
       return false;
     }
@@ -133,7 +133,7 @@ class Calibration {
 };
 
 // The signature of an arm like `drawing`, from positions of one target on its last link.
-inline bool calibrate(const Arm& drawing, const Log& log, refinement::Refined& refined) {
+inline bool calibrate(const Arm& drawing, const Log& log, calibration::Refined& refined) {
   Calibration calibration(drawing, log, {.gravity = false, .maps = false});
   return calibration.fit() && calibration.put_into(refined, drawing, log);
 }

@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "core/arm_model/reading_map.hpp"
+#include "core/calibration/reading_map.hpp"
 
 namespace armsig::test {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/calibration/held_out.hpp"
+#include "firmware/analysis/evaluation/held_out.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::test {

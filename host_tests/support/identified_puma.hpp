@@ -16,7 +16,7 @@ struct IdentifiedPuma {
 
   Random random;
   Cell cell;
-  std::unique_ptr<refinement::Refined> refined = std::make_unique<refinement::Refined>();
+  std::unique_ptr<calibration::Refined> refined = std::make_unique<calibration::Refined>();
 
   explicit IdentifiedPuma(std::uint64_t seed, int count = 60)
       : random(seed), cell(puma_cell(random)) {

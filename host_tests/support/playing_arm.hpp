@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/calibration/servo_readings.hpp"
 #include "core/identification.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "firmware/calibration/servo_readings.hpp"
 #include "firmware/controller/sweep.hpp"
 #include "firmware/self_calibration/self_calibration.hpp"
 #include "firmware/virtual_cabinet/bent_arm.hpp"

@@ -10,7 +10,7 @@
 
 #include <Eigen/LU>
 
-#include "core/kinematics/cold_start.hpp"
+#include "firmware/analysis/postures/cold_start.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/kinematics_reference.hpp"
 #include "host_tests/support/known_arms.hpp"

@@ -17,6 +17,16 @@ inline JointVector puma_configuration() {
   return {radians(0), radians(-90), radians(90), radians(30), radians(0), radians(0)};
 }
 
+// A box around the whole arm, whose links are lines.
+inline clearance::Surroundings boxed(const Vector3& lower_B, const Vector3& upper_B,
+                                     double hand_m) {
+  clearance::Surroundings around;
+  around.lower_B = lower_B;
+  around.upper_B = upper_B;
+  around.hand_m = hand_m;
+  return around;
+}
+
 inline controller::Configuration puma_controller() {
   controller::Configuration c;
   c.drawing = tool::puma560();
@@ -105,6 +115,14 @@ struct PumaCabinet {
     from.requests.push_back(request);
     for (int i = 0; i < 500 && from.replies.size() == before; ++i) cabinet->step();
     return from.replies.size() == before ? "" : from.replies.back();
+  }
+  // A person has looked at the joints that may stand elsewhere.
+  void confirm() {
+    for (std::size_t i = 0; i < now().positions.size(); ++i) {
+      if ((cabinet->state().unreferenced() >> i & 1U) == 0) continue;
+      (void)ask("confirm q" + std::to_string(i + 1) +
+                "_deg=" + std::to_string(degrees(now().positions[i])));
+    }
   }
   bool enable() {
     return run_until(controller::Mode::kIdle) && ask("enable") == "ok" &&

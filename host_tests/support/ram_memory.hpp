@@ -25,6 +25,7 @@ class RamMemory final : public hal::NonvolatileMemory {
   // Bytes that may still be changed before the power goes; what is under way then stops there.
   std::optional<std::size_t> bytes_left;
   std::size_t changed = 0;
+  std::size_t stored = 0;  // the same, but for the last sector: there a controller keeps its rest
   std::optional<Error> refusal;  // of every change
   // Reads that still succeed.
   std::optional<std::size_t> reads_left;
@@ -47,6 +48,7 @@ class RamMemory final : public hal::NonvolatileMemory {
     if (bytes_left) --*bytes_left;
     bytes[at] = value;
     ++changed;
+    if (at < (layout_.sectors - 1) * layout_.sector_bytes()) ++stored;
     return {};
   }
   Result<void> do_erase_sector(std::size_t sector) override {

@@ -102,7 +102,9 @@ class RandomRecord {
     record.version = "armsig 0.1.0";
     record.covariance = covariance<9>();
     record.covariance_of = "axis lines";
-    record.predicted_tool_error_m = 1e-4 * std::abs(number());
+    record.accuracy.predicted = {1e-4 * std::abs(number()), PredictedRegion::kMeasuredReadings};
+    record.accuracy.validated = {1e-4 * std::abs(number()), 20};
+    record.controller_signature = 3;
     record.air_c = 20 + number();
     record.warnings = {"joint 2: arc of 45 deg", "joint 3: \"far\" # from: its drawing"};
     if (record.nominal.joints.size() > 1 &&

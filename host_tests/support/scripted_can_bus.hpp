@@ -55,8 +55,6 @@ class ScriptedCanBus final : public hal::CanBus {
       if (step.sent == sent) step.replies = {reply};
     }
   }
-  // The last frame of the script is not sent.
-  void forget_last() { steps_.pop_back(); }
 
   // The frames sent in excess of the script, and the steps that were not sent, as a failure.
   void expect_all_consumed() {

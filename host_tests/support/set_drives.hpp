@@ -17,7 +17,10 @@ class SetDrives final : public hal::JointDrives {
     set_all(hal::DriveCondition::kDisabled);
   }
   void set_all(hal::DriveCondition condition) {
-    for (hal::DriveStatus& status : statuses) status.condition = condition;
+    for (hal::DriveStatus& status : statuses) {
+      status.condition = condition;
+      status.has_position = condition != hal::DriveCondition::kStarting;
+    }
   }
 
   FixedVector<hal::DriveStatus, kMaxJoints> statuses;

@@ -7,7 +7,7 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/pose.hpp"
-#include "core/refinement/refined.hpp"
+#include "core/calibration/refined.hpp"
 #include "core/signature.hpp"
 #include "host_tests/support/random.hpp"
 
@@ -113,10 +113,10 @@ inline Signature disturbed(Signature signature, double angle_rad, double length_
   return signature;
 }
 
-inline refinement::Observation observe(const Cell& cell, const JointVector& readings,
-                                       std::size_t target, double sigma_m, Random& random,
-                                       std::size_t sweep = 0) {
-  refinement::Observation row;
+inline calibration::Observation observe(const Cell& cell, const JointVector& readings,
+                                        std::size_t target, double sigma_m, Random& random,
+                                        std::size_t sweep = 0) {
+  calibration::Observation row;
   row.sweep = sweep;
   row.target = target;
   row.readings = readings;
@@ -125,7 +125,7 @@ inline refinement::Observation observe(const Cell& cell, const JointVector& read
   return row;
 }
 
-using Log = std::vector<refinement::Observation>;
+using Log = std::vector<calibration::Observation>;
 
 // One sweep of every joint, `points` over `arc_rad` about the held configuration.
 inline void add_sweeps(const Cell& cell, const JointVector& held, double arc_rad, int points,

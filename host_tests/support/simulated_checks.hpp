@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/drift/cusum.hpp"
-#include "firmware/drift/threshold.hpp"
+#include "core/drift/cusum.hpp"
+#include "firmware/analysis/evaluation/threshold.hpp"
 #include "hal/simulated/random.hpp"
 
 namespace armsig::drift::test {

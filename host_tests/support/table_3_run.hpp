@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/evaluation/comparison.hpp"
 #include "core/identification.hpp"
+#include "firmware/analysis/evaluation/comparison.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
 namespace armsig::test {
@@ -31,6 +31,16 @@ inline controller::Configuration puma_with_grid() {
   configuration.sweeps.configuration[2] = 0;
   configuration.sweeps.arc_rad = radians(320);
   configuration.sweeps.axis_sigma_rad = 6e-5;
+  return configuration;
+}
+
+// The same in a minute: few points, a grid of eight vertices.
+inline controller::Configuration quick_puma_with_grid() {
+  controller::Configuration configuration = puma_with_grid();
+  configuration.grid.grid.count = {2, 2, 2};
+  configuration.dwell.pings = 3;
+  configuration.sweeps.points = configuration.sweeps.most_points = 8;
+  configuration.sweeps.held_out_poses = 3;
   return configuration;
 }
 

@@ -24,8 +24,8 @@ TEST(MasterStartUp, sets_up_one_drive_with_the_standards_frames) {
   script.tick();
   script.tick({});
   script_set_up(script.bus);
-  for (int i = 0; i < 60 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
-    script.tick();
+  for (int i = 0; i < 90 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+    script.tick({});
   }
   script.bus.expect_all_consumed();
   EXPECT_EQ(script.master->status(0).condition, DriveCondition::kStarting);
@@ -130,12 +130,12 @@ TEST(MasterStartUp, refuses_a_drive_that_counts_otherwise_than_configured) {
     MasterScript script;
     script.bus.expect("77F#05");
     test::script_reset(script.bus);
-    test::script_set_up(script.bus);
+    test::script_inquiry(script.bus);
+    if (!told.object) test::script_settings(script.bus);  // else nothing is written
     script.bus.replace("601#4091600100000000", told.gear);
     script.bus.replace("601#4092600100000000", told.feed);
     script.bus.replace("601#4092600200000000", "581#4392600201000000");
-    if (told.object) script.bus.forget_last();  // it is not started
-    for (int i = 0; i < 70 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+    for (int i = 0; i < 90 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
       script.tick({});
     }
     script.bus.expect_all_consumed();
@@ -143,6 +143,7 @@ TEST(MasterStartUp, refuses_a_drive_that_counts_otherwise_than_configured) {
     if (!told.object) continue;
     EXPECT_EQ(script.master->status(0).fault, Error::kScaleInvalid);
     EXPECT_EQ(script.master->status(0).fault_code, *told.object);
+    EXPECT_EQ(script.master->status(0).fault_object.index, *told.object);
     EXPECT_NE(script.master->status(0).words, "");
   }
 }
@@ -167,13 +168,13 @@ TEST(MasterStartUp, keeps_the_code_of_an_abort) {
   test::script_reset(script.bus);
   script.tick();
   script.tick({});
-  script.bus.expect("601#4000100000000000", {"581#4300100092010200"});
-  script.tick();
-  script.bus.expect("601#4002650000000000", {"581#8002650000000206"});
+  script.bus.expect("601#4000100000000000", {"581#8000100000000206"});
   script.tick();
   script.tick();
   EXPECT_EQ(script.master->status(0).fault, Error::kSdoAborted);
   EXPECT_EQ(script.master->status(0).words, "object does not exist");
+  EXPECT_EQ(script.master->status(0).fault_object,
+            (hal::DeviceObject{.index = 0x1000, .subindex = 0, .found = {}, .wanted = 402}));
   script.bus.expect_all_consumed();
 }
 
@@ -187,7 +188,7 @@ TEST(MasterStartUp, begins_the_set_up_anew_when_power_up_and_reset_cross) {
   script.tick({});
   script.bus.bring("701#00");  // of the reset
   script_set_up(script.bus);
-  for (int i = 0; i < 50 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+  for (int i = 0; i < 90 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
     script.tick({});
   }
   EXPECT_EQ(script.master->status(0).fault, std::nullopt);
@@ -286,8 +287,50 @@ TEST(MasterStartUp, reports_a_drive_that_does_not_boot) {
   script.tick();
   script.tick({});
   script.bus.expect("77F#05");
+  script.bus.expect("000#8101");  // the whole node
+  script.tick(std::chrono::milliseconds(2001));
+  EXPECT_FALSE(script.master->status(0).fault);
+  script.bus.expect("77F#05");
   script.tick(std::chrono::milliseconds(2001));
   EXPECT_EQ(script.master->status(0).fault, Error::kDriveAbsent);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, sets_up_a_drive_that_boots_after_a_reset_of_the_whole_node_alone) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  test::script_reset(script.bus, false);
+  script.tick();
+  script.tick({});
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8101", {"701#00"});
+  script.tick(std::chrono::milliseconds(2001));
+  test::script_set_up(script.bus);
+  for (int i = 0; i < 90 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+    script.tick({});
+  }
+  EXPECT_FALSE(script.master->status(0).fault);
+  script.bus.expect_all_consumed();
+}
+
+TEST(MasterStartUp, takes_a_boot_up_that_comes_after_it_has_given_up_waiting) {
+  MasterScript script;
+  script.bus.expect("77F#05");
+  test::script_reset(script.bus, false);
+  script.tick();
+  script.tick({});
+  script.bus.expect("77F#05");
+  script.bus.expect("000#8101");
+  script.tick(std::chrono::milliseconds(2001));
+  script.bus.expect("77F#05");
+  script.tick(std::chrono::milliseconds(2001));
+  ASSERT_EQ(script.master->status(0).fault, Error::kDriveAbsent);
+  script.bus.bring("701#00");
+  test::script_set_up(script.bus);
+  for (int i = 0; i < 90 && script.master->node_state(0).phase != Phase::kStarted; ++i) {
+    script.tick({});
+  }
+  EXPECT_FALSE(script.master->status(0).fault);
   script.bus.expect_all_consumed();
 }
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/arm_model/gravity_choice.hpp"
-#include "core/arm_model/model.hpp"
+#include "core/calibration/gravity_choice.hpp"
+#include "core/calibration/model.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
 namespace armsig::calibration {
@@ -37,9 +37,8 @@ TEST(ArmModel, of_a_slide_without_limits_has_no_map) {
 }
 
 TEST(ArmModel, finds_the_corrections_that_are_asked_for_and_no_others) {
-  using refinement::ParameterKind;
   ArmModel model = model_of(with_slide(), {});
-  refinement::ParameterRequest request;
+  ParameterRequest request;
   request.readings.resize(6);
   request.readings[1].gain = true;
   request.readings[2].second = true;
@@ -86,17 +85,17 @@ TEST(Readings, that_turn_joints_by_couplings_and_maps_are_found_again) {
   for (JointModel& joint : bent->joints) {
     for (double& c : joint.map) c = random.uniform(-3, 3);
   }
-  refinement::ReadingModel plain;
+  ReadingModel plain;
   plain.couplings.push_back({2, 1, -0.5});
-  refinement::ReadingModel mapped = plain;
+  ReadingModel mapped = plain;
   mapped.deflections = bent.get();
-  refinement::ReadingModel wave = plain;
+  ReadingModel wave = plain;
   wave.corrections.resize(6, {.sin_1 = 0.01});
   const JointVector configuration = test::cell_configuration();
   const JointVector readings = random.configuration(test::puma());
   for (const auto* model : {&plain, &mapped, &wave}) {
-    const JointVector back = refinement::encoder_readings(
-        *model, configuration, refinement::true_readings(*model, configuration, readings));
+    const JointVector back =
+        encoder_readings(*model, configuration, true_readings(*model, configuration, readings));
     for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(back[j], readings[j], 1e-13) << j;
   }
 }

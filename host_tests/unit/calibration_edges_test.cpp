@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/calibration/servo_readings.hpp"
+#include "core/calibration/servo_readings.hpp"
 #include "host_tests/support/engine_case.hpp"
 #include "host_tests/support/failure_of.hpp"
 
@@ -135,7 +135,7 @@ TEST(Engine, finds_offset_and_scale_of_a_sensor_from_rows_of_both_kinds) {
   EngineCase fit(cell.arm, cell.X_SB, {cell.p_tool[0], p_on_link_3}, rows);
   fit.targets[1].link = 3;
   for (const Vector3& receiver : receivers) fit.model->sensor.receivers.push_back(receiver);
-  refinement::ParameterRequest request;
+  ParameterRequest request;
   request.readings.resize(6, {.gain = true});
   request.receiver_offsets = true;
   request.scale = true;

@@ -22,10 +22,10 @@ TEST(HeldOut, begins_every_fold_where_the_model_stood_and_leaves_it_there) {
   for (JointModel& joint : fit.model->joints) {
     for (double& deviation : joint.deviation) deviation = random.uniform(-1e-4, 1e-4);
   }
-  refinement::ParameterRequest request;
+  ParameterRequest request;
   request.readings.resize(6, {.gain = true, .first = true});
   ask_for(request, *fit.model);
-  for (const refinement::Parameter& parameter : fit.model->further) {
+  for (const Parameter& parameter : fit.model->further) {
     value_of(*fit.model, parameter) = random.uniform(-1e-4, 1e-4);
   }
   const ArmModel before = *fit.model;
@@ -34,7 +34,7 @@ TEST(HeldOut, begins_every_fold_where_the_model_stood_and_leaves_it_there) {
   for (std::size_t j = 0; j < 6; ++j) {
     EXPECT_EQ(fit.model->joints[j].deviation, before.joints[j].deviation) << j;
   }
-  for (const refinement::Parameter& parameter : before.further) {
+  for (const Parameter& parameter : before.further) {
     EXPECT_EQ(value_of(std::as_const(*fit.model), parameter), value_of(before, parameter));
   }
   EXPECT_EQ(fit.model->X_SB.R, before.X_SB.R);

@@ -5,10 +5,10 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "core/arm_model/gravity_choice.hpp"
-#include "core/arm_model/model.hpp"
-#include "firmware/calibration/cyclic_band.hpp"
-#include "firmware/calibration/fit_row.hpp"
+#include "core/calibration/cyclic_band.hpp"
+#include "core/calibration/fit_row.hpp"
+#include "core/calibration/gravity_choice.hpp"
+#include "core/calibration/model.hpp"
 #include "host_tests/support/dense_prior.hpp"
 #include "host_tests/support/known_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"
@@ -107,6 +107,21 @@ TEST(GravityTerms, are_those_that_a_drawing_can_tell_apart) {
   }
 }
 
+// On a wall the first joint carries the arm too.
+TEST(GravityTerms, are_those_of_all_joints_where_the_first_is_not_vertical) {
+  Arm arm = test::ur5();
+  arm.up_0 = Vector3::UnitX();
+  ArmModel model = model_of(arm, {});
+  choose_gravity_terms(arm, model);
+  EXPECT_GT(model.gravity.size(), 10U);
+  EXPECT_LE(model.gravity.size(), most_gravity_terms(6));
+  EXPECT_EQ(model.gravity[0].joint, 0);
+  arm.up_0 = -Vector3::UnitZ();
+  model = model_of(arm, {});
+  choose_gravity_terms(arm, model);
+  EXPECT_EQ(model.gravity.size(), 10U) << "on the ceiling";
+}
+
 TEST(GravityTerms, are_found_by_bounded_steps_and_no_more_than_there_is_room_for) {
   const Arm arm = test::ur5();
   ArmModel model = model_of(arm, {});
@@ -157,8 +172,6 @@ TEST(GroupPoses, keeps_repeated_readings_together_whatever_the_order) {
 
 // What a correction of the reading adds is linear in each of its coefficients.
 TEST(TurnBy, is_what_one_unit_of_a_correction_adds) {
-  using refinement::Parameter;
-  using refinement::ParameterKind;
   constexpr std::uint8_t kElbow = 2;
   for (const Parameter& parameter : {Parameter{ParameterKind::kReadingGain, kElbow, 0},
                                      Parameter{ParameterKind::kReadingFirst, kElbow, 0},
@@ -168,8 +181,7 @@ TEST(TurnBy, is_what_one_unit_of_a_correction_adds) {
     ArmModel model = model_of(test::puma560(), {});
     value_of(model, parameter) = 1;
     for (const double reading : {-2.0, 0.3, 1.1}) {
-      const double added =
-          refinement::corrected(model.joints[kElbow].correction, reading) - reading;
+      const double added = corrected(model.joints[kElbow].correction, reading) - reading;
       EXPECT_NEAR(turn_by(parameter, reading), added, 1e-15) << reading;
     }
   }

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/calibration/play_block.hpp"
+#include "core/calibration/play_block.hpp"
 #include "host_tests/support/engine_case.hpp"
 #include "host_tests/support/failure_of.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/calibration/fit_row.hpp"
+#include "core/calibration/fit_row.hpp"
 #include "host_tests/support/random.hpp"
 
 namespace armsig::calibration {

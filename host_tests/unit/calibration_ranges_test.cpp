@@ -13,7 +13,7 @@ using test::kGeometryAlone;
 using test::Random;
 using test::range_row;
 
-refinement::Receivers four_receivers() {
+Receivers four_receivers() {
   return {Vector3(2.5, 0.1, 0.3), Vector3(-2.4, 0.4, 0.2), Vector3(0.2, 2.6, -0.3),
           Vector3(0.1, -0.4, 2.7)};
 }

@@ -29,7 +29,7 @@ Log read_log(const std::string& file) {
     std::istringstream cells(line);
     std::vector<double> values;
     for (std::string cell; std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
-    refinement::Observation row;
+    Observation row;
     for (std::size_t j = 0; j < 6; ++j) row.readings.push_back(radians(values[2 + j]));
     row.p_S = 1e-3 * Vector3(values[8], values[9], values[10]);
     log.push_back(row);

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/refinement/determination.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
-#include "firmware/calibration/signature_of_model.hpp"
+#include "core/calibration/signature_of_model.hpp"
+#include "firmware/analysis/starts/determination.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "host_tests/support/engine_case.hpp"
 #include "host_tests/support/failure_of.hpp"
 
@@ -23,16 +23,15 @@ using test::kRowSigma_m;
 using test::position_rows;
 using test::Random;
 
-refinement::ParameterRequest every_correction(std::size_t joints) {
-  refinement::ParameterRequest request;
+ParameterRequest every_correction(std::size_t joints) {
+  ParameterRequest request;
   request.readings.resize(joints, {.gain = true, .first = true, .second = true});
   request.receiver_offsets = true;  // of the receivers that there are
   return request;
 }
 
-Judged<void> put_into(EngineCase& fit, refinement::Refined& refined,
-                      const refinement::ParameterRequest& request = {}) {
-  std::vector<double> scratch(refinement::kMaxParameters * refinement::kMaxParameters);
+Judged<void> put_into(EngineCase& fit, Refined& refined, const ParameterRequest& request = {}) {
+  std::vector<double> scratch(kMaxParameters * kMaxParameters);
   return geometry_to_signature(*fit.model, fit.targets, fit.engine(), refined, request, scratch);
 }
 
@@ -41,7 +40,7 @@ struct Corrected {
   Random random;
   Cell cell;
   EngineCase fit;
-  std::unique_ptr<refinement::Refined> refined = std::make_unique<refinement::Refined>();
+  std::unique_ptr<Refined> refined = std::make_unique<Refined>();
 
   explicit Corrected(std::uint64_t seed)
       : random(seed),
@@ -65,7 +64,7 @@ TEST(SignatureOfModel, has_of_each_correction_the_variance_that_the_estimator_ha
   ASSERT_EQ(arm.fit.model->further.size(), 6U + 2 * 5 + 2 * 5 + 1);
   std::size_t found = 0;
   for (std::size_t k = 0; k < arm.fit.model->further.size(); ++k) {
-    const refinement::Parameter& asked = arm.fit.model->further[k];
+    const Parameter& asked = arm.fit.model->further[k];
     std::array<double, kMaxGeometry> unit{};
     unit[arm.fit.engine().further_column() + k] = 1;
     arm.fit.engine().times_covariance(unit);
@@ -76,7 +75,7 @@ TEST(SignatureOfModel, has_of_each_correction_the_variance_that_the_estimator_ha
         continue;
       }
       ++found;
-      const double sigma = refinement::parameter_sigma(arm.refined->information, i);
+      const double sigma = parameter_sigma(arm.refined->information, i);
       EXPECT_NEAR(sigma * sigma, variance, 1e-6 * variance) << k;
     }
   }
@@ -120,7 +119,7 @@ TEST(SignatureOfModel, has_no_unknowns_of_a_target_that_nobody_saw) {
                  position_rows(cell, 40, kRowSigma_m, random));
   ASSERT_TRUE(fit.engine().run(kGeometryAlone));
   cell.p_tool.emplace_back(0, 0, 0.2);
-  const auto refined = std::make_unique<refinement::Refined>();
+  const auto refined = std::make_unique<Refined>();
   refined->signature = test::signature_of(cell, test::cell_configuration());
   ASSERT_TRUE(put_into(fit, *refined));
   EXPECT_EQ(refined->layout.size(), 6U * 4 + 3);
@@ -137,7 +136,7 @@ TEST(SignatureOfModel, refuses_more_unknowns_than_it_has_room_for) {
   cell.p_tool = {Vector3(0, 0, 0.1), Vector3(0, 0.1, 0), Vector3(0.1, 0, 0)};
   EngineCase fit(cell.arm, cell.X_SB, cell.p_tool, position_rows(cell, 40, kRowSigma_m, random));
   ASSERT_TRUE(fit.engine().run(kGeometryAlone));
-  const auto refined = std::make_unique<refinement::Refined>();
+  const auto refined = std::make_unique<Refined>();
   refined->signature = test::signature_of(cell, JointVector(8, 0.3));
   const auto put = put_into(fit, *refined, every_correction(8));
   ASSERT_FALSE(put);
@@ -151,7 +150,7 @@ TEST(ToolCovariance, has_the_maps_of_the_joints_that_left_the_signatures_configu
   EngineCase fit(cell.arm, cell.X_SB, {cell.p_tool[0]},
                  position_rows(cell, 150, kRowSigma_m, random));
   ASSERT_TRUE(fit.engine().run({.gravity = false, .maps = true}));
-  const auto refined = std::make_unique<refinement::Refined>();
+  const auto refined = std::make_unique<Refined>();
   refined->signature = test::signature_of(cell, test::cell_configuration());
   ASSERT_TRUE(put_into(fit, *refined));
   JointVector q = random.configuration(cell.arm);

@@ -24,8 +24,8 @@ constexpr double kSigma = 0.05e-3;
 constexpr ModelParts kGeometry{.gravity = false, .maps = false};
 constexpr ModelParts kWhole{};
 
-refinement::Observation row_of(const JointVector& q, const Vector3& p_S) {
-  refinement::Observation row;
+Observation row_of(const JointVector& q, const Vector3& p_S) {
+  Observation row;
   row.readings = q;
   row.p_S = p_S;
   return row;
@@ -56,6 +56,28 @@ TEST(Engine, finds_an_exact_arm_exactly) {
   Log others;
   test::add_poses(cell, 50, 0, random, others);
   EXPECT_LT(mean_error(fit, others), 1e-7);
+}
+
+// Gravity and waves move all joints, of one of which nobody sees what depends on its own reading.
+TEST(Engine, gives_a_joint_that_stood_still_no_map_and_a_wide_doubt) {
+  Random random(13);
+  const Cell cell = test::puma_cell(random);
+  const test::Misbehaviour m{.wave_rad = radians(0.02), .sag_rad_m = 1e-3};
+  Log log;
+  for (int k = 0; k < 400; ++k) {
+    JointVector q = random.configuration(cell.arm);
+    q[2] = 0.7 + random.uniform(-0.02, 0.02);
+    log.push_back(row_of(q, test::misbehaving_point(cell, q, m) + random.normal_vector(kSigma)));
+  }
+  Calibration fit(test::puma(), log, kWhole);
+  ASSERT_TRUE(fit.fit());
+  const JointModel& still = fit.model().joints[2];
+  EXPECT_TRUE(std::ranges::all_of(still.map, [](double c) { return c == 0; }));
+  const auto largest = [](const JointModel& joint) { return std::ranges::max(joint.map); };
+  EXPECT_GT(largest(fit.model().joints[1]), 0.5);
+  // As wrong as the other readings: waves of 0.02 degrees, in hundredths.
+  EXPECT_GT(still.map_variance[60], 0.5F);
+  EXPECT_LT(still.map_variance[60], 16.0F);
 }
 
 TEST(Engine, finds_waves_of_readings_and_sag) {

@@ -5,9 +5,9 @@
 
 #include "core/base/links.hpp"
 #include "core/identification.hpp"
-#include "firmware/differences/bends.hpp"
-#include "firmware/differences/difference_effects.hpp"
-#include "firmware/differences/differences.hpp"
+#include "firmware/analysis/differences/bends.hpp"
+#include "firmware/analysis/differences/difference_effects.hpp"
+#include "firmware/analysis/differences/differences.hpp"
 #include "host_tests/support/known_arms.hpp"
 
 namespace armsig::differences {
@@ -55,14 +55,14 @@ class BentArm : public ::testing::Test {
     return found(*estimate, {});
   }
   Differences by(const Bendings& bendings) const { return found(*as_drawn(), bendings); }
-  std::unique_ptr<refinement::Refined> as_drawn() const {
+  std::unique_ptr<calibration::Refined> as_drawn() const {
     const KnownTarget tool{1, drawing.joints.size(), Vector3(0.08, 0.03, 0.12)};
     const Pose X_S0{rotation_z(0.3) * rotation_x(0.2), Vector3(1, -2, 0.5)};
-    auto estimate = std::make_unique<refinement::Refined>();
+    auto estimate = std::make_unique<calibration::Refined>();
     estimate->signature = signature_of(drawing, configuration, X_S0, std::span(&tool, 1));
     return estimate;
   }
-  Differences found(const refinement::Refined& estimate, const Bendings& bendings) const {
+  Differences found(const calibration::Refined& estimate, const Bendings& bendings) const {
     auto result = differences(drawing, estimate, 0, bendings);
     EXPECT_TRUE(result.has_value());
     return result.value_or(Differences{});

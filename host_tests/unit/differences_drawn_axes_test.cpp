@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/kinematics/forward.hpp"
-#include "firmware/differences/drawn_axes.hpp"
+#include "firmware/analysis/differences/drawn_axes.hpp"
 #include "host_tests/support/known_arms.hpp"
 
 namespace armsig::differences {

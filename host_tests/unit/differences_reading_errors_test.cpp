@@ -6,17 +6,17 @@
 
 #include <gtest/gtest.h>
 
-#include "core/refinement/determination.hpp"
-#include "firmware/calibration/signature_of_model.hpp"
-#include "firmware/differences/differences.hpp"
-#include "firmware/differences/drawn_axes.hpp"
+#include "core/calibration/signature_of_model.hpp"
+#include "firmware/analysis/differences/differences.hpp"
+#include "firmware/analysis/differences/drawn_axes.hpp"
+#include "firmware/analysis/starts/determination.hpp"
 #include "host_tests/support/engine_case.hpp"
 #include "host_tests/support/failure_of.hpp"
 
 namespace armsig::differences {
 namespace {
 
-using refinement::Refined;
+using calibration::Refined;
 using test::Cell;
 using test::Random;
 
@@ -40,7 +40,7 @@ struct Misread {
       rows.push_back(test::position_row(readings, cell.point(q, 0) + random.normal_vector(1e-5)));
     }
     test::EngineCase fit(cell.arm, cell.X_SB, {cell.p_tool[0]}, rows);
-    refinement::ParameterRequest request;
+    calibration::ParameterRequest request;
     request.readings.resize(6);
     request.readings[1].gain = true;
     request.readings[2].first = true;
@@ -48,7 +48,7 @@ struct Misread {
     calibration::ask_for(request, *fit.model);
     EXPECT_TRUE(fit.engine().run(test::kGeometryAlone));
     refined->signature = test::signature_of(cell, test::cell_configuration());
-    std::vector<double> scratch(refinement::kMaxParameters * refinement::kMaxParameters);
+    std::vector<double> scratch(calibration::kMaxParameters * calibration::kMaxParameters);
     EXPECT_TRUE(calibration::geometry_to_signature(*fit.model, fit.targets, fit.engine(), *refined,
                                                    request, scratch));
     for (const calibration::JointModel& joint : fit.model->joints) {
@@ -72,11 +72,11 @@ TEST(Differences, name_errors_of_readings_with_their_sigmas) {
   const auto& layout = arm.refined->layout;
   EXPECT_NEAR(of(1, Cause::kScale).value, kGain, 0.1 * kGain);
   EXPECT_NEAR(of(1, Cause::kScale).sigma,
-              refinement::parameter_sigma(arm.refined->information, layout.gain[1]), 1e-12);
+              calibration::parameter_sigma(arm.refined->information, layout.gain[1]), 1e-12);
   const Difference first = of(2, Cause::kOnceATurn);
   EXPECT_NEAR(first.value, kFirst_rad, 0.1 * kFirst_rad);
   // Of an amplitude that is its cosine, nearly.
-  EXPECT_NEAR(first.sigma, refinement::parameter_sigma(arm.refined->information, layout.first[2]),
+  EXPECT_NEAR(first.sigma, calibration::parameter_sigma(arm.refined->information, layout.first[2]),
               0.2 * first.sigma);
   EXPECT_EQ(of(4, Cause::kTwiceATurn).value, 0) << "none is not told";
   EXPECT_NEAR(of(5, Cause::kTwiceATurn).value, 2e-4, 1e-12);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The table of what is different about an arm: what was planted is found, whatever frame it is
 // looked at from, and the effects add up to the displacement of the tool.
-#include "firmware/differences/differences.hpp"
+#include "firmware/analysis/differences/differences.hpp"
 
 #include <memory>
 #include <vector>
@@ -20,14 +20,14 @@ using test::Random;
 
 constexpr int kTool = 1;
 
-std::unique_ptr<refinement::Refined> exact(const Signature& signature) {
-  auto estimate = std::make_unique<refinement::Refined>();
+std::unique_ptr<calibration::Refined> exact(const Signature& signature) {
+  auto estimate = std::make_unique<calibration::Refined>();
   estimate->signature = signature;
   return estimate;
 }
 
-std::unique_ptr<refinement::Refined> estimate_of(const Arm& arm, const JointVector& configuration,
-                                                 const Pose& X_S0, const Vector3& p_F) {
+std::unique_ptr<calibration::Refined> estimate_of(const Arm& arm, const JointVector& configuration,
+                                                  const Pose& X_S0, const Vector3& p_F) {
   const KnownTarget tool{kTool, arm.joints.size(), p_F};
   return exact(signature_of(arm, configuration, X_S0, std::span(&tool, 1)));
 }
@@ -43,7 +43,7 @@ JointVector some_readings(const Arm& arm, double share) {
 const Vector3 kTool_F(0.08, 0.03, 0.12);
 const Pose kBase{rotation_z(0.3) * rotation_x(0.2), Vector3(1, -2, 0.5)};
 
-Differences found(const Arm& drawing, const refinement::Refined& estimate) {
+Differences found(const Arm& drawing, const calibration::Refined& estimate) {
   auto result = differences(drawing, estimate, 0);
   EXPECT_TRUE(result.has_value());
   return result.value_or(Differences{});
@@ -274,11 +274,11 @@ TEST(Differences, scatter_by_the_sigma_they_state) {
       estimate_of(individual(drawing, random), some_readings(drawing, 0.4), kBase, kTool_F);
   const Differences true_differences = found(drawing, *truth);
   const auto estimate = exact(truth->signature);
-  const auto layout = refinement::make_layout(truth->signature, {true}, {}, 0);
+  const auto layout = calibration::make_layout(truth->signature, {true}, {}, 0);
   ASSERT_TRUE(layout.has_value());
   estimate->layout = *layout;
   estimate->information.reset(layout->size());
-  FixedVector<double, refinement::kMaxParameters> sigma;
+  FixedVector<double, calibration::kMaxParameters> sigma;
   for (std::size_t c = 0; c < layout->size(); ++c) {
     sigma.push_back(random.uniform(0.5e-4, 2e-4));
     estimate->information.set_entry(c, c, 1 / sigma[c]);
@@ -317,10 +317,10 @@ TEST(Differences, scatter_by_the_sigma_they_state) {
 TEST(Differences, tell_the_errors_of_the_readings_apart_from_the_zeros) {
   const Arm drawing = test::puma560();
   const JointVector configuration = some_readings(drawing, 0.4);
-  const refinement::ReadingCorrection correction{.gain = 1e-3, .sin_1 = 2e-3};
+  const calibration::ReadingCorrection correction{.gain = 1e-3, .sin_1 = 2e-3};
   // Where the encoders read the configuration, the joints have turned as far as the errors say.
   JointVector turned = configuration;
-  for (double& q : turned) q = refinement::corrected(correction, q);
+  for (double& q : turned) q = calibration::corrected(correction, q);
   auto estimate = estimate_of(drawing, turned, kBase, kTool_F);
   estimate->signature.configuration = configuration;
   estimate->readings.corrections.resize(6, correction);

@@ -10,27 +10,27 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "core/refinement/determination.hpp"
-#include "firmware/drift/check_drift.hpp"
-#include "firmware/drift/displacement.hpp"
+#include "core/drift/check_drift.hpp"
+#include "core/drift/displacement.hpp"
+#include "firmware/analysis/starts/determination.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/identified_puma.hpp"
 
 namespace armsig::drift {
 namespace {
 
-using refinement::Observation;
-using refinement::Refined;
-using refinement::RowOutcome;
-using refinement::RowUse;
-using refinement::SquareRootFactor;
+using calibration::Observation;
+using calibration::Refined;
+using calibration::RowOutcome;
+using calibration::RowUse;
+using calibration::SquareRootFactor;
 using test::Cell;
 using test::IdentifiedPuma;
 using test::Log;
 using test::Random;
 
 constexpr double kSigma_m = IdentifiedPuma::kSigma_m;
-const refinement::Receivers kReceivers{Vector3(2, 0, 0)};
+const calibration::Receivers kReceivers{Vector3(2, 0, 0)};
 
 Judged<DriftReport> check(const IdentifiedPuma& identified, const Log& log,
                           std::vector<RowOutcome>& outcomes) {
@@ -162,7 +162,7 @@ TEST(CheckDrift, counts_of_a_range_one_number) {
   IdentifiedPuma arm(62);
   Log log = arm.poses(30);
   for (Observation& row : log) {
-    row.kind = refinement::ObservationKind::kRange;
+    row.kind = calibration::ObservationKind::kRange;
     row.range_m =
         (arm.cell.point(row.readings, 0) - kReceivers[0]).norm() + arm.random.normal(kSigma_m);
   }
@@ -196,7 +196,7 @@ struct Displaced {
     cell.p_tool.resize(3, Vector3(0.1, 0.1, 0.1));
     refined.signature = test::signature_of(cell, test::cell_configuration());
     refined.signature.targets[1].link = 1;
-    const auto layout = refinement::make_layout(refined.signature, {true, true, false}, {}, 0);
+    const auto layout = calibration::make_layout(refined.signature, {true, true, false}, {}, 0);
     EXPECT_TRUE(layout);
     refined.layout = *layout;
     refined.information.reset(layout->size());
@@ -205,7 +205,7 @@ struct Displaced {
   }
   // By how much the variance of an unknown has grown, over the square of the displacement's size.
   [[nodiscard]] double growth(std::size_t unknown) const {
-    const double sigma = refinement::parameter_sigma(factor, unknown);
+    const double sigma = calibration::parameter_sigma(factor, unknown);
     return (sigma * sigma - 1e-6) / (kSize * kSize);
   }
 };

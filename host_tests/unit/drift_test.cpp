@@ -6,10 +6,10 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "firmware/drift/course.hpp"
-#include "firmware/drift/cusum.hpp"
-#include "firmware/drift/reference.hpp"
-#include "firmware/drift/threshold.hpp"
+#include "core/drift/course.hpp"
+#include "core/drift/cusum.hpp"
+#include "core/drift/reference.hpp"
+#include "firmware/analysis/evaluation/threshold.hpp"
 #include "hal/simulated/random.hpp"
 #include "host_tests/support/failure_of.hpp"
 

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/evaluation/comparison.hpp"
-#include "core/evaluation/tool_error.hpp"
 #include "core/identification.hpp"
+#include "firmware/analysis/evaluation/comparison.hpp"
+#include "firmware/analysis/evaluation/tool_error.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 

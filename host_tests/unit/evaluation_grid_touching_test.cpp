@@ -153,7 +153,7 @@ TEST(TouchGrid, shows_an_offset_of_joint_3_that_the_model_does_not_know) {
 
 // Joint 2's encoder disc is off its centre, joint 3 hangs on joint 2.
 TEST(TouchGrid, turns_by_the_readings_as_told) {
-  refinement::ReadingModel wave{.couplings = {}, .corrections = {}, .deflections = nullptr};
+  calibration::ReadingModel wave{.couplings = {}, .corrections = {}, .deflections = nullptr};
   wave.couplings.push_back({.joint = 2, .from = 1, .ratio = -1});
   for (std::size_t j = 0; j < 6; ++j) wave.corrections.push_back({.sin_1 = j == 1 ? 0.01 : 0});
   const ToolModel arm = puma560();

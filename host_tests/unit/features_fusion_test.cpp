@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/features/fusion.hpp"
 #include "core/features/sweep_estimator.hpp"
+#include "firmware/analysis/evaluation/fusion.hpp"
 #include "host_tests/support/simulated_sweep.hpp"
 
 namespace armsig::features {

@@ -204,6 +204,16 @@ TEST(TargetCovariance, is_that_of_the_parameters_carried_to_the_target) {
   EXPECT_TRUE(feature.target_covariance_at(0.3).isApprox(1e-8 * Matrix3::Identity(), 1e-12));
 }
 
+// What spares the quantile must not decide otherwise.
+TEST(ExceedsNoise, begins_at_the_quantile_of_chi_square) {
+  for (const double freedom : {1.0, 2.0, 3.0, 6.0, 15.0, 99.0, 1071.0, 1e5}) {
+    const double limit = numerics::chi_square_quantile(freedom, numerics::kReadingRefused);
+    EXPECT_FALSE(exceeds_noise(freedom, freedom));
+    EXPECT_FALSE(exceeds_noise(limit * (1 - 1e-6), freedom)) << freedom;
+    EXPECT_TRUE(exceeds_noise(limit * (1 + 1e-6), freedom)) << freedom;
+  }
+}
+
 // The free motion is as fast as ten sigmas, its circle smaller: the readings run ahead.
 TEST(SweepEstimator, refuses_a_circle_that_is_smaller_than_its_motion_was_fast) {
   constexpr double kSigma_m = 1e-3;

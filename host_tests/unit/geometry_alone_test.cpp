@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The geometry for formats that cannot carry gravity and maps: no better one, by an independent
 // search, and none that is worse than leaving the maps out.
-#include "firmware/calibration/geometry_alone.hpp"
+#include "firmware/analysis/evaluation/geometry_alone.hpp"
 
 #include <limits>
 
@@ -15,7 +15,6 @@
 namespace armsig::calibration {
 namespace {
 
-using refinement::ReadingModel;
 using test::Random;
 
 struct Case {
@@ -63,8 +62,7 @@ double mean_square(const Case& made, const Signature& signature) {
   const Vector3 p_L = signature.X_SL.back().inverse() * signature.targets[0].p_S;
   double sum = 0;
   for (const JointVector& q : made.poses) {
-    const JointVector turned =
-        refinement::true_readings(made.whole(), made.signature.configuration, q);
+    const JointVector turned = true_readings(made.whole(), made.signature.configuration, q);
     const Vector3 exact =
         kinematics::target_position(made.signature, turned, made.signature.targets[0]);
     const std::size_t n = signature.joint_count();

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/kinematics/closed_form.hpp"
 #include "core/kinematics/forward.hpp"
+#include "firmware/analysis/postures/closed_form.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/known_arms.hpp"
 #include "host_tests/support/pose_difference.hpp"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/kinematics/cold_start.hpp"
+#include "firmware/analysis/postures/cold_start.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/known_arms.hpp"

@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "core/kinematics/closed_form.hpp"
 #include "core/kinematics/inverse.hpp"
+#include "firmware/analysis/postures/closed_form.hpp"
 #include "host_tests/support/kinematics_random.hpp"
 #include "host_tests/support/ready_puma.hpp"
 

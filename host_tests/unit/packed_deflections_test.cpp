@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "firmware/calibration/packed_deflections.hpp"
+#include "core/calibration/packed_deflections.hpp"
 
 #include <cmath>
 
@@ -28,12 +28,12 @@ TEST(PackedDeflections, are_checked_for_bounds_and_numbers) {
   choose_gravity_terms(arm, model);
   const PackedDeflections good = packed(model);
   ASSERT_FALSE(good.gravity.empty());
-  EXPECT_TRUE(check(good, 6));
-  EXPECT_TRUE(check({}, 6));
+  EXPECT_TRUE(check(good, arm));
+  EXPECT_TRUE(check({}, arm));
   const auto refused = [&](auto change) {
     PackedDeflections changed = good;
     change(changed);
-    const auto checked = check(changed, 6);
+    const auto checked = check(changed, arm);
     return !checked && checked.error() == Error::kOutOfRange;
   };
   const double nan = std::nan("");
@@ -47,6 +47,7 @@ TEST(PackedDeflections, are_checked_for_bounds_and_numbers) {
   EXPECT_TRUE(refused([&](PackedDeflections& d) { d.gravity[0].origin = 0; }));
   EXPECT_TRUE(refused([&](PackedDeflections& d) { d.gravity[0].origin = 7; }));
   EXPECT_TRUE(refused([&](PackedDeflections& d) { d.gravity[0].coefficient = nan; }));
+  EXPECT_TRUE(refused([&](PackedDeflections& d) { d.up_0.x() = nan; }));
 }
 
 }  // namespace

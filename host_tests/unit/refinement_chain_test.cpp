@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include "core/refinement/chain.hpp"
+#include "core/calibration/chain.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 using test::Cell;
@@ -225,4 +225,4 @@ TEST(Chain, turns_as_far_as_readings_go) {
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/refinement/determination.hpp"
+#include "firmware/analysis/starts/determination.hpp"
 #include "host_tests/support/calibration_case.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 using test::Cell;
@@ -189,4 +189,4 @@ TEST(Determination, names_direction_and_place_of_an_axis_about_which_little_turn
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/refinement/start.hpp"
+#include "firmware/analysis/starts/start.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 using test::Log;
@@ -84,4 +84,4 @@ TEST(LikeItsDrawing, refuses_a_twist_between_neighbours_that_nobody_builds) {
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

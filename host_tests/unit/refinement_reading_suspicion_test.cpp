@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What is suspected of the readings where a drawing does not explain a log.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
-#include "core/refinement/reading_suspicion.hpp"
+#include "firmware/analysis/starts/reading_suspicion.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 using test::Cell;
@@ -36,6 +38,27 @@ TEST(ReadingSuspicion, finds_a_coupling_of_any_ratio_near_one) {
     EXPECT_NEAR(found->coupling.ratio, ratio, 1e-3);
     EXPECT_LT(found->rms_m, 1e-3);
     EXPECT_GT(found->plain_rms_m, 0.01);
+  }
+}
+
+// No row tells what follows a joint that stood still, nor what one that did follows.
+TEST(ReadingSuspicion, accuses_no_joint_that_stood_still) {
+  Random random(94);
+  Cell cell = test::puma_cell(random, {0, 0, 0});
+  Log log;
+  for (int k = 0; k < 40; ++k) {
+    JointVector q = random.configuration(cell.arm);
+    for (const std::size_t j : {2U, 3U, 4U, 5U}) q[j] = 0.001 * static_cast<double>(k % 3);
+    // Bent by its own weight: no coupling.
+    const Vector3 sag(0, 0, -2e-3 * std::cos(q[1]));
+    Observation row;
+    row.readings = q;
+    row.p_S = cell.point(q, 0) + sag;
+    log.push_back(row);
+  }
+  for (const std::size_t j : {2U, 3U, 4U, 5U}) {
+    const auto found = suspected(test::puma(), log);
+    EXPECT_TRUE(!found || (found->coupling.joint != j && found->coupling.from != j)) << j;
   }
 }
 
@@ -126,4 +149,4 @@ TEST(ReadingSuspicion, changes_only_the_couplings_of_a_drawing_that_has_no_room)
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

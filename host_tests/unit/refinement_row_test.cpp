@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/refinement/determination.hpp"
-#include "core/refinement/row.hpp"
+#include "core/calibration/row.hpp"
+#include "firmware/analysis/starts/determination.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 using test::Random;
@@ -106,4 +106,4 @@ TEST(Row, is_judged_by_what_its_kind_measured) {
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

@@ -5,13 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "core/base/links.hpp"
-#include "core/refinement/base_and_targets.hpp"
-#include "core/refinement/base_and_tool.hpp"
-#include "core/refinement/cube_rotations.hpp"
-#include "core/refinement/rotation_search.hpp"
+#include "firmware/analysis/starts/base_and_targets.hpp"
+#include "firmware/analysis/starts/base_and_tool.hpp"
+#include "firmware/analysis/starts/cube_rotations.hpp"
+#include "firmware/analysis/starts/rotation_search.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 using test::Cell;
@@ -187,4 +187,4 @@ TEST(BaseAndTargets, are_found_from_a_log_of_thousands_of_rows) {
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

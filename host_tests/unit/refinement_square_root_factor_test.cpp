@@ -4,11 +4,11 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "core/refinement/square_root_factor.hpp"
+#include "core/calibration/square_root_factor.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 constexpr int kUnknowns = 7;
@@ -155,4 +155,4 @@ TEST(SquareRootFactor, goes_on_from_entries_that_were_set) {
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

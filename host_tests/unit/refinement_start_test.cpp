@@ -7,13 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "core/base/links.hpp"
-#include "core/refinement/start.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/analysis/starts/start.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/shared_arms.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 using test::Cell;
@@ -180,4 +180,4 @@ TEST(FitBaseAndTool, refuses_positions_whose_squares_are_no_numbers) {
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

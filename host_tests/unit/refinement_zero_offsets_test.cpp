@@ -2,11 +2,11 @@
 // Zeros of the encoders that are not those of the drawing.
 #include <gtest/gtest.h>
 
-#include "core/refinement/zero_offsets.hpp"
+#include "firmware/analysis/starts/zero_offsets.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/simulated_arm.hpp"
 
-namespace armsig::refinement {
+namespace armsig::calibration {
 namespace {
 
 using test::Cell;
@@ -139,4 +139,4 @@ TEST(ZeroOffsets, are_not_sought_in_a_log_without_rows) {
 }
 
 }  // namespace
-}  // namespace armsig::refinement
+}  // namespace armsig::calibration

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Inverse kinematics in the servo tick, with and without joints that turn otherwise than they read.
-#include "firmware/calibration/servo_inverse.hpp"
+#include "core/calibration/servo_inverse.hpp"
 
 #include <cmath>
 

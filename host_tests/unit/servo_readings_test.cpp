@@ -5,10 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/arm_model/readings.hpp"
+#include "core/calibration/readings.hpp"
+#include "core/calibration/servo_inverse.hpp"
 #include "core/identification.hpp"
 #include "core/kinematics/forward.hpp"
-#include "firmware/calibration/servo_inverse.hpp"
+#include "host_tests/support/bent_model.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/known_arms.hpp"
 
@@ -16,27 +17,6 @@ namespace armsig::calibration {
 namespace {
 
 using test::Random;
-
-constexpr double kMap = radians(0.02);
-constexpr double kSag = 5e-4;  // rad per m of lever
-
-// Waves of up to thirty a turn in every joint, and all levers that the drawing can tell apart.
-ArmModel bent(const Arm& arm, Random& random) {
-  ArmModel model = model_of(arm, {});
-  choose_gravity_terms(arm, model);
-  for (GravityTerm& term : model.gravity) term.coefficient = random.uniform(-kSag, kSag);
-  for (JointModel& joint : model.joints) {
-    const double amplitude = (joint.type == JointType::kRevolute ? kMap : 2e-4);
-    for (const double waves : {1.0, 5.0, 30.0}) {
-      const double size = random.uniform(0.2, 1) * amplitude / 3 / map_unit(joint.type);
-      const double phase = random.uniform(0, 6);
-      for (std::size_t k = 0; k < kKnots; ++k) {
-        joint.map[k] += size * std::sin(waves * 2 * kPi * static_cast<double>(k) / kKnots + phase);
-      }
-    }
-  }
-  return model;
-}
 
 struct Bent {
   Arm arm;
@@ -46,7 +26,7 @@ struct Bent {
 };
 
 Bent bent_arm(const Arm& arm, Random& random) {
-  Bent bent_one{arm, bent(arm, random), {}, {}};
+  Bent bent_one{arm, test::bent_model(arm, random), {}, {}};
   bent_one.configuration = effective_readings(arm, random.configuration(arm));
   bent_one.joints = ServoReadings(packed(bent_one.model), arm, bent_one.configuration);
   return bent_one;
@@ -65,13 +45,13 @@ TEST(ServoReadings, turns_the_joints_as_the_estimator_does) {
   Random random(3);
   for (const Arm& arm : arms()) {
     const Bent bent = bent_arm(arm, random);
-    const refinement::ReadingModel model{arm.couplings, {}, &bent.model};
+    const ReadingModel model{arm.couplings, {}, &bent.model};
     for (int k = 0; k < 200; ++k) {
       const JointVector readings = random.configuration(arm);
       const JointVector q = effective_readings(arm, readings);
       const auto turned = bent.joints.turned(q);
       ASSERT_TRUE(turned);
-      const JointVector expected = refinement::true_readings(model, bent.configuration, readings);
+      const JointVector expected = true_readings(model, bent.configuration, readings);
       for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR((*turned)[i], expected[i], 3e-8);
     }
     const auto at_rest = bent.joints.turned(bent.configuration);
@@ -252,7 +232,7 @@ TEST(ServoReadings, say_everything_where_there_are_no_deflections) {
 TEST(PackedDeflections, are_the_same_again_when_they_were_unpacked) {
   Random random(21);
   const Arm arm = test::stanford();
-  const PackedDeflections deflections = packed(bent(arm, random));
+  const PackedDeflections deflections = packed(test::bent_model(arm, random));
   const PackedDeflections again = packed(unpacked(deflections, arm));
   ASSERT_EQ(again.maps.size(), deflections.maps.size());
   for (std::size_t i = 0; i < again.maps.size(); ++i) {
@@ -268,10 +248,10 @@ TEST(PackedDeflections, are_the_same_again_when_they_were_unpacked) {
 TEST(PackedDeflections, are_refused_where_a_reading_could_jump) {
   Random random(13);
   const Arm arm = test::ur5();
-  const PackedDeflections sound = packed(bent(arm, random));
-  ASSERT_TRUE(check(sound, 6));
-  const auto refused = [](const PackedDeflections& deflections) {
-    const auto checked = check(deflections, 6);
+  const PackedDeflections sound = packed(test::bent_model(arm, random));
+  ASSERT_TRUE(check(sound, arm));
+  const auto refused = [&](const PackedDeflections& deflections) {
+    const auto checked = check(deflections, arm);
     return !checked && checked.error() == Error::kOutOfRange;
   };
   PackedDeflections jump = sound;
@@ -287,7 +267,7 @@ TEST(PackedDeflections, are_refused_where_a_reading_could_jump) {
   dense.maps[1].domain.per_length *= 1e4;
   EXPECT_TRUE(refused(dense));
   PackedDeflections heavy = sound;
-  heavy.gravity[0].coefficient = 0.011;
+  heavy.gravity[0].coefficient = 0.11;
   EXPECT_TRUE(refused(heavy));
   PackedDeflections backwards = sound;
   backwards.gravity[0].origin = backwards.gravity[0].joint;
@@ -295,7 +275,12 @@ TEST(PackedDeflections, are_refused_where_a_reading_could_jump) {
   PackedDeflections nan = sound;
   nan.maps[5].step = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refused(nan));
-  EXPECT_FALSE(check(sound, 5));
+  Arm shorter = arm;
+  shorter.joints.resize(5);
+  EXPECT_FALSE(check(sound, shorter));
+  PackedDeflections askew = sound;
+  askew.up_0 = {0, 0, 1.001};
+  EXPECT_TRUE(refused(askew));
 }
 
 TEST(PackedDeflections, hold_the_steepest_map_that_is_taken_and_its_inverse_converges) {
@@ -307,7 +292,7 @@ TEST(PackedDeflections, hold_the_steepest_map_that_is_taken_and_its_inverse_conv
     }
   }
   const PackedDeflections deflections = packed(model);
-  ASSERT_TRUE(check(deflections, 6));
+  ASSERT_TRUE(check(deflections, arm));
   const ServoReadings joints(deflections, arm, JointVector{0, 0, 0, 0, 0, 0});
   Random random(15);
   for (int k = 0; k < 300; ++k) {

@@ -8,16 +8,16 @@
 #include <gtest/gtest.h>
 
 #include "core/base/low_discrepancy.hpp"
-#include "core/uncertainty/feature_information.hpp"
-#include "core/uncertainty/suggestion.hpp"
-#include "core/uncertainty/tool_covariance.hpp"
+#include "firmware/analysis/uncertainty/feature_information.hpp"
+#include "firmware/analysis/uncertainty/suggestion.hpp"
+#include "firmware/analysis/uncertainty/tool_covariance.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/identified_puma.hpp"
 
 namespace armsig::uncertainty {
 namespace {
 
-using refinement::Refined;
+using calibration::Refined;
 using test::Cell;
 using test::IdentifiedPuma;
 using test::Log;

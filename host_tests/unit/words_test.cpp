@@ -7,10 +7,10 @@
 
 #include "core/base/error.hpp"
 #include "core/base/error_name.hpp"
-#include "core/refinement/refined.hpp"
-#include "firmware/drift/check_drift.hpp"
-#include "firmware/drift/course.hpp"
-#include "firmware/drift/reference.hpp"
+#include "core/calibration/refined.hpp"
+#include "core/drift/check_drift.hpp"
+#include "core/drift/course.hpp"
+#include "core/drift/reference.hpp"
 
 namespace armsig {
 namespace {
@@ -28,11 +28,11 @@ void expect_words_of_their_own(Enum last) {
 }
 
 TEST(Words, of_each_error_are_its_own) {
-  expect_words_of_their_own(static_cast<Error>(std::size(error_name_detail::kNames) - 1));
+  expect_words_of_their_own(static_cast<Error>(error_name_detail::kCount - 1));
 }
 
 TEST(Words, of_what_is_left_open_are_its_own) {
-  expect_words_of_their_own(refinement::Open::kReceiverOffset);
+  expect_words_of_their_own(calibration::Open::kReceiverOffset);
 }
 
 TEST(Words, of_a_drift_are_its_own) {
@@ -43,7 +43,7 @@ TEST(Words, of_a_drift_are_its_own) {
 
 TEST(Words, of_a_number_that_is_no_error_are_told_apart) {
   EXPECT_EQ(name(static_cast<Error>(200)), "ERROR");
-  EXPECT_EQ(name(static_cast<Error>(std::size(error_name_detail::kNames))), "ERROR");
+  EXPECT_EQ(name(static_cast<Error>(error_name_detail::kCount)), "ERROR");
 }
 
 TEST(Words, for_programs_are_the_enumerators) {
@@ -53,7 +53,7 @@ TEST(Words, for_programs_are_the_enumerators) {
 
 TEST(Words, for_programs_are_of_capitals_and_each_its_own) {
   std::set<std::string_view> names;
-  for (std::size_t k = 0; k < std::size(error_name_detail::kNames); ++k) {
+  for (std::size_t k = 0; k < error_name_detail::kCount; ++k) {
     const std::string_view said = name(static_cast<Error>(k));
     EXPECT_EQ(said.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"), said.npos) << said;
     EXPECT_TRUE(names.insert(said).second) << said;

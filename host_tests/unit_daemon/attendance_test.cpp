@@ -16,9 +16,12 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/controller/verbs.hpp"
+#include "firmware/linux/asking_console.hpp"
 #include "firmware/linux/journal_console.hpp"
 #include "firmware/linux/real_time_loop.hpp"
 #include "firmware/linux/service_manager.hpp"
+#include "hal/linux/socket_console.hpp"
 #include "hal/linux/steady_clock.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
 
@@ -136,6 +139,69 @@ TEST(JournalConsole, logs_commands_answers_and_what_the_controller_says_but_no_q
             "armsigd: mode faulted error=DRIVE_EMERGENCY joint=4 code=0x2310\n");
   EXPECT_EQ(person.replies.size(), 3U);
   EXPECT_EQ(person.told.size(), 1U);
+}
+
+TEST(AskingConsole, passes_on_what_changes_nothing_with_its_replies_and_what_is_said_unasked) {
+  test::LineConsole reporter;
+  const std::string log = log_of([&](Journal& journal) {
+    AskingConsole asking(reporter, journal);
+    hal::Console& console = asking;
+    for (const char* request :
+         {"status", "signature", "fetch what=signature part=1", "log row=3", "system"}) {
+      reporter.requests.emplace_back(request);
+      const auto line = console.read_line();
+      ASSERT_TRUE(line) << request;
+      EXPECT_EQ(line->text(), request);
+      (void)console.write_line(line->client, request);
+    }
+    console.broadcast("# mode holding");
+  });
+  EXPECT_EQ(log, "");
+  EXPECT_EQ(reporter.replies.size(), 5U);
+  EXPECT_EQ(reporter.told, std::vector<std::string>{"# mode holding"});
+}
+
+TEST(AskingConsole, refuses_every_request_that_changes_something_and_says_so_in_the_log) {
+  test::LineConsole reporter;
+  std::size_t refused = 0;
+  const std::string log = log_of([&](Journal& journal) {
+    AskingConsole asking(reporter, journal);
+    hal::Console& console = asking;
+    for (const controller::Verb& verb : controller::verbs()) {
+      reporter.requests.emplace_back(verb.name);
+      EXPECT_EQ(console.read_line().has_value(), verb.only_asks) << verb.name;
+      refused += verb.only_asks ? 0 : 1;
+    }
+    for (const char* request : {"", "nonsense", "statusx", "send part=1 bytes=3956 hex=00ff"}) {
+      reporter.requests.emplace_back(request);
+      EXPECT_FALSE(console.read_line()) << request;
+    }
+  });
+  EXPECT_EQ(reporter.replies.size(), refused + 4);
+  for (const std::string& reply : reporter.replies)
+    EXPECT_TRUE(reply.starts_with("error NOT_PERMITTED \""));
+  EXPECT_NE(log.find("armsigd: reporting console 1 is refused: enable\n"), std::string::npos)
+      << log;
+  EXPECT_NE(log.find("is refused: send part=1 bytes=3956\n"), std::string::npos) << log;
+}
+
+// By which the reporting console is of a group that armsigd is not in
+// (firmware/linux/armsig.tmpfiles).
+TEST(SocketConsole, in_a_folder_that_gives_its_group_is_of_that_group) {
+  const std::string folder = testing::TempDir() + "report_" + std::to_string(::getpid());
+  const gid_t group = ::geteuid() == 0 ? 12345 : ::getegid();
+  ASSERT_EQ(::mkdir(folder.c_str(), 0700), 0);
+  ASSERT_EQ(::chown(folder.c_str(), static_cast<uid_t>(-1), group), 0);
+  ASSERT_EQ(::chmod(folder.c_str(), 02750), 0);
+  {
+    const auto console = linux_hal::SocketConsole::open(folder + "/console");
+    ASSERT_TRUE(console);
+    struct stat status{};
+    ASSERT_EQ(::stat((folder + "/console").c_str(), &status), 0);
+    EXPECT_EQ(status.st_gid, group);
+    EXPECT_EQ(status.st_mode & 07777U, 0660U);
+  }
+  EXPECT_EQ(::rmdir(folder.c_str()), 0);
 }
 
 // The manager's end of the socket.

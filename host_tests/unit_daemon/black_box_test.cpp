@@ -31,6 +31,7 @@ struct Recorded {
     s.status_words.push_back(0x1237);
     s.status_words.push_back(0x0008);
     s.limits_active = 2;
+    s.known = known;
     if (mode == controller::Mode::kFaulted) {
       s.fault = controller::Fault{Error::kDriveEmergency, 1, 0x2310, "continuous over-current"};
     }
@@ -67,7 +68,19 @@ struct Recorded {
                                       .after = milliseconds(50)};
   BlackBox box{configuration, journal};
   int ticks = 0;
+  std::uint8_t known = 3;
 };
+
+TEST(BlackBox, leaves_out_what_a_joint_that_was_never_heard_would_read) {
+  Recorded r;
+  r.known = 2;
+  r.fault();
+  r.box.write_if_due();
+  const auto lines = r.last();
+  ASSERT_EQ(lines.size(), 3U + 1 + 105);
+  EXPECT_NE(lines.back().find(",1500.0,,,0x1237,0,156.00000,156.00000,0x0008,1"), std::string::npos)
+      << lines.back();
+}
 
 TEST(BlackBox, writes_the_ticks_before_a_fault_and_some_after_it) {
   Recorded r;

@@ -122,6 +122,31 @@ TEST(DaemonConfiguration, refuses_degrees_told_as_radians) {
   expect_refused("joints:", "limits_deg: [-160, 160]", "limits_rad: [-160, 160]", "wrong unit");
 }
 
+TEST(DaemonConfiguration, takes_a_drive_that_keeps_its_torque_for_known_in_one_word) {
+  const auto plain = read_configuration(ARMSIG_REFERENCE);
+  ASSERT_TRUE(plain);
+  EXPECT_FALSE(plain->drives.axes[0].unsupervised_known);
+  const auto known = parse_configuration(
+      change("joints:", "reversed: no", "reversed: no, unsupervised: known").text, "cabinet.yaml");
+  ASSERT_TRUE(known) << tool::render(known.error());
+  EXPECT_TRUE(known->drives.axes[0].unsupervised_known);
+  EXPECT_FALSE(known->drives.axes[1].unsupervised_known);
+  expect_refused("joints:", "reversed: no", "reversed: no, unsupervised: yes",
+                 "known, or no such key");
+}
+
+TEST(DaemonConfiguration, takes_a_joint_that_counts_from_power_up) {
+  const auto plain = read_configuration(ARMSIG_REFERENCE);
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->controller.references[0], controller::Reference::kAbsolute);
+  const auto counting = parse_configuration(
+      change("joints:", "reversed: no", "reversed: no, reference: none").text, "cabinet.yaml");
+  ASSERT_TRUE(counting) << tool::render(counting.error());
+  EXPECT_EQ(counting->controller.references[0], controller::Reference::kNone);
+  EXPECT_EQ(counting->controller.references[1], controller::Reference::kAbsolute);
+  expect_refused("joints:", "reversed: no", "reversed: no, reference: homed", "absolute or none");
+}
+
 TEST(DaemonConfiguration, refuses_reversed_limits) {
   expect_refused("joints:", "[-225, 45]", "[45, -225]", "the lower limit first");
 }
@@ -132,6 +157,11 @@ TEST(DaemonConfiguration, refuses_a_joint_without_limits) {
   const auto read = parse_configuration(changed.text, "cabinet.yaml");
   ASSERT_FALSE(read);
   EXPECT_NE(tool::render(test::failure_of(read)).find("limits_deg"), std::string::npos);
+}
+
+TEST(DaemonConfiguration, refuses_a_joint_without_end_by_its_name) {
+  expect_refused("joints:", "limits_deg: [-160, 160]", "limits: none",
+                 "limits of joint 1 are none, or have no unit");
 }
 
 TEST(DaemonConfiguration, refuses_a_node_that_is_given_twice) {
@@ -196,36 +226,73 @@ TEST(DaemonConfiguration, refuses_a_signature_configuration_outside_the_limits) 
 
 // The reference with a workspace box in place of its line about one.
 std::string with_box(const std::string& box) {
-  return change("# Optional: where", "# workspace:", "workspace: " + box + " #").text;
+  return change("# Optional: a box", "# workspace:", "workspace: " + box + " #").text;
 }
 
 TEST(DaemonConfiguration, has_a_workspace_box_where_one_is_told) {
-  EXPECT_FALSE(read_configuration(ARMSIG_REFERENCE)->controller.workspace);
+  EXPECT_FALSE(read_configuration(ARMSIG_REFERENCE)->controller.around.has_box());
   const std::string sides = "x_mm: [-1200, 1200], y_mm: [-1150, 1200], z_m: [-1, 1.2]";
   auto read = parse_configuration(with_box("{" + sides + "}"), "cabinet.yaml");
   ASSERT_TRUE(read) << tool::render(read.error());
-  auto box = read->controller.workspace;
-  ASSERT_TRUE(box);
-  EXPECT_EQ(box->lower, Vector3(-1.2, -1.15, -1));
-  EXPECT_EQ(box->upper, Vector3(1.2, 1.2, 1.2));
-  EXPECT_DOUBLE_EQ(box->hand_m, std::hypot(0.15, 0.05)) << "as far as the emitter";
+  const clearance::Surroundings& around = read->controller.around;
+  EXPECT_EQ(around.lower_B, Vector3(-1.2, -1.15, -1));
+  EXPECT_EQ(around.upper_B, Vector3(1.2, 1.2, 1.2));
+  EXPECT_DOUBLE_EQ(around.hand_m, std::hypot(0.15, 0.05)) << "as far as the emitter";
   read = parse_configuration(with_box("{" + sides + ", hand_mm: 170}"), "cabinet.yaml");
   ASSERT_TRUE(read) << tool::render(read.error());
-  EXPECT_DOUBLE_EQ(read->controller.workspace->hand_m, 0.17);
+  EXPECT_DOUBLE_EQ(read->controller.around.hand_m, 0.17);
+  read = parse_configuration(with_box("{hand_mm: 20}"), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  EXPECT_DOUBLE_EQ(read->controller.around.hand_m, 0.02);
+  EXPECT_FALSE(read->controller.around.has_box());
+}
+
+TEST(DaemonConfiguration, keeps_clear_of_floor_and_links_unless_it_says_otherwise) {
+  const auto read = read_configuration(ARMSIG_REFERENCE);
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const clearance::Surroundings& around = read->controller.around;
+  ASSERT_EQ(around.planes.size(), 1U);
+  EXPECT_EQ(around.planes[0].limit, clearance::Limit::kFloor);
+  EXPECT_DOUBLE_EQ(around.planes[0].offset_m, -0.672);
+  EXPECT_NEAR(around.link_radius_m, 0.045, 0.001);
+  // Without a word about it the floor is where the base is bolted down.
+  const auto bolted = parse_configuration(change("floor_mm", "floor_mm: 672", "").text, "c.yaml");
+  ASSERT_TRUE(bolted) << tool::render(bolted.error());
+  ASSERT_EQ(bolted->controller.around.planes.size(), 1U);
+  EXPECT_EQ(bolted->controller.around.planes[0].limit, clearance::Limit::kMountingPlane);
+  const auto& [above, below] =
+      std::pair(bolted->controller.sweeps.free[1], read->controller.sweeps.free[1]);
+  EXPECT_LT(above.upper - above.lower, below.upper - below.lower);
+}
+
+TEST(DaemonConfiguration, sweeps_each_joint_over_an_arc_of_its_own_where_that_is_told) {
+  const auto all = read_configuration(ARMSIG_REFERENCE);
+  ASSERT_TRUE(all);
+  const auto one = parse_configuration(
+      change("joints:", "sweep_at_deg: 30}", "sweep_at_deg: 30, sweep_arc_deg: 70}").text,
+      "cabinet.yaml");
+  ASSERT_TRUE(one) << tool::render(one.error());
+  for (std::size_t joint = 0; joint < 6; ++joint) {
+    EXPECT_DOUBLE_EQ(controller::arc_of(one->controller.sweeps, joint),
+                     radians(joint == 3 ? 70 : 180));
+  }
 }
 
 TEST(DaemonConfiguration, refuses_a_workspace_box_by_what_is_wrong_with_it) {
   const auto refused = [](const std::string& box, const std::string& words) {
-    expect_refused("# Optional: where", "# workspace:", "workspace: " + box + " #", words);
+    expect_refused("# Optional: a box", "# workspace:", "workspace: " + box + " #", words);
   };
   refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200]}", "z_mm");
   refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: 3}", "z_mm");
   refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [1200, -1000]}", "workspace.z");
   refused("{x_m: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-1000, 1200]}", "millimetres as");
   refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-1000, 1200], hand_mm: 900}",
-          "outside its box");
-  refused("{x_mm: [-1200, 1200], y_mm: [-1200, 1200], z_mm: [-100, 1200], hand_mm: 160}",
-          "sweeps.arc");
+          "what the flange carries is");
+  // In the unit of its sides.
+  refused("{x_m: [-1.2, 1.2], y_m: [-1.2, 1.2], z_m: [-1, 0.9], hand_mm: 160}",
+          "m beyond the box; it ends at");
+  refused("{x_mm: [-1200, 1200], y_mm: [-20, 1200], z_mm: [-1000, 1200], hand_mm: 0.1}",
+          "mm beyond the box; it ends at");
 }
 
 TEST(DaemonConfiguration, refuses_counts_of_points_and_pings_that_cannot_be) {

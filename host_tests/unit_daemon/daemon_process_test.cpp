@@ -34,12 +34,23 @@ TEST(Daemon, checks_a_configuration_without_opening_anything) {
   EXPECT_NE(outcome.out.find("252 vertices"), std::string::npos) << outcome.out;
 }
 
+TEST(Daemon, looks_at_no_drives_where_the_interface_is_not_there) {
+  const Folder folder;
+  std::string text = read_file(ARMSIG_REFERENCE);
+  text.replace(text.find("interface: can0"), 15, "interface: none");
+  write_file(folder / "cabinet.yaml", text);
+  const Outcome outcome = run_daemon(folder, "--drives cabinet.yaml");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err, "armsigd: none: the CAN interface is down or gone\n");
+}
+
 TEST(Daemon, refuses_a_wrong_configuration_with_its_place_and_status_2) {
   const Folder folder;
   std::string text = read_file(ARMSIG_REFERENCE);
   text.replace(text.find("node: 2"), 7, "node: 1");
   write_file(folder / "cabinet.yaml", text);
-  for (const char* option : {"--check", "--virtual", ""}) {
+  for (const char* option : {"--check", "--drives", "--virtual", ""}) {
     const Outcome outcome = run_daemon(folder, std::string("cabinet.yaml ") + option);
     EXPECT_EQ(outcome.status, 2) << option;
     EXPECT_NE(outcome.err.find("cabinet.yaml:"), std::string::npos) << outcome.err;
@@ -156,6 +167,27 @@ TEST(Daemon, answers_armsig_connect) {
   EXPECT_NE(out.find("\nerror WRONG_MODE "), std::string::npos) << out;
 }
 
+// As what reports meets it: it may ask, and it hears what an operator does at the other console.
+TEST(Daemon, lets_what_reports_ask_and_hear_at_a_socket_of_its_own_and_move_nothing) {
+  const Folder folder;
+  const std::string reporting = (folder / "report").string();
+  write_file(folder / "cabinet.yaml",
+             read_file(ARMSIG_REFERENCE) + "reporting_console: " + reporting + "\n");
+  test::ConsoleProcess reporter(
+      {ARMSIG_DAEMON, (folder / "cabinet.yaml").string(), "--virtual", "--console",
+       (folder / "console").string(), "--store", (folder / "store").string(), "--speed", "1"},
+      reporting);
+  ASSERT_TRUE(reporter.is_in("idle"));
+  EXPECT_TRUE(reporter.ask("enable").starts_with("error NOT_PERMITTED "));
+  EXPECT_TRUE(reporter.ask("stop").starts_with("error NOT_PERMITTED "));
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && '" ARMSIG_TOOL "' connect console enable --wait >.out 2>.err";
+  const int raw = std::system(command.c_str());  // NOLINT(cert-env33-c): our own command line
+  EXPECT_EQ(WEXITSTATUS(raw), 0) << read_file(folder / ".err");
+  EXPECT_TRUE(reporter.is_in("holding"));
+  EXPECT_TRUE(reporter.ask("fetch what=drawing part=1").starts_with("ok bytes="));
+}
+
 TEST(Daemon, identifies_the_emulated_arm_and_knows_it_after_it_was_killed) {
   const Folder folder;
   {
@@ -169,15 +201,15 @@ TEST(Daemon, identifies_the_emulated_arm_and_knows_it_after_it_was_killed) {
     ASSERT_TRUE(daemon.is_in("holding"));
     EXPECT_NE(daemon.ask("candidate").find("better=yes"), std::string::npos);
     EXPECT_EQ(daemon.ask("accept"), "ok");
-    EXPECT_TRUE(daemon.ask("signature").starts_with("ok model=signature sequence=1"));
+    EXPECT_TRUE(daemon.ask("signature").starts_with("ok model=signature signature=1"));
     EXPECT_EQ(daemon.end(SIGKILL), -1);
   }
   VirtualDaemon daemon(folder);
-  EXPECT_TRUE(daemon.ask("signature").starts_with("ok model=signature sequence=1"));
+  EXPECT_TRUE(daemon.ask("signature").starts_with("ok model=signature signature=1"));
   EXPECT_EQ(daemon.end(SIGTERM), 0);
 }
 
-// The arm of docs/controller.md that calibrates itself, as its operator meets it.
+// The arm of docs/self-calibration.md, as its operator meets it.
 TEST(Daemon, refines_until_the_accuracy_is_reached_that_was_asked_for) {
   const Folder folder;
   VirtualDaemon daemon(folder, "0",
@@ -192,7 +224,7 @@ TEST(Daemon, refines_until_the_accuracy_is_reached_that_was_asked_for) {
   ASSERT_TRUE(daemon.is_in("holding"));
   EXPECT_NE(daemon.ask("candidate").find("better=yes"), std::string::npos);
   EXPECT_EQ(daemon.ask("accept"), "ok");
-  EXPECT_NE(daemon.ask("status").find(" model=signature maps=yes "), std::string::npos);
+  EXPECT_NE(daemon.ask("status").find(" maps=yes "), std::string::npos);
   EXPECT_EQ(daemon.end(SIGTERM), 0);
 }
 

@@ -183,9 +183,9 @@ class FailingCalls : public testing::Test {
     const Life next = live_failing(0, false);
     ASSERT_FALSE(next.refused) << where << ": " << name(*next.refused);
     EXPECT_EQ(next.enable, "ok") << where;
-    const std::size_t found = next.signature.find(" sequence=");
+    const std::size_t found = next.signature.find(" signature=");
     ASSERT_NE(found, std::string::npos) << where << ": " << next.signature;
-    EXPECT_NE(sequences.find(next.signature[found + 10]), std::string::npos)
+    EXPECT_NE(sequences.find(next.signature[found + 11]), std::string::npos)
         << where << ": " << next.signature;
   }
   [[nodiscard]] std::size_t files() const {

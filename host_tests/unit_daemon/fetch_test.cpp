@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "host_tests/cli/files.hpp"
 #include "host_tests/unit_daemon/virtual_daemon.hpp"
@@ -121,6 +123,75 @@ TEST(Fetch, brings_what_the_controller_identified_and_what_it_measured) {
   EXPECT_EQ(
       run_tool(folder, "export --signature signature.yaml --format urdf --out puma.urdf").status,
       0);
+}
+
+// The text of `key=` in a reply.
+std::string text_in(const std::string& reply, const std::string& key) {
+  const std::size_t at = reply.find(" " + key + "=");
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + key.size() + 2;
+  return reply.substr(begin, reply.find(' ', begin) - begin);
+}
+
+// Metres as a text prints them in mm.
+std::string millimetres(double metres, int decimals) {
+  return fmt::format("{:.{}f}", 1e3 * metres, decimals);
+}
+
+// Fetches what is in use and reports it: both say what the controller says, to the last digit.
+void expect_figures_of(VirtualDaemon& daemon, const Folder& folder, const std::string& method,
+                       const std::string& region) {
+  const std::string told = daemon.ask("signature");
+  const std::string predicted_mm = text_in(told, "predicted_tool_error_mm");
+  const std::string validation_mm = text_in(told, "validation_rms_mm");
+  const Outcome fetched = fetch(folder, "s.yaml --json");
+  ASSERT_EQ(fetched.status, 0) << fetched.err;
+  const auto json = nlohmann::json::parse(fetched.out);
+  EXPECT_EQ(std::to_string(json["signature"].get<int>()), text_in(told, "signature"));
+  EXPECT_EQ(json["method"], method);
+  EXPECT_EQ(json["predicted_region"], region);
+  EXPECT_EQ(text_in(told, "predicted_region"), region);
+  EXPECT_EQ(std::to_string(json["validation_poses"].get<int>()), text_in(told, "validation_poses"));
+  const double predicted_m = json["predicted_tool_error_m"];
+  const double validation_m = json["validation_rms_m"];
+  EXPECT_EQ(millimetres(predicted_m, 4), predicted_mm);
+  EXPECT_EQ(millimetres(validation_m, 4), validation_mm);
+  const Outcome words = fetch(folder, "s.yaml");
+  EXPECT_TRUE(words.out.contains(millimetres(predicted_m, 3) + " mm RMS over")) << words.out;
+  EXPECT_TRUE(words.out.contains(millimetres(validation_m, 3) + " mm RMS")) << words.out;
+
+  const Outcome reported = run_tool(folder, "report --signature s.yaml --out report.html --json");
+  ASSERT_EQ(reported.status, 0) << reported.err;
+  const std::string verdict = nlohmann::json::parse(reported.out)["verdict"].dump();
+  EXPECT_TRUE(verdict.contains(millimetres(predicted_m, 3) + " mm (1σ)")) << verdict;
+  EXPECT_TRUE(verdict.contains("At " + text_in(told, "validation_poses") +
+                               " validation poses, which no fit has used, the tool is " +
+                               millimetres(validation_m, 3) + " mm from"))
+      << verdict;
+  EXPECT_EQ(verdict.contains("over the joint limits it is not known"), region == "configuration");
+  const std::string page = read_file(folder / "report.html");
+  EXPECT_TRUE(
+      page.contains("the signature puts the target " + millimetres(validation_m, 3) + " mm off"));
+  EXPECT_FALSE(page.contains("no positions were held out"));
+  EXPECT_EQ(page.contains("Predicted tool error at the signature configuration alone: " +
+                          millimetres(predicted_m, 3) + " mm"),
+            region == "configuration");
+}
+
+TEST(Fetch, and_report_tell_one_accuracy) {
+  const Folder folder;
+  VirtualDaemon daemon(folder, "0", {"--maps-deg", "0.02", "--sag-mm", "0.5"});
+  identify(daemon);
+  ASSERT_EQ(daemon.ask("accept"), "ok");
+  expect_figures_of(daemon, folder, "encoder", "configuration");
+  ASSERT_EQ(daemon.ask("identify accuracy_mm=0.5 minutes=60"), "ok");
+  ASSERT_TRUE(daemon.hear("# identify done"));
+  ASSERT_TRUE(daemon.is_in("holding"));
+  expect_figures_of(daemon, folder, "encoder", "configuration");
+  ASSERT_EQ(daemon.ask("accept"), "ok");
+  expect_figures_of(daemon, folder, "refined", "limits");
+  ASSERT_EQ(daemon.ask("rollback"), "ok");
+  expect_figures_of(daemon, folder, "encoder", "configuration");
 }
 
 }  // namespace

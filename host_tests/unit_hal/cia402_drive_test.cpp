@@ -278,17 +278,18 @@ TEST(Cia402Group, takes_targets_a_quarter_and_two_counts_faster_than_the_largest
 
 TEST(Cia402Group, lets_a_target_make_up_for_four_missed_periods_and_no_more) {
   constexpr double kStep = 1.25 * 2.0 * 2e-3;
+  const double count = Scaling::make(kSettings.scaling)->resolution();
   Arm arm;
   arm.enable();
   for (const int missed : {2, 4, 100}) {
     Drive drive = arm.drives[0];
     const hal::Instant later = arm.now + missed * kPeriod;
     const double largest = std::min(missed, 4) * kStep;
-    EXPECT_EQ(
-        test::failure_of(drive.set_target(arm.targets[0] + 1.1 * largest, true, kPeriod, later)),
-        Error::kTargetStep)
+    const double beyond = arm.targets[0] + largest + 2.1 * count;
+    const double within = arm.targets[0] + largest + 1.9 * count;
+    EXPECT_EQ(test::failure_of(drive.set_target(beyond, true, kPeriod, later)), Error::kTargetStep)
         << missed;
-    EXPECT_TRUE(drive.set_target(arm.targets[0] + 0.9 * largest, true, kPeriod, later)) << missed;
+    EXPECT_TRUE(drive.set_target(within, true, kPeriod, later)) << missed;
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/joint_range.hpp"
 #include "core/base/pose.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "host_tests/support/failure_of.hpp"
@@ -50,6 +51,17 @@ TEST(ArmFile, converts_degrees_and_millimetres) {
   EXPECT_EQ(arm.limits[1].upper, 0.9);
 }
 
+TEST(ArmFile, tells_which_way_is_up_by_how_the_arm_is_mounted) {
+  const auto up = [](const std::string& mounted) {
+    const auto read = parse_arm(arm_with(kRevolute, mounted), "A.yaml");
+    return read ? read->arm.up_0 : Vector3(Vector3::Zero());
+  };
+  EXPECT_EQ(up(""), Vector3(0, 0, 1));
+  EXPECT_EQ(up("mounted: ceiling\n"), Vector3(0, 0, -1));
+  EXPECT_EQ(up("mounted: wall\n"), Vector3(1, 0, 0));
+  EXPECT_TRUE(up("mounted: {gravity: [0, -6, 8]}\n").isApprox(Vector3(0, 0.6, -0.8), 1e-15));
+}
+
 TEST(ArmFile, takes_radians_and_metres) {
   const auto read =
       parse_arm(arm_with("  - {type: revolute, theta_rad: 1.5, d_m: 303.1234567890123, a_m: -0.25, "
@@ -75,6 +87,18 @@ TEST(ArmFile, gives_a_revolute_joint_without_limits_one_turn) {
   EXPECT_EQ(read->arm.limits[0].upper, kPi);
 }
 
+TEST(ArmFile, has_joints_that_turn_without_end) {
+  const auto read = parse_arm(
+      arm_with(
+          "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: 0, limits: none}\n"),
+      "A.yaml");
+  ASSERT_TRUE(read) << render(read.error());
+  EXPECT_TRUE(is_endless(read->arm.limits[0]));
+  const auto again = parse_arm(arm_text(*read), "B.yaml");
+  ASSERT_TRUE(again) << render(again.error());
+  EXPECT_TRUE(is_endless(again->arm.limits[0]));
+}
+
 TEST(ArmFile, reads_couplings) {
   const auto read = parse_arm(arm_with(kRevolute + kRevolute + kRevolute,
                                        "coupling:\n  - {joint: 3, from: 2, ratio: -1.0}\n"),
@@ -94,7 +118,7 @@ TEST(ArmFile, refuses_an_unknown_key_and_names_the_nearest) {
 TEST(ArmFile, refuses_an_unknown_key_and_lists_the_known_ones) {
   EXPECT_EQ(message_of(arm_with(kRevolute, "payload: 3\n")),
             "A.yaml:5:1: unknown key \"payload\" in the arm; expected armsig, name, joints, "
-            "coupling or deviations");
+            "coupling, deviations, mounted, floor_mm, floor_m, link_radius_mm or link_radius_m");
 }
 
 TEST(ArmFile, refuses_a_key_without_unit) {

@@ -102,6 +102,40 @@ TEST(ToolPoses, refuse_a_quaternion_that_is_no_unit) {
             "P.csv:2:7: a quaternion of length 0; expected a unit quaternion qw, qx, qy, qz");
 }
 
+// One rotation in every form: about z by 90, then about the new y by 30, the new x by 20 degrees.
+// The numbers were computed by another program.
+TEST(ToolPoses, take_orientations_as_makers_write_them) {
+  const Matrix3 expected = rotation_z(radians(90)) * rotation_about(Vector3::UnitY(), radians(30)) *
+                           rotation_x(radians(20));
+  for (const char* form :
+       {"q1,q2,q3,q4\n1,2,3,0.704416026403,-0.0616284167162,0.29883623873,0.640856382056",
+        "a_deg,b_deg,c_deg\n1,2,3,90,30,20", "w_deg,p_deg,r_deg\n1,2,3,20,30,90",
+        "ur_rx_rad,ur_ry_rad,ur_rz_rad\n1,2,3,-0.137046446583,0.664538321934,1.42510703033",
+        "staubli_rx_deg,staubli_ry_deg,staubli_rz_deg\n1,2,3,-30,20,90"}) {
+    const auto poses = parse_tool_poses(std::string("x_m,y_m,z_m,") + form + "\n", "P.csv");
+    ASSERT_TRUE(poses) << render(poses.error());
+    EXPECT_TRUE(poses->front().R.isApprox(expected, 1e-8)) << form;
+  }
+}
+
+TEST(ToolPoses, take_a_rotation_vector_of_no_length) {
+  const auto poses =
+      parse_tool_poses("x_m,y_m,z_m,ur_rx_rad,ur_ry_rad,ur_rz_rad\n1,2,3,0,0,0\n", "P.csv");
+  ASSERT_TRUE(poses) << render(poses.error());
+  EXPECT_EQ(poses->front().R, Matrix3(Matrix3::Identity()));
+}
+
+TEST(ToolPoses, want_one_orientation) {
+  EXPECT_EQ(tools_message("x_m,y_m,z_m,a_deg,b_deg,c_deg,w_deg,p_deg,r_deg\n1,2,3,0,0,0,0,0,0\n"),
+            "P.csv:1: orientations by the columns a, b, c and w, p, r; expected one of the two");
+  EXPECT_EQ(tools_message("x_m,y_m,z_m,a_deg,b_deg\n1,2,3,0,0\n"),
+            "P.csv:1: there is no column for c; expected c_deg or c_rad");
+  EXPECT_NE(tools_message("x_m,y_m,z_m\n1,2,3\n").find("there are no columns of an orientation"),
+            std::string::npos);
+  EXPECT_EQ(tools_message("x_m,y_m,z_m,q1_deg,q2_deg\n").find("outside the arm"),
+            std::string::npos);
+}
+
 TEST(ToolPoses, read_back_as_written) {
   const std::string path = testing::TempDir() + "armsig_tools.csv";
   const std::vector<Pose> written{{rotation_z(3.1) * rotation_x(-0.4), Vector3(1, -2, 0.1)},

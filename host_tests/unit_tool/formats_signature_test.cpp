@@ -146,7 +146,8 @@ TEST(SignatureFile, gives_back_every_bit_of_random_signatures) {
     }
     ASSERT_EQ(written.nominal.couplings.size(), read->nominal.couplings.size());
     EXPECT_EQ(*written.covariance, *read->covariance);
-    EXPECT_EQ(written.predicted_tool_error_m, read->predicted_tool_error_m);
+    EXPECT_EQ(written.accuracy, read->accuracy);
+    EXPECT_EQ(written.controller_signature, read->controller_signature);
     EXPECT_EQ(written.air_c, read->air_c);
   }
 }
@@ -167,7 +168,8 @@ TEST(SignatureFile, gives_back_every_text) {
 TEST(SignatureFile, keeps_what_is_absent_absent) {
   SignatureRecord record = a_record();
   record.covariance.reset();
-  record.predicted_tool_error_m.reset();
+  record.accuracy = {};
+  record.controller_signature = 0;
   record.air_c.reset();
   record.warnings.clear();
   record.serial.clear();
@@ -176,11 +178,25 @@ TEST(SignatureFile, keeps_what_is_absent_absent) {
   const auto read = parse_signature(text_of(record), "S.yaml");
   ASSERT_TRUE(read) << render(read.error());
   EXPECT_FALSE(read->covariance);
-  EXPECT_FALSE(read->predicted_tool_error_m);
+  EXPECT_EQ(read->accuracy, ToolAccuracy());
+  EXPECT_EQ(read->controller_signature, 0U);
   EXPECT_FALSE(read->air_c);
   EXPECT_TRUE(read->serial.empty());
   EXPECT_TRUE(read->signature.features.empty());
   EXPECT_TRUE(read->signature.targets.empty());
+}
+
+TEST(SignatureFile, refuses_a_predicted_error_without_its_region_or_with_another_word) {
+  const std::string text = text_of(a_record());
+  const std::string region = "  predicted_region: measured\n";
+  ASSERT_NE(text.find(region), std::string::npos);
+  EXPECT_NE(message_of(forged(edited(text, region, ""))).find("predicted_region"),
+            std::string::npos);
+  EXPECT_NE(message_of(forged(edited(text, region, "  predicted_region: anywhere\n")))
+                .find("configuration, measured, limits"),
+            std::string::npos);
+  const std::string negative = edited(text, "validation_rms_m: ", "validation_rms_m: -");
+  EXPECT_NE(message_of(forged(negative)).find("no negative length"), std::string::npos);
 }
 
 TEST(SignatureFile, says_what_it_is_in_its_first_key) {

@@ -138,8 +138,8 @@ class LivePage(unittest.TestCase):
         self.headline("The candidate is better")
         self.assertNotEqual(self.tab.ask("document.getElementById('arm').toDataURL()"), before)
         told = dict(re.findall(r"(\w+)=(\S+)", self.cabinet.ask("candidate")[0]))
-        self.assertAlmostEqual(float(self.tab.text("candidate-rms").split()[0]), float(told["candidate_rms_mm"]), delta=0.006)
-        rows = int(re.search(r"rows=(\d+)", self.cabinet.ask("log")[0])[1]) - int(told["held_out"])
+        self.assertAlmostEqual(float(self.tab.text("candidate-rms").split()[0]), float(told["validation_rms_mm"]), delta=0.006)
+        rows = int(re.search(r"rows=(\d+)", self.cabinet.ask("log")[0])[1]) - int(told["validation_poses"])
         self.tab.wait(f"document.querySelectorAll('.dial .point').length === {rows}")
         self.draw("candidate")
         self.press("accept")
@@ -159,6 +159,20 @@ class LivePage(unittest.TestCase):
         self.tab.wait("document.querySelectorAll('#black-box-charts canvas').length === 2", kSlow)
         self.assertEqual(self.tab.ask("document.getElementById('black-box-joint').value"), str(joint))
         self.assertRegex(self.tab.ask("document.getElementById('black-box-file').download"), r"^black-box-.*\.csv$")
+
+    @with_cabinet({}, speed=0.02)  # the drives' set-up takes half a minute
+    def test_shows_no_reading_before_its_drive_has_told_it(self):
+        self.headline("Starting")
+        shown = self.tab.ask("document.getElementById('readings').textContent")
+        self.assertNotIn("NaN", shown)
+        self.assertNotIn("\u00b0", shown)
+        self.assertEqual(shown.count("not known"), 6, shown)
+        facts = self.tab.ask("document.getElementById('facts').textContent")
+        self.assertNotIn("NaN", facts)
+        self.assertNotIn("undefined", facts)
+        self.mode("idle")
+        self.tab.wait("document.getElementById('readings').textContent.includes('\u00b0')", kSlow)
+        self.assertNotIn("not known", self.tab.ask("document.getElementById('readings').textContent"))
 
     @with_cabinet({"following_error_deg: 3, sweep_at_deg: 0": "following_error_deg: 3, following_window_deg: 0.02, sweep_at_deg: 0"})
     def test_a_drive_that_lags_is_named_with_its_own_words(self):
@@ -236,12 +250,38 @@ class LivePage(unittest.TestCase):
         self.headline("Measuring poses anywhere")
         self.headline("The candidate is better")
         said = self.tab.text("said")
-        predicted = float(re.search(r"accuracy=reached .*?predicted_mm=([0-9.]+)", said)[1])
-        told = re.search(r"([0-9.]+) mm RMS predicted, 0.15 mm asked for: reached", self.tab.text("facts"))
+        predicted = float(re.search(r"accuracy=reached .*?predicted_tool_error_mm=([0-9.]+)", said)[1])
+        told = re.search(r"([0-9.]+) mm RMS predicted over the joint limits.*0.15 mm asked for: reached", self.tab.text("facts"))
         self.assertAlmostEqual(float(told[1]), predicted, delta=0.006)
         late = Tab(self.browser, self.page.address)  # who comes later is told the same
         late.wait("document.getElementById('facts').textContent.includes('0.15 mm asked for: reached')", kSlow)
         self.draw("self-calibrated")
+        self.press("accept")
+        self.figures_of(1, predicted)
+        # Nothing of a signature that is no longer in use; nor after the controller was killed.
+        self.press_sure("rollback")
+        self.no_figures()
+        self.cabinet.process.kill()
+        self.cabinet.process.wait()
+        os.unlink(self.cabinet.console)
+        self.cabinet.start()
+        self.mode("idle")
+        self.no_figures()
+
+    def figures_of(self, number, predicted):
+        """The page has the accuracy of signature `number`, as the controller tells it, and of nothing else."""
+        self.tab.wait(f"document.getElementById('facts').textContent.includes('number {number}')", kSlow)
+        facts = self.tab.text("facts")
+        told = dict(re.findall(r"(\w+)=(\S+)", self.cabinet.ask("status")[0]))
+        self.assertEqual((told["signature"], told["predicted_region"]), (str(number), "limits"))
+        self.assertEqual(float(told["predicted_tool_error_mm"]), predicted)
+        self.assertEqual(len(re.findall("predicted", facts)), 1, facts)
+        self.assertAlmostEqual(float(re.search(r"([0-9.]+) mm RMS predicted over the joint limits", facts)[1]), predicted, delta=0.006)
+        self.assertIn(f"mm RMS on {told['validation_poses']} validation poses", facts)
+
+    def no_figures(self):
+        self.tab.wait("!document.body.classList.contains('stale') && "
+                      "!/predicted|validation|reached|number/.test(document.getElementById('facts').textContent)", kSlow)
 
     def test_a_second_viewer_looks_on_until_it_takes_over(self):
         self.mode("idle")

@@ -245,6 +245,68 @@ class LiveServer(unittest.TestCase):
             file.write("../../x\n")
         self.assertIn("bad-token", refused(self.cabinet.console, "--web", "--token-file", bad))
 
+    def peak_kib(self):
+        with open(f"/proc/{self.page.process.pid}/status") as file:
+            return int(re.search(r"VmHWM:\s+(\d+) kB", file.read())[1])
+
+    def flooded(self, head, piece):
+        """What is sent to it, 8 MiB of pieces at most, until it takes no more; of 24 strangers one after the other."""
+        before = self.peak_kib()
+        for _ in range(24):
+            with socket.create_connection(("127.0.0.1", self.page.port), 10) as stranger:
+                sent = 0
+                try:
+                    stranger.sendall(head)
+                    while sent < 8 << 20:
+                        stranger.sendall(piece)
+                        sent += len(piece)
+                except OSError:
+                    pass  # it has ended the connection
+                self.assertLess(sent, 8 << 20)
+        return self.peak_kib() - before
+
+    def test_holds_little_of_what_a_stranger_sends(self):
+        host = f"Host: 127.0.0.1:{self.page.port}\r\n".encode()
+        for name, head, piece in (
+                ("a request line without an end", b"GET /", b"a" * 65536),
+                ("a header without an end", b"GET / HTTP/1.1\r\n" + host + b"X: ", b"a" * 65536),
+                ("headers without an end", b"GET / HTTP/1.1\r\n" + host, b"X: y\r\n" * 10000),
+                ("a chunked body", b"POST / HTTP/1.1\r\n" + host + b"Transfer-Encoding: chunked\r\n\r\n", b"10000\r\n" + b"a" * 65536 + b"\r\n"),
+                ("a chunk without an end", b"POST / HTTP/1.1\r\n" + host + b"Transfer-Encoding: chunked\r\n\r\n", b"1" * 65536),
+                ("a long body", b"POST / HTTP/1.1\r\n" + host + b"Content-Length: 1000000000\r\n\r\n", b"a" * 65536)):
+            with self.subTest(name):
+                self.assertLess(self.flooded(head, piece), 4096)
+        self.assertEqual(self.get(f"/{self.page.token}/")[0], 200)
+
+    def test_serves_no_ranges(self):
+        many = "bytes=" + ",".join(["0-"] * 200)
+        status, text = self.get(f"/{self.page.token}/main.js", Range=many)
+        self.assertEqual((status, text), self.get(f"/{self.page.token}/main.js"))
+        self.assertEqual(status, 200)
+        self.assertLess(len(self.get("/", Range=many)[1]), 200)
+
+    def test_believes_no_key_that_others_may_read(self):
+        def start(file):
+            return subprocess.run([armsig, "connect", self.cabinet.console, "--web", "--token-file", file], capture_output=True,
+                                  text=True, timeout=60)
+        key = os.path.join(self.folder.name, "open-key")
+        with open(key, "w") as file:
+            file.write("0123456789abcdef" * 2)
+        for mode in (0o644, 0o640, 0o604, 0o620, 0o602):
+            os.chmod(key, mode)
+            done = start(key)
+            self.assertEqual(done.returncode, 2, oct(mode))
+            self.assertIn("others may read or write it", done.stderr)
+        os.chmod(key, 0o600)
+        link = os.path.join(self.folder.name, "link")
+        os.symlink(key, link)
+        self.assertEqual(start(link).returncode, 2)
+        os.mkfifo(os.path.join(self.folder.name, "pipe"), 0o600)
+        self.assertEqual(start(os.path.join(self.folder.name, "pipe")).returncode, 2)
+        if os.geteuid() == 0:
+            os.chown(key, 65534, 65534)
+            self.assertIn("another user", start(key).stderr)
+
     def test_keeps_its_key_where_it_is_told(self):
         kept = os.path.join(self.folder.name, "token")
         first = Page(armsig, self.cabinet.console, "--web", "--token-file", kept).start()

@@ -5,9 +5,9 @@
 #include <cstdio>
 
 #include "core/identification.hpp"
-#include "core/kinematics/cold_start.hpp"
 #include "core/kinematics/s_model_chain.hpp"
-#include "core/layout.hpp"
+#include "firmware/analysis/layout.hpp"
+#include "firmware/analysis/postures/cold_start.hpp"
 
 namespace {
 

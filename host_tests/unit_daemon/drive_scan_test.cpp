@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: MIT
+// What a look at the drives finds of each table, and that it writes nothing.
+#include "firmware/linux/drive_scan.hpp"
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "firmware/linux/drive_words.hpp"
+#include "hal/canopen/drive_setup.hpp"
+#include "hal/canopen/master.hpp"
+#include "hal/simulated/virtual_can_bus.hpp"
+#include "hal/simulated/virtual_clock.hpp"
+#include "host_tests/support/drive_tables.hpp"
+#include "host_tests/support/puma_drives.hpp"
+#include "host_tests/support/scripted_can_bus.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+using std::chrono::milliseconds;
+using test::DriveTable;
+
+// Every frame that the looking one sends is an SDO upload.
+class OnlyUploads final : public simulated::CanWatcher {
+ public:
+  unsigned asked = 0;
+
+ private:
+  void do_see(const hal::ReceivedCanFrame& received) override {
+    const hal::CanFrame& frame = received.frame;
+    const std::uint32_t function = frame.id & canopen::kFunctionMask;
+    if (function == canopen::kSdoResponseId || function == canopen::kHeartbeatId) return;
+    ASSERT_EQ(function, canopen::kSdoRequestId) << test::text(frame);
+    ASSERT_EQ(frame.data[0] & 0xE0, 0x40) << test::text(frame);
+    ++asked;
+  }
+};
+
+// Drives of these tables on nodes 1, 2, ..., of which the first `joints` are configured.
+struct Bus {
+  Bus(const std::vector<DriveTable>& tables, std::uint8_t joints) {
+    canopen::Configuration drives = test::puma_drives(joints);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const double counts = i < tables.size() ? tables[i].counts_per_revolution : 4000;
+      drives.axes[i].scaling.counts_per_revolution = counts;
+    }
+    configuration.emplace(*canopen::check(drives));
+    bus.connect(port);
+    bus.set_watcher(&watcher);
+    for (const DriveTable& table : tables) {
+      simulated::DriveConfiguration drive = table.drive();
+      drive.node = static_cast<std::uint8_t>(motors.size() + 1);
+      drive.serial = 1000U + drive.node;
+      ports.emplace_back();
+      motors.emplace_back(drive, ports.back());
+      bus.connect(ports.back(), &motors.back());
+    }
+    clock.add(bus);
+    scan.emplace(*configuration, port);
+  }
+
+  void look() {
+    for (int i = 1; i < 60'000; ++i) {
+      clock.wait_until(hal::Instant(milliseconds(i)));
+      if (!scan->step(clock.now())) return;
+    }
+    ADD_FAILURE() << "it does not end";
+  }
+
+  simulated::VirtualClock clock;
+  simulated::VirtualCanBus bus;
+  simulated::VirtualCanPort port;
+  std::deque<simulated::VirtualCanPort> ports;
+  std::deque<simulated::Drive> motors;
+  OnlyUploads watcher;
+  std::optional<canopen::CheckedConfiguration> configuration;
+  std::optional<DriveScan> scan;
+};
+
+// "set up", or the object by which a drive would be refused.
+std::string verdict(const DriveTable& table) {
+  Bus one({table}, 1);
+  one.look();
+  EXPECT_GT(one.watcher.asked, 127U);
+  const Rehearsal setup = rehearse(one.scan->nodes().at(0), *one.configuration);
+  EXPECT_EQ(all_would_be_set_up(one.scan->nodes(), *one.configuration), !setup.refusal);
+  if (!setup.refusal) return "set up";
+  std::ostringstream object;
+  object << std::hex << std::uppercase << setup.refusal->object.index << "h";
+  return object.str();
+}
+
+TEST(DriveScan, foresees_of_every_drive_that_is_sold_whether_it_would_be_set_up) {
+  const std::map<std::string, std::string> refused{{"Pilz PRBT joint (DCF)", "6502h"},
+                                                   {"Maxon EPOS2 70/10", "6502h"},
+                                                   {"Maxon EPOS4 50/5", "6502h"}};
+  const auto tables = test::shared_drive_tables();
+  if (tables.empty()) GTEST_SKIP() << "without the shared data";
+  for (const DriveTable& table : tables) {
+    const auto found = refused.find(table.name);
+    EXPECT_EQ(verdict(table), found == refused.end() ? "set up" : found->second) << table.name;
+  }
+}
+
+// What only a write tells it can't foresee: an option that is read-only.
+TEST(DriveScan, foresees_what_can_be_read_of_invented_drives) {
+  for (const DriveTable& table : test::invented_drive_tables()) {
+    EXPECT_EQ(verdict(table), "set up") << table.name;
+  }
+}
+
+TEST(DriveScan, tells_what_it_would_write_and_what_is_gone_without) {
+  const auto tables = test::invented_drive_tables();
+  Bus two({tables[0], tables[1]}, 2);
+  two.look();
+  const std::string words = drives_in_words(*two.scan, *two.configuration);
+  EXPECT_NE(words.find("node 1, joint 1: drive of CiA 402\n"), std::string::npos) << words;
+  EXPECT_NE(words.find(" serial 0x3E9\n"), std::string::npos) << words;
+  EXPECT_NE(words.find("Switch on disabled, no error, mode 0, at 0 counts = 0.000 deg\n"),
+            std::string::npos)
+      << words;
+  EXPECT_NE(words.find("\n  modes not told\n"), std::string::npos) << words;
+  EXPECT_NE(words.find("\n  modes: profile position, profile velocity, homing, cyclic synchronous "
+                       "position\n"),
+            std::string::npos)
+      << words;
+  EXPECT_NE(
+      words.find("1016h:1 watches master's heartbeat absent      -           does not see that "
+                 "this process dies\n"),
+      std::string::npos)
+      << words;
+  EXPECT_NE(words.find("605Ah:0 quick stop                 0x2         0x6\n"), std::string::npos)
+      << words;
+  EXPECT_NE(words.find("  would be set up\n"), std::string::npos) << words;
+  EXPECT_NE(words.find("  would be set up; holds torque when this process dies\n"),
+            std::string::npos)
+      << words;
+  std::istringstream lines(words);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100U) << line;
+}
+
+TEST(DriveScan, names_a_joint_without_a_drive_a_node_of_nobody_and_another_master) {
+  const auto tables = test::invented_drive_tables();
+  Bus bus({tables[0], tables[1]}, 1);
+  EXPECT_TRUE(bus.scan->nodes().empty());
+  simulated::VirtualCanPort stranger;
+  bus.bus.set_watcher(nullptr);
+  bus.bus.connect(stranger);
+  ASSERT_TRUE(stranger.send(canopen::sync_frame()));
+  bus.look();
+  const std::string words = drives_in_words(*bus.scan, *bus.configuration);
+  EXPECT_TRUE(words.starts_with("another master is on the bus\n")) << words;
+  EXPECT_NE(words.find("node 2, not configured: drive of CiA 402\n"), std::string::npos) << words;
+
+  Bus lonely({}, 1);
+  lonely.look();
+  EXPECT_EQ(drives_in_words(*lonely.scan, *lonely.configuration),
+            "node 1, joint 1: does not answer\n");
+  EXPECT_FALSE(all_would_be_set_up(lonely.scan->nodes(), *lonely.configuration));
+}
+
+TEST(DriveScan, sees_two_devices_that_answer_as_one_node) {
+  const auto table = test::invented_drive_tables()[0];
+  Bus bus({table}, 1);
+  simulated::VirtualCanPort port;
+  simulated::DriveConfiguration twin = table.drive();
+  twin.node = 1;
+  simulated::Drive drive(twin, port);
+  bus.bus.connect(port, &drive);
+  bus.look();
+  EXPECT_EQ(bus.scan->nodes().at(0).answers, 2U);
+  EXPECT_FALSE(all_would_be_set_up(bus.scan->nodes(), *bus.configuration));
+}
+
+TEST(DriveScan, is_told_to_programs) {
+  const auto tables = test::invented_drive_tables();
+  Bus bus({tables[1]}, 1);
+  bus.look();
+  const auto json = nlohmann::json::parse(drives_as_json(*bus.scan, *bus.configuration));
+  EXPECT_EQ(json["armsig"], "drives/1");
+  const auto& node = json["nodes"][0];
+  EXPECT_EQ(node["joint"], 1);
+  EXPECT_EQ(node["set_up"], true);
+  EXPECT_EQ(node["supervised"], false);
+  bool seen = false;
+  for (const auto& object : node["objects"]) {
+    if (object["object"] != "6007h:0") continue;
+    seen = true;
+    EXPECT_TRUE(object["found"].is_null());
+    EXPECT_EQ(object["abort"], 0x06020000);
+    EXPECT_EQ(object["costs"], "holds torque when this process dies");
+  }
+  EXPECT_TRUE(seen);
+}
+
+// With nobody on the bus no frame is acknowledged, and the queue of a socket stays full.
+class FullBus final : public hal::CanBus {
+ private:
+  Result<void> do_send(const hal::CanFrame& /*frame*/) override {
+    return room_-- > 0 ? Result<void>{} : std::unexpected(Error::kBusBusy);
+  }
+  std::optional<hal::ReceivedCanFrame> do_receive() override { return std::nullopt; }
+  hal::CanStatus do_status() override { return {.state = hal::CanState::kPassive}; }
+
+  int room_ = 10;
+};
+
+TEST(DriveScan, ends_where_the_bus_takes_no_frames) {
+  const auto configuration = canopen::check(test::puma_drives(1));
+  ASSERT_TRUE(configuration);
+  FullBus full;
+  DriveScan scan(*configuration, full);
+  hal::Instant now{};
+  int steps = 0;
+  while (scan.step(now) && ++steps < 5000) now += milliseconds(1);
+  EXPECT_LT(steps, 2000);
+  EXPECT_TRUE(scan.is_stuck());
+}
+
+// One table of rules: what the set-up prefers, needs or compares has words here.
+TEST(DriveScan, has_words_for_every_object_that_the_set_up_weighs) {
+  canopen::Configuration drives = test::puma_drives(1);
+  drives.axes[0].stop_deceleration = 10;
+  drives.axes[0].following_window = 0.1;
+  const auto checked = canopen::check(drives);
+  ASSERT_TRUE(checked);
+  for (const auto& step : canopen::drive_setup(*checked, 0)) {
+    const bool weighed =
+        step.rule != cia402::SetupRule::kIfPresent && step.rule != cia402::SetupRule::kMust;
+    if (!weighed) continue;
+    bool found = false;
+    for (const ObjectWords& words : object_words()) {
+      if (words.index != step.request.index || words.subindex != step.request.subindex) continue;
+      found = true;
+      EXPECT_TRUE(!cia402::is_option(step.rule) || !words.cost.empty()) << words.what;
+    }
+    EXPECT_TRUE(found) << std::hex << step.request.index;
+  }
+}
+
+// "EPOS4 50/5" as in CiA 301, 7.2.4.3.5: the length, then seven characters a segment.
+TEST(TextUpload, puts_segments_together) {
+  TextUpload upload(5, 0x1008, milliseconds(100));
+  const hal::Instant now{};
+  const auto exchange = [&](const char* asked, const char* answer) {
+    const auto frame = upload.poll(now);
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(test::text(*frame), asked);
+    upload.take(test::frame(answer));
+  };
+  exchange("605#4008100000000000", "585#410810000A000000");
+  exchange("605#6000000000000000", "585#0045504F53342035");
+  exchange("605#7000000000000000", "585#19302F3500000000");
+  EXPECT_TRUE(upload.is_over());
+  EXPECT_EQ(upload.text(), "EPOS4 50/5");
+}
+
+TEST(TextUpload, ends_where_it_is_refused_cut_or_too_long) {
+  const hal::Instant now{};
+  TextUpload refused(5, 0x1008, milliseconds(100));
+  EXPECT_TRUE(refused.poll(now));
+  refused.take(test::frame("585#8008100000000206"));
+  EXPECT_TRUE(refused.is_over());
+  TextUpload silent(5, 0x1008, milliseconds(100));
+  EXPECT_TRUE(silent.poll(now));
+  EXPECT_FALSE(silent.poll(now + milliseconds(101)));
+  EXPECT_TRUE(silent.is_over());
+  TextUpload endless(5, 0x1008, milliseconds(100));
+  EXPECT_TRUE(endless.poll(now));
+  endless.take(test::frame("585#41081000FF000000"));
+  for (int i = 0; i < 100 && !endless.is_over(); ++i) {
+    EXPECT_TRUE(endless.poll(now));
+    endless.take(test::frame(i % 2 == 0 ? "585#0041414141414141" : "585#1041414141414141"));
+  }
+  EXPECT_TRUE(endless.is_over());
+  EXPECT_EQ(endless.text().size(), TextUpload::kLongest);
+  TextUpload unprinted(5, 0x1008, milliseconds(100));
+  EXPECT_TRUE(unprinted.poll(now));
+  unprinted.take(test::frame("585#41081000FF000000"));
+  for (int i = 0; i < 100 && !unprinted.is_over(); ++i) {
+    EXPECT_TRUE(unprinted.poll(now));
+    unprinted.take(test::frame(i % 2 == 0 ? "585#0000000000000000" : "585#1000000000000000"));
+  }
+  EXPECT_TRUE(unprinted.is_over());
+  EXPECT_EQ(unprinted.text(), "");
+}
+
+}  // namespace
+}  // namespace armsig::daemon
