@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # AArch64 Linux, cross-compiled on Debian; tests run under user-mode emulation. `toolchain/setup --aarch64` brings the
 # compiler, the emulator, and the libraries in a folder of their own (build/aarch64-libraries).
 set(CMAKE_SYSTEM_NAME Linux)

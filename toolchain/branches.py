@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Branches of a room in clang's counters: toolchain/branches.py ROOM PROFILE OBJECTS AND PROGRAMS; see toolchain/coverage."""
 import collections
 import json

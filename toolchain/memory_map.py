@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Holds the sections of an image against the regions of the memory protection unit that the image sets up: the emulator
 has no cache, so that only this shows a bank, or what another core looks at, in memory that is written back later or never.
 

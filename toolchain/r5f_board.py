@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The emulated board with the R5F: QEMU's xlnx-zcu102, the controller on core 0, the emulated arm on core 1."""
 import os
 import pathlib
@@ -11,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "cortex-r5f" / "firmware"
 CONTROLLER = BUILD / "cabinet_r5f" / "cabinet_r5f_emulated.elf"
 ARM = BUILD / "arm_r5f" / "arm_r5f.elf"
-BANK_AT, BANK_BYTES = 0xFFFFC000, 14336  # toolchain/boards/r5f/r5f.ld
+BANK_AT, BANK_BYTES = 0xFFFFC400, 14336  # toolchain/boards/r5f/r5f.ld
 
 
 class Failure(Exception):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Images for bare metal.
 
 # armsig_image(name BOARD board BUDGET file SOURCES sources... LIBRARIES libraries...): one flashable program. Its link

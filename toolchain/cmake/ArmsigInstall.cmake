@@ -1,5 +1,6 @@
+# SPDX-License-Identifier: MIT
 # What `cmake --install` puts where: the command with its manual page and completion, and core as a CMake package
-# (find_package(armsig), armsig::core). `cpack -G DEB` makes a Debian package of the same.
+# (find_package(armsig), armsig::core and armsig::analysis). `cpack -G DEB` makes a Debian package of the same.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -7,18 +8,18 @@ install(TARGETS armsig RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/docs/man/armsig.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${PROJECT_SOURCE_DIR}/toolchain/completion/armsig ${PROJECT_SOURCE_DIR}/toolchain/completion/armsigd
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(FILES ${PROJECT_SOURCE_DIR}/toolchain/debian/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN man EXCLUDE PATTERN examples EXCLUDE)
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN man EXCLUDE PATTERN examples EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The public face: from ranges and sweeps to a signature and to poses. These headers and what they include, no others;
 # included from the root of the project: "core/identification.hpp".
 set(public_headers
-  core/identification.hpp core/layout.hpp core/base/links.hpp
+  core/identification.hpp firmware/analysis/layout.hpp core/base/links.hpp
   core/measurement/ping_median.hpp core/measurement/speed_of_sound.hpp core/measurement/trilateration.hpp
-  core/features/fusion.hpp core/features/sweep_estimator.hpp core/frames/link_frames.hpp core/pseudo_dh/pseudo_dh.hpp
-  core/kinematics/cold_start.hpp core/kinematics/inverse.hpp core/kinematics/s_model_chain.hpp)
+  firmware/analysis/evaluation/fusion.hpp core/features/sweep_estimator.hpp core/frames/link_frames.hpp core/pseudo_dh/pseudo_dh.hpp
+  firmware/analysis/postures/cold_start.hpp core/kinematics/inverse.hpp core/kinematics/s_model_chain.hpp)
 set(found_headers "")
 while(public_headers)
   list(POP_FRONT public_headers header)
@@ -26,7 +27,7 @@ while(public_headers)
     continue()
   endif()
   list(APPEND found_headers ${header})
-  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include \"core/")
+  file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include \"(core|firmware/analysis)/")
   list(TRANSFORM includes REPLACE "^#include \"(.*)\"$" "\\1")
   list(APPEND public_headers ${includes})
 endwhile()
@@ -34,9 +35,11 @@ foreach(header IN LISTS found_headers)
   get_filename_component(folder ${header} DIRECTORY)
   install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/armsig/${folder})
 endforeach()
-set_target_properties(armsig_core PROPERTIES EXPORT_NAME core)
+foreach(library core analysis)
+  set_target_properties(armsig_${library} PROPERTIES EXPORT_NAME ${library})
+endforeach()
 target_compile_features(armsig_core PUBLIC cxx_std_23)
-install(TARGETS armsig_core EXPORT armsigTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS armsig_core armsig_analysis EXPORT armsigTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/armsig)
 install(EXPORT armsigTargets NAMESPACE armsig:: DESTINATION ${package_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/armsigConfig.cmake.in

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # What Debian wants of a package and an installation need not have: manual pages compressed, and a changelog in Debian's form.
 # Run by cpack (CPACK_PRE_BUILD_SCRIPTS) over what it has installed into its own folder.
 find_program(GZIP gzip REQUIRED)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Compile settings that every target of the project shares, and those of code that also runs on the controller.
 
 add_library(armsig_warnings INTERFACE)

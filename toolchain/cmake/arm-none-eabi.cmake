@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Common to every bare-metal ARM target: Debian's arm-none-eabi GCC with newlib. Included by cortex-*.cmake, which set
 # ARMSIG_CPU_FLAGS and ARMSIG_OPTIMISATION.
 set(CMAKE_SYSTEM_NAME Generic)

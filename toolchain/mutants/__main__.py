@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """toolchain/mutate: see there."""
 import argparse
 import collections
@@ -24,7 +25,7 @@ JOBS = int(os.environ.get("ARMSIG_JOBS", "2"))
 EQUIVALENT = pathlib.Path("host_tests/mutants/equivalent.txt")
 # Each room with the folders of host_tests that are its tests.
 ROOMS = {"firmware/controller": ("controller", "unit_daemon"), "hal": ("unit_hal", "transcript", "controller"),
-         **dict.fromkeys(("core", "firmware/calibration", "firmware/drift", "firmware/differences"), ("unit", "property"))}
+         **dict.fromkeys(("core", "firmware/analysis"), ("unit", "property"))}
 NOT_PORTABLE = ("hal/linux/", "hal/r5f/", "hal/simulated/")
 # Tests of this machine's clock.
 LEFT_OUT = ("soak_test", "servo_time_test")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The tests of a build: which there are, which mutants each passes, and whether they notice one."""
 import os
 import resource

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Writes mutants into their sources: every one of them in the same text, asleep until its number is chosen."""
 import pathlib
 import random

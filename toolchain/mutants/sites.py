@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Where a source may be changed, and into what: walks Clang's syntax tree of each room.
 
 A site is one range of one file with one or more changes of which one is taken. The text of a change refers to ranges

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A source file and the places in it that may be changed."""
 import dataclasses
 
