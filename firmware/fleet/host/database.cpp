@@ -63,7 +63,7 @@ bool names_signature(const Readings& readings) {
 bool knows_signature(const Readings& birth) {
   return std::ranges::any_of(birth, [](const Reading& reading) {
     return (reading.item == Item::kSignatureHash && reading.value != Value()) ||
-           (reading.item == Item::kModel && reading.value == Value(Text("drawing")));
+           (reading.item == Item::kModel && reading.value == Value(Text("nominal")));
   });
 }
 
@@ -112,6 +112,8 @@ void Database::note_failure(const pg_result* result) {
   const char* const state = PQresultErrorField(result, PG_DIAG_SQLSTATE);
   failed_state_ = state != nullptr ? state : "";
   failed_ = PQerrorMessage(connection_.get());
+  // The message is in the server's language, the code is the same in all.
+  if (!failed_state_.empty()) failed_ += fmt::format("(SQLSTATE {})", failed_state_);
 }
 
 std::string Database::problem() const {
