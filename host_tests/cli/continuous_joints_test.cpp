@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Joints that turn without end: from the file to the signature, its exports and its solutions.
+#include <fmt/format.h>
+
 #include "host_tests/cli/predictions.hpp"
 
 namespace armsig::cli {
@@ -38,8 +40,8 @@ void import_endless(const Folder& folder) {
   const Outcome simulated =
       run_tool(folder,
                "simulate --arm arm.yaml --configuration 0 -60 70 0 50 0 --sigma-mm 0.05 --arc 90 "
-               "--points 20 --mixed-poses 60 "
-               "--hand-target-mm 80,30,120 --tolerances 1 --seed 3 --out m.csv --truth-out "
+               "--points 20 --free-poses 60 "
+               "--flange-target-mm 80,30,120 --tolerances 1 --seed 3 --out m.csv --truth-out "
                "truth.yaml");
   ASSERT_EQ(simulated.status, 0) << simulated.err;
 }
@@ -128,6 +130,36 @@ TEST(ContinuousJoints, are_solved_the_short_way_from_a_seed) {
   }
 }
 
+// A controller that shows such a joint between -180 and 180 degrees: the rows of a sweep jump by a
+// turn, and mean the same arm.
+TEST(ContinuousJoints, may_be_logged_within_one_turn) {
+  const Folder folder;
+  import_endless(folder);
+  const std::string simulate =
+      "simulate --arm arm.yaml --truth truth.yaml --configuration 170 -60 70 170 50 170 --arc 300 "
+      "--points 40 --sigma-mm 0.05 --free-poses 60 --flange-target-mm 80,30,120 --out m.csv";
+  ASSERT_EQ(run_tool(folder, simulate).status, 0);
+  Csv rows = Csv::read(folder / "m.csv");
+  write_joint_poses(rows, folder / "q.csv");
+  std::size_t wrapped = 0;
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    for (const char* joint : {"q1_deg", "q4_deg", "q6_deg"}) {
+      const double within = std::remainder(rows.number(k, joint), 360);
+      wrapped += static_cast<std::size_t>(std::abs(within - rows.number(k, joint)) > 1);
+      rows.rows[k][rows.column(joint)] = fmt::format("{}", within);
+    }
+  }
+  ASSERT_GT(wrapped, 50U);
+  rows.write(folder / "w.csv");
+  for (const char* name : {"m", "w"}) {
+    const Outcome outcome = run_tool(
+        folder, fmt::format("identify --arm arm.yaml --measurements {0}.csv --out {0}.yaml", name));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+  }
+  EXPECT_LT(largest_distance(predict(folder, "m.yaml", "1"), predict(folder, "w.yaml", "1")), 5e-6);
+}
+
 // Ten turns of a joint without end are ten turns; of one with limits nobody gets there.
 TEST(ContinuousJoints, count_their_turns) {
   const Folder folder;
@@ -160,7 +192,7 @@ TEST(ContinuousJoints, are_identified_planned_and_reported_like_others) {
   done("identify --arm arm.yaml --measurements m.csv --out e.yaml");
   done(
       "simulate --arm arm.yaml --truth truth.yaml --sigma-mm 0.05 --arc 60 --points 10 "
-      "--mixed-poses 40 --hand-target-mm 80,30,120 --seed 8 --out later.csv");
+      "--free-poses 40 --flange-target-mm 80,30,120 --seed 8 --out later.csv");
   done("check --signature s.yaml --measurements later.csv");
   done("suggest --signature s.yaml --count 3 --out more.csv");
   done("report --signature s.yaml --measurements m.csv --out r.html");
