@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <new>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "firmware/command_line/help_form.hpp"
 #include "firmware/command_line/option_problem.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/wrapping.hpp"
@@ -21,7 +23,7 @@ namespace {
 
 constexpr const char* kDescription =
     "armsig finds the arm signature of a robot arm: its actual kinematic parameters,\n"
-    "from sweeps of one joint at a time, and says how sure it is.";
+    "from sweeps of one joint at a time, and states their uncertainty.";
 
 constexpr const char* kFooter =
     "Start with `armsig demo`. Files and units: docs/formats.md.\n"
@@ -60,13 +62,18 @@ std::string fitted(const std::string& help) {
   return text;
 }
 
-int run(int argc, char** argv) {
+// `armsig` alone asks for help, as `armsig help` does; `armsig help COMMAND` for that of a command.
+std::vector<std::string> words_of(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.empty()) return {"--help"};
+  if (words.front() != "help") return words;
+  words.erase(words.begin());
+  words.emplace_back("--help");
+  return words;
+}
+
+void add_commands(CLI::App& app, int& status) {
   using namespace armsig::tool;
-  CLI::App app{kDescription, "armsig"};
-  app.footer(kFooter);
-  app.set_version_flag("--version", "armsig " ARMSIG_VERSION);
-  app.require_subcommand(1);
-  int status = kDone;
   add_demo(app, status);
   add_simulate(app, status);
   add_plan(app, status);
@@ -83,12 +90,24 @@ int run(int argc, char** argv) {
   add_arms(app, status);
   add_join(app, status);
   add_connect(app, status);
+}
+
+int run(int argc, char** argv) {
+  using namespace armsig::tool;
+  CLI::App app{kDescription, "armsig"};
+  app.footer(kFooter);
+  app.formatter(std::make_shared<HelpForm>());
+  app.set_help_flag("-h,--help", "print this help");
+  app.set_version_flag("-V,--version", "armsig " ARMSIG_VERSION, "print the version");
+  app.require_subcommand(1);
+  int status = kDone;
+  add_commands(app, status);
   add_examples(app);
   demand_finite_numbers(app);
-  const std::vector<std::string> words(argv + 1, argv + argc);
+  const std::vector<std::string> words = words_of(argc, argv);
   if (asks_for_standard_output(words)) leave_standard_output_to_the_file();
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& error) {
     std::ostringstream out;
     std::ostringstream err;

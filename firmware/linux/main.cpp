@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <new>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "firmware/command_line/help_form.hpp"
 #include "firmware/command_line/option_problem.hpp"
 #include "firmware/controller/sweep.hpp"
 #include "firmware/formats/arm_file.hpp"
@@ -61,31 +63,35 @@ void add_virtual_options(CLI::App& app, CLI::Option* is_virtual, Options& option
         ->check(CLI::NonNegativeNumber);
   };
   add_bend("--maps-deg", options.maps_deg,
-           "--virtual: largest error of a joint's reading, by waves that repeat with the turn");
-  add_bend("--sag-mm", options.sag_mm,
-           "--virtual: how far gravity bends the arm, stretched out level");
-  add_bend("--play-deg", options.play_deg,
+           "--virtual: largest joint error map, periodic with the turn");
+  add_bend("--deflection-mm", options.sag_mm,
+           "--virtual: how far gravity deflects the arm, stretched out level");
+  add_bend("--backlash-deg", options.play_deg,
            "--virtual: between each motor and its joint, beside what the drives have");
   add_bend("--warm-kelvin", options.emulated.warm_kelvin,
            "--virtual: by which the arm warms up after power-up and grows, as steel does");
-  app.add_flag("--ideal", options.emulated.ideal,
-               "--virtual: exact drives, without gravity, coasting, slow brakes, play and delays")
+  app.add_flag(
+         "--ideal", options.emulated.ideal,
+         "--virtual: exact drives, without gravity, coasting, slow brakes, backlash and delays")
       ->needs(is_virtual);
-  app.add_flag("--real-time", options.emulated.real_time,
-               "--virtual: by the threads and priorities of a real cabinet, to see this computer's "
-               "lateness")
+  app.add_flag(
+         "--real-time", options.emulated.real_time,
+         "--virtual: by the threads and priorities of a real controller, to see this computer's "
+         "lateness")
       ->needs(is_virtual)
       ->excludes(speed);
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.set_version_flag("--version", "armsigd " ARMSIG_VERSION);
-  app.add_option("configuration", options.configuration, "the YAML file of the cabinet")
+  app.formatter(std::make_shared<tool::HelpForm>());
+  app.set_help_flag("-h,--help", "print this help");
+  app.set_version_flag("-V,--version", "armsigd " ARMSIG_VERSION, "print the version");
+  app.add_option("configuration", options.configuration, "the YAML file of the controller")
       ->required();
   CLI::Option* check =
       app.add_flag("--check", options.check, "only check the configuration; open and send nothing");
   CLI::Option* is_virtual = app.add_flag("--virtual", options.is_virtual,
-                                         "run about an emulated arm instead of the cabinet");
+                                         "run about an emulated arm instead of a real one");
   CLI::Option* drives =
       app.add_flag("--drives", options.drives,
                    "only look at the drives on the bus: what each has, and what would be written; "

@@ -20,7 +20,49 @@ void expect_words(const std::string& arguments, const std::string& words) {
 TEST(Usage, names_the_command_that_was_meant) {
   expect_words("idenfity --arm a.yaml", "\"idenfity\" is no command; expected identify");
   expect_words("xyz", "\"xyz\" is no command; expected one that armsig --help lists");
-  expect_words("", "no command; expected one that armsig --help lists");
+}
+
+std::string help(const std::string& arguments) {
+  const Folder folder;
+  const Outcome outcome = run_tool(folder, arguments);
+  EXPECT_EQ(outcome.status, 0) << arguments;
+  EXPECT_EQ(outcome.err, "");
+  return outcome.out;
+}
+
+TEST(Usage, gives_help_however_it_is_asked_for) {
+  const std::string of_all = help("--help");
+  EXPECT_NE(of_all.find("\n  identify "), std::string::npos) << of_all;
+  EXPECT_EQ(help(""), of_all);
+  EXPECT_EQ(help("help"), of_all);
+  EXPECT_EQ(help("-h"), of_all);
+  EXPECT_EQ(help("help check"), help("check --help"));
+  EXPECT_EQ(help("-V"), help("--version"));
+  expect_words("help chek", "\"chek\" is no command; expected check");
+}
+
+TEST(Usage, shows_what_an_option_takes_in_words) {
+  const std::string simulate = help("simulate --help");
+  for (const char* line :
+       {"\n  --arc NUMBER ", "(0.1 to 360) (default 180)\n", "\n  -o,--out FILE ", "(required)\n",
+        "(not with --tolerances)\n", "\n  --flange-target-mm NUMBER ...", "(3 numbers)"}) {
+    EXPECT_NE(simulate.find(line), std::string::npos) << line << simulate;
+  }
+  const std::string plan = help("plan --help");
+  EXPECT_NE(plan.find("\n  --format csv|urscript|rapid|krl "), std::string::npos) << plan;
+  for (const char* of_the_parser : {"TEXT:", "FLOAT", "INT", "REQUIRED", "Needs:", "Excludes:"}) {
+    EXPECT_EQ(simulate.find(of_the_parser), std::string::npos) << of_the_parser << simulate;
+    EXPECT_EQ(plan.find(of_the_parser), std::string::npos) << of_the_parser << plan;
+  }
+}
+
+TEST(Usage, takes_the_short_name_of_the_output_and_words_in_any_case) {
+  const Folder folder;
+  ASSERT_EQ(run_tool(folder, "plan --arm UR10e -o poses.txt --format RAPID").status, 0);
+  EXPECT_NE(read_file(folder / "poses.txt").find("MODULE"), std::string::npos);
+  const Outcome outcome = run_tool(folder, "plan --arm ur10e -o -");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out.find("Next:"), std::string::npos) << outcome.out;
 }
 
 TEST(Usage, names_the_option_that_was_meant) {
@@ -58,8 +100,8 @@ TEST(Usage, says_which_numbers_an_option_takes) {
   const std::string simulate = "simulate --arm ur10e --out m.csv ";
   expect_words(simulate + "--sigma-mm -1",
                "--sigma-mm: \"-1\" is out of its range; expected 0 or more");
-  expect_words(simulate + "--mixed-poses -1",
-               "--mixed-poses: \"-1\" is out of its range; expected a number from 0 to 100000000");
+  expect_words(simulate + "--free-poses -1",
+               "--free-poses: \"-1\" is out of its range; expected a number from 0 to 100000000");
   expect_words(simulate + "--target-radius-mm 0",
                "--target-radius-mm: \"0\" is out of its range; expected a number above 0");
   expect_words(simulate + "--maps-deg 0.6",
@@ -136,13 +178,13 @@ TEST(Usage, says_what_to_do_next_at_the_end_of_every_command) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
   for (const char* arguments :
-       {"simulate --arm arm.yaml --hand-target-mm 80,30,120 --points 12 --mixed-poses 30 "
+       {"simulate --arm arm.yaml --flange-target-mm 80,30,120 --points 12 --free-poses 30 "
         "--sigma-mm 0.05 --out m.csv "
         "--truth-out t.yaml",
         "plan --arm arm.yaml --out plan.csv",
         "identify --arm arm.yaml --measurements m.csv --method refined --out s.yaml",
-        "simulate --arm arm.yaml --truth t.yaml --hand-target-mm 80,30,120 --points 4 "
-        "--mixed-poses 20 --sigma-mm 0.05 --seed 2 --out later.csv",
+        "simulate --arm arm.yaml --truth t.yaml --flange-target-mm 80,30,120 --points 4 "
+        "--free-poses 20 --sigma-mm 0.05 --seed 2 --out later.csv",
         "check --signature s.yaml --measurements later.csv",
         "report --signature s.yaml --out r.html",
         "suggest --signature s.yaml --count 2 --out n.csv",
@@ -164,7 +206,7 @@ TEST(Usage, refuses_to_simulate_bends_that_no_signature_could_tell) {
     return run_tool(
         folder, "simulate --arm cobra600 --sigma-mm 0.1 --out m.csv --truth-out t.yaml " + bends);
   };
-  EXPECT_EQ(simulate("--maps-deg 0.05 --sag-mm 2").status, 0);
+  EXPECT_EQ(simulate("--maps-deg 0.05 --deflection-mm 2").status, 0);
   const Outcome steep = simulate("--maps-deg 0.5");
   EXPECT_EQ(steep.status, 2);
   EXPECT_NE(steep.err.find("--maps-deg: 0.5 is too steep a map of joint "), std::string::npos)
@@ -174,9 +216,9 @@ TEST(Usage, refuses_to_simulate_bends_that_no_signature_could_tell) {
              "armsig: arm/1\nname: short\njoints:\n"
              "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 0, alpha_deg: -90}\n"
              "  - {type: revolute, theta_deg: 0, d_mm: 0, a_mm: 80, alpha_deg: 0}\n");
-  const Outcome weak = run_tool(folder, "simulate --arm short.yaml --sag-mm 20 --out m.csv");
+  const Outcome weak = run_tool(folder, "simulate --arm short.yaml --deflection-mm 20 --out m.csv");
   EXPECT_EQ(weak.status, 2);
-  EXPECT_NE(weak.err.find("--sag-mm: 20 turns joint 2 by "), std::string::npos) << weak.err;
+  EXPECT_NE(weak.err.find("--deflection-mm: 20 turns joint 2 by "), std::string::npos) << weak.err;
 }
 
 }  // namespace

@@ -28,8 +28,10 @@ std::string json_escape(std::uint32_t code) {
 
 bool asks_for_standard_output(std::span<const std::string> words) {
   for (std::size_t k = 0; k < words.size(); ++k) {
-    if (words[k] == "--out=-") return true;
-    if (words[k] == "--out" && k + 1 < words.size() && words[k + 1] == "-") return true;
+    if (words[k] == "--out=-" || words[k] == "-o-") return true;
+    if ((words[k] == "--out" || words[k] == "-o") && k + 1 < words.size() && words[k + 1] == "-") {
+      return true;
+    }
   }
   return false;
 }
