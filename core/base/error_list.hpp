@@ -115,11 +115,13 @@ ARMSIG_ERROR(kContradiction, "two keys of the request tell the same quantity")
 ARMSIG_ERROR(kAirChanged, "the air temperature jumped")
 ARMSIG_ERROR(kSequenceStopped, "the sequence was stopped")
 ARMSIG_ERROR(kNoCandidate, "there is no candidate signature")
-ARMSIG_ERROR(kCandidateNoBetter, "the candidate has not beaten the active model on held-out poses")
+ARMSIG_ERROR(kCandidateNoBetter,
+             "the candidate has not beaten the active model on validation poses")
 ARMSIG_ERROR(kNoSignature, "no such signature is stored")     // or no former one
 ARMSIG_ERROR(kRecordCorrupt, "the stored record is corrupt")  // by its own check
 ARMSIG_ERROR(kRecordUnsuitable, "the stored record is of another arm")
-ARMSIG_ERROR(kRecordOtherMachine, "the stored record is of another gear, encoder zero or drawing")
+ARMSIG_ERROR(kRecordOtherMachine,
+             "the stored record is of another gear, encoder zero or nominal model")
 ARMSIG_ERROR(kDrawingUnacknowledged,
              "a stored signature is not in use, and nobody has acknowledged that")
 ARMSIG_ERROR(kUnreferenced, "a joint may stand elsewhere than it reads")

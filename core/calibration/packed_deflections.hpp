@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gravity and maps of the readings in the few bytes that a controller keeps of them: every map in
+// Gravity and joint error maps in the few bytes that a controller keeps of them: every map in
 // steps of 16 bits, which for a map of 0.02 degrees are 1e-8 rad.
 #pragma once
 

@@ -5,7 +5,7 @@
 // A joint stays behind its motor by half of its play h_i, on the side that it comes from: what a
 // row measured is off by -sum_i side_i h_i motion_i. (A drive that overshoots by more than the play
 // ends on the other side: h_i is then negative, and as large.) Where the sides change without
-// regard to the pose, no map of the readings and no gravity looks like that for many poses; for few
+// regard to the pose, no joint error maps and no gravity looks like that for many poses; for few
 // it does, so that residuals of a fit that does not know of play have lost up to half of it.
 #pragma once
 

@@ -36,7 +36,7 @@ struct ReadingCorrection {
 struct ReadingModel {
   JointCouplings couplings;
   FixedVector<ReadingCorrection, kMaxJoints> corrections;  // none, or one per joint
-  // Gravity and the maps of the readings, kept by whoever made this; null: none.
+  // Gravity and the joint error maps, kept by whoever made this; null: none.
   const ArmModel* deflections = nullptr;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The maps of the readings (reading_map.hpp) of all joints in the servo tick, as many joints at
+// The joint error maps (reading_map.hpp) of all joints in the servo tick, as many joints at
 // once as the processor has lanes, from tables of 16 bits.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gravity and maps of the readings in the servo tick: from readings to how far the joints have
+// Gravity and joint error maps in the servo tick: from readings to how far the joints have
 // turned, and back, in bounded work.
 //
 // turned(q) = q + d(q) - d(q of the signature configuration), d_i = map_i(encoder reading i) + the

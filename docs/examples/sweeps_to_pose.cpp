@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kPoints = 36;
 
-// What the drawing says: a shoulder, an elbow and a wrist, radians and metres.
+// The nominal model: a shoulder, an elbow and a wrist, radians and metres.
 Arm drawing() {
   Arm arm;
   arm.joints = {{JointType::kRevolute, 0, 0.4, 0.025, -kPi / 2},

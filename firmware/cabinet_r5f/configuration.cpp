@@ -44,7 +44,7 @@ controller::Configuration controller_configuration() {
   c.sweeps.arc_rad = radians(120);
   c.sweeps.points = 12;
   c.sweeps.most_points = 16;
-  c.sweeps.held_out_poses = 6;
+  c.sweeps.validation_poses = 6;
   c.grid.grid.count = {3, 3, 3};
   c.grid.taught = {readings_deg({72.58, -166.78, 23.61, 81.31, 53.15, 92.79}),
                    readings_deg({95.77, -161.15, 6.57, 94.89, 65.51, 105.31}),

@@ -55,7 +55,7 @@ static_assert(kBitsPerSecond == r5f::CanController::kBitsPerSecond);
       controller_of(master(bus, sensor), sensor, clock, memory, console);
   hal::Watchdog& dog = watchdog();
 
-  console.broadcast("# armsig cabinet");
+  console.broadcast("# armsig");
   if (dog.caused_reset()) console.broadcast("# reset by the watchdog");
   hal::Instant next = clock.now();
   for (;;) {

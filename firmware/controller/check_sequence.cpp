@@ -205,7 +205,7 @@ void CheckSequence::postpone() {
       line.text("# the arm is as it was accepted");
       break;
     case CheckVerdict::kDrifting:
-      line.text("# the arm drifts: look for wear or play, then identify anew");
+      line.text("# the arm drifts: look for wear or backlash, then identify anew");
       break;
     case CheckVerdict::kStepped:
       line.text("# the arm changed at once: look for a collision or a loose part, identify anew");

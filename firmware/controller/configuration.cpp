@@ -178,11 +178,13 @@ Checked check_sweeps(const Configuration& c) {
   for (auto ok : {
            check_plausible("sweeps.axis_sigma", plan.axis_sigma_rad, plausible::kAxisSigma),
            check_plausible("sweeps.point_sigma", plan.point_sigma_m, plausible::kPointSigma),
-           check_plausible("sweeps.held_out_reach", plan.held_out_reach, plausible::kHeldOutReach),
+           check_plausible("sweeps.validation_reach", plan.validation_reach,
+                           plausible::kHeldOutReach),
        }) {
     if (!ok) return ok;
   }
-  if (auto ok = check_count("sweeps.held_out_poses", plan.held_out_poses, 3, kMostHeldOut); !ok) {
+  if (auto ok = check_count("sweeps.validation_poses", plan.validation_poses, 3, kMostHeldOut);
+      !ok) {
     return ok;
   }
   if (auto ok = check_workspace(c); !ok) return ok;

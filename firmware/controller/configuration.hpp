@@ -67,9 +67,9 @@ struct SweepPlan {
   // 1 sigma of the axis, at which a sweep is long enough.
   double axis_sigma_rad = 2e-4;
   double point_sigma_m = 1e-4;
-  std::size_t held_out_poses = 8;  // by which a candidate is compared with the active model
-  double held_out_reach = 0.5;     // part of each joint's limits that they spread over
-  int target = 1;                  // number of the target on the hand, which all sweeps follow
+  std::size_t validation_poses = 8;  // by which a candidate is compared with the active model
+  double validation_reach = 0.5;     // part of each joint's limits that they spread over
+  int target = 1;                    // number of the target on the hand, which all sweeps follow
 };
 
 // How far revolute joint `joint` is swept by plan.

@@ -38,7 +38,7 @@ void Custody::tell_trouble(const Announcer& announcer) const {
   Line line;
   line.text(unused_ ? "# signature unused" : "# signature store").reason(*trouble_);
   if (difference_) tell(*difference_, line);
-  if (unused_) line.text(" go by the drawing with acknowledge");
+  if (unused_) line.text(" go by the nominal model with acknowledge");
   announcer.say(line);
 }
 

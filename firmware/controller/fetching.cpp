@@ -119,7 +119,7 @@ Result<Arm> decode_drawing(const DrawingImage& image) {
 Result<void> tell_part(const Request& request, const Fetchable& fetchable, Line& out) {
   const auto asked = asked_for(request);
   if (!asked) return std::unexpected(asked.error());
-  if (asked->what == "drawing") return tell_drawing(*fetchable.drawing, asked->part, out);
+  if (asked->what == "nominal") return tell_drawing(*fetchable.drawing, asked->part, out);
   const bool signature = asked->what == "signature";
   if (!signature && asked->what != "candidate") return std::unexpected(Error::kUnknownRequest);
   const SignatureRecord* record = signature ? fetchable.signature : fetchable.candidate;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `fetch what=signature|candidate|drawing part=N`: a record of the controller in parts that fit a
+// `fetch what=signature|candidate|nominal part=N`: a record of the controller in parts that fit a
 // line, for `armsig connect ... fetch`.
 #pragma once
 

@@ -144,7 +144,7 @@ std::size_t IdentificationSequence::points_planned() const {
   const std::size_t swept =
       received_ ? 0 : configuration_.drawing.joints.size() * configuration_.sweeps.points;
   const std::size_t refining = refines() ? refinement_->planned() : 0;
-  return std::max(swept, refines_from_) + refining + configuration_.sweeps.held_out_poses;
+  return std::max(swept, refines_from_) + refining + configuration_.sweeps.validation_poses;
 }
 
 std::optional<double> IdentificationSequence::left_s() const {
@@ -204,7 +204,7 @@ void IdentificationSequence::ready() {
     if (!comparison().step()) stage_ = Stage::kHeldOut;
     return;
   } else if (stage_ == Stage::kHeldOut) {
-    if (held_out_ == configuration_.sweeps.held_out_poses) {
+    if (held_out_ == configuration_.sweeps.validation_poses) {
       finish_held_out();
       return;
     }
@@ -313,7 +313,7 @@ void IdentificationSequence::tell_verdict(Line& line) const {
   SignatureFigures(*candidate_).tell(line);
   line.text(" active=");
   if (report_.active == 0) {
-    line.text("drawing");
+    line.text("nominal");
   } else {
     line.integer(report_.active);
   }

@@ -95,7 +95,7 @@ std::uint32_t mark_of(const DriveIdentity& drive) {
 std::optional<MachineDifference> difference(const Machine& expected, const Machine& found,
                                             Amplifiers amplifiers) {
   if (expected.drawing_crc != found.drawing_crc) {
-    return MachineDifference{"drawing",
+    return MachineDifference{"nominal_model",
                              {},
                              static_cast<double>(found.drawing_crc),
                              static_cast<double>(expected.drawing_crc)};

@@ -29,7 +29,7 @@ struct Machine {
 [[nodiscard]] std::uint32_t mark_of(const hal::DriveIdentity& drive);
 
 struct MachineDifference {
-  std::string_view what;             // "drive_serial", "gear_ratio", "drawing", ...
+  std::string_view what;             // "drive_serial", "gear_ratio", "nominal_model", ...
   std::optional<std::size_t> joint;  // from 0
   double found = 0;
   double expected = 0;

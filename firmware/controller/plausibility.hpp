@@ -41,11 +41,10 @@ inline constexpr JointBounds kAcceleration{
     {1e-5, 400, "a slide speeds up at 400 m/s2 at most: millimetres as metres?"}};
 inline constexpr JointBounds kFollowingError{
     {1e-5, kPi, "a joint half a turn from where it is commanded follows nothing"},
-    {1e-6, 0.5, "a slide half a metre from where it is commanded follows nothing"}};
+    {1e-6, 0.5, "a prismatic joint half a metre from where it is commanded follows nothing"}};
 inline constexpr JointBounds kMotorSpeed{
-    {1e-4, 100, "no motor is as fast, and no position would be disbelieved: degrees as radians?"},
-    {1e-6, 50,
-     "no motor is as fast, and no position would be disbelieved: millimetres as metres?"}};
+    {1e-4, 100, "no motor is as fast, and no position would be an outlier: degrees as radians?"},
+    {1e-6, 50, "no motor is as fast, and no position would be an outlier: millimetres as metres?"}};
 inline constexpr Bounds kLatestTick{
     50e-6, 5, "a moving arm is not supervised for as long as a tick may be late"};
 inline constexpr Bounds kToolSpeed{1e-5, 20,

@@ -29,7 +29,7 @@ JointVector spread_pose(const Configuration& configuration, std::size_t index) {
   for (std::size_t i = 0; i < arm.joints.size(); ++i) {
     const auto [lower, upper] = arm.limits[i];
     const double centre = configuration.sweeps.configuration[i];
-    const double reach = configuration.sweeps.held_out_reach;
+    const double reach = configuration.sweeps.validation_reach;
     limits.push_back({centre + reach * (lower - centre), centre + reach * (upper - centre)});
   }
   return evenly_spread_configuration(types_of(arm.joints), limits, static_cast<int>(index) + 1);

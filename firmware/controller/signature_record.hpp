@@ -24,7 +24,7 @@
 //                    vendor, product, revision and serial number of the drive, u32 each; 0: untold
 //                    encoder counts a revolution, gear ratio, lead in m; doubles
 //                    counts at the zero of the joint, i32; u32: 1 where the sense is reversed
-//     1408      4  1 where there are maps of the readings and gravity; 0: all from here is zero
+//     1408      4  1 where there are joint error maps and gravity; 0: all from here is zero
 //     1412      4  gravity terms
 //     1416   2176  per joint, 272 bytes, those of unused joints zero:
 //                    reading of knot 0, knots per rad or m, step in rad or m, zero of the drawing;

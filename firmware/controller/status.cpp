@@ -52,7 +52,7 @@ void tell_arm(Line& line, const Controls& controls) {
   tell_readings(line, controls.configuration.drawing, s.positions, 4, s.known);
   if (s.X_RT) tell_point(line, s.X_RT->p, 3);
   const Model& model = controls.link.models[s.model];
-  line.text(" model=").text(model.identified ? "signature" : "drawing");
+  line.text(" model=").text(model.identified ? "signature" : "nominal");
   if (!model.identified) return;
   model.figures.tell(line);
   line.text(" maps=").text(model.joints.exact() ? "no" : "yes");
@@ -119,7 +119,7 @@ Result<Answer> tell_status(Controls& controls, const Request& /*request*/, Line&
 Result<Answer> tell_signature(Controls& controls, const Request& /*request*/, Line& out) {
   const auto& record = controls.custody.active();
   if (!record) {
-    out.text(" model=drawing");
+    out.text(" model=nominal");
     return Answer();
   }
   out.text(" model=signature");

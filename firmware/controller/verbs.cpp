@@ -58,7 +58,8 @@ Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
   const bool refines = asked.accuracy_mm > 0;
   if (refines && !controls.identification.can_refine()) {
     out.text(
-        " why=\"no memory here to refine in: identify, fetch log.csv, refine at a desk, send\"");
+        " why=\"no memory here to refine in: identify, fetch log.csv, refine at a workstation, "
+        "send\"");
     return std::unexpected(Error::kUnsupported);
   }
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
@@ -121,7 +122,7 @@ Result<Answer> rollback(Controls& controls, const Request& /*request*/, Line& /*
 Result<Answer> acknowledge(Controls& controls, const Request& /*request*/, Line& out) {
   if (!controls.custody.needs_acknowledgement()) return std::unexpected(Error::kWrongMode);
   controls.custody.acknowledge();
-  out.text(" model=drawing");
+  out.text(" model=nominal");
   return Answer();
 }
 
@@ -213,7 +214,7 @@ constexpr std::array kVerbs{
          .handler = identify,
          .help = kMayRefine
                      ? "measures all joints; ends with a candidate; accuracy_mm=0.15 minutes=30 "
-                       "finds gravity and maps of the readings, too, from poses of its own "
+                       "finds gravity and joint error maps, too, from poses of its own "
                        "choice; goes on where one was interrupted, but for anew=yes"
                      : "measures all joints; ends with a candidate",
          .modes = kReady,
@@ -236,7 +237,7 @@ constexpr std::array kVerbs{
          .takes = Verb::Takes::kKeys},
     Verb{.name = "compare",
          .handler = compare,
-         .help = "measures the held-out poses for a candidate that was sent",
+         .help = "measures the validation poses for a candidate that was sent",
          .modes = kReady,
          .alone = true,
          .referenced = true},
@@ -252,7 +253,7 @@ constexpr std::array kVerbs{
          .referenced = true},
     Verb{.name = "rollback",
          .handler = rollback,
-         .help = "back to the signature before, from the first one to the drawing",
+         .help = "back to the signature before, from the first one to the nominal model",
          .modes = kStanding,
          .alone = true},
     Verb{.name = "confirm",
@@ -263,7 +264,7 @@ constexpr std::array kVerbs{
          .takes = Verb::Takes::kKeys},
     Verb{.name = "acknowledge",
          .handler = acknowledge,
-         .help = "the tool may move by the drawing although a signature is stored"},
+         .help = "the tool may move by the nominal model although a signature is stored"},
     Verb{.name = "signature",
          .handler = tell_signature,
          .help = "the parameters servoed with",
@@ -281,7 +282,7 @@ constexpr std::array kVerbs{
          .takes = Verb::Takes::kKeys},
     Verb{.name = "fetch",
          .handler = fetch,
-         .help = "what=signature, candidate or drawing, part=N: a record in parts",
+         .help = "what=signature, candidate or nominal, part=N: a record in parts",
          .only_asks = true,
          .takes = Verb::Takes::kKeys},
     Verb{.name = "help",

@@ -68,7 +68,7 @@ Read<double> read_deviation(const YamlQuantity& given) {
   ARMSIG_TRY(value, read_number(*given.value, given.key->text));
   if (value > 0) return given.unit.to_si(value);
   return problem_at(*given.value, fmt::format("{}: {} is not positive", given.key->text, value),
-                    "how far an arm may be from the drawing");
+                    "how far an arm may be from the nominal model");
 }
 
 Read<ArmLimits> read_deviations(const YamlNode& node) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gravity and the maps of the readings in a signature file.
+// Gravity and the joint error maps in a signature file.
 #pragma once
 
 #include "firmware/formats/problem.hpp"

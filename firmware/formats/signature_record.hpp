@@ -64,7 +64,7 @@ struct SignatureRecord {
   std::vector<std::string> warnings;
   std::optional<Origin> origin;  // the measurements it was found from; none where not known
 
-  // Gravity and the maps of the readings; none where they were not found.
+  // Gravity and the joint error maps; none where they were not found.
   std::shared_ptr<const calibration::ArmModel> deflections;
 
   // From what the encoders read to how far the joints have turned. Points to `deflections`.

@@ -127,7 +127,7 @@ Read<void> read_dwell(const YamlMap& root, DaemonConfiguration& c) {
 
 Read<void> read_sweeps(const YamlMap& root, DaemonConfiguration& c) {
   controller::SweepPlan& plan = c.controller.sweeps;
-  std::vector<std::string> known{"points", "most_points", "held_out_poses", "held_out_reach",
+  std::vector<std::string> known{"points", "most_points", "validation_poses", "validation_reach",
                                  "target"};
   add_names(known, "arc", Dimension::kAngle);
   add_names(known, "axis_sigma", Dimension::kAngle);
@@ -138,8 +138,8 @@ Read<void> read_sweeps(const YamlMap& root, DaemonConfiguration& c) {
         .integer("most_points", 1, kMost, plan.most_points)
         .quantity("axis_sigma", Dimension::kAngle, plan.axis_sigma_rad)
         .quantity("point_sigma", Dimension::kLength, plan.point_sigma_m)
-        .integer("held_out_poses", 1, kMost, plan.held_out_poses)
-        .share("held_out_reach", plan.held_out_reach)
+        .integer("validation_poses", 1, kMost, plan.validation_poses)
+        .share("validation_reach", plan.validation_reach)
         .integer("target", 1, kMost, plan.target);
   });
   for (double& arc_rad : plan.arcs_rad) arc_rad = arc_rad > 0 ? arc_rad : plan.arc_rad;

@@ -19,11 +19,11 @@ namespace {
 using canopen::CheckedConfiguration;
 using cia402::ObjectOutcome;
 
-constexpr std::string_view kNoCounts = "counts are not told: prove the ratio";
+constexpr std::string_view kNoCounts = "counts are not reported: prove the ratio";
 
 constexpr std::array kWords{
-    ObjectWords{0x6502, 0, "modes", "modes not told: the mode is tried"},
-    ObjectWords{0x607E, 0, "polarity", "its sense is not told: prove it"},
+    ObjectWords{0x6502, 0, "modes", "modes not reported: the mode is tried"},
+    ObjectWords{0x607E, 0, "polarity", "its sense is not reported: prove it"},
     ObjectWords{0x608F, 1, "encoder increments", kNoCounts},
     ObjectWords{0x608F, 2, "in motor revolutions", ""},
     ObjectWords{0x6091, 1, "gear, motor revolutions", ""},
@@ -109,7 +109,7 @@ std::string refusal_words(const cia402::SetupRefusal& refusal) {
 
 std::string state_words(const NodeReading& node) {
   const ObjectOutcome status = node.at(cia402::kStatusWord);
-  std::string words = "state not told";
+  std::string words = "state not reported";
   if (status) {
     words = cia402::describe(cia402::decode_state(static_cast<std::uint16_t>(*status)));
   }
@@ -119,7 +119,7 @@ std::string state_words(const NodeReading& node) {
     const auto code = static_cast<std::uint16_t>(*error & 0xFFFF);
     words += fmt::format(", error {:04X}h {}", code, canopen::describe_emergency(code));
   } else {
-    words += error ? ", no error" : ", errors not told";
+    words += error ? ", no error" : ", errors not reported";
   }
   if (const auto mode = node.at(cia402::kModeDisplay)) {
     words += fmt::format(", mode {}", static_cast<std::int8_t>(*mode & 0xFF));
@@ -143,7 +143,7 @@ constexpr std::array kModes{Mode{0, "profile position"},
 
 std::string mode_words(const NodeReading& node) {
   const ObjectOutcome modes = node.at(cia402::kSupportedModes);
-  if (!modes) return "modes not told";
+  if (!modes) return "modes not reported";
   std::string words;
   for (const Mode& mode : kModes) {
     if ((*modes >> mode.bit & 1U) == 0) continue;
@@ -166,7 +166,7 @@ std::string position_words(const NodeReading& node, const CheckedConfiguration& 
 
 std::string type_words(const NodeReading& node) {
   const ObjectOutcome type = node.at(cia402::kDeviceType);
-  if (!type) return "device type not told";
+  if (!type) return "device type not reported";
   const std::uint32_t profile = *type & 0xFFFF;
   return profile == 402 ? "drive of CiA 402" : fmt::format("device of profile {}", profile);
 }

@@ -159,7 +159,7 @@ Problem problem_of(const canopen::ConfigurationRefusal& refusal, const YamlNode&
           "counts of a motor revolution, and motor revolutions of one of the output");
     case Error::kPeriodInvalid:
       return problem(place, fmt::format("{}, found {:.6g}", what, refusal.found),
-                     fmt::format("times that the drives can be told and that suit each other; the "
+                     fmt::format("times that the drives can take and that suit each other; the "
                                  "bound here is {:.6g} s{}",
                                  refusal.needed, because(refusal.reason)));
     default:

@@ -91,7 +91,7 @@ int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& 
       options.real_time ? &clock : nullptr, &refinement->refinement(), &checks);
   attendance.begin(cabinet->controller());
   const auto started = [&] {
-    attendance.started(fmt::format("{}: virtual cabinet, console at {}", configuration.name,
+    attendance.started(fmt::format("{}: virtual controller, console at {}", configuration.name,
                                    configuration.console));
   };
   bool served = true;

@@ -98,9 +98,9 @@ class Parser {
     if (!has_tip_) return "no tip";
     if (model_.deflections.empty()) {
       if (model_.deflections.gravity.empty() && model_.drawn.empty()) return {};
-      return "gravity or a drawing, but no maps";
+      return "gravity or a nominal model, but no maps";
     }
-    if (model_.drawn.size() != joints) return "maps, but not every joint of the drawing";
+    if (model_.drawn.size() != joints) return "maps, but not every joint of the nominal model";
     if (model_.configuration.size() != joints) return "maps, but no configuration";
     for (std::size_t i = 0; i < joints; ++i) {
       const DhJoint& row = model_.drawn[i];

@@ -15,7 +15,7 @@ std::optional<SelfCalibration::Outcome> SelfCalibration::end_of_visits(hal::Inst
   // What the poses measured again and the held-out ones of the identification are going to take.
   const hal::Duration after =
       each_visit().value_or(hal::Duration{}) *
-      static_cast<std::int64_t>(Repeats::kMost + configuration_.sweeps.held_out_poses);
+      static_cast<std::int64_t>(Repeats::kMost + configuration_.sweeps.validation_poses);
   return now + after >= aim_.ends ? std::optional(Outcome::kTimeOver) : std::nullopt;
 }
 

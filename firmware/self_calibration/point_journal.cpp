@@ -60,7 +60,7 @@ std::uint32_t crc_of(const Configuration& configuration) {
   const SweepPlan& sweeps = configuration.sweeps;
   print.reals(sweeps.configuration);
   print.reals(std::array{sweeps.arc_rad, sweeps.axis_sigma_rad, sweeps.point_sigma_m,
-                         sweeps.held_out_reach, static_cast<double>(sweeps.points),
+                         sweeps.validation_reach, static_cast<double>(sweeps.points),
                          static_cast<double>(sweeps.most_points),
                          static_cast<double>(sweeps.target)});
   const measurement::ReceiverArray& receivers = configuration.sensor.receivers;

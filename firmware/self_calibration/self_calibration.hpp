@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The refinement that a controller does by itself: geometry, gravity and maps of the readings
+// The refinement that a controller does by itself: geometry, gravity and joint error maps
 // (firmware/calibration), from the points of the sweeps and of further poses that it chooses, until
 // the accuracy that was asked for is reached, by poses that were never fitted; or until time or
 // memory is over.

@@ -19,13 +19,13 @@ Line& millimetres(Line& line, std::string_view key, double metres) {
 void tell_findings(Line& line, const Findings& found, double asked_m) {
   tell_predicted(line.text(" signature=candidate"), found.predicted());
   millimetres(line, "asked", asked_m);
-  line.text(" held_out=").integer(found.held_out.poses);
-  line.text(" blunders=").integer(found.held_out.blunders);
+  line.text(" validation=").integer(found.held_out.poses);
+  line.text(" outliers=").integer(found.held_out.blunders);
   line.text(" fitted=").integer(found.fitted).text(" rejected=").integer(found.rejected);
-  if (found.held_out.poses > 0) millimetres(line, "held_out_rms", found.held_out.rms_m);
+  if (found.held_out.poses > 0) millimetres(line, "validation_rms", found.held_out.rms_m);
   millimetres(line, "sensor", found.sensor_m);
   millimetres(line, "model", found.model_m);
-  millimetres(line, "play", found.play_m);
+  millimetres(line, "backlash", found.play_m);
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ void SelfCalibration::tell_outcome(Line& line) const {
 }
 
 void SelfCalibration::tell_play(Line& line) const {
-  line.text("# identify play");
+  line.text("# identify backlash");
   const HalfPlays& halves = best()->findings.play;
   for (std::size_t i = 0; i < halves.size(); ++i) {
     const bool turns = configuration_.drawing.joints[i].type == JointType::kRevolute;
@@ -120,8 +120,9 @@ void SelfCalibration::tell_advice(Line& line) const {
   if (outcome_ == Outcome::kChanged) {
     line.text("what was measured first is elsewhere when it is measured again; look at the ")
         .text(change_.what == "arm" ? "arm's load and what holds its parts" : change_.what)
-        .text(change_.what == "load" ? " on the flange: weights bend the joints by another amount"
-                                     : "")
+        .text(change_.what == "load"
+                  ? " on the flange: weights deflect the joints by another amount"
+                  : "")
         .text(change_.what == "target" ? " on the flange and how it is fixed" : "")
         .text(change_.what == "sensor" ? " and what it stands on, and at what the arm carries" : "")
         .text(", then identify once more");
@@ -129,7 +130,9 @@ void SelfCalibration::tell_advice(Line& line) const {
   }
   const Found* const found = best();
   if (outcome_ == Outcome::kRefused) {
-    line.text("no model like the drawing explains what was measured; look at drawing, target and ");
+    line.text(
+        "no model like the nominal model explains what was measured; look at nominal model, target "
+        "and ");
     line.text("sensor");
     return;
   }
@@ -141,7 +144,7 @@ void SelfCalibration::tell_advice(Line& line) const {
   const double more = findings.times_more(aim_.accuracy_m);
   if (outcome_ == Outcome::kPlay || !std::isfinite(more)) {
     const Budget::Part& play = findings.budget.play;
-    line.text("the joints' play alone is more, ").number(1e3 * play.length_m, 3);
+    line.text("the joints' backlash alone is more, ").number(1e3 * play.length_m, 3);
     line.text(" mm, joint ").integer(play.joint + 1).text(" has ").number(1e3 * play.of_joint_m, 3);
     line.text(" of it; no measurement takes it out, look at its gears");
     return;
@@ -201,7 +204,7 @@ void SelfCalibration::tell_budget(Line& line) const {
   };
   part("maps", budget.maps);
   part("uncovered", budget.uncovered);
-  part("play", budget.play);
+  part("backlash", budget.play);
   millimetres(line, "unexplained", budget.unexplained_m);
 }
 

@@ -80,7 +80,7 @@ Story::Answer Story::answer(int k) {
   FixedVector<JointLimits, kMaxJoints> limits = configuration_.drawing.limits;
   for (std::size_t j = 0; j < limits.size(); ++j) {
     const double centre = configuration_.sweeps.configuration[j];
-    const double reach = configuration_.sweeps.held_out_reach;
+    const double reach = configuration_.sweeps.validation_reach;
     limits[j] = {centre + reach * (limits[j].lower - centre),
                  centre + reach * (limits[j].upper - centre)};
   }

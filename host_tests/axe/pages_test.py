@@ -66,7 +66,7 @@ class Barriers(unittest.TestCase):
         self.assertEqual({name for _, name, _ in self.serious(tab)} & {"image-alt", "color-contrast"}, {"image-alt", "color-contrast"})
 
     def test_are_not_in_the_report_and_its_page_to_sign(self):
-        self.run_armsig("simulate", "--arm", "ur10e", "--tolerances", "1", "--sigma-mm", "0.1", "--mixed-poses", "30", "--out", "m.csv")
+        self.run_armsig("simulate", "--arm", "ur10e", "--tolerances", "1", "--sigma-mm", "0.1", "--free-poses", "30", "--out", "m.csv")
         self.run_armsig("identify", "--arm", "ur10e", "--measurements", "m.csv", "--out", "s.yaml")
         self.run_armsig("report", "--signature", "s.yaml", "--measurements", "m.csv", "--operator", "A. Smith", "--out", "r.html")
         tab = self.open(f"file://{self.folder.name}/r.html", "document.querySelector('#certificate-about td') && document.querySelector('.uplot')")

@@ -171,8 +171,9 @@ int run(int argc, char** argv) {
     app.add_option(name, value, what)->check(CLI::Range(0.0, 10.0));
   };
   add_bend("--maps-deg", options.maps_deg, "largest error of each joint's reading, over the turn");
-  add_bend("--sag-mm", options.sag_mm, "how far gravity bends the arm, stretched out level");
-  add_bend("--play-deg", options.play_deg, "play of each joint, beside what its drive has");
+  add_bend("--deflection-mm", options.sag_mm,
+           "how far gravity deflects the arm, stretched out level");
+  add_bend("--backlash-deg", options.play_deg, "play of each joint, beside what its drive has");
   app.add_option("--target-mm", options.target_mm, "the emitter in the frame of the last link")
       ->expected(3)
       ->delimiter(',')

@@ -30,7 +30,7 @@ namespace {
 
 Changes small() {
   return {{"points: 24", "points: 8"},
-          {"most_points: 48", "most_points: 8\n  held_out_poses: 3"},
+          {"most_points: 48", "most_points: 8\n  validation_poses: 3"},
           {"pings: 8", "pings: 3"},
           {"count: [6, 6, 7]", "count: [2, 2, 2]"}};
 }

@@ -54,7 +54,7 @@ BenchProcess bending_arm() {
   const char* seed = std::getenv("ARMSIG_BENCH_SEED");
   return BenchProcess({"--target-mm", "150,0,50", "--start-deg", "0,-90,90,30,0,0", "--ping-ms",
                        "15", "--step-us", "2000", "--sensor-node", "32", "--maps-deg", "0.02",
-                       "--sag-mm", "0.5", "--play-deg", "0.002", "--seed",
+                       "--deflection-mm", "0.5", "--backlash-deg", "0.002", "--seed",
                        seed == nullptr ? "1" : seed});
 }
 
@@ -71,7 +71,7 @@ JointVector any_pose(const controller::Configuration& configuration, simulated::
     const auto [lower, upper] = configuration.drawing.limits[i];
     const double centre = configuration.sweeps.configuration[i];
     q.push_back(centre +
-                configuration.sweeps.held_out_reach * (random.uniform(lower, upper) - centre));
+                configuration.sweeps.validation_reach * (random.uniform(lower, upper) - centre));
   }
   return q;
 }
@@ -109,7 +109,7 @@ void calibrate_and_judge(const Changes& changes) {
   ASSERT_TRUE(daemon.enable());
   ASSERT_TRUE(daemon.identify(std::chrono::seconds(3600), "identify accuracy_mm=0.15 minutes=50"));
   const std::string told = daemon.heard("# identify accuracy=");
-  std::printf("%s\n%s\n", told.c_str(), daemon.heard("# identify play").c_str());
+  std::printf("%s\n%s\n", told.c_str(), daemon.heard("# identify backlash").c_str());
   EXPECT_TRUE(told.starts_with("# identify accuracy=reached model=maps ")) << told;
   ASSERT_TRUE(daemon.is_in("holding"));
   std::printf("%s\n", daemon.ask("candidate").c_str());

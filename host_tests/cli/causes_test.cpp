@@ -64,8 +64,8 @@ TEST(Causes, a_small_arm_and_a_noisy_sensor_are_no_wrong_unit_of_the_arms_length
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(
       simulate(folder, kSmallArm,
-               "--tolerances 0.5 --sigma-mm 1 --points 40 --mixed-poses 80 --arc 60 --seed 15 "
-               "--hand-target-mm 31.94,12.78,38.33"));
+               "--tolerances 0.5 --sigma-mm 1 --points 40 --free-poses 80 --arc 60 --seed 15 "
+               "--flange-target-mm 31.94,12.78,38.33"));
   const Outcome outcome = identify_by_paper(folder);
   ASSERT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("the arc is too short"), std::string::npos) << outcome.err;
@@ -76,8 +76,8 @@ TEST(Causes, short_arcs_of_an_arm_with_slides_are_no_wrong_unit_of_a_reading) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(
       simulate(folder, kArmWithSlides,
-               "--tolerances 0 --sigma-mm 1 --points 24 --mixed-poses 20 --arc 60 --seed 47 "
-               "--maps-deg 0.02 --sag-mm 0.4 --hand-target-mm 80.7,32.3,96.9"));
+               "--tolerances 0 --sigma-mm 1 --points 24 --free-poses 20 --arc 60 --seed 47 "
+               "--maps-deg 0.02 --deflection-mm 0.4 --flange-target-mm 80.7,32.3,96.9"));
   const Outcome outcome = identify_by_paper(folder);
   ASSERT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("the arc is too short"), std::string::npos) << outcome.err;

@@ -17,7 +17,7 @@ Csv poses(const Folder& folder, const std::string& target = "80,30,120") {
   const Outcome outcome = run_tool(
       folder,
       "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.05 --points 2 --arc 30 --seed 5 "
-      "--mixed-poses 80 --out poses.csv --hand-target-mm " +
+      "--free-poses 80 --out poses.csv --flange-target-mm " +
           target);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   Csv rows = Csv::read(folder / "poses.csv");

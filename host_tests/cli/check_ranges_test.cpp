@@ -22,12 +22,12 @@ void identify_puma(const Folder& folder) {
   write_file(folder / "arm.yaml", kPuma560);
   write_file(folder / "sensor.yaml", sensor_with_third_at(-500));
   const std::string simulate =
-      "simulate --arm arm.yaml --sensor sensor.yaml --sigma-mm 0.1 --hand-target-mm 80,30,120 ";
-  ASSERT_EQ(run_tool(folder, simulate + "--tolerances 1 --points 16 --mixed-poses 40 --seed 3 "
+      "simulate --arm arm.yaml --sensor sensor.yaml --sigma-mm 0.1 --flange-target-mm 80,30,120 ";
+  ASSERT_EQ(run_tool(folder, simulate + "--tolerances 1 --points 16 --free-poses 40 --seed 3 "
                                         "--out m.csv --truth-out truth.yaml")
                 .status,
             0);
-  ASSERT_EQ(run_tool(folder, simulate + "--truth truth.yaml --points 2 --mixed-poses 20 --seed 4 "
+  ASSERT_EQ(run_tool(folder, simulate + "--truth truth.yaml --points 2 --free-poses 20 --seed 4 "
                                         "--out held.csv")
                 .status,
             0);

@@ -125,8 +125,8 @@ TEST(Check, finds_a_sensor_worse_than_stated) {
   const Folder folder;
   identified(folder);
   ASSERT_EQ(run_tool(folder,
-                     "simulate --arm arm.yaml --hand-target-mm 80,30,120 --sigma-mm 1 --truth "
-                     "truth.yaml --points 4 --mixed-poses 40 --seed 9 --out noisy.csv")
+                     "simulate --arm arm.yaml --flange-target-mm 80,30,120 --sigma-mm 1 --truth "
+                     "truth.yaml --points 4 --free-poses 40 --seed 9 --out noisy.csv")
                 .status,
             0);
   Csv noisy = Csv::read(folder / "noisy.csv");
@@ -202,8 +202,8 @@ TEST(Check, takes_ranges_in_the_air_that_they_were_measured_in) {
       "  - {x_mm: 0, y_mm: 1500, z_mm: 0}\n  - {x_mm: 1500, y_mm: 1500, z_mm: 300}\n";
   write_file(folder / "r.yaml", sensor);
   const std::string simulate =
-      "simulate --arm arm.yaml --sensor r.yaml --hand-target-mm 80,30,120 --air-c 20 ";
-  ASSERT_EQ(run_tool(folder, simulate + "--tolerances 1 --mixed-poses 20 --seed 3 --out m.csv "
+      "simulate --arm arm.yaml --sensor r.yaml --flange-target-mm 80,30,120 --air-c 20 ";
+  ASSERT_EQ(run_tool(folder, simulate + "--tolerances 1 --free-poses 20 --seed 3 --out m.csv "
                                         "--truth-out truth.yaml")
                 .status,
             0);
@@ -211,7 +211,7 @@ TEST(Check, takes_ranges_in_the_air_that_they_were_measured_in) {
                                  "identify --arm arm.yaml --sensor r.yaml --measurements m.csv "
                                  "--method refined --out s.yaml");
   ASSERT_EQ(found.status, 0) << found.err;
-  ASSERT_EQ(run_tool(folder, simulate + "--truth truth.yaml --points 4 --mixed-poses 30 --seed 4 "
+  ASSERT_EQ(run_tool(folder, simulate + "--truth truth.yaml --points 4 --free-poses 30 --seed 4 "
                                         "--out held.csv")
                 .status,
             0);

@@ -113,7 +113,7 @@ TEST(ClearPoses, of_every_known_arm_are_suggested_above_its_mounting_plane) {
             std::to_string(turns ? degrees(arm.sweep_at[j]) : 1e3 * arm.sweep_at[j]);
     }
     ASSERT_EQ(run_tool(folder, "simulate --arm " + name + " --configuration " + at +
-                                   " --hand-target-mm 60,20,80 --points 8 --sigma-mm 0.1 --out "
+                                   " --flange-target-mm 60,20,80 --points 8 --sigma-mm 0.1 --out "
                                    "m.csv")
                   .status,
               0);

@@ -15,13 +15,13 @@ constexpr std::size_t kRows = 6 * 24;
 Csv sweeps_of_a_puma(const Folder& folder) {
   write_file(folder / "arm.yaml", kPuma560);
   const std::string simulate =
-      "simulate --arm arm.yaml --arc 150 --points 24 --hand-target-mm 120,50,180 ";
+      "simulate --arm arm.yaml --arc 150 --points 24 --flange-target-mm 120,50,180 ";
   const Outcome swept = run_tool(folder, simulate +
                                              "--tolerances 1 --sigma-mm 0.05 --seed 3 --out m.csv "
                                              "--truth-out truth.yaml");
   EXPECT_EQ(swept.status, 0) << swept.err;
   const Outcome held = run_tool(folder, simulate +
-                                            "--truth truth.yaml --mixed-poses 100 --sigma-mm 0 "
+                                            "--truth truth.yaml --free-poses 100 --sigma-mm 0 "
                                             "--seed 9 --out held.csv");
   EXPECT_EQ(held.status, 0) << held.err;
   return Csv::read(folder / "m.csv");

@@ -21,10 +21,10 @@ nlohmann::json identified(const Folder& folder, const std::string& measurements,
 TEST(CopiedRows, count_once_and_are_said) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
-  const Outcome measured =
-      run_tool(folder,
-               "simulate --arm arm.yaml --tolerances 1 --hand-target-mm 80,30,120 --sigma-mm 0.05 "
-               "--points 16 --mixed-poses 30 --seed 4 --out m.csv");
+  const Outcome measured = run_tool(
+      folder,
+      "simulate --arm arm.yaml --tolerances 1 --flange-target-mm 80,30,120 --sigma-mm 0.05 "
+      "--points 16 --free-poses 30 --seed 4 --out m.csv");
   ASSERT_EQ(measured.status, 0) << measured.err;
   Csv rows = Csv::read(folder / "m.csv");
   const std::size_t once = rows.rows.size();

@@ -15,7 +15,7 @@ void simulate(const Folder& folder, const std::string& options) {
   const Outcome outcome =
       run_tool(folder,
                "simulate --arm puma560 --tolerances 1 --sigma-mm 0.2 --arc 180 --seed 3 "
-               "--hand-target-mm 80,30,120 --out m.csv --truth-out truth.yaml " +
+               "--flange-target-mm 80,30,120 --out m.csv --truth-out truth.yaml " +
                    options);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
 }
@@ -34,7 +34,7 @@ double tool_error_m(const Folder& folder) {
 
 TEST(DefaultMethod, uses_free_poses_and_says_so) {
   const Folder folder;
-  ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25 --mixed-poses 30"));
+  ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25 --free-poses 30"));
   write_joint_poses(Csv::read(folder / "m.csv"), folder / "q.csv");
   const json best = identified(folder, "");
   EXPECT_EQ(best["method"], "refined");
@@ -60,7 +60,7 @@ TEST(DefaultMethod, goes_by_features_where_there_are_sweeps_alone) {
 // A free pose in which the target was not seen says nothing.
 TEST(DefaultMethod, does_not_count_poses_that_were_not_seen) {
   const Folder folder;
-  ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25 --mixed-poses 3"));
+  ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25 --free-poses 3"));
   Csv rows = Csv::read(folder / "m.csv");
   for (Fields& row : rows.rows) {
     if (row[rows.column("sweep")] != "0") continue;
@@ -72,7 +72,7 @@ TEST(DefaultMethod, does_not_count_poses_that_were_not_seen) {
 
 TEST(DefaultMethod, keeps_to_features_where_more_would_take_long_or_cannot_be_known) {
   const Folder folder;
-  ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25 --mixed-poses 30"));
+  ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25 --free-poses 30"));
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   // It waits until somebody reads. NOLINTNEXTLINE(cert-env33-c): our own command line
   ASSERT_EQ(std::system(("cd '" + folder.path().string() + "' && cat m.csv >pipe &").c_str()), 0);
@@ -82,7 +82,7 @@ TEST(DefaultMethod, keeps_to_features_where_more_would_take_long_or_cannot_be_kn
   const json result = json::parse(outcome.out);
   EXPECT_EQ(result["method"], "encoder");
   EXPECT_NE(result["why_method"].get<std::string>().find("a pipe"), std::string::npos);
-  ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 3400 --mixed-poses 30"));
+  ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 3400 --free-poses 30"));
   const json many = identified(folder, "");
   EXPECT_EQ(many["method"], "encoder");
   EXPECT_NE(many["why_method"].get<std::string>().find("more than 20000 rows"), std::string::npos);

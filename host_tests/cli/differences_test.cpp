@@ -27,7 +27,7 @@ Outcome identified(const Folder& folder, const std::string& from, const std::str
   write_file(folder / "built.yaml", built);
   EXPECT_EQ(run_tool(folder,
                      "simulate --arm arm.yaml --truth built.yaml --sigma-mm 0.05 "
-                     "--hand-target-mm 80,30,120 --arc 150 --points 30 --mixed-poses 30 "
+                     "--flange-target-mm 80,30,120 --arc 150 --points 30 --free-poses 30 "
                      "--seed 2 --out m.csv")
                 .status,
             0);
@@ -68,7 +68,7 @@ TEST(DifferenceTable, is_printed_for_a_person) {
   const Folder folder;
   const Outcome outcome = identified(folder, "theta_deg: 0, d_mm: 430.7",
                                      "theta_deg: 0.3, d_mm: 430.7", "--method encoder");
-  EXPECT_NE(outcome.out.find("What is different from the drawing"), std::string::npos);
+  EXPECT_NE(outcome.out.find("What is different from the nominal model"), std::string::npos);
   EXPECT_NE(outcome.out.find("tilt about the link from axis 2 to 3"), std::string::npos);
   EXPECT_NE(outcome.out.find("+0.30"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("joint 1 is"), std::string::npos);
@@ -124,8 +124,8 @@ TEST(DifferenceTable, adds_up_to_what_the_whole_model_does_to_the_tool) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
   ASSERT_EQ(run_tool(folder,
-                     "simulate --arm arm.yaml --sigma-mm 0.05 --hand-target-mm 80,30,120 "
-                     "--maps-deg 0.05 --sag-mm 1 --mixed-poses 200 --seed 5 --out m.csv")
+                     "simulate --arm arm.yaml --sigma-mm 0.05 --flange-target-mm 80,30,120 "
+                     "--maps-deg 0.05 --deflection-mm 1 --free-poses 200 --seed 5 --out m.csv")
                 .status,
             0);
   const Outcome outcome = run_tool(

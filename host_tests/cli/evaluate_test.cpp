@@ -16,10 +16,10 @@ using nlohmann::json;
 // As drawn but for its readings and gravity.
 void refine_a_bent_arm(const Folder& folder) {
   write_file(folder / "arm.yaml", kPuma560);
-  const Outcome outcome =
-      run_tool(folder,
-               "simulate --arm arm.yaml --hand-target-mm 80,30,120 --sigma-mm 0.02 --maps-deg 0.05 "
-               "--sag-mm 2 --mixed-poses 300 --seed 5 --out good.csv --truth-out truth.yaml");
+  const Outcome outcome = run_tool(
+      folder,
+      "simulate --arm arm.yaml --flange-target-mm 80,30,120 --sigma-mm 0.02 --maps-deg 0.05 "
+      "--deflection-mm 2 --free-poses 300 --seed 5 --out good.csv --truth-out truth.yaml");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   Csv rows = Csv::read(folder / "good.csv");
   keep_mixed(rows);
@@ -50,7 +50,7 @@ TEST(Evaluate, touches_with_the_maps_and_the_gravity_of_the_arm_and_of_the_signa
 TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
   const Folder folder;
   ASSERT_EQ(run_tool(folder,
-                     "simulate --arm puma560 --tolerances 1 --hand-target-mm 80,30,120 --seed 2 "
+                     "simulate --arm puma560 --tolerances 1 --flange-target-mm 80,30,120 --seed 2 "
                      "--out m.csv --truth-out truth.yaml")
                 .status,
             0);
@@ -78,7 +78,7 @@ TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
     EXPECT_EQ(other.status, 1) << arm;
     EXPECT_NE(other.err.find("s.yaml: it is not of the arm of " + arm), std::string::npos)
         << other.err;
-    EXPECT_NE(other.err.find("--arm with the drawing of the signature"), std::string::npos);
+    EXPECT_NE(other.err.find("--arm with the nominal model of the signature"), std::string::npos);
   }
   const Outcome false_truth = evaluate("puma560", "longer.yaml");
   EXPECT_EQ(false_truth.status, 1);
@@ -89,7 +89,7 @@ TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
 TEST(Report, refuses_measurements_and_a_truth_that_are_not_of_its_arm) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
-  const std::string simulate = "simulate --hand-target-mm 80,30,120 --seed 2 ";
+  const std::string simulate = "simulate --flange-target-mm 80,30,120 --seed 2 ";
   ASSERT_EQ(run_tool(folder, simulate + "--arm arm.yaml --tolerances 1 --out m.csv "
                                         "--truth-out truth.yaml")
                 .status,
@@ -135,7 +135,7 @@ TEST(Report, compares_with_an_arm_that_bends_where_its_tool_really_is) {
   ASSERT_GT(predicted_m, 0);
   EXPECT_GT(number("true_rms_m"), 0.4 * predicted_m);
   EXPECT_LT(number("true_rms_m"), 1.6 * predicted_m);
-  EXPECT_GT(number("true_drawing_rms_m"), 0.3e-3);
+  EXPECT_GT(number("true_nominal_rms_m"), 0.3e-3);
 }
 
 }  // namespace

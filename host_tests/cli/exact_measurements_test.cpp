@@ -44,7 +44,7 @@ TEST(ExactMeasurements, of_sweeps_accuse_nothing) {
 TEST(ExactMeasurements, of_free_poses_accuse_nothing) {
   const Folder folder;
   for (const char* arm : {"ur5e", "irb120"}) {
-    expect_no_accusation(folder, arm, "0", 3, " --mixed-poses 40");
+    expect_no_accusation(folder, arm, "0", 3, " --free-poses 40");
   }
 }
 

@@ -26,7 +26,7 @@ double prediction_error_m(const Folder& folder, const std::string& method,
 void simulate_exactly(const Folder& folder, const std::string& options) {
   const Outcome outcome =
       run_tool(folder,
-               "simulate --arm arm.yaml --sigma-mm 0 --mixed-poses 20 --out good.csv "
+               "simulate --arm arm.yaml --sigma-mm 0 --free-poses 20 --out good.csv "
                "--truth-out truth.yaml " +
                    options);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -109,8 +109,8 @@ TEST(Identify, identifies_one_joint_and_eight) {
 TEST(Identify, follows_one_target_on_the_hand_through_all_sweeps) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
-  simulate_exactly(folder,
-                   "--hand-target-mm 80,20,60 --configuration 10,-20,110,20,40,10 --tolerances 1");
+  simulate_exactly(
+      folder, "--flange-target-mm 80,20,60 --configuration 10,-20,110,20,40,10 --tolerances 1");
   EXPECT_LT(prediction_error_m(folder, "encoder", "1"), kExact_m);
 }
 
@@ -159,7 +159,7 @@ double error_with_outliers_m(double share) {
     const Folder folder;
     write_file(folder / "arm.yaml", kPuma560);
     const std::string common =
-        "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.2 --mixed-poses 100 --points 60 "
+        "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.2 --free-poses 100 --points 60 "
         "--seed " +
         std::to_string(seed) + " --truth-out truth.yaml --out m.csv --outliers ";
     EXPECT_EQ(run_tool(folder, common + std::to_string(share)).status, 0);
@@ -206,7 +206,7 @@ TEST(Identify, finds_in_a_real_positioner_what_an_independent_fit_found) {
   const Outcome outcome = run_tool(
       folder, "identify --arm arm.yaml --measurements '" + data + "' --out s.yaml --method paper");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* line : {"3 slides 400.0 mm", "2          360.0°", "0.005  0.017"}) {
+  for (const char* line : {"3 prismatic 400.0 mm", "2          360.0°", "0.005  0.017"}) {
     EXPECT_NE(outcome.out.find(line), std::string::npos) << line << "\n" << outcome.out;
   }
 }

@@ -180,7 +180,7 @@ Csv measured_puma(const Folder& folder, const std::string& arm, const std::strin
   write_file(folder / "arm.yaml", arm);
   const Outcome outcome =
       run_tool(folder,
-               "simulate --arm arm.yaml --tolerances 1 --hand-target-mm 80,30,120 --arc 90 "
+               "simulate --arm arm.yaml --tolerances 1 --flange-target-mm 80,30,120 --arc 90 "
                "--points 20 --seed 11 --out good.csv " +
                    options);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -189,7 +189,7 @@ Csv measured_puma(const Folder& folder, const std::string& arm, const std::strin
 
 TEST(ModelCases, play_of_a_simulated_arm_is_found_and_stated) {
   const Folder folder;
-  Csv rows = measured_puma(folder, kPuma560, "--mixed-poses 160 --sigma-mm 0.02");
+  Csv rows = measured_puma(folder, kPuma560, "--free-poses 160 --sigma-mm 0.02");
   keep_mixed(rows);
   const Outcome outcome = refine(folder, with_play(rows, 0.06), "--json");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -205,7 +205,7 @@ TEST(ModelCases, play_of_a_simulated_arm_is_found_and_stated) {
 
 TEST(ModelCases, an_arm_without_play_has_none) {
   const Folder folder;
-  Csv rows = measured_puma(folder, kPuma560, "--mixed-poses 160 --sigma-mm 0.02");
+  Csv rows = measured_puma(folder, kPuma560, "--free-poses 160 --sigma-mm 0.02");
   keep_mixed(rows);
   const Outcome outcome = refine(folder, rows);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -216,7 +216,7 @@ TEST(ModelCases, a_coupling_of_a_simulated_arm_is_named) {
   const Folder folder;
   std::string coupled = kPuma560;
   coupled += "coupling:\n  - {joint: 3, from: 2, ratio: 0.01}\n";
-  const Csv rows = measured_puma(folder, coupled, "--mixed-poses 60 --sigma-mm 0.05");
+  const Csv rows = measured_puma(folder, coupled, "--free-poses 60 --sigma-mm 0.05");
   write_file(folder / "arm.yaml", kPuma560);
   const Outcome outcome = refine(folder, rows);
   EXPECT_EQ(outcome.status, 1) << outcome.out;

@@ -30,7 +30,7 @@ double observed_over_predicted(const std::string& method) {
         "--tolerances 1 --truth-out truth.yaml --seed " +
         std::to_string(seed);
     EXPECT_EQ(run_tool(folder, simulate + " --out m.csv").status, 0);
-    EXPECT_EQ(run_tool(folder, simulate + " --mixed-poses 60 --out good.csv").status, 0);
+    EXPECT_EQ(run_tool(folder, simulate + " --free-poses 60 --out good.csv").status, 0);
     const Outcome outcome =
         run_tool(folder,
                  "identify --arm arm.yaml --measurements m.csv --sensor sensor.yaml "

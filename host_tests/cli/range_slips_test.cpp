@@ -145,7 +145,7 @@ TEST(RangeSlips, air_that_grows_warm_is_named_by_every_method) {
     const std::size_t at = outcome.err.find(grown);
     ASSERT_NE(at, std::string::npos) << outcome.err;
     EXPECT_NEAR(std::stod(outcome.err.substr(at + grown.size())), -3.0, 0.15) << outcome.err;
-    EXPECT_NE(outcome.err.find("where air_c says +0.0 K: with that undone 60 of 60 of them do"),
+    EXPECT_NE(outcome.err.find("where air_c says +0.0 K: with that corrected 60 of 60 of them do"),
               std::string::npos)
         << outcome.err;
   }
@@ -158,8 +158,8 @@ TEST(RangeSlips, air_that_grows_a_little_warm_is_warned_of_and_stated) {
   write_file(folder / "sensor.yaml", kSixReceivers);
   const std::string simulate =
       "simulate --arm arm.yaml --sensor sensor.yaml --sigma-mm 0.2 --points 24 --arc 150 "
-      "--hand-target-mm 80,30,120 --seed 4 --tolerances 1 --truth-out truth.yaml --out m.csv "
-      "--mixed-poses ";
+      "--flange-target-mm 80,30,120 --seed 4 --tolerances 1 --truth-out truth.yaml --out m.csv "
+      "--free-poses ";
   const std::string identify =
       "identify --arm arm.yaml --measurements m.csv --sensor sensor.yaml --out s.yaml --json";
   ASSERT_EQ(run_tool(folder, simulate + "60").status, 0);

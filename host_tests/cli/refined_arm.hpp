@@ -18,8 +18,8 @@ inline Csv simulated(const Folder& folder, const std::string& options = "",
   write_file(folder / "arm.yaml", arm);
   const Outcome outcome =
       run_tool(folder,
-               "simulate --arm arm.yaml --tolerances 1 --hand-target-mm 80,30,120 --arc 90 "
-               "--points 20 --mixed-poses 40 --seed 11 --out good.csv --truth-out truth.yaml " +
+               "simulate --arm arm.yaml --tolerances 1 --flange-target-mm 80,30,120 --arc 90 "
+               "--points 20 --free-poses 40 --seed 11 --out good.csv --truth-out truth.yaml " +
                    options);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   return Csv::read(folder / "good.csv");

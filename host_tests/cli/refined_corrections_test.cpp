@@ -69,8 +69,8 @@ Csv with_two_low_poses(const Folder& folder) {
     write_file(folder / "arm.yaml", kPuma560);
     const Outcome outcome = run_tool(
         folder, std::string("simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.03 --arc 90 "
-                            "--points 10 --mixed-poses 30 --seed 21 --out good.csv --truth-out "
-                            "truth.yaml --hand-target-mm ") +
+                            "--points 10 --free-poses 30 --seed 21 --out good.csv --truth-out "
+                            "truth.yaml --flange-target-mm ") +
                     target);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     Csv rows = Csv::read(folder / "good.csv");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gravity and the maps of the readings as a user meets them: found where they help, stored, and
+// Gravity and the joint error maps as a user meets them: found where they help, stored, and
 // applied by every command.
 #include <nlohmann/json.hpp>
 
@@ -12,10 +12,10 @@ using nlohmann::json;
 
 Csv many_poses(const Folder& folder) {
   write_file(folder / "arm.yaml", kPuma560);
-  const Outcome outcome =
-      run_tool(folder,
-               "simulate --arm arm.yaml --tolerances 1 --hand-target-mm 80,30,120 --sigma-mm 0.02 "
-               "--mixed-poses 400 --seed 12 --out good.csv --truth-out truth.yaml");
+  const Outcome outcome = run_tool(
+      folder,
+      "simulate --arm arm.yaml --tolerances 1 --flange-target-mm 80,30,120 --sigma-mm 0.02 "
+      "--free-poses 400 --seed 12 --out good.csv --truth-out truth.yaml");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   Csv rows = Csv::read(folder / "good.csv");
   keep_mixed(rows);
@@ -67,12 +67,12 @@ TEST(RefinedDeflections, of_sweeps_are_no_promise_for_the_poses_between_them) {
   double observed_squares = 0;
   double stated_squares = 0;
   for (const int seed : {1, 2, 3, 4}) {
-    const Outcome simulated =
-        run_tool(folder,
-                 "simulate --arm arm.yaml --tolerances 1 --sag-mm 1 --sigma-mm 0.1 --points 24 "
-                 "--hand-target-mm 100,40,120 --mixed-poses 60 --out all.csv --truth-out "
-                 "truth.yaml --seed " +
-                     std::to_string(seed));
+    const Outcome simulated = run_tool(
+        folder,
+        "simulate --arm arm.yaml --tolerances 1 --deflection-mm 1 --sigma-mm 0.1 --points 24 "
+        "--flange-target-mm 100,40,120 --free-poses 60 --out all.csv --truth-out "
+        "truth.yaml --seed " +
+            std::to_string(seed));
     ASSERT_EQ(simulated.status, 0) << simulated.err;
     const Csv all = Csv::read(folder / "all.csv");
     Csv sweeps = all;

@@ -25,7 +25,7 @@ Squares missed_and_stated(const std::string& arm, const std::string& options, in
   const std::string simulate = "simulate --arm " + arm + " " + options + " --seed ";
   run(simulate + std::to_string(seed) + " --out m.csv --truth-out truth.yaml");
   run("simulate --arm " + arm +
-      " --seed 99 --truth truth.yaml --points 2 --arc 30 --mixed-poses 30 --out other.csv");
+      " --seed 99 --truth truth.yaml --points 2 --arc 30 --free-poses 30 --out other.csv");
   run("identify --arm " + arm + " --measurements m.csv --method refined --out s.yaml");
   Csv poses = Csv::read(folder / "other.csv");
   keep_mixed(poses);
@@ -67,7 +67,7 @@ TEST(RefinedFarStart, gives_up_no_sweep_that_the_drawing_misses) {
     const char* tolerances;
     int seed;
   };
-  const std::string hand = " --sigma-mm 0.05 --hand-target-mm 80 40 120 --tolerances ";
+  const std::string hand = " --sigma-mm 0.05 --flange-target-mm 80 40 120 --tolerances ";
   for (const Case& far : {Case{"iiwa7", "alpha_deg=0.5,theta_deg=2,a_mm=3,d_mm=3", 3},
                           Case{"cobra600", "alpha_deg=1,theta_deg=5,a_mm=10,d_mm=10", 1},
                           Case{"stanford", "alpha_deg=0.5,theta_deg=2,a_mm=3,d_mm=3", 3}}) {

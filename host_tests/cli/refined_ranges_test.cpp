@@ -30,8 +30,8 @@ Csv ranges(const Folder& folder, int poses, const std::string& options = "") {
   const Outcome outcome = run_tool(
       folder,
       "simulate --arm arm.yaml --sensor sensor.yaml --sigma-mm 0.02 --tolerances 1 "
-      "--hand-target-mm 80,30,120 --arc 90 --points 10 --seed 3 --out good.csv --truth-out "
-      "truth.yaml --mixed-poses " +
+      "--flange-target-mm 80,30,120 --arc 90 --points 10 --seed 3 --out good.csv --truth-out "
+      "truth.yaml --free-poses " +
           std::to_string(poses) + " " + options);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   Csv rows = Csv::read(folder / "good.csv");
@@ -88,10 +88,10 @@ TEST(RefinedRanges, of_sweeps_are_fitted_with_maps_of_the_readings_too) {
   EXPECT_LT(result["cross_validation"]["mean_m"],
             0.4 * result["refinement"]["geometry_left_out_mean_m"].get<double>());
   // At poses that were never measured.
-  const Outcome elsewhere =
-      run_tool(folder,
-               "simulate --arm arm.yaml --truth truth.yaml --sigma-mm 0 --hand-target-mm 80,30,120 "
-               "--points 2 --arc 30 --mixed-poses 200 --seed 8 --out fresh.csv");
+  const Outcome elsewhere = run_tool(
+      folder,
+      "simulate --arm arm.yaml --truth truth.yaml --sigma-mm 0 --flange-target-mm 80,30,120 "
+      "--points 2 --arc 30 --free-poses 200 --seed 8 --out fresh.csv");
   ASSERT_EQ(elsewhere.status, 0) << elsewhere.err;
   const Csv fresh = Csv::read(folder / "fresh.csv");
   write_joint_poses(fresh, folder / "q.csv");
@@ -157,7 +157,7 @@ TEST(RefinedRanges, find_an_offset_by_which_ranges_do_not_meet) {
              "path: one-way\nrange_sigma_mm: 0.05\n");
   ASSERT_EQ(run_tool(folder,
                      "simulate --arm puma560 --sensor sensor.yaml --sigma-mm 0.05 --tolerances 1 "
-                     "--hand-target-mm 80,30,120 --arc 150 --seed 3 --mixed-poses 100 --out m.csv")
+                     "--flange-target-mm 80,30,120 --arc 150 --seed 3 --free-poses 100 --out m.csv")
                 .status,
             0);
   Csv rows = Csv::read(folder / "m.csv");

@@ -37,7 +37,7 @@ TEST(Refined, finds_base_and_tool_where_a_file_has_no_sweeps) {
   const Outcome outcome = refine(folder, rows);
   expect_said(outcome, "drawing, base and tool fitted");
   expect_said(outcome, "40 rows: 0 rejected");
-  expect_said(outcome, "rows left out of the fit");
+  expect_said(outcome, "validation rows");
   EXPECT_LT(error_m(folder), 5e-4);
 }
 
@@ -185,8 +185,8 @@ TEST(Refined, says_which_axis_its_target_does_not_tell) {
   write_file(folder / "arm.yaml", kPuma560);
   const Outcome simulated_on_axis =
       run_tool(folder,
-               "simulate --arm arm.yaml --tolerances 0.1 --hand-target-mm 0,0,150 --sigma-mm 0.1 "
-               "--mixed-poses 60 --out good.csv --truth-out truth.yaml");
+               "simulate --arm arm.yaml --tolerances 0.1 --flange-target-mm 0,0,150 --sigma-mm 0.1 "
+               "--free-poses 60 --out good.csv --truth-out truth.yaml");
   ASSERT_EQ(simulated_on_axis.status, 0) << simulated_on_axis.err;
   Csv rows = Csv::read(folder / "good.csv");
   keep_mixed(rows);
@@ -236,7 +236,7 @@ TEST(Identify, reports_a_cross_validated_figure_by_every_method) {
 TEST(Refined, takes_sweeps_whose_held_joints_wander) {
   const Folder folder;
   ASSERT_EQ(run_tool(folder,
-                     "simulate --arm puma560 --tolerances 1 --hand-target-mm 80,30,120 "
+                     "simulate --arm puma560 --tolerances 1 --flange-target-mm 80,30,120 "
                      "--sigma-mm 0.05 --seed 3 --out m.csv --truth-out truth.yaml")
                 .status,
             0);

@@ -21,8 +21,9 @@ JudgedArm judge(const std::string& seed, const std::string& method) {
   write_file(folder / "arm.yaml", kPuma560);
   const Outcome made = run_tool(
       folder,
-      "simulate --arm arm.yaml --tolerances 1 --hand-target-mm 80,30,120 --points 25 --arc 120 "
-      "--mixed-poses 40 --sigma-mm 0.03 --sag-mm 4 --out m.csv --truth-out truth.yaml --seed " +
+      "simulate --arm arm.yaml --tolerances 1 --flange-target-mm 80,30,120 --points 25 --arc 120 "
+      "--free-poses 40 --sigma-mm 0.03 --deflection-mm 4 --out m.csv --truth-out truth.yaml "
+      "--seed " +
           seed);
   EXPECT_EQ(made.status, 0) << made.err;
   const auto [result, err] = identified_rows(folder, Csv::read(folder / "m.csv"), method);

@@ -20,7 +20,7 @@ Csv thirty_poses(const Folder& folder, int seed, double sag_mm) {
     const Outcome outcome =
         run_tool(folder,
                  "simulate --arm lrmate200id --tolerances 1 --sigma-mm 0.03 --points 2 "
-                 "--mixed-poses 30 --maps-deg 0.005 --sag-mm 0.3 --hand-target-mm " +
+                 "--free-poses 30 --maps-deg 0.005 --deflection-mm 0.3 --flange-target-mm " +
                      std::string(target) + " --seed " + std::to_string(seed) +
                      " --out good.csv --truth-out truth.yaml");
     EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -11,10 +11,10 @@ namespace armsig::cli {
 namespace {
 
 Csv poses_of_a_ur10e(const Folder& folder) {
-  const Outcome outcome = run_tool(
-      folder,
-      "simulate --arm ur10e --tolerances 1 --points 8 --mixed-poses 80 --hand-target-mm 100,50,150 "
-      "--sigma-mm 0.05 --seed 4 --out m.csv --truth-out truth.yaml");
+  const Outcome outcome = run_tool(folder,
+                                   "simulate --arm ur10e --tolerances 1 --points 8 --free-poses 80 "
+                                   "--flange-target-mm 100,50,150 "
+                                   "--sigma-mm 0.05 --seed 4 --out m.csv --truth-out truth.yaml");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   return Csv::read(folder / "m.csv");
 }
@@ -87,7 +87,7 @@ TEST(Scale, is_part_of_the_predicted_error_where_a_slide_contradicts_it) {
   const Folder folder;
   const Outcome outcome = run_tool(
       folder,
-      "simulate --arm stanford --tolerances 1 --points 24 --hand-target-mm 100,50,150 --sigma-mm "
+      "simulate --arm stanford --tolerances 1 --points 24 --flange-target-mm 100,50,150 --sigma-mm "
       "0.05 --seed 4 --out m.csv --truth-out truth.yaml");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   times(Csv::read(folder / "m.csv"), 1.002).write(folder / "m.csv");

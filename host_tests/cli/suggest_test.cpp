@@ -125,8 +125,8 @@ TEST(Suggest, says_when_what_was_measured_will_do) {
   const Folder folder;
   write_file(folder / "arm.yaml", kPuma560);
   ASSERT_EQ(run_tool(folder,
-                     "simulate --arm arm.yaml --hand-target-mm 80,30,120 --arc 300 --points 100 "
-                     "--sigma-mm 0.2 --mixed-poses 100 --out m.csv")
+                     "simulate --arm arm.yaml --flange-target-mm 80,30,120 --arc 300 --points 100 "
+                     "--sigma-mm 0.2 --free-poses 100 --out m.csv")
                 .status,
             0);
   ASSERT_EQ(

@@ -10,13 +10,13 @@ namespace armsig::cli {
 namespace {
 
 constexpr const char* kSimulate =
-    "simulate --arm arm.yaml --hand-target-mm 120,50,180 --points 25 --arc 120 ";
+    "simulate --arm arm.yaml --flange-target-mm 120,50,180 --points 25 --arc 120 ";
 
 // Sweeps in m.csv, poses anywhere in held.csv, the arm in truth.yaml.
 Csv sweeps_of_a_puma(const Folder& folder, const std::string& options) {
   write_file(folder / "arm.yaml", kPuma560);
   for (const std::string rest : {"--tolerances 1 --truth-out truth.yaml --out m.csv",
-                                 "--truth truth.yaml --mixed-poses 100 --out held.csv"}) {
+                                 "--truth truth.yaml --free-poses 100 --out held.csv"}) {
     const Outcome outcome = run_tool(folder, kSimulate + options + rest);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
   }
@@ -63,7 +63,7 @@ TEST(SweepsThatErr, are_no_reason_to_refuse_an_arm_that_a_fine_sensor_sees) {
   }
 }
 
-// A map of the readings explains the rows as well, and says nothing of readings beyond them.
+// A joint error maps explains the rows as well, and says nothing of readings beyond them.
 TEST(SweepsThatErr, by_a_gear_are_told_from_those_that_err_by_waves) {
   const Folder folder;
   Csv rows = sweeps_of_a_puma(folder, "--sigma-mm 0.05 --seed 6 ");
@@ -97,14 +97,15 @@ TEST(SweepsThatErr, by_a_gear_that_no_fit_finds_are_stated) {
 TEST(SweepsThatErr, name_the_gear_that_they_tell_worst) {
   const Folder folder;
   const std::string upright =
-      "simulate --arm ur5 --configuration 0,-90,0,-90,90,0 --hand-target-mm -70,20,-170 --sigma-mm "
+      "simulate --arm ur5 --configuration 0,-90,0,-90,90,0 --flange-target-mm -70,20,-170 "
+      "--sigma-mm "
       "0.05 --out m.csv --truth-out truth.yaml";
   const std::string identify = "identify --arm ur5 --measurements m.csv --out s.yaml --method ";
-  for (const std::string mixed : {" --mixed-poses 0", " --mixed-poses 40"}) {
+  for (const std::string mixed : {" --free-poses 0", " --free-poses 40"}) {
     const Outcome made = run_tool(folder, upright + mixed);
     ASSERT_EQ(made.status, 0) << made.err;
     const auto result = nlohmann::json::parse(run_tool(folder, identify + "refined --json").out);
-    const bool named = mixed == " --mixed-poses 0";
+    const bool named = mixed == " --free-poses 0";
     ASSERT_EQ(result.contains("least_seen_gear"), named) << result;
     const std::string text = run_tool(folder, identify + "refined").out;
     EXPECT_EQ(text.find("the gear of joint 1, which is taken as exact") != std::string::npos, named)

@@ -17,7 +17,7 @@ Csv three_targets(const Folder& folder, const std::string& options) {
     const Outcome outcome =
         run_tool(folder, std::string("simulate --arm arm.yaml --tolerances 1 --arc 120 --points 20 "
                                      "--sigma-mm 0.1 --seed 5 --out one.csv --truth-out truth") +
-                             number + ".yaml --hand-target-mm " + places[k] + " " + options);
+                             number + ".yaml --flange-target-mm " + places[k] + " " + options);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     Csv one = Csv::read(folder / "one.csv");
     for (Fields& row : one.rows) row[one.column("target")] = number;
@@ -71,7 +71,7 @@ TEST(Targets, seen_in_poses_anywhere_are_on_the_hand) {
   for (const char* method : kMethods) {
     SCOPED_TRACE(method);
     const Folder folder;
-    Csv csv = three_targets(folder, "--mixed-poses 20");
+    Csv csv = three_targets(folder, "--free-poses 20");
     csv.write(folder / "good.csv");
     std::erase_if(csv.rows, [&](const Fields& row) {
       return row[csv.column("sweep")] == "6" && row[csv.column("target")] == "2";
@@ -89,7 +89,7 @@ TEST(Targets, each_have_an_uncertainty_of_their_own) {
   for (const char* method : kMethods) {
     SCOPED_TRACE(method);
     const Folder folder;
-    const Csv csv = three_targets(folder, "--mixed-poses 5");
+    const Csv csv = three_targets(folder, "--free-poses 5");
     csv.write(folder / "good.csv");
     ASSERT_EQ(identify(folder, csv, method).status, 0);
     write_joint_poses(csv, folder / "q.csv");
@@ -113,7 +113,7 @@ Outcome next_to_an_axis(const Folder& folder, const std::string& sigma_mm, const
   write_file(folder / "arm.yaml", kPuma560);
   const Outcome simulated =
       run_tool(folder,
-               "simulate --arm arm.yaml --tolerances 1 --hand-target-mm 1.6,0,120 --arc "
+               "simulate --arm arm.yaml --tolerances 1 --flange-target-mm 1.6,0,120 --arc "
                "120 --points 24 --seed 3 --out m.csv --sigma-mm " +
                    sigma_mm);
   EXPECT_EQ(simulated.status, 0) << simulated.err;

@@ -16,7 +16,7 @@ Csv measured(const Folder& folder) {
   write_file(folder / "arm.yaml", kPuma560);
   const Outcome outcome = run_tool(
       folder,
-      "simulate --arm arm.yaml --tolerances 1 --arc 120 --points 20 --mixed-poses 40 --sigma-mm "
+      "simulate --arm arm.yaml --tolerances 1 --arc 120 --points 20 --free-poses 40 --sigma-mm "
       "0.1 --seed 7 --out m.csv --truth-out truth.yaml");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   return Csv::read(folder / "m.csv");

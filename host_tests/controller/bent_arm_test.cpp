@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A stored signature with maps of the readings and gravity, servoed with: where the tool of an arm
+// A stored signature with joint error maps and gravity, servoed with: where the tool of an arm
 // that is bent like that comes to, by the estimator's own evaluation of what its joints have
 // turned.
 #include <gtest/gtest.h>

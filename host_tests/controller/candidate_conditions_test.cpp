@@ -17,7 +17,7 @@ using test::PumaCabinet;
 Configuration quick() {
   Configuration configuration = test::puma_controller();
   configuration.sweeps.points = configuration.sweeps.most_points = 8;
-  configuration.sweeps.held_out_poses = 3;
+  configuration.sweeps.validation_poses = 3;
   return configuration;
 }
 

@@ -51,8 +51,8 @@ const std::vector<Setting>& settings() {
        [](C& c, double v) { c.sweeps.axis_sigma_rad = v; }},
       {"sweeps.point_sigma", plausible::kPointSigma,
        [](C& c, double v) { c.sweeps.point_sigma_m = v; }},
-      {"sweeps.held_out_reach", plausible::kHeldOutReach,
-       [](C& c, double v) { c.sweeps.held_out_reach = v; }},
+      {"sweeps.validation_reach", plausible::kHeldOutReach,
+       [](C& c, double v) { c.sweeps.validation_reach = v; }},
       {"grid.size", plausible::kGridSize, [](C& c, double v) { c.grid.grid.size_m[2] = v; }},
   };
   return all;
@@ -163,8 +163,8 @@ TEST(ConfigurationBounds, of_counts) {
            Count{"sweeps.points", 6, 48, [](C& c) -> std::size_t& { return c.sweeps.points; }},
            Count{"sweeps.most_points", 24, kMostSweepPoints,
                  [](C& c) -> std::size_t& { return c.sweeps.most_points; }},
-           Count{"sweeps.held_out_poses", 3, kMostHeldOut,
-                 [](C& c) -> std::size_t& { return c.sweeps.held_out_poses; }},
+           Count{"sweeps.validation_poses", 3, kMostHeldOut,
+                 [](C& c) -> std::size_t& { return c.sweeps.validation_poses; }},
            Count{"dwell.pings", 1, 15, [](C& c) -> std::size_t& { return c.dwell.pings; }},
            Count{"dwell.most_pings", 5, measurement::kMaxPings,
                  [](C& c) -> std::size_t& { return c.dwell.most_pings; }},

@@ -18,7 +18,7 @@ struct Quick : PumaCabinet {
   static Configuration configuration() {
     Configuration c = test::puma_controller();
     c.sweeps.points = c.sweeps.most_points = 8;
-    c.sweeps.held_out_poses = 3;
+    c.sweeps.validation_poses = 3;
     return c;
   }
   bool identify() {
@@ -58,7 +58,7 @@ TEST(Commit, forgets_the_candidate_when_it_is_stored_or_what_it_was_compared_wit
   ASSERT_TRUE(puma.identify());
   ASSERT_TRUE(puma.ask("candidate").starts_with("ok signature=candidate "));
   ASSERT_EQ(puma.ask("rollback"), "ok");
-  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+  EXPECT_EQ(puma.ask("signature"), "ok model=nominal");
   puma.expect_error("candidate", "NO_CANDIDATE");
 }
 
@@ -83,7 +83,7 @@ TEST(Commit, is_possible_without_torque) {
   EXPECT_EQ(puma.ask("accept"), "ok");
   EXPECT_TRUE(puma.ask("signature").starts_with("ok model=signature signature=1 "));
   EXPECT_EQ(puma.ask("rollback"), "ok");
-  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+  EXPECT_EQ(puma.ask("signature"), "ok model=nominal");
 }
 
 TEST(Commit, of_a_new_signature_ends_the_trouble_with_an_old_one) {

@@ -60,7 +60,7 @@ TEST(StatusLine, tells_readings_in_degrees_and_the_tool_in_millimetres) {
   EXPECT_NEAR(std::stod(word(line, "x_mm")), 1e3 * p.x(), 0.02);
   EXPECT_NEAR(std::stod(word(line, "y_mm")), 1e3 * p.y(), 0.02);
   EXPECT_NEAR(std::stod(word(line, "z_mm")), 1e3 * p.z(), 0.02);
-  EXPECT_EQ(word(line, "model"), "drawing");
+  EXPECT_EQ(word(line, "model"), "nominal");
   EXPECT_EQ(word(line, "sensor"), "well");
   EXPECT_EQ(word(line, "sequence"), "none");
   EXPECT_EQ(word(line, "late_bins"), word(line, "ticks") + ",0,0,0,0,0,0,0,0,0,0,0,0,0,0,0");
@@ -134,7 +134,7 @@ TEST(ShownFigures, are_those_of_the_log_the_report_and_the_record) {
   EXPECT_EQ(word(candidate, "validation_poses"), std::to_string(report.poses));
   EXPECT_NEAR(std::stod(word(candidate, "validation_rms_mm")), 1e3 * report.candidate_rms_m, 1e-4);
   EXPECT_NEAR(std::stod(word(candidate, "active_rms_mm")), 1e3 * report.active_rms_m, 1e-4);
-  EXPECT_EQ(word(candidate, "active"), "drawing");
+  EXPECT_EQ(word(candidate, "active"), "nominal");
   const std::string figures = candidate.substr(3);
   EXPECT_EQ(std::ranges::count(puma.console.told, "# candidate " + figures), 1) << figures;
   EXPECT_EQ(word(candidate, "better"), "yes");

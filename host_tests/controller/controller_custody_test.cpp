@@ -18,7 +18,7 @@ using test::PumaCabinet;
 Configuration quick() {
   Configuration configuration = test::puma_controller();
   configuration.sweeps.points = configuration.sweeps.most_points = 8;
-  configuration.sweeps.held_out_poses = 3;
+  configuration.sweeps.validation_poses = 3;
   return configuration;
 }
 
@@ -54,7 +54,7 @@ TEST(Custody, tool_moves_by_the_drawing_want_an_acknowledgement_where_a_signatur
   EXPECT_TRUE(puma.ask("touch-grid").starts_with("error DRAWING_UNACKNOWLEDGED "));
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(puma.now().commanded[i], before[i]);
   ASSERT_TRUE(bend(puma)) << "joints do not go by a model";
-  EXPECT_EQ(puma.ask("acknowledge"), "ok model=drawing");
+  EXPECT_EQ(puma.ask("acknowledge"), "ok model=nominal");
   EXPECT_EQ(puma.ask("move dx_mm=5"), "ok");
   EXPECT_TRUE(puma.ask("acknowledge").starts_with("error WRONG_MODE "));
 }
@@ -81,9 +81,9 @@ TEST(Custody, a_signature_of_another_zero_is_not_used_and_the_difference_is_name
                    "# signature unused error=RECORD_OTHER_MACHINE reason=\"the stored record "
                    "is of another gear, encoder zero or drawing\" what=drawing found="));
   EXPECT_FALSE(puma.cabinet->state().active());
-  EXPECT_NE(puma.ask("status").find(" model=drawing"), std::string::npos);
+  EXPECT_NE(puma.ask("status").find(" model=nominal"), std::string::npos);
   EXPECT_TRUE(puma.ask("rollback").starts_with("ok")) << "it may be given up";
-  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+  EXPECT_EQ(puma.ask("signature"), "ok model=nominal");
 }
 
 TEST(Custody, a_signature_is_used_again_on_its_own_machine) {
@@ -203,7 +203,7 @@ TEST(Machine, is_compared_in_everything_that_both_tell) {
   EXPECT_TRUE(differs([](Machine& m) { m.drives[1].lead_m = 0.01; }, "lead_m"));
   EXPECT_TRUE(differs([](Machine& m) { m.drives[1].zero_counts = 5; }, "zero_counts"));
   EXPECT_TRUE(differs([](Machine& m) { m.drives[1].reversed = true; }, "reversed"));
-  EXPECT_TRUE(differs([](Machine& m) { m.drawing_crc = 8; }, "drawing"));
+  EXPECT_TRUE(differs([](Machine& m) { m.drawing_crc = 8; }, "nominal_model"));
   EXPECT_TRUE(differs([](Machine& m) { m.drives.resize(1); }, "joints"));
   EXPECT_FALSE(differs([](Machine& m) { m.drives[1].device[hal::kSerial] = 0; }, "drive_serial"));
 }

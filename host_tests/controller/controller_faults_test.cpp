@@ -238,7 +238,7 @@ struct Identified : PumaCabinet {
   static Configuration quick() {
     Configuration configuration = test::puma_controller();
     configuration.sweeps.points = configuration.sweeps.most_points = 8;
-    configuration.sweeps.held_out_poses = 3;
+    configuration.sweeps.validation_poses = 3;
     return configuration;
   }
 };
@@ -248,7 +248,7 @@ TEST(StoreFaults, a_full_disk_is_told_and_the_active_model_stays) {
   puma.memory.refusal = Error::kStorageFull;
   EXPECT_TRUE(puma.ask("accept").starts_with("error STORAGE_FULL "));
   EXPECT_EQ(puma.memory.stored, 0U);
-  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+  EXPECT_EQ(puma.ask("signature"), "ok model=nominal");
   EXPECT_EQ(puma.mode(), Mode::kHolding);
   puma.memory.refusal.reset();
   EXPECT_EQ(puma.ask("accept"), "ok") << "the candidate is still there";
@@ -272,8 +272,8 @@ TEST(StoreFaults, a_record_that_cannot_be_read_again_is_told_and_the_drawing_is_
     said = puma.ask("accept");
   }
   EXPECT_TRUE(said.starts_with("error STORAGE_FAULT ")) << said;
-  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
-  EXPECT_NE(puma.now().model, model_before) << "the servo has taken over the drawing";
+  EXPECT_EQ(puma.ask("signature"), "ok model=nominal");
+  EXPECT_NE(puma.now().model, model_before) << "the servo has taken over the nominal model";
   EXPECT_NE(puma.ask("status").find(" store=STORAGE_FAULT"), std::string::npos);
   // As it does after a restart, once the memory can be read.
   puma.memory.reads_left.reset();
@@ -290,7 +290,7 @@ TEST(StoreFaults, a_corrupted_record_is_told_and_the_drawing_or_the_former_one_i
   puma.start(Identified::quick(), 1);
   ASSERT_TRUE(puma.run_until(Mode::kIdle));
   EXPECT_NE(puma.ask("status").find(" store=RECORD_CORRUPT"), std::string::npos);
-  EXPECT_EQ(puma.ask("signature"), "ok model=drawing");
+  EXPECT_EQ(puma.ask("signature"), "ok model=nominal");
 
   // Twice accepted, the later one spoilt. Of two good signatures either may predict better.
   puma.memory.bytes = once;

@@ -23,7 +23,7 @@ struct Measured : PumaCabinet {
   static Configuration configuration() {
     Configuration c = test::puma_controller();
     c.sweeps.points = c.sweeps.most_points = 8;
-    c.sweeps.held_out_poses = 3;
+    c.sweeps.validation_poses = 3;
     return c;
   }
   const IdentificationSequence& sequence() { return cabinet->state().identification(); }

@@ -38,8 +38,8 @@ TEST(SelfCalibration, reaches_the_accuracy_that_was_asked_for_on_poses_never_mea
   EXPECT_TRUE(told.starts_with("# identify accuracy=reached model=maps ")) << told;
   const double predicted_mm = value_after(told, "predicted_tool_error_mm");
   EXPECT_LE(predicted_mm, asked_mm());
-  EXPECT_GT(value_after(told, "geometry_rms_mm"), value_after(told, "held_out_rms_mm"));
-  const std::string play = puma.heard("# identify play");
+  EXPECT_GT(value_after(told, "geometry_rms_mm"), value_after(told, "validation_rms_mm"));
+  const std::string play = puma.heard("# identify backlash");
   // Gravity holds most of the other joints at one end of it.
   EXPECT_NEAR(value_after(play, "q1_deg"), 0.005, 3 * value_after(play, "s1_deg")) << play;
   EXPECT_LT(value_after(play, "s1_deg"), 0.0025) << play;
@@ -119,7 +119,7 @@ TEST(SelfCalibration, says_that_no_measurement_helps_against_play) {
   EXPECT_TRUE(advice.contains("the joints' play alone is more")) << advice;
   EXPECT_TRUE(advice.contains(" mm, joint ")) << advice;
   EXPECT_TRUE(advice.contains(" of it; no measurement takes it out, look at its gears")) << advice;
-  EXPECT_GT(value_after(budget, "play_mm"), value_after(budget, "uncovered_mm")) << budget;
+  EXPECT_GT(value_after(budget, "backlash_mm"), value_after(budget, "uncovered_mm")) << budget;
 }
 
 // Of joint 1 the sensor sees half of where the arm is to work.
@@ -197,7 +197,7 @@ TEST(SelfCalibration, stays_in_its_workspace_box_from_its_first_sweep_to_its_las
   EXPECT_GE(value_after(told, "poses"), 60) << told;
   const auto& sequence = puma.cabinet->state().identification();
   ASSERT_TRUE(sequence.has_verdict());
-  EXPECT_EQ(sequence.report().poses, puma.configuration.sweeps.held_out_poses);
+  EXPECT_EQ(sequence.report().poses, puma.configuration.sweeps.validation_poses);
 }
 
 TEST(SelfCalibration, is_refused_where_no_way_leads_from_the_arm_into_its_workspace_box) {

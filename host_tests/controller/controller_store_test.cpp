@@ -81,7 +81,7 @@ TEST(SignatureStore, keeps_the_last_written_and_the_one_before) {
   ASSERT_TRUE(roll_back(store));
   EXPECT_EQ(active_in(memory), 1);
   ASSERT_TRUE(roll_back(store));
-  EXPECT_EQ(active_in(memory), 0) << "before the first there was the drawing";
+  EXPECT_EQ(active_in(memory), 0) << "before the first there was the nominal model";
   const auto again = store.begin_rollback();
   ASSERT_FALSE(again);
   EXPECT_EQ(test::failure_of(again), Error::kNoSignature);

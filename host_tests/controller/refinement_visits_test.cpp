@@ -55,7 +55,7 @@ class Twice final : public Refinement {
 Configuration short_sweeps() {
   Configuration c = test::puma_controller();
   c.sweeps.points = c.sweeps.most_points = 8;
-  c.sweeps.held_out_poses = 3;
+  c.sweeps.validation_poses = 3;
   return c;
 }
 
@@ -75,7 +75,7 @@ TEST(Refining, keeps_every_point_but_those_that_are_measured_again) {
   ASSERT_EQ(twice.taken.size(), 2U);
   // Of the log, which has all of them, the one that was compared and the held-out ones are not
   // kept.
-  ASSERT_EQ(twice.kept.size(), sequence.log().size() - 1 - c.sweeps.held_out_poses);
+  ASSERT_EQ(twice.kept.size(), sequence.log().size() - 1 - c.sweeps.validation_poses);
   for (std::size_t i = 0; i < twice.kept.size(); ++i) {
     EXPECT_EQ(twice.kept[i].sweep, sequence.log()[i].sweep());
     EXPECT_TRUE(twice.kept[i].point);

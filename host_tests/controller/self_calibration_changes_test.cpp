@@ -73,7 +73,7 @@ TEST(SelfCalibration, is_not_led_astray_by_a_fifth_of_its_points) {
   const std::string told = puma.heard("# identify accuracy=");
   EXPECT_TRUE(told.contains(" model=maps ")) << told;
   EXPECT_NEAR(value_after(told, "rejected") / value_after(told, "fitted"), 0.2, 0.08) << told;
-  EXPECT_GE(value_after(told, "blunders"), 1) << told;
+  EXPECT_GE(value_after(told, "outliers"), 1) << told;
   const double miss_mm = 1e3 * puma.miss_m(*sequence.candidate(), 100);
   EXPECT_NEAR(value_after(told, "predicted_tool_error_mm") / miss_mm, 1.1, 0.4) << told;
 }

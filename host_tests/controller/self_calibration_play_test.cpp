@@ -65,7 +65,7 @@ struct Tally {
     for (std::size_t i = 0; i < kJoints; ++i) world.play.push_back(radians(play_deg));
     const auto arm = std::make_unique<test::PlayingArm>(world);
     ASSERT_TRUE(arm->calibrate(kAsked_m));
-    const std::string play = arm->heard("# identify play");
+    const std::string play = arm->heard("# identify backlash");
     for (std::size_t i = 1; i <= kJoints; ++i) {
       const double stated = number_after(play, "q" + std::to_string(i) + "_deg");
       const double sigma = number_after(play, "s" + std::to_string(i) + "_deg");
@@ -123,7 +123,7 @@ TEST(Play, of_one_joint_is_not_stated_of_another) {
   world.play = {0, radians(0.05), 0, 0, 0, 0};
   const auto arm = std::make_unique<test::PlayingArm>(world);
   ASSERT_TRUE(arm->calibrate(kAsked_m));
-  const std::string play = arm->heard("# identify play");
+  const std::string play = arm->heard("# identify backlash");
   EXPECT_NEAR(number_after(play, "q2_deg"), 0.05, 0.0075) << play;
   EXPECT_TRUE(play.contains(" seen=") && !play.contains(" seen=none")) << play;
   for (const char* i : {"1", "3", "4", "5", "6"}) {
@@ -132,7 +132,7 @@ TEST(Play, of_one_joint_is_not_stated_of_another) {
         << play;
   }
   const std::string budget = arm->heard("# identify budget");
-  EXPECT_EQ(number_after(budget, "play_joint"), 2) << budget;
+  EXPECT_EQ(number_after(budget, "backlash_joint"), 2) << budget;
 }
 
 }  // namespace

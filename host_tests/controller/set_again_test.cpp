@@ -371,7 +371,7 @@ struct IdentificationCase {
     Configuration quick = test::puma_controller();
     quick.dwell.pings = 1;
     quick.sweeps.points = quick.sweeps.most_points = 7;
-    quick.sweeps.held_out_poses = 3;
+    quick.sweeps.validation_poses = 3;
     puma = std::make_unique<test::PumaCabinet>(1, quick);
     puma->cabinet->sensor().field().range_sigma_m = 0;
     EXPECT_TRUE(puma->enable());

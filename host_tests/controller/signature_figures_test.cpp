@@ -36,7 +36,7 @@ Figures figures_in(const std::string& reply) {
 Configuration quick() {
   Configuration c = test::puma_controller();
   c.sweeps.points = c.sweeps.most_points = 8;
-  c.sweeps.held_out_poses = 3;
+  c.sweeps.validation_poses = 3;
   return c;
 }
 
@@ -60,7 +60,7 @@ struct Reports : PumaCabinet {
   void expect_reported(int number) {
     for (const char* asking : {"status", "signature"}) {
       const std::string reply = ask(asking);
-      EXPECT_EQ(value_of(reply, "model"), number == 0 ? "drawing" : "signature") << reply;
+      EXPECT_EQ(value_of(reply, "model"), number == 0 ? "nominal" : "signature") << reply;
       EXPECT_EQ(value_of(reply, "signature"), number == 0 ? "" : std::to_string(number)) << reply;
       EXPECT_EQ(figures_in(reply), known[number]) << reply;
     }

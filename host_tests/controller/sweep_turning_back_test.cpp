@@ -59,7 +59,7 @@ TEST(SweepTurnsBack, where_the_next_place_is_outside_of_the_workspace_box) {
   c.sweeps.points = 6;
   c.sweeps.most_points = 16;
   c.sweeps.axis_sigma_rad = 1e-6;
-  c.sweeps.held_out_poses = 3;
+  c.sweeps.validation_poses = 3;
   c.around = test::boxed({-0.62, -0.62, -0.25}, {0.86, 0.74, 1.15}, 0.16);
   ASSERT_TRUE(check(c));
   std::size_t outside = 0;

@@ -98,7 +98,7 @@ TEST(Export, carries_couplings_along) {
   expect_same_poses(folder, {"linuxcnc", "dh-csv", "mdh-csv", "rtb", "json"});
 }
 
-const std::string kBent = "--tolerances 1 --maps-deg 0.02 --sag-mm 0.5";
+const std::string kBent = "--tolerances 1 --maps-deg 0.02 --deflection-mm 0.5";
 
 TEST(Export, carries_gravity_and_maps_in_json_and_as_a_table) {
   for (const char* arm : {kPuma560, kStanfordArm, kCoupledArm}) {
@@ -211,7 +211,7 @@ TEST(Export, refuses_readings_that_are_corrected_by_more_than_an_offset) {
   const Folder folder;
   make_individual(folder, kPuma560);
   ASSERT_EQ(run_tool(folder,
-                     "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.1 --mixed-poses 20 --out "
+                     "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.1 --free-poses 20 --out "
                      "m.csv")
                 .status,
             0);

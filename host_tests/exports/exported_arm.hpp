@@ -39,7 +39,7 @@ inline void make_individual(const Folder& folder, const std::string& arm_text,
   const Outcome simulated =
       run_tool(folder,
                "simulate --arm arm.yaml --sigma-mm 0 --arc 60 --points 10 "
-               "--mixed-poses 50 --seed 3 --out m.csv --truth-out truth.yaml " +
+               "--free-poses 50 --seed 3 --out m.csv --truth-out truth.yaml " +
                    options);
   ASSERT_EQ(simulated.status, 0) << simulated.err;
   const Csv measured = Csv::read(folder / "m.csv");

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What gravity and maps of the readings do, from the exports that say it: json and maps-csv."""
+"""What gravity and joint error maps do, from the exports that say it: json and maps-csv."""
 import json
 import math
 
@@ -21,7 +21,7 @@ def spline(origin, per_unit, coefficients, reading):
 
 
 def sagging(drawing, joints, gravity, effective, up=(0, 0, 1)):
-    """What gravity turns each joint by; `up` in frame 0 of the drawing."""
+    """What gravity turns each joint by; `up` in frame 0 of the nominal model."""
     down = -np.array(up)
     T = np.eye(4)
     axes, origins = [], []
@@ -56,7 +56,7 @@ def maps_csv(path):
         export = json.load(file)
     said = export["deflections"]
     for i, line in enumerate(line for line in comments_of(path) if line.startswith("drawing ")):
-        said["drawing"][i] = {k: float(v) for k, v in
+        said["nominal"][i] = {k: float(v) for k, v in
                               (item.split("=") for item in line.split(":")[1].strip().split(","))}
     at_rest = next(line for line in comments_of(path) if line.startswith("readings of the signature"))
     said["at_rest"] = [float(v) for v in at_rest.split(":")[1].split(",")]
@@ -96,7 +96,7 @@ def pose_by(export):
         joints = export["signature"]["joints"]
 
         def by(readings):
-            return sagging(said["drawing"], joints, said["gravity"], couple_by(export["coupling"], readings),
+            return sagging(said["nominal"], joints, said["gravity"], couple_by(export["coupling"], readings),
                            said.get("up", (0, 0, 1))) + \
                 [spline(m["origin"], m["knots_per_unit"], m["coefficients"], reading)
                  for m, reading in zip(said["maps"], readings, strict=True)]

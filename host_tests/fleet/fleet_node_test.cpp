@@ -53,7 +53,7 @@ TEST(FleetNode, StatusIsRead) {
 }
 
 TEST(FleetNode, FaultThatIsGoneHasNoValue) {
-  const Readings readings = readings_of_status("ok mode=idle model=drawing sensor=well");
+  const Readings readings = readings_of_status("ok mode=idle model=nominal sensor=well");
   ASSERT_NE(find(readings, Item::kFault), nullptr);
   EXPECT_EQ(*find(readings, Item::kFault), Value());
   EXPECT_EQ(find(readings, Item::kLateness50), nullptr);
@@ -82,7 +82,7 @@ TEST(FleetNode, SignatureIsNamedByItsParametersAlone) {
 // So that no figure of a former signature stays beside another, or beside the drawing.
 TEST(FleetNode, SignatureIsToldWithAllItsFiguresAlsoThoseThatAreNotKnown) {
   for (const std::string line :
-       {"ok model=drawing", "ok model=signature signature=3 theta1_deg=1",
+       {"ok model=nominal", "ok model=signature signature=3 theta1_deg=1",
         "ok model=signature signature=3 predicted_tool_error_mm=0.08 theta1_deg=1"}) {
     const Readings readings = readings_of_signature(line);
     for (const Item item : kOfSignature) {
@@ -91,14 +91,14 @@ TEST(FleetNode, SignatureIsToldWithAllItsFiguresAlsoThoseThatAreNotKnown) {
     EXPECT_EQ(*find(readings, Item::kPredicted), Value()) << "of no region: " << line;
     EXPECT_EQ(*find(readings, Item::kValidation), Value()) << line;
   }
-  EXPECT_EQ(*find(readings_of_signature("ok model=drawing"), Item::kSignatureHash), Value());
+  EXPECT_EQ(*find(readings_of_signature("ok model=nominal"), Item::kSignatureHash), Value());
 }
 
 TEST(FleetNode, DocumentOfASignatureComesInRowsOfTheJournal) {
   std::string document = "theta1_deg=0.010000";
   while (document.size() < 500) document += " d1_mm=" + std::to_string(document.size());
   EXPECT_EQ(document_of_signature("ok model=signature air_c=1 " + document), document);
-  EXPECT_EQ(document_of_signature("ok model=drawing"), "");
+  EXPECT_EQ(document_of_signature("ok model=nominal"), "");
   const std::vector<Readings> rows = readings_of_document(document);
   std::string together;
   for (std::size_t i = 0; i < rows.size(); ++i) {

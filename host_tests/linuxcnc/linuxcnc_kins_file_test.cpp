@@ -77,9 +77,9 @@ TEST(LinuxCncKinsFile, is_refused_by_the_line_that_is_wrong) {
       {"tool", "tip 0 0 0 1 0 0 0\ntool", 7, "a second tip"},
       {"tool 7", "tool seven", 7, "a tool has a number and three lengths"},
       {"tool", "wheel", 7, "a line of no known kind"},
-      {"tool", "gravity 1 2 0.001\ntool", 0, "gravity or a drawing, but no maps"},
+      {"tool", "gravity 1 2 0.001\ntool", 0, "gravity or a nominal model, but no maps"},
       {"tool", "gravity 3 2 0.001\ntool", 7, "gravity has a joint, an origin and a number"},
-      {"tool", "drawn 0 0 0 0\ntool", 0, "gravity or a drawing, but no maps"},
+      {"tool", "drawn 0 0 0 0\ntool", 0, "gravity or a nominal model, but no maps"},
       {"tool", "configuration 0\ntool", 7, "a configuration has a number a joint"},
       {"tool", "map 2 0 1 0\ntool", 7, "maps are in the order of the joints, one each"},
       {"tool", "map 1 0 1 0 1 2 3\ntool", 7, "a map has 120 whole numbers of 16 bits"},
@@ -95,7 +95,7 @@ TEST(LinuxCncKinsFile, is_refused_by_the_line_that_is_wrong) {
 
 TEST(LinuxCncKinsFile, is_refused_where_maps_and_gravity_are_not_whole_or_too_steep) {
   const Folder folder;
-  make_individual(folder, kPuma560, "--tolerances 1 --maps-deg 0.02 --sag-mm 0.5");
+  make_individual(folder, kPuma560, "--tolerances 1 --maps-deg 0.02 --deflection-mm 0.5");
   ASSERT_EQ(export_as(folder, "linuxcnc-kins").status, 0);
   std::string body = read_file(folder / "export.out");
   body.erase(body.rfind("crc32"));
@@ -105,9 +105,10 @@ TEST(LinuxCncKinsFile, is_refused_where_maps_and_gravity_are_not_whole_or_too_st
     std::string less = body;
     return sealed(less.erase(at, less.find('\n', at) + 1 - at));
   };
-  for (const auto& [key, what] : {std::pair{"drawn", "maps, but not every joint of the drawing"},
-                                  std::pair{"configuration", "maps, but no configuration"},
-                                  std::pair{"map 6", "maps or gravity out of range"}}) {
+  for (const auto& [key, what] :
+       {std::pair{"drawn", "maps, but not every joint of the nominal model"},
+        std::pair{"configuration", "maps, but no configuration"},
+        std::pair{"map 6", "maps or gravity out of range"}}) {
     const std::string text = without(key);
     const auto model = linuxcnc::parse_kins(text);
     ASSERT_FALSE(model) << key;

@@ -17,7 +17,7 @@ using linuxcnc::Kins;
 using linuxcnc::KinsModel;
 using linuxcnc::WorldPose;
 
-const std::string kBent = "--tolerances 1 --maps-deg 0.02 --sag-mm 0.5";
+const std::string kBent = "--tolerances 1 --maps-deg 0.02 --deflection-mm 0.5";
 // Half a step of a map's 16 bits turns the longest arm by this.
 constexpr double kPacked_m = 2e-8;
 

@@ -86,9 +86,9 @@ class Bench {
           cli::run_tool(folder_, "simulate --arm drawing.yaml --arc 120 --points 20 " + options);
       EXPECT_EQ(outcome.status, 0) << outcome.err;
     };
-    simulate(fmt::format("{} --mixed-poses {} --out good.csv --truth-out truth.yaml --seed {} {}",
+    simulate(fmt::format("{} --free-poses {} --out good.csv --truth-out truth.yaml --seed {} {}",
                          sensor, poses, seed, arm.made));
-    simulate("--sigma-mm 0.0001 --mixed-poses 40 --out held.csv --truth truth.yaml --seed 99");
+    simulate("--sigma-mm 0.0001 --free-poses 40 --out held.csv --truth truth.yaml --seed 99");
     sound_ = read_set(folder_ / "drawing.yaml", folder_ / "good.csv");
     held_ = read_set(folder_ / "drawing.yaml", folder_ / "held.csv");
     std::erase_if(held_.rows, [](const Row& row) { return row.sweep != 0; });
@@ -254,7 +254,7 @@ TEST(DifferentArm, is_written_where_it_is_accepted_or_allowed) {
   const Mistake mistyped{"a length mistyped", [](Set& set) { set.joints()[1].a_m += 0.09; }};
   const Answer refused = bench.answer(mistyped, "encoder");
   ASSERT_EQ(refused.outcome.status, 1);
-  EXPECT_NE(refused.outcome.err.find("not the arm of the drawing"), std::string::npos)
+  EXPECT_NE(refused.outcome.err.find("not the arm of the nominal model"), std::string::npos)
       << refused.outcome.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "s.yaml"));
   const std::string identify = "identify --arm arm.yaml --measurements m.csv --out s.yaml";

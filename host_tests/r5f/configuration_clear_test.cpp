@@ -48,7 +48,7 @@ TEST(R5fConfiguration, keeps_its_sweeps_clear_of_floor_and_links) {
 TEST(R5fConfiguration, keeps_its_held_out_poses_clear_of_floor_and_links) {
   const controller::Configuration c = on_its_floor();
   std::vector<JointVector> poses;
-  for (std::size_t i = 0; i < c.sweeps.held_out_poses; ++i) {
+  for (std::size_t i = 0; i < c.sweeps.validation_poses; ++i) {
     poses.push_back(controller::held_out_pose(c, i));
   }
   expect_clear(c, poses);

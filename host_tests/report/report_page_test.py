@@ -108,7 +108,7 @@ class ReportPage(unittest.TestCase):
 
     def test_opens_in_silence(self):
         self.assertEqual(self.console, [])
-        self.assertRegex(self.page.ids["headline"], r"By the drawing the tool misses by [0-9.]+ mm, by the arm signature by")
+        self.assertRegex(self.page.ids["headline"], r"By the nominal model the tool misses by [0-9.]+ mm, by the arm signature by")
 
     def test_opens_in_silence_on_a_phone_and_without_webgl(self):
         page, console = opened(self.path, NO_WEBGL, "390,844")
@@ -159,7 +159,7 @@ class ReportPage(unittest.TestCase):
             self.assertAlmostEqual(number(cells[4]), 1e3 * line["effect_rms_m"], delta=0.0006)
         total = 1e3 * differences["total_rms_m"]
         self.assertAlmostEqual(sum(number(cells[5]) for cells in lines), total, delta=0.002 * total + 0.0005 * len(lines))
-        self.assertAlmostEqual(total, 1e3 * self.data["map"]["drawing_rms_m"], delta=0.001 * total)
+        self.assertAlmostEqual(total, 1e3 * self.data["map"]["nominal_rms_m"], delta=0.001 * total)
 
     def test_draws_what_is_different_joint_by_joint(self):
         lines = self.data["differences"]["joints"]
@@ -224,7 +224,7 @@ class ReportPage(unittest.TestCase):
         self.assertIn("left out of the fit in turn", page.ids["accuracy"])
 
     def test_counts_poses_beside_the_sweeps_as_measured_where_the_method_uses_them(self):
-        run("simulate", "--arm", "ur10e", "--tolerances", "1", "--arc", "60", "--sigma-mm", "0.1", "--mixed-poses", "40", "--out",
+        run("simulate", "--arm", "ur10e", "--tolerances", "1", "--arc", "60", "--sigma-mm", "0.1", "--free-poses", "40", "--out",
             "mixed.csv")
         beyond = {}
         for method in ("encoder", "refined"):
@@ -238,7 +238,7 @@ class ReportPage(unittest.TestCase):
         self.assertGreater(min(beyond["refined"]), 180)
 
     def test_draws_a_slide_where_the_drawing_has_it_and_says_what_of_its_rows_is_free(self):
-        run("simulate", "--arm", "stanford", "--tolerances", "1", "--sigma-mm", "0.1", "--mixed-poses", "30", "--out", "slide.csv")
+        run("simulate", "--arm", "stanford", "--tolerances", "1", "--sigma-mm", "0.1", "--free-poses", "30", "--out", "slide.csv")
         run("identify", "--arm", "stanford", "--measurements", "slide.csv", "--method", "encoder", "--out", "slide.yaml")
         run("report", "--signature", "slide.yaml", "--measurements", "slide.csv", "--out", "slide.html")
         page, console = opened(os.path.abspath("slide.html"), NO_WEBGL)

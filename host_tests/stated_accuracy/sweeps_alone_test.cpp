@@ -64,7 +64,7 @@ std::optional<double> judge(const Folder& folder, const Drawn& arm, const Bent& 
                             const char* method, int seed) {
   const cli::Outcome simulated = cli::run_tool(
       folder, fmt::format("simulate --arm {} --tolerances 1 --points 36 --arc 150 "
-                          "--hand-target-mm {} --sigma-mm {} --sag-mm {} --maps-deg {} "
+                          "--flange-target-mm {} --sigma-mm {} --deflection-mm {} --maps-deg {} "
                           "--seed {} --out m.csv --truth-out truth.yaml",
                           arm.made, arm.hand_mm, bent.sigma_mm, bent.sag_mm, bent.maps_deg, seed));
   EXPECT_EQ(simulated.status, 0) << simulated.err;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gravity and maps of the readings of a Puma: waves of one, five and thirty a turn in every joint,
+// Gravity and joint error maps of a Puma: waves of one, five and thirty a turn in every joint,
 // 0.02 degrees together, and weights that let shoulder and elbow sag by half a millimetre.
 #pragma once
 

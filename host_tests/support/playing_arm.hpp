@@ -90,7 +90,7 @@ class PlayingArm {
       JointVector q = world_.configuration;
       for (std::size_t i = 0; i < n; ++i) {
         const auto [lower, upper] = configuration_.drawing.limits[i];
-        q[i] += configuration_.sweeps.held_out_reach * (random.uniform(lower, upper) - q[i]);
+        q[i] += configuration_.sweeps.validation_reach * (random.uniform(lower, upper) - q[i]);
       }
       go_to(q);
       squares +=

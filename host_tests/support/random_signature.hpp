@@ -106,7 +106,7 @@ class RandomRecord {
     record.accuracy.validated = {1e-4 * std::abs(number()), 20};
     record.controller_signature = 3;
     record.air_c = 20 + number();
-    record.warnings = {"joint 2: arc of 45 deg", "joint 3: \"far\" # from: its drawing"};
+    record.warnings = {"joint 2: arc of 45 deg", "joint 3: \"far\" # from: its nominal model"};
     if (record.nominal.joints.size() > 1 &&
         record.nominal.joints[0].type == record.nominal.joints[1].type) {
       record.nominal.couplings.push_back({1, 0, number()});

@@ -65,7 +65,7 @@ struct BentPuma : PumaCabinet {
       for (std::size_t i = 0; i < 6; ++i) {
         const auto [lower, upper] = configuration.drawing.limits[i];
         const double centre = configuration.sweeps.configuration[i];
-        const double reach = configuration.sweeps.held_out_reach;
+        const double reach = configuration.sweeps.validation_reach;
         const double q = centre + reach * (random.uniform(lower, upper) - centre);
         request += " q" + std::to_string(i + 1) + "_deg=" + std::to_string(degrees(q));
       }

@@ -40,7 +40,7 @@ inline controller::Configuration quick_puma_with_grid() {
   configuration.grid.grid.count = {2, 2, 2};
   configuration.dwell.pings = 3;
   configuration.sweeps.points = configuration.sweeps.most_points = 8;
-  configuration.sweeps.held_out_poses = 3;
+  configuration.sweeps.validation_poses = 3;
   return configuration;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gravity and maps of the readings in the servo tick: against the estimator's own evaluation, and
+// Gravity and joint error maps in the servo tick: against the estimator's own evaluation, and
 // the inverse against the forward.
 #include <limits>
 

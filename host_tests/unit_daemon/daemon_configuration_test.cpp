@@ -299,7 +299,7 @@ TEST(DaemonConfiguration, refuses_counts_of_points_and_pings_that_cannot_be) {
   expect_refused("sweeps:", "points: 24", "points: 3", "sweeps.points");
   expect_refused("sweeps:", "most_points: 48", "most_points: 500", "sweeps.most_points");
   expect_refused("dwell:", "pings: 5", "pings: 0", "pings");
-  expect_refused("sweeps:", "held_out_poses: 8", "held_out_poses: 1", "held_out_poses");
+  expect_refused("sweeps:", "validation_poses: 8", "validation_poses: 1", "validation_poses");
   expect_refused("check:", "poses: 16", "poses: 5", "check.poses");
   expect_refused("check:", "poses: 16", "poses: 17", "check.poses");
   expect_refused("check:", "every_hours: 0", "every_hours: -1", "every_hours");
@@ -340,7 +340,7 @@ TEST(DaemonConfiguration, refuses_what_no_arm_is_like_and_says_why) {
 // What the drives are disbelieved by: a wrong unit here would switch those checks off.
 TEST(DaemonConfiguration, refuses_motors_and_windows_that_would_disbelieve_nothing) {
   expect_refused("joints:", "motor_speed_deg_per_s: 120", "motor_speed_rad_per_s: 1e5",
-                 "no position would be disbelieved");
+                 "no position would be an outlier");
   expect_refused("joints:", "sweep_at_deg: 0}", "sweep_at_deg: 0, following_window_rad: 100}",
                  "follows nothing");
 }

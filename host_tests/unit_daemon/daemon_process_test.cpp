@@ -193,7 +193,7 @@ TEST(Daemon, identifies_the_emulated_arm_and_knows_it_after_it_was_killed) {
   {
     VirtualDaemon daemon(folder);
     ASSERT_TRUE(daemon.is_in("idle"));
-    EXPECT_EQ(daemon.ask("signature"), "ok model=drawing");
+    EXPECT_EQ(daemon.ask("signature"), "ok model=nominal");
     EXPECT_EQ(daemon.ask("enable"), "ok");
     ASSERT_TRUE(daemon.is_in("holding"));
     EXPECT_EQ(daemon.ask("identify"), "ok");
@@ -213,13 +213,13 @@ TEST(Daemon, identifies_the_emulated_arm_and_knows_it_after_it_was_killed) {
 TEST(Daemon, refines_until_the_accuracy_is_reached_that_was_asked_for) {
   const Folder folder;
   VirtualDaemon daemon(folder, "0",
-                       {"--maps-deg", "0.02", "--sag-mm", "0.5", "--play-deg", "0.005"});
+                       {"--maps-deg", "0.02", "--deflection-mm", "0.5", "--backlash-deg", "0.005"});
   ASSERT_TRUE(daemon.is_in("idle"));
   EXPECT_EQ(daemon.ask("enable"), "ok");
   ASSERT_TRUE(daemon.is_in("holding"));
   EXPECT_EQ(daemon.ask("identify accuracy_mm=0.15 minutes=240"), "ok");
   ASSERT_TRUE(daemon.hear("# identify accuracy=reached model=maps "));
-  ASSERT_TRUE(daemon.hear("# identify play q1_deg="));
+  ASSERT_TRUE(daemon.hear("# identify backlash q1_deg="));
   ASSERT_TRUE(daemon.hear("# identify done"));
   ASSERT_TRUE(daemon.is_in("holding"));
   EXPECT_NE(daemon.ask("candidate").find("better=yes"), std::string::npos);

@@ -126,7 +126,7 @@ TEST(DriveScan, tells_what_it_would_write_and_what_is_gone_without) {
   EXPECT_NE(words.find("Switch on disabled, no error, mode 0, at 0 counts = 0.000 deg\n"),
             std::string::npos)
       << words;
-  EXPECT_NE(words.find("\n  modes not told\n"), std::string::npos) << words;
+  EXPECT_NE(words.find("\n  modes not reported\n"), std::string::npos) << words;
   EXPECT_NE(words.find("\n  modes: profile position, profile velocity, homing, cyclic synchronous "
                        "position\n"),
             std::string::npos)

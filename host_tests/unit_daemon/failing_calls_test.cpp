@@ -251,7 +251,7 @@ TEST_F(FailingCalls, of_the_first_life_leave_no_store_or_a_whole_one) {
     const Life next = live_failing(0, false);
     ASSERT_FALSE(next.refused) << where << ": " << name(*next.refused);
     EXPECT_EQ(next.enable, "ok") << where;
-    EXPECT_TRUE(next.signature.starts_with("ok model=drawing")) << where << next.signature;
+    EXPECT_TRUE(next.signature.starts_with("ok model=nominal")) << where << next.signature;
   }
   EXPECT_GE(told, 8);
 }

@@ -107,7 +107,7 @@ TEST(Fetch, brings_what_the_controller_identified_and_what_it_measured) {
   identify(daemon);
   const Outcome candidate = fetch(folder, "candidate.yaml --what candidate");
   ASSERT_EQ(candidate.status, 0) << candidate.err;
-  ASSERT_EQ(fetch(folder, "arm.yaml --what drawing").status, 0);
+  ASSERT_EQ(fetch(folder, "arm.yaml --what nominal").status, 0);
   const Outcome log = fetch(folder, "log.csv --json");
   ASSERT_EQ(log.status, 0) << log.err;
   EXPECT_NE(log.out.find("\"fetched\": \"log\""), std::string::npos) << log.out;
@@ -180,7 +180,7 @@ void expect_figures_of(VirtualDaemon& daemon, const Folder& folder, const std::s
 
 TEST(Fetch, and_report_tell_one_accuracy) {
   const Folder folder;
-  VirtualDaemon daemon(folder, "0", {"--maps-deg", "0.02", "--sag-mm", "0.5"});
+  VirtualDaemon daemon(folder, "0", {"--maps-deg", "0.02", "--deflection-mm", "0.5"});
   identify(daemon);
   ASSERT_EQ(daemon.ask("accept"), "ok");
   expect_figures_of(daemon, folder, "encoder", "configuration");

@@ -34,7 +34,7 @@ TEST(Send, brings_back_what_was_fetched_to_beat_the_drawing_and_be_accepted) {
   const std::string before = parameters(daemon);
   ASSERT_EQ(run_tool(folder, "connect console fetch signature.yaml").status, 0);
   ASSERT_EQ(daemon.ask("rollback"), "ok");
-  ASSERT_EQ(parameters(daemon), "ok model=drawing");
+  ASSERT_EQ(parameters(daemon), "ok model=nominal");
 
   const Outcome outcome = send(folder, "signature.yaml");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -56,8 +56,8 @@ TEST(Send, refuses_the_signature_of_another_arm_and_a_file_that_is_none) {
   ASSERT_EQ(identified.status, 0) << identified.err;
   Outcome outcome = send(folder, "other.yaml");
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("of its drawing is"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("fetch --what drawing"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("of its nominal model is"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("fetch --what nominal"), std::string::npos) << outcome.err;
   outcome = send(folder, "other.yaml --json");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.out.find("\"error\""), std::string::npos) << outcome.out;

@@ -149,7 +149,7 @@ class LivePage(unittest.TestCase):
         self.assertIn("model=signature", self.cabinet.ask("signature")[0])  # asked twice
         self.press_sure("rollback")
         self.tab.wait("document.getElementById('answer').textContent.includes('took rollback')", kSlow)
-        self.assertIn("model=drawing", self.cabinet.ask("signature")[0])
+        self.assertIn("model=nominal", self.cabinet.ask("signature")[0])
         self.assertEqual(self.tab.complaints(), [])
         for address in self.tab.asked():
             self.assertTrue(address.startswith((self.page.address, "data:")), address)
@@ -242,7 +242,7 @@ class LivePage(unittest.TestCase):
         self.press("reset")
         self.mode("idle")
 
-    @with_cabinet({}, speed=30, words=("--maps-deg", "0.02", "--sag-mm", "0.5", "--play-deg", "0.005"))
+    @with_cabinet({}, speed=30, words=("--maps-deg", "0.02", "--deflection-mm", "0.5", "--backlash-deg", "0.005"))
     def test_a_self_calibration_says_what_it_predicts(self):
         self.press("enable")
         self.mode("holding")

@@ -36,7 +36,7 @@ class Controller:
 
     def __init__(self, path):
         self.path, self.listener, self.links = path, None, []
-        self.model, self.sequence, self.candidate = "drawing", "none", None
+        self.model, self.sequence, self.candidate = "nominal", "none", None
 
     def start(self):
         self.listener = socket.socket(socket.AF_UNIX)
@@ -143,7 +143,7 @@ class PageFigures(unittest.TestCase):
         self.shown(second)
         said.model = in_use[1]  # rolled back
         self.shown(first)
-        said.model = "drawing"
+        said.model = "nominal"
         self.shown()
         said.model = in_use[2]
         self.shown(second)
@@ -154,7 +154,7 @@ class PageFigures(unittest.TestCase):
         said.start()
         self.shown(first)
         said.kill()
-        said.model = "drawing"
+        said.model = "nominal"
         said.start()
         self.tab.wait("!document.body.classList.contains('stale')")
         self.shown()
@@ -169,7 +169,7 @@ class PageFigures(unittest.TestCase):
         self.controller.candidate = (figures("candidate", "0.0300", "configuration", "0.3300", 21.5) +
                                      " active=drawing active_rms_mm=5.0000 better=yes")
         self.shown("candidate: 0.030 mm RMS predicted at the signature configuration, 0.33 mm RMS on 20 validation poses")
-        self.assertEqual(self.tab.text("active-name"), "the drawing")
+        self.assertEqual(self.tab.text("active-name"), "the nominal model")
 
 
 unittest.main(argv=[sys.argv[0]])

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What two arms give way by beyond their readings, joint by joint: maps of the readings, and
+// What two arms give way by beyond their readings, joint by joint: joint error maps, and
 // gravity.
 #pragma once
 

@@ -9,7 +9,7 @@
 namespace armsig::differences {
 
 // What moves the tool of an arm from where its drawing has it: the deviations of a joint, in their
-// order, the errors of its reading, its map, and what gravity does to it.
+// order, the errors of its reading, its map, and deflection by gravity to it.
 enum class Cause : std::uint8_t {
   kTiltX,
   kTiltY,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The best geometry for those who cannot say gravity and maps of the readings, or not all of them.
+// The best geometry for those who cannot say gravity and joint error maps, or not all of them.
 //
 // Geometry that was fitted together with maps does not hold what the maps hold: their means and
 // first waves, which without them are zeros of joints and places of axes. It is fitted anew, to

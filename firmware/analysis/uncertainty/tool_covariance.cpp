@@ -14,7 +14,7 @@ using calibration::Refined;
 
 namespace {
 
-// What the maps of the readings leave open.
+// What the joint error maps leave open.
 Matrix3 of_maps(const Refined& refined, const calibration::Linearised& at,
                 const JointVector& readings, std::size_t target) {
   Matrix3 covariance = Matrix3::Zero();

@@ -134,7 +134,8 @@ std::string signatures(const Table& worn) {
   std::string newest;  // the last change of which both documents are there
   for (std::size_t i = 0; i < worn.size(); ++i) {
     const auto& row = worn[i];
-    text += "<tr>" + cell(row[0]) + "<td>" + (row[1] ? link_to_signature(*row[1]) : "the drawing");
+    text += "<tr>" + cell(row[0]) + "<td>" +
+            (row[1] ? link_to_signature(*row[1]) : "the nominal model");
     text +=
         cell(row[8]) + cell(row[2]) + figures({row[3], row[4], row[5], row[6], row[7]}) + "<td>";
     const auto before = std::find_if(worn.begin() + static_cast<std::ptrdiff_t>(i) + 1, worn.end(),
@@ -165,7 +166,7 @@ Answer one_arm(std::string_view node, Database& database) {
   page.body += fmt::format("<p><a href=\"/\">all arms</a></p><h1>{}</h1>", escaped(node));
   page.body += now(*there) + chart(*checks) + signatures(*worn);
   page.body +=
-      "<h2>History</h2>" + table_head("history") + "<tr><th>time, UTC<th>what it told</tr>";
+      "<h2>History</h2>" + table_head("history") + "<tr><th>time, UTC<th>what it reported</tr>";
   for (const auto& row : *rows) {
     page.body += "<tr>" + cell(row[0]) + cell(row[1], " class=long") + "</tr>";
   }

@@ -59,7 +59,7 @@ Answer arms(Database& database) {
     page.body += cell(row[7]) + cell(row[8]);
     page.body += row[9] ? fmt::format("<td><a href=\"/signature/{0}\">{1}</a></td>",
                                       escaped(*row[9]), escaped(row[9]->substr(0, 12)))
-                        : "<td>the drawing</td>";
+                        : "<td>the nominal model</td>";
     page.body += cell(row[10]) + "</tr>";
   }
   page.body += "</table></div>";
@@ -83,14 +83,14 @@ Answer metrics(const Intake& intake, Database* database) {
   add("rows_repeated_total", "Rows that came once more", counts.repeated);
   add("rows_early_total", "Rows without the one before", counts.early);
   add("messages_malformed_total", "Messages that could not be read", counts.malformed);
-  add("rebirths_total", "Cabinets asked to tell everything anew", counts.rebirths);
-  metric(text, "arms_online", "gauge", "Cabinets that are there", std::to_string(intake.online()));
+  add("rebirths_total", "Controllers asked to report everything anew", counts.rebirths);
+  metric(text, "arms_online", "gauge", "Controllers online", std::to_string(intake.online()));
   const auto named = database != nullptr ? database->ask(kNamed) : std::nullopt;
   metric(text, "record_up", "gauge", "Whether the record answers", named ? "1" : "0");
   if (!named || named->empty()) return answer;
   const auto& row = (*named)[0];
   metric(text, "arms_drifting", "gauge", "Arms named by the drift sum", row[0].value_or("0"));
-  metric(text, "rows_dropped", "gauge", "Rows that cabinets lost, their ring being full",
+  metric(text, "rows_dropped", "gauge", "Rows that controllers lost, their ring being full",
          row[1].value_or("0"));
   metric(text, "arms", "gauge", "Arms known", row[2].value_or("0"));
   metric(text, "arms_faulted", "gauge", "Arms whose controller is faulted", row[3].value_or("0"));

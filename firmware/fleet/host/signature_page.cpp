@@ -38,14 +38,15 @@ std::string with_sign(const std::string& number) {
   return negative ? number : "+" + number;
 }
 
-// Of each joint the largest value of its map, and what gravity does to it.
+// Of each joint the largest value of its map, and deflection by gravity to it.
 std::string bends_of(const DocumentedSignature& signature) {
   if (signature.deflections.empty()) return "";
   const auto model =
       std::make_unique<calibration::ArmModel>(unpacked(signature.deflections, signature.arm));
-  std::string text = "<h2>Maps of the readings, and gravity</h2>" + table_head("maps and gravity") +
-                     "<tr><th>joint<th class=n>largest of its map, \u00b0<th class=n>gives way "
-                     "by, \u00b0 a metre of lever</tr>";
+  std::string text = "<h2>Joint error maps and gravity terms</h2>" +
+                     table_head("maps and gravity") +
+                     "<tr><th>joint<th class=n>largest of its map, \u00b0<th class=n>deflection, "
+                     "\u00b0 a metre of lever</tr>";
   for (std::size_t i = 0; i < model->joint_count(); ++i) {
     JointDifference joint{.type = model->joints[i].type};
     const auto& map = signature.deflections.maps[i];
@@ -129,9 +130,9 @@ std::string comparison_of(std::string_view before, std::string_view actual) {
   if (compared->bends) {
     text +=
         " Map and gravity are the largest changes of what a joint's reading is wrong by, and of "
-        "what it gives way by for a metre of lever";
+        "its deflection for a metre of lever";
     text += compared->whole ? "; what they do at the tool is in the sum."
-                            : "; the sum has none of them, as an older armsig-node told one of "
+                            : "; the sum has none of them, as an older armsig-node reported one of "
                               "these signatures.";
   }
   return text + "</p>";

@@ -9,7 +9,7 @@
 // all separated by one space: the rows as `signature` of the console tells them; which joints are
 // prismatic, where any is; of a signature that has them the zero of each joint in the drawing, the
 // reading at which it stands as the reading says, the map of its reading at its 120 knots, in
-// steps, which way is up in frame 0, where that is not z, and what gravity does: joint, link
+// steps, which way is up in frame 0, where that is not z, and deflection by gravity: joint, link
 // origin, rad (m) per m of lever. A signature that has none of these is its rows alone. Documents
 // of former versions have no `rest`.
 #pragma once

@@ -42,7 +42,7 @@ int list(const ArmsOptions& options) {
   if (options.json) {
     print_json({{"status", 0}, {"arms", listed}});
   } else {
-    say("\nDrawings, not your arm: check lengths, zeros and senses against its papers.\n");
+    say("\nNominal models, not your arm: check lengths, zeros and senses against its papers.\n");
     say("--show prints one with its source, to copy and change.\n");
     say_next(TypedCommand("arms").option("--show", known_arms().front().name));
   }
@@ -53,7 +53,8 @@ int list(const ArmsOptions& options) {
 
 void add_arms(CLI::App& app, int& status) {
   auto options = std::make_shared<ArmsOptions>();
-  CLI::App* command = app.add_subcommand("arms", "arms whose drawing is known, for --arm NAME");
+  CLI::App* command =
+      app.add_subcommand("arms", "arms whose nominal model is known, for --arm NAME");
   command->add_option("--show", options->show,
                       "print the arm description of that name, and its source");
   add_common(*command, *options);

@@ -193,11 +193,11 @@ Attempt<ExitStatus> run(const CheckOptions& options) {
 
 void add_check(CLI::App& app, int& status) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = app.add_subcommand(
-      "check", "is the arm still the one identified? residuals on held-out poses");
+  CLI::App* command =
+      app.add_subcommand("check", "is the arm still the one identified? residuals on later poses");
   command->add_option("--signature", options->signature, "signature with covariance (YAML)")
       ->required();
-  add_measurement_options(*command, options->rows, "held-out poses (CSV)")->required();
+  add_measurement_options(*command, options->rows, "later poses (CSV)")->required();
   command->add_option("--arm", options->arm,
                       "arm description (YAML) to compare with (default: the signature's)");
   add_common(*command, *options);

@@ -321,7 +321,7 @@ Attempt<ExitStatus> run_poses(const CompensateOptions& options, const SignatureR
     return no_answer({options.poses, 0, 0, "none of its poses can be corrected",
                       "poses in the controller's base that both models reach"});
   }
-  const std::string title = fmt::format("{}: what the controller must be told for the poses of {}",
+  const std::string title = fmt::format("{}: the poses to give the controller for those of {}",
                                         record.arm_name, options.poses);
   if (auto written = write_tool_poses(options.out, result.poses, title); !written) {
     return std::unexpected(std::move(written).error());
@@ -421,7 +421,8 @@ void add_compensate(CLI::App& app, int& status) {
                        ".jbi, LinuxCNC .ngc)")
           ->excludes(poses);
   command->add_option("--language", options->language, "of the program (default: by its name)")
-      ->check(CLI::IsMember({"urscript", "rapid", "krl", "fanuc", "jbi", "gcode"}))
+      ->check(
+          CLI::IsMember({"urscript", "rapid", "krl", "fanuc", "jbi", "gcode"}, CLI::ignore_case))
       ->needs(into);
   add_frames(*command, *options);
   command->add_option("--seed", options->seed,
@@ -436,7 +437,7 @@ void add_compensate(CLI::App& app, int& status) {
       ->add_flag("--check", options->check,
                  "run the program through both models: where the tool goes")
       ->needs(into);
-  CLI::Option* out = command->add_option("--out", options->out, "file to write");
+  CLI::Option* out = command->add_option("-o,--out", options->out, "file to write");
   add_common(*command, *options);
   command->callback([options, poses, into, out, &status] {
     if (poses->count() + into->count() == 0) throw CLI::RequiredError("--poses or --into");

@@ -108,7 +108,7 @@ double stated_error_m(const SignatureRecord& record) {
 
 std::string tool_error_table(const std::vector<DemoResult>& robots) {
   const auto millimetres = [](double metres) { return fmt::format("{:.3f}", 1e3 * metres); };
-  Table table({"RMS tool error, sensor's frame", "Drawing mm", "Paper's fit mm",
+  Table table({"RMS tool error, sensor's frame", "Nominal mm", "Paper's fit mm",
                "Encoder-referenced mm", "stated mm", "Improvement"});
   for (const DemoResult& result : robots) {
     const double error_m = result.encoder.score.tool_error_m;
@@ -134,7 +134,7 @@ nlohmann::ordered_json demo_json(const std::vector<DemoResult>& robots) {
     list.push_back({{"name", result.robot.name},
                     {"sweep_duration_s", result.robot.sweep_duration_s},
                     {"rejected", fit ? fit->rows_rejected : 0},
-                    {"drawing_rms_tool_error_m", result.robot.drawing_error_m},
+                    {"nominal_rms_tool_error_m", result.robot.drawing_error_m},
                     {"paper", method_json(result.paper)},
                     {"encoder", method_json(result.encoder)}});
   }
@@ -240,7 +240,7 @@ Read<std::optional<std::string>> write_report(const DemoFolder& folder) {
 
 // The tables of the paper, with what this demonstration gives for them.
 void print_tables_of_the_paper(const std::vector<DemoResult>& robots) {
-  say("Table 1. Ideal kinematic parameters: the drawing\n\n{}\n", dh_table(puma560().joints));
+  say("Table 1. Ideal kinematic parameters: the nominal model\n\n{}\n", dh_table(puma560().joints));
   for (int robot : {1, 2}) {
     const Signature& signature =
         robots[static_cast<std::size_t>(robot) - 1].encoder.record.signature;
@@ -280,10 +280,11 @@ void print_story(const std::vector<DemoResult>& robots, const std::optional<std:
                 0));
   print_tables_of_the_paper(robots);
   say("{}{}\n", tool_error_table(robots),
-      paragraph("Over the joint limits, each where the sensor sees it: the drawing with base and "
-                "tool fitted, the signatures as they are. Stated is what the signature says of "
-                "itself, from the measurements alone."));
-  say("Drawing, sensor, measurements, signatures and truths are in {}/.\n"
+      paragraph(
+          "Over the joint limits, each where the sensor sees it: the nominal model with base and "
+          "tool fitted, the signatures as they are. Stated is what the signature says of "
+          "itself, from the measurements alone."));
+  say("Nominal model, sensor, measurements, signatures and truths are in {}/.\n"
       "Robot 1 again, by the command for your own arm:\n  {}\n",
       options.out, identify_again(folder).text());
   if (report) say("\nNext: open the report of robot 1 in a browser: {}\n", *report);
@@ -325,7 +326,7 @@ Attempt<ExitStatus> run(const DemoOptions& options) {
 void add_demo(CLI::App& app, int& status) {
   auto options = std::make_shared<DemoOptions>();
   CLI::App* command = app.add_subcommand("demo", "the whole story on a simulated Puma 560");
-  command->add_option("--out", options->out, "folder for the report and the files it is made of")
+  command->add_option("-o,--out", options->out, "folder for the report and the files it is made of")
       ->capture_default_str();
   command->add_option("--seed", options->seed, "of the sensor's noise")->capture_default_str();
   add_common(*command, *options);

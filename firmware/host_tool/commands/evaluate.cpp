@@ -63,7 +63,7 @@ Read<void> check_one_arm(const EvaluateOptions& options, const ArmDescription& a
   };
   const Farness found = farness_of(record, arm.arm, arm.limits);
   if (found.times_allowed > 1 && !is_drawing_of(record, arm.arm)) {
-    return refuse(options.signature, found.words, "--arm with the drawing of the signature");
+    return refuse(options.signature, found.words, "--arm with the nominal model of the signature");
   }
   const Farness real = farness_of(truth, arm.arm, arm.limits);
   if (is_of_another_arm(real, found)) {
@@ -79,8 +79,8 @@ Attempt<evaluation::Comparison> compared(const EvaluateOptions& options, const A
     return no_answer(std::move(one_arm).error());
   }
   if (!is_drawing_of(record, arm.arm)) {
-    complain("armsig: warning: {}: found with another drawing than that of {}", options.signature,
-             options.arm);
+    complain("armsig: warning: {}: found with another nominal model than that of {}",
+             options.signature, options.arm);
   }
   const calibration::ReadingModel readings = record.readings();
   const calibration::ReadingModel true_readings = truth.readings();
@@ -124,7 +124,8 @@ void add_evaluate(CLI::App& app, int& status) {
   auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command =
       app.add_subcommand("evaluate", "the grid-touching task with and without the signature");
-  command->add_option("--arm", options->arm, "arm description (YAML): the drawing")->required();
+  command->add_option("--arm", options->arm, "arm description (YAML): the nominal model")
+      ->required();
   command->add_option("--signature", options->signature, "signature under test (YAML)")->required();
   command
       ->add_option("--truth", options->truth,

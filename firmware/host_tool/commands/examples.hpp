@@ -65,7 +65,7 @@ inline constexpr std::array<Example, 31> kExamples{{
     {"connect", "armsig connect console move q1_deg=5 --wait"},
     {"connect", "echo status | armsig connect console"},
     {"connect", "armsig connect console --web"},
-    {"connect", "armsig connect console fetch arm.yaml --what drawing"},
+    {"connect", "armsig connect console fetch arm.yaml --what nominal"},
     {"connect", "armsig connect console send demo/robot1-encoder.yaml"},
     {"connect", "armsig connect console stop"},
 }};

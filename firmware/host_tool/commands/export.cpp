@@ -34,7 +34,7 @@ void tell_loss(std::string_view format, bool tables, double rms_m, double larges
   complain(
       "armsig: warning: {} cannot say {}; its geometry is the best without: {:.3f} mm RMS at the "
       "tool are lost, {:.3f} at most, over the readings measured",
-      format, tables ? "gravity" : "gravity and the maps of the readings", 1e3 * rms_m,
+      format, tables ? "gravity" : "gravity and the joint error maps", 1e3 * rms_m,
       1e3 * largest_m);
 }
 
@@ -183,7 +183,7 @@ void add_export(CLI::App& app, int& status) {
       app.add_subcommand("export", "write a signature for other software, or into your URDF");
   command->add_option("--signature", options->signature, "signature (YAML)")->required();
   CLI::Option* format = command->add_option("--format", options->format, "what to write")
-                            ->check(CLI::IsMember(export_formats()));
+                            ->check(CLI::IsMember(export_formats(), CLI::ignore_case));
   CLI::Option* into =
       command
           ->add_option("--into", options->into,
@@ -196,7 +196,7 @@ void add_export(CLI::App& app, int& status) {
   CLI::Option* tip = command->add_option("--tip", options->tip, "its last link");
   base->needs(into)->needs(tip);
   tip->needs(into)->needs(base);
-  command->add_option("--out", options->out, "file to write")->required();
+  command->add_option("-o,--out", options->out, "file to write")->required();
   add_common(*command, *options);
   command->callback([options, format, into, &status] {
     if (format->count() + into->count() == 0) throw CLI::RequiredError("--format or --into");

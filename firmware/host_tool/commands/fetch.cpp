@@ -155,10 +155,10 @@ int fetch(ConsoleClient& console, const FetchOptions& options) {
   const auto drawing = fetcher.drawing();
   if (!drawing) return fail(drawing.error(), kNoAnswer, options);
   const std::string what = what_of(options);
-  if (what == "drawing") {
+  if (what == "nominal") {
     const auto written = write_arm_file(options.file, {.name = options.name, .arm = *drawing});
     if (!written) return fail(written.error(), kBadInput, options);
-    return tell(options, what, fmt::format("The drawing: {} joints", drawing->joints.size()),
+    return tell(options, what, fmt::format("The nominal model: {} joints", drawing->joints.size()),
                 {TypedCommand("plan")
                      .file_option("--arm", options.file)
                      .option("--out", "sweeps-to-measure.csv")},
@@ -172,7 +172,7 @@ int fetch(ConsoleClient& console, const FetchOptions& options) {
                      .file(options.console)
                      .word("fetch")
                      .word("arm.yaml")
-                     .option("--what", "drawing"),
+                     .option("--what", "nominal"),
                  TypedCommand("identify")
                      .option("--arm", "arm.yaml")
                      .file_option("--measurements", options.file)

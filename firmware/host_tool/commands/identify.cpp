@@ -88,7 +88,7 @@ Read<Found> identified_by_features(const IdentifyOptions& options, const OpenRow
   Found found{.identified = std::move(*identified), .refinement = {}, .validation = {}};
   // Features are validated in a second pass.
   if (!can_be_read_again(rows) || !identification.settle_validation()) return found;
-  const auto scored = read_rows(rows, reading_of(options, "Scoring rows left out"),
+  const auto scored = read_rows(rows, reading_of(options, "Scoring validation rows"),
                                 [&](const MeasurementRow& row, double /*scale*/) -> Read<void> {
                                   identification.score(row);
                                   return {};
@@ -314,7 +314,7 @@ void add_identify(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand("identify", "find the arm signature from measured sweeps");
   command
       ->add_option("--arm", options->arm,
-                   "arm description (YAML), or a name that `armsig arms` lists: the drawing")
+                   "arm description (YAML), or a name that `armsig arms` lists: the nominal model")
       ->required();
   add_measurement_options(*command, options->rows, "sweeps (CSV)")->required();
   command
@@ -323,26 +323,27 @@ void add_identify(CLI::App& app, int& status) {
           "auto: refined where there are free poses (sweep 0), else encoder; encoder: circles "
           "follow the joint reading; paper: plane and centre of rotation alone; refined: maximum "
           "likelihood over all rows, those with sweep 0 too")
-      ->check(CLI::IsMember({kBestMethod, "encoder", "paper", "refined"}))
+      ->check(CLI::IsMember({kBestMethod, "encoder", "paper", "refined"}, CLI::ignore_case))
       ->capture_default_str();
   command
       ->add_option(
           "--correct", options->correct,
           "find as well, with --method refined: gain, first-order, second-order (errors "
           "of every joint reading: proportional, once a turn, twice a turn), "
-          "readings-that-help (those of the three by which rows left out are predicted "
+          "readings-that-help (those of the three by which validation rows are predicted "
           "better), range-offsets (of each receiver), scale (of all lengths); none: no errors of "
           "readings even where the rows need them, as for exports that cannot hold them")
       ->delimiter(',')
       ->check(CLI::IsMember({"gain", "first-order", "second-order", "readings-that-help",
-                             "range-offsets", "scale", "none"}));
+                             "range-offsets", "scale", "none"},
+                            CLI::ignore_case));
   command->add_option("--instrument", options->instrument,
                       "instrument description (YAML), where the rows are touches of sockets and "
                       "planes or lengths of wires, a place by its name, and no positions");
   command->add_option("--serial", options->serial, "serial number of the arm, for the record");
-  command->add_option("--out", options->out, "signature file to write (YAML)")->required();
+  command->add_option("-o,--out", options->out, "signature file to write (YAML)")->required();
   command->add_flag("--accept-different-arm", options->accept_different_arm,
-                    "write the signature of an arm that is far from its drawing, or that the "
+                    "write the signature of an arm that is far from its nominal model, or that the "
                     "measurements contradict, all the same; the record keeps a warning");
   add_common(*command, *options);
   command->callback([options, &status] { status = status_of(run(*options), *options); });

@@ -112,7 +112,7 @@ void add_import(CLI::App& app, int& status) {
   base->needs(urdf);
   tip->needs(urdf);
   command->add_option("--name", options->name, "name of the arm, instead of the file's");
-  command->add_option("--out", options->out, "arm description to write (YAML)")->required();
+  command->add_option("-o,--out", options->out, "arm description to write (YAML)")->required();
   add_common(*command, *options);
   command->callback([options, &status] {
     if (options->source().empty()) {

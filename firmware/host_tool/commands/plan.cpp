@@ -192,7 +192,7 @@ void add_plan(CLI::App& app, int& status) {
       ->capture_default_str();
   command
       ->add_option("--target-mm", options->target_mm,
-                   "the target in the last frame of the drawing: x,y,z")
+                   "the target in the last frame of the nominal model: x,y,z")
       ->delimiter(',')
       ->expected(3);
   add_pose_options(*command, *options);

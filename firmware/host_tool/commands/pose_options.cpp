@@ -48,12 +48,12 @@ void add_pose_options(CLI::App& command, PoseOptions& options) {
   command
       .add_option("--format", options.format,
                   "of the poses: a table, or a program that goes to each and waits there")
-      ->check(CLI::IsMember(program_formats()))
+      ->check(CLI::IsMember(program_formats(), CLI::ignore_case))
       ->capture_default_str();
   command.add_option("--wait-s", options.wait_s, "at each pose, in a program")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  command.add_option("--out", options.out, "joint poses to write")->required();
+  command.add_option("-o,--out", options.out, "joint poses to write")->required();
   add_common(command, options);
 }
 

@@ -178,7 +178,7 @@ void add_predict(CLI::App& app, int& status) {
                     "add the predicted error of each position, 1 sigma: sigma_x_m, sigma_y_m, "
                     "sigma_z_m, and sigma_m of all three (of the only target on the last link, "
                     "where --target names none)");
-  command->add_option("--out", options->out, "poses to write (CSV)")->required();
+  command->add_option("-o,--out", options->out, "poses to write (CSV)")->required();
   add_common(*command, *options);
   command->callback([options, &status] { status = status_of(run(*options), *options); });
 }

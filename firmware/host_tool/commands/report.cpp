@@ -69,9 +69,9 @@ Read<void> check_truth(const ReportFiles& files, const ReportInput& input) {
   const Farness found = farness_of(record, record.nominal, {});
   const Farness real = farness_of(*input.truth, record.nominal, {});
   if (!is_of_another_arm(real, found)) return {};
-  return std::unexpected(Problem{files.truth, 0, 0,
-                                 "it is not of the arm of the signature's drawing: " + real.words,
-                                 "--truth of the arm that the signature is of"});
+  return std::unexpected(Problem{
+      files.truth, 0, 0, "it is not of the arm of the signature's nominal model: " + real.words,
+      "--truth of the arm that the signature is of"});
 }
 
 void print_written(const ReportOptions& options, const nlohmann::ordered_json& report,
@@ -140,7 +140,7 @@ void add_report(CLI::App& app, int& status) {
   command->add_option("--instrument-serial", names.instrument_serial, "its serial number");
   command->add_option("--serial", names.serial,
                       "serial number of the arm, where the signature has none");
-  command->add_option("--out", options->out, "page to write (HTML)")->required();
+  command->add_option("-o,--out", options->out, "page to write (HTML)")->required();
   add_common(*command, *options);
   command->callback([options, &status] { status = run(*options); });
 }

@@ -32,14 +32,14 @@ std::string difference(const Arm& file, const Arm& controller) {
     const DhJoint& a = file.joints[i];
     const DhJoint& b = controller.joints[i];
     if (a.type != b.type)
-      return fmt::format("joint {} turns in one and slides in the other", i + 1);
+      return fmt::format("joint {} is revolute in one and prismatic in the other", i + 1);
     const auto off = [](double x, double y) { return std::abs(x - y) > kSame; };
     for (const auto& [name, x, y] :
          {std::tuple{"theta_rad", a.theta_rad, b.theta_rad}, std::tuple{"d_m", a.d_m, b.d_m},
           std::tuple{"a_m", a.a_m, b.a_m}, std::tuple{"alpha_rad", a.alpha_rad, b.alpha_rad}}) {
       if (off(x, y)) {
-        return fmt::format("{} of joint {} of its drawing is {}, the controller's {}", name, i + 1,
-                           x, y);
+        return fmt::format("{} of joint {} of its nominal model is {}, the controller's {}", name,
+                           i + 1, x, y);
       }
     }
   }
@@ -55,8 +55,8 @@ Read<controller::SignatureRecord> controller_record(const SignatureRecord& file,
   };
   if (std::string other = difference(file.nominal, drawing); !other.empty()) {
     return refused(std::move(other),
-                   "a signature of this controller's arm, found with the drawing "
-                   "that fetch --what drawing writes");
+                   "a signature of this controller's arm, found with the nominal model "
+                   "that fetch --what nominal writes");
   }
   if (!file.nominal.couplings.empty()) {
     return refused("a signature with a coupling",
@@ -104,7 +104,7 @@ int send(ConsoleClient& console, const FetchOptions& options) {
   } else {
     say("Sent: {}, a candidate of {} joints; nothing is in use yet. The comparison moves the arm "
         "to\n"
-        "poses held out; a candidate that is nearer to them can be accepted\n",
+        "validation poses; a candidate that is nearer to them can be accepted\n",
         options.file, drawing->joints.size());
     say_next(TypedCommand("connect").file(options.console).word("compare").word("--wait"));
   }

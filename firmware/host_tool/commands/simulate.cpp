@@ -123,7 +123,7 @@ void mount_targets(const SimulateOptions& options, const JointVector& configurat
   }
 }
 
-// As --maps-deg, --sag-mm and --play-deg have them.
+// As --maps-deg, --deflection-mm and --backlash-deg have them.
 Read<std::shared_ptr<const calibration::ArmModel>> bends_of(const SimulateOptions& options,
                                                             const Arm& drawing) {
   simulated::Random random(options.seed, kBendStream);

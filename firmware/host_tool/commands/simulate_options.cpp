@@ -10,7 +10,7 @@ void add_arm_options(CLI::App& command, SimulateOptions& options) {
                                    "the arm as it was built: an arm description or a signature");
   command
       .add_option("--tolerances", options.tolerances,
-                  "draw the arm about the drawing, 1 sigma: a factor of the usual tolerances "
+                  "draw the arm about the nominal model, 1 sigma: a factor of the usual tolerances "
                   "(1 is alpha 0.1°, theta 0.2°, a and d 0.5 mm), or a list such as "
                   "alpha_deg=0.1,theta_deg=0.2,a_mm=0.5,d_mm=0.5")
       ->excludes(truth);
@@ -42,13 +42,13 @@ void add_target_options(CLI::App& command, SimulateOptions& options) {
                                     "a target on each link, this far from the axis of its joint");
   radius->check(CLI::PositiveNumber)->capture_default_str();
   command
-      .add_option("--hand-target-mm", options.hand_target_mm,
+      .add_option("--flange-target-mm", options.hand_target_mm,
                   "one target for all sweeps instead: x,y,z in the frame of the last link")
       ->delimiter(',')
       ->expected(3)
       ->excludes(radius);
   command
-      .add_option("--mixed-poses", options.mixed_poses,
+      .add_option("--free-poses", options.mixed_poses,
                   "further rows (sweep 0) with all joints anywhere within their limits")
       ->check(CLI::Range(std::size_t{0}, std::size_t{100'000'000}))
       ->capture_default_str();
@@ -82,17 +82,17 @@ void add_sensor_options(CLI::App& command, SimulateOptions& options) {
 void add_bend_options(CLI::App& command, SimulateOptions& options) {
   command
       .add_option("--maps-deg", options.maps_deg,
-                  "largest error of each joint's reading, by waves of 1 to 17 a turn")
+                  "largest error of each joint's reading, by 1 to 17 periods a turn")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   command
-      .add_option("--sag-mm", options.sag_mm,
-                  "what gravity bends the arm by, stretched out level, its base upright")
+      .add_option("--deflection-mm", options.sag_mm,
+                  "how far gravity deflects the arm, stretched out level, its base upright")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
   command
-      .add_option("--play-deg", options.play_deg,
-                  "play of each joint, which stays on the side that it came from")
+      .add_option("--backlash-deg", options.play_deg,
+                  "backlash of each joint, which stays on the side that it came from")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
 }
@@ -102,7 +102,7 @@ void add_bend_options(CLI::App& command, SimulateOptions& options) {
 void add_simulate_options(CLI::App& command, SimulateOptions& options) {
   command
       .add_option("--arm", options.arm,
-                  "arm description (YAML), or a name that `armsig arms` lists: the drawing")
+                  "arm description (YAML), or a name that `armsig arms` lists: the nominal model")
       ->required();
   add_arm_options(command, options);
   add_sweep_options(command, options);
@@ -111,7 +111,7 @@ void add_simulate_options(CLI::App& command, SimulateOptions& options) {
   add_bend_options(command, options);
   command.add_option("--seed", options.seed, "the same seed gives the same file")
       ->capture_default_str();
-  command.add_option("--out", options.out, "measurements to write (CSV)")->required();
+  command.add_option("-o,--out", options.out, "measurements to write (CSV)")->required();
   command.add_option("--truth-out", options.truth_out, "signature file to write: the exact arm");
 }
 

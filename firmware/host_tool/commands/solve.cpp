@@ -170,7 +170,7 @@ void add_solve(CLI::App& app, int& status) {
                       "limits");
   command->add_option("--target", options->target,
                       "the poses are those of this target (default: the last link's frame)");
-  command->add_option("--out", options->out, "joint readings to write (CSV)")->required();
+  command->add_option("-o,--out", options->out, "joint readings to write (CSV)")->required();
   add_common(*command, *options);
   command->callback([options, &status] { status = status_of(run(*options), *options); });
 }

@@ -112,7 +112,7 @@ Read<void> Fetcher::image(std::string_view what, std::span<std::uint8_t> bytes) 
 
 Read<Arm> Fetcher::drawing() {
   controller::DrawingImage bytes{};
-  if (auto whole = image("drawing", bytes); !whole) return std::unexpected(whole.error());
+  if (auto whole = image("nominal", bytes); !whole) return std::unexpected(whole.error());
   const auto drawing = controller::decode_drawing(bytes);
   if (!drawing) return refused(std::string(describe(drawing.error())), kExpected);
   return *drawing;

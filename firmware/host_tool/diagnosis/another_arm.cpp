@@ -45,7 +45,7 @@ Farness farness_of(const SignatureRecord& record, const Arm& drawing, const ArmL
   constexpr double kBeyondAll = std::numeric_limits<double>::infinity();
   if (!fit) return {kBeyondAll, "nothing of it can be compared"};
   if (fit->best_rms_m > kExplained * fit->reach_m) {
-    return {kBeyondAll, fmt::format("the nearest arm like the drawing misses it by {:.0f} mm",
+    return {kBeyondAll, fmt::format("the nearest arm like the nominal model misses it by {:.0f} mm",
                                     1e3 * fit->best_rms_m)};
   }
   return {fit->farthest(limits, drawing), deviation_in_words(*fit, limits, drawing)};

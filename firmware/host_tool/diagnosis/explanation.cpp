@@ -98,7 +98,7 @@ std::string fits_within(const NearFit& fit, const NearFit& before) {
       return fmt::format("all rows fit within {}, instead of {}", short_length(fit.clipped_m),
                          short_length(before.clipped_m));
     }
-    return "the arm is like its drawing";
+    return "the arm is like its nominal model";
   }
   return fmt::format("they fit within {}, instead of {}", short_length(fit.best_rms_m),
                      short_length(before.best_rms_m));
@@ -138,10 +138,10 @@ class Search {
       const auto scale = common_scale(evidence_, before_, limits_, start);
       if (!scale) continue;
       take(scale->undone, scale->fit, 0.9,
-           {.words =
-                fmt::format("all lengths seen are {:.4f} times those of the drawing: divided by "
-                            "it {}",
-                            scale->factor, fits_within(scale->fit, before_)),
+           {.words = fmt::format(
+                "all lengths seen are {:.4f} times those of the nominal model: divided by "
+                "it {}",
+                scale->factor, fits_within(scale->fit, before_)),
             .mend = kMendOfScale});
     }
     std::uint32_t turning = 0;
@@ -164,7 +164,7 @@ class Search {
       take(moved->evidence, moved->fit, 0.6,
            {.words = fmt::format(
                 "rows {} to {} were measured from another place: {} along ({:+.2f}, {:+.2f}, "
-                "{:+.2f}), {:.2f}°; with that undone {}",
+                "{:+.2f}), {:.2f}°; with that corrected {}",
                 moved->first_line, moved->last_line, short_length(moved->shift_m), along.x(),
                 along.y(), along.z(), degrees(moved->turn_rad), fits_within(moved->fit, before_)),
             .mend = "measure again with the sensor left where it is, or give each place a file of "

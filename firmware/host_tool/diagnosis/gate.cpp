@@ -88,13 +88,15 @@ std::string objection(const Evidence& evidence, const Reference& reference, cons
   const double allowed_m = acceptable_m(fit, reference.stated_m);
   if (fit.best_rms_m > allowed_m) {
     return fmt::format(
-        "no arm like its drawing explains the measurements: the nearest misses by {} (the best "
+        "no arm like its nominal model explains the measurements: the nearest misses by {} (the "
+        "best "
         "seven "
         "tenths of the rows)",
         short_length(fit.best_rms_m));
   }
   if (fit.farthest(limits, evidence.arm) > 1) {
-    return "this is not the arm of the drawing: " + deviation_in_words(fit, limits, evidence.arm);
+    return "this is not the arm of the nominal model: " +
+           deviation_in_words(fit, limits, evidence.arm);
   }
   if (states_too_much(reference, evidence)) {
     return fmt::format("sigma_mm states {}, and the rows scatter by {}",
@@ -108,8 +110,9 @@ std::string objection(const Evidence& evidence, const Reference& reference, cons
         std::max(fit.best_rms_m, std::hypot(noise_m, found->predicted_error_m));
     if (worst.length_m > std::max(kBent * fit.reach_m, kMethodFactor * expected_m) &&
         worst.length_m > bent_m(evidence, reference)) {
-      return fmt::format("the arm found misses {} by {}, where one near the drawing misses by {}",
-                         worst.name, short_length(worst.length_m), short_length(fit.best_rms_m));
+      return fmt::format(
+          "the arm found misses {} by {}, where one near the nominal model misses by {}",
+          worst.name, short_length(worst.length_m), short_length(fit.best_rms_m));
     }
   }
   return {};
@@ -144,14 +147,15 @@ std::optional<Doubt> doubt_of_scale(const Evidence& evidence, const Reference& r
   const auto scale = fair_scale(weightless, *fit, limits);
   if (!scale) return std::nullopt;
   const double off = std::abs(scale->factor - 1);
-  return Doubt{
-      .what = fmt::format("all lengths seen are {:.4f} times those of the drawing", scale->factor),
-      .cause = fmt::format("divided by it the axes are within {} of the drawing's, instead of {}",
-                           short_length(scale->after_m), short_length(scale->before_m)),
-      .expected = kMendOfScale,
-      .refuses = scale->evidence > kStrongEvidence && off > kLeastFactor,
-      .probability = 1 / (1 + std::exp(kFairEvidence - scale->evidence)),
-      .lengths_factor = scale->factor};
+  return Doubt{.what = fmt::format("all lengths seen are {:.4f} times those of the nominal model",
+                                   scale->factor),
+               .cause = fmt::format(
+                   "divided by it the axes are within {} of the nominal model's, instead of {}",
+                   short_length(scale->after_m), short_length(scale->before_m)),
+               .expected = kMendOfScale,
+               .refuses = scale->evidence > kStrongEvidence && off > kLeastFactor,
+               .probability = 1 / (1 + std::exp(kFairEvidence - scale->evidence)),
+               .lengths_factor = scale->factor};
 }
 
 // What changed while it was measured: said where it has evidence and explains something, refused
@@ -198,7 +202,7 @@ std::optional<Doubt> doubt_of_change(const Evidence& evidence, const Reference& 
   const Explaining& explaining = swept ? kOfSweeps : kOfPoses;
   if (change->explains() < explaining.something) return std::nullopt;
   return Doubt{.what = in_words(*change, evidence.arm),
-               .cause = fmt::format("with that undone the rows fit within {}, instead of {}",
+               .cause = fmt::format("with that corrected the rows fit within {}, instead of {}",
                                     short_length(change->after_m), short_length(change->before_m)),
                .expected = mend_of(*change),
                .refuses = change->explains() > explaining.too_much &&

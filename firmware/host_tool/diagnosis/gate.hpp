@@ -20,7 +20,7 @@ struct FoundArm {
 };
 
 struct Doubt {
-  std::string what;   // "no arm near its drawing explains the rows: the nearest misses by ..."
+  std::string what;  // "no arm near its nominal model explains the rows: the nearest misses by ..."
   std::string cause;  // "the positions are in metres: times 1000 they fit within 0.1 mm"; or none
   std::string expected;  // what to change
   bool refuses = true;   // or is only worth saying

@@ -177,8 +177,8 @@ void add_zeros(const Evidence& evidence, std::vector<Hypothesis>& all) {
     if (evidence.arm.joints[j].type != JointType::kRevolute) continue;
     for (const double angle_deg : {90.0, -90.0, 180.0, 45.0, -45.0}) {
       all.push_back(
-          {.cause =
-               fmt::format("the zero of joint {} is {:.0f}° from the drawing's", j + 1, angle_deg),
+          {.cause = fmt::format("the zero of joint {} is {:.0f}° from the nominal model's", j + 1,
+                                angle_deg),
            .undoing = fmt::format("with {:+.0f}° on q{}", angle_deg, j + 1),
            .mend = fmt::format("add {:+.0f} to theta_deg of joint {} in the arm description",
                                angle_deg, j + 1),

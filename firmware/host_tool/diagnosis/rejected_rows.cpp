@@ -54,7 +54,7 @@ std::optional<Doubt> doubt_of_rejected(const Evidence& evidence,
     return std::nullopt;
   }
   doubt.expected =
-      "few blunders, and scattered: look at what those poses have in common, and leave out only "
+      "few outliers, and scattered: look at what those poses have in common, and leave out only "
       "what was measured wrongly; or --accept-different-arm";
   return doubt;
 }

@@ -76,7 +76,7 @@ Read<Carried> carried_by(std::string_view format, Carries carries, const Signatu
   left.method += fmt::format(
       "; geometry fitted anew without {}, {:.3f} mm RMS at the tool lost over the readings "
       "measured",
-      carries == Carries::kMaps ? "gravity" : "gravity and maps of the readings", 1e3 * lost.rms_m);
+      carries == Carries::kMaps ? "gravity" : "gravity and joint error maps", 1e3 * lost.rms_m);
   return carried;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A signature as a format can carry it: with gravity and the maps of the readings, with the maps,
+// A signature as a format can carry it: with gravity and the joint error maps, with the maps,
 // or as geometry alone, which is then the best there is without them.
 #pragma once
 

@@ -44,7 +44,7 @@ struct Companion {
   std::string text;
 };
 
-// The maps of the readings as LinuxCNC's compensation tables, one a joint: lines of nominal,
+// The joint error maps as LinuxCNC's compensation tables, one a joint: lines of nominal,
 // forward and reverse position in degrees of the joint of genserkins (COMP_FILE_TYPE 0). None of a
 // record without maps. Precondition: linuxcnc_text() holds this arm.
 [[nodiscard]] std::vector<Companion> linuxcnc_tables(const SignatureRecord& record);
@@ -55,7 +55,7 @@ struct Companion {
 // Everything as JSON: axes, rows, base, last link, joint frames, targets, gravity, maps.
 [[nodiscard]] Read<std::string> json_text(const SignatureRecord& record);
 
-// Gravity and the maps of the readings as a table.
+// Gravity and the joint error maps as a table.
 [[nodiscard]] Read<std::string> maps_csv_text(const SignatureRecord& record);
 
 // Names of the formats, in the order of the documentation.

@@ -80,8 +80,8 @@ Json deflections_json(const SignatureRecord& record) {
        "u = (reading - origin) knots_per_unit, k = floor(u), t = u - k, the sum of coefficients "
        "k ... k + 3 modulo 120 by (1-t)^3/6, (4-6t^2+3t^3)/6, (4-6(1-t)^2+3(1-t)^3)/6, t^3/6. "
        "Gravity: coefficient z_joint . ((O_link - O_joint) x down), of a slide z_joint . down; "
-       "axes and origins by `drawing` at the effective readings, down = -up in its frame 0"},
-      {"drawing", std::move(drawing)},
+       "axes and origins by `nominal` at the effective readings, down = -up in its frame 0"},
+      {"nominal", std::move(drawing)},
       {"at_rest", std::move(at_rest)},
       {"up", {model.up_0.x(), model.up_0.y(), model.up_0.z()}},
       {"gravity", std::move(gravity)},

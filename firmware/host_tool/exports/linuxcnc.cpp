@@ -92,7 +92,7 @@ std::string table_name(std::size_t joint) { return fmt::format(".joint-{}.comp",
 std::string table_lines(const SignatureRecord& record) {
   if (!record.deflections) return "";
   std::string text =
-      "The maps of the readings are in compensation tables beside this file. For each joint, in "
+      "The joint error maps are in compensation tables beside this file. For each joint, in "
       "the "
       "INI file:\n";
   for (std::size_t i = 0; i < record.signature.joint_count(); ++i) {

@@ -42,7 +42,7 @@ std::string heading(const SignatureRecord& record) {
     const bool revolute = row.type == JointType::kRevolute;
     const double zero = record.deflections ? record.deflections->joints[i].offset
                                            : (revolute ? row.theta_rad : row.d_m);
-    text += fmt::format("drawing {}: theta_rad={},d_m={},a_m={},alpha_rad={}\n", i + 1,
+    text += fmt::format("nominal {}: theta_rad={},d_m={},a_m={},alpha_rad={}\n", i + 1,
                         number_text(revolute ? zero : row.theta_rad),
                         number_text(revolute ? row.d_m : zero), number_text(row.a_m),
                         number_text(row.alpha_rad));
@@ -62,7 +62,7 @@ std::string heading(const SignatureRecord& record) {
 
 Read<std::string> maps_csv_text(const SignatureRecord& record) {
   if (!record.deflections) {
-    return cannot_hold("maps-csv", "its signature has no gravity and no maps of the readings",
+    return cannot_hold("maps-csv", "its signature has no gravity and no joint error maps",
                        "a signature that `armsig identify` found them for, by --method refined");
   }
   const ArmModel& model = *record.deflections;

@@ -41,7 +41,7 @@ std::string preamble(const Programme& programme, std::string_view mark, std::str
   add("Where it begins, the way to the first pose is not known: move the arm near it by hand.");
   add(fmt::format("Speed: {}. At each pose that is measured it waits {} s.", speed,
                   programme.wait_s));
-  add("It stops first, until it is told to go on.");
+  add("It stops first, until the operator continues it.");
   add(kClearTheArea);
   return text;
 }

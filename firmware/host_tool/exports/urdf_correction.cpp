@@ -63,7 +63,7 @@ Read<void> check_same_arm(const StagedChain& chain, const frames::Alignment& ali
         fmt::format("the axis of joint {} is {:.1f} deg and {:.1f} mm off that of joint {} of the "
                     "signature",
                     in_quotes(joint.name), degrees(off.angle_rad), 1e3 * off.distance_m, i + 1),
-        "a file of this arm, with the zeros and senses of its drawing");
+        "a file of this arm, with the zeros and senses of its nominal model");
   }
   return {};
 }

@@ -94,7 +94,7 @@ Problem IdentificationRun::mirrored(const IdentificationFailure& failure) const 
     }
     what = fmt::format(
         "{} against the sense of the arm description (an axis is {:.0f}° "
-        "from where the drawing has it)",
+        "from where the nominal model has it)",
         joints.size() == 1 ? fmt::format("joint {} turns", joints[0])
                            : fmt::format("joints {} turn", all_of(joints)),
         degrees(failure.refusal.found));
@@ -147,7 +147,7 @@ Read<Identified> IdentificationRun::finish() const {
   if (!signature->description_matches) {
     identified.warnings.emplace_back(
         "the axes found do not match those of the arm description: another arm, a joint that turns "
-        "the other way, or zeros far from the drawing's");
+        "the other way, or zeros far from the nominal model's");
   }
   return identified;
 }

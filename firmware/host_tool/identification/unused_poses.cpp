@@ -11,7 +11,7 @@ namespace armsig::tool {
 namespace {
 
 constexpr std::size_t kFewest = 12;
-// Of the median's sigma per axis: what gravity does is skew, and beyond it are blunders.
+// Of the median's sigma per axis: deflection by gravity is skew, and beyond it are blunders.
 constexpr double kClip = 5;
 
 }  // namespace

@@ -131,7 +131,7 @@ class ChainReader {
     if (follower.axis.type != type || chain_.axes[of].type != type) {
       return problem_at(*follower.joint.element,
                         called(follower.joint) +
-                            " turns and what it goes with slides, or the "
+                            " is revolute and the joint that it follows is prismatic, or the "
                             "other way",
                         "a mimic joint of the type of both joints that it is between");
     }

@@ -87,13 +87,13 @@ std::string words_of(const DrawnAxis& axis, std::size_t joint, Cause cause) {
     case Cause::kScale:
       return "scale of the reading";
     case Cause::kOnceATurn:
-      return "error of the reading, once a turn";
+      return "joint error, once a turn";
     case Cause::kTwiceATurn:
-      return "error of the reading, twice a turn";
+      return "joint error, twice a turn";
     case Cause::kMap:
-      return "map of the reading";
+      return "joint error map";
     case Cause::kGravity:
-      return "what gravity does";
+      return "deflection by gravity";
   }
   return "";
 }
@@ -174,7 +174,8 @@ std::string in_words(const DifferenceTable& table, std::size_t joints) {
   text.add_row({"all", "", "base and tool fitted", fmt::format("{:.3f}", 1e3 * table.total_rms_m),
                 fmt::format("{:+.3f}", 1e3 * table.total_rms_m)});
   return fmt::format(
-      "What is different from the drawing, and what it does to the tool\n\n{}{}", text.render(),
+      "What is different from the nominal model, and what it does to the tool\n\n{}{}",
+      text.render(),
       paragraph(fmt::format(
           "Effect: what the line does to the tool by itself, RMS over the joint limits. Adds: its "
           "part along what all do together; these add up to the last line. Each axis on the link "
@@ -183,7 +184,7 @@ std::string in_words(const DifferenceTable& table, std::size_t joints) {
           "1 is the base's, that of joint {} the tool's.{}",
           joints,
           std::ranges::any_of(table.lines, varies)
-              ? " Map of the reading and gravity: the largest change from the signature "
+              ? " Joint error map and gravity: the largest change from the signature "
                 "configuration within the joint limits."
               : "")));
 }

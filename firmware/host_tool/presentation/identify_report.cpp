@@ -99,13 +99,13 @@ void print_validation(const Found& found) {
     return;
   }
   const CrossValidation& left_out = *found.validation;
-  say("  {} rows left out of the fit: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n",
-      left_out.rows, 1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
+  say("  {} validation rows: {:.3f} mm RMS, {:.3f} mm mean, {:.3f} mm at most\n", left_out.rows,
+      1e3 * left_out.rms_m, 1e3 * left_out.mean_m, 1e3 * left_out.largest_m);
   if (found.refinement && found.refinement->left_out) {
     print_left_out(*found.refinement->left_out);
   } else if (left_out.far_off > 0 && left_out.rms_m > kComputed_m) {
-    say("  without the {} of them that are far off: {:.3f} mm RMS, {:.3f} mm mean\n",
-        left_out.far_off, 1e3 * left_out.rms_kept_m, 1e3 * left_out.mean_kept_m);
+    say("  without the {} outliers among them: {:.3f} mm RMS, {:.3f} mm mean\n", left_out.far_off,
+        1e3 * left_out.rms_kept_m, 1e3 * left_out.mean_kept_m);
   }
 }
 
@@ -133,14 +133,14 @@ void print_what_is_left_open(const Found& found, const SignatureRecord& record) 
   }
   if (!is_from_sweeps_alone(found)) return;
   if (const auto gear = least_seen_gear(record)) {
-    say("{}", paragraph(fmt::format(
-                  "not in it: the gear of joint {}, which is taken as exact; its sweep tells it to "
-                  "{:.3f} %, and so much moves the tool by {:.3f} mm",
-                  gear->joint + 1, 1e2 * gear->sigma, 1e3 * gear->moved_m)));
+    say("{}", paragraph(fmt::format("not in it: the gear ratio of joint {}, which is taken as "
+                                    "exact; its sweep determines it to "
+                                    "{:.3f} %, and so much moves the tool by {:.3f} mm",
+                                    gear->joint + 1, 1e2 * gear->sigma, 1e3 * gear->moved_m)));
   }
-  say("{}", paragraph("found from sweeps alone, in which gravity, readings that err and tilted "
-                      "axes look alike: what that leaves open is counted, play is not; some 30 "
-                      "poses with all joints anywhere (armsig suggest) tell them apart"));
+  say("{}", paragraph("found from sweeps alone, in which gravity, joint errors and tilted "
+                      "axes look alike: what that leaves open is counted, backlash is not; some 30 "
+                      "poses with all joints anywhere (armsig suggest) distinguish them"));
 }
 
 void print_accuracy(const Found& found, const SignatureRecord& record) {

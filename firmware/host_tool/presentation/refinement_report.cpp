@@ -14,7 +14,7 @@ namespace armsig::tool {
 namespace {
 
 void print_corrections(const calibration::Refined& refined) {
-  say("  errors of the readings\n");
+  say("  joint errors\n");
   for (std::size_t j = 0; j < refined.readings.corrections.size(); ++j) {
     const calibration::ReadingCorrection& c = refined.readings.corrections[j];
     say("    joint {}: gain {:+.6f}, once a turn {:.4f}°, twice a turn {:.4f}°\n", j + 1, c.gain,
@@ -56,8 +56,8 @@ nlohmann::ordered_json corrections_json(const calibration::ReadingModel& reading
 void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
   const calibration::FitQuality& quality = outcome.refined->quality;
   say("\nThe refinement\n\n");
-  if (outcome.drawing_rms_m) {
-    say("  drawing, base and tool fitted   {:8.3f} mm RMS\n", 1e3 * *outcome.drawing_rms_m);
+  if (outcome.nominal_rms_m) {
+    say("  nominal, base and tool fitted   {:8.3f} mm RMS\n", 1e3 * *outcome.nominal_rms_m);
   }
   say("  residual of the fit             {:8.3f} mm RMS, {} measurements\n", 1e3 * quality.rms_m,
       quality.rows_used);
@@ -96,7 +96,7 @@ nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::si
   if (outcome.geometry_left_out_mean_m) {
     json["geometry_left_out_mean_m"] = *outcome.geometry_left_out_mean_m;
   }
-  if (outcome.drawing_rms_m) json["drawing_rms_m"] = *outcome.drawing_rms_m;
+  if (outcome.nominal_rms_m) json["nominal_rms_m"] = *outcome.nominal_rms_m;
   if (!outcome.fitted.readings.empty()) {
     json["reading_corrections"] = corrections_json(refined.readings);
   }

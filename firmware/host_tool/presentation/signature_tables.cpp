@@ -56,7 +56,7 @@ std::string sweep_table(const Signature& signature) {
     const features::JointFeature& feature = signature.features[i];
     const features::SweepQuality& quality = feature.quality;
     const bool revolute = feature.type == JointType::kRevolute;
-    table.add_row({fmt::format("{}{}", i + 1, revolute ? "" : " slides"),
+    table.add_row({fmt::format("{}{}", i + 1, revolute ? "" : " prismatic"),
                    revolute ? fmt::format("{:.1f}°", degrees(quality.arc()))
                             : fmt::format("{:.1f} mm", 1e3 * quality.arc()),
                    revolute ? fmt::format("{:.2f}", 1e3 * feature.radius_m) : "",
@@ -112,7 +112,7 @@ std::string comparison_table(const evaluation::Comparison& comparison) {
   const evaluation::Indices& a = comparison.ideal;
   const evaluation::Indices& b = comparison.with_signature;
   const std::array<double, 4> factors = improvement(comparison);
-  Table table({"Index", "Drawing", "Signature", "Better by"});
+  Table table({"Index", "Nominal", "Signature", "Better by"});
   const auto add = [&](const char* name, const std::string& ideal, const std::string& signature,
                        double factor) {
     table.add_row({name, ideal, signature, fmt::format("{:.1f}", factor)});

@@ -110,7 +110,7 @@ std::optional<RangeHealth::Slip> RangeHealth::likeliest_slip() const {
   const std::optional<RangeScale> scale = scale_->result();
   if (const std::size_t located = scale ? located_by(*scale) : 0; located > most) {
     most = located;
-    likeliest = {.words = scale->in_words() + ": with that undone",
+    likeliest = {.words = scale->in_words() + ": with that corrected",
                  .mend = scale->drifts() ? kCureOfDrift : kCureOfScale};
   }
   if (static_cast<double>(most) < kMost * static_cast<double>(sample_.size())) return std::nullopt;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What more unknowns would explain beside those of a fit, to first order: a score test (Rao, 1948)
 // on the residuals of the model that was found, everything taken out that its geometry, gravity and
-// gears could do about them. Nothing is fitted again; maps of the readings only make it say less.
+// gears could do about them. Nothing is fitted again; joint error maps only make it say less.
 #pragma once
 
 #include <cstdint>

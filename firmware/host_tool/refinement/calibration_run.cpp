@@ -57,7 +57,7 @@ class CalibrationFit {
     const double most_m = candidates_.limits().drawn_rms_m;
     const auto drawn = calibration::fit_base_and_tool(log_.nominal, log_.positions, log_.targets);
     if (!drawn && !log_.start) return std::unexpected(drawn.error());
-    if (drawn) found_.drawing_rms_m = drawn->rms_m;
+    if (drawn) found_.nominal_rms_m = drawn->rms_m;
     if (drawn && drawn->rms_m <= most_m &&
         attempt(start_from_drawing(log_, log_.nominal, *drawn), true)) {
       return std::move(found_);
@@ -72,7 +72,7 @@ class CalibrationFit {
     }
     if (log_.start && attempt(start_from_signature(log_), false)) return std::move(found_);
     return std::unexpected(
-        refused_.value_or(Refusal{Error::kNotConverged, found_.drawing_rms_m, most_m}));
+        refused_.value_or(Refusal{Error::kNotConverged, found_.nominal_rms_m, most_m}));
   }
 
  private:

@@ -47,14 +47,14 @@ struct Calibrated {
   std::optional<calibration::HeldOutScore> left_out;  // none of too few poses
   std::optional<calibration::HeldOutScore> geometry;  // the same of geometry alone
   NoiseStatement noise;
-  // Gravity and maps of the readings, where poses left out are predicted better with them; the
+  // Gravity and joint error maps, where poses left out are predicted better with them; the
   // readings of `refined` point there.
   std::shared_ptr<const calibration::ArmModel> deflections;
   std::optional<FoundCoupling> coupling;  // not part of `refined`
   calibration::HalfPlays half_plays;      // none where no play was found
   std::vector<Vector3> moved_by_play;     // the target of every row of the log
   std::vector<std::size_t> alone;         // targets that a single row sees: nothing checks them
-  double drawing_rms_m = 0;               // of the drawing with base and targets fitted
+  double nominal_rms_m = 0;               // of the drawing with base and targets fitted
   JointVector zero_shifts;                // of the start, where the drawing's zeros led nowhere
 };
 
@@ -71,7 +71,7 @@ struct CalibrationLog {
   bool as_read = false;                          // none, even where they are needed
 };
 
-// Fits the geometry, and gravity and maps of the readings where they help, and scores the model on
+// Fits the geometry, and gravity and joint error maps where they help, and scores the model on
 // poses left out. `verdicts`, as long as the rows, receives residuals and rejections. Refusals:
 // those of fit_base_and_tool(); kNotConverged and kTooManyOutliers where no arm near the
 // description explains the rows; kScaleUndetermined; kCapacityExceeded (unknowns, capacity).

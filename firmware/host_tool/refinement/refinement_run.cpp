@@ -67,7 +67,7 @@ class Run {
   calibration::Receivers receivers_;
   FixedVector<Target, kMaxTargets> targets_;
   std::vector<calibration::RowOutcome> verdicts_;
-  std::optional<double> drawing_rms_m_;
+  std::optional<double> nominal_rms_m_;
   std::vector<std::string> notes_;
   Calibrated calibrated_;
 };
@@ -134,7 +134,7 @@ std::size_t Run::unknowns() const {
 void Run::note_zeros(const JointVector& shifts) {
   for (std::size_t j = 0; j < shifts.size(); ++j) {
     if (std::abs(shifts[j]) < kNotableShift) continue;
-    notes_.push_back(fmt::format("joint {}: its zero is about {} from the drawing's", j + 1,
+    notes_.push_back(fmt::format("joint {}: its zero is about {} from the nominal model's", j + 1,
                                  reading_in_words(nominal_.joints[j].type, shifts[j])));
   }
 }
@@ -206,7 +206,7 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
   note_gears(*calibrated_.refined);
   note_play(calibrated_.half_plays);
   if (start) return mixed_agree();
-  drawing_rms_m_ = calibrated_.drawing_rms_m;
+  nominal_rms_m_ = calibrated_.nominal_rms_m;
   return {};
 }
 
@@ -283,7 +283,7 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                             .coupling = calibrated_.coupling,
                             .half_plays = calibrated_.half_plays,
                             .moved_by_play = {},
-                            .drawing_rms_m = drawing_rms_m_,
+                            .nominal_rms_m = nominal_rms_m_,
                             .notes = notes_,
                             .predicted_tool_error = {},
                             .predicted_over_limits_m = {}};

@@ -42,7 +42,7 @@ struct RefinementOutcome {
   calibration::HalfPlays half_plays;             // none where no play was found
   std::map<std::size_t, Vector3> moved_by_play;  // the target, by line of the file
   std::optional<double>
-      drawing_rms_m;               // of the drawing with base and tool fitted; from drawings only
+      nominal_rms_m;               // of the drawing with base and tool fitted; from drawings only
   std::vector<std::string> notes;  // in words: zeros and gears far from the drawing's
   // With a target on the last link only: over the joint limits; where gravity and maps were found,
   // over the readings that were measured, and apart over all that the limits allow.

@@ -83,7 +83,7 @@ std::string in_words(const FoundCoupling& found) {
 
 std::string evidence_in_words(const FoundCoupling& found) {
   return fmt::format(
-      "with it rows left out are predicted to {:.3f} mm instead of {:.3f} mm, and {} rows are "
+      "with it validation rows are predicted to {:.3f} mm instead of {:.3f} mm, and {} rows are "
       "rejected instead of {}",
       1e3 * found.left_out_mean_m, 1e3 * found.left_out_mean_without_m, found.rejected,
       found.rejected_without);

@@ -114,7 +114,7 @@ std::vector<std::string> accuracy_in_words(const SignatureRecord& record) {
                     "barycentre of 30 visits to each of five poses: this is not AP.",
                     validation_poses_in_words(*validated), stated_mm(validated->rms_m)));
   } else {
-    words.emplace_back("Positioning accuracy (ISO 9283: AP): no positions were held out.");
+    words.emplace_back("Positioning accuracy (ISO 9283: AP): no validation poses were measured.");
   }
   const auto& predicted = record.accuracy.predicted;
   if (predicted && predicted->region == PredictedRegion::kSignatureConfiguration) {

@@ -179,10 +179,10 @@ Json map_json(const ToolErrorMap& map) {
     point.push_back(at.predicted_m ? Json(rounded(*at.predicted_m, 1e-9)) : Json(nullptr));
     points.push_back(std::move(point));
   }
-  return {{"drawing_rms_m", map.drawing_rms_m},
+  return {{"nominal_rms_m", map.nominal_rms_m},
           {"over", map.over},
           {"predicted_rms_m", or_null(map.predicted_rms_m)},
-          {"true_drawing_rms_m", or_null(map.true_drawing_rms_m)},
+          {"true_nominal_rms_m", or_null(map.true_nominal_rms_m)},
           {"true_rms_m", or_null(map.true_rms_m)},
           {"joint_share", map.joint_share},
           {"points", std::move(points)}};

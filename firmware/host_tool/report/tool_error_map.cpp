@@ -119,7 +119,7 @@ void compare_with_truth(const SignatureRecord& record, const Arm& drawing,
     drawing_squares += (drawn_target_at(drawn, target.number, drawing, q) - p_S).squaredNorm();
     squares += (target_at(record, target, q) - p_S).squaredNorm();
   }
-  map.true_drawing_rms_m = std::sqrt(drawing_squares / kRmsConfigurations);
+  map.true_nominal_rms_m = std::sqrt(drawing_squares / kRmsConfigurations);
   map.true_rms_m = std::sqrt(squares / kRmsConfigurations);
 }
 
@@ -150,7 +150,7 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
     }
     map.points.push_back(at);
   }
-  map.drawing_rms_m = std::sqrt(squares / kRmsConfigurations);
+  map.nominal_rms_m = std::sqrt(squares / kRmsConfigurations);
   const auto& predicted = record.accuracy.predicted;
   if (predicted && predicted->region == region) map.predicted_rms_m = predicted->rms_m;
   if (estimate != nullptr) {

@@ -20,13 +20,13 @@ struct ToolErrorAt {
 
 struct ToolErrorMap {
   // What the configurations are spread over evenly: the joint limits, or the readings measured
-  // where maps of the readings hold there alone.
+  // where joint error maps hold there alone.
   std::string over;
   std::vector<ToolErrorAt> points;
-  double drawing_rms_m = 0;               // over many more configurations
+  double nominal_rms_m = 0;               // over many more configurations
   std::optional<double> predicted_rms_m;  // as the record says, where it does
   // Where the truth is known.
-  std::optional<double> true_drawing_rms_m;
+  std::optional<double> true_nominal_rms_m;
   std::optional<double> true_rms_m;
   // Share of the predicted variance that each joint's axis brings, of all axes.
   std::vector<double> joint_share;

@@ -28,23 +28,24 @@ constexpr double kFarFromDrawing_m = 0.02;
 
 void doubt_the_drawing(double before_m, Verdict& verdict) {
   if (before_m <= kFarFromDrawing_m) return;
-  verdict.sentences.push_back(fmt::format(
-      "Arms as built are some millimetres from their drawings, and this one is {} away: it is "
-      "another arm's drawing, or one of its units is wrong.",
-      length_in_words(before_m)));
+  verdict.sentences.push_back(
+      fmt::format("Arms as built are some millimetres from their nominal models, and this one is "
+                  "{} away: it is "
+                  "another arm's nominal model, or one of its units is wrong.",
+                  length_in_words(before_m)));
 }
 
 void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
-  const double before_m = *map.true_drawing_rms_m;
+  const double before_m = *map.true_nominal_rms_m;
   const double after_m = *map.true_rms_m;
   verdict.headline =
-      fmt::format("By the drawing the tool misses by {}, by the arm signature by {}.",
+      fmt::format("By the nominal model the tool misses by {}, by the arm signature by {}.",
                   length_in_words(before_m), length_in_words(after_m));
-  verdict.sentences.push_back(
-      fmt::format("Over {} the drawing misses by {} (root mean square, its base and tool fitted), "
-                  "the signature "
-                  "by {}. This arm is simulated, so that its true error is known.",
-                  map.over, length_in_words(before_m), length_in_words(after_m)));
+  verdict.sentences.push_back(fmt::format(
+      "Over {} the nominal model misses by {} (root mean square, its base and tool fitted), "
+      "the signature "
+      "by {}. This arm is simulated, so that its true error is known.",
+      map.over, length_in_words(before_m), length_in_words(after_m)));
   doubt_the_drawing(before_m, verdict);
   if (map.predicted_rms_m) {
     verdict.sentences.push_back(
@@ -55,24 +56,26 @@ void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
 }
 
 void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
-  const double before_m = map.drawing_rms_m;
+  const double before_m = map.nominal_rms_m;
   const double after_m = *map.predicted_rms_m;
   if (before_m < 2 * after_m) {
     verdict.headline =
-        "The measurements can't tell this arm from its drawing: nothing is gained yet.";
-    verdict.sentences.push_back(fmt::format(
-        "Drawing and signature differ by {} over {}, and the signature itself is uncertain by {} "
-        "(1σ).",
-        length_in_words(before_m), map.over, length_in_words(after_m)));
+        "The measurements can't tell this arm from its nominal model: nothing is gained yet.";
+    verdict.sentences.push_back(
+        fmt::format("Nominal model and signature differ by {} over {}, and the signature itself is "
+                    "uncertain by {} "
+                    "(1σ).",
+                    length_in_words(before_m), map.over, length_in_words(after_m)));
     return;
   }
-  verdict.headline =
-      fmt::format("By the drawing the tool misses by {}, by the arm signature by about {} (1σ).",
-                  length_in_words(before_m), length_in_words(after_m));
-  verdict.sentences.push_back(fmt::format(
-      "Over {} the drawing, its base and tool fitted, is {} (root mean square) from the signature; "
-      "the signature is uncertain by {} (1σ).",
-      map.over, length_in_words(before_m), length_in_words(after_m)));
+  verdict.headline = fmt::format(
+      "By the nominal model the tool misses by {}, by the arm signature by about {} (1σ).",
+      length_in_words(before_m), length_in_words(after_m));
+  verdict.sentences.push_back(
+      fmt::format("Over {} the nominal model, its base and tool fitted, is {} (root mean square) "
+                  "from the signature; "
+                  "the signature is uncertain by {} (1σ).",
+                  map.over, length_in_words(before_m), length_in_words(after_m)));
   doubt_the_drawing(before_m, verdict);
 }
 
@@ -83,8 +86,8 @@ void judge_without_covariance(const SignatureRecord& record, const std::optional
         "An arm signature; no target on the last link says how well it places a tool.";
     return;
   }
-  verdict.headline = fmt::format("The drawing is {} from this signature over {}.",
-                                 length_in_words(map->drawing_rms_m), map->over);
+  verdict.headline = fmt::format("The nominal model is {} from this signature over {}.",
+                                 length_in_words(map->nominal_rms_m), map->over);
   const auto& predicted = record.accuracy.predicted;
   verdict.sentences.push_back(
       predicted ? fmt::format("The predicted tool error is {} (1σ) at {}; over {} it is not known.",
@@ -208,7 +211,7 @@ std::string residuals_in_words(const SweepPicture& sweep) {
     return "Distances from the line that the target moves along.";
   }
   if (!sweep.wave) {
-    return "Less than half a turn: a once-per-turn error of the encoder can't be told from a "
+    return "Less than half a turn: a once-per-turn error of the encoder looks like a "
            "shifted "
            "circle.";
   }

@@ -92,7 +92,7 @@ Enlargement by_missed_sweeps(const Evidence& evidence, const calibration::Refine
   return {factor,
           fmt::format("the sweeps contradict each other: the arm found misses their points by "
                       "{:.3f} mm beyond the noise, and {:.1f} times what the features predict is "
-                      "stated; gravity, readings that err, or a sensor or target moved between two "
+                      "stated; gravity, joint errors, or a sensor or target moved between two "
                       "sweeps: further poses (sweep 0) and --method refined tell",
                       1e3 * sweeps->missed_m, factor)};
 }
@@ -103,12 +103,13 @@ Enlargement by_bending(const Evidence& evidence, const calibration::Refined& est
   const auto bending = judge_bending(evidence, estimate, nominal.limits, tool, !by_features);
   if (!bending || bending->expected_m < kComputed_m) return {};
   return {bending->factor,
-          fmt::format("the sweeps show that the arm bends or a gear is off, and not which: at the "
-                      "tool {:.3f} mm are stated, {:.1f} times what {} predict{}; further poses "
-                      "(sweep 0){} tell",
-                      1e3 * bending->expected_m, bending->expected_m / bending->stated_m,
-                      by_features ? "the axes alone" : "the fit", by_features ? "" : "s",
-                      by_features ? " and --method refined" : "")};
+          fmt::format(
+              "the sweeps show that the arm deflects or a gear ratio is off, and not which: at the "
+              "tool {:.3f} mm are stated, {:.1f} times what {} predict{}; further poses "
+              "(sweep 0){} tell",
+              1e3 * bending->expected_m, bending->expected_m / bending->stated_m,
+              by_features ? "the axes alone" : "the fit", by_features ? "" : "s",
+              by_features ? " and --method refined" : "")};
 }
 
 // The largest: each tells of the same parameters.

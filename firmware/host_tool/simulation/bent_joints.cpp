@@ -26,7 +26,7 @@ Read<std::shared_ptr<const calibration::ArmModel>> bounded_bends(const Arm& draw
   for (const calibration::GravityTerm& term : told.gravity) {
     if (calibration::is_bounded(term, drawing)) continue;
     return std::unexpected(Problem{
-        "--sag-mm", 0, 0,
+        "--deflection-mm", 0, 0,
         fmt::format("{:.3g} turns joint {} by {:.2g}° for each metre that the weight is out",
                     1e3 * bends.sag_m, term.joint + 1, degrees(std::abs(term.coefficient))),
         fmt::format("at most {:.2g}°", degrees(calibration::kLargestDeflection /

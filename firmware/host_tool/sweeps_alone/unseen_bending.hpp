@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What sweeps leave open about an arm that bends: a sweep holds the other joints still, so that
-// gravity, gears, maps of the readings and axes can stand in for each other in it, and part again
+// gravity, gears, joint error maps and axes can stand in for each other in it, and part again
 // at other poses.
 #pragma once
 

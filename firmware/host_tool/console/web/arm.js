@@ -45,7 +45,7 @@ export class ArmView {
     if (this.joints.length === 0) return;
     const q = this.joints.map((joint, i) => reading(status, i + 1, joint.revolute));
     this.q = q.every(Number.isFinite) ? q : null;
-    if (this.q !== null && status.model === 'drawing' && this.offset === null) {
+    if (this.q !== null && status.model === 'nominal' && this.offset === null) {
       const last = this.#frames(q).at(-1);
       const tool = minus(['x_mm', 'y_mm', 'z_mm'].map((key) => status[key] / 1e3), last.map((row) => row[3]));
       const own = [0, 1, 2].map((k) => last[0][k] * tool[0] + last[1][k] * tool[1] + last[2][k] * tool[2]);

@@ -41,7 +41,7 @@ const valuesOf = (line) => Object.fromEntries([...line.matchAll(/(\w+)=(\S+)/g)]
 // The play of the joints; a new measurement has sweeps before it.
 function takePlay(line) {
   if (line.startsWith('# identify swept')) play = null;
-  if (line.startsWith('# identify play ')) play = valuesOf(line);
+  if (line.startsWith('# identify backlash ')) play = valuesOf(line);
 }
 
 function listen() {
@@ -121,7 +121,7 @@ function showVerdict({ candidate, status }) {
   byId('active-bar').style.width = `${(100 * theirs) / largest}%`;
   tell('candidate-rms', `${rough(ours)} mm`);
   tell('active-rms', `${rough(theirs)} mm`);
-  tell('active-name', candidate.active === 'drawing' ? 'the drawing' : `signature ${candidate.active}`);
+  tell('active-name', candidate.active === 'nominal' ? 'the nominal model' : `signature ${candidate.active}`);
 }
 
 function showFault({ status }) {
@@ -179,7 +179,7 @@ function candidateFacts(status, candidate, sigmas) {
   const facts = [['candidate', [...accuracyOf(candidate), ...asked].join(', ')]];
   const size = (joint) => (joints[joint - 1]?.revolute ? `${rough(Number(play[`q${joint}_deg`]))}\u00b0` : `${rough(Number(play[`q${joint}_mm`]))} mm`);
   const seen = (play?.seen ?? '').split(',').filter((joint) => Number(joint) > 0);
-  if (seen.length > 0) facts.push(['play', seen.map((joint) => `joint ${joint} ${size(joint)}`).join(', ')]);
+  if (seen.length > 0) facts.push(['backlash', seen.map((joint) => `joint ${joint} ${size(joint)}`).join(', ')]);
   return facts;
 }
 

@@ -17,7 +17,7 @@ export function troubleOf(status, pausedBy) {
 // Headline, words, and the verb that is next. `pausedBy`: the name of what paused the measurement.
 export function situation({ status, candidate }, pausedBy, jointCount) {
   const running = status.sequence === 'identifying' || status.sequence === 'paused';
-  const model = status.model === 'signature' ? 'The arm signature is in use.' : 'The drawing is in use; the arm itself has not been measured.';
+  const model = status.model === 'signature' ? 'The arm signature is in use.' : 'The nominal model is in use; the arm itself has not been measured.';
   if (status.mode === 'faulted') {
     const joint = status.fault_joint ? `Joint ${status.fault_joint}: ` : '';
     const words = adviceFor(status.fault).words ?? status.fault ?? 'stopped';

@@ -3,7 +3,7 @@
 // value and a bar of one standard deviation on both sides of it. The table beside it has the figures.
 import { decimalsFor, degrees, element, fixed } from './text.js';
 
-const kNames = { tilt: 'Tilt', shift: 'Shift', zero: 'Zero of the reading', map: 'Map of the reading, largest', gravity: 'Gravity, largest' };
+const kNames = { tilt: 'Tilt', shift: 'Shift', zero: 'Zero of the reading', map: 'Joint error map, largest', gravity: 'Gravity, largest' };
 const kSizes = ['map', 'gravity'];
 const kUnits = {
   value_rad: { sigma: 'sigma_rad', unit: '°', scale: degrees },

@@ -39,7 +39,7 @@ export function showErrorMap(report, view) {
   const predicted = map.predicted_rms_m !== null;
   const choices = [
     ...(predicted ? [{ name: 'with the signature', index: 4, words: `Predicted 1σ of the tool’s position, at ${map.points.length} configurations spread over ${map.over}: ${length(map.predicted_rms_m)} root mean square. Each dot is where the tool is then.` }] : []),
-    { name: 'with the drawing', index: 3, words: `Distance of the drawing’s tool from the signature’s, its base and tool fitted: ${length(map.drawing_rms_m)} root mean square over ${map.over}.` },
+    { name: 'with the nominal model', index: 3, words: `Distance of the nominal model’s tool from the signature’s, its base and tool fitted: ${length(map.nominal_rms_m)} root mean square over ${map.over}.` },
   ];
   let redraw = () => {};
   const choose = (choice) => {

@@ -28,13 +28,13 @@ function verdict() {
   by('version').textContent = about.version;
   if (map === null) return;
   const known = map.true_rms_m !== null;
-  const before = known ? map.true_drawing_rms_m : map.drawing_rms_m;
+  const before = known ? map.true_nominal_rms_m : map.nominal_rms_m;
   const after = known ? map.true_rms_m : map.predicted_rms_m;
   const bar = (name, value, colour) => element('div', { class: 'bar' },
     element('span', {}, name),
     element('div', { class: 'track' }, element('div', { class: 'fill', style: `background:var(--${colour});width:${(100 * value) / Math.max(before, after ?? 0)}%` })),
     element('span', { class: 'value' }, length(value)));
-  by('before-after').append(bar('By the drawing', before, 'nominal'));
+  by('before-after').append(bar('By the nominal model', before, 'nominal'));
   if (after !== null) by('before-after').append(bar(known ? 'By the signature' : 'By the signature, 1σ', after, 'actual'));
 }
 

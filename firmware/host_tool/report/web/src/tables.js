@@ -72,7 +72,7 @@ export function differenceTable(report) {
     return;
   }
   document.getElementById('differences-lead').append(...phrase(
-    `The drawing, its base and tool fitted, is ${length(differences.total_rms_m)} (root mean square over the joint limits) from this arm. From where that comes:`));
+    `The nominal model, its base and tool fitted, is ${length(differences.total_rms_m)} (root mean square over the joint limits) from this arm. From where that comes:`));
   const millimetres = (metres) => fixed(1e3 * metres, 3);
   const body = element('tbody');
   let joint = 0;
@@ -106,11 +106,11 @@ export function gridTable(report) {
   }
   const size = grid.grid_m.map((metres) => Math.round(100 * metres)).join(' × ');
   document.getElementById('grid-lead').textContent =
-    `A tool sent to every point of a grid of ${size} cm, by the drawing and by the signature. ` +
+    `A tool sent to every point of a grid of ${size} cm, by the nominal model and by the signature. ` +
     (grid.drawn_arms === 0
       ? 'The true arm is known, as it is simulated.'
       : `The true arm is not known: medians over ${grid.drawn_arms} arms that the measurements allow` +
-        `${report.reading_maps ? ', all with gravity and the maps of the readings as they were found: how uncertain those are is not in this table' : ''}.`);
+        `${report.reading_maps ? ', all with gravity and the joint error maps as they were found: how uncertain those are is not in this table' : ''}.`);
   // The measuring machine of the task rounds (core/evaluation/indices.hpp): nought is below half of its step.
   const rounded = (words, half) => (value) => (value === 0 ? `< ${words(half)}` : words(value));
   const angle = rounded((radians) => `${bounded(degrees(radians), 3)}°`, (0.005 * Math.PI) / 180);
