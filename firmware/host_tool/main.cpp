@@ -72,6 +72,11 @@ std::vector<std::string> words_of(int argc, char** argv) {
   return words;
 }
 
+bool is_command(const CLI::App& app, const std::string& word) {
+  return std::ranges::any_of(app.get_subcommands({}),
+                             [&](const CLI::App* command) { return command->get_name() == word; });
+}
+
 void add_commands(CLI::App& app, int& status) {
   using namespace armsig::tool;
   add_demo(app, status);
@@ -111,7 +116,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     std::ostringstream out;
     std::ostringstream err;
-    if (app.exit(error, out, err) == 0) {  // --help, --version
+    // Of a command that there is not, no help is given.
+    const bool has_command = words.front().starts_with('-') || is_command(app, words.front());
+    if (app.exit(error, out, err) == 0 && has_command) {  // --help, --version
       put(stdout, fitted(out.str()));
       return kDone;
     }

@@ -44,12 +44,14 @@ TEST(Usage, gives_help_however_it_is_asked_for) {
 TEST(Usage, shows_what_an_option_takes_in_words) {
   const std::string simulate = help("simulate --help");
   for (const char* line :
-       {"\n  --arc NUMBER ", "(0.1 to 360) (default 180)\n", "\n  -o,--out FILE ", "(required)\n",
-        "(not with --tolerances)\n", "\n  --flange-target-mm NUMBER ...", "(3 numbers)"}) {
+       {"\n  --points NUMBER             points a sweep (2 to 100000000) (default 36)\n",
+        "\n  -o,--out FILE               measurements to write (CSV) (required)\n",
+        "\n  --flange-target-mm NUMBER   ", "(3 numbers) (not with\n",
+        "\n  --configuration NUMBER ...  "}) {
     EXPECT_NE(simulate.find(line), std::string::npos) << line << simulate;
   }
   const std::string plan = help("plan --help");
-  EXPECT_NE(plan.find("\n  --format csv|urscript|rapid|krl "), std::string::npos) << plan;
+  EXPECT_NE(plan.find("\n  --format csv|urscript|rapid|krl\n"), std::string::npos) << plan;
   for (const char* of_the_parser : {"TEXT:", "FLOAT", "INT", "REQUIRED", "Needs:", "Excludes:"}) {
     EXPECT_EQ(simulate.find(of_the_parser), std::string::npos) << of_the_parser << simulate;
     EXPECT_EQ(plan.find(of_the_parser), std::string::npos) << of_the_parser << plan;

@@ -421,7 +421,7 @@ void add_compensate(CLI::App& app, int& status) {
                        ".jbi, LinuxCNC .ngc)")
           ->excludes(poses);
   command->add_option("--language", options->language, "of the program (default: by its name)")
-      ->check(
+      ->transform(
           CLI::IsMember({"urscript", "rapid", "krl", "fanuc", "jbi", "gcode"}, CLI::ignore_case))
       ->needs(into);
   add_frames(*command, *options);

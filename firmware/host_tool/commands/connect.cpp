@@ -250,7 +250,8 @@ std::array<CLI::Option*, 3> add_fetch_options(CLI::App& command, FetchOptions& f
           .add_option("--what", fetch.what,
                       "to fetch (default: the log of the last identification for FILE.csv, else "
                       "the signature in use)")
-          ->check(CLI::IsMember({"signature", "candidate", "nominal", "log"}, CLI::ignore_case)),
+          ->transform(
+              CLI::IsMember({"signature", "candidate", "nominal", "log"}, CLI::ignore_case)),
       command.add_option("--name", fetch.name, "name of the arm, for the file fetched")
           ->capture_default_str(),
       command.add_option("--serial", fetch.serial, "its serial number")};

@@ -183,7 +183,7 @@ void add_export(CLI::App& app, int& status) {
       app.add_subcommand("export", "write a signature for other software, or into your URDF");
   command->add_option("--signature", options->signature, "signature (YAML)")->required();
   CLI::Option* format = command->add_option("--format", options->format, "what to write")
-                            ->check(CLI::IsMember(export_formats(), CLI::ignore_case));
+                            ->transform(CLI::IsMember(export_formats(), CLI::ignore_case));
   CLI::Option* into =
       command
           ->add_option("--into", options->into,

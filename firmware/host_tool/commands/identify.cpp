@@ -323,7 +323,7 @@ void add_identify(CLI::App& app, int& status) {
           "auto: refined where there are free poses (sweep 0), else encoder; encoder: circles "
           "follow the joint reading; paper: plane and centre of rotation alone; refined: maximum "
           "likelihood over all rows, those with sweep 0 too")
-      ->check(CLI::IsMember({kBestMethod, "encoder", "paper", "refined"}, CLI::ignore_case))
+      ->transform(CLI::IsMember({kBestMethod, "encoder", "paper", "refined"}, CLI::ignore_case))
       ->capture_default_str();
   command
       ->add_option(
@@ -334,9 +334,9 @@ void add_identify(CLI::App& app, int& status) {
           "better), range-offsets (of each receiver), scale (of all lengths); none: no errors of "
           "readings even where the rows need them, as for exports that cannot hold them")
       ->delimiter(',')
-      ->check(CLI::IsMember({"gain", "first-order", "second-order", "readings-that-help",
-                             "range-offsets", "scale", "none"},
-                            CLI::ignore_case));
+      ->transform(CLI::IsMember({"gain", "first-order", "second-order", "readings-that-help",
+                                 "range-offsets", "scale", "none"},
+                                CLI::ignore_case));
   command->add_option("--instrument", options->instrument,
                       "instrument description (YAML), where the rows are touches of sockets and "
                       "planes or lengths of wires, a place by its name, and no positions");

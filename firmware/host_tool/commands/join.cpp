@@ -208,7 +208,7 @@ void add_reading_options(CLI::App& command, JoinOptions& options) {
       ->capture_default_str();
   command
       .add_option("--dates", options.dates, "of dates such as 3/4/2026: which number is the day")
-      ->check(CLI::IsMember({"day-first", "month-first"}, CLI::ignore_case));
+      ->transform(CLI::IsMember({"day-first", "month-first"}, CLI::ignore_case));
   command.add_option("--clock-offset-s", options.settings.clock_offset_s,
                      "seconds to add to the times of the points, where two clocks differ");
 }
@@ -234,7 +234,7 @@ void add_join(CLI::App& app, int& status) {
           "text (Collection Group Target x y z)")
       ->required();
   command->add_option("--by", options->by, "what a point and its pose have in common")
-      ->check(CLI::IsMember({"name", "order", "time", "standstill"}, CLI::ignore_case))
+      ->transform(CLI::IsMember({"name", "order", "time", "standstill"}, CLI::ignore_case))
       ->capture_default_str();
   command
       ->add_option("--within-s", options->settings.within_s,

@@ -48,7 +48,7 @@ void add_pose_options(CLI::App& command, PoseOptions& options) {
   command
       .add_option("--format", options.format,
                   "of the poses: a table, or a program that goes to each and waits there")
-      ->check(CLI::IsMember(program_formats(), CLI::ignore_case))
+      ->transform(CLI::IsMember(program_formats(), CLI::ignore_case))
       ->capture_default_str();
   command.add_option("--wait-s", options.wait_s, "at each pose, in a program")
       ->check(CLI::Range(0.0, 3600.0))
