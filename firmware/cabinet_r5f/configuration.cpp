@@ -30,6 +30,7 @@ controller::Configuration controller_configuration() {
   controller::Configuration c;
   c.drawing = tool::puma560();
   c.period = kPeriod;
+  c.feedback_age = canopen::Configuration{}.missed_feedback_limit * kPeriod;
   for (std::size_t i = 0; i < kJoints; ++i) {
     c.limits.speed.push_back(1.5);
     c.limits.acceleration.push_back(6.0);

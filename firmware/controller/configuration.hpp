@@ -102,7 +102,8 @@ struct Configuration {
   // reading here and on the console is the effective one, of the joint and not of its motor.
   Arm drawing;
   hal::Duration period = std::chrono::milliseconds(2);
-  JointVector resolution;  // worth of a count of each joint, rad or m; empty: not known
+  hal::Duration feedback_age{};  // a drive that is silent for longer has failed
+  JointVector resolution;        // worth of a count of each joint, rad or m; empty: not known
   FixedVector<Reference, kMaxJoints> references;  // of each joint; empty: absolute
   MotionLimits limits;
   Supervision supervision;

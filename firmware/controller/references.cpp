@@ -111,7 +111,8 @@ void References::tell(std::size_t joint, std::string_view why, std::optional<dou
 void References::track(const Snapshot& now, const Announcer& announcer) {
   const std::size_t joints = at_rest_.positions.size();
   if (now.mode == Mode::kStarting || now.known != (1U << joints) - 1) return;
-  const double passed_s = hal::seconds(now.now - tracked_at_);
+  // What was told then may be as old as a drive may be silent.
+  const double passed_s = hal::seconds(now.now - tracked_at_ + configuration_.feedback_age);
   for (std::size_t i = 0; i < joints; ++i) {
     const double moved = now.positions[i] - at_rest_.positions[i];
     const double most = kFall * configuration_.limits.speed[i] * passed_s + tolerances_[i];

@@ -220,6 +220,7 @@ Read<void> take_drives(const YamlNode& node, DaemonConfiguration& c) {
   const auto drives = canopen::check(c.drives);
   if (!drives) return std::unexpected(problem_of(drives.error(), node));
   c.bus_load = drives->bus_load();
+  c.controller.feedback_age = c.drives.missed_feedback_limit * c.controller.period;
   for (std::size_t axis = 0; axis < c.drives.axes.size(); ++axis) {
     c.controller.resolution.push_back(drives->scaling(axis).resolution());
   }

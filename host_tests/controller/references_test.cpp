@@ -168,6 +168,23 @@ TEST(References, a_reading_that_jumps_while_the_arm_is_watched_is_told) {
   EXPECT_TRUE(plant.told("# unreferenced joint=5 why=jumped by_deg=-30.0"));
 }
 
+// A drive that is silent for a while moves on: what it tells then is no jump.
+TEST(References, a_reading_may_be_as_late_as_its_drive_may_be_silent) {
+  Configuration patient = test::puma_controller();
+  patient.feedback_age = std::chrono::milliseconds(100);
+  const auto unreferenced_by = [](const Configuration& configuration, double moved_rad) {
+    Plant plant(configuration);
+    plant.store_and_power_up();
+    plant.run(600);
+    plant.drives.joints[2] += moved_rad;
+    plant.run(3);
+    return plant.unreferenced();
+  };
+  EXPECT_EQ(unreferenced_by(test::puma_controller(), 0.9), 1U << 2U);
+  EXPECT_EQ(unreferenced_by(patient, 0.9), 0U);
+  EXPECT_EQ(unreferenced_by(patient, 1.1), 1U << 2U);
+}
+
 TEST(References, an_arm_that_is_pushed_while_it_is_watched_stays_certain) {
   Plant plant;
   plant.store_and_power_up();
