@@ -19,7 +19,7 @@ namespace {
 using canopen::CheckedConfiguration;
 using cia402::ObjectOutcome;
 
-constexpr std::string_view kNoCounts = "counts are not reported: prove the ratio";
+constexpr std::string_view kNoCounts = "counts not reported: prove the ratio";
 
 constexpr std::array kWords{
     ObjectWords{0x6502, 0, "modes", "modes not reported: the mode is tried"},

@@ -230,7 +230,7 @@ TEST(Identify, says_in_json_what_it_refuses) {
 
 TEST(Command, says_what_it_can_do_without_arguments) {
   const Folder folder;
-  EXPECT_EQ(run_tool(folder, "").status, 2);
+  EXPECT_EQ(run_tool(folder, "").status, 0);
   EXPECT_EQ(run_tool(folder, "--help").status, 0);
   EXPECT_EQ(run_tool(folder, "identify --help").status, 0);
   EXPECT_EQ(run_tool(folder, "identfy").status, 2);

@@ -34,7 +34,7 @@ TEST(Check, finds_a_healthy_arm_consistent_and_far_better_than_its_drawing) {
   EXPECT_LT(result["rms_m"], 6e-4);
   EXPECT_GT(result["nominal"]["rms_m"], 3 * result["rms_m"].get<double>());
   const Outcome words = check(folder, held);
-  EXPECT_NE(words.out.find("before: drawing, base and tool fitted"), std::string::npos);
+  EXPECT_NE(words.out.find("before: nominal, base and tool fitted"), std::string::npos);
   EXPECT_NE(words.out.find("after: the signature as it is"), std::string::npos);
 }
 

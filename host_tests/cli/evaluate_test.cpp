@@ -68,7 +68,7 @@ TEST(Evaluate, refuses_the_drawing_and_the_truth_of_another_arm) {
   const Outcome beside = evaluate("near.yaml", "truth.yaml");
   EXPECT_EQ(beside.status, 0) << beside.err;
   EXPECT_EQ(beside.err,
-            "armsig: warning: s.yaml: found with another drawing than that of near.yaml\n");
+            "armsig: warning: s.yaml: found with another nominal model than that of near.yaml\n");
   // As drawn, but for the forearm.
   std::string longer = kPuma560;
   longer.replace(longer.find("430.7"), 5, "470.7");
@@ -115,7 +115,7 @@ TEST(Report, refuses_measurements_and_a_truth_that_are_not_of_its_arm) {
   }
   const Outcome other = report("--truth u.yaml");
   EXPECT_EQ(other.status, 1);
-  EXPECT_NE(other.err.find("u.yaml: it is not of the arm of the signature's drawing"),
+  EXPECT_NE(other.err.find("u.yaml: it is not of the arm of the signature's nominal model"),
             std::string::npos)
       << other.err;
 }

@@ -35,7 +35,7 @@ TEST(Refined, finds_base_and_tool_where_a_file_has_no_sweeps) {
   Csv rows = simulated(folder, "--sigma-mm 0.1");
   keep_mixed(rows);
   const Outcome outcome = refine(folder, rows);
-  expect_said(outcome, "drawing, base and tool fitted");
+  expect_said(outcome, "nominal, base and tool fitted");
   expect_said(outcome, "40 rows: 0 rejected");
   expect_said(outcome, "validation rows");
   EXPECT_LT(error_m(folder), 5e-4);

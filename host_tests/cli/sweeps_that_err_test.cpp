@@ -89,7 +89,7 @@ TEST(SweepsThatErr, by_a_gear_that_no_fit_finds_are_stated) {
   by_gear(rows);
   const JudgedSweeps geared = judge(folder, rows, "refined", by_gear);
   EXPECT_EQ(geared.err.find("its reading is"), std::string::npos) << geared.err;
-  EXPECT_NE(geared.err.find("bends or a gear is off"), std::string::npos) << geared.err;
+  EXPECT_NE(geared.err.find("deflects or a gear ratio is off"), std::string::npos) << geared.err;
   EXPECT_LT(geared.observed_m, 1.25 * geared.stated_m);
 }
 
@@ -108,7 +108,8 @@ TEST(SweepsThatErr, name_the_gear_that_they_tell_worst) {
     const bool named = mixed == " --free-poses 0";
     ASSERT_EQ(result.contains("least_seen_gear"), named) << result;
     const std::string text = run_tool(folder, identify + "refined").out;
-    EXPECT_EQ(text.find("the gear of joint 1, which is taken as exact") != std::string::npos, named)
+    EXPECT_EQ(text.find("the gear ratio of joint 1, which is taken as exact") != std::string::npos,
+              named)
         << text;
     if (!named) continue;
     const auto& gear = result["least_seen_gear"];

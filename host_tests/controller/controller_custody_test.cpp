@@ -77,9 +77,10 @@ TEST(Custody, a_signature_of_another_zero_is_not_used_and_the_difference_is_name
   puma.start(redrawn(), 1);
   ASSERT_TRUE(puma.run_until(Mode::kIdle));
   puma.run(0.1);
-  EXPECT_TRUE(told(puma,
-                   "# signature unused error=RECORD_OTHER_MACHINE reason=\"the stored record "
-                   "is of another gear, encoder zero or drawing\" what=drawing found="));
+  EXPECT_TRUE(
+      told(puma,
+           "# signature unused error=RECORD_OTHER_MACHINE reason=\"the stored record "
+           "is of another gear, encoder zero or nominal model\" what=nominal_model found="));
   EXPECT_FALSE(puma.cabinet->state().active());
   EXPECT_NE(puma.ask("status").find(" model=nominal"), std::string::npos);
   EXPECT_TRUE(puma.ask("rollback").starts_with("ok")) << "it may be given up";

@@ -116,7 +116,7 @@ TEST(SelfCalibration, says_that_no_measurement_helps_against_play) {
   ASSERT_NE(puma.identified("identify accuracy_mm=0.03 minutes=60"), nullptr);
   const std::string advice = puma.heard("asked for is not reached: ");
   const std::string budget = puma.heard("# identify budget ");
-  EXPECT_TRUE(advice.contains("the joints' play alone is more")) << advice;
+  EXPECT_TRUE(advice.contains("the joints' backlash alone is more")) << advice;
   EXPECT_TRUE(advice.contains(" mm, joint ")) << advice;
   EXPECT_TRUE(advice.contains(" of it; no measurement takes it out, look at its gears")) << advice;
   EXPECT_GT(value_after(budget, "backlash_mm"), value_after(budget, "uncovered_mm")) << budget;

@@ -53,7 +53,7 @@ TEST(Fetching, parts_together_are_the_image) {
   Store store;
   std::string all;
   for (int part = 1; part <= 3; ++part) {
-    ASSERT_TRUE(store.ask("fetch what=drawing part=" + std::to_string(part)));
+    ASSERT_TRUE(store.ask("fetch what=nominal part=" + std::to_string(part)));
     const std::string told(store.line.view());
     EXPECT_TRUE(told.starts_with(" bytes=484 parts=3 hex=")) << told;
     all += told.substr(told.find("hex=") + 4);
@@ -63,21 +63,21 @@ TEST(Fetching, parts_together_are_the_image) {
 
 TEST(Fetching, begins_with_the_first_part_where_none_is_named) {
   Store store;
-  ASSERT_TRUE(store.ask("fetch what=drawing"));
+  ASSERT_TRUE(store.ask("fetch what=nominal"));
   const std::string first(store.line.view());
-  ASSERT_TRUE(store.ask("fetch what=drawing part=1"));
+  ASSERT_TRUE(store.ask("fetch what=nominal part=1"));
   EXPECT_EQ(store.line.view(), first);
 }
 
 TEST(Fetching, refuses_parts_that_are_not_there_and_what_it_does_not_know) {
   Store store;
   for (const char* part : {"0", "0.5", "4", "-1"}) {
-    EXPECT_EQ(test::failure_of(store.ask(std::string("fetch what=drawing part=") + part)),
+    EXPECT_EQ(test::failure_of(store.ask(std::string("fetch what=nominal part=") + part)),
               Error::kOutOfRange)
         << part;
   }
-  for (const char* request : {"fetch", "fetch what=ledger", "fetch what=drawing part=one",
-                              "fetch what=drawing piece=1"}) {
+  for (const char* request : {"fetch", "fetch what=ledger", "fetch what=nominal part=one",
+                              "fetch what=nominal piece=1"}) {
     EXPECT_EQ(test::failure_of(store.ask(request)), Error::kUnknownRequest) << request;
   }
 }

@@ -96,7 +96,7 @@ class Walk {
                                        "help",
                                        "help move",
                                        "fetch what=signature part=1",
-                                       "fetch what=drawing part=2",
+                                       "fetch what=nominal part=2",
                                        "send part=1 bytes=3956 hex=00",
                                        "move",
                                        "move q9_deg=1",

@@ -157,7 +157,8 @@ TEST(Export, refuses_a_table_of_maps_where_there_are_none) {
   make_individual(folder, kTwoJointArm);
   const Outcome outcome = export_as(folder, "maps-csv");
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(outcome.err.find("no gravity and no maps"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("no gravity and no joint error maps"), std::string::npos)
+      << outcome.err;
 }
 
 TEST(Export, refuses_a_prismatic_joint_where_the_format_knows_none) {

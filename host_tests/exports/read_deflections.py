@@ -55,7 +55,7 @@ def maps_csv(path):
     with open("geometry.json") as file:
         export = json.load(file)
     said = export["deflections"]
-    for i, line in enumerate(line for line in comments_of(path) if line.startswith("drawing ")):
+    for i, line in enumerate(line for line in comments_of(path) if line.startswith("nominal ")):
         said["nominal"][i] = {k: float(v) for k, v in
                               (item.split("=") for item in line.split(":")[1].strip().split(","))}
     at_rest = next(line for line in comments_of(path) if line.startswith("readings of the signature"))

@@ -185,7 +185,7 @@ TEST(Daemon, lets_what_reports_ask_and_hear_at_a_socket_of_its_own_and_move_noth
   const int raw = std::system(command.c_str());  // NOLINT(cert-env33-c): our own command line
   EXPECT_EQ(WEXITSTATUS(raw), 0) << read_file(folder / ".err");
   EXPECT_TRUE(reporter.is_in("holding"));
-  EXPECT_TRUE(reporter.ask("fetch what=drawing part=1").starts_with("ok bytes="));
+  EXPECT_TRUE(reporter.ask("fetch what=nominal part=1").starts_with("ok bytes="));
 }
 
 TEST(Daemon, identifies_the_emulated_arm_and_knows_it_after_it_was_killed) {

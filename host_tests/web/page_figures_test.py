@@ -80,7 +80,7 @@ class Controller:
                 pass  # one that has gone
 
     def reply(self, request):
-        if request.startswith("fetch what=drawing part="):
+        if request.startswith("fetch what=nominal part="):
             image, part = drawing(), int(request.rsplit("=", 1)[1])
             piece = image[(part - 1) * kPartBytes:part * kPartBytes]
             return f"ok bytes={len(image)} parts={-(-len(image) // kPartBytes)} hex={piece.hex()}"
@@ -167,7 +167,7 @@ class PageFigures(unittest.TestCase):
 
     def test_a_measurement_without_an_accuracy_asked_for_says_its_region(self):
         self.controller.candidate = (figures("candidate", "0.0300", "configuration", "0.3300", 21.5) +
-                                     " active=drawing active_rms_mm=5.0000 better=yes")
+                                     " active=nominal active_rms_mm=5.0000 better=yes")
         self.shown("candidate: 0.030 mm RMS predicted at the signature configuration, 0.33 mm RMS on 20 validation poses")
         self.assertEqual(self.tab.text("active-name"), "the nominal model")
 

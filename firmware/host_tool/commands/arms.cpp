@@ -42,7 +42,7 @@ int list(const ArmsOptions& options) {
   if (options.json) {
     print_json({{"status", 0}, {"arms", listed}});
   } else {
-    say("\nNominal models, not your arm: check lengths, zeros and senses against its papers.\n");
+    say("\nNominal models: check lengths, zeros and senses against the papers of your arm.\n");
     say("--show prints one with its source, to copy and change.\n");
     say_next(TypedCommand("arms").option("--show", known_arms().front().name));
   }

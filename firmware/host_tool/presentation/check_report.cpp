@@ -126,7 +126,7 @@ void print_rows(const Checked& checked) {
 void print_fit(const Checked& checked) {
   if (checked.nominal) {
     const ResidualSummary& nominal = *checked.nominal;
-    print_residuals("before: nominal model, base and tool fitted", nominal.rms_m, nominal.mean_m,
+    print_residuals("before: nominal, base and tool fitted", nominal.rms_m, nominal.mean_m,
                     nominal.largest_m);
   } else {
     say("  before: these rows are too few to fit base and tool to the nominal model\n");

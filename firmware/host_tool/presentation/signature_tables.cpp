@@ -56,7 +56,7 @@ std::string sweep_table(const Signature& signature) {
     const features::JointFeature& feature = signature.features[i];
     const features::SweepQuality& quality = feature.quality;
     const bool revolute = feature.type == JointType::kRevolute;
-    table.add_row({fmt::format("{}{}", i + 1, revolute ? "" : " prismatic"),
+    table.add_row({fmt::format("{}", i + 1),
                    revolute ? fmt::format("{:.1f}°", degrees(quality.arc()))
                             : fmt::format("{:.1f} mm", 1e3 * quality.arc()),
                    revolute ? fmt::format("{:.2f}", 1e3 * feature.radius_m) : "",
