@@ -20,12 +20,12 @@ constexpr double kCoarse = 4;
 // A richer model must earn its keep by this much on poses that it has not seen.
 constexpr double kWorthDeflections = 0.98;
 
-constexpr calibration::ModelParts kGeometry{.gravity = false, .maps = false};
-constexpr calibration::ModelParts kGravity{.gravity = true, .maps = false};
-constexpr calibration::ModelParts kMaps{.gravity = false, .maps = true};
-constexpr calibration::ModelParts kWhole{};
+constexpr calibration::ModelParts kGeometryAlone{.gravity = false, .maps = false};
+constexpr calibration::ModelParts kWithGravity{.gravity = true, .maps = false};
+constexpr calibration::ModelParts kWithMaps{.gravity = false, .maps = true};
+constexpr calibration::ModelParts kWholeModel{};
 constexpr double kCertain = 5;  // sigmas of a joint's play
-constexpr calibration::ReadingTerms kGears{true, false, false};
+constexpr calibration::ReadingTerms kGearsAlone{true, false, false};
 constexpr std::array<calibration::ReadingTerms, 4> kCorrections{
     {{false, true, false}, {false, false, true}, {true, true, false}, {true, true, true}}};
 // Errors of gears larger than this are no encoder's; and beyond so many sigmas no chance.
@@ -156,7 +156,7 @@ std::expected<Candidate, Refusal> Candidates::geometry(const FitStart& from) {
 
 std::expected<Candidate, Refusal> Candidates::geometry(
     const FitStart& from, const calibration::ParameterRequest& request) {
-  auto found = fitted(from, kGeometry, request);
+  auto found = fitted(from, kGeometryAlone, request);
   if (!found) return found;
   if (const auto good = believable(*found); !good) return std::unexpected(good.error());
   score(*found);
@@ -176,7 +176,7 @@ std::optional<Candidate> Candidates::with_terms(const Candidate& plain,
   }
   calibration::ask_for(request, start.model);
   if (!fits_the_engine(start)) return std::nullopt;
-  auto candidate = fitted(start, kGeometry, request);
+  auto candidate = fitted(start, kGeometryAlone, request);
   if (!candidate || !believable(*candidate)) return std::nullopt;
   return std::move(*candidate);
 }
@@ -192,7 +192,7 @@ std::optional<Candidate> Candidates::corrected(const Candidate& plain) {
   for (const calibration::ReadingTerms& terms : kCorrections) {
     auto candidate = with_terms(plain, terms);
     if (!candidate) continue;
-    candidate->left_out = fitting_.score(candidate->end, kGeometry);
+    candidate->left_out = fitting_.score(candidate->end, kGeometryAlone);
     if (predicts_better(*candidate, best ? *best : plain, kWorthCorrections)) {
       best = std::move(candidate);
     }
@@ -201,14 +201,14 @@ std::optional<Candidate> Candidates::corrected(const Candidate& plain) {
 }
 
 std::optional<Candidate> Candidates::geared(const Candidate& plain, const Candidate& whole) {
-  auto candidate = with_terms(plain, kGears);
+  auto candidate = with_terms(plain, kGearsAlone);
   if (!candidate) return std::nullopt;
   bool off = false;
   for (std::size_t j = 0; j < log_.nominal.joints.size(); ++j) {
     off = off || is_off_by_its_gear(*candidate->refined, j);
   }
   if (!off) return std::nullopt;
-  candidate->left_out = fitting_.score(candidate->end, kGeometry);
+  candidate->left_out = fitting_.score(candidate->end, kGeometryAlone);
   if (!predicts_better(*candidate, whole, 1)) return std::nullopt;
   return candidate;
 }
@@ -243,11 +243,11 @@ std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
         found && predicts_better(*found, best ? *best : geometry, kWorthDeflections);
     if (better) best = std::move(found);
   };
-  consider(kGravity);
+  consider(kWithGravity);
   const bool bends = best.has_value();
-  consider(kWhole);
+  consider(kWholeModel);
   // Every arm bends a little: gravity that helps by itself, or does no harm, stays.
-  if (!bends) consider(kMaps);
+  if (!bends) consider(kWithMaps);
   if (best) deflect(*best);
   return best;
 }
