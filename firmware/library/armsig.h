@@ -72,6 +72,21 @@ armsig_status armsig_compensate(const armsig_arm *arm, const double *pose, const
 armsig_status armsig_sigma(const armsig_arm *arm, const double *readings, int target,
                            double *sigma_m);
 
+/* The same for `count` rows, one after the other, with one tool. A row without an answer is NaN.
+ * `statuses`: one a row, or NULL. They return how many rows have an answer. */
+size_t armsig_forward_rows(const armsig_arm *arm, size_t count, const double *readings,
+                           const double *tool, double *poses, armsig_status *statuses);
+size_t armsig_nominal_forward_rows(const armsig_arm *arm, size_t count, const double *readings,
+                                   const double *tool, double *poses, armsig_status *statuses);
+size_t armsig_inverse_rows(const armsig_arm *arm, size_t count, const double *poses,
+                           const double *tool, const double *seeds, double *readings,
+                           armsig_status *statuses);
+size_t armsig_compensate_rows(const armsig_arm *arm, size_t count, const double *poses,
+                              const double *tool, const double *seeds, double *corrected,
+                              armsig_status *statuses);
+size_t armsig_sigma_rows(const armsig_arm *arm, size_t count, const double *readings, int target,
+                         double *sigma_m, armsig_status *statuses);
+
 /* The base in the frame of the sensor that the signature was measured by, and the last link's
  * frame, which `armsig predict` answers for, on the flange. */
 void armsig_base_in_sensor(const armsig_arm *arm, double *pose);

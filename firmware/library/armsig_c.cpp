@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -123,6 +124,24 @@ armsig_status tool_pose(const EncoderArm& model, const JointVector& q, const dou
   return ARMSIG_OK;
 }
 
+// `answer(row, width numbers)` for each row: how many there were.
+template <typename Answer>
+std::size_t all_rows(std::size_t count, std::size_t width, double* answers, armsig_status* statuses,
+                     const Answer& answer) {
+  std::size_t answered = 0;
+  for (std::size_t row = 0; row < count; ++row) {
+    double* const numbers = answers + row * width;
+    const armsig_status status = answer(row, numbers);
+    if (status == ARMSIG_OK || status == ARMSIG_SINGULAR) {
+      ++answered;
+    } else {
+      std::fill_n(numbers, width, std::numeric_limits<double>::quiet_NaN());
+    }
+    if (statuses != nullptr) statuses[row] = status;
+  }
+  return answered;
+}
+
 }  // namespace
 }  // namespace armsig::tool
 
@@ -239,6 +258,49 @@ armsig_status armsig_sigma(const armsig_arm* arm, const double* readings, int ta
           .cwiseSqrt();
   std::copy_n(sigma.data(), 3, sigma_m);
   return ARMSIG_OK;
+}
+
+size_t armsig_forward_rows(const armsig_arm* arm, size_t count, const double* readings,
+                           const double* tool, double* poses, armsig_status* statuses) {
+  const std::size_t joints = armsig_joint_count(arm);
+  return all_rows(count, ARMSIG_POSE, poses, statuses, [&](std::size_t row, double* pose) {
+    return armsig_forward(arm, readings + row * joints, tool, pose);
+  });
+}
+
+size_t armsig_nominal_forward_rows(const armsig_arm* arm, size_t count, const double* readings,
+                                   const double* tool, double* poses, armsig_status* statuses) {
+  const std::size_t joints = armsig_joint_count(arm);
+  return all_rows(count, ARMSIG_POSE, poses, statuses, [&](std::size_t row, double* pose) {
+    return armsig_nominal_forward(arm, readings + row * joints, tool, pose);
+  });
+}
+
+size_t armsig_inverse_rows(const armsig_arm* arm, size_t count, const double* poses,
+                           const double* tool, const double* seeds, double* readings,
+                           armsig_status* statuses) {
+  const std::size_t joints = armsig_joint_count(arm);
+  return all_rows(count, joints, readings, statuses, [&](std::size_t row, double* q) {
+    return armsig_inverse(arm, poses + row * ARMSIG_POSE, tool, seeds + row * joints, q);
+  });
+}
+
+size_t armsig_compensate_rows(const armsig_arm* arm, size_t count, const double* poses,
+                              const double* tool, const double* seeds, double* corrected,
+                              armsig_status* statuses) {
+  const std::size_t joints = armsig_joint_count(arm);
+  return all_rows(count, ARMSIG_POSE, corrected, statuses, [&](std::size_t row, double* pose) {
+    return armsig_compensate(arm, poses + row * ARMSIG_POSE, tool, seeds + row * joints, pose,
+                             nullptr);
+  });
+}
+
+size_t armsig_sigma_rows(const armsig_arm* arm, size_t count, const double* readings, int target,
+                         double* sigma_m, armsig_status* statuses) {
+  const std::size_t joints = armsig_joint_count(arm);
+  return all_rows(count, 3, sigma_m, statuses, [&](std::size_t row, double* sigma) {
+    return armsig_sigma(arm, readings + row * joints, target, sigma);
+  });
 }
 
 void armsig_base_in_sensor(const armsig_arm* arm, double* pose) {

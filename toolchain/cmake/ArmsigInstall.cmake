@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # What `cmake --install` puts where: the command with its manual page and completion, and core as a CMake package
-# (find_package(armsig), armsig::core and armsig::analysis). `cpack -G DEB` makes a Debian package of the same.
+# (find_package(armsig), armsig::core and armsig::analysis). `cpack -G DEB` makes Debian packages of the same.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -55,13 +55,36 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "finds the arm signature of a robot arm")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers")
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/toolchain/debian/postinst)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+# What belongs to no component is the command's and the controller's package.
+set(CPACK_COMPONENTS_ALL Unspecified library development python)
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_NAME armsig)
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers")
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_SUGGESTS "libeigen3-dev (>= 3.4)")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libarmsig1)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/toolchain/debian/triggers)
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION
+"A library that loads a signature: forward and inverse kinematics of the arm as
+it was found, corrected targets for closed controllers, and uncertainty.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libarmsig-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libarmsig1 (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
+"The headers of libarmsig for C and C++, and its file for pkg-config.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-armsig)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, libarmsig1 (= ${PROJECT_VERSION}), armsig (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION
+"Identification, kinematics and corrected targets in Python, on arrays of numpy.")
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/toolchain/debian/postinst)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev (>= 3.4)")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+set(CPACK_DEBIAN_UNSPECIFIED_DESCRIPTION
 "Finds the actual kinematic parameters of one individual robot arm, from
 measurements of points on it while its joints move, and exports them. With
 armsigd, a controller that finds them by itself and servos with them.")

@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: MIT
-# What Debian wants of a package and an installation need not have: manual pages compressed, and a changelog in Debian's form.
-# Run by cpack (CPACK_PRE_BUILD_SCRIPTS) over what it has installed into its own folder.
+# What Debian wants of a package and an installation need not have: manual pages and notes compressed, a notice and a changelog in
+# Debian's form. Run by cpack (CPACK_PRE_BUILD_SCRIPTS) over what it has installed, each component in a folder of its own.
 find_program(GZIP gzip REQUIRED)
-file(GLOB_RECURSE pages ${CPACK_TEMPORARY_DIRECTORY}/usr/share/man/*.[0-9])
-set(changelog ${CPACK_TEMPORARY_DIRECTORY}/usr/share/doc/armsig/changelog)
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)
-file(WRITE ${changelog}
-  "armsig (${CPACK_PACKAGE_VERSION}) unstable; urgency=low\n\n"
-  "  * As CHANGELOG.md of the sources says.\n\n"
-  " -- ${CPACK_PACKAGE_CONTACT}  ${now}\n")
-foreach(file ${pages} ${changelog})
-  execute_process(COMMAND ${GZIP} -9n ${file} COMMAND_ERROR_IS_FATAL ANY)
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  string(TOUPPER ${component} upper)
+  set(package ${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
+  set(root ${CPACK_TEMPORARY_DIRECTORY}/${component}/usr)
+  file(GLOB_RECURSE pages ${root}/share/man/*.[0-9])
+  file(WRITE ${root}/share/doc/${package}/changelog
+    "${package} (${CPACK_PACKAGE_VERSION}) unstable; urgency=low\n\n"
+    "  * As CHANGELOG.md of the sources says.\n\n"
+    " -- ${CPACK_PACKAGE_CONTACT}  ${now}\n")
+  file(COPY ${CMAKE_CURRENT_LIST_DIR}/../debian/copyright DESTINATION ${root}/share/doc/${package})
+  foreach(file ${pages} ${root}/share/doc/${package}/changelog)
+    execute_process(COMMAND ${GZIP} -9n ${file} COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
 endforeach()
