@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """What a closed controller must be given so that the tool arrives: the signature's file, from Python."""
+# guide: begin
 import sys
 
-# guide: begin
 import armsig
 
 arm = armsig.load(sys.argv[1] if len(sys.argv) > 1 else "signature.yaml")

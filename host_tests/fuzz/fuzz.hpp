@@ -43,11 +43,12 @@ struct Target {
 [[nodiscard]] std::span<const Target> kinematics_targets();
 [[nodiscard]] std::span<const Target> linuxcnc_targets();
 [[nodiscard]] std::span<const Target> program_targets();
+[[nodiscard]] std::span<const Target> library_targets();
 
-[[nodiscard]] inline std::array<std::span<const Target>, 10> all_targets() {
+[[nodiscard]] inline std::array<std::span<const Target>, 11> all_targets() {
   return {description_targets(), table_targets(),   foreign_targets(), name_targets(),
           bus_targets(),         console_targets(), store_targets(),   kinematics_targets(),
-          linuxcnc_targets(),    program_targets()};
+          linuxcnc_targets(),    program_targets(), library_targets()};
 }
 
 [[nodiscard]] inline std::string_view text_of(Bytes bytes) {
