@@ -11,7 +11,7 @@
 namespace armsig::tool {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kXmlBlanks = " \t\r\n";
 
 // The end of what begins at `begin` and ends with `closing`.
 std::size_t behind(std::string_view text, std::size_t begin, std::string_view closing) {
@@ -87,9 +87,9 @@ OriginTexts texts_of(const Pose& X) {
 
 // Between its quotes, the value of the attribute `name` of a tag.
 std::optional<Bytes> value_of(std::string_view tag, std::string_view name) {
-  std::size_t at = tag.find_first_of(kBlanks);
+  std::size_t at = tag.find_first_of(kXmlBlanks);
   while (at < tag.size()) {
-    at = std::min(tag.find_first_not_of(kBlanks, at), tag.size());
+    at = std::min(tag.find_first_not_of(kXmlBlanks, at), tag.size());
     const std::size_t name_end = std::min(tag.find_first_of(" \t\r\n=/>", at), tag.size());
     const std::string_view found = tag.substr(at, name_end - at);
     const std::size_t opening = tag.find_first_of("\"'", name_end);
