@@ -161,12 +161,15 @@ nlohmann::ordered_json json_of(const std::vector<CorrectedTarget>& targets,
   return list;
 }
 
+// `what`: one of those that were to be corrected.
 void print_summary(const Summary& summary, std::size_t refused, std::string_view what) {
-  say("{} {} corrected: by {:.3f} mm at the tool in the mean, {:.3f} mm at most\n",
-      summary.moved_m.count, what, 1e3 * summary.moved_m.mean(), 1e3 * summary.moved_m.largest);
-  say("without it the tool misses them by {:.3f} mm in the mean, {:.3f} mm at most\n",
-      1e3 * summary.missed_m.mean(), 1e3 * summary.missed_m.largest);
-  if (refused > 0) say("{} of the {} left uncorrected\n", refused, what);
+  const bool one = summary.moved_m.count == 1;
+  say("{} {}{} corrected: by {:.3f} mm at the tool in the mean, {:.3f} mm at most\n",
+      summary.moved_m.count, what, one ? "" : "s", 1e3 * summary.moved_m.mean(),
+      1e3 * summary.moved_m.largest);
+  say("without it the tool misses {} by {:.3f} mm in the mean, {:.3f} mm at most\n",
+      one ? "it" : "them", 1e3 * summary.missed_m.mean(), 1e3 * summary.missed_m.largest);
+  if (refused > 0) say("{} of the {}s left uncorrected\n", refused, what);
 }
 
 // --- Programs ---------------------------------------------------------------------------------
@@ -275,7 +278,7 @@ void print_program(const CompensateOptions& options, const CorrectedProgram& pro
     return;
   }
   if (options.check) print_check(checked, true);
-  print_summary(summary, program.left.size(), "targets");
+  print_summary(summary, program.left.size(), "target");
   say("Everything else in the program is as it was. Written: {}\n", file_in_words(options.out));
 }
 
@@ -339,7 +342,7 @@ Attempt<ExitStatus> run_poses(const CompensateOptions& options, const SignatureR
                 {"out", options.out}});
     return kDone;
   }
-  print_summary(summary, left.size(), "poses");
+  print_summary(summary, left.size(), "pose");
   say("Written: {}\n", file_in_words(options.out));
   return kDone;
 }

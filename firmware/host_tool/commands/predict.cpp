@@ -117,7 +117,8 @@ nlohmann::ordered_json json_of(const PredictOptions& options, const Prediction& 
 
 void print_prediction(const PredictOptions& options, const Prediction& found,
                       const std::optional<Target>& target) {
-  say("{} poses of {} {}\n", found.poses.size(), found.of, place_in_words(options.out));
+  say("{} pose{} of {} {}\n", found.poses.size(), found.poses.size() == 1 ? "" : "s", found.of,
+      place_in_words(options.out));
   if (options.sigma) {
     say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(found.sigmas_m));
   }
