@@ -37,7 +37,10 @@ Read<void> read_mounted(const YamlNode& node, Mounting& mounting) {
     return problem_at(node, "gravity of no length", "which way it pulls, in the base frame");
   }
   mounting.on = Mounting::On::kTilted;
-  mounting.tilted_gravity_B = pull.normalized();
+  // One of length 1 is taken as it is, so that what is written is read as the same bits.
+  constexpr double kRounding = 1e-14;
+  const bool is_unit = std::abs(pull.squaredNorm() - 1) <= kRounding;
+  mounting.tilted_gravity_B = is_unit ? pull : pull.normalized();
   return {};
 }
 
