@@ -33,14 +33,11 @@ Read<void> read_mounted(const YamlNode& node, Mounting& mounting) {
   }
   ARMSIG_TRY(map, YamlMap::open(node, "mounted", {"gravity"}));
   ARMSIG_TRY(pull, map.vector3("gravity"));
-  if (!(pull.norm() > 0)) {
+  mounting.tilted_gravity_B = direction_of(pull);
+  if (mounting.tilted_gravity_B.isZero(0)) {
     return problem_at(node, "gravity of no length", "which way it pulls, in the base frame");
   }
   mounting.on = Mounting::On::kTilted;
-  // One of length 1 is taken as it is, so that what is written is read as the same bits.
-  constexpr double kRounding = 1e-14;
-  const bool is_unit = std::abs(pull.squaredNorm() - 1) <= kRounding;
-  mounting.tilted_gravity_B = is_unit ? pull : pull.normalized();
   return {};
 }
 

@@ -84,10 +84,10 @@ Read<SensorDescription> sensor_from(const YamlNode& root) {
   sensor.echo = echo;
   if (const YamlNode* node = map.find("facing")) {
     ARMSIG_TRY(facing_S, read_vector3(*node, "facing"));
-    if (!(facing_S.stableNorm() > 0)) {
+    sensor.facing_S = direction_of(facing_S);
+    if (sensor.facing_S->isZero(0)) {
       return problem_at(*node, "facing: a vector of no length", "a direction");
     }
-    sensor.facing_S = facing_S.stableNormalized();
   }
   if (const YamlNode* node = map.find("calibrated_at_c")) {
     constexpr double kAbsoluteZero = -273.15;

@@ -2,6 +2,7 @@
 #include "firmware/formats/yaml_map.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -109,6 +110,13 @@ Read<std::vector<double>> read_numbers(const YamlNode& node, std::string_view wh
 Read<Vector3> read_vector3(const YamlNode& node, std::string_view what) {
   ARMSIG_TRY(values, read_numbers(node, what, 3));
   return Vector3(values[0], values[1], values[2]);
+}
+
+Vector3 direction_of(const Vector3& v) {
+  constexpr double kRounding = 1e-14;
+  const double length = v.stableNorm();
+  if (!(length > 0)) return Vector3::Zero();
+  return std::abs(length - 1) <= kRounding ? v : v.stableNormalized();
 }
 
 Read<YamlMap> YamlMap::open(const YamlNode& node, std::string name,

@@ -36,6 +36,10 @@ namespace armsig::tool {
 
 [[nodiscard]] Read<Vector3> read_vector3(const YamlNode& node, std::string_view what);
 
+// `v` scaled to length 1, and 0 if it has no length. One of length 1, to rounding, is taken as it
+// is, so that what is written is read as the same bits.
+[[nodiscard]] Vector3 direction_of(const Vector3& v);
+
 // The items of a list of `lowest` to `highest` items.
 [[nodiscard]] Read<const std::vector<YamlNode>*> read_list(const YamlNode& node,
                                                            std::string_view what,

@@ -28,18 +28,14 @@ void fuzz_arm(Bytes bytes) {
 }
 
 void fuzz_sensor(Bytes bytes) {
-  auto sensor = parse_sensor(text_of(bytes), "F");
+  const auto sensor = parse_sensor(text_of(bytes), "F");
   check_words(sensor);
   if (!sensor) return;
-  auto again = parse_sensor(sensor_text(*sensor), "F");
+  const std::string written = sensor_text(*sensor);
+  const auto again = parse_sensor(written, "F");
   check_words(again);
   FUZZ_CHECK(again);
-  FUZZ_CHECK(sensor->facing_S.has_value() == again->facing_S.has_value());
-  // A direction is scaled to length 1 when it is read, so that its last bit may change.
-  if (sensor->facing_S) FUZZ_CHECK((*sensor->facing_S - *again->facing_S).norm() < 1e-15);
-  sensor->facing_S.reset();
-  again->facing_S.reset();
-  FUZZ_CHECK(sensor_text(*again) == sensor_text(*sensor));
+  FUZZ_CHECK(sensor_text(*again) == written);
 }
 
 void check_signature(std::string_view text) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
+#include <random>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "firmware/formats/sensor_file.hpp"
+#include "firmware/formats/yaml_map.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -108,9 +110,23 @@ TEST(SensorFile, reads_back_as_written) {
   EXPECT_EQ(read->receivers_S, written.receivers_S);
   EXPECT_EQ(read->range_sigma_m, 1e-4);
   EXPECT_TRUE(read->echo);
-  EXPECT_TRUE(read->facing_S->isApprox(*written.facing_S, 1e-15));
+  EXPECT_EQ(*read->facing_S, *written.facing_S);
   EXPECT_EQ(read->calibrated_at_c, 21.5);
   std::filesystem::remove(path);
+}
+
+TEST(DirectionsOfFiles, have_length_1_and_come_back_as_the_same_bits) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (const double size : {1e-300, 1e-9, 1.0, 3.0, 1e300}) {
+    for (int k = 0; k < 1000; ++k) {
+      const Vector3 once = direction_of(size * Vector3(any(random), any(random), any(random)));
+      EXPECT_NEAR(once.norm(), 1, 1e-15);
+      EXPECT_EQ(direction_of(once), once);
+    }
+  }
+  EXPECT_EQ(direction_of(Vector3::Zero()), Vector3::Zero());
+  EXPECT_GT((direction_of({0, 0, 1 + 1e-12}) - Vector3(0, 0, 1 + 1e-12)).norm(), 0);
 }
 
 TEST(SensorFile, refuses_to_write_what_it_would_not_read) {
