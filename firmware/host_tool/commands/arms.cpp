@@ -6,6 +6,7 @@
 #include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -36,7 +37,8 @@ int list(const ArmsOptions& options) {
                         {"joints", description->arm.joints.size()},
                         {"source", source_of(arm)}});
     } else {
-      say("  {:<12} {}, {} joints\n", arm.name, description->name, description->arm.joints.size());
+      say("  {:<12} {}, {}\n", arm.name, description->name,
+          counted(description->arm.joints.size(), "joint"));
     }
   }
   if (options.json) {

@@ -16,6 +16,7 @@
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/programs/correct_poses.hpp"
 #include "firmware/host_tool/programs/correct_program.hpp"
 
@@ -163,12 +164,12 @@ nlohmann::ordered_json json_of(const std::vector<CorrectedTarget>& targets,
 
 // `what`: one of those that were to be corrected.
 void print_summary(const Summary& summary, std::size_t refused, std::string_view what) {
-  const bool one = summary.moved_m.count == 1;
-  say("{} {}{} corrected: by {:.3f} mm at the tool in the mean, {:.3f} mm at most\n",
-      summary.moved_m.count, what, one ? "" : "s", 1e3 * summary.moved_m.mean(),
+  say("{} corrected: by {:.3f} mm at the tool in the mean, {:.3f} mm at most\n",
+      counted(summary.moved_m.count, what), 1e3 * summary.moved_m.mean(),
       1e3 * summary.moved_m.largest);
   say("without it the tool misses {} by {:.3f} mm in the mean, {:.3f} mm at most\n",
-      one ? "it" : "them", 1e3 * summary.missed_m.mean(), 1e3 * summary.missed_m.largest);
+      summary.moved_m.count == 1 ? "it" : "them", 1e3 * summary.missed_m.mean(),
+      1e3 * summary.missed_m.largest);
   if (refused > 0) say("{} of the {}s left uncorrected\n", refused, what);
 }
 

@@ -18,6 +18,7 @@
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -81,7 +82,8 @@ int run_format(const ExportOptions& options, const SignatureRecord& record) {
                 {"lost_rms_m", exported->lost_rms_m},
                 {"lost_largest_m", exported->lost_largest_m}});
   } else {
-    say("{}: {} joints as {}\n", record.arm_name, record.signature.joint_count(), options.format);
+    say("{}: {} as {}\n", record.arm_name, counted(record.signature.joint_count(), "joint"),
+        options.format);
     for (const std::string& file : files) say("Written: {}\n", file_in_words(file));
     say_what_is_next(options);
   }

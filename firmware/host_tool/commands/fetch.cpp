@@ -134,9 +134,9 @@ int fetch_record(Fetcher& fetcher, const Arm& drawing, const std::string& what,
                                 ? std::string("The candidate")
                                 : fmt::format("Signature {}, in use", fetched->sequence);
   return tell(options, what,
-              fmt::format("{}: {} joints, method {}, air {:.1f} degrees C\n{}", which,
-                          fetched->signature.joint_count(), record.method, fetched->air_celsius,
-                          accuracy_in_words(fetched->accuracy)),
+              fmt::format("{}: {}, method {}, air {:.1f} degrees C\n{}", which,
+                          counted(fetched->signature.joint_count(), "joint"), record.method,
+                          fetched->air_celsius, accuracy_in_words(fetched->accuracy)),
               {TypedCommand("report")
                    .file_option("--signature", options.file)
                    .option("--out", "report.html")},
@@ -158,7 +158,7 @@ int fetch(ConsoleClient& console, const FetchOptions& options) {
   if (what == "nominal") {
     const auto written = write_arm_file(options.file, {.name = options.name, .arm = *drawing});
     if (!written) return fail(written.error(), kBadInput, options);
-    return tell(options, what, fmt::format("The nominal model: {} joints", drawing->joints.size()),
+    return tell(options, what, "The nominal model: " + counted(drawing->joints.size(), "joint"),
                 {TypedCommand("plan")
                      .file_option("--arm", options.file)
                      .option("--out", "sweeps-to-measure.csv")},
@@ -167,7 +167,7 @@ int fetch(ConsoleClient& console, const FetchOptions& options) {
   if (what == "log") {
     const auto rows = write_log(fetcher, *drawing, options);
     if (!rows) return fail(rows.error(), kNoAnswer, options);
-    return tell(options, what, fmt::format("What was measured: {} points", *rows),
+    return tell(options, what, "What was measured: " + counted(*rows, "point"),
                 {TypedCommand("connect")
                      .file(options.console)
                      .word("fetch")

@@ -15,6 +15,7 @@
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/reading/beyond_limits.hpp"
 
 namespace armsig::tool {
@@ -94,10 +95,6 @@ Read<void> write_rows(const JoinOptions& options, const Joined& joined, const Jo
   return writer.commit();
 }
 
-std::string counted(std::size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 // Most points without a pose are no gaps in a log: the files do not belong together as was said.
 void warn(const JoinOptions& options, const Joined& joined) {
   if (!joined.clock_doubt.empty()) {
@@ -142,9 +139,9 @@ void print_joined(const JoinOptions& options, const JoinedFiles& files,
   std::size_t swept = 0;
   for (std::size_t j = 0; j < sweeps.size(); ++j) {
     swept += sweeps[j];
-    if (sweeps[j] > 0) say("  joint {} swept: {} points\n", j + 1, sweeps[j]);
+    if (sweeps[j] > 0) say("  joint {} swept: {}\n", j + 1, counted(sweeps[j], "point"));
   }
-  say("  several joints moved: {} points\n", joined.rows.size() - swept);
+  say("  several joints moved: {}\n", counted(joined.rows.size() - swept, "point"));
   const bool all = std::ranges::all_of(sweeps, [](std::size_t count) { return count > 0; });
   say("\nWritten: {}\n", file_in_words(options.out));
   if (!is_there_to_read(options.out)) return;

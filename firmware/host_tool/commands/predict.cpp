@@ -17,6 +17,7 @@
 #include "firmware/host_tool/diagnosis/evidence.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/reading/beyond_limits.hpp"
 #include "firmware/library/estimate.hpp"
 #include "firmware/library/signature_chain.hpp"
@@ -117,8 +118,7 @@ nlohmann::ordered_json json_of(const PredictOptions& options, const Prediction& 
 
 void print_prediction(const PredictOptions& options, const Prediction& found,
                       const std::optional<Target>& target) {
-  say("{} pose{} of {} {}\n", found.poses.size(), found.poses.size() == 1 ? "" : "s", found.of,
-      place_in_words(options.out));
+  say("{} of {} {}\n", counted(found.poses.size(), "pose"), found.of, place_in_words(options.out));
   if (options.sigma) {
     say("predicted error, 1 sigma: {:.3f} mm RMS\n", 1e3 * rms_length(found.sigmas_m));
   }

@@ -14,6 +14,7 @@
 #include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/console/fetching.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -102,10 +103,10 @@ int send(ConsoleClient& console, const FetchOptions& options) {
   if (options.json) {
     print_json({{"status", 0}, {"sent", options.file}, {"joints", drawing->joints.size()}});
   } else {
-    say("Sent: {}, a candidate of {} joints; nothing is in use yet. The comparison moves the arm "
+    say("Sent: {}, a candidate of {}; nothing is in use yet. The comparison moves the arm "
         "to\n"
         "validation poses; a candidate that is nearer to them can be accepted\n",
-        options.file, drawing->joints.size());
+        options.file, counted(drawing->joints.size(), "joint"));
     say_next(TypedCommand("connect").file(options.console).word("compare").word("--wait"));
   }
   return kDone;

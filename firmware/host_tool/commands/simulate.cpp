@@ -160,7 +160,7 @@ void print_simulated(const SimulateOptions& options, const std::string& arm, std
                 {"truth_out", options.truth_out}});
     return;
   }
-  say("{}: {} rows {}; the sweeps would take {} on the arm\n", arm, rows,
+  say("{}: {} {}; the sweeps would take {} on the arm\n", arm, counted(rows, "row"),
       place_in_words(options.out), duration_in_words(duration_s));
   if (!options.truth_out.empty()) say("The truth is in {}\n", options.truth_out);
   if (!is_there_to_read(options.out)) return;

@@ -11,6 +11,7 @@
 #include "firmware/host_tool/commands/seeds.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
+#include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/library/encoder_arm.hpp"
 #include "firmware/library/signature_chain.hpp"
 
@@ -124,7 +125,8 @@ void print_solutions(const SolveOptions& options, const Solutions& found) {
                 {"out", options.out}});
     return;
   }
-  say("{} poses solved; joint readings {}\n", found.readings.size(), place_in_words(options.out));
+  say("{} solved; joint readings {}\n", counted(found.readings.size(), "pose"),
+      place_in_words(options.out));
   if (found.rotation_error_rad > kRotationMissed) {
     say("positions are met, orientations missed by up to {:.3g}°: an arm with fewer than six "
         "joints can't choose all of an orientation\n",

@@ -9,6 +9,10 @@
 
 namespace armsig::tool {
 
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 std::string reading_in_words(JointType type, double reading) {
   constexpr double kTooLongToSpell = 1e9;
   const bool turns = type == JointType::kRevolute;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/arm.hpp"
@@ -10,6 +11,9 @@
 #include "core/base/tool_accuracy.hpp"
 
 namespace armsig::tool {
+
+// `1 pose`, `3 poses`: `what` is one of them.
+[[nodiscard]] std::string counted(std::size_t count, std::string_view what);
 
 // A joint reading: `12.345°` or `123.45 mm`.
 [[nodiscard]] std::string reading_in_words(JointType type, double reading);
