@@ -9,6 +9,7 @@
 
 #include "core/calibration/standing_still.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
+#include "firmware/host_tool/refinement/weights_along.hpp"
 
 namespace armsig::tool {
 
@@ -22,6 +23,8 @@ namespace {
 constexpr double kWider = 25;
 // Of the scale of the residuals, where a row weighs a quarter.
 constexpr double kSofter = 4;
+// Summed at once: three rows of a matrix at a time leave a processor waiting.
+constexpr Eigen::Index kRowsABatch = 64;
 // Numbers for an unknown, from which on few rows do not look like play by chance.
 constexpr double kNumbersAnUnknown = 2;
 
@@ -36,8 +39,12 @@ Vector3 motion_beside(const FitStart& at, const ChainFrames& frames, std::size_t
 }  // namespace
 
 Beside::Beside(const CalibrationLog& log, std::vector<FitRow> rows, FitStart at,
-               const calibration::PlayBlock::Numbers& half) {
-  if (at.model.gravity.empty()) calibration::choose_gravity_terms(log.nominal, at.model);
+               const calibration::PlayBlock::Numbers& half, Asked asked) {
+  if (asked == Asked::kVertical) {
+    at.model.gravity.clear();
+  } else if (at.model.gravity.empty()) {
+    calibration::choose_gravity_terms(log.nominal, at.model);
+  }
   const std::size_t columns = Engine::columns(at.model, at.targets.size());
   if (columns > calibration::kMaxGeometry || rows.empty()) return;
   std::vector<ChainFrames> cache(rows.size());
@@ -52,7 +59,11 @@ Beside::Beside(const CalibrationLog& log, std::vector<FitRow> rows, FitStart at,
   for (std::size_t c = 0; c < columns; ++c) {
     prior_[static_cast<Eigen::Index>(c)] = 1 / (kWider * engine.prior_variance(c));
   }
+  weights_ = at.model;
+  weights_.gravity.clear();
+  at_up_0_ = at.model.up_0;
   choose_unknowns(log.nominal, rows);
+  if (asked == Asked::kVertical) choose_weights(log.nominal);
   std::vector<Columns> all;
   calibration::GeometryColumns J;
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -99,18 +110,46 @@ void Beside::choose_unknowns(const Arm& arm, const std::vector<FitRow>& rows) {
   }
 }
 
+// Those of a prismatic joint do not depend on the origin: one is enough.
+void Beside::choose_weights(const Arm& arm) {
+  std::erase_if(unknowns_, [](const Unknown& unknown) { return unknown.of != Of::kGain; });
+  const std::size_t n = arm.joints.size();
+  for (std::size_t j = 0; j < n; ++j) {
+    const bool turns = arm.joints[j].type == JointType::kRevolute;
+    for (std::size_t k = j + 1; k <= (turns ? n : j + 1); ++k) {
+      if (weights_.gravity.full()) return;
+      const auto joint = static_cast<std::uint8_t>(j);
+      weights_.gravity.push_back({joint, static_cast<std::uint8_t>(k), 0});
+      for (std::uint8_t axis = 0; axis < 3; ++axis) unknowns_.push_back({Of::kWeight, joint, axis});
+    }
+  }
+}
+
 void Beside::add_beside(const FitRow& row, const ChainFrames& frames, const FitStart& at,
-                        Columns& J) const {
+                        Columns& J) {
   const calibration::ModelTarget& target = at.targets[row.target];
   const Vector3 p_S = frames.X_SL * target.p_L;
+  const std::array<calibration::GravityLevers, 3> levers = levers_along_axes(frames.effective);
   Eigen::Index column = prior_.size();
+  std::size_t weight = 0;  // three unknowns each
   for (const Unknown& unknown : unknowns_) {
     const std::size_t j = unknown.joint;
     const Eigen::Index own = column++;
-    if (j >= target.link) continue;
-    J.col(own) =
-        factor_of(unknown.of, row, frames, j, unknown.from) * motion_beside(at, frames, j, p_S);
+    const double factor = unknown.of == Of::kWeight
+                              ? levers[unknown.from][weight++ / 3]
+                              : factor_of(unknown.of, row, frames, j, unknown.from);
+    if (j < target.link) J.col(own) = factor * motion_beside(at, frames, j, p_S);
   }
+}
+
+// Of all weights, with each axis of the base frame as the vertical.
+std::array<calibration::GravityLevers, 3> Beside::levers_along_axes(const JointVector& effective) {
+  std::array<calibration::GravityLevers, 3> levers{};
+  for (Eigen::Index axis = 0; axis < 3 && !weights_.gravity.empty(); ++axis) {
+    weights_.up_0 = Vector3::Unit(axis);
+    calibration::gravity_levers(weights_, effective, levers[static_cast<std::size_t>(axis)]);
+  }
+  return levers;
 }
 
 // What of the joint's motion an unknown of unit size is.
@@ -123,6 +162,7 @@ double Beside::factor_of(Of of, const FitRow& row, const ChainFrames& frames, st
       return -calibration::side_at(row, joint);
     case Of::kFirst:
       return (row.sided >> joint & 1U) == 0 ? -1 : 0;
+    case Of::kWeight:
     case Of::kCoupling:
       break;
   }
@@ -143,15 +183,20 @@ void Beside::sum(const std::vector<FitRow>& rows, const std::vector<Columns>& al
   const Eigen::Index size = prior_.size() + static_cast<Eigen::Index>(unknowns_.size());
   for (const double scale_m : {fine_m, coarse_m}) {
     Sums sums{.squares = Eigen::MatrixXd::Zero(size, size), .pull = Eigen::VectorXd::Zero(size)};
+    Eigen::MatrixXd batch = Eigen::MatrixXd::Zero(3 * kRowsABatch, size);
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const double share = lengths_m[k] / (kSofter * scale_m);
-      const double weight = 1 / ((1 + share * share) * (1 + share * share));
+      const double root = 1 / (1 + share * share);  // of the weight
       Columns J = all[k];
       if (rows[k].is_range()) J = rows[k].p_S * (rows[k].p_S.transpose() * J);
-      sums.squares.selfadjointView<Eigen::Lower>().rankUpdate(J.transpose(), weight);
-      sums.pull.noalias() += weight * (J.transpose() * rows[k].residual);
-      sums.residuals += weight * rows[k].residual.squaredNorm();
-      sums.numbers += weight * static_cast<double>(rows[k].scalars());
+      sums.pull.noalias() += root * root * (J.transpose() * rows[k].residual);
+      sums.residuals += root * root * rows[k].residual.squaredNorm();
+      sums.numbers += root * root * static_cast<double>(rows[k].scalars());
+      const auto place = static_cast<Eigen::Index>(k) % kRowsABatch;
+      batch.middleRows<3>(3 * place) = root * J;
+      if (place + 1 < kRowsABatch && k + 1 < rows.size()) continue;
+      const auto filled = batch.topRows(3 * (place + 1));
+      sums.squares.selfadjointView<Eigen::Lower>().rankUpdate(filled.transpose());
     }
     sums.squares.triangularView<Eigen::StrictlyUpper>() = sums.squares.transpose();
     sums_.push_back(std::move(sums));
@@ -169,23 +214,30 @@ Eigen::Index Beside::first_of(Of of) const {
 }
 
 // Of `count` columns from `first` on, the columns before `before` taken out.
-Beside::Worth Beside::worth(const Sums& sums, Eigen::Index first, Eigen::Index count,
-                            Eigen::Index before) const {
-  const double freedom = std::max(1.0, sums.numbers - static_cast<double>(before));
+Beside::Reduced Beside::reduced(const Sums& sums, Eigen::Index first, Eigen::Index count,
+                                Eigen::Index before) const {
+  Reduced reduced;
+  reduced.freedom = std::max(1.0, sums.numbers - static_cast<double>(before));
   Eigen::MatrixXd H = sums.squares.topLeftCorner(before, before);
-  const double variance = sums.residuals / freedom;
+  const double variance = sums.residuals / reduced.freedom;
   H.diagonal().head(prior_.size()) += variance * prior_;
   // What is beside the fit is not known beforehand: next to nothing holds it.
   H.diagonal().array() += 1e-12 * H.diagonal().mean();
   const Eigen::LDLT<Eigen::MatrixXd> factor(H);
   const Eigen::VectorXd pull = sums.pull.head(before);
   const Eigen::VectorXd step = factor.solve(pull);
-  const double left = std::max(sums.residuals - pull.dot(step), 1e-9 * sums.residuals);
+  reduced.left = std::max(sums.residuals - pull.dot(step), 1e-9 * sums.residuals);
   const Eigen::MatrixXd across = sums.squares.block(0, first, before, count);
-  Eigen::MatrixXd own =
+  reduced.own =
       sums.squares.block(first, first, count, count) - across.transpose() * factor.solve(across);
-  own.diagonal() += 1e-6 * sums.squares.diagonal().segment(first, count);
-  const Eigen::VectorXd score = sums.pull.segment(first, count) - across.transpose() * step;
+  reduced.own.diagonal() += 1e-6 * sums.squares.diagonal().segment(first, count);
+  reduced.score = sums.pull.segment(first, count) - across.transpose() * step;
+  return reduced;
+}
+
+Beside::Worth Beside::worth(const Sums& sums, Eigen::Index first, Eigen::Index count,
+                            Eigen::Index before) const {
+  const auto [own, score, left, freedom] = reduced(sums, first, count, before);
   const Eigen::LDLT<Eigen::MatrixXd> of_own(own);
   Worth worth;
   worth.size = of_own.solve(score);
@@ -251,6 +303,23 @@ std::vector<SuspectedPair> Beside::pairs() const {
   }
   std::ranges::sort(all, std::ranges::greater(), &SuspectedPair::nats);
   return all;
+}
+
+SuspectedVertical Beside::vertical() const {
+  SuspectedVertical best{.up_0 = at_up_0_};
+  if (!tells() || weights_.gravity.empty()) return best;
+  const Eigen::Index first = first_of(Of::kWeight);
+  const auto count = static_cast<Eigen::Index>(3 * weights_.gravity.size());
+  for (const Sums& sums : sums_) {
+    const auto [own, score, left, freedom] = reduced(sums, first, count, first);
+    WeightsAlong weights(own, score, left / freedom);
+    const double along_own = weights.gain(at_up_0_);
+    const auto [up_0, gain] = weights.best();
+    const double share = (left - std::min(gain, (1 - 1e-9) * left)) / (left - along_own);
+    const double nats = -0.5 * freedom * std::log(share) - std::log(freedom);
+    if (nats > best.nats) best = {up_0, nats, std::sqrt(share)};
+  }
+  return best;
 }
 
 }  // namespace armsig::tool

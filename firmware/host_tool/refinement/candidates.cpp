@@ -24,6 +24,10 @@ constexpr calibration::ModelParts kGeometryAlone{.gravity = false, .maps = false
 constexpr calibration::ModelParts kWithGravity{.gravity = true, .maps = false};
 constexpr calibration::ModelParts kWithMaps{.gravity = false, .maps = true};
 constexpr calibration::ModelParts kWholeModel{};
+// Of a vertical, beside the one that is known (a logarithm of likelihoods); and how often one is
+// looked for.
+constexpr double kWorthVertical = 12;
+constexpr int kLooksForVertical = 3;
 constexpr double kCertain = 5;  // sigmas of a joint's play
 constexpr calibration::ReadingTerms kGearsAlone{true, false, false};
 constexpr std::array<calibration::ReadingTerms, 4> kCorrections{
@@ -231,12 +235,13 @@ std::optional<Candidate> Candidates::bounded(const FitStart& bent, calibration::
   return std::nullopt;
 }
 
-std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
-  if (!geometry.left_out) return std::nullopt;
+std::optional<Candidate> Candidates::pulled_along(const Vector3& up_0, const Candidate& geometry,
+                                                  std::optional<Candidate> best) {
   FitStart bent = geometry.start;
+  bent.model.up_0 = up_0;
   calibration::choose_gravity_terms(log_.nominal, bent.model);
-  if (!fits_the_engine(bent)) return std::nullopt;
-  std::optional<Candidate> best;
+  if (!fits_the_engine(bent)) return best;
+  const bool bent_before = best.has_value();
   const auto consider = [&](const calibration::ModelParts& parts) {
     auto found = bounded(bent, parts, geometry.request);
     const bool better =
@@ -247,7 +252,22 @@ std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
   const bool bends = best.has_value();
   consider(kWholeModel);
   // Every arm bends a little: gravity that helps by itself, or does no harm, stays.
-  if (!bends) consider(kWithMaps);
+  if (!bends && !bent_before) consider(kWithMaps);
+  return best;
+}
+
+std::optional<Candidate> Candidates::deflected(const Candidate& geometry) {
+  if (!geometry.left_out) return std::nullopt;
+  auto best = pulled_along(geometry.start.model.up_0, geometry, std::nullopt);
+  // The second look is from a model that knows of it.
+  for (int look = 0; look < kLooksForVertical; ++look) {
+    const Candidate& known = best ? *best : geometry;
+    const SuspectedVertical found = beside(known, Beside::Asked::kVertical).vertical();
+    const Vector3 former = known.start.model.up_0;
+    if (found.nats < kWorthVertical || found.share > kWorthDeflections) break;
+    best = pulled_along(found.up_0, geometry, std::move(best));
+    if (!best || best->start.model.up_0 == former) break;
+  }
   if (best) deflect(*best);
   return best;
 }

@@ -67,7 +67,8 @@ class Candidates {
   [[nodiscard]] std::optional<Candidate> geared(const Candidate& plain, const Candidate& whole);
 
   // With gravity, with maps, or with both, whichever predicts poses left out best, if any does
-  // better. A joint whose map is no arm's goes without one.
+  // better. A joint whose map is no arm's goes without one. Gravity pulls as the arm description
+  // has it, or along the vertical that the rows show, where poses left out are predicted better so.
   [[nodiscard]] std::optional<Candidate> deflected(const Candidate& geometry);
 
   // The same as `plain` with the play of the joints, where a score test gives it `worth` (a
@@ -80,8 +81,9 @@ class Candidates {
   [[nodiscard]] std::optional<Candidate> fitted_as(const FitStart& start, const Candidate& like);
 
   // What other unknowns would explain beside it.
-  [[nodiscard]] Beside beside(const Candidate& found) const {
-    return {log_, fitting_.rows(), found.end, found.half};
+  [[nodiscard]] Beside beside(const Candidate& found,
+                              Beside::Asked asked = Beside::Asked::kPlayAndPairs) const {
+    return {log_, fitting_.rows(), found.end, found.half, asked};
   }
 
   // Whether the richest corrections take back rows that `plain` rejects.
@@ -99,6 +101,10 @@ class Candidates {
   [[nodiscard]] std::expected<void, Refusal> believable(const Candidate& found) const;
   [[nodiscard]] std::optional<Candidate> with_terms(const Candidate& plain,
                                                     const calibration::ReadingTerms& terms);
+  // The best of `best` and of those with gravity along `up_0`.
+  [[nodiscard]] std::optional<Candidate> pulled_along(const Vector3& up_0,
+                                                      const Candidate& geometry,
+                                                      std::optional<Candidate> best);
   [[nodiscard]] std::optional<Candidate> bounded(const FitStart& bent,
                                                  calibration::ModelParts parts,
                                                  const calibration::ParameterRequest& request);

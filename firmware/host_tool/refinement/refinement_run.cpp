@@ -22,6 +22,7 @@ constexpr double kContradictingShare = 0.5;
 constexpr std::size_t kFewestMixed = 6;
 // Radians or metres; zeros nearer to the drawing's are nothing to mention.
 constexpr double kNotableShift = 0.05;
+constexpr double kNotableVertical = 0.0175;  // rad
 // Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
 constexpr std::size_t kToTellNoise = 3;
 
@@ -51,6 +52,7 @@ class Run {
   void take_out_rejected(RefinementOutcome& outcome);
   void name_open(RefinementOutcome& outcome) const;
   void note_play(const calibration::HalfPlays& half_plays);
+  void note_vertical();
   [[nodiscard]] std::size_t unknowns() const;
   [[nodiscard]] std::optional<std::size_t> contradicting_mixed() const;
   [[nodiscard]] std::unexpected<Problem> refuse(const Refusal& refusal) const;
@@ -152,6 +154,18 @@ void Run::note_gears(const calibration::Refined& refined) {
   }
 }
 
+// A degree or less may be the base's, which stands as it was bolted down.
+void Run::note_vertical() {
+  if (!calibrated_.deflections || calibrated_.deflections->gravity.empty()) return;
+  const Vector3& up_0 = calibrated_.deflections->up_0;
+  const double off = std::atan2(up_0.cross(nominal_.up_0).norm(), up_0.dot(nominal_.up_0));
+  if (off < kNotableVertical) return;
+  notes_.push_back(fmt::format(
+      "gravity pulls {:.1f}° from where the arm description has it; write there \"mounted: "
+      "{{gravity: [{:.3f}, {:.3f}, {:.3f}]}}\"",
+      degrees(off), -up_0.x(), -up_0.y(), -up_0.z()));
+}
+
 void Run::note_play(const calibration::HalfPlays& half_plays) {
   for (std::size_t j = 0; j < half_plays.size(); ++j) {
     if (!is_certain(half_plays[j])) continue;
@@ -205,6 +219,7 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
   note_zeros(calibrated_.zero_shifts);
   note_gears(*calibrated_.refined);
   note_play(calibrated_.half_plays);
+  note_vertical();
   if (start) return mixed_agree();
   nominal_rms_m_ = calibrated_.nominal_rms_m;
   return {};
