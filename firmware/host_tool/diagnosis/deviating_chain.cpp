@@ -38,13 +38,17 @@ JointVector middle_readings(const Evidence& evidence) {
 }  // namespace
 
 Pose DeviatingChain::Link::drawn_part(double reading) const {
-  return link_transform(drawn, reading + deviation[6]);
+  const bool revolute = drawn.type == JointType::kRevolute;
+  const double motion = reading + deviation[6];
+  const Matrix3 R_z = rotation_z(drawn.theta_rad + (revolute ? motion : 0));
+  const Vector3 p(drawn.a_m, 0, drawn.d_m + (revolute ? 0 : motion));
+  return {.R = R_z * R_x, .p = R_z * p};
 }
 
-Pose DeviatingChain::Link::deviating_part() const {
+void DeviatingChain::Link::deviate() {
   const Pose local = turned(deviation.head<3>(), deviation.segment<3>(3));
   const Pose about{.R = local.R, .p = centre_L + local.p - local.R * centre_L};
-  return Pose{.R = rotation_x(deviation[7]), .p = Vector3::Zero()} * about;
+  deviating = Pose{.R = rotation_x(deviation[7]), .p = Vector3::Zero()} * about;
 }
 
 DeviatingChain::DeviatingChain(const Evidence& evidence, const ArmLimits& limits)
@@ -83,6 +87,7 @@ void DeviatingChain::add_links(const Arm& arm, const JointVector& middle) {
     // Along its own axis a revolute joint is where the next axes put it: a chain of common normals.
     reach_m_ += (at_B - before_B).norm();
     link.centre_L = frames[k].inverse() * at_B;
+    link.R_x = rotation_x(link.drawn.alpha_rad);
     links_.push_back(link);
   }
 }
@@ -134,7 +139,7 @@ DeviatingChain::Placed DeviatingChain::placed(const JointVector& effective,
   placed.full[0] = placed.drawn[0] = Pose{};
   for (std::size_t k = 1; k <= last; ++k) {
     placed.drawn[k] = placed.full[k - 1] * links_[k - 1].drawn_part(effective[k - 1]);
-    placed.full[k] = k < last ? placed.drawn[k] * links_[k - 1].deviating_part() : placed.drawn[k];
+    placed.full[k] = k < last ? placed.drawn[k] * links_[k - 1].deviating : placed.drawn[k];
   }
   return placed;
 }
@@ -214,19 +219,34 @@ Vector3 DeviatingChain::turn_derivative(const Placed& at, std::size_t last, cons
   return derivative;
 }
 
+// The lower half.
+void DeviatingChain::sum_rows(const Evidence& evidence, const std::vector<Vector3>& residuals,
+                              const std::vector<double>& weights, Normal& normal) const {
+  Eigen::Matrix3Xd J(3, normal.g.size());
+  Eigen::MatrixXd batch(normal.g.size(), 3 * kRowsABatch);
+  Eigen::Index filled = 0;
+  const auto add_batch = [&] {
+    normal.H.selfadjointView<Eigen::Lower>().rankUpdate(batch.leftCols(filled));
+    filled = 0;
+  };
+  for (std::size_t k = 0; k < evidence.rows.size(); ++k) {
+    if (weights[k] <= 0) continue;
+    derivatives(evidence.rows[k], J);
+    if (!free_scale_) J.col(kScale).setZero();
+    batch.middleCols<3>(filled) = std::sqrt(weights[k]) * J.transpose();
+    normal.g.noalias() += weights[k] * (J.transpose() * residuals[k]);
+    filled += 3;
+    if (filled == batch.cols()) add_batch();
+  }
+  if (filled > 0) add_batch();
+}
+
 DeviatingChain::Normal DeviatingChain::normal(const Evidence& evidence,
                                               const std::vector<Vector3>& residuals,
                                               const std::vector<double>& weights) const {
   const Eigen::Index size = target_column(targets_.size());
   Normal normal{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
-  Eigen::Matrix3Xd J(3, size);
-  for (std::size_t k = 0; k < evidence.rows.size(); ++k) {
-    if (weights[k] <= 0) continue;
-    derivatives(evidence.rows[k], J);
-    if (!free_scale_) J.col(kScale).setZero();
-    normal.H.selfadjointView<Eigen::Lower>().rankUpdate(J.transpose(), weights[k]);
-    normal.g.noalias() += weights[k] * (J.transpose() * residuals[k]);
-  }
+  sum_rows(evidence, residuals, weights, normal);
   normal.H.triangularView<Eigen::StrictlyUpper>() = normal.H.transpose();
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const Link& link = links_[k];
@@ -269,6 +289,7 @@ void DeviatingChain::move(const Eigen::VectorXd& x) {
   log_turn_ += x[kTurn];
   for (std::size_t k = 0; k < links_.size(); ++k) {
     links_[k].deviation += x.segment<kOfLink>(link_column(k));
+    links_[k].deviate();
   }
   for (std::size_t t = 0; t < targets_.size(); ++t) p_LT_[t] += x.segment<3>(target_column(t));
 }

@@ -82,13 +82,16 @@ class DeviatingChain {
   struct Link {
     DhJoint drawn;
     Vector3 centre_L = Vector3::Zero();  // about which it deviates, in its own frame
-    Vector3 next_axis_L = Vector3::UnitZ();
     bool next_is_revolute = false;
     Eigen::Matrix<double, kOfLink, 1> deviation = Eigen::Matrix<double, kOfLink, 1>::Zero();
     Eigen::Matrix<double, kOfLink, 1> inverse_sigma = Eigen::Matrix<double, kOfLink, 1>::Zero();
 
+    // What no reading changes.
+    Matrix3 R_x = Matrix3::Identity();  // of the drawn twist
+    Pose deviating{};
+
     [[nodiscard]] Pose drawn_part(double reading) const;
-    [[nodiscard]] Pose deviating_part() const;
+    void deviate();  // sets `deviating` by the deviation
   };
   struct Placed {
     std::array<Pose, kMaxFrames> drawn;  // X_B of each link before its own deviation
@@ -115,6 +118,8 @@ class DeviatingChain {
   }
   [[nodiscard]] std::size_t target_of(int number) const;
   [[nodiscard]] Placed placed(const JointVector& effective, std::size_t last) const;
+  void sum_rows(const Evidence& evidence, const std::vector<Vector3>& residuals,
+                const std::vector<double>& weights, Normal& normal) const;
   void derivatives(const EvidenceRow& row, std::size_t target, Eigen::Matrix3Xd& J) const;
   void link_derivatives(const Placed& at, std::size_t last, const Seen& seen,
                         Eigen::Matrix3Xd& J) const;

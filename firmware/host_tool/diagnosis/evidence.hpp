@@ -19,6 +19,9 @@ inline constexpr double kGoldenShare = 0.6180339887498949;
 // Rows that miss by less were computed, not measured: what is left of them is rounding and the
 // curvature of what was linearised, and accuses nothing.
 inline constexpr double kComputed_m = 1e-6;
+// Rows whose squares are summed at once: three rows of a matrix at a time leave a processor
+// waiting.
+inline constexpr int kRowsABatch = 64;
 
 // 1 sigma per axis of errors in space of these lengths, by their median. Precondition: not empty.
 [[nodiscard]] double sigma_by_median(std::vector<double> lengths);

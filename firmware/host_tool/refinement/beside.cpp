@@ -23,8 +23,6 @@ namespace {
 constexpr double kWider = 25;
 // Of the scale of the residuals, where a row weighs a quarter.
 constexpr double kSofter = 4;
-// Summed at once: three rows of a matrix at a time leave a processor waiting.
-constexpr Eigen::Index kRowsABatch = 64;
 // Numbers for an unknown, from which on few rows do not look like play by chance.
 constexpr double kNumbersAnUnknown = 2;
 
