@@ -76,6 +76,29 @@ std::optional<std::size_t> first_unprintable(std::string_view text) {
 
 std::string shown(std::string_view text) { return with_escapes(text, false); }
 
+std::string markup_text(std::string_view text) {
+  std::string markup;
+  for (const char c : shown(text)) {
+    switch (c) {
+      case '&':
+        markup += "&amp;";
+        break;
+      case '<':
+        markup += "&lt;";
+        break;
+      case '>':
+        markup += "&gt;";
+        break;
+      case '"':
+        markup += "&quot;";
+        break;
+      default:
+        markup += c;
+    }
+  }
+  return markup;
+}
+
 std::string shown_lines(std::string_view text) { return with_escapes(text, true); }
 
 std::optional<std::string> why_no_name(std::string_view text) {

@@ -33,7 +33,11 @@ struct Character {
 // for what else is not printable. The same text where all of it is printable.
 [[nodiscard]] std::string shown(std::string_view text);
 
-// The same, line feeds kept.
+// The same as text or as the value of an attribute of XML. (XML 1.0 has no way to write most
+// control characters.)
+[[nodiscard]] std::string markup_text(std::string_view text);
+
+// shown(), line feeds kept.
 [[nodiscard]] std::string shown_lines(std::string_view text);
 
 // Names, serial numbers and versions are at most this long: formats that others read line by line

@@ -19,12 +19,13 @@
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/programs/correct_poses.hpp"
 #include "firmware/host_tool/programs/correct_program.hpp"
+#include "firmware/host_tool/programs/program_picture.hpp"
 
 namespace armsig::tool {
 namespace {
 
 struct CompensateOptions : CommonOptions {
-  std::string signature, poses, into, model, seed, base, flange, language, out;
+  std::string signature, poses, into, model, seed, base, flange, language, picture, out;
   std::vector<std::string> tools, frames;
   double most_mm = 20;
   bool check = false;
@@ -238,6 +239,14 @@ Read<const Language*> language_for(const CompensateOptions& options) {
                                  "--language, or a file of " + any_of(known)});
 }
 
+Read<void> draw(const CompensateOptions& options, const Checked& checked) {
+  if (options.picture.empty() || checked.before.arrivals.empty()) return {};
+  const bool corrected = !checked.after.arrivals.empty();
+  return write_text_file(options.picture,
+                         program_picture({checked.before, corrected ? &checked.after : nullptr},
+                                         "Where the tool goes: " + options.into));
+}
+
 Attempt<ExitStatus> check_alone(const CompensateOptions& options, const std::string& text,
                                 const Language& language, const ControllerView& view) {
   const Checked checked{arrivals_of(text, language, view), {}};
@@ -248,6 +257,7 @@ Attempt<ExitStatus> check_alone(const CompensateOptions& options, const std::str
         {options.into, 0, 0, "it has no target that both models reach", "a program with targets"});
   }
   warn_each(options.into, left);
+  if (auto drawn = draw(options, checked); !drawn) return std::unexpected(std::move(drawn).error());
   if (options.json) {
     nlohmann::ordered_json json{{"status", 0}, {"into", options.into}};
     json.update(json_of(checked, false));
@@ -281,6 +291,7 @@ void print_program(const CompensateOptions& options, const CorrectedProgram& pro
   if (options.check) print_check(checked, true);
   print_summary(summary, program.left.size(), "target");
   say("Everything else in the program is as it was. Written: {}\n", file_in_words(options.out));
+  if (!options.picture.empty()) say("Picture: {}\n", file_in_words(options.picture));
 }
 
 Attempt<ExitStatus> run_program(const CompensateOptions& options, const ControllerView& view) {
@@ -296,12 +307,13 @@ Attempt<ExitStatus> run_program(const CompensateOptions& options, const Controll
                       "a program with targets that both models reach"});
   }
   Checked checked;
-  if (options.check) {
+  if (options.check || !options.picture.empty()) {
     checked = {arrivals_of(text, *language, view), arrivals_of(program.text, *language, view)};
   }
   if (auto written = write_text_file(options.out, program.text); !written) {
     return std::unexpected(std::move(written).error());
   }
+  if (auto drawn = draw(options, checked); !drawn) return std::unexpected(std::move(drawn).error());
   print_program(options, program, checked, summary);
   return kDone;
 }
@@ -362,14 +374,15 @@ Attempt<ExitStatus> check_joints(const CompensateOptions& options, const Signatu
                                          : "six revolute joints, which these languages move"});
 }
 
-// With --check alone no file is written.
+// With --check alone no program is written.
 Read<void> check_files(const CompensateOptions& options) {
-  if (options.out.empty()) return {};
-  return check_roles({{"--signature", options.signature},
-                      {"--poses", options.poses},
-                      {"--into", options.into},
-                      {"--seed", options.seed}},
-                     {{"--out", options.out}});
+  const std::initializer_list<FileRole> read = {{"--signature", options.signature},
+                                                {"--poses", options.poses},
+                                                {"--into", options.into},
+                                                {"--seed", options.seed}};
+  const FileRole picture{"--picture", options.picture};
+  if (options.out.empty()) return check_roles(read, {picture});
+  return check_roles(read, {{"--out", options.out}, picture});
 }
 
 Attempt<ExitStatus> run(const CompensateOptions& options) {
@@ -440,6 +453,10 @@ void add_compensate(CLI::App& app, int& status) {
   command
       ->add_flag("--check", options->check,
                  "run the program through both models: where the tool goes")
+      ->needs(into);
+  command
+      ->add_option("--picture", options->picture,
+                   "picture of the program before and after, to be written (SVG)")
       ->needs(into);
   CLI::Option* out = command->add_option("-o,--out", options->out, "file to write");
   add_common(*command, *options);

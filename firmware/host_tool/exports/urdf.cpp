@@ -16,30 +16,6 @@
 namespace armsig::tool {
 namespace {
 
-// As the value of an attribute. XML 1.0 has no way to write most control characters.
-std::string escaped(std::string_view text) {
-  std::string xml;
-  for (const char c : shown(text)) {
-    switch (c) {
-      case '&':
-        xml += "&amp;";
-        break;
-      case '<':
-        xml += "&lt;";
-        break;
-      case '>':
-        xml += "&gt;";
-        break;
-      case '"':
-        xml += "&quot;";
-        break;
-      default:
-        xml += c;
-    }
-  }
-  return xml;
-}
-
 std::string origin(const Pose& X) { return "    " + origin_element(X) + "\n"; }
 
 std::string link(const std::string& name) { return fmt::format("  <link name=\"{}\"/>\n", name); }
@@ -108,7 +84,7 @@ MovingJoint coupled_share(const SignatureRecord& record, const JointCoupling& co
           .X_PJ = Pose{},
           .limits = {lower, upper},
           .mimic = fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\" offset=\"0\"/>\n",
-                               escaped(followed), number_text(coupling.ratio))};
+                               markup_text(followed), number_text(coupling.ratio))};
 }
 
 // From base_link to the link of the last joint.
@@ -126,7 +102,7 @@ std::string joints_text(const SignatureRecord& record, const JointFrames& frames
       text += moving(share);
     }
     const std::string child = fmt::format("link_{}", i + 1);
-    text += moving({escaped(names[i]), parent, child, record.signature.types[i], X_PJ,
+    text += moving({markup_text(names[i]), parent, child, record.signature.types[i], X_PJ,
                     record.nominal.limits[i], ""});
     parent = child;
   }
@@ -145,7 +121,7 @@ Read<std::string> urdf_text(const SignatureRecord& record) {
                   "frame of reference.\n"
                   "The signature knows no efforts and speeds: effort and velocity are 0 "
                   "until you set them.\n") +
-      "\n" + fmt::format("<robot name=\"{}\">\n", escaped(record.arm_name)) + link("sensor") +
+      "\n" + fmt::format("<robot name=\"{}\">\n", markup_text(record.arm_name)) + link("sensor") +
       fixed("sensor_to_base", "sensor", "base_link", frames.X_SB);
   text += joints_text(record, frames);
   const std::string last = fmt::format("link_{}", signature.joint_count());
