@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `check` as a user meets it: whether an arm is still the one that its signature says.
 #include <cmath>
+#include <filesystem>
 
 #include <nlohmann/json.hpp>
 
@@ -224,6 +225,27 @@ TEST(Check, takes_ranges_in_the_air_that_they_were_measured_in) {
   const Outcome without = run_tool(folder, check);
   EXPECT_EQ(without.status, 2);
   EXPECT_NE(without.err.find("--sensor"), std::string::npos) << without.err;
+}
+
+// Joints that stood still at the identification turn in these poses, by a program that shares no
+// code with armsig.
+TEST(Check, blames_no_sensor_for_poses_beyond_what_was_measured) {
+  const std::string data = std::string(ARMSIG_SHARED_DATA) + "/";
+  if (!std::filesystem::exists(data + "cases/sag")) GTEST_SKIP() << "no measured data: shared data";
+  const Folder folder;
+  const Outcome found =
+      run_tool(folder, "identify --arm " + data + "cases/check/iiwa7.yaml " + "--measurements " +
+                           data + "cases/sag/sag.csv " + "--out s.yaml");
+  ASSERT_EQ(found.status, 0) << found.err;
+  const std::string check =
+      "check --signature s.yaml --measurements " + data + "cases/sag/sag_test.csv ";
+  const Outcome words = run_tool(folder, check);
+  EXPECT_EQ(words.status, 1);
+  EXPECT_NE(words.out.find("beyond what was measured"), std::string::npos) << words.out;
+  EXPECT_NE(words.out.find("joint 3 reads"), std::string::npos) << words.out;
+  EXPECT_EQ(words.out.find("noise"), std::string::npos) << words.out;
+  const json result = json::parse(run_tool(folder, check + "--json").out);
+  EXPECT_EQ(result["verdict"], "unmeasured-readings");
 }
 
 }  // namespace

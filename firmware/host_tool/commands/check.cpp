@@ -170,6 +170,7 @@ Attempt<ExitStatus> run(const CheckOptions& options) {
   Checked checked{.report = *report,
                   .place = judgement.place,
                   .since = {},
+                  .unmeasured = {},
                   .nominal = nominal_residuals(drawing, log.observations(), log.positions(),
                                                {signature.targets.data(), signature.targets.size()},
                                                receivers, outcomes),
@@ -180,6 +181,9 @@ Attempt<ExitStatus> run(const CheckOptions& options) {
                   .origin_stated = read.match.stated};
   const bool healthy = report->verdict == drift::DriftVerdict::kConsistent && !judgement.place;
   if (!healthy) look_for_causes(*estimate, judgement, outcomes, checked);
+  if (checked.report.verdict == drift::DriftVerdict::kSensorWorse) {
+    checked.unmeasured = unmeasured_joints(record.deflections.get(), log.observations());
+  }
   const ExitStatus status = healthy ? kDone : kNoAnswer;
   if (options.json) {
     print_json(json_of(checked, signature, status));

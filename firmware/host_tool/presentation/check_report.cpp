@@ -50,6 +50,10 @@ std::string next_step(const Checked& checked) {
       if (!checked.disbelieved.empty()) return "look after the receiver named";
       return "nothing; check again after a collision, a repair, or a season";
     case drift::DriftVerdict::kSensorWorse:
+      if (!checked.unmeasured.empty()) {
+        return "identify anew, with the rows of both files; or check with poses between the "
+               "readings that were measured";
+      }
       if (checked.report.noise_factor > kNoNoise) {
         return "look at the units and columns of the measurements, and whose arm they are of";
       }
@@ -62,7 +66,9 @@ std::string next_step(const Checked& checked) {
 }
 
 void print_verdict(const Checked& checked, const std::string& measurements) {
-  const auto verdict = drift::describe(checked.report.verdict);
+  const std::string_view verdict = checked.unmeasured.empty()
+                                       ? drift::describe(checked.report.verdict)
+                                       : "beyond what was measured";
   if (checked.place) {
     say("{}: measured from another place: {:.1f} mm, {:.2f}°; from there {}\n\n", measurements,
         1e3 * checked.place->shift_m, degrees(checked.place->turn_rad), verdict);
@@ -87,6 +93,11 @@ void print_cause(const Checked& checked, const Signature& signature) {
     say("  most likely {}\n", what_moved(report, joints));
   }
   if (report.verdict != drift::DriftVerdict::kSensorWorse) return;
+  if (!checked.unmeasured.empty()) {
+    for (const UnmeasuredJoint& one : checked.unmeasured) say("{}", paragraph(in_words(one)));
+    say("  what gravity and the joints do there was never measured\n");
+    return;
+  }
   if (report.noise_factor > kNoNoise) {
     say("  the rows miss by {:.0f} times the noise stated, as no sensor does: they\n"
         "  are not of this arm and tool, or\n"
@@ -154,7 +165,9 @@ nlohmann::ordered_json json_of(const Checked& checked, const Signature& signatur
   const drift::DriftReport& report = checked.report;
   nlohmann::ordered_json json{
       {"status", status},
-      {"verdict", checked.place ? "another-place" : verdict_word(report.verdict)},
+      {"verdict", checked.place                ? "another-place"
+                  : checked.unmeasured.empty() ? verdict_word(report.verdict)
+                                               : "unmeasured-readings"},
       {"link", report.link},
       {"noise_factor", report.noise_factor},
       {"chi_square", report.chi_square},
@@ -173,6 +186,10 @@ nlohmann::ordered_json json_of(const Checked& checked, const Signature& signatur
     json["receivers_rejected"].push_back({{"receiver", receiver.number},
                                           {"rejected", receiver.rejected},
                                           {"ranges", receiver.ranges}});
+  }
+  json["unmeasured_joints"] = nlohmann::ordered_json::array();
+  for (const UnmeasuredJoint& one : checked.unmeasured) {
+    json["unmeasured_joints"].push_back(one.joint + 1);
   }
   if (checked.since) {
     json["since_then"] = in_words(*checked.since, signature);

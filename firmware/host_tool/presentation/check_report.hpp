@@ -12,6 +12,7 @@
 #include "core/drift/check_drift.hpp"
 #include "firmware/host_tool/diagnosis/place.hpp"
 #include "firmware/host_tool/diagnosis/since_then.hpp"
+#include "firmware/host_tool/diagnosis/unmeasured.hpp"
 #include "firmware/host_tool/identification/nominal_fit.hpp"
 #include "firmware/host_tool/reading/measurement_log.hpp"
 
@@ -21,6 +22,8 @@ struct Checked {
   drift::DriftReport report;       // with the sensor where `place` puts it
   std::optional<Place> place;      // where that is another one than at the identification
   std::optional<SinceThen> since;  // what has happened to the arm since it was identified
+  // Where only worse noise would explain the rows: joints of which the signature knows nothing.
+  std::vector<UnmeasuredJoint> unmeasured;
   std::optional<ResidualSummary> nominal;
   std::vector<std::size_t> rejected_lines;
   std::vector<DisbelievedReceiver> disbelieved;
