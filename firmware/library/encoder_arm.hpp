@@ -43,8 +43,9 @@ class EncoderArm {
   [[nodiscard]] Result<FoundReadings> inverse(const Pose& X_BF, const JointVector& seed,
                                               const Vector3& p_FT = Vector3::Zero()) const;
 
-  // All readings that do, those nearest to `reference` first (empty: the middle of the limits), as
-  // kinematics::cold_start() finds them. Errors: its errors.
+  // All readings that do, those inside the limits first, those nearest to `reference` first (empty:
+  // the middle of the limits), as kinematics::cold_start() finds them. Revolute joints are turned
+  // into their limits by whole turns where they can be. Errors: those of cold_start().
   using All = FixedVector<FoundReadings, kinematics::kMaxSolutions>;
   [[nodiscard]] Result<All> solutions(const Pose& X_BF, const JointVector& reference = {},
                                       const Vector3& p_FT = Vector3::Zero()) const;
@@ -55,9 +56,20 @@ class EncoderArm {
  private:
   [[nodiscard]] Pose last_frame(const Pose& X_BF) const;
   [[nodiscard]] kinematics::InverseOptions options(const Vector3& p_FT) const;
-  [[nodiscard]] FoundReadings found(const kinematics::InverseSolution& solution) const;
+  [[nodiscard]] FoundReadings judged(const kinematics::InverseSolution& solution, const Pose& X_0n,
+                                     const kinematics::InverseOptions& options) const;
+  [[nodiscard]] FoundReadings found(const kinematics::InverseSolution& solution, const Pose& X_0n,
+                                    const kinematics::InverseOptions& options) const;
+  [[nodiscard]] JointVector deflections_at(const JointVector& readings) const;
+  [[nodiscard]] JointVector readings_of(JointVector turned) const;
+  [[nodiscard]] double whole_turns_inside(std::size_t joint, double reading) const;
+  [[nodiscard]] double beyond_limits(const JointVector& readings) const;
+  [[nodiscard]] double most_deflection() const;
 
   Parts parts_;
+  // With limits beyond those of the encoders by what the joints deflect: no solution is left out
+  // that the encoders allow.
+  kinematics::Chain wide_;
   kinematics::ClosedForm form_;
   Pose X_0B_;
   Pose X_Fn_;

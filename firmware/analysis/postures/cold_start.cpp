@@ -29,6 +29,8 @@ constexpr int kMostStarts = 400;
 constexpr double kClearOfFolds = 0.03;  // regularity
 constexpr int kIterationsPerStart = 50;
 
+// Passes of a descent that is tried where none of the usual length led anywhere.
+constexpr int kPatience = 4000;
 // How far on both sides of a fold its other solution is looked for, in the joint that moves most.
 constexpr std::array<double, 8> kBeside{0.02, -0.02, 0.1, -0.1, 0.4, -0.4, 1.2, -1.2};
 // A reading beyond its limit by no more than this is at the limit [rad or m].
@@ -93,12 +95,21 @@ class Collector {
     }
   }
 
+  // Each revolute joint by the whole turns that bring it inside its limits, and to the reference.
+  [[nodiscard]] JointVector turned(JointVector q) const {
+    for (std::size_t i = 0; i < chain_.joint_count; ++i) {
+      const JointLimits* limits = chain_.limits.empty() ? nullptr : &chain_.limits[i];
+      if (chain_.revolute[i]) q[i] = best_turn(q[i], reference_[i], limits);
+    }
+    return q;
+  }
+
   void add(InverseSolution solution) {
     if (solution.verdict != Verdict::kConverged && solution.verdict != Verdict::kDegraded) return;
+    solution.q = turned(solution.q);
     for (std::size_t i = 0; i < chain_.joint_count; ++i) {
       const JointLimits* limits = chain_.limits.empty() ? nullptr : &chain_.limits[i];
       double& reading = solution.q[i];
-      if (chain_.revolute[i]) reading = best_turn(reading, reference_[i], limits);
       if (limits == nullptr) continue;
       const double nearest = std::clamp(reading, limits->lower, limits->upper);
       if (std::abs(reading - nearest) > kAtLimit) {
@@ -133,6 +144,11 @@ class Collector {
     return found_[k].solution;
   }
   [[nodiscard]] bool empty() const { return found_.empty(); }
+  [[nodiscard]] bool has_one_inside() const {
+    return std::ranges::any_of(found_, [](const NamedSolution& named) {
+      return named.solution.verdict != Verdict::kJointLimit;
+    });
+  }
   // In order.
   [[nodiscard]] const Solutions& sorted() {
     double nearest = std::numeric_limits<double>::infinity();
@@ -214,8 +230,12 @@ class ColdStart {
     ARMSIG_TRY(complete, from_closed_form());
     if (complete) return collector_.sorted();
     if (can_search_postures(chain_)) {
-      for (const JointVector& start : search_postures(chain_, X_0n_)) {
+      const PostureStarts starts = search_postures(chain_, X_0n_);
+      for (const JointVector& start : starts) {
         if (const auto led = from(start, anywhere_); !led) return std::unexpected(led.error());
+      }
+      if (collector_.empty()) {
+        if (const auto led = from_patiently(starts); !led) return std::unexpected(led.error());
       }
       if (const auto led = from_beside(); !led) return std::unexpected(led.error());
     } else if (const auto led = from_fixed_starts(); !led) {
@@ -243,6 +263,17 @@ class ColdStart {
       complete = complete && (!start.near_fold || settled(form_, solution, posture));
     }
     return complete;
+  }
+
+  // Where two folds meet, a stretched elbow and a straight wrist for instance, the descent still
+  // converges, by a digit in some hundred passes.
+  Result<void> from_patiently(const PostureStarts& starts) {
+    InverseOptions patient = anywhere_;
+    patient.max_iterations = std::max(patient.max_iterations, kPatience);
+    for (const JointVector& start : starts) {
+      if (const auto led = from(start, patient); !led) return std::unexpected(led.error());
+    }
+    return {};
   }
 
   // Two solutions that have nearly met in a fold lie on both sides of it; one that can move without
@@ -277,6 +308,19 @@ class ColdStart {
     for (int k = 0; k < kMostStarts; ++k) {
       if (k >= kFewestStarts && !collector_.empty()) break;
       if (const auto led = from(fixed_start(chain_, k), inside); !led) {
+        return std::unexpected(led.error());
+      }
+    }
+    return chain_.joint_count > 6 ? from_outside(inside) : Result<void>();
+  }
+
+  // At their limits joints stop a descent that would find its way without them. The pose is met
+  // first; then those that can move without the tip bring each other inside.
+  Result<void> from_outside(const InverseOptions& inside) {
+    for (int k = 0; k < kMostStarts && !collector_.has_one_inside(); ++k) {
+      ARMSIG_TRY(met, inverse(chain_, X_0n_, fixed_start(chain_, k), anywhere_));
+      if (met.verdict != Verdict::kConverged && met.verdict != Verdict::kDegraded) continue;
+      if (const auto led = from(collector_.turned(met.q), inside); !led) {
         return std::unexpected(led.error());
       }
     }
