@@ -37,10 +37,7 @@ class ProgramRun {
     placed.X_FT = controller_.X_nE * target.X_FT;
     const EncoderArm& arm = controller_.compensation->nominal();
     if (target.joints) {
-      placed.nominal.resize(target.values.size());
-      for (std::size_t i = 0; i < target.values.size(); ++i) {
-        placed.nominal[i] = language_.writing.radians * target.values[i];
-      }
+      placed.nominal = readings_of(target.values);
       const auto X_BF = arm.forward(placed.nominal);
       if (!X_BF) return std::unexpected(std::string(describe(X_BF.error())));
       placed.X_BF = *X_BF;
@@ -50,7 +47,8 @@ class ProgramRun {
       placed.X_BF = controller_.X_0C * target.X_BW * *X_WT * placed.X_FT.inverse();
       ProgramTarget of_nominal = target;
       of_nominal.X_FT = placed.X_FT;
-      Chosen chosen = chosen_readings(controller_, language_, of_nominal, placed.X_BF, before_);
+      const JointVector before = target.near.empty() ? before_ : readings_of(target.near);
+      Chosen chosen = chosen_readings(controller_, language_, of_nominal, placed.X_BF, before);
       if (!chosen.readings) return std::unexpected(std::move(chosen.why_not));
       placed.nominal = *chosen.readings;
     }
@@ -59,6 +57,14 @@ class ProgramRun {
   }
 
  private:
+  [[nodiscard]] JointVector readings_of(const std::vector<double>& values) const {
+    JointVector readings(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      readings[i] = language_.writing.radians * values[i];
+    }
+    return readings;
+  }
+
   const Language& language_;
   const ControllerView& controller_;
   JointVector before_;

@@ -27,8 +27,9 @@ class FanucReader {
   Program read() {
     const std::size_t positions = std::min(text_.find("\n/POS"), text_.size());
     find_positions(positions);
-    ProgramScanner scanner(std::string_view(text_).substr(0, positions));
-    while (scanner.next_word()) take_motion(scanner, positions);
+    const std::vector<Bytes> motions = motions_before(positions);
+    for (const Bytes& motion : motions) find_increments(motion);
+    for (const Bytes& motion : motions) take_motion(motion);
     for (auto& [number, position] : positions_) {
       if (!position.used) leave(position.at, name_of(number) + ": no motion here goes to it");
     }
@@ -40,13 +41,26 @@ class FanucReader {
     std::size_t at = 0;
     Bytes body;
     bool used = false;
+    bool incremental = false;  // a motion goes by it, not to it
   };
 
+  // Without quoted text, remarks ("  3:  !Remark ;", "  4:  //J P[1] ... ;") and the names of
+  // positions ("P[1:HOME]"). The semicolon at the end of a line stays.
   static std::string without_quotes(std::string_view text) {
     std::string plain = without_comments(text, {.to_end_of_line = '\0'});
-    // Remarks are whole lines: "  3:  !Remark ;".
-    for (std::size_t at = plain.find('!'); at != std::string::npos; at = plain.find('!', at + 1)) {
-      for (std::size_t k = at; k < plain.size() && plain[k] != '\n'; ++k) plain[k] = ' ';
+    std::size_t begin = 0;
+    while (begin < plain.size()) {
+      const std::size_t end = std::min(plain.find('\n', begin), plain.size());
+      std::size_t last = trimmed_bytes(plain, {begin, end}).end;
+      if (last > begin && plain[last - 1] == ';') --last;
+      const std::size_t remark =
+          std::min(plain.find('!', begin), std::min(plain.find("//", begin), last));
+      for (std::size_t k = remark; k < last; ++k) plain[k] = ' ';
+      for (std::size_t at = plain.find('[', begin); at < last; at = plain.find('[', at + 1)) {
+        const std::size_t close = std::min(plain.find(']', at), last);
+        for (std::size_t k = plain.find(':', at); k < close; ++k) plain[k] = ' ';
+      }
+      begin = end + 1;
     }
     return plain;
   }
@@ -76,38 +90,85 @@ class FanucReader {
     }
   }
 
-  // J P[1] 100% FINE, also P[2] of an arc, on the line after.
-  void take_motion(ProgramScanner& scanner, std::size_t end) {
-    const std::size_t at = scanner.at();
-    const std::string_view word = scanner.word();
-    const bool move = word == "J" || word == "L" || word == "C" || word == "A";
-    const std::size_t behind = scanner.at();
-    if (word == "P") {
-      go_to(scanner, at, end);
-    } else if (move && scanner.word() == "PR") {
-      const auto number = position_number(scanner);
-      leave(at, fmt::format("PR[{}]: it is a register", number.value_or(0)));
+  // "J P[1] 100% FINE", also with P[2] of an arc, on a line of its own: from the letter on.
+  [[nodiscard]] std::vector<Bytes> motions_before(std::size_t end) const {
+    std::vector<Bytes> motions;
+    const std::string_view program = std::string_view(text_).substr(0, end);
+    ProgramScanner scanner(program);
+    while (scanner.next_word()) {
+      const std::size_t at = scanner.at();
+      const std::string_view word = scanner.word();
+      const std::size_t behind = scanner.at();
+      if (word.size() == 1 && std::string_view("JLCAS").contains(word[0])) {
+        const std::string_view place = scanner.word();
+        const bool motion = (place == "P" || place == "PR") && scanner.accept('[');
+        if (motion) motions.push_back({at, std::min(program.find(';', at), end)});
+      }
+      scanner.go_to(behind);
     }
-    scanner.go_to(behind);
+    return motions;
   }
 
-  void go_to(ProgramScanner& scanner, std::size_t at, std::size_t end) {
-    const auto number = position_number(scanner);
-    if (!number) return;
-    const auto found = positions_.find(*number);
+  // `take`: (place, is a register, number) of each P[...] and PR[...] that the motion goes to.
+  template <typename Take>
+  void each_place(Bytes motion, const Take& take) const {
+    ProgramScanner scanner(std::string_view(text_).substr(0, motion.end), motion.begin + 1);
+    while (scanner.next_word()) {
+      const std::size_t at = scanner.at();
+      const std::string_view word = scanner.word();
+      if (word != "P" && word != "PR") continue;
+      // Registers behind a comma are those of offsets.
+      const std::size_t before = trimmed_bytes(text_, {motion.begin, at}).end;
+      const bool gone_to = before == motion.begin + 1 || text_[before - 1] == ':';
+      const auto number = position_number(scanner);
+      if (gone_to || (word == "P" && number)) take(at, word == "PR", number.value_or(0));
+    }
+  }
+
+  [[nodiscard]] bool is_incremental(Bytes motion) const {
+    ProgramScanner scanner(std::string_view(text_).substr(0, motion.end), motion.begin);
+    while (scanner.next_word()) {
+      if (scanner.word() == "INC") return true;
+    }
+    return false;
+  }
+
+  void find_increments(Bytes motion) {
+    if (!is_incremental(motion)) return;
+    each_place(motion, [&](std::size_t /*at*/, bool is_register, int number) {
+      const auto found = is_register ? positions_.end() : positions_.find(number);
+      if (found != positions_.end()) found->second.incremental = true;
+    });
+  }
+
+  void take_motion(Bytes motion) {
+    const bool offset = text_at(text_, motion).contains("OFFSET");
+    each_place(motion, [&](std::size_t at, bool is_register, int number) {
+      if (is_register) {
+        leave(at, fmt::format("PR[{}]: it is a register", number));
+      } else {
+        go_to(at, number, offset);
+      }
+    });
+  }
+
+  void go_to(std::size_t at, int number, bool offset) {
+    const auto found = positions_.find(number);
     if (found == positions_.end()) {
-      leave(at, name_of(*number) + ": it is not in /POS");
+      leave(at, name_of(number) + ": it is not in /POS");
       return;
     }
     Position& position = found->second;
-    const std::size_t stop = std::min(text_.find(';', at), end);
-    const std::string_view rest = std::string_view(text_).substr(at, stop - at);
-    if (rest.contains("OFFSET") || rest.contains(" INC")) {
-      leave(at, name_of(*number) + ": it is computed: an offset, or incremental");
+    if (offset) {
+      leave(at, name_of(number) + ": an offset moves it, with the correction that it has");
     }
     if (position.used) return;
     position.used = true;
-    add(*number, position);
+    if (position.incremental) {
+      leave(position.at, name_of(number) + ": a motion goes by it, not to it (INC)");
+      return;
+    }
+    add(number, position);
   }
 
   // The number after NAME = or NAME :, in the body of a position.
@@ -158,9 +219,10 @@ class FanucReader {
     const auto X_FT = frame(position, "UT", frames_.tools);
     const auto X_BW = frame(position, "UF", frames_.frames);
     if (!target.joints && (!X_FT || !X_BW)) {
-      leave(position.at,
-            fmt::format("{}: its {} is not known: {} NUMBER=...", target.name,
-                        X_FT ? "user frame" : "user tool", X_FT ? "--frame" : "--tool"));
+      const auto n = value(position, X_FT ? "UF" : "UT");
+      leave(position.at, fmt::format("{}: its {} is not known: {} {}=...", target.name,
+                                     X_FT ? "user frame" : "user tool", X_FT ? "--frame" : "--tool",
+                                     n ? text_at(text_, *n) : std::string_view("F")));
       return;
     }
     target.X_FT = X_FT.value_or(Pose{});

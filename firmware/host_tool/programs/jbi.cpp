@@ -2,6 +2,7 @@
 // Targets of Yaskawa's jobs (.jbi): positions C00000=x,y,z,Rx,Ry,Rz (mm, degrees) of the base, the
 // robot or a user frame, with the number of their tool. Pulses are counts of the encoders.
 #include <algorithm>
+#include <map>
 #include <string>
 
 #include <fmt/core.h>
@@ -19,18 +20,75 @@ class JbiReader {
       : text_(in_capitals(text)), lines_(text), frames_(frames) {}
 
   Program read() {
-    std::size_t begin = 0;
-    while (begin < text_.size()) {
+    std::vector<Bytes> positions;
+    bool instructions = false;
+    for (std::size_t begin = 0; begin < text_.size();) {
       const std::size_t end = std::min(text_.find('\n', begin), text_.size());
       const Bytes line = trimmed_bytes(text_, {begin, end});
-      if (text_at(text_, line) == "//INST") break;
-      take_line(line);
+      if (text_at(text_, line) == "//INST") instructions = true;
+      if (instructions) {
+        find_uses(line);
+      } else {
+        positions.push_back(line);
+      }
       begin = end + 1;
     }
+    for (const Bytes& line : positions) take_line(line);
     return std::move(program_);
   }
 
  private:
+  // What instructions do with a position variable.
+  struct Uses {
+    bool gone_to = false;
+    bool gone_by = false;  // IMOV
+    int changed = 0;       // line
+  };
+
+  // The number of P001, LP001 or PX001; nothing of other words.
+  static std::optional<int> variable_number(std::string_view word) {
+    if (!word.starts_with('P')) return std::nullopt;
+    word.remove_prefix(word.starts_with("PX") ? 2 : 1);
+    return word.empty() ? std::nullopt : parse_integer(word);
+  }
+
+  void find_uses(Bytes line) {
+    const std::string_view text = text_at(text_, line);
+    if (text.starts_with('\'') || text.starts_with('/')) return;
+    const std::size_t end = line.begin + std::min(text.find("//"), text.size());
+    ProgramScanner scanner(std::string_view(text_).substr(0, end), line.begin);
+    const std::string_view instruction = scanner.word();
+    const std::size_t first = trimmed_bytes(text_, {scanner.at(), end}).begin;
+    const int number_of_line = lines_.line_of(line.begin);
+    if (instruction == "SFTON") {
+      leave(line.begin, "SFTON: it moves targets; they are corrected for where they are written");
+    }
+    const bool by = instruction.contains("IMOV");
+    const bool to = !by && instruction.contains("MOV");
+    scanner.go_to(first);
+    for (bool more = !scanner.at_end(); more; more = scanner.next_word()) {
+      const std::size_t at = scanner.at();
+      const auto number = variable_number(scanner.word());
+      if (!number) continue;
+      Uses& uses = uses_[*number];
+      uses.gone_to = uses.gone_to || to;
+      uses.gone_by = uses.gone_by || by;
+      if (!to && !by && at == first) uses.changed = number_of_line;
+    }
+  }
+
+  // Why a position variable is no target as it is written; empty where it is one.
+  [[nodiscard]] std::string no_target(std::string_view name) const {
+    const auto number = variable_number(name);
+    const auto found = number ? uses_.find(*number) : uses_.end();
+    if (!number) return {};
+    if (found == uses_.end()) return "no motion of this job goes to it";
+    const Uses& uses = found->second;
+    if (uses.gone_by) return "a motion goes by it, not to it (IMOV)";
+    if (uses.changed > 0) return fmt::format("line {} gives it another value", uses.changed);
+    return uses.gone_to ? "" : "no motion of this job goes to it";
+  }
+
   void take_line(Bytes line) {
     const std::string_view text = text_at(text_, line);
     const std::size_t blank = std::min(text.find(' '), text.size());
@@ -56,9 +114,17 @@ class JbiReader {
     target.name = scanner.word();
     target.line = lines_.line_of(line.begin);
     if (!scanner.accept('=')) return;
+    if (type_.empty()) {
+      leave(line.begin, target.name + ": the job does not say its ///POSTYPE");
+      return;
+    }
     if (type_ == "PULSE" || type_ == "ANGLE") {
       leave(line.begin,
             target.name + ": it has " + (type_ == "PULSE" ? "pulses" : "angles") + ", not a pose");
+      return;
+    }
+    if (const std::string why = no_target(target.name); !why.empty()) {
+      leave(line.begin, target.name + ": " + why);
       return;
     }
     do {
@@ -104,6 +170,7 @@ class JbiReader {
   std::string tool_ = "0";
   std::string user_;
   std::string type_;
+  std::map<int, Uses> uses_;
   Program program_;
 };
 

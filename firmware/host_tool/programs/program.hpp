@@ -48,8 +48,9 @@ struct ProgramTarget {
   std::vector<double> values;
   std::vector<Bytes> words;  // of the configuration; none where the language has none
   std::vector<long> configuration;
-  Pose X_BW;  // frame of the program in the controller's base
-  Pose X_FT;  // its tool on the controller's flange
+  std::vector<double> near;  // readings that the program wants its solution near; or empty
+  Pose X_BW;                 // frame of the program in the controller's base
+  Pose X_FT;                 // its tool on the controller's flange
 };
 
 struct LeftAsItIs {

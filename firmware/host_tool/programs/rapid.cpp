@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -42,15 +44,43 @@ bool has_sizes(const RapidData& data, std::initializer_list<std::size_t> sizes) 
   return std::ranges::equal(data.lists, sizes, {}, [](const auto& list) { return list.size(); });
 }
 
-// A robtarget or jointtarget written out between `bytes`.
-std::optional<RapidData> rapid_target(std::string_view text, Bytes bytes) {
-  ProgramScanner scanner(text.substr(0, bytes.end), bytes.begin);
+// A robtarget or jointtarget written out from `at`, and where it ends.
+std::optional<RapidData> rapid_target_at(std::string_view text, std::size_t& at) {
+  ProgramScanner scanner(text, at);
   auto lists = rapid_lists(scanner);
-  if (!lists || scanner.at() != bytes.end) return std::nullopt;
+  if (!lists) return std::nullopt;
   RapidData data{std::move(*lists), false};
   data.joints = has_sizes(data, {6, 6});
   if (!data.joints && !has_sizes(data, {3, 4, 4, 6})) return std::nullopt;
+  at = scanner.at();
   return data;
+}
+
+// Those between `bytes`: of an array, one for each element.
+std::vector<RapidData> rapid_targets(std::string_view text, Bytes bytes) {
+  std::vector<RapidData> all;
+  text = text.substr(0, bytes.end);
+  for (std::size_t at = text.find('[', bytes.begin); at != std::string_view::npos;) {
+    std::size_t behind = at;
+    auto one = rapid_target_at(text, behind);
+    if (one) all.push_back(std::move(*one));
+    at = text.find('[', one ? behind : at + 1);
+  }
+  return all;
+}
+
+// Names belong to their routine, or to their module where `routine` is 0.
+struct RapidScope {
+  int module = 0;
+  int routine = 0;
+};
+struct RapidStatement {
+  Bytes bytes;
+  RapidScope scope;
+};
+
+std::string scoped(const RapidScope& scope, std::string_view name) {
+  return fmt::format("{}/{}/{}", scope.module, scope.routine, name);
 }
 
 class RapidReader {
@@ -62,13 +92,16 @@ class RapidReader {
         frames_(frames) {}
 
   Program read() {
-    for (const Bytes& statement : statements()) take_declaration(statement);
-    for (const Bytes& statement : statements()) take_instruction(statement);
+    const std::vector<RapidStatement> all = statements();
+    for (const RapidStatement& one : all) take_declaration(one);
+    for (const RapidStatement& one : all) take_change(one);
+    for (const RapidStatement& one : all) take_instruction(one);
     for (const auto& [name, declared] : targets_) {
-      if (!declared.used && declared.data) {
-        leave(declared.at, as_written(declared.name) + ": no instruction here goes to it");
-      }
+      if (declared.used || declared.data.empty()) continue;
+      taken_.insert(declared.data[0].lists[0][0].begin);
+      leave(declared.at, as_written(declared.name) + ": no instruction here goes to it");
     }
+    leave_the_rest();
     return std::move(program_);
   }
 
@@ -76,8 +109,9 @@ class RapidReader {
   struct Declared {
     std::size_t at = 0;
     Bytes name;
-    std::optional<RapidData> data;  // nothing of what is computed, or an array
+    std::vector<RapidData> data;  // none of what is computed, several of an array
     bool used = false;
+    int changed = 0;        // line, where the program gives it another value
     std::string tool = {};  // NOLINT(readability-redundant-member-init)
     std::string wobj = {};  // NOLINT(readability-redundant-member-init)
   };
@@ -86,38 +120,80 @@ class RapidReader {
     std::string why_not;
   };
 
-  [[nodiscard]] std::vector<Bytes> statements() const {
-    std::vector<Bytes> all;
+  // With their scopes; parameters of routines are declared by the way.
+  std::vector<RapidStatement> statements() {
+    std::vector<RapidStatement> all;
+    RapidScope scope;
     std::size_t begin = 0;
     for (std::size_t at = text_.find(';'); at != std::string::npos; at = text_.find(';', begin)) {
-      all.push_back(trimmed_bytes(text_, {begin, at}));
+      const Bytes bytes = trimmed_bytes(text_, {begin, at});
+      const std::size_t behind = enter_scopes(bytes, scope);
+      all.push_back({{behind, bytes.end}, scope});
       begin = at + 1;
     }
     return all;
+  }
+
+  // Modules and routines that begin or end in the statement; returns where the rest begins.
+  std::size_t enter_scopes(Bytes bytes, RapidScope& scope) {
+    std::size_t behind = bytes.begin;
+    ProgramScanner scanner(std::string_view(text_).substr(0, bytes.end), bytes.begin);
+    if (scanner.at_end()) return behind;
+    do {
+      const std::string_view word = scanner.word();
+      if (word == "MODULE") scope = {++modules_, 0};
+      if (word == "ENDPROC" || word == "ENDFUNC" || word == "ENDTRAP") scope.routine = 0;
+      if (word != "PROC" && word != "FUNC" && word != "TRAP") continue;
+      scope.routine = ++routines_;
+      const std::size_t open = text_.find('(', scanner.at());
+      if (word == "TRAP" || open >= bytes.end) continue;
+      const auto parameters =
+          arguments_from(std::string_view(text_).substr(0, bytes.end), open + 1, ')');
+      for (const Bytes& parameter : parameters) take_declaration({parameter, scope});
+      behind = std::min(parameters.back().end + 1, bytes.end);
+      scanner.go_to(behind);
+    } while (scanner.next_word());
+    return behind;
   }
 
   [[nodiscard]] std::string as_written(Bytes bytes) const {
     return std::string(text_at(original_, bytes));
   }
 
+  // What a name means in a scope: of the routine, of the module, or of another module of the text.
+  template <typename Meaning>
+  Meaning* find_in(std::map<std::string, Meaning>& all, std::string_view name,
+                   const RapidScope& scope) const {
+    std::vector<RapidScope> scopes{scope, {scope.module, 0}};
+    for (int module = 0; module <= modules_; ++module) scopes.push_back({module, 0});
+    for (const RapidScope& one : scopes) {
+      const auto found = all.find(scoped(one, name));
+      if (found != all.end()) return &found->second;
+    }
+    return nullptr;
+  }
+
   // The name declared, and where its value begins; type is one of RAPID's.
-  void take_declaration(Bytes statement) {
-    ProgramScanner scanner(std::string_view(text_).substr(0, statement.end), statement.begin);
+  void take_declaration(const RapidStatement& statement) {
+    const std::size_t end = statement.bytes.end;
+    ProgramScanner scanner(std::string_view(text_).substr(0, end), statement.bytes.begin);
+    if (scanner.at_end()) return;
     do {
       const std::string_view type = scanner.word();
       const bool target = type == "ROBTARGET" || type == "JOINTTARGET";
       if (!target && type != "TOOLDATA" && type != "WOBJDATA") continue;
       scanner.skip_blanks();
       const std::size_t begin = scanner.at();
-      const std::string name(scanner.word());
+      const std::string name = scoped(statement.scope, scanner.word());
       const Bytes written{begin, scanner.at()};
-      if (name.empty() || !scanner.accept(':') || !scanner.accept('=')) {
-        if (target) targets_[name] = {begin, written, std::nullopt};
-        return;
-      }
-      const Bytes value = trimmed_bytes(text_, {scanner.at(), statement.end});
+      if (written.begin == written.end) continue;
+      if (scanner.peek() == '{') scanner.go_to(text_.find('}', scanner.at()) + 1);
+      const bool valued = scanner.accept(':') && scanner.accept('=');
+      const Bytes value = trimmed_bytes(text_, {valued ? scanner.at() : end, end});
       if (target) {
-        targets_[name] = {begin, written, rapid_target(text_, value)};
+        const bool again = targets_.contains(name);
+        targets_.try_emplace(name, Declared{begin, written, rapid_targets(text_, value)});
+        if (again) targets_[name].changed = lines_.line_of(begin);
       } else if (type == "TOOLDATA") {
         tools_[name] = tool_in(value);
       } else {
@@ -125,6 +201,55 @@ class RapidReader {
       }
       return;
     } while (scanner.next_word());
+  }
+
+  // "P10.TRANS.X" of "P10.TRANS.X := ..."; the end at both ends where nothing is assigned.
+  [[nodiscard]] Bytes assigned(Bytes statement) const {
+    int depth = 0;
+    for (std::size_t at = statement.begin; at + 1 < statement.end; ++at) {
+      if (text_[at] == '[' || text_[at] == '(') ++depth;
+      if (text_[at] == ']' || text_[at] == ')') --depth;
+      if (depth != 0 || text_[at] != ':' || text_[at + 1] != '=') continue;
+      const std::size_t end = trimmed_bytes(text_, {statement.begin, at}).end;
+      std::size_t begin = end;
+      while (begin > statement.begin) {
+        const char before = text_[begin - 1];
+        const std::size_t open = before == '}' ? text_.rfind('{', begin) : std::string::npos;
+        if (open != std::string::npos && open >= statement.begin) {
+          begin = open;
+        } else if (is_word(before) || before == '.') {
+          --begin;
+        } else {
+          break;
+        }
+      }
+      const bool switches = begin > statement.begin && text_[begin - 1] == '\\';
+      if (!switches) return {begin, end};
+    }
+    return {statement.end, statement.end};
+  }
+
+  // A value that the program computes while it runs.
+  void take_change(const RapidStatement& statement) {
+    const Bytes left = assigned(statement.bytes);
+    ProgramScanner scanner(std::string_view(text_).substr(0, left.end), left.begin);
+    const std::string_view name = scanner.word();
+    const std::string_view part =
+        std::string_view(text_).substr(scanner.at(), left.end - scanner.at());
+    // Loads and external axes are no places.
+    if (name.empty() || part.contains(".TLOAD") || part.contains(".EXTAX")) return;
+    ProgramScanner all(std::string_view(text_).substr(0, left.begin), statement.bytes.begin);
+    for (bool more = !all.at_end(); more; more = all.next_word()) {
+      const std::string_view type = all.word();
+      if (type == "VAR" || type == "PERS" || type == "CONST") return;
+    }
+    const int line = lines_.line_of(left.begin);
+    Declared* const target = find_in(targets_, name, statement.scope);
+    if (target != nullptr) target->changed = line;
+    for (auto* frames : {&tools_, &wobjs_}) {
+      DeclaredFrame* const frame = find_in(*frames, name, statement.scope);
+      if (frame != nullptr) *frame = {std::nullopt, fmt::format("is changed in line {}", line)};
+    }
   }
 
   // The pose [x, y, z], [q1, ... q4] at `k` of the lists.
@@ -165,20 +290,26 @@ class RapidReader {
     return {*X_BU * *X_UO, ""};
   }
 
-  void take_instruction(Bytes statement) {
-    ProgramScanner scanner(std::string_view(text_).substr(0, statement.end), statement.begin);
+  void take_instruction(const RapidStatement& statement) {
+    const std::string_view upto = std::string_view(text_).substr(0, statement.bytes.end);
+    ProgramScanner scanner(upto, statement.bytes.begin);
     if (scanner.at_end()) return;
     do {
+      const std::size_t at = scanner.at();
       const std::string_view word = scanner.word();
       const char behind = scanner.peek();
       const bool separate =
           behind == ' ' || behind == '\t' || behind == '\\' || behind == '\r' || behind == '\n';
+      if (word == "CONFJ") any_configuration_ = upto.substr(at).contains("\\OFF");
+      if (word == "PDISPON" || word == "PDISPSET") {
+        leave(at, as_written({at, scanner.at()}) +
+                      ": it moves targets; they are corrected for where they are written");
+      }
       const bool moves = std::ranges::any_of(
           kRapidMoves, [&](std::string_view start) { return word.starts_with(start); });
       if (!separate || !moves) continue;
-      const auto arguments =
-          arguments_from(std::string_view(text_).substr(0, statement.end), scanner.at(), ';');
-      if (arguments.size() >= 2) go_to(word, arguments);
+      const auto arguments = arguments_from(upto, scanner.at(), ';');
+      if (arguments.size() >= 2) go_to(word, arguments, statement.scope);
       return;
     } while (scanner.next_word());
   }
@@ -198,26 +329,34 @@ class RapidReader {
     return std::string(scanner.word());
   }
 
-  void go_to(std::string_view instruction, const std::vector<Bytes>& arguments) {
-    const std::string tool(text_at(text_, without_switches(arguments.back())));
-    const std::string wobj = wobj_of(arguments.back());
-    const bool linear = !instruction.ends_with('J');
+  // The tool is the last argument, but of motions with a signal or a procedure behind it.
+  static std::size_t tool_argument(std::string_view instruction, std::size_t count) {
+    std::size_t behind = 0;
+    if (instruction.starts_with("MOVE") && instruction.size() > 6) {
+      const std::string_view end = instruction.substr(instruction.size() - 2);
+      if (end == "DO" || end == "AO" || end == "GO") behind = 2;
+      if (instruction.ends_with("SYNC")) behind = 1;
+    }
+    return count - 1 - std::min(behind, count - 1);
+  }
+
+  // How an instruction goes to its targets.
+  struct Going {
+    std::string tool;
+    std::string wobj;
+    bool linear = false;
+    RapidScope scope;
+  };
+
+  void go_to(std::string_view instruction, const std::vector<Bytes>& arguments,
+             const RapidScope& scope) {
+    const std::size_t last = tool_argument(instruction, arguments.size());
+    const bool joint = instruction.starts_with("MOVEJ") || instruction.ends_with('J');
+    const Going going{std::string(text_at(text_, without_switches(arguments[last]))),
+                      wobj_of(arguments[last]), !joint || any_configuration_, scope};
     bool any = false;
-    for (std::size_t k = 0; k + 1 < arguments.size(); ++k) {
-      const Bytes argument = without_switches(arguments[k]);
-      const std::string name(text_at(text_, argument));
-      const auto declared = targets_.find(name);
-      if (declared != targets_.end()) {
-        use(declared->second, argument.begin, tool, wobj, linear);
-        any = true;
-      } else if (const auto data = rapid_target(text_, argument)) {
-        add("target", argument.begin, *data, tool, wobj, linear);
-        any = true;
-      } else if (name.starts_with("OFFS") || name.starts_with("RELTOOL")) {
-        leave(argument.begin, as_written(argument) +
-                                  ": it is computed; it moves with the correction of its target");
-        any = true;
-      }
+    for (std::size_t k = 0; k < last; ++k) {
+      any = go_to_argument(without_switches(arguments[k]), going) || any;
     }
     const Bytes first = without_switches(arguments[0]);
     if (!any && instruction.starts_with("MOVE") && first.end > first.begin) {
@@ -225,47 +364,95 @@ class RapidReader {
     }
   }
 
-  void use(Declared& declared, std::size_t at, const std::string& tool, const std::string& wobj,
-           bool linear) {
+  bool go_to_argument(Bytes argument, const Going& going) {
+    const std::string_view name = text_at(text_, argument);
+    Declared* const declared =
+        find_in(targets_, name.substr(0, std::min(name.find('{'), name.size())), going.scope);
+    std::size_t end = argument.begin;
+    if (declared != nullptr) {
+      use(*declared, argument.begin, going);
+    } else if (const auto data = rapid_target_at(text_, end); data && end == argument.end) {
+      add("target", argument.begin, *data, going);
+    } else if (name.starts_with("OFFS") || name.starts_with("RELTOOL")) {
+      leave(argument.begin,
+            as_written(argument) + ": it is computed; it moves with the correction of its target");
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  void use(Declared& declared, std::size_t at, const Going& going) {
     const std::string name = as_written(declared.name);
-    if (!declared.data) {
+    if (declared.data.empty()) {
       leave(at, name + ": it is computed, not written");
       return;
     }
-    if (declared.used) {
-      const bool same = declared.data->joints || (declared.tool == tool && declared.wobj == wobj);
+    const bool first = !std::exchange(declared.used, true);
+    if (!first) {
+      const bool same =
+          declared.data[0].joints || (declared.tool == going.tool && declared.wobj == going.wobj);
       if (!same) leave(at, name + ": it is used with another tool or work object than before");
       return;
     }
-    declared.used = true;
-    declared.tool = tool;
-    declared.wobj = wobj;
-    add(name, declared.at, *declared.data, tool, wobj, linear);
+    declared.tool = going.tool;
+    declared.wobj = going.wobj;
+    for (const RapidData& data : declared.data) taken_.insert(data.lists[0][0].begin);
+    if (declared.changed > 0) {
+      leave(declared.at, fmt::format("{}: line {} gives it another value", name, declared.changed));
+      return;
+    }
+    for (std::size_t k = 0; k < declared.data.size(); ++k) {
+      add(text_[declared.name.end] == '{' ? fmt::format("{}{{{}}}", name, k + 1) : name,
+          k == 0 ? declared.at : declared.data[k].lists[0][0].begin, declared.data[k], going);
+    }
+  }
+
+  // Targets in places where nothing goes to them: values that a variable gets, arguments.
+  void leave_the_rest() {
+    for (const RapidData& data : rapid_targets(text_, {0, text_.size()})) {
+      const std::size_t at = data.lists[0][0].begin;
+      if (taken_.contains(at) || within_declared(at)) continue;
+      leave(at, "target: no instruction here goes to it");
+    }
+  }
+
+  // Further elements of an array that is named already.
+  [[nodiscard]] bool within_declared(std::size_t at) const {
+    return std::ranges::any_of(targets_, [&](const auto& one) {
+      const auto& data = one.second.data;
+      return !data.empty() && data.front().lists[0][0].begin < at &&
+             at <= data.back().lists[0][0].begin;
+    });
   }
 
   // A frame that is declared, given, or the one that is always there.
-  [[nodiscard]] std::expected<Pose, std::string> frame(
-      const std::map<std::string, DeclaredFrame>& declared, const GivenFrames& given,
-      const std::string& name, std::string_view always, const char* option) const {
+  std::expected<Pose, std::string> frame(std::map<std::string, DeclaredFrame>& declared,
+                                         const GivenFrames& given, const std::string& name,
+                                         std::string_view always, const char* option,
+                                         const RapidScope& scope) const {
     if (name == always) return Pose{};
-    const auto found = declared.find(name);
-    if (found != declared.end() && found->second.X) return *found->second.X;
-    if (found != declared.end()) return std::unexpected(name + " " + found->second.why_not);
+    const DeclaredFrame* const found = find_in(declared, name, scope);
+    if (found != nullptr && found->X) return *found->X;
+    if (found != nullptr) return std::unexpected(name + " " + found->why_not);
+    if (name.empty() || !std::ranges::all_of(name, is_word)) {
+      return std::unexpected("its instruction has no tool or work object by name");
+    }
     if (const Pose* X = given.find(name)) return *X;
     return std::unexpected(fmt::format("{0} is not declared here: {1} {0}=...", name, option));
   }
 
-  void add(const std::string& name, std::size_t at, const RapidData& data, const std::string& tool,
-           const std::string& wobj, bool linear) {
+  void add(const std::string& name, std::size_t at, const RapidData& data, const Going& going) {
+    taken_.insert(data.lists[0][0].begin);
     ProgramTarget target;
     target.line = lines_.line_of(at);
     target.name = name;
     target.joints = data.joints;
-    target.linear = linear;
+    target.linear = going.linear;
     target.numbers = data.lists[0];
     if (!data.joints) {
-      const auto X_FT = frame(tools_, frames_.tools, tool, "TOOL0", "--tool");
-      const auto X_BW = frame(wobjs_, frames_.frames, wobj, "WOBJ0", "--frame");
+      const auto X_FT = frame(tools_, frames_.tools, going.tool, "TOOL0", "--tool", going.scope);
+      const auto X_BW = frame(wobjs_, frames_.frames, going.wobj, "WOBJ0", "--frame", going.scope);
       if (!X_FT || !X_BW) {
         leave(at, name + ": " + (X_FT ? X_BW.error() : X_FT.error()));
         return;
@@ -290,9 +477,13 @@ class RapidReader {
   std::string_view original_;
   LineNumbers lines_;
   const ProgramFrames& frames_;
+  int modules_ = 0;
+  int routines_ = 0;
+  bool any_configuration_ = false;  // ConfJ \Off: the controller goes to the nearest one
   std::map<std::string, Declared> targets_;
   std::map<std::string, DeclaredFrame> tools_;
   std::map<std::string, DeclaredFrame> wobjs_;
+  std::set<std::size_t> taken_;  // where targets begin that are corrected, or left by name
   Program program_;
 };
 
