@@ -31,9 +31,7 @@ EncoderArm real_arm(const SignatureRecord& record, const Arm& nominal) {
   parts.X_B0 = frames.X_SB.inverse() * signature.X_SL[0];
   const auto X_0n = kinematics::forward(parts.chain, signature.configuration);
   ARMSIG_CHECK(X_0n);  // a signature file holds finite numbers only
-  const DhJoint& last = nominal.joints.back();
-  const Pose X_SF = frames.X_SK.back() * Pose{rotation_x(last.alpha_rad), Vector3(last.a_m, 0, 0)};
-  parts.X_nF = (signature.X_SL[0] * *X_0n).inverse() * X_SF;
+  parts.X_nF = (signature.X_SL[0] * *X_0n).inverse() * flange_in_sensor(frames, nominal);
   return EncoderArm(parts);
 }
 

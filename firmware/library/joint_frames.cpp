@@ -58,6 +58,11 @@ JointFrames joint_frames(const Signature& signature, const Arm& nominal) {
   return frames;
 }
 
+Pose flange_in_sensor(const JointFrames& frames, const Arm& nominal) {
+  const DhJoint& last = nominal.joints.back();
+  return frames.X_SK.back() * Pose{rotation_x(last.alpha_rad), Vector3(last.a_m, 0, 0)};
+}
+
 Pose last_link_pose(const JointFrames& frames, const JointTypes& types, const JointVector& q) {
   Pose X_SK = frames.X_SB;
   for (std::size_t i = 0; i < types.size(); ++i) {

@@ -27,6 +27,10 @@ struct JointFrames {
   return joint_frames(record.signature, record.nominal);
 }
 
+// The flange of the nominal model on the actual last link, in the sensor frame at the signature
+// configuration.
+[[nodiscard]] Pose flange_in_sensor(const JointFrames& frames, const Arm& nominal);
+
 // Pose of the last link's frame in the sensor frame: X_SB prod X_PJ motion(q) X_KL.
 [[nodiscard]] Pose last_link_pose(const JointFrames& frames, const JointTypes& types,
                                   const JointVector& q);

@@ -11,8 +11,8 @@
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/host_tool/commands/command.hpp"
+#include "firmware/host_tool/commands/controller_options.hpp"
 #include "firmware/host_tool/commands/seeds.hpp"
-#include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/table.hpp"
@@ -25,7 +25,8 @@ namespace armsig::tool {
 namespace {
 
 struct CompensateOptions : CommonOptions {
-  std::string signature, poses, into, model, seed, base, flange, language, picture, out;
+  std::string signature, poses, into, seed, language, picture, out;
+  ControllerOptions controller;
   std::vector<std::string> tools, frames;
   double most_mm = 20;
   bool check = false;
@@ -44,30 +45,15 @@ struct Sizes {
   [[nodiscard]] double mean() const { return count == 0 ? 0 : sum / static_cast<double>(count); }
 };
 
-Read<Arm> controller_model(const CompensateOptions& options, const SignatureRecord& record) {
-  if (options.model.empty()) return record.nominal;
-  ARMSIG_TRY(model, read_arm(options.model));
-  if (!std::ranges::equal(types_of(model.arm.joints), record.signature.types)) {
-    return std::unexpected(Problem{options.model, 0, 0,
-                                   "its joints are not of the types of the signature's",
-                                   "the nominal model of the same arm"});
-  }
-  return model.arm;
-}
-
 Read<ControllerView> view_of(const CompensateOptions& options, const Arm& nominal,
                              const Compensation& compensation) {
   ControllerView view;
   view.compensation = &compensation;
   view.nominal = &nominal;
-  if (!options.base.empty()) {
-    ARMSIG_TRY(X_0C, parse_frame("--base", options.base));
-    view.X_0C = X_0C;
-  }
-  if (!options.flange.empty()) {
-    ARMSIG_TRY(X_nE, parse_frame("--flange", options.flange));
-    view.X_nE = X_nE;
-  }
+  ARMSIG_TRY(X_0C, options.controller.base_in_frame_0());
+  ARMSIG_TRY(X_nE, options.controller.flange_in_last_frame());
+  view.X_0C = X_0C;
+  view.X_nE = X_nE;
   for (const std::string& tool : options.tools) {
     if (auto added = view.frames.tools.add("--tool", tool); !added) {
       return std::unexpected(std::move(added).error());
@@ -392,7 +378,7 @@ Attempt<ExitStatus> run(const CompensateOptions& options) {
   ARMSIG_TRY(record, read_signature_file(options.signature));
   ARMSIG_TRY(fits, check_joints(options, record));
   (void)fits;
-  ARMSIG_TRY(nominal, controller_model(options, record));
+  ARMSIG_TRY(nominal, options.controller.nominal_model(record));
   const Compensation compensation(record, nominal, {.most_m = 1e-3 * options.most_mm});
   ARMSIG_TRY(view, view_of(options, nominal, compensation));
   ARMSIG_TRY(seeds, read_seeds(options.seed, record));
@@ -401,10 +387,7 @@ Attempt<ExitStatus> run(const CompensateOptions& options) {
   return run_program(options, view);
 }
 
-void add_frames(CLI::App& command, CompensateOptions& options) {
-  command.add_option("--controller-model", options.model,
-                     "nominal model that the controller computes with: a file, or a known arm "
-                     "(default: that of the signature)");
+void add_frame_options(CLI::App& command, CompensateOptions& options) {
   command
       .add_option("--tool", options.tools,
                   "tool on the controller's flange: x,y,z in mm and rotations about z,y,x in "
@@ -413,12 +396,7 @@ void add_frames(CLI::App& command, CompensateOptions& options) {
   command
       .add_option("--frame", options.frames, "work object in the controller's base, written alike")
       ->allow_extra_args(false);
-  command.add_option("--base", options.base,
-                     "the controller's base in frame 0 of its nominal model, written alike "
-                     "(default: they are one)");
-  command.add_option("--flange", options.flange,
-                     "the controller's flange in the last frame of its nominal model (default: "
-                     "they are one)");
+  add_controller_options(command, options.controller);
 }
 
 }  // namespace
@@ -441,7 +419,7 @@ void add_compensate(CLI::App& app, int& status) {
       ->transform(
           CLI::IsMember({"urscript", "rapid", "krl", "fanuc", "jbi", "gcode"}, CLI::ignore_case))
       ->needs(into);
-  add_frames(*command, *options);
+  add_frame_options(*command, *options);
   command->add_option("--seed", options->seed,
                       "joint readings (CSV): of a program where it begins; of poses one row, or "
                       "one a pose: the solution nearest to them is taken");
