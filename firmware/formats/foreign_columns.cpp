@@ -56,6 +56,14 @@ Read<std::string> row_of_ours(const ForeignTable& table, const TableLayout& layo
       continue;
     }
     const std::string& cell = cells[*column.place];
+    if (column.ours == "frame" || column.ours == "point") {
+      if (cell.find(',') != std::string::npos) {
+        return table.at(k, fmt::format("{}: {} has a comma", column.theirs, in_quotes(cell)),
+                        "a name without commas");
+      }
+      row += cell;
+      continue;
+    }
     if (column.ours == "target" && !parse_integer(cell)) {
       return table.at(k, fmt::format("{}: {} is no number", column.theirs, in_quotes(cell)),
                       "the number of a reflector; or --columns auto,target=#1 where there is one");
@@ -80,14 +88,9 @@ std::string_view word_of_separator(char separator) {
   }
 }
 
-}  // namespace
-
-Read<MappedMeasurements> map_measurements(const std::string& path, std::string_view mapping,
-                                          const NamedJoints& joints, const StatedUnits& units) {
-  ARMSIG_TRY(wanted, wanted_of("--columns", mapping));
+Read<MappedTable> map_table(const std::string& path, const TableNeed& need) {
   ARMSIG_TRY(table, ForeignTable::open(path, {}));
-  const TableNeed need{TableKind::kMeasurements, joints, std::move(wanted), units};
-  MappedMeasurements mapped;
+  MappedTable mapped;
   ARMSIG_TRY(layout, layout_of(table, need));
   if (auto header = check_header(table, layout); !header) {
     return std::unexpected(std::move(header).error());
@@ -120,7 +123,21 @@ Read<MappedMeasurements> map_measurements(const std::string& path, std::string_v
   return mapped;
 }
 
-std::string in_words(const MappedMeasurements& mapped) {
+}  // namespace
+
+Read<MappedTable> map_measurements(const std::string& path, std::string_view mapping,
+                                   const NamedJoints& joints, const StatedUnits& units) {
+  ARMSIG_TRY(wanted, wanted_of("--columns", mapping));
+  return map_table(path, {TableKind::kMeasurements, joints, std::move(wanted), units});
+}
+
+Read<MappedTable> map_taught_points(const std::string& path, std::string_view mapping,
+                                    const NamedJoints& joints) {
+  ARMSIG_TRY(wanted, wanted_of("--columns", mapping));
+  return map_table(path, {TableKind::kTaught, joints, std::move(wanted), {}});
+}
+
+std::string in_words(const MappedTable& mapped) {
   const TableLayout& layout = mapped.layout;
   std::string words = fmt::format(
       "Columns ({}, {}{})\n\n",

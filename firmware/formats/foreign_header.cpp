@@ -92,6 +92,7 @@ constexpr std::array kNames{
     NamedQuantity{"id", "name", Dimension::kText, 7},
     NamedQuantity{"measurement", "name", Dimension::kText, 8},
     NamedQuantity{"collection", "collection", Dimension::kText},
+    NamedQuantity{"frame", "frame", Dimension::kText},
     NamedQuantity{"group", "group", Dimension::kText},
     NamedQuantity{"time", "time", Dimension::kText, 0},
     NamedQuantity{"timestamp", "time", Dimension::kText, 1},

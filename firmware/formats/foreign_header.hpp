@@ -35,7 +35,8 @@ struct StatedUnits {
 // "deg,mm" or "mm". Refuses any other word, and two of one kind.
 [[nodiscard]] Read<StatedUnits> stated_units(std::string_view words);
 
-// Of a name that is "Point": where each row is a measurement, that of its reflector.
+// Of a name that is "Point": where each row is a measurement, that of its reflector; where it is a
+// taught reading, what it teaches.
 inline constexpr std::size_t kRankOfPoint = 3;
 
 // What a cell of a header says.

@@ -48,6 +48,15 @@ std::unexpected<Problem> no_header(const ForeignTable& table, const TableNeed& n
                                 "a pair for each column, q1_deg=THEIR NAME or q1_deg=@2",
                                 need.wanted.option));
   }
+  if (need.kind == TableKind::kTaught) {
+    return table.problem(
+        fmt::format("no line of it names a frame, a point and the readings of {} joints with "
+                    "their units{}",
+                    need.joints.types.size(), doubt),
+        fmt::format("a header such as Frame;Point;A1 [deg];..., or {} with a pair for each "
+                    "column, frame=THEIR NAME or frame=@1",
+                    need.wanted.option));
+  }
   return table.problem(
       "no line of it names joint readings and a position with their units" + doubt,
       fmt::format("a header such as Sweep;Point;A1 [deg];...;X [mm];Y [mm];Z [mm], or {} with a "

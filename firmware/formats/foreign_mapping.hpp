@@ -36,6 +36,7 @@ enum class TableKind : std::uint8_t {
   kMeasurements,  // readings and positions
   kJointLog,      // readings, perhaps names or times
   kPoints,        // positions, perhaps names or times
+  kTaught,        // readings, each with the frame and the point that it teaches
 };
 
 struct TableNeed {

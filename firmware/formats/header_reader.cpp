@@ -23,13 +23,16 @@ bool is_used(const ColumnMeaning& meaning, TableKind kind) {
   const bool joint = meaning.quantity.starts_with('q');
   const bool position = meaning.dimension != Dimension::kText && !joint &&
                         meaning.quantity != "sweep" && meaning.quantity != "target";
+  const bool frame = meaning.quantity == "frame";
   switch (kind) {
     case TableKind::kMeasurements:
       return !meaning.is_text();
     case TableKind::kJointLog:
-      return joint || meaning.is_text() || meaning.quantity == "target";
+      return joint || (meaning.is_text() && !frame) || meaning.quantity == "target";
     case TableKind::kPoints:
-      return position || meaning.is_text() || meaning.quantity == "target";
+      return position || (meaning.is_text() && !frame) || meaning.quantity == "target";
+    case TableKind::kTaught:
+      return joint || frame || meaning.quantity == "point";
   }
   return false;
 }
@@ -181,6 +184,10 @@ class HeaderReader {
         meaning = ColumnMeaning{
             .quantity = "target", .unit = {}, .dimension = Dimension::kInteger, .rank = 1};
       }
+      if (meaning && need_.kind == TableKind::kTaught && meaning->quantity == "name" &&
+          meaning->rank == kRankOfPoint) {
+        meaning = ColumnMeaning{.quantity = "point", .unit = {}, .dimension = Dimension::kText};
+      }
       if (meaning && is_used(*meaning, need_.kind)) take(*std::move(meaning), k, entries);
     }
   }
@@ -308,7 +315,11 @@ std::vector<std::string> needed_quantities(const TableNeed& need,
   }
   const bool by_ranges = std::ranges::any_of(
       columns, [](const MappedColumn& column) { return is_range(quantity_of(column.ours)); });
-  if (need.kind != TableKind::kJointLog && !by_ranges) names.insert(names.end(), {"x", "y", "z"});
+  if (need.kind == TableKind::kTaught) {
+    names.insert(names.end(), {"frame", "point"});
+  } else if (need.kind != TableKind::kJointLog && !by_ranges) {
+    names.insert(names.end(), {"x", "y", "z"});
+  }
   return names;
 }
 

@@ -154,7 +154,8 @@ bool is_number(std::string_view cell, char separator) {
 
 bool is_text_column(std::string_view ours) {
   const std::string_view quantity = quantity_of(ours);
-  constexpr std::array<std::string_view, 5> kTexts{"name", "group", "collection", "time", "date"};
+  constexpr std::array<std::string_view, 7> kTexts{"name", "group", "collection", "time",
+                                                   "date", "frame", "point"};
   return std::ranges::find(kTexts, quantity) != kTexts.end();
 }
 

@@ -12,7 +12,8 @@ namespace armsig::tool {
 // Whether a cell is a number, perhaps with a decimal comma where no comma separates columns.
 [[nodiscard]] bool is_number(std::string_view cell, char separator);
 
-// Whether a column of ours holds text: name, group, collection, time, date.
+// Whether a column of ours holds text: name, group, collection, time, date,
+// frame, point.
 [[nodiscard]] bool is_text_column(std::string_view ours);
 
 // The three columns that are numbers in every row, or the last three of four where the first of

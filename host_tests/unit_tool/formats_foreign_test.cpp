@@ -24,7 +24,7 @@ class Foreign : public testing::Test {
     std::filesystem::remove(path_, ignored);
   }
 
-  Read<MappedMeasurements> mapped(const std::string& text, const std::string& mapping = "auto",
+  Read<MappedTable> mapped(const std::string& text, const std::string& mapping = "auto",
                                   const StatedUnits& units = {}) {
     std::ofstream(path_, std::ios::binary) << text;
     return map_measurements(path_, mapping, kJoints, units);
