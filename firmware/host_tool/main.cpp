@@ -86,6 +86,7 @@ void add_commands(CLI::App& app, int& status) {
   add_predict(app, status);
   add_solve(app, status);
   add_compensate(app, status);
+  add_frames(app, status);
   add_check(app, status);
   add_suggest(app, status);
   add_evaluate(app, status);

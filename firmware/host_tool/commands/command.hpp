@@ -60,6 +60,7 @@ void add_plan(CLI::App& app, int& status);
 void add_predict(CLI::App& app, int& status);
 void add_solve(CLI::App& app, int& status);
 void add_compensate(CLI::App& app, int& status);
+void add_frames(CLI::App& app, int& status);
 void add_arms(CLI::App& app, int& status);
 void add_check(CLI::App& app, int& status);
 void add_suggest(CLI::App& app, int& status);

@@ -13,7 +13,7 @@ struct Example {
   std::string_view line;
 };
 
-inline constexpr std::array<Example, 31> kExamples{{
+inline constexpr std::array<Example, 32> kExamples{{
     {"demo", "armsig demo --out demo"},
     {"arms", "armsig arms --show ur10e"},
     {"simulate",
@@ -46,6 +46,7 @@ inline constexpr std::array<Example, 31> kExamples{{
     {"compensate",
      "armsig compensate --signature signature.yaml --poses part.csv --tool 0,0,120,0,0,0 --out "
      "corrected.csv"},
+    {"frames", "armsig frames --signature signature.yaml --points taught.csv"},
     {"evaluate",
      "armsig evaluate --arm demo/puma560.yaml --signature demo/robot1-encoder.yaml --truth "
      "demo/robot1-truth.yaml"},
