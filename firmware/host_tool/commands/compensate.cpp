@@ -120,6 +120,26 @@ std::vector<std::string> left_in_words(const std::vector<LeftAsItIs>& left,
   return words;
 }
 
+// For a person: neighbours with one reason are said at once, as in G-code of three axes.
+std::vector<std::string> left_in_runs(const std::vector<LeftAsItIs>& left, std::string_view place) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin < left.size();) {
+    std::size_t end = begin + 1;
+    while (end < left.size() && left[end].what == left[begin].what &&
+           left[end].line == left[end - 1].line + 1) {
+      ++end;
+    }
+    if (end - begin < 3) end = begin + 1;
+    const LeftAsItIs& first = left[begin];
+    words.push_back(end - begin == 1
+                        ? fmt::format("{} {}: {}; left as it is", place, first.line, first.what)
+                        : fmt::format("{}s {} to {}: {}; left as it is", place, first.line,
+                                      left[end - 1].line, first.what));
+    begin = end;
+  }
+  return words;
+}
+
 void warn_each(const std::string& file, const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) {
     complain("armsig: warning: {}: {}", file, warning);
@@ -236,18 +256,16 @@ Read<void> draw(const CompensateOptions& options, const Checked& checked) {
 Attempt<ExitStatus> check_alone(const CompensateOptions& options, const std::string& text,
                                 const Language& language, const ControllerView& view) {
   const Checked checked{arrivals_of(text, language, view), {}};
-  const auto left = left_in_words(checked.before.left, "line");
+  warn_each(options.into, left_in_runs(checked.before.left, "line"));
   if (checked.before.arrivals.empty()) {
-    warn_each(options.into, left);
     return no_answer(
         {options.into, 0, 0, "it has no target that both models reach", "a program with targets"});
   }
-  warn_each(options.into, left);
   if (auto drawn = draw(options, checked); !drawn) return std::unexpected(std::move(drawn).error());
   if (options.json) {
     nlohmann::ordered_json json{{"status", 0}, {"into", options.into}};
     json.update(json_of(checked, false));
-    json["left"] = left;
+    json["left"] = left_in_words(checked.before.left, "line");
     print_json(json);
   } else {
     print_check(checked, false);
@@ -260,7 +278,7 @@ void print_program(const CompensateOptions& options, const CorrectedProgram& pro
   const auto left = left_in_words(program.left, "line");
   const auto remarks = remarks_on(program.targets, "line");
   warn_each(options.into, remarks);
-  warn_each(options.into, left);
+  warn_each(options.into, left_in_runs(program.left, "line"));
   if (options.json) {
     nlohmann::ordered_json json{{"status", 0},
                                 {"into", options.into},
@@ -288,7 +306,7 @@ Attempt<ExitStatus> run_program(const CompensateOptions& options, const Controll
   Summary summary;
   for (const CorrectedTarget& target : program.targets) summary.add(target);
   if (summary.moved_m.count == 0) {
-    warn_each(options.into, left_in_words(program.left, "line"));
+    warn_each(options.into, left_in_runs(program.left, "line"));
     return no_answer({options.into, 0, 0, "none of its targets can be corrected",
                       "a program with targets that both models reach"});
   }
@@ -318,7 +336,7 @@ Attempt<ExitStatus> run_poses(const CompensateOptions& options, const SignatureR
   Summary summary;
   for (const CorrectedTarget& target : result.targets) summary.add(target);
   const auto left = left_in_words(result.left, "pose");
-  warn_each(options.poses, left);
+  warn_each(options.poses, left_in_runs(result.left, "pose"));
   if (summary.moved_m.count == 0) {
     return no_answer({options.poses, 0, 0, "none of its poses can be corrected",
                       "poses in the controller's base that both models reach"});

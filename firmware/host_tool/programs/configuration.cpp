@@ -93,10 +93,10 @@ Chosen chosen_readings(const ControllerView& controller, const Language& languag
   if (chosen.readings || (target.linear && !before.empty())) {
     return chosen.readings ? chosen : nearest_before(*all, before);
   }
-  chosen.why_not =
-      "the nominal model reaches it, but not with " + language.in_words(target.configuration) +
-      (target.linear ? ": --seed with the readings before it, as the controller takes the nearest"
-                     : ": is it the model of this arm, with --base and --flange?");
+  chosen.why_not = "the nominal model reaches it, but not with " +
+                   language.in_words(target.configuration) +
+                   ": is it the model of this arm, with --base and --flange?";
+  if (target.linear) chosen.why_not += " If so, --seed with the readings before it";
   return chosen;
 }
 

@@ -53,8 +53,7 @@ class FanucReader {
       const std::size_t end = std::min(plain.find('\n', begin), plain.size());
       std::size_t last = trimmed_bytes(plain, {begin, end}).end;
       if (last > begin && plain[last - 1] == ';') --last;
-      const std::size_t remark =
-          std::min(plain.find('!', begin), std::min(plain.find("//", begin), last));
+      const std::size_t remark = std::min({plain.find('!', begin), plain.find("//", begin), last});
       for (std::size_t k = remark; k < last; ++k) plain[k] = ' ';
       for (std::size_t at = plain.find('[', begin); at < last; at = plain.find('[', at + 1)) {
         const std::size_t close = std::min(plain.find(']', at), last);
