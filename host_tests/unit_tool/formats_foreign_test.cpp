@@ -25,7 +25,7 @@ class Foreign : public testing::Test {
   }
 
   Read<MappedTable> mapped(const std::string& text, const std::string& mapping = "auto",
-                                  const StatedUnits& units = {}) {
+                           const StatedUnits& units = {}) {
     std::ofstream(path_, std::ios::binary) << text;
     return map_measurements(path_, mapping, kJoints, units);
   }

@@ -29,7 +29,7 @@ struct OpenRows {
   JointTypes types;
   std::optional<SensorDescription> sensor;
   std::optional<std::uint32_t> sensor_crc32;  // of the content of its file
-  std::optional<MappedTable> mapped;   // by `source.columns`
+  std::optional<MappedTable> mapped;          // by `source.columns`
 };
 
 // Reads the sensor description and maps the columns, and says on standard error which of theirs
