@@ -9,6 +9,7 @@
 #include "core/identification.hpp"
 #include "firmware/analysis/evaluation/geometry_alone.hpp"
 #include "firmware/analysis/uncertainty/tool_covariance.hpp"
+#include "firmware/host_tool/identification/nominal_fit.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/refinement/candidates.hpp"
 #include "firmware/host_tool/refinement/refinement_words.hpp"
@@ -221,7 +222,10 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
   note_play(calibrated_.half_plays);
   note_vertical();
   if (start) return mixed_agree();
-  nominal_rms_m_ = calibrated_.nominal_rms_m;
+  // Over every row but the outliers: the start's own figure leaves out whatever it weighs little.
+  const auto drawn = nominal_residuals(nominal_, log_.observations(), log_.positions(), targets(),
+                                       receivers_, verdicts_);
+  if (drawn) nominal_rms_m_ = drawn->rms_m;
   return {};
 }
 
