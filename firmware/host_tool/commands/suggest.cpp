@@ -211,8 +211,11 @@ void print_suggested(const SuggestOptions& options, const SignatureRecord& recor
       table_of(suggested, record.signature.types),
       paragraph(fmt::format("The error is that of the tool after the pose, 1 sigma, RMS over the "
                             "joint limits less the margin of {}° and {} mm that every pose "
-                            "keeps.",
-                            options.margin_deg, options.margin_mm)));
+                            "keeps.{}",
+                            options.margin_deg, options.margin_mm,
+                            record.deflections ? " What the joint error maps leave open is not in "
+                                                 "it; identify states it."
+                                               : "")));
   say("{}\n",
       paragraph(fmt::format("Every pose and the way to it keep those limits, and: {}. Where "
                             "the straight way between two is not clear, the arm goes by "
