@@ -45,6 +45,18 @@ double MeasuredSweeps::missed_share() const {
   return sorted[sorted.size() / 2] / std::sqrt(std::max(spread_m2, 1e-12));
 }
 
+FixedVector<JointLimits, kMaxJoints> measured_reach(const MeasuredSweeps& measured) {
+  FixedVector<JointLimits, kMaxJoints> reach;
+  for (const MeasuredPose& row : measured.rows_located) {
+    for (std::size_t i = 0; i < row.q.size(); ++i) {
+      if (reach.size() == i) reach.push_back({row.q[i], row.q[i]});
+      reach[i].lower = std::min(reach[i].lower, row.q[i]);
+      reach[i].upper = std::max(reach[i].upper, row.q[i]);
+    }
+  }
+  return reach;
+}
+
 namespace {
 
 // Nothing where the row gives no position.
@@ -84,6 +96,12 @@ Read<MeasuredSweeps> read_measured_sweeps(const OpenRows& rows, const SignatureR
                 [&](const MeasurementRow& row, double scale) -> Read<void> {
                   if (const auto found = located(row, record.nominal, rows.sensor, scale)) {
                     measured.add(*found);
+                    measured.rows_located.push_back({.line = row.line,
+                                                     .sweep = row.sweep,
+                                                     .target = row.target,
+                                                     .q = row.q,
+                                                     .p_S = found->p_S,
+                                                     .covariance_m2 = found->covariance_m2});
                     compare(row, *found);
                   } else {
                     ++measured.not_located;
