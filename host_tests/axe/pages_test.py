@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Barriers in the report, its page to sign and the live page: pages_test.py ARMSIG ARMSIGD CONFIGURATION AXE
+"""Barriers in the report, its certificate and the live page: pages_test.py ARMSIG ARMSIGD CONFIGURATION AXE
 
 axe-core looks at each page in Chromium, on a desk and on a phone, light and dark; what it calls serious or critical fails.
 """
@@ -65,7 +65,7 @@ class Barriers(unittest.TestCase):
         tab = self.open("data:text/html,<title>x</title><main><h1>x</h1><img src='data:,'><p style='color:%23eee'>pale</p></main>", "true")
         self.assertEqual({name for _, name, _ in self.serious(tab)} & {"image-alt", "color-contrast"}, {"image-alt", "color-contrast"})
 
-    def test_are_not_in_the_report_and_its_page_to_sign(self):
+    def test_are_not_in_the_report_and_its_certificate(self):
         self.run_armsig("simulate", "--arm", "ur10e", "--tolerances", "1", "--sigma-mm", "0.1", "--free-poses", "30", "--out", "m.csv")
         self.run_armsig("identify", "--arm", "ur10e", "--measurements", "m.csv", "--out", "s.yaml")
         self.run_armsig("report", "--signature", "s.yaml", "--measurements", "m.csv", "--operator", "A. Smith", "--out", "r.html")

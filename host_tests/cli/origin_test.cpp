@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A signature knows the measurements that it was found from: no page to sign is of others, and no
+// A signature knows the measurements that it was found from: no certificate is of others, and no
 // row that was fitted checks the fit.
 #include <algorithm>
 

@@ -194,12 +194,18 @@ class ReportPage(unittest.TestCase):
         for improvement in evaluated["improvement"]:
             self.assertIn(f"{improvement:.1f} ×", self.page.ids["grid"])
 
-    def test_has_a_page_to_sign(self):
+    def test_has_a_certificate(self):
         told = self.data["certificate"]
         known = [source["sigma_m"] for source in told["sources"] if source["sigma_m"] is not None]
         self.assertAlmostEqual(math.hypot(*known), told["combined_m"], delta=1e-12)
         self.assertAlmostEqual(told["combined_m"], self.data["map"]["predicted_rms_m"], delta=1e-12)
-        self.assertIn(f"{2e3 * told['combined_m']:.3f} mm", self.page.ids["budget"])
+        expanded = told["expanded"]
+        self.assertIn(f"{1e3 * expanded['length_m']:.3f} mm", self.page.ids["budget"])
+        self.assertIn("coverage probability 95 %", self.page.ids["budget"])
+        self.assertAlmostEqual(expanded["length_m"], expanded["factor"] * told["combined_m"], delta=1e-12)
+        # Of a length that has one direction, and of one that has three alike: nothing is outside of these.
+        self.assertTrue(1.6140 <= expanded["factor"] <= 1.9600, expanded)
+        self.assertIn(f"k = {expanded['factor']:.2f}", self.page.ids["coverage"])
         for source in ("Repeatability of the arm", "Temperature", "Scale of the instrument"):
             self.assertIn(source, self.page.ids["budget"])
         self.assertIn("RP): not measured", self.page.ids["accuracy"])
@@ -214,8 +220,9 @@ class ReportPage(unittest.TestCase):
         run(*words)
         page, console = opened(os.path.abspath("signed.html"), NO_WEBGL)
         self.assertEqual(console, [])
-        for name in ("A. Smith & Sons", "AT960 <tracker>", "4711", "20195"):
-            self.assertIn(name, page.ids["certificate-about"])
+        for name, place in (("A. Smith & Sons", "about"), ("20195", "about"), ("AT960 <tracker>", "instrument"), ("4711", "instrument")):
+            self.assertIn(name, page.ids[f"certificate-{place}"])
+        self.assertIn("not traceable", page.ids["traceability"])
         with open("signed.html") as file:
             told = json.loads(re.search(r'id="report">(.*?)</script>', file.read(), re.S)[1])["certificate"]
         by_source = {source["source"]: source["sigma_m"] for source in told["sources"]}
@@ -254,8 +261,68 @@ class ReportPage(unittest.TestCase):
             self.assertRegex(cells[1], "[†*]$")
             self.assertEqual(cells[5], "")
         self.assertIn("where the line of a slide is put", page.ids["parameter-notes"])
-        self.assertIn("left out of the fit are", page.ids["sentences"])  # poses beside the sweeps: for good, not in turn
+        self.assertIn("30 validation poses, which no fit has used", page.ids["sentences"])  # for good, not in turn
         self.assertIn("positions left out of the fit, one visit each", page.ids["accuracy"])
+
+    def free_poses(self):
+        """Free poses of a simulated arm with noise of 0.1 mm, one of them 3 mm off: the data of the page, and the page."""
+        run("simulate", "--arm", "ur10e", "--tolerances", "1", "--sigma-mm", "0.1", "--free-poses", "120", "--out", "drawn.csv")
+        with open("drawn.csv", newline="") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        with open("free.csv", "w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0].keys())
+            writer.writeheader()
+            free = [row for row in rows if row["sweep"] == "0"]
+            free[49]["x_mm"] = str(float(free[49]["x_mm"]) + 3)
+            writer.writerows(free)
+        self.assertEqual(len(free), 120)
+        identified = json.loads(run("identify", "--json", "--arm", "ur10e", "--measurements", "free.csv", "--out", "free.yaml"))
+        run("report", "--signature", "free.yaml", "--measurements", "free.csv", "--laboratory", "Laboratory, Street 1", "--customer", "Works",
+            "--place", "Hall 3", "--measured-on", "2026-11-20", "--conditions", "1.2 kg", "--certificate-number", "K-1",
+            "--instrument-certificate", "D-4711", "--out", "free.html")
+        page, console = opened(os.path.abspath("free.html"), NO_WEBGL)
+        self.assertEqual(console, [])
+        with open("free.html") as file:
+            return json.loads(re.search(r'id="report">(.*?)</script>', file.read(), re.S)[1]), page, identified
+
+    def test_shows_free_poses_one_by_one(self):
+        data, page, identified = self.free_poses()
+        poses = data["poses"]
+        self.assertEqual(len(poses["poses"]), 120)
+        self.assertEqual([pose["line"] for pose in poses["poses"] if pose["outlier"]], [51])  # below the header
+        lengths = [math.hypot(*pose["e"]) for pose in poses["poses"]]
+        self.assertAlmostEqual(math.sqrt(sum(length ** 2 for length in lengths) / 120), poses["signature"]["rms_m"], delta=1e-8)
+        histogram = poses["histogram"]
+        self.assertEqual(histogram["counts"], [float(sum(1 for length in lengths if min(36, length // histogram["bin_m"]) == k)) for k in range(37)])
+        self.assertAlmostEqual(sum(histogram["expected"]), 120, delta=1e-6)
+        worst = [(attributes["data-line"], cells) for attributes, cells in page.rows if "data-line" in attributes]
+        self.assertEqual(len(worst), 10)
+        self.assertEqual(worst[0][0], "51")
+        self.assertIn("outlier", worst[0][1])
+        self.assertEqual([number(cells[1]) for _, cells in worst], sorted((number(cells[1]) for _, cells in worst), reverse=True))
+        self.assertNotIn("sweeps", page.ids)
+        # One figure stands for the signature, and it is the one that identify prints.
+        figure = identified["cross_validation"]["rms_m"]
+        self.assertEqual([pose["line"] for pose in poses["poses"] if pose["outlier"]], identified["refinement"]["rejected_lines"])
+        self.assertAlmostEqual(poses["nominal"]["rms_m"], identified["refinement"]["nominal_rms_m"], delta=1e-12)
+        self.assertAlmostEqual(data["verdict"]["validation"]["rms_m"], figure, delta=1e-12)
+        self.assertIn(f"{1e3 * figure:.3f} mm" if figure < 1e-3 else f"{1e3 * figure:.2f} mm", page.ids["headline"])
+        self.assertEqual(len(page.ids["other-figures-table"].split("mm")) - 1, len(data["verdict"]["other_figures"]))
+
+    def test_has_a_certificate_with_what_each_sheet_has_to_say(self):
+        _, page, _ = self.free_poses()
+        for name, place in (("Laboratory, Street 1", "about"), ("Works", "about"), ("Hall 3", "about"), ("2026-11-20", "about"),
+                            ("1.2 kg", "conditions"), ("D-4711", "instrument"), ("free.csv: 120 rows", "origin")):
+            self.assertIn(name, page.ids[f"certificate-{place}"])
+        self.assertIn("traceable to the metre", page.ids["traceability"])
+        sheets = page.ids["sheets"]
+        pages = re.findall(r"Calibration certificate K-1, UR10e\s*page (\d) of (\d)", sheets)
+        self.assertGreaterEqual(len(pages), 2)
+        self.assertEqual(pages, [(str(k + 1), str(len(pages))) for k in range(len(pages))])
+        self.assertTrue(sheets.index("End of the certificate") > sheets.index("Authorised by"))
+        self.assertIn("Before: nominal parameters", page.ids["adjustment"])
+        self.assertIn("After: parameters of the signature", page.ids["adjustment"])
+        self.assertIn("joint 1 beyond", page.ids["not-measured"])
 
     def test_takes_no_serial_number_but_the_signatures(self):
         run("identify", "--arm", "demo/puma560.yaml", "--measurements", "demo/robot1-measurements.csv", "--sensor",
@@ -291,8 +358,8 @@ class ReportPage(unittest.TestCase):
         self.assertIn("disk is mounted off its centre", page.ids["sweeps"])
         self.assertIn("encoder of joint 4", page.ids["next-steps"])
 
-    def test_has_no_page_to_sign_of_other_measurements(self):
-        self.assertIn("robot1-measurements.csv: 720 rows, CRC-32 of the rows 0x", self.page.ids["certificate-about"])
+    def test_has_no_certificate_of_other_measurements(self):
+        self.assertIn("robot1-measurements.csv: 720 rows, CRC-32 of the rows 0x", self.page.ids["certificate-origin"])
         run("simulate", "--arm", "demo/puma560.yaml", "--truth", "demo/robot1-truth.yaml", "--sensor", "demo/sensor.yaml", "--seed",
             "9", "--out", "later.csv")
         run("report", "--signature", "demo/robot1-encoder.yaml", "--measurements", "later.csv", "--sensor", "demo/sensor.yaml",
@@ -302,14 +369,14 @@ class ReportPage(unittest.TestCase):
         words = "later.csv holds other measurements than robot1-measurements.csv"
         self.assertIn(words, page.ids["warnings"])
         self.assertIn(words, page.ids["certificate-section"])
-        self.assertIn("No page to sign", page.ids["certificate-section"])
+        self.assertIn("No certificate", page.ids["certificate-section"])
         self.assertNotIn("certificate-about", page.ids)
 
     def test_does_without_measurements(self):
         run("report", "--signature", "demo/robot2-encoder.yaml", "--out", "bare.html")
         page, console = opened(os.path.abspath("bare.html"), WEBGL)
         self.assertEqual(console, [])
-        self.assertIn("by the arm signature by about", page.ids["headline"])
+        self.assertRegex(page.ids["headline"], r"^At validation poses the tool is [0-9.]+ mm from where the arm signature puts it\.$")
         self.assertIn("--measurements", page.ids["sweeps"])
 
 

@@ -2,6 +2,8 @@
 // armsig report: a signature for the eye.
 #include "firmware/host_tool/report/report.hpp"
 
+#include <array>
+
 #include <fmt/core.h>
 
 #include "firmware/formats/characters.hpp"
@@ -24,11 +26,23 @@ struct ReportOptions : CommonOptions {
   std::string out;
 };
 
+std::array<std::pair<const char*, const std::string*>, 11> named_options(
+    const CertificateNames& names) {
+  return {{{"--serial", &names.serial},
+           {"--certificate-number", &names.number},
+           {"--laboratory", &names.laboratory},
+           {"--customer", &names.customer},
+           {"--place", &names.place},
+           {"--measured-on", &names.measured_on},
+           {"--conditions", &names.conditions},
+           {"--operator", &names.operator_name},
+           {"--instrument", &names.instrument},
+           {"--instrument-serial", &names.instrument_serial},
+           {"--instrument-certificate", &names.instrument_certificate}}};
+}
+
 Read<void> check_names(const CertificateNames& names, const SignatureRecord& record) {
-  for (const auto& [option, text] :
-       {std::pair{"--serial", &names.serial}, std::pair{"--operator", &names.operator_name},
-        std::pair{"--instrument", &names.instrument},
-        std::pair{"--instrument-serial", &names.instrument_serial}}) {
+  for (const auto& [option, text] : named_options(names)) {
     if (auto good = check_option_text(option, *text); !good) return good;
   }
   if (!names.serial.empty() && !record.serial.empty() && names.serial != record.serial) {
@@ -51,15 +65,15 @@ Read<void> check_measurements(const ReportFiles& files, const ReportInput& input
       "the measurements that the signature was found from, in the units of their header"});
 }
 
-// A page to sign is of the measurements that the signature was found from.
+// A certificate is of the measurements that the signature was found from.
 Read<void> check_nothing_to_sign(const CertificateNames& names, const ReportInput& input) {
   if (input.certifies() || names.empty()) return {};
   std::string words = other_measurements_in_words(input);  // a sentence, which names the file
   words.pop_back();
   return std::unexpected(
       Problem{"", 0, 0, std::move(words),
-              "the measurements that it was found from; without --operator, --instrument and "
-              "--instrument-serial the page is written, and is none to sign"});
+              "the measurements that it was found from; without --operator, --instrument and the "
+              "other options of the certificate the page is written, and has none"});
 }
 
 // Compared with the truth of another arm nothing of the report holds.
@@ -122,6 +136,25 @@ int run(const ReportOptions& options) {
   return kDone;
 }
 
+void add_names(CLI::App& command, CertificateNames& names) {
+  command.add_option("--operator", names.operator_name, "who measured, for the certificate");
+  command.add_option("--instrument", names.instrument, "what it was measured with");
+  command.add_option("--instrument-serial", names.instrument_serial, "its serial number");
+  command.add_option("--instrument-certificate", names.instrument_certificate,
+                     "number and date of its calibration certificate, by which the lengths are "
+                     "traceable");
+  command.add_option("--serial", names.serial,
+                     "serial number of the arm, where the signature has none");
+  command.add_option("--certificate-number", names.number,
+                     "number of the certificate (default: the CRC-32 of the signature)");
+  command.add_option("--laboratory", names.laboratory, "who issues it: name and address");
+  command.add_option("--customer", names.customer, "whom it is issued to: name and address");
+  command.add_option("--place", names.place, "where the arm was measured");
+  command.add_option("--measured-on", names.measured_on, "day or days of the measurements");
+  command.add_option("--conditions", names.conditions,
+                     "load, warm-up, temperature and whatever else influences the result");
+}
+
 }  // namespace
 
 void add_report(CLI::App& app, int& status) {
@@ -130,16 +163,11 @@ void add_report(CLI::App& app, int& status) {
       app.add_subcommand("report", "a page that shows the signature (HTML, readable offline)");
   command->add_option("--signature", options->files.signature, "signature (YAML)")->required();
   add_measurement_options(*command, options->files.rows,
-                          "what it was identified from (CSV): adds the sweeps; with other "
-                          "measurements the page says so, and is none to sign");
+                          "what it was identified from (CSV): adds sweeps and free poses; with "
+                          "other measurements the page says so, and has no certificate");
   command->add_option("--truth", options->files.truth,
                       "exact signature of the arm (YAML), where it is simulated");
-  CertificateNames& names = options->names;
-  command->add_option("--operator", names.operator_name, "who measured, for the page to sign");
-  command->add_option("--instrument", names.instrument, "what it was measured with");
-  command->add_option("--instrument-serial", names.instrument_serial, "its serial number");
-  command->add_option("--serial", names.serial,
-                      "serial number of the arm, where the signature has none");
+  add_names(*command, options->names);
   command->add_option("-o,--out", options->out, "page to write (HTML)")->required();
   add_common(*command, *options);
   command->callback([options, &status] { status = run(*options); });

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/core.h>
 
@@ -10,6 +11,7 @@
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
+#include "firmware/host_tool/report/coverage.hpp"
 #include "firmware/host_tool/report/verdict.hpp"
 
 namespace armsig::tool {
@@ -61,6 +63,32 @@ void add_scatter(const SignatureRecord& record, double predicted_m, UncertaintyB
   budget.sources.push_back({"Model", shown, std::sqrt(in_each_pose + (1 - share) * by_the_fit)});
 }
 
+std::optional<ExpandedUncertainty> expanded(const SignatureRecord& record, double combined_m,
+                                            const ToolErrorMap& map) {
+  std::vector<Vector3> variances;
+  double sum_m2 = 0;
+  for (const ToolErrorAt& at : map.points) {
+    if (!at.predicted_m) return std::nullopt;
+    variances.push_back(at.variances_m2);
+    sum_m2 += at.variances_m2.sum();
+  }
+  if (!(sum_m2 > 0)) return std::nullopt;
+  const double rms_m = std::sqrt(sum_m2 / static_cast<double>(variances.size()));
+  const UnitLength unit(record.noise_freedom);
+  ExpandedUncertainty result;
+  result.probability = kCoverageProbability;
+  result.factor = coverage_length(unit, variances, result.probability) / rms_m;
+  result.factor_per_axis = result.factor * std::numbers::sqrt3;
+  result.length_m = result.factor * combined_m;
+  const double twice_m = 2 * rms_m / std::numbers::sqrt3;
+  for (const Vector3& each : variances) {
+    result.probability_at_2 += probability_below(unit, each, twice_m);
+  }
+  result.probability_at_2 /= static_cast<double>(variances.size());
+  result.freedom = record.noise_freedom;
+  return result;
+}
+
 std::string range_in_words(JointType type, double lower, double upper) {
   const bool turns = type == JointType::kRevolute;
   const double unit = turns ? degrees(1) : 1e3;
@@ -70,6 +98,28 @@ std::string range_in_words(JointType type, double lower, double upper) {
   return words;
 }
 
+// The readings of a joint that had a part in the signature: of its sweeps, and of free poses where
+// the method uses them.
+std::optional<JointLimits> reach_of(const SignatureRecord& record,
+                                    const std::vector<SweepPicture>& sweeps,
+                                    const FixedVector<JointLimits, kMaxJoints>& mixed_reach,
+                                    std::size_t joint) {
+  std::optional<JointLimits> reach;
+  const auto widen = [&](double lower, double upper) {
+    if (!reach) reach = JointLimits{lower, upper};
+    reach->lower = std::min(reach->lower, lower);
+    reach->upper = std::max(reach->upper, upper);
+  };
+  for (const SweepPicture& sweep : sweeps) {
+    const features::SweepQuality& quality = sweep.feature.quality;
+    if (sweep.joint == joint) widen(quality.lowest_reading, quality.highest_reading);
+  }
+  if (record.method == "refined" && joint < mixed_reach.size()) {
+    widen(mixed_reach[joint].lower, mixed_reach[joint].upper);
+  }
+  return reach;
+}
+
 }  // namespace
 
 UncertaintyBudget uncertainty_budget(const SignatureRecord& record,
@@ -77,6 +127,7 @@ UncertaintyBudget uncertainty_budget(const SignatureRecord& record,
   UncertaintyBudget budget;
   if (map && map->predicted_rms_m) {
     budget.combined_m = map->predicted_rms_m;
+    budget.expanded = expanded(record, *map->predicted_rms_m, *map);
     add_scatter(record, *map->predicted_rms_m, budget);
   }
   budget.sources.push_back(
@@ -93,6 +144,46 @@ UncertaintyBudget uncertainty_budget(const SignatureRecord& record,
   budget.sources.push_back(
       {"Scale of the instrument", "by its own calibration certificate; not in this", {}});
   return budget;
+}
+
+std::vector<AdjustmentLine> before_and_after(const SignatureRecord& record,
+                                             const std::optional<ToolErrorMap>& map,
+                                             const std::optional<PoseResiduals>& poses) {
+  std::vector<AdjustmentLine> lines;
+  const std::string nominal = "Before: nominal parameters";
+  if (poses && poses->fitted && poses->nominal) {
+    const ResidualSummary& found = *poses->nominal;
+    lines.push_back(
+        {nominal,
+         fmt::format("measured at {} free poses, base and tool fitted to them", found.rows),
+         found.mean_m, found.rms_m, found.largest_m});
+  } else if (map) {
+    lines.push_back({nominal,
+                     fmt::format("computed over {}: distance of the nominal model, base and tool "
+                                 "fitted, from the signature",
+                                 map->over),
+                     {},
+                     map->nominal_rms_m,
+                     {}});
+  }
+  const std::string adjusted = "After: parameters of the signature";
+  if (const auto figure = validation_figure(record)) {
+    const bool with_mean = record.fit && record.fit->left_out;
+    lines.push_back({adjusted,
+                     "measured at " + poses_in_words(*figure),
+                     with_mean ? std::optional(record.fit->left_out->mean_m) : std::nullopt,
+                     figure->rms_m,
+                     {}});
+  } else if (map && map->predicted_rms_m) {
+    lines.push_back({adjusted,
+                     fmt::format("predicted over {}, one standard deviation; no validation poses "
+                                 "were measured",
+                                 map->over),
+                     {},
+                     *map->predicted_rms_m,
+                     {}});
+  }
+  return lines;
 }
 
 std::vector<std::string> accuracy_in_words(const SignatureRecord& record) {
@@ -112,7 +203,7 @@ std::vector<std::string> accuracy_in_words(const SignatureRecord& record) {
         fmt::format("Positioning accuracy: at {} one visit each, the signature puts the target {} "
                     "off, root mean square, the sensor's scatter included. ISO 9283 has AP for the "
                     "barycentre of 30 visits to each of five poses: this is not AP.",
-                    validation_poses_in_words(*validated), stated_mm(validated->rms_m)));
+                    poses_in_words(*validation_figure(record)) + ",", stated_mm(validated->rms_m)));
   } else {
     words.emplace_back("Positioning accuracy (ISO 9283: AP): no validation poses were measured.");
   }
@@ -137,22 +228,17 @@ std::vector<std::string> not_measured(const SignatureRecord& record,
       "Other loads than that under which it was measured, and other temperatures.",
       "The orientation of the tool: the target is a point, its orientation follows from the axes."};
   std::vector<std::string> joints;
-  for (const SweepPicture& sweep : sweeps) {
-    if (sweep.joint >= record.nominal.limits.size()) continue;
-    const JointLimits& limits = record.nominal.limits[sweep.joint];
-    const features::SweepQuality& quality = sweep.feature.quality;
-    JointLimits reach{quality.lowest_reading, quality.highest_reading};
-    if (record.method == "refined" && sweep.joint < mixed_reach.size()) {
-      reach.lower = std::min(reach.lower, mixed_reach[sweep.joint].lower);
-      reach.upper = std::max(reach.upper, mixed_reach[sweep.joint].upper);
-    }
-    const JointType type = sweep.feature.type;
+  for (std::size_t joint = 0; joint < record.nominal.limits.size(); ++joint) {
+    const auto reach = reach_of(record, sweeps, mixed_reach, joint);
+    if (!reach) continue;
+    const JointLimits& limits = record.nominal.limits[joint];
+    const JointType type = record.signature.types[joint];
     const double near = type == JointType::kRevolute ? kAtLimit_rad : kAtLimit_m;
-    const bool whole_turn = is_endless(limits) && reach.upper - reach.lower > 2 * kPi - near;
+    const bool whole_turn = is_endless(limits) && reach->upper - reach->lower > 2 * kPi - near;
     if (whole_turn) continue;
-    if (reach.lower < limits.lower + near && reach.upper > limits.upper - near) continue;
-    joints.push_back(fmt::format("joint {} beyond {}", sweep.joint + 1,
-                                 range_in_words(type, reach.lower, reach.upper)));
+    if (reach->lower < limits.lower + near && reach->upper > limits.upper - near) continue;
+    joints.push_back(fmt::format("joint {} beyond {}", joint + 1,
+                                 range_in_words(type, reach->lower, reach->upper)));
   }
   if (!joints.empty()) {
     words.push_back(

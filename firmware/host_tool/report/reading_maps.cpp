@@ -16,6 +16,8 @@ using calibration::ArmModel;
 
 constexpr int kConfigurations = 200;
 constexpr int kPoints = 240;  // of a curve
+// Of the readings measured: how far a curve goes on beyond them, on either side.
+constexpr double kBeside = 0.08;
 
 // The tool, or the last link's origin.
 Target tool_of(const Signature& signature) {
@@ -38,8 +40,11 @@ ReadingMapPicture curve_of(const SignatureRecord& record, std::size_t joint) {
   picture.type = model.type;
   picture.covered = covered_by(record, joint);
   const JointLimits limits = finite_range(record.nominal.limits[joint]);
-  const double from = std::min(limits.lower, picture.covered.lower);
-  const double to = std::max(limits.upper, picture.covered.upper);
+  const double beside = kBeside * (picture.covered.upper - picture.covered.lower);
+  const double from =
+      std::max(std::min(limits.lower, picture.covered.lower), picture.covered.lower - beside);
+  const double to =
+      std::min(std::max(limits.upper, picture.covered.upper), picture.covered.upper + beside);
   for (int k = 0; k <= kPoints; ++k) {
     ReadingMapPoint point;
     point.reading = from + (to - from) * k / kPoints;

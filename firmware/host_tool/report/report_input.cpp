@@ -51,19 +51,19 @@ std::string other_measurements_in_words(const ReportInput& input) {
     return fmt::format(
         "The signature does not say which measurements it was found from. Whether they are those "
         "of "
-        "{} is not known, and there is no page to sign.",
+        "{} is not known, and there is no certificate.",
         file);
   }
   const std::string origin = name_of(input.record.origin->measurements);
   if (match.same_rows) {
     return fmt::format(
         "The ranges of {} are those that the signature was found from, by another sensor "
-        "description. There is no page to sign.",
+        "description. There is no certificate.",
         file);
   }
   return fmt::format(
       "{} holds other measurements than {}, from which the signature was found: it was fitted to "
-      "{}. They are shown beside the signature, and there is no page to sign.",
+      "{}. They are shown beside the signature, and there is no certificate.",
       file, origin, fitted_in_words(match));
 }
 

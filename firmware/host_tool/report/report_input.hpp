@@ -32,7 +32,7 @@ struct ReportInput {
   std::optional<SignatureRecord> truth;  // where the arm is simulated
   CertificateNames names;
 
-  // The page to sign is of the rows that the signature was found from: with others there is none.
+  // The certificate is of the rows that the signature was found from: with others there is none.
   [[nodiscard]] bool certifies() const { return !measured || measured->match.is_origin(); }
 };
 

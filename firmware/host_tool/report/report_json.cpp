@@ -7,7 +7,9 @@
 #include "firmware/host_tool/presentation/differences.hpp"
 #include "firmware/host_tool/presentation/signature_tables.hpp"
 #include "firmware/host_tool/report/arm_drawing.hpp"
+#include "firmware/host_tool/report/certificate_json.hpp"
 #include "firmware/host_tool/report/grid_task.hpp"
+#include "firmware/host_tool/report/poses_json.hpp"
 #include "firmware/host_tool/report/reading_maps.hpp"
 #include "firmware/host_tool/report/report.hpp"
 #include "firmware/host_tool/report/sweep_picture.hpp"
@@ -57,6 +59,8 @@ Json about_json(const ReportInput& input) {
              {"version", record.version},
              {"air_c", or_null(record.air_c)},
              {"sigma_m", or_null(record.sigma_m)},
+             {"noise_m", record.sigma_m ? Json(std::hypot(*record.sigma_m, record.unexplained_m))
+                                        : Json(nullptr)},
              {"warnings", record.warnings},
              {"signature", source_json(input.signature)}};
   about["origin"] = record.origin ? origin_json(*record.origin) : Json(nullptr);
@@ -177,11 +181,13 @@ Json map_json(const ToolErrorMap& map) {
     Json point = rounded_place(at.p_S);
     point.push_back(rounded(at.drawing_m, 1e-8));
     point.push_back(at.predicted_m ? Json(rounded(*at.predicted_m, 1e-9)) : Json(nullptr));
+    point.push_back(at.measured ? 1 : 0);
     points.push_back(std::move(point));
   }
   return {{"nominal_rms_m", map.nominal_rms_m},
           {"over", map.over},
           {"predicted_rms_m", or_null(map.predicted_rms_m)},
+          {"predicted_over_limits_m", or_null(map.predicted_over_limits_m)},
           {"true_nominal_rms_m", or_null(map.true_nominal_rms_m)},
           {"true_rms_m", or_null(map.true_rms_m)},
           {"joint_share", map.joint_share},
@@ -212,30 +218,21 @@ Json reading_maps_json(const ReadingMaps& maps) {
           {"joints", std::move(joints)}};
 }
 
-Json certificate_json(const ReportInput& input, const std::vector<SweepPicture>& sweeps,
-                      const std::optional<ToolErrorMap>& map) {
-  const UncertaintyBudget budget = uncertainty_budget(input.record, map);
-  Json sources = Json::array();
-  for (const UncertaintySource& source : budget.sources) {
-    sources.push_back(
-        {{"source", source.source}, {"basis", source.basis}, {"sigma_m", or_null(source.sigma_m)}});
+Json figures_json(const std::vector<ErrorFigure>& figures) {
+  Json list = Json::array();
+  for (const ErrorFigure& figure : figures) {
+    list.push_back({{"name", figure.name}, {"over", figure.over}, {"rms_m", figure.rms_m}});
   }
-  const CertificateNames& names = input.names;
-  return {{"serial", input.record.serial.empty() ? names.serial : input.record.serial},
-          {"operator", names.operator_name},
-          {"instrument", names.instrument},
-          {"instrument_serial", names.instrument_serial},
-          {"sources", std::move(sources)},
-          {"combined_m", or_null(budget.combined_m)},
-          {"over", map ? map->over : ""},
-          {"accuracy", accuracy_in_words(input.record)},
-          {"not_measured", not_measured(input.record, sweeps,
-                                        input.measured ? input.measured->mixed_reach
-                                                       : FixedVector<JointLimits, kMaxJoints>())}};
+  return list;
 }
 
 Json verdict_json(const Verdict& verdict) {
   return {{"headline", verdict.headline},
+          {"before_after", figures_json(verdict.before_after)},
+          {"validation", verdict.validation ? Json{{"rms_m", verdict.validation->rms_m},
+                                                   {"poses", verdict.validation->poses}}
+                                            : Json(nullptr)},
+          {"other_figures", figures_json(verdict.others)},
           {"sentences", verdict.sentences},
           {"next_steps", verdict.next_steps}};
 }
@@ -258,11 +255,15 @@ nlohmann::ordered_json report_json(const ReportInput& input) {
   const SignatureRecord& record = input.record;
   const auto estimate = estimate_behind(record);
   const std::vector<SweepPicture> sweeps = pictures(input);
-  const auto map = tool_error_map(record, estimate.get(), input.truth);
+  const auto reach =
+      input.measured ? measured_reach(*input.measured) : FixedVector<JointLimits, kMaxJoints>();
+  const auto map = tool_error_map(record, estimate.get(), input.truth, reach);
+  const auto poses = input.measured ? pose_residuals(record, *input.measured, estimate.get())
+                                    : std::optional<PoseResiduals>();
   const auto task = grid_task(record, estimate.get(), input.truth);
 
   Json report{{"about", about_json(input)},
-              {"verdict", verdict_json(verdict(record, sweeps, map))},
+              {"verdict", verdict_json(verdict(record, sweeps, map, poses))},
               {"arm", arm_json(record)},
               {"parameters", parameters_json(record, estimate.get())}};
   const auto differences = difference_table(record, estimate.get());
@@ -272,7 +273,9 @@ nlohmann::ordered_json report_json(const ReportInput& input) {
   report["sweeps"] = std::move(sweep_list);
   const auto maps = reading_maps(record);
   report["reading_maps"] = maps ? reading_maps_json(*maps) : Json(nullptr);
-  report["certificate"] = input.certifies() ? certificate_json(input, sweeps, map) : Json(nullptr);
+  report["poses"] = poses ? poses_json(*poses) : Json(nullptr);
+  report["certificate"] =
+      input.certifies() ? certificate_json(input, sweeps, map, poses) : Json(nullptr);
   report["map"] = map ? map_json(*map) : Json(nullptr);
   report["grid"] = nullptr;
   if (task) {

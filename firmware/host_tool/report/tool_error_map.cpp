@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 #include "core/base/low_discrepancy.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "firmware/analysis/differences/differences.hpp"
@@ -123,11 +125,50 @@ void compare_with_truth(const SignatureRecord& record, const Arm& drawing,
   map.true_rms_m = std::sqrt(squares / kRmsConfigurations);
 }
 
+Vector3 principal_variances(const Matrix3& covariance_m2) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3> axes(covariance_m2, Eigen::EigenvaluesOnly);
+  return axes.eigenvalues().cwiseMax(0);
+}
+
+// Whether each joint reads what it has read before: revolute joints on whichever turn.
+bool is_within(const FixedVector<JointLimits, kMaxJoints>& reach, const JointTypes& types,
+               const JointVector& q) {
+  if (reach.size() != q.size()) return true;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const auto& [lower, upper] = reach[i];
+    double reading = q[i];
+    if (types[i] == JointType::kRevolute) {
+      reading = lower + std::fmod(std::fmod(q[i] - lower, 2 * kPi) + 2 * kPi, 2 * kPi);
+    }
+    if (reading < lower || reading > upper) return false;
+  }
+  return true;
+}
+
+// The signature's error over the region, over all that the limits allow, and by joint.
+void predict(const SignatureRecord& record, const calibration::Refined* estimate,
+             PredictedRegion region, const FixedVector<JointLimits, kMaxJoints>& limits,
+             std::size_t tool, ToolErrorMap& map) {
+  const auto& predicted = record.accuracy.predicted;
+  if (predicted && predicted->region == region) map.predicted_rms_m = predicted->rms_m;
+  if (estimate != nullptr) {
+    if (!map.predicted_rms_m) {
+      map.predicted_rms_m = uncertainty::predicted_rms(*estimate, limits, tool);
+    }
+    if (region == PredictedRegion::kMeasuredReadings) {
+      map.predicted_over_limits_m =
+          uncertainty::predicted_rms(*estimate, record.nominal.limits, tool);
+    }
+    map.joint_share = joint_share(record, limits, *estimate, tool);
+  }
+}
+
 }  // namespace
 
 std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
                                            const calibration::Refined* estimate,
-                                           const std::optional<SignatureRecord>& truth) {
+                                           const std::optional<SignatureRecord>& truth,
+                                           const FixedVector<JointLimits, kMaxJoints>& measured) {
   const auto tool = tool_target(record.signature);
   if (!tool || record.nominal.limits.size() != record.signature.joint_count()) return std::nullopt;
   const Signature& signature = record.signature;
@@ -145,20 +186,15 @@ std::optional<ToolErrorMap> tool_error_map(const SignatureRecord& record,
     at.drawing_m = (drawn_target_at(drawn, target.number, drawing, q) - at.p_S).norm();
     squares += at.drawing_m * at.drawing_m;
     if (n > kMapPoints) continue;
+    at.measured = is_within(measured, signature.types, q);
     if (estimate != nullptr) {
-      at.predicted_m = std::sqrt(uncertainty::tool_covariance(*estimate, q, *tool).trace());
+      at.variances_m2 = principal_variances(uncertainty::tool_covariance(*estimate, q, *tool));
+      at.predicted_m = std::sqrt(at.variances_m2.sum());
     }
     map.points.push_back(at);
   }
   map.nominal_rms_m = std::sqrt(squares / kRmsConfigurations);
-  const auto& predicted = record.accuracy.predicted;
-  if (predicted && predicted->region == region) map.predicted_rms_m = predicted->rms_m;
-  if (estimate != nullptr) {
-    if (!map.predicted_rms_m) {
-      map.predicted_rms_m = uncertainty::predicted_rms(*estimate, drawing.limits, *tool);
-    }
-    map.joint_share = joint_share(record, drawing.limits, *estimate, *tool);
-  }
+  predict(record, estimate, region, drawing.limits, *tool, map);
   if (truth) compare_with_truth(record, drawing, *truth, target, map);
   return map;
 }

@@ -41,6 +41,7 @@ void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
   verdict.headline =
       fmt::format("By the nominal model the tool misses by {}, by the arm signature by {}.",
                   length_in_words(before_m), length_in_words(after_m));
+  verdict.before_after = {{"Nominal model", map.over, before_m}, {"Signature", map.over, after_m}};
   verdict.sentences.push_back(fmt::format(
       "Over {} the nominal model misses by {} (root mean square, its base and tool fitted), "
       "the signature "
@@ -55,28 +56,92 @@ void judge_with_truth(const ToolErrorMap& map, Verdict& verdict) {
   }
 }
 
+// The measurements do not tell the arm from its nominal model.
+bool is_nothing_gained(const ToolErrorMap& map) {
+  return map.predicted_rms_m && map.nominal_rms_m < 2 * *map.predicted_rms_m;
+}
+
+void judge_nothing_gained(const ToolErrorMap& map, Verdict& verdict) {
+  verdict.headline =
+      "The measurements can't tell this arm from its nominal model: nothing is gained yet.";
+  verdict.before_after = {{"Nominal model", map.over, map.nominal_rms_m},
+                          {"Signature, 1σ", map.over, *map.predicted_rms_m}};
+  verdict.sentences.push_back(fmt::format(
+      "Nominal model and signature differ by {} over {}, and the signature itself is "
+      "uncertain by {} "
+      "(1σ).",
+      length_in_words(map.nominal_rms_m), map.over, length_in_words(*map.predicted_rms_m)));
+}
+
+void judge_by_validation(const ValidationFigure& figure, const std::optional<PoseResiduals>& poses,
+                         Verdict& verdict) {
+  const std::string after = length_in_words(figure.rms_m);
+  // The nominal model is judged at the very poses, or not at all.
+  const bool both = poses && poses->fitted && poses->nominal;
+  const std::string over = poses_in_words(figure);
+  std::string same = "the same poses";
+  if (both && poses->outliers > 0) {
+    same += fmt::format(" without {}", counted(poses->outliers, "outlier"));
+  }
+  if (both) {
+    const double before_m = poses->nominal->rms_m;
+    verdict.headline = fmt::format(
+        "At validation poses the tool is {} from where the arm signature puts it, {} "
+        "from where the nominal model does.",
+        after, length_in_words(before_m));
+    verdict.before_after.push_back({"Nominal model", same, before_m});
+  } else {
+    verdict.headline = fmt::format(
+        "At validation poses the tool is {} from where the arm signature puts it.", after);
+  }
+  verdict.before_after.push_back({"Signature", over, figure.rms_m});
+  verdict.sentences.push_back(
+      fmt::format("The signature's figure is the root mean square over {}. The sensor's own noise "
+                  "is included.",
+                  over));
+  if (both) {
+    verdict.sentences.push_back(
+        fmt::format("The nominal model's is over {}, its base and tool fitted to them.", same));
+  }
+  if (both) doubt_the_drawing(poses->nominal->rms_m, verdict);
+}
+
 void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
   const double before_m = map.nominal_rms_m;
   const double after_m = *map.predicted_rms_m;
-  if (before_m < 2 * after_m) {
-    verdict.headline =
-        "The measurements can't tell this arm from its nominal model: nothing is gained yet.";
-    verdict.sentences.push_back(
-        fmt::format("Nominal model and signature differ by {} over {}, and the signature itself is "
-                    "uncertain by {} "
-                    "(1σ).",
-                    length_in_words(before_m), map.over, length_in_words(after_m)));
-    return;
-  }
   verdict.headline = fmt::format(
       "By the nominal model the tool misses by {}, by the arm signature by about {} (1σ).",
       length_in_words(before_m), length_in_words(after_m));
+  verdict.before_after = {{"Nominal model", map.over, before_m},
+                          {"Signature, 1σ", map.over, after_m}};
   verdict.sentences.push_back(
       fmt::format("Over {} the nominal model, its base and tool fitted, is {} (root mean square) "
                   "from the signature; "
                   "the signature is uncertain by {} (1σ).",
                   map.over, length_in_words(before_m), length_in_words(after_m)));
   doubt_the_drawing(before_m, verdict);
+}
+
+// What is not in the headline, each figure with the poses that it is of.
+void add_other_figures(const SignatureRecord& record, const std::optional<ToolErrorMap>& map,
+                       const std::optional<PoseResiduals>& poses, Verdict& verdict) {
+  if (record.fit) {
+    verdict.others.push_back(
+        {"Residual of the fit", "the rows that it was fitted to", record.fit->rms_m});
+  }
+  if (poses && !poses->fitted) {
+    verdict.others.push_back(
+        {"Residual, no part in the fit", "the free poses shown here", poses->signature.rms_m});
+  }
+  if (!map) return;
+  if (map->predicted_rms_m) {
+    verdict.others.push_back({"Predicted tool error, 1σ", map->over, *map->predicted_rms_m});
+  }
+  if (map->predicted_over_limits_m) {
+    verdict.others.push_back(
+        {"Predicted tool error, 1σ", "the joint limits", *map->predicted_over_limits_m});
+  }
+  verdict.others.push_back({"Nominal model from the signature", map->over, map->nominal_rms_m});
 }
 
 void judge_without_covariance(const SignatureRecord& record, const std::optional<ToolErrorMap>& map,
@@ -88,6 +153,7 @@ void judge_without_covariance(const SignatureRecord& record, const std::optional
   }
   verdict.headline = fmt::format("The nominal model is {} from this signature over {}.",
                                  length_in_words(map->nominal_rms_m), map->over);
+  verdict.before_after = {{"Nominal model", map->over, map->nominal_rms_m}};
   const auto& predicted = record.accuracy.predicted;
   verdict.sentences.push_back(
       predicted ? fmt::format("The predicted tool error is {} (1σ) at {}; over {} it is not known.",
@@ -116,21 +182,10 @@ void say_how_sure(const SignatureRecord& record, Verdict& verdict) {
                                      : fmt::format("{} more were rejected as outliers", rejected);
     verdict.sentences.push_back(fmt::format("It rests on {} measured points; {}.", used, outliers));
   }
-  if (record.fit && record.fit->left_out) {
-    verdict.sentences.push_back(fmt::format(
-        "Points that were left out of the fit{} are {} from where it puts them (root "
-        "mean square), the sensor's own noise included.",
-        left_out_in_turn(record) ? " in turn" : "", length_in_words(record.fit->left_out->rms_m)));
-  }
-  if (const auto& validated = record.accuracy.validated) {
-    verdict.sentences.push_back(
-        fmt::format("At {} the tool is {} from where the signature puts it (root mean square), the "
-                    "sensor's own noise included.",
-                    validation_poses_in_words(*validated), length_in_words(validated->rms_m)));
-  }
   if (record.method != "exact") {
     verdict.sentences.emplace_back(
-        "The 1σ comes from the scatter of the points and from what they leave open. What was alike "
+        "A predicted error (1σ) comes from the scatter of the points and from what they leave "
+        "open. What was alike "
         "at all of them (load, heat) is not in it; poses measured another day, or under another "
         "load, show it.");
   }
@@ -161,16 +216,40 @@ void add_joint_steps(const std::vector<SweepPicture>& sweeps, Verdict& verdict) 
 
 }  // namespace
 
+std::optional<ValidationFigure> validation_figure(const SignatureRecord& record) {
+  if (record.fit && record.fit->left_out) {
+    return ValidationFigure{.rms_m = record.fit->left_out->rms_m,
+                            .poses = record.fit->left_out->rows,
+                            .in_turn = left_out_in_turn(record)};
+  }
+  if (!record.accuracy.validated) return std::nullopt;
+  return ValidationFigure{.rms_m = record.accuracy.validated->rms_m,
+                          .poses = record.accuracy.validated->poses};
+}
+
+std::string poses_in_words(const ValidationFigure& figure) {
+  const std::string count = figure.poses > 0 ? fmt::format("{} ", figure.poses) : "the ";
+  return count + (figure.in_turn ? "validation poses, each left out of the fit in turn"
+                                 : "validation poses, which no fit has used");
+}
+
 Verdict verdict(const SignatureRecord& record, const std::vector<SweepPicture>& sweeps,
-                const std::optional<ToolErrorMap>& map) {
+                const std::optional<ToolErrorMap>& map, const std::optional<PoseResiduals>& poses) {
   Verdict verdict;
+  const auto validated = validation_figure(record);
+  verdict.validation = validated;
   if (map && map->true_rms_m) {
     judge_with_truth(*map, verdict);
+  } else if (map && is_nothing_gained(*map)) {
+    judge_nothing_gained(*map, verdict);
+  } else if (validated) {
+    judge_by_validation(*validated, poses, verdict);
   } else if (map && map->predicted_rms_m) {
     judge_by_prediction(*map, verdict);
   } else {
     judge_without_covariance(record, map, verdict);
   }
+  add_other_figures(record, map, poses, verdict);
   say_how_sure(record, verdict);
   add_joint_steps(sweeps, verdict);
   if (map && !map->joint_share.empty()) {
@@ -199,11 +278,6 @@ bool left_out_in_turn(const SignatureRecord& record) {
   if (!record.fit || !record.fit->left_out) return false;
   return record.method == "refined" ||
          record.fit->left_out->rows == record.fit->rows_used + record.fit->rows_rejected;
-}
-
-std::string validation_poses_in_words(const ToolAccuracy::Validated& validated) {
-  const std::string count = validated.poses > 0 ? fmt::format("{} ", validated.poses) : "the ";
-  return count + "validation poses, which no fit has used,";
 }
 
 std::string residuals_in_words(const SweepPicture& sweep) {

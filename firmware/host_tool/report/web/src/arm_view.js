@@ -6,6 +6,7 @@ import {
   SphereGeometry, Spherical, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { PoseArrows } from './pose_arrows.js';
 import { colour } from './text.js';
 
 const up = new Vector3(0, 1, 0);
@@ -111,6 +112,8 @@ export class ArmView {
     this.world.quaternion.copy(new Quaternion().setFromUnitVectors(axis, up));
     this.world.position.copy(base).applyQuaternion(this.world.quaternion).negate();
     this.size = this.#size();
+    this.poses = new PoseArrows(report.poses, this.size);
+    this.poseMagnification = this.poses.wanted();
 
     this.nominal = new Body(this.joints, report.arm.has_tool, this.size, true);
     this.actual = new Body(this.joints, report.arm.has_tool, this.size, false);
@@ -118,7 +121,7 @@ export class ArmView {
     this.sweeps = new Group();
     this.map = new Group();
     this.map.visible = false;
-    this.world.add(this.sweeps, this.map);
+    this.world.add(this.sweeps, this.map, this.poses.group);
     this.floor = new Group();
     this.scene.add(this.floor, new AmbientLight(0xffffff, 1.5));
     const sun = new DirectionalLight(0xffffff, 2.4);
@@ -139,7 +142,7 @@ export class ArmView {
     this.controls.addEventListener('change', () => this.render());
     const target = this.world.localToWorld(this.#middle());
     this.controls.target.copy(target);
-    this.camera.position.copy(target).add(new Vector3(1.5, 0.85, 1.9).setLength(this.size * 2.9));
+    this.camera.position.copy(target).add(new Vector3(1.5, 0.85, 1.9).setLength(this.size * 3.3));
     this.magnification = 1;
     this.frame = 0;
     this.repaint();
@@ -166,11 +169,14 @@ export class ArmView {
   #places() {
     const places = this.frames[0].actual.slice();
     for (const sweep of this.report.sweeps) for (const point of sweep.points) places.push(new Vector3(...point[1]));
+    for (const pose of this.report.poses?.poses ?? []) places.push(new Vector3(...pose.p));
     return places;
   }
+  // Of the box about them: where most of them are does not matter.
   #middle() {
     const places = this.#places();
-    return places.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(places.length);
+    const least = places.reduce((low, p) => low.min(p), places[0].clone());
+    return places.reduce((high, p) => high.max(p), places[0].clone()).add(least).divideScalar(2);
   }
   #size() {
     const middle = this.#middle();
@@ -193,6 +199,12 @@ export class ArmView {
     this.nominal.place(nominal);
     this.actual.place(nominal.map((p, k) => p.clone().lerp(actual[k], magnification)));
     this.#drawSweeps();
+    this.render();
+  }
+
+  magnifyPoses(magnification) {
+    this.poseMagnification = magnification;
+    this.poses.draw(magnification);
     this.render();
   }
 
@@ -234,6 +246,7 @@ export class ArmView {
     const lowest = Math.min(...this.#places().map((p) => this.world.localToWorld(p.clone()).y));
     grid.position.y = Math.min(lowest, 0) - 0.05 * this.size;
     this.floor.add(grid);
+    this.poses.draw(this.poseMagnification);
     this.set(this.frame, this.magnification);
   }
 

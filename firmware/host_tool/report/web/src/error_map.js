@@ -22,7 +22,7 @@ function placesAboutAxis(report) {
   return report.map.points.map((point) => {
     const from = [0, 1, 2].map((k) => point[k] - base[k]);
     const z = from.reduce((sum, value, k) => sum + (value * axis[k]) / norm, 0);
-    return { place: point.slice(0, 3), z, r: Math.sqrt(Math.max(0, from.reduce((sum, value) => sum + value * value, 0) - z * z)) };
+    return { place: point.slice(0, 3), measured: point[5] === 1, z, r: Math.sqrt(Math.max(0, from.reduce((sum, value) => sum + value * value, 0) - z * z)) };
   });
 }
 
@@ -54,11 +54,14 @@ export function showErrorMap(report, view) {
     host.setAttribute('aria-label', `${choice.words} From ${length(Math.min(...values))} to ${length(Math.max(...values))}.`);
     redraw = mapChart(host, classed, classes);
     section.querySelector('.values')?.remove();
-    valueTable(section, `Values of the map, ${choice.name}`, ['from the first axis, m', 'along it, m', 'error, mm'],
-      () => classed.map(({ r, z, error_m: error }) => [fixed(r, 3), fixed(z, 3), fixed(1e3 * error, 3)]));
+    valueTable(section, `Values of the map, ${choice.name}`, ['from the first axis, m', 'along it, m', 'error, mm', 'readings'],
+      () => classed.map(({ r, z, error_m: error, measured }) => [fixed(r, 3), fixed(z, 3), fixed(1e3 * error, 3), measured ? 'measured' : 'beyond']));
     document.getElementById('map-lead').replaceChildren(...phrase(choice.words));
     document.getElementById('map-classes').replaceChildren(...classes.map(({ colour, from, to }) =>
       element('span', {}, element('i', { style: `background:${colour}` }), `${length(from)} to ${length(to)}`)));
+    if (classed.some(({ measured }) => !measured)) {
+      document.getElementById('map-classes').append(element('span', { class: 'beyond' }, element('i', {}), 'ring: a reading beyond those measured'));
+    }
     view?.showMap(classed.map(({ place }) => place), classed.map((at) => classes[at.class].colour));
     for (const button of document.querySelectorAll('#map-choice button')) {
       button.setAttribute('aria-pressed', String(button.textContent === choice.name));

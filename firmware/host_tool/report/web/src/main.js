@@ -6,6 +6,7 @@ import { residualChart } from './charts.js';
 import { circleMagnification, drawCircle } from './circle_view.js';
 import { differencesPicture } from './differences_picture.js';
 import { showErrorMap } from './error_map.js';
+import { showPoses } from './poses.js';
 import { showReadingMaps } from './reading_maps.js';
 import { aboutTable, differenceTable, gridTable, parameterTable } from './tables.js';
 import { bounded, degrees, element, fixed, length, phrase } from './text.js';
@@ -17,7 +18,7 @@ const by = (id) => document.getElementById(id);
 const redraws = [];
 
 function verdict() {
-  const { about, map } = report;
+  const { about } = report;
   document.title = `${about.arm}: arm signature`;
   by('eyebrow').textContent = [about.arm, about.serial && `no. ${about.serial}`, about.time.slice(0, 10)].filter(Boolean).join(', ');
   by('headline').append(...phrase(report.verdict.headline));
@@ -26,16 +27,40 @@ function verdict() {
   const warnings = [about.other_measurements, ...about.warnings].filter(Boolean);
   by('warnings').append(...warnings.map((text) => element('p', { class: 'warning' }, text)));
   by('version').textContent = about.version;
-  if (map === null) return;
-  const known = map.true_rms_m !== null;
-  const before = known ? map.true_nominal_rms_m : map.nominal_rms_m;
-  const after = known ? map.true_rms_m : map.predicted_rms_m;
-  const bar = (name, value, colour) => element('div', { class: 'bar' },
+  const { before_after: figures, other_figures: others } = report.verdict;
+  const largest = Math.max(...figures.map(({ rms_m: rms }) => rms));
+  by('before-after').append(...figures.map(({ name, over, rms_m: rms }) => element('div', { class: 'bar' },
     element('span', {}, name),
-    element('div', { class: 'track' }, element('div', { class: 'fill', style: `background:var(--${colour});width:${(100 * value) / Math.max(before, after ?? 0)}%` })),
-    element('span', { class: 'value' }, length(value)));
-  by('before-after').append(bar('By the nominal model', before, 'nominal'));
-  if (after !== null) by('before-after').append(bar(known ? 'By the signature' : 'By the signature, 1σ', after, 'actual'));
+    element('div', { class: 'track' }, element('div', { class: 'fill', style: `background:var(--${name.startsWith('Nominal') ? 'nominal' : 'actual'});width:${(100 * rms) / largest}%` })),
+    element('span', { class: 'value' }, length(rms)), element('span', { class: 'over' }, `over ${over}`))));
+  if (others.length === 0) by('other-figures').remove();
+  else {
+    by('other-figures-table').append(element('tbody', {}, ...others.map(({ name, over, rms_m: rms }) => element('tr', { class: 'first' },
+      element('td', { class: 'text' }, name), element('td', { class: 'text' }, over), element('td', {}, length(rms))))));
+  }
+}
+
+// Residuals of free poses, magnified on their own: they are far smaller than what the nominal model is wrong by.
+function poseControls(view) {
+  if (report.poses === null) {
+    by('residuals-control').remove();
+    by('poses-toggle').remove();
+    for (const key of document.querySelectorAll('.key .of-poses')) key.remove();
+    return;
+  }
+  const slider = by('residuals');
+  const show = () => {
+    const times = 10 ** slider.value;
+    by('residuals-value').textContent = `× ${times < 10 ? times.toFixed(1) : Number(times.toPrecision(2))}`;
+    slider.setAttribute('aria-valuetext', `${Number(times.toPrecision(2))} times`);
+    view.magnifyPoses(times);
+  };
+  const wanted = Math.log10(view.poses.wanted());
+  slider.max = (wanted + 1).toFixed(2);
+  slider.value = wanted.toFixed(2);
+  slider.addEventListener('input', show);
+  by('show-poses').addEventListener('change', (event) => { view.poses.group.visible = event.target.checked; view.render(); });
+  show();
 }
 
 function armControls(view) {
@@ -77,7 +102,10 @@ function armControls(view) {
     by('play').textContent = moving ? 'Stop' : 'Move';
     if (moving) requestAnimationFrame(step);
   });
-  if (report.sweeps.length === 0) by('sweeps-toggle').remove();
+  if (report.sweeps.length === 0) {
+    by('sweeps-toggle').remove();
+    for (const key of document.querySelectorAll('.key .of-sweeps')) key.remove();
+  }
   show();
   redraws.push(() => view.repaint());
 }
@@ -101,8 +129,12 @@ function sweepRms(sweep) {
 }
 
 function sweeps(webGl) {
+  if (report.sweeps.length === 0 && report.about.rows !== undefined) {
+    by('sweeps-section').remove();
+    return;
+  }
   if (report.sweeps.length === 0) {
-    by('sweeps').append(element('p', {}, 'With --measurements the page shows the sweeps too.'));
+    by('sweeps').append(element('p', {}, 'With --measurements the page shows sweeps and free poses too.'));
     return;
   }
   for (const sweep of report.sweeps) {
@@ -137,11 +169,13 @@ verdict();
 if (webGl) {
   view = new ArmView(by('arm'), report);
   armControls(view);
+  poseControls(view);
 } else {
   by('arm-section').querySelector('.stage').replaceChildren(element('p', { style: 'padding:16px' }, 'This browser has no WebGL: the arm can’t be shown in three dimensions.'));
   by('arm-section').querySelector('.controls').remove();
 }
 sweeps(webGl);
+redraws.push(showPoses(report));
 redraws.push(showReadingMaps(report));
 differenceTable(report);
 differencesPicture(report);
@@ -154,6 +188,13 @@ certificate(report);
 
 const redrawAll = () => { for (const redraw of redraws) redraw(); };
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redrawAll);
-// Paper is white.
-addEventListener('beforeprint', () => { document.documentElement.dataset.theme = 'light'; redrawAll(); });
-addEventListener('afterprint', () => { delete document.documentElement.dataset.theme; redrawAll(); });
+// Paper is white, and as wide as a sheet: charts are drawn anew for it.
+function forPaper(on) {
+  if (on) document.documentElement.dataset.theme = 'light';
+  else delete document.documentElement.dataset.theme;
+  document.documentElement.classList.toggle('on-paper', on);
+  view?.resize();
+  redrawAll();
+}
+addEventListener('beforeprint', () => forPaper(true));
+addEventListener('afterprint', () => forPaper(false));

@@ -4,6 +4,9 @@ import { readingMapChart } from './charts.js';
 import { degrees, element, fixed, length, phrase } from './text.js';
 import { valueTable } from './values.js';
 
+// A map this small, rad or m, is none.
+const kNothing_m = 1e-8;
+
 const range = (joint) => joint.covered
   .map((reading) => (joint.revolute ? `${fixed(degrees(reading), 0)}°` : length(reading))).join(' to ');
 
@@ -34,6 +37,11 @@ export function showReadingMaps({ reading_maps: maps }) {
   document.getElementById('maps-lead').append(...phrase(`Transmissions and encoders read a little wrong, each in a way of its own that repeats: `
     + `that is worth ${length(maps.maps_rms_m)} RMS at the tool over the readings that were measured. ${gravity}`));
   const redraws = maps.joints.map((joint) => {
+    if (joint.tool_rms_m < kNothing_m && joint.largest < kNothing_m) {
+      document.getElementById('maps').append(element('div', { class: 'sweep' }, element('header', {}, element('h3', {}, `Joint ${joint.joint}`),
+        element('span', { class: 'facts' }, `measured from ${range(joint)}`)), element('p', { class: 'words muted' }, 'No map: the measurements show none, or do not determine it.')));
+      return () => {};
+    }
     const chart = element('div', { class: 'chart', style: 'grid-column: 1 / -1' });
     const card = element('div', { class: 'sweep' },
       element('header', {}, element('h3', {}, `Joint ${joint.joint}`), element('span', { class: 'facts' }, facts(joint))), chart);

@@ -48,7 +48,7 @@ export function parameterTable(report) {
       body.append(tr);
     });
   }
-  table.append(head('Joint', 'Parameter', 'Drawing', 'Signature', '1σ', 'Difference'), body);
+  table.append(head('Joint', 'Parameter', 'Nominal', 'Signature', '1σ', 'Difference'), body);
   const notes = document.getElementById('parameter-notes');
   const line = report.parameters.rows.some(({ revolute }) => !revolute) ? ', or of where the line of a slide is put' : '';
   notes.append(element('p', {}, `† depends on the choice of the first or last frame${line}, which is free.`));
@@ -127,7 +127,7 @@ export function gridTable(report) {
       cell(words(grid.with_signature[key]), 'actual'), cell(`${fixed(grid.improvement[k], 1)} ×`)));
   });
   document.getElementById('grid').append(
-    element('thead', {}, element('tr', {}, element('th', { class: 'text' }, 'What'), ...['Drawing', 'Signature', 'Better by'].map((name) => element('th', {}, name)))), body);
+    element('thead', {}, element('tr', {}, element('th', { class: 'text' }, 'What'), ...['Nominal', 'Signature', 'Better by'].map((name) => element('th', {}, name)))), body);
 }
 
 export function aboutTable(about) {
@@ -137,6 +137,7 @@ export function aboutTable(about) {
     ['Identified', about.time.replace('T', ' ').replace('Z', ' UTC')],
     ['Air', about.air_c === null ? 'temperature not stated' : `${fixed(about.air_c, 1)} °C`],
     ['Program', `armsig ${about.version}`],
+    ['Units', 'lengths in millimetres, angles in degrees; ± is one standard deviation (1σ)'],
     ['Signature', `${about.signature.name}, CRC-32 ${about.signature.crc32}`],
   ];
   rows.push(['Found from', foundFrom(about.origin)]);
@@ -147,6 +148,7 @@ export function aboutTable(about) {
     if (about.rows_mixed > 0) parts.push(`${about.rows_mixed} poses outside the sweeps`);
     rows.push(['Rows', parts.join(', ')]);
   }
-  if (about.sigma_m !== null) rows.push(['Noise, 1σ', `${length(about.sigma_m)} per axis, as the fit found it`]);
+  // Next to nothing stands for a sigma that nobody stated.
+  if (about.noise_m !== null) rows.push(['Noise and model error, 1σ', `${length(about.noise_m)} per axis, as the fit found it`]);
   document.getElementById('about').append(element('tbody', {}, ...rows.map(([name, value]) => element('tr', { class: 'first' }, element('th', { class: 'text' }, name), element('td', {}, value)))));
 }
