@@ -18,22 +18,10 @@ namespace {
 
 constexpr std::array kSeparators{';', '\t', ',', kBlanks};
 
-// What is told of a table without a header.
-std::unexpected<Problem> no_header(const ForeignTable& table, const TableNeed& need,
-                                   const HeaderCandidate& best) {
+// By what the table is to hold.
+std::unexpected<Problem> no_header_of_kind(const ForeignTable& table, const TableNeed& need,
+                                           const std::string& doubt) {
   const std::size_t first = table.row_from(0);
-  // Of a line that names little of what is needed the units are no matter.
-  const bool is_near = 2 * best.named >= needed_quantities(need, {}).size();
-  const std::string doubt = best.doubt.empty() || !is_near ? "" : ": " + best.doubt;
-  std::vector<std::string> names;
-  for (const MappedColumn& entry : need.wanted.entries) {
-    if (!is_constant(entry.theirs)) names.push_back(entry.theirs);
-  }
-  if (!names.empty()) {
-    return table.problem(
-        "no line of it has the columns " + all_of(names) + doubt,
-        "names of one line of the file, which begins with " + in_quotes(table.line(first).text));
-  }
   if (need.kind == TableKind::kPoints) {
     return table.at(first, "no header with x, y, z and their unit" + doubt,
                     fmt::format("such as X [mm], or X and --units mm; or {} with places, "
@@ -62,6 +50,25 @@ std::unexpected<Problem> no_header(const ForeignTable& table, const TableNeed& n
       fmt::format("a header such as Sweep;Point;A1 [deg];...;X [mm];Y [mm];Z [mm], or {} with a "
                   "pair for each column, x_mm=THEIR NAME or x_mm=@7; the file begins with {}",
                   need.wanted.option, in_quotes(table.line(first).text)));
+}
+
+// What is told of a table without a header.
+std::unexpected<Problem> no_header(const ForeignTable& table, const TableNeed& need,
+                                   const HeaderCandidate& best) {
+  const std::size_t first = table.row_from(0);
+  // Of a line that names little of what is needed the units are no matter.
+  const bool is_near = 2 * best.named >= needed_quantities(need, {}).size();
+  const std::string doubt = best.doubt.empty() || !is_near ? "" : ": " + best.doubt;
+  std::vector<std::string> names;
+  for (const MappedColumn& entry : need.wanted.entries) {
+    if (!is_constant(entry.theirs)) names.push_back(entry.theirs);
+  }
+  if (!names.empty()) {
+    return table.problem(
+        "no line of it has the columns " + all_of(names) + doubt,
+        "names of one line of the file, which begins with " + in_quotes(table.line(first).text));
+  }
+  return no_header_of_kind(table, need, doubt);
 }
 
 // Whether places say all that has to be known.

@@ -140,12 +140,16 @@ Judgement judged(const calibration::Refined& estimate, MeasurementLog& log,
   return result;
 }
 
-// Rows that something explains are no worse noise.
-void look_for_causes(const calibration::Refined& estimate, const Judgement& judgement,
+// Rows that something explains are no worse noise, and poses of which nothing is known are none.
+void look_for_causes(const SignatureRecord& record, const calibration::Refined& estimate,
+                     const Judgement& judgement,
                      const std::vector<calibration::RowOutcome>& outcomes, Checked& checked) {
   checked.since = since_then(estimate, judgement.as_seen, outcomes, judgement.place);
   if (checked.since && checked.report.verdict == drift::DriftVerdict::kSensorWorse) {
     checked.report.verdict = drift::DriftVerdict::kDrifted;
+  }
+  if (checked.report.verdict == drift::DriftVerdict::kSensorWorse) {
+    checked.unmeasured = unmeasured_joints(record.deflections.get(), judgement.as_seen);
   }
 }
 
@@ -180,10 +184,7 @@ Attempt<ExitStatus> run(const CheckOptions& options) {
                   .fitted = read.fitted,
                   .origin_stated = read.match.stated};
   const bool healthy = report->verdict == drift::DriftVerdict::kConsistent && !judgement.place;
-  if (!healthy) look_for_causes(*estimate, judgement, outcomes, checked);
-  if (checked.report.verdict == drift::DriftVerdict::kSensorWorse) {
-    checked.unmeasured = unmeasured_joints(record.deflections.get(), log.observations());
-  }
+  if (!healthy) look_for_causes(record, *estimate, judgement, outcomes, checked);
   const ExitStatus status = healthy ? kDone : kNoAnswer;
   if (options.json) {
     print_json(json_of(checked, signature, status));

@@ -417,6 +417,22 @@ void add_frame_options(CLI::App& command, CompensateOptions& options) {
   add_controller_options(command, options.controller);
 }
 
+// Those of programs alone.
+void add_program_options(CLI::App& command, CompensateOptions& options, CLI::Option* into) {
+  command.add_option("--language", options.language, "of the program (default: by its name)")
+      ->transform(
+          CLI::IsMember({"urscript", "rapid", "krl", "fanuc", "jbi", "gcode"}, CLI::ignore_case))
+      ->needs(into);
+  command
+      .add_flag("--check", options.check,
+                "run the program through both models: where the tool goes")
+      ->needs(into);
+  command
+      .add_option("--picture", options.picture,
+                  "picture of the program before and after, to be written (SVG)")
+      ->needs(into);
+}
+
 }  // namespace
 
 void add_compensate(CLI::App& app, int& status) {
@@ -433,10 +449,7 @@ void add_compensate(CLI::App& app, int& status) {
                        "it is (KRL .src and .dat, RAPID .mod, URScript .script, FANUC .ls, Yaskawa "
                        ".jbi, LinuxCNC .ngc)")
           ->excludes(poses);
-  command->add_option("--language", options->language, "of the program (default: by its name)")
-      ->transform(
-          CLI::IsMember({"urscript", "rapid", "krl", "fanuc", "jbi", "gcode"}, CLI::ignore_case))
-      ->needs(into);
+  add_program_options(*command, *options, into);
   add_frame_options(*command, *options);
   command->add_option("--seed", options->seed,
                       "joint readings (CSV): of a program where it begins; of poses one row, or "
@@ -446,14 +459,6 @@ void add_compensate(CLI::App& app, int& status) {
                    "a target whose correction is larger is left as it is")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command
-      ->add_flag("--check", options->check,
-                 "run the program through both models: where the tool goes")
-      ->needs(into);
-  command
-      ->add_option("--picture", options->picture,
-                   "picture of the program before and after, to be written (SVG)")
-      ->needs(into);
   CLI::Option* out = command->add_option("-o,--out", options->out, "file to write");
   add_common(*command, *options);
   command->callback([options, poses, into, out, &status] {

@@ -21,7 +21,7 @@ inline constexpr double kGoldenShare = 0.6180339887498949;
 inline constexpr double kComputed_m = 1e-6;
 // Rows whose squares are summed at once: three rows of a matrix at a time leave a processor
 // waiting.
-inline constexpr int kRowsABatch = 64;
+inline constexpr std::ptrdiff_t kRowsABatch = 64;
 
 // 1 sigma per axis of errors in space of these lengths, by their median. Precondition: not empty.
 [[nodiscard]] double sigma_by_median(std::vector<double> lengths);

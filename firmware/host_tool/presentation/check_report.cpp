@@ -161,26 +161,33 @@ void print_checked(const Checked& checked, const Signature& signature,
   say("\n{}", paragraph("Next: " + next_step(checked), 0));
 }
 
-nlohmann::ordered_json json_of(const Checked& checked, const Signature& signature, int status) {
+namespace {
+
+nlohmann::ordered_json figures_of(const Checked& checked, int status) {
   const drift::DriftReport& report = checked.report;
-  nlohmann::ordered_json json{
-      {"status", status},
-      {"verdict", checked.place                ? "another-place"
-                  : checked.unmeasured.empty() ? verdict_word(report.verdict)
-                                               : "unmeasured-readings"},
-      {"link", report.link},
-      {"noise_factor", report.noise_factor},
-      {"chi_square", report.chi_square},
-      {"degrees_of_freedom", report.freedom},
-      {"allowed", report.allowed},
-      {"rows", report.rows},
-      {"rows_rejected", report.rows_rejected},
-      {"rows_copied", checked.copied},
-      {"rows_fitted", checked.origin_stated ? nlohmann::ordered_json(checked.fitted) : nullptr},
-      {"rejected_lines", checked.rejected_lines},
-      {"rms_m", report.rms_m},
-      {"mean_m", report.mean_m},
-      {"largest_m", report.largest_m}};
+  return {{"status", status},
+          {"verdict", checked.place                ? "another-place"
+                      : checked.unmeasured.empty() ? verdict_word(report.verdict)
+                                                   : "unmeasured-readings"},
+          {"link", report.link},
+          {"noise_factor", report.noise_factor},
+          {"chi_square", report.chi_square},
+          {"degrees_of_freedom", report.freedom},
+          {"allowed", report.allowed},
+          {"rows", report.rows},
+          {"rows_rejected", report.rows_rejected},
+          {"rows_copied", checked.copied},
+          {"rows_fitted", checked.origin_stated ? nlohmann::ordered_json(checked.fitted) : nullptr},
+          {"rejected_lines", checked.rejected_lines},
+          {"rms_m", report.rms_m},
+          {"mean_m", report.mean_m},
+          {"largest_m", report.largest_m}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json json_of(const Checked& checked, const Signature& signature, int status) {
+  nlohmann::ordered_json json = figures_of(checked, status);
   json["receivers_rejected"] = nlohmann::ordered_json::array();
   for (const DisbelievedReceiver& receiver : checked.disbelieved) {
     json["receivers_rejected"].push_back({{"receiver", receiver.number},
@@ -198,7 +205,7 @@ nlohmann::ordered_json json_of(const Checked& checked, const Signature& signatur
   if (checked.place) {
     json["place"] = {{"shift_m", checked.place->shift_m},
                      {"turn_rad", checked.place->turn_rad},
-                     {"verdict_from_there", verdict_word(report.verdict)}};
+                     {"verdict_from_there", verdict_word(checked.report.verdict)}};
   }
   if (checked.nominal) {
     json["nominal"] = {{"rms_m", checked.nominal->rms_m},

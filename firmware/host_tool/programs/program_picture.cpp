@@ -117,7 +117,7 @@ void words(std::string& svg, std::string_view kind, double x, double y, std::str
 
 void draw_view(std::string& svg, const Panel& panel, const std::vector<Miss>& misses,
                const View& view, double magnified) {
-  svg += "<path class=\"path\" d=\"";
+  svg += R"(<path class="path" d=")";
   for (std::size_t k = 0; k < misses.size(); ++k) {
     const auto at = view.at(misses[k].p_C);
     fmt::format_to(std::back_inserter(svg), "{}{:.1f} {:.1f}", k == 0 ? "M" : "L", at[0], at[1]);
@@ -180,7 +180,7 @@ std::optional<Misses> sizes(const std::vector<Miss>& misses, MissOf of) {
   return sizes;
 }
 
-std::string in_words(std::string_view what, const Misses& sizes) {
+std::string missed_in_words(std::string_view what, const Misses& sizes) {
   return fmt::format("{}: missed by {:.3f} mm in the mean, {:.3f} mm at most", what,
                      1e3 * sizes.mean_m, 1e3 * sizes.largest_m);
 }
@@ -210,10 +210,10 @@ std::string program_picture(const RunProgram& run, std::string_view title) {
       kWidth, kHeight, markup_text(title), kStyle);
   words(svg, "title", 24, 30, title);
   line(svg, "before", {24, 49}, {44, 49});
-  words(svg, "", 52, 54, in_words("As it is", *before));
+  words(svg, "", 52, 54, missed_in_words("As it is", *before));
   if (after) {
     line(svg, "after", {24, 71}, {44, 71});
-    words(svg, "", 52, 76, in_words("Corrected", *after));
+    words(svg, "", 52, 76, missed_in_words("Corrected", *after));
   }
   const std::string how = fmt::format("misses {:g} times as long", magnified);
   words(svg, "soft", above.x, 100, "From above: x to the right, y up; " + how);
