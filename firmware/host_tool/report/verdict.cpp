@@ -122,6 +122,34 @@ void judge_by_prediction(const ToolErrorMap& map, Verdict& verdict) {
   doubt_the_drawing(before_m, verdict);
 }
 
+void judge_without_covariance(const SignatureRecord& record, const std::optional<ToolErrorMap>& map,
+                              Verdict& verdict) {
+  if (!map) {
+    verdict.headline =
+        "An arm signature; no target on the last link says how well it places a tool.";
+    return;
+  }
+  verdict.headline = fmt::format("The nominal model is {} from this signature over {}.",
+                                 length_in_words(map->nominal_rms_m), map->over);
+  verdict.before_after = {{"Nominal model", map->over, map->nominal_rms_m}};
+  if (record.accuracy.predicted) return;
+  verdict.sentences.emplace_back(
+      "The uncertainty of the signature is not known: the file holds neither covariance nor "
+      "sweeps.");
+}
+
+// The stated prediction of a signature without covariance, which says nothing of other places.
+void add_stated_prediction(const SignatureRecord& record, const ToolErrorMap& map,
+                           Verdict& verdict) {
+  const auto& predicted = record.accuracy.predicted;
+  if (!predicted || map.predicted_rms_m) return;
+  verdict.others.push_back(
+      {"Predicted tool error, 1σ", region_in_words(predicted->region), predicted->rms_m});
+  verdict.sentences.push_back(
+      fmt::format("The predicted tool error is {} (1σ) at {}; over {} it is not known.",
+                  length_in_words(predicted->rms_m), region_in_words(predicted->region), map.over));
+}
+
 // What is not in the headline, each figure with the poses that it is of.
 void add_other_figures(const SignatureRecord& record, const std::optional<ToolErrorMap>& map,
                        const std::optional<PoseResiduals>& poses, Verdict& verdict) {
@@ -134,6 +162,7 @@ void add_other_figures(const SignatureRecord& record, const std::optional<ToolEr
         {"Residual, no part in the fit", "the free poses shown here", poses->signature.rms_m});
   }
   if (!map) return;
+  add_stated_prediction(record, *map, verdict);
   if (map->predicted_rms_m) {
     verdict.others.push_back({"Predicted tool error, 1σ", map->over, *map->predicted_rms_m});
   }
@@ -142,25 +171,6 @@ void add_other_figures(const SignatureRecord& record, const std::optional<ToolEr
         {"Predicted tool error, 1σ", "the joint limits", *map->predicted_over_limits_m});
   }
   verdict.others.push_back({"Nominal model from the signature", map->over, map->nominal_rms_m});
-}
-
-void judge_without_covariance(const SignatureRecord& record, const std::optional<ToolErrorMap>& map,
-                              Verdict& verdict) {
-  if (!map) {
-    verdict.headline =
-        "An arm signature; no target on the last link says how well it places a tool.";
-    return;
-  }
-  verdict.headline = fmt::format("The nominal model is {} from this signature over {}.",
-                                 length_in_words(map->nominal_rms_m), map->over);
-  verdict.before_after = {{"Nominal model", map->over, map->nominal_rms_m}};
-  const auto& predicted = record.accuracy.predicted;
-  verdict.sentences.push_back(
-      predicted ? fmt::format("The predicted tool error is {} (1σ) at {}; over {} it is not known.",
-                              length_in_words(predicted->rms_m), region_in_words(predicted->region),
-                              map->over)
-                : "The uncertainty of the signature is not known: the file holds neither "
-                  "covariance nor sweeps.");
 }
 
 // How sure: what the scatter says, and what it cannot.
