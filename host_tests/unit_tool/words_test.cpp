@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <gtest/gtest.h>
-
 #include "firmware/host_tool/presentation/words.hpp"
+
+#include <gtest/gtest.h>
 
 namespace armsig::tool {
 namespace {
