@@ -29,7 +29,7 @@ FIND = """axe.run(document, { resultTypes: ['violations'] }).then(({ violations 
   [impact, id, nodes.map(({ target, any }) => `${target.join(' ')}: ${any[0]?.message ?? ''}`).slice(0, 3)]))"""
 SIZES = ((1400, 900), (800, 1000), (390, 844))
 ARMS = 1000
-FIRST_VIEW_MS = 1000
+FIRST_VIEW_S = 0.3
 FORMER = ("theta1_deg=0.010000 d1_mm=0.0000 a1_mm=0.0000 alpha1_deg=-90.000000 theta2_deg=0.000000 d2_mm=149.0900 "
           "a2_mm=431.8000 alpha2_deg=0.001000 theta3_deg=90.000000 d3_mm=0.0000 a3_mm=-20.3200 alpha3_deg=90.000000")
 BENDS = "".join(f" zero{n}_rad=0 rest{n}_rad=0.2 map{n}_from_rad=-3.1 map{n}_knots_per_rad=19 map{n}_step_rad=1e-08 map{n}="
@@ -121,11 +121,17 @@ class FleetPage(unittest.TestCase):
             os.makedirs(pictures, exist_ok=True)
             tab.picture(os.path.join(pictures, name + ".png"))
 
-    def test_a_thousand_arms_are_seen_within_a_second_at_three_sizes(self):
+    def host_processor_s(self):
+        with open(f"/proc/{self.host.pid}/stat") as file:
+            ticks = file.read().rsplit(")", 1)[1].split()[11:13]  # utime, stime
+        return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
+
+    def test_a_thousand_arms_are_seen_after_a_third_of_a_second_of_processor(self):
         for width, height in SIZES:
-            first_views = []
-            for dark in (False, True, False):  # the best of three: the machine may be busy
+            for dark in (False, True):
+                before_s = self.host_processor_s()
                 tab = self.open("/", width, height, dark)
+                page_s, host_s = tab.processor_s(), self.host_processor_s() - before_s
                 self.assertEqual(tab.ask("document.querySelectorAll('tr').length"), ARMS + 1)
                 # The last arm is there where one looks for it, in the columns of the first.
                 self.assertTrue(tab.ask(
@@ -134,12 +140,11 @@ class FleetPage(unittest.TestCase):
                       const places = row => [...row.cells].map(cell => Math.round(cell.getBoundingClientRect().x))
                       return places(rows[0]).length == 9 && places(rows.at(-1)).join() == places(rows[0]).join() })()"""))
                 tab.ask("scrollTo(0, 0)")
-                first_views.append(tab.ask("Math.max(performance.getEntriesByName('first-contentful-paint')[0].startTime, "
-                                           "performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd)"))
                 self.look(tab, f"arms-{width}-{'dark' if dark else 'light'}")
                 tab.call("Page.close")
-            print(f"first view at {width} by {height}: {min(first_views):.0f} to {max(first_views):.0f} ms")
-            self.assertLess(min(first_views), FIRST_VIEW_MS)
+                print(f"first view at {width} by {height}: {page_s:.2f} s of the page's processor, {host_s:.2f} s of the host's")
+                self.assertGreater(page_s, 0)
+                self.assertLess(page_s + host_s, FIRST_VIEW_S)
 
     def test_the_drifting_arm_stands_first_and_leads_to_what_changed(self):
         tab = self.open("/")

@@ -80,6 +80,7 @@ class Tab:
         self.session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
+        self.call("Performance.enable", timeDomain="threadTicks")
         self.look(width, height, dark)
         self.call("Page.navigate", url=address)
 
@@ -97,6 +98,11 @@ class Tab:
         if "exceptionDetails" in told:
             raise AssertionError(f"{expression}: {told['exceptionDetails']}")
         return told["result"].get("value")
+
+    def processor_s(self):
+        """What the page has taken of a processor so far, whatever else the machine has to do."""
+        metrics = self.call("Performance.getMetrics")["metrics"]
+        return next(metric["value"] for metric in metrics if metric["name"] == "TaskDuration")
 
     def text(self, identifier):
         return self.ask(f"document.getElementById({json.dumps(identifier)}).textContent")
