@@ -96,5 +96,44 @@ TEST(PlacesCommand, has_no_answer_to_too_few_touches) {
   EXPECT_TRUE(says(run.err, "10 touches of ")) << run.err;
 }
 
+constexpr const char* kPlan = "plan --arm arm.yaml --instrument instrument.yaml --out plan.csv";
+
+TEST(PlacesCommand, plans_touches_that_identify_takes) {
+  const Folder folder;
+  write_session(folder, a_session());
+  const Outcome plan =
+      run_tool(folder, std::string(kPlan) + " --accuracy-mm 0.16 --drawing places.svg");
+  ASSERT_EQ(plan.status, 0) << plan.err;
+  EXPECT_TRUE(says(plan.out, "touches of 8 places")) << plan.out;
+  EXPECT_TRUE(says(plan.out, "Expected tool error, mm")) << plan.out;
+  EXPECT_TRUE(says(plan.out,
+                   "Next: armsig identify --arm arm.yaml --instrument instrument.yaml "
+                   "--measurements touches.csv --out signature.yaml"))
+      << plan.out;
+  EXPECT_TRUE(says(read_file(folder / "places.svg"), ">D2: "));
+  const Outcome run = run_tool(folder,
+                               "identify --arm arm.yaml --instrument instrument.yaml "
+                               "--measurements plan.csv --out signature.yaml");
+  EXPECT_EQ(run.status, 0) << run.err;
+}
+
+TEST(PlacesCommand, has_no_plan_that_reaches_more_than_can_be_reached) {
+  const Folder folder;
+  write_session(folder, a_session());
+  const Outcome plan = run_tool(folder, std::string(kPlan) + " --accuracy-mm 0.01 --touches 30");
+  EXPECT_EQ(plan.status, 1);
+  EXPECT_TRUE(says(plan.err, "30 touches leave a tool error of 0.")) << plan.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "plan.csv"));
+}
+
+TEST(PlacesCommand, refuses_options_that_are_about_sweeps_or_programs) {
+  const Folder folder;
+  write_session(folder, a_session());
+  for (const char* option : {" --arc 90", " --points 12", " --format urscript"}) {
+    EXPECT_EQ(run_tool(folder, std::string(kPlan) + option).status, 2) << option;
+  }
+  EXPECT_EQ(run_tool(folder, "plan --arm arm.yaml --touches 50 --out plan.csv").status, 2);
+}
+
 }  // namespace
 }  // namespace armsig::cli

@@ -206,6 +206,27 @@ inline std::optional<VectorXd> reach(const TrueArm& arm, const Vector3d& tool,
   return q;
 }
 
+// Readings near `q` at which the tool is at `target`, by the shortest steps.
+inline VectorXd settle(const TrueArm& arm, const Vector3d& tool, const Vector3d& target,
+                       VectorXd q) {
+  const auto at = [&](const VectorXd& readings) -> Vector3d {
+    const Frame X = arm.flange(readings);
+    return X.R * tool + X.p;
+  };
+  for (int pass = 0; pass < 20; ++pass) {
+    const Vector3d off = target - at(q);
+    if (off.norm() < 1e-10) break;
+    Eigen::Matrix3Xd J(3, q.size());
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      VectorXd other = q;
+      other[j] += 1e-6;
+      J.col(j) = (at(other) - at(q)) / 1e-6;
+    }
+    q += J.transpose() * (J * J.transpose()).ldlt().solve(off);
+  }
+  return q;
+}
+
 // Within 75 degrees of straight down, evenly over the solid angle.
 inline Vector3d any_stem(std::mt19937& random) {
   std::uniform_real_distribution<double> share(0, 1);
@@ -298,6 +319,12 @@ class Session {
     return true;
   }
 
+  // The same led from readings near it.
+  void touch_near(const std::string& name, const Vector3d& centre, const VectorXd& near) {
+    const Vector3d seated = centre + seat_m_ * Vector3d(normal(), normal(), normal());
+    readings_.push_back({name, settle(arm_, tool_, seated, near), std::nullopt});
+  }
+
   [[nodiscard]] std::string csv() const {
     std::string text = "place";
     bool lengths = false;
@@ -357,13 +384,24 @@ class Session {
       lower = lower.cwiseMin(reading.q);
       upper = upper.cwiseMax(reading.q);
     }
-    Eigen::Matrix3Xd found(3, count);
-    Eigen::Matrix3Xd truth(3, count);
+    std::vector<VectorXd> judged;
     std::uniform_real_distribution<double> share(0, 1);
     for (int k = 0; k < count; ++k) {
       VectorXd q = lower;
       for (double& one : q) one = share(random_);
-      q = lower + q.cwiseProduct(upper - lower);
+      judged.emplace_back(lower + q.cwiseProduct(upper - lower));
+    }
+    return tool_error_over_m(predicted, judged);
+  }
+
+  // The same over these readings.
+  template <typename Predicted>
+  [[nodiscard]] double tool_error_over_m(Predicted predicted,
+                                         const std::vector<VectorXd>& judged) const {
+    Eigen::Matrix3Xd found(3, static_cast<Eigen::Index>(judged.size()));
+    Eigen::Matrix3Xd truth = found;
+    for (Eigen::Index k = 0; k < found.cols(); ++k) {
+      const VectorXd& q = judged[static_cast<std::size_t>(k)];
       const Frame X = arm_.flange(q);
       truth.col(k) = X.R * tool_ + X.p;
       found.col(k) = predicted(q);
@@ -372,7 +410,7 @@ class Session {
     const Eigen::Matrix3Xd turned = T.topLeftCorner<3, 3>() * found;
     const Vector3d shift = T.topRightCorner<3, 1>();
     const Eigen::Matrix3Xd left = turned.colwise() + shift - truth;
-    return left.norm() / std::sqrt(static_cast<double>(count));
+    return left.norm() / std::sqrt(static_cast<double>(found.cols()));
   }
 
   struct Length {

@@ -13,7 +13,7 @@ struct Example {
   std::string_view line;
 };
 
-inline constexpr std::array<Example, 32> kExamples{{
+inline constexpr std::array<Example, 33> kExamples{{
     {"demo", "armsig demo --out demo"},
     {"arms", "armsig arms --show ur10e"},
     {"simulate",
@@ -23,6 +23,9 @@ inline constexpr std::array<Example, 32> kExamples{{
     {"plan",
      "armsig plan --arm arm.yaml --configuration 0,-60,60,0,30,0 --box-mm -900,-900,0,900,900,1200 "
      "--out to-measure.csv"},
+    {"plan",
+     "armsig plan --arm sockets/arm.yaml --instrument sockets/instrument.yaml --out plan.csv "
+     "--drawing places.svg"},
     {"identify", "armsig identify --arm arm.yaml --measurements sweeps.csv --out signature.yaml"},
     {"identify",
      "armsig identify --arm ur10e --measurements practice.csv --method refined --out "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// armsig plan: where to send the arm for its sweeps, before there is a signature.
+// armsig plan: where to send the arm for its sweeps, or what to touch, before there is a signature.
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
@@ -7,6 +7,7 @@
 #include "firmware/formats/mounting.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/next_step.hpp"
+#include "firmware/host_tool/commands/plan_places.hpp"
 #include "firmware/host_tool/commands/pose_options.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
@@ -24,6 +25,7 @@ struct PlanOptions : PoseOptions {
   std::vector<double> configuration, target_mm{0, 0, 0};
   std::vector<double> arcs_deg{180};  // one for all joints, or one each
   std::size_t points = 24;
+  PlacePlanOptions places;  // with an instrument: touches instead of sweeps
 };
 
 // As asked for, else as the arm description says, else the one that is found best.
@@ -133,11 +135,10 @@ void print_plan(const PlanOptions& options, const ArmDescription& arm, const Swe
                .option("--out", "signature.yaml"));
 }
 
-Attempt<ExitStatus> run(const PlanOptions& options) {
+Attempt<ExitStatus> plan_of_sweeps(const PlanOptions& options, const ArmDescription& arm) {
   if (auto apart = check_roles({{"--arm", options.arm}}, {{"--out", options.out}}); !apart) {
     return std::unexpected(std::move(apart).error());
   }
-  ARMSIG_TRY(arm, arm_with_margin(options));
   const clearance::Surroundings around = options.around(
       arm.arm, arm.mounting,
       1e-3 * Vector3(options.target_mm[0], options.target_mm[1], options.target_mm[2]).norm());
@@ -166,12 +167,46 @@ Attempt<ExitStatus> run(const PlanOptions& options) {
   return kDone;
 }
 
+Attempt<ExitStatus> run(const PlanOptions& options) {
+  ARMSIG_TRY(arm, arm_with_margin(options));
+  if (options.places.instrument.empty()) return plan_of_sweeps(options, arm);
+  return plan_places(options, options.places, options.arm, arm);
+}
+
+void add_place_options(CLI::App& command, PlacePlanOptions& places) {
+  CLI::Option* instrument =
+      command.add_option("--instrument", places.instrument,
+                         "instrument description (YAML): where its bars, sockets, planes and wires "
+                         "are to stand, and which touches of them to make, instead of sweeps");
+  for (const char* of_sweeps : {"--configuration", "--arc", "--points", "--target-mm"}) {
+    instrument->excludes(command.get_option(of_sweeps));
+  }
+  const std::string with = " (with --instrument)";
+  command
+      .add_option("--accuracy-mm", places.accuracy_mm, "tool error to reach, 1 sigma, RMS" + with)
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->needs(instrument);
+  command.add_option("--sigma-mm", places.sigma_mm, "of one number of a touch, 1 sigma" + with)
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->needs(instrument);
+  command.add_option("--touches", places.most, "at most" + with)
+      ->check(CLI::Range(10, 2000))
+      ->capture_default_str()
+      ->needs(instrument);
+  command
+      .add_option("--drawing", places.drawing,
+                  "where everything is to stand, as a picture (SVG) to print" + with)
+      ->needs(instrument);
+}
+
 }  // namespace
 
 void add_plan(CLI::App& app, int& status) {
   auto options = std::make_shared<PlanOptions>();
   CLI::App* command =
-      app.add_subcommand("plan", "poses for the sweeps, before there is a signature");
+      app.add_subcommand("plan", "poses for the sweeps, or touches, before there is a signature");
   command
       ->add_option("--arm", options->arm,
                    "arm description (YAML), or a name that `armsig arms` lists")
@@ -195,6 +230,7 @@ void add_plan(CLI::App& app, int& status) {
                    "the target in the last frame of the nominal model: x,y,z")
       ->delimiter(',')
       ->expected(3);
+  add_place_options(*command, options->places);
   add_pose_options(*command, *options);
   command->callback([options, &status] { status = status_of(run(*options), *options); });
 }

@@ -25,20 +25,19 @@ struct Sampled {
   Eigen::VectorXd p;
 };
 
-Sampled sampled(const PlaceFit& fit, const FixedVector<JointLimits, kMaxJoints>& limits) {
-  const JointTypes types = types_of(fit.state().arm.joints);
-  constexpr Eigen::Index kRows = Eigen::Index{3} * kJudgedConfigurations;
-  Sampled all{Eigen::MatrixXd::Zero(kRows, fit.columns().size), Eigen::VectorXd(kRows)};
-  for (int k = 0; k < kJudgedConfigurations; ++k) {
-    const JointVector q = work_configuration(types, limits, k + 1);
-    const auto rows = fit.rows().tool(q);
-    const Eigen::Index row = Eigen::Index{3} * k;
+Sampled sampled(const PlaceFit& fit, std::span<const JointVector> judged) {
+  const auto rows = 3 * static_cast<Eigen::Index>(judged.size());
+  Sampled all{Eigen::MatrixXd::Zero(rows, fit.columns().size), Eigen::VectorXd(rows)};
+  Eigen::Index row = 0;
+  for (const JointVector& q : judged) {
+    const auto tool = fit.rows().tool(q);
     for (Eigen::Index i = 0; i < 3; ++i) {
-      for (const auto& [c, value] : rows[static_cast<std::size_t>(i)].J) {
+      for (const auto& [c, value] : tool[static_cast<std::size_t>(i)].J) {
         all.J(row + i, c) = value;
       }
     }
     all.p.segment<3>(row) = fit.state().tool_at(q);
+    row += 3;
   }
   return all;
 }
@@ -121,22 +120,35 @@ Eigen::MatrixXd said_by_readings(const PlaceFit& fit) {
 
 }  // namespace
 
-ToolKnowledge tool_knowledge(const PlaceFit& fit,
-                             const FixedVector<JointLimits, kMaxJoints>& limits) {
-  const Sampled at = sampled(fit, limits);
+std::vector<JointVector> judged_configurations(const JointTypes& types,
+                                               const FixedVector<JointLimits, kMaxJoints>& limits) {
+  std::vector<JointVector> judged;
+  for (int k = 1; k <= kJudgedConfigurations; ++k) {
+    judged.push_back(work_configuration(types, limits, k));
+  }
+  return judged;
+}
+
+Eigen::MatrixXd judged_tool(const PlaceFit& fit, std::span<const JointVector> judged) {
+  const Sampled at = sampled(fit, judged);
+  const Eigen::MatrixXd G = rigid_motions(at.p);
+  return at.J - G * (G.transpose() * G).ldlt().solve(G.transpose() * at.J);
+}
+
+ToolKnowledge tool_knowledge(const PlaceFit& fit, std::span<const JointVector> judged) {
+  const Sampled at = sampled(fit, judged);
+  const auto count = static_cast<double>(judged.size());
   const Eigen::MatrixXd G = rigid_motions(at.p);
   ToolKnowledge knowledge;
   knowledge.motion = (G.transpose() * G).ldlt().solve(G.transpose() * at.J);
   const Eigen::MatrixXd left = at.J - G * knowledge.motion;
   const Eigen::MatrixXd left_C = left * fit.covariance();
-  knowledge.rms_m =
-      std::sqrt(left.cwiseProduct(left_C).sum() / static_cast<double>(kJudgedConfigurations));
+  knowledge.rms_m = std::sqrt(left.cwiseProduct(left_C).sum() / count);
   // The factor that explains most of an error: along the points, their rigid motions taken off.
   const Eigen::VectorXd along = at.p - G * (G.transpose() * G).ldlt().solve(G.transpose() * at.p);
   const Eigen::VectorXd by = left.transpose() * along / along.squaredNorm();
   knowledge.scale_sigma = std::sqrt(by.dot(fit.covariance() * by));
-  knowledge.by_scale_m =
-      knowledge.scale_sigma * along.norm() / std::sqrt(static_cast<double>(kJudgedConfigurations));
+  knowledge.by_scale_m = knowledge.scale_sigma * along.norm() / std::sqrt(count);
   return knowledge;
 }
 

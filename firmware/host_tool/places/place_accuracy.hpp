@@ -3,6 +3,9 @@
 // place among the places is no part of an arm's accuracy (docs/model.md, section 13).
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "core/calibration/signature_of_model.hpp"
 #include "firmware/host_tool/places/place_fit.hpp"
 
@@ -16,9 +19,18 @@ struct ToolKnowledge {
   Eigen::MatrixXd motion;
 };
 
-// Over configurations spread evenly within `limits`.
+// Those that the other commands judge an arm by, spread evenly within `limits`.
+[[nodiscard]] std::vector<JointVector> judged_configurations(
+    const JointTypes& types, const FixedVector<JointLimits, kMaxJoints>& limits);
+
+// The tool's derivatives by the unknowns at these configurations, 3 rows each, without what a rigid
+// motion of them all explains. The mean square of the predicted tool error is the trace of
+// L C L^T, over the number of configurations.
+[[nodiscard]] Eigen::MatrixXd judged_tool(const PlaceFit& fit, std::span<const JointVector> judged);
+
+// Over these configurations.
 [[nodiscard]] ToolKnowledge tool_knowledge(const PlaceFit& fit,
-                                           const FixedVector<JointLimits, kMaxJoints>& limits);
+                                           std::span<const JointVector> judged);
 
 // The covariance of the engine's geometry block in the frame in which the base stands best, for a
 // signature.

@@ -24,6 +24,9 @@ class PlaceFit {
   PlaceFit(const PlaceTask& task, const PlaceState& start, const PlaceParts& parts,
            const PlaceScales* scales = nullptr);
 
+  // What the touches that are named would tell, at the start and at its scales: covariance and
+  // information alone.
+  void foresee(const std::vector<std::size_t>& touches);
   // At most so many rounds; at its end all touches beyond six sigma are rejected.
   void run(int most_rounds);
 

@@ -91,6 +91,12 @@ void PlaceFit::invert() {
   covariance_.triangularView<Eigen::StrictlyUpper>() = covariance_.transpose();
 }
 
+void PlaceFit::foresee(const std::vector<std::size_t>& touches) {
+  std::ranges::fill(weights_, 0.0);
+  for (const std::size_t touch : touches) weights_[touch] = 1;
+  invert();
+}
+
 void PlaceFit::update_scales() {
   std::array<PriorGroup, 4> groups{};
   const std::array<double*, 4> scales{&scales_.prior.rotation, &scales_.prior.shift,

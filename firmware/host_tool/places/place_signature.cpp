@@ -97,7 +97,8 @@ Judged<void> add_signature(PlaceCalibration& found) {
   const auto model = deflects(fit) ? deflections_of(task, fit) : nullptr;
   const auto limits =
       model ? calibration::covered_limits(*model, task.nominal.limits) : task.nominal.limits;
-  found.knowledge = tool_knowledge(fit, limits);
+  found.knowledge =
+      tool_knowledge(fit, judged_configurations(types_of(fit.state().arm.joints), limits));
   std::vector<double> scratch(calibration::kMaxParameters * calibration::kMaxParameters);
   auto done = calibration::geometry_to_signature(state.arm, std::span(&state.tool, 1),
                                                  PlaceCovariance(fit, found.knowledge), refined, {},
