@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The lines of files in UTF-16: the same as in UTF-8, and in no more memory.
 #include <malloc.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <cstdio>
@@ -40,7 +41,8 @@ struct File {
   ~File() { std::remove(path.c_str()); }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
-  std::string path = testing::TempDir() + "lines.csv";
+  // Of this process: tests run beside each other.
+  std::string path = testing::TempDir() + "lines-" + std::to_string(::getpid()) + ".csv";
 };
 
 // Lines of every length from 1 on, so that every place of a character meets the end of a buffer.
