@@ -173,14 +173,14 @@ Attempt<ExitStatus> run(const PlanOptions& options) {
   return plan_places(options, options.places, options.arm, arm);
 }
 
-void add_place_options(CLI::App& command, PlacePlanOptions& places) {
+// `of_sweeps`: the options that an instrument rules out.
+void add_place_options(CLI::App& command, PlacePlanOptions& places,
+                       std::initializer_list<CLI::Option*> of_sweeps) {
   CLI::Option* instrument =
       command.add_option("--instrument", places.instrument,
                          "instrument description (YAML): where its bars, sockets, planes and wires "
                          "are to stand, and which touches of them to make, instead of sweeps");
-  for (const char* of_sweeps : {"--configuration", "--arc", "--points", "--target-mm"}) {
-    instrument->excludes(command.get_option(of_sweeps));
-  }
+  for (CLI::Option* option : of_sweeps) instrument->excludes(option);
   const std::string with = " (with --instrument)";
   command
       .add_option("--accuracy-mm", places.accuracy_mm, "tool error to reach, 1 sigma, RMS" + with)
@@ -211,26 +211,30 @@ void add_plan(CLI::App& app, int& status) {
       ->add_option("--arm", options->arm,
                    "arm description (YAML), or a name that `armsig arms` lists")
       ->required();
-  command
-      ->add_option("--configuration", options->configuration,
-                   "where the other joints are held, degrees or mm a joint, separated by commas "
-                   "(default: sweep_at of the arm description, else the best found)")
-      ->delimiter(',');
-  command
-      ->add_option("--arc", options->arcs_deg,
-                   "of revolute joints at most, degrees: one, or one a joint, separated by commas")
-      ->delimiter(',')
-      ->check(CLI::Range(30.0, 360.0))
-      ->capture_default_str();
-  command->add_option("--points", options->points, "a sweep")
-      ->check(CLI::Range(6, 1000))
-      ->capture_default_str();
-  command
-      ->add_option("--target-mm", options->target_mm,
-                   "the target in the last frame of the nominal model: x,y,z")
-      ->delimiter(',')
-      ->expected(3);
-  add_place_options(*command, options->places);
+  CLI::Option* configuration =
+      command
+          ->add_option(
+              "--configuration", options->configuration,
+              "where the other joints are held, degrees or mm a joint, separated by commas "
+              "(default: sweep_at of the arm description, else the best found)")
+          ->delimiter(',');
+  CLI::Option* arc =
+      command
+          ->add_option(
+              "--arc", options->arcs_deg,
+              "of revolute joints at most, degrees: one, or one a joint, separated by commas")
+          ->delimiter(',')
+          ->check(CLI::Range(30.0, 360.0))
+          ->capture_default_str();
+  CLI::Option* points = command->add_option("--points", options->points, "a sweep")
+                            ->check(CLI::Range(6, 1000))
+                            ->capture_default_str();
+  CLI::Option* target = command
+                            ->add_option("--target-mm", options->target_mm,
+                                         "the target in the last frame of the nominal model: x,y,z")
+                            ->delimiter(',')
+                            ->expected(3);
+  add_place_options(*command, options->places, {configuration, arc, points, target});
   add_pose_options(*command, *options);
   command->callback([options, &status] { status = status_of(run(*options), *options); });
 }
