@@ -8,6 +8,7 @@
 #include "firmware/controller/machine.hpp"
 #include "hal/linux/file_memory.hpp"
 #include "host_tests/support/table_3_run.hpp"
+#include "host_tests/support/temporary.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -156,7 +157,7 @@ TEST(Positions, are_kept_a_page_each_time_and_the_last_ones_count) {
 }
 
 TEST(Custody, ok_is_never_said_to_a_store_whose_file_was_unlinked) {
-  const std::filesystem::path folder = testing::TempDir() + "armsig_unlinked";
+  const std::filesystem::path folder = test::temporary("unlinked");
   std::filesystem::remove_all(folder);
   std::filesystem::create_directory(folder);
   auto file = linux_hal::FileMemory::open(folder / "store", test::RamMemory::kLayout);

@@ -8,6 +8,7 @@
 #include "core/base/pose.hpp"
 #include "firmware/formats/arm_file.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/temporary.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -312,7 +313,7 @@ TEST(ArmFile, gives_back_every_bit_that_was_written) {
                         {JointType::kPrismatic, 0.2, 0.3, -0.0, 0.7}};
   written.arm.limits = {{-kPi, kPi}, {-1, 2}, {0.1, 0.9}};
   written.arm.couplings = {{1, 0, 1.0 / 3}};
-  const std::string path = testing::TempDir() + "armsig_formats_arm.yaml";
+  const std::string path = test::temporary("arm.yaml");
   ASSERT_TRUE(write_arm_file(path, written));
   const auto read = read_arm_file(path);
   ASSERT_TRUE(read) << render(read.error());
@@ -336,7 +337,7 @@ TEST(ArmFile, refuses_to_write_what_it_would_not_read) {
   ArmDescription description{"x", {}};
   description.arm.joints = {{JointType::kRevolute, std::nan(""), 0, 0, 0}};
   description.arm.limits = {{-1, 1}};
-  const std::string path = testing::TempDir() + "armsig_formats_never.yaml";
+  const std::string path = test::temporary("never.yaml");
   EXPECT_FALSE(write_arm_file(path, description));
   EXPECT_FALSE(std::filesystem::exists(path));
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The lines of files in UTF-16: the same as in UTF-8, and in no more memory.
 #include <malloc.h>
-#include <unistd.h>
 
 #include <cstdint>
 #include <cstdio>
@@ -13,6 +12,7 @@
 
 #include "firmware/formats/csv_lines.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/temporary.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -41,8 +41,7 @@ struct File {
   ~File() { std::remove(path.c_str()); }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
-  // Of this process: tests run beside each other.
-  std::string path = testing::TempDir() + "lines-" + std::to_string(::getpid()) + ".csv";
+  std::string path = test::temporary("lines.csv");
 };
 
 // Lines of every length from 1 on, so that every place of a character meets the end of a buffer.

@@ -11,6 +11,7 @@
 #include "firmware/formats/measurement_writer.hpp"
 #include "firmware/formats/measurements.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/temporary.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -19,10 +20,8 @@ const JointTypes kTypes{JointType::kRevolute, JointType::kPrismatic};
 const std::string kHeader = "sweep,target,q1_deg,q2_mm,x_mm,y_mm,z_mm\n";
 const std::string kRow = "1,7,90,250,1,-2,3.5\n";
 
-std::string temporary(const std::string& name) { return testing::TempDir() + "armsig_" + name; }
-
 TEST(Measurements, are_streamed_over_the_borders_of_the_read_buffer) {
-  const std::string path = temporary("stream.csv");
+  const std::string path = test::temporary("stream.csv");
   constexpr int kRows = 50000;  // several buffers of 256 KiB
   {
     std::ofstream file(path);
@@ -44,7 +43,7 @@ TEST(Measurements, are_streamed_over_the_borders_of_the_read_buffer) {
 }
 
 TEST(Measurements, stop_at_a_problem_of_the_taker) {
-  const std::string path = temporary("taker.csv");
+  const std::string path = test::temporary("taker.csv");
   std::ofstream(path) << kHeader << kRow << kRow;
   const auto read = read_measurements(path, kTypes, [](const MeasurementRow& row) -> Read<void> {
     return problem_at(static_cast<int>(row.line), 0, "no", "yes");
@@ -71,7 +70,7 @@ TEST(Measurements, say_why_a_file_cannot_be_opened) {
 }
 
 TEST(MeasurementWriter, writes_positions_that_read_back) {
-  const std::string path = temporary("written.csv");
+  const std::string path = test::temporary("written.csv");
   auto writer = MeasurementWriter::create(
       path, {.types = kTypes, .sigma = true, .comment = "seed 1\nsecond line"});
   ASSERT_TRUE(writer) << render(writer.error());
@@ -106,7 +105,7 @@ TEST(MeasurementWriter, writes_positions_that_read_back) {
 }
 
 TEST(MeasurementWriter, writes_ranges_that_read_back) {
-  const std::string path = temporary("ranges.csv");
+  const std::string path = test::temporary("ranges.csv");
   auto writer = MeasurementWriter::create(path, {.types = kTypes, .receivers = 3, .air = true});
   ASSERT_TRUE(writer) << render(writer.error());
   MeasurementRow row;
@@ -126,7 +125,7 @@ TEST(MeasurementWriter, writes_ranges_that_read_back) {
 }
 
 TEST(MeasurementWriter, leaves_no_file_when_it_is_not_committed) {
-  const std::filesystem::path folder = temporary("empty_folder");
+  const std::filesystem::path folder = test::temporary("empty_folder");
   std::filesystem::create_directory(folder);
   {
     ASSERT_TRUE(MeasurementWriter::create(folder / "M.csv", {.types = kTypes}));
@@ -136,7 +135,7 @@ TEST(MeasurementWriter, leaves_no_file_when_it_is_not_committed) {
 }
 
 TEST(MeasurementWriter, refuses_what_is_not_finite) {
-  const std::filesystem::path folder = temporary("nan_folder");
+  const std::filesystem::path folder = test::temporary("nan_folder");
   std::filesystem::create_directory(folder);
   {
     auto writer = MeasurementWriter::create(folder / "M.csv", {.types = kTypes});

@@ -9,6 +9,7 @@
 #include "core/base/pose.hpp"
 #include "firmware/formats/poses.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/temporary.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -51,7 +52,7 @@ TEST(JointPoses, refuse_what_they_do_not_know) {
 }
 
 TEST(JointPoses, read_back_as_written) {
-  const std::string path = testing::TempDir() + "armsig_joints.csv";
+  const std::string path = test::temporary("joints.csv");
   const std::vector<JointVector> written{{1.0 / 3, -0.7}, {-3, 1e-9}};
   ASSERT_TRUE(write_joint_poses(path, kTypes, written, "from a test"));
   const auto read = read_joint_poses(path, kTypes);
@@ -65,7 +66,7 @@ TEST(JointPoses, read_back_as_written) {
 }
 
 TEST(JointPoses, that_are_not_finite_are_not_written) {
-  const std::string path = testing::TempDir() + "armsig_never.csv";
+  const std::string path = test::temporary("never.csv");
   const std::vector<JointVector> poses{{std::nan(""), 0}};
   const auto written = write_joint_poses(path, kTypes, poses);
   ASSERT_FALSE(written);
@@ -137,7 +138,7 @@ TEST(ToolPoses, want_one_orientation) {
 }
 
 TEST(ToolPoses, read_back_as_written) {
-  const std::string path = testing::TempDir() + "armsig_tools.csv";
+  const std::string path = test::temporary("tools.csv");
   const std::vector<Pose> written{{rotation_z(3.1) * rotation_x(-0.4), Vector3(1, -2, 0.1)},
                                   {rotation_x(kPi), Vector3(0, 0, 1e-9)}};
   ASSERT_TRUE(write_tool_poses(path, written));

@@ -7,6 +7,7 @@
 
 #include "firmware/formats/sensor_file.hpp"
 #include "firmware/formats/yaml_map.hpp"
+#include "host_tests/support/temporary.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -100,7 +101,7 @@ TEST(SensorFile, refuses_a_missing_key) {
 }
 
 TEST(SensorFile, reads_back_as_written) {
-  const std::string path = testing::TempDir() + "armsig_sensor.yaml";
+  const std::string path = test::temporary("sensor.yaml");
   SensorDescription written{"echo frame", {}, 1e-4, true, Vector3(0, 0.6, 0.8), 21.5};
   written.receivers_S = {Vector3(1.0 / 3, 0, 0), Vector3(0, 1.0 / 7, 0), Vector3(0, 0, -1e-3)};
   ASSERT_TRUE(write_sensor_file(path, written));
@@ -130,7 +131,7 @@ TEST(DirectionsOfFiles, have_length_1_and_come_back_as_the_same_bits) {
 }
 
 TEST(SensorFile, refuses_to_write_what_it_would_not_read) {
-  EXPECT_FALSE(write_sensor_file(testing::TempDir() + "armsig_never.yaml", {}));
+  EXPECT_FALSE(write_sensor_file(test::temporary("never.yaml"), {}));
 }
 
 }  // namespace

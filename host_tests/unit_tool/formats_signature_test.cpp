@@ -10,6 +10,7 @@
 #include "firmware/formats/signature_file.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/random_signature.hpp"
+#include "host_tests/support/temporary.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -357,7 +358,7 @@ TEST(SignatureFile, refuses_to_write_an_incomplete_signature) {
 }
 
 TEST(SignatureFile, leaves_the_old_file_when_the_new_one_is_refused) {
-  const std::string path = testing::TempDir() + "armsig_formats_signature.yaml";
+  const std::string path = test::temporary("signature.yaml");
   ASSERT_TRUE(write_signature_file(path, a_record()));
   SignatureRecord bad = a_record();
   bad.method = "guess";

@@ -11,6 +11,7 @@
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/temporary.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 
 // An empty folder for one test.
 fs::path empty_folder(const std::string& name) {
-  const fs::path folder = testing::TempDir() + "armsig_" + name;
+  const fs::path folder = test::temporary(name);
   fs::remove_all(folder);
   fs::create_directory(folder);
   return folder;
