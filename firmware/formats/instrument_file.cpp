@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "firmware/formats/characters.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
 #include "firmware/formats/yaml_map.hpp"
@@ -95,12 +96,23 @@ Read<std::vector<Instrument>> read_instruments(const YamlNode& node) {
   return instruments;
 }
 
+// A place is told by its name in a cell of a table of touches, which has no quotes.
+Read<void> check_place(const YamlNode& at, std::string_view name) {
+  if (!name.empty() && name.front() != '#' && trimmed(name) == name &&
+      name.find(',') == std::string_view::npos && !first_unprintable(name)) {
+    return {};
+  }
+  return problem_at(at, fmt::format("{} is no name of a place", in_quotes(name)),
+                    "a name without a comma, a # in front, or blanks at its ends");
+}
+
 Read<void> read_places(const YamlNode& node, InstrumentDescription& description) {
   if (node.kind != YamlNode::Kind::kMap) {
     return problem_at(node, fmt::format("places: {}", word_of(node.kind)),
                       "a map of places to the names of instruments");
   }
   for (std::size_t k = 0; k < node.keys.size(); ++k) {
+    if (auto place = check_place(node.keys[k], node.keys[k].text); !place) return place;
     ARMSIG_TRY(name, read_text(node.items[k], node.keys[k].text));
     const auto found = std::ranges::find(description.instruments, name, &Instrument::name);
     if (found == description.instruments.end()) {
@@ -134,6 +146,7 @@ Read<void> read_lengths(const YamlNode& node, InstrumentDescription& description
   for (const YamlNode& item : *list) {
     ARMSIG_TRY(length, read_length(item, description.lengths.size() + 1));
     for (const std::string& place : {length.from, length.to}) {
+      if (auto told = check_place(item, place); !told) return told;
       const Instrument& of = description.instruments[description.instrument_of(place)];
       if (of.kind == InstrumentKind::kSocket) continue;
       return problem_at(item, fmt::format("{} is no socket", in_quotes(place)),

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/formats/touches.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/base/error.hpp"
 #include "firmware/formats/csv_table.hpp"
+#include "firmware/formats/csv_text.hpp"
 #include "firmware/formats/text.hpp"
+#include "firmware/formats/units.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -60,6 +64,26 @@ Read<std::vector<Touch>> parse_touches(std::string_view text, std::string_view f
                                        const JointTypes& types,
                                        const InstrumentDescription& description) {
   return touches_from(LineReader::over(text, file), types, description);
+}
+
+std::string touches_text(std::span<const Touch> touches, const JointTypes& types,
+                         const InstrumentDescription& description) {
+  const bool wires = std::ranges::find(description.instruments, InstrumentKind::kWire,
+                                       &Instrument::kind) != description.instruments.end();
+  std::string text = fmt::format("place,{}{}\n", joint_header(types), wires ? ",length_mm" : "");
+  auto out = std::back_inserter(text);
+  for (const Touch& touch : touches) {
+    text += touch.place;
+    for (std::size_t i = 0; i < types.size(); ++i) {
+      const Unit unit = unit_of(types[i]);
+      fmt::format_to(out, ",{:.3f}", touch.q[i] * unit.divide / unit.multiply);
+    }
+    const Instrument& of = description.instruments[description.instrument_of(touch.place)];
+    if (of.kind == InstrumentKind::kWire) fmt::format_to(out, ",{:.3f}", 1e3 * touch.length_m);
+    if (wires && of.kind != InstrumentKind::kWire) text += ",";
+    text += "\n";
+  }
+  return text;
 }
 
 }  // namespace armsig::tool

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,5 +30,10 @@ struct Touch {
 [[nodiscard]] Read<std::vector<Touch>> parse_touches(std::string_view text, std::string_view file,
                                                      const JointTypes& types,
                                                      const InstrumentDescription& description);
+
+// The same as a table for a person: to a thousandth of a degree or millimetre. A column of lengths
+// where the description has wires.
+[[nodiscard]] std::string touches_text(std::span<const Touch> touches, const JointTypes& types,
+                                       const InstrumentDescription& description);
 
 }  // namespace armsig::tool

@@ -36,6 +36,35 @@ TEST(InstrumentFile, has_instruments_places_and_lengths_in_metres) {
   EXPECT_EQ(read->lengths[0].sigma_m, 0.02e-3);
 }
 
+// A table of touches has no quotes: what could not be read back is no name.
+TEST(InstrumentFile, takes_names_of_places_that_a_table_of_touches_can_hold) {
+  const auto description = [](const std::string& name) {
+    return std::string(kSockets) + "lengths:\n  - {from: \"" + name +
+           "\", to: A2, length_mm: 300, sigma_mm: 0.02}\n";
+  };
+  const JointTypes types{JointType::kRevolute, JointType::kPrismatic};
+  for (const char* name : {"A1", "bar 1; left", "a'b", "Ω", "\\\"x", "1e5", "-"}) {
+    const auto read = parse_instrument(description(name), "i.yaml");
+    ASSERT_TRUE(read) << render(read.error());
+    const std::vector<Touch> touches{{.place = read->lengths[0].from, .q = {0.1, -0.02}},
+                                     {.place = "W1", .q = {-0.3, 0.5}, .length_m = 0.4567}};
+    const auto back = parse_touches(touches_text(touches, types, *read), "t.csv", types, *read);
+    ASSERT_TRUE(back) << render(back.error());
+    ASSERT_EQ(back->size(), 2U);
+    EXPECT_EQ((*back)[0].place, touches[0].place);
+    EXPECT_NEAR((*back)[0].q[0], 0.1, 1e-5);
+    EXPECT_NEAR((*back)[0].q[1], -0.02, 1e-12);
+    EXPECT_EQ((*back)[1].place, "W1");
+    EXPECT_NEAR((*back)[1].length_m, 0.4567, 1e-12);
+  }
+  for (const char* name : {"A,1", "#A1", " A1", "A1 "}) {
+    EXPECT_NE(refusal(description(name)).find("is no name of a place"), std::string::npos) << name;
+  }
+  std::string text = kSockets;
+  text.replace(text.find("W1: encoder"), 11, "\"W,1\": encoder");
+  EXPECT_NE(refusal(text).find("\"W,1\" is no name of a place"), std::string::npos);
+}
+
 TEST(InstrumentFile, refuses_what_it_does_not_understand) {
   const auto refuses = [](const std::string& text, const std::string& words) {
     EXPECT_NE(refusal(text).find(words), std::string::npos) << refusal(text);
