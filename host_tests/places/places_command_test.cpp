@@ -126,6 +126,14 @@ TEST(PlacesCommand, has_no_plan_that_reaches_more_than_can_be_reached) {
   EXPECT_FALSE(std::filesystem::exists(folder / "plan.csv"));
 }
 
+TEST(PlacesCommand, has_no_plan_of_touches_too_few_to_be_identified_by) {
+  const Folder folder;
+  write_session(folder, a_session());
+  const Outcome plan = run_tool(folder, std::string(kPlan) + " --accuracy-mm 10 --touches 10");
+  EXPECT_EQ(plan.status, 1);
+  EXPECT_TRUE(says(plan.err, "10 touches are too few to check 8 places")) << plan.err;
+}
+
 TEST(PlacesCommand, refuses_options_that_are_about_sweeps_or_programs) {
   const Folder folder;
   write_session(folder, a_session());

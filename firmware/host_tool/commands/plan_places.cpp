@@ -2,13 +2,13 @@
 #include "firmware/host_tool/commands/plan_places.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 #include <fmt/format.h>
 
 #include "firmware/formats/file_roles.hpp"
 #include "firmware/formats/mounting.hpp"
 #include "firmware/formats/text_file.hpp"
+#include "firmware/formats/touches.hpp"
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/commands/next_step.hpp"
 #include "firmware/host_tool/places/place_drawing.hpp"
@@ -38,28 +38,14 @@ struct PlannedPlaces {
   }
 };
 
-std::string touches_csv(const PlannedPlaces& planned) {
+std::vector<Touch> touches_of(const PlannedPlaces& planned) {
   const PlaceTask& task = planned.layout.task;
-  const JointTypes types = types_of(task.nominal.joints);
-  const bool wires = task.has_wires();
-  std::string text = "place";
-  auto out = std::back_inserter(text);
-  for (std::size_t j = 0; j < types.size(); ++j) {
-    fmt::format_to(out, ",q{}_{}", j + 1, types[j] == JointType::kRevolute ? "deg" : "mm");
-  }
-  text += wires ? ",length_mm\n" : "\n";
+  std::vector<Touch> touches;
   for (const std::size_t k : planned.plan.touches) {
-    const TouchRow& touch = task.touches[k];
-    text += task.places[touch.place].name;
-    for (std::size_t j = 0; j < types.size(); ++j) {
-      const double unit = types[j] == JointType::kRevolute ? degrees(1) : 1e3;
-      fmt::format_to(out, ",{:.3f}", unit * touch.q[j]);
-    }
-    const bool wire = task.places[touch.place].kind == InstrumentKind::kWire;
-    if (wires) text += wire ? fmt::format(",{:.1f}\n", 1e3 * touch.length_m) : ",\n";
-    if (!wires) text += "\n";
+    const TouchRow& row = task.touches[k];
+    touches.push_back({.place = task.places[row.place].name, .q = row.q, .length_m = row.length_m});
   }
-  return text;
+  return touches;
 }
 
 Table places_table(const PlannedPlaces& planned) {
@@ -140,6 +126,22 @@ Read<void> check_place_plan(const PoseOptions& poses, const PlacePlanOptions& op
                      {{"--out", poses.out}, {"--drawing", options.drawing}});
 }
 
+// Why a plan is not whole.
+Problem not_reached(const PlannedPlaces& planned, const PlacePlanOptions& options) {
+  const std::size_t count = planned.plan.touches.size();
+  const double left_mm = 1e3 * planned.plan.expected_rms_m.back();
+  if (left_mm <= options.accuracy_mm) {
+    return {options.instrument, 0, 0,
+            fmt::format("{} touches are too few to check {}", count,
+                        counted(planned.layout.middle_B.size(), "place")),
+            "more --touches, or fewer places"};
+  }
+  return {options.instrument, 0, 0,
+          fmt::format("{} touches leave a tool error of {:.3f} mm", count, left_mm),
+          "a larger --accuracy-mm, more --touches, longer or more bars, or lengths and touches "
+          "that are known better"};
+}
+
 Attempt<PlannedPlaces> planned_places(const PlacePlanOptions& options, const Arm& arm,
                                       const InstrumentDescription& description,
                                       const TouchSearch& search) {
@@ -148,14 +150,8 @@ Attempt<PlannedPlaces> planned_places(const PlacePlanOptions& options, const Arm
   if (!layout) return no_answer(std::move(layout).error());
   PlannedPlaces planned{*std::move(layout), {}};
   planned.plan = plan_touches(planned.layout, sigma_m, 1e-3 * options.accuracy_mm, options.most);
-  if (planned.plan.enough > 0) return planned;
-  return no_answer(
-      {options.instrument, 0, 0,
-       fmt::format(
-           "{} touches leave a tool error of {:.3f} mm", planned.plan.touches.size(),
-           planned.plan.expected_rms_m.empty() ? 0 : 1e3 * planned.plan.expected_rms_m.back()),
-       "a larger --accuracy-mm, more --touches, longer or more bars, or lengths and touches that "
-       "are known better"});
+  if (planned.plan.is_whole) return planned;
+  return no_answer(not_reached(planned, options));
 }
 
 }  // namespace
@@ -169,7 +165,9 @@ Attempt<ExitStatus> plan_places(const PoseOptions& poses, const PlacePlanOptions
   const clearance::Surroundings around = poses.around(arm.arm, arm.mounting, 0);
   const TouchSearch search(arm.arm, description.tool_F, around);
   ARMSIG_TRY(planned, planned_places(options, arm.arm, description, search));
-  if (auto written = write_text_file(poses.out, touches_csv(planned)); !written) {
+  if (auto written = write_text_file(
+          poses.out, touches_text(touches_of(planned), types_of(arm.arm.joints), description));
+      !written) {
     return std::unexpected(std::move(written).error());
   }
   if (!options.drawing.empty()) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -84,8 +85,6 @@ class LayingOut {
     layout_.task = place_task(nominal, description, {});
     for (const TouchSearch::Stand& stand : search.stands()) {
       if (layout_.judged.size() < kJudgedConfigurations) layout_.judged.push_back(stand.q);
-    }
-    for (const TouchSearch::Stand& stand : search.stands()) {
       reach_m_ = std::max(reach_m_, across(stand.p_B).norm());
       highest_m_ = std::max(highest_m_, up().dot(stand.p_B));
       lowest_m_ = std::min(lowest_m_, up().dot(stand.p_B));
@@ -148,12 +147,15 @@ class LayingOut {
                                     .instrument = instrument,
                                     .kind = description_.instruments[instrument].kind});
     }
-    const Vector3 middle_B = a_middle(layout.task.places[first].kind, n);
+    const InstrumentKind kind = layout.task.places[first].kind;
+    const Vector3 middle_B = a_middle(kind, n);
     const double apart_m = piece.length == nullptr ? 0 : piece.length->length_m;
+    const Vector3 half = apart_m / 2 * around_up(halton(1, n));
+    if (kind != InstrumentKind::kWire && !is_apart(middle_B - half, middle_B + half)) {
+      return std::nullopt;
+    }
     for (std::size_t k = first; k < layout.task.places.size(); ++k) {
-      const double side = piece.length == nullptr ? 0 : k == first ? -0.5 : 0.5;
-      const Vector3 at_B = middle_B + side * apart_m * around_up(halton(1, n));
-      layout.middle_B.push_back(at_B);
+      layout.middle_B.emplace_back(middle_B + (k == first ? -1 : 1) * half);
       if (!set(layout, k, n) || add_touches(layout, k, kProbes) < kLeastPostures) {
         return std::nullopt;
       }
@@ -183,19 +185,28 @@ class LayingOut {
       place.point_B = std::cos(lean_rad) * up() + std::sin(lean_rad) * around_up(halton(2, n));
       place.distance_m = place.point_B.dot(middle_B);
     }
-    return search_.has_room(middle_B) && is_apart(layout, index);
+    return search_.has_room(middle_B);
   }
 
-  // From the arm's foot, and from the places that stand already.
-  [[nodiscard]] bool is_apart(const PlaceLayout& layout, std::size_t index) const {
-    const Vector3& at_B = layout.middle_B[index];
-    const std::size_t standing = layout_.middle_B.size();
-    return across(at_B).norm() >= kFromFoot * reach_m_ &&
-           std::all_of(layout.middle_B.begin(),
-                       layout.middle_B.begin() + static_cast<std::ptrdiff_t>(standing),
-                       [&](const Vector3& other_B) {
-                         return (at_B - other_B).norm() >= kApart * reach_m_;
-                       });
+  // Whether what stands from `from_B` to `to_B` is apart from the arm's foot, and from the bars and
+  // places that stand already.
+  [[nodiscard]] bool is_apart(const Vector3& from_B, const Vector3& to_B) const {
+    const double apart_m = kApart * reach_m_;
+    const auto steps = static_cast<int>(std::ceil(2 * (to_B - from_B).norm() / apart_m));
+    for (int k = 0; k <= steps; ++k) {
+      const Vector3 at_B = from_B + (to_B - from_B) * k / std::max(steps, 1);
+      if (across(at_B).norm() < kFromFoot * reach_m_) return false;
+      for (const Vector3& other_B : layout_.middle_B) {
+        if ((at_B - other_B).norm() < apart_m) return false;
+      }
+      for (const SocketLength& bar : layout_.task.lengths) {
+        const Eigen::ParametrizedLine<double, 3> line = Eigen::ParametrizedLine<double, 3>::Through(
+            layout_.middle_B[bar.from], layout_.middle_B[bar.to]);
+        const double along_m = line.direction().dot(at_B - line.origin());
+        if (along_m > 0 && along_m < bar.length_m && line.distance(at_B) < apart_m) return false;
+      }
+    }
+    return true;
   }
 
   // How many.
@@ -213,7 +224,7 @@ class LayingOut {
       case InstrumentKind::kPlane:
         for (std::size_t k = 0; k < most; ++k) {
           for (const JointVector& q :
-               search_.touches(on_plane(place, middle_B, k), place.point_B, 1)) {
+               search_.touches(on_plane(place, middle_B, k), place.point_B, 1, k)) {
             add(q);
           }
         }
@@ -222,10 +233,11 @@ class LayingOut {
         for (const TouchSearch::Stand& stand : search_.stands()) {
           if (touches.size() == most) break;
           const Vector3 wire = place.point_B - stand.p_B;
+          const double read_m = wire.norm() - layout.task.instruments[place.instrument].zero_m;
           const Vector3 stem = search_.stem_B(stand.q);
-          if (wire.norm() < kShortestWire_m) continue;
+          if (std::min(read_m, wire.norm()) < kShortestWire_m) continue;
           if (stem.dot(wire.normalized()) > std::cos(kWireToStem_rad)) continue;
-          add(stand.q, wire.norm() - layout.task.instruments[place.instrument].zero_m);
+          add(stand.q, read_m);
         }
         break;
     }
@@ -246,8 +258,8 @@ class LayingOut {
   double sigma_m_;
   PlaceLayout layout_;
   double reach_m_ = 0;
-  double highest_m_ = 0;
-  double lowest_m_ = 0;
+  double highest_m_ = -std::numeric_limits<double>::infinity();
+  double lowest_m_ = std::numeric_limits<double>::infinity();
   std::vector<Vector3> low_;  // where the tool may stand there
 };
 

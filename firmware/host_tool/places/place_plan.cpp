@@ -118,10 +118,11 @@ PlacePlan plan_touches(const PlaceLayout& layout, double sigma_m, double accurac
   const auto comes_first = [&](std::size_t k) {
     return !taken[k] && of_place[task.touches[k].place] < kLeastOfAPlace;
   };
-  while (plan.touches.size() < most) {
+  for (;;) {
     bool first = false;
     for (std::size_t k = 0; k < taken.size() && !first; ++k) first = comes_first(k);
-    if (!first && choice.rms_m() <= accuracy_m && numbers >= least_numbers(task)) break;
+    plan.is_whole = !first && choice.rms_m() <= accuracy_m && numbers >= least_numbers(task);
+    if (plan.is_whole || plan.touches.size() == most) break;
     std::size_t best = taken.size();
     double most_gain = -1;
     for (std::size_t k = 0; k < taken.size(); ++k) {
@@ -136,7 +137,6 @@ PlacePlan plan_touches(const PlaceLayout& layout, double sigma_m, double accurac
     numbers += choice.numbers(best);
     plan.touches.push_back(best);
     plan.expected_rms_m.push_back(choice.rms_m());
-    if (plan.enough == 0 && choice.rms_m() <= accuracy_m) plan.enough = plan.touches.size();
   }
   return plan;
 }

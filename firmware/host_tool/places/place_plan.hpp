@@ -10,14 +10,14 @@
 namespace armsig::tool {
 
 struct PlacePlan {
-  std::vector<std::size_t> touches;    // of the layout's task, the most useful first
+  std::vector<std::size_t> touches;    // of the layout's task, the most useful first; one at least
   std::vector<double> expected_rms_m;  // of the tool, after each of them
-  // The first so many touches reach what was asked; 0: they don't.
-  std::size_t enough = 0;
+  // What was asked is reached, and every place is touched often enough to be checked.
+  bool is_whole = false;
 };
 
 // As few touches as reach `accuracy_m`, and so many that every place is checked by several and a
-// sigma is found from them; `most` at most. Over configurations within the limits of the arm.
+// sigma is found from them; `most` at most. Precondition: the layout has a touch; most >= 1.
 [[nodiscard]] PlacePlan plan_touches(const PlaceLayout& layout, double sigma_m, double accuracy_m,
                                      std::size_t most);
 

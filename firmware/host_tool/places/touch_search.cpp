@@ -13,6 +13,8 @@
 namespace armsig::tool {
 namespace {
 
+// A ball on a stem leaves its socket where the stem leans farther than this from the socket's axis.
+constexpr double kSteepestStem_rad = radians(75);
 constexpr int kStandsTried = 3000;
 constexpr int kTriesEach = 14;  // for each touch that is asked for
 constexpr int kMostPasses = 60;
@@ -98,12 +100,13 @@ bool TouchSearch::moves_to(const Vector3& p_B, JointVector& q) const {
 }
 
 std::vector<JointVector> TouchSearch::touches(const Vector3& p_B, const Vector3& axis_B,
-                                              std::size_t most) const {
+                                              std::size_t most, std::size_t sought) const {
   std::vector<JointVector> found;
   const JointTypes types = types_of(arm_.joints);
   const double least_cosine = std::cos(kSteepestStem_rad);
-  const int tries = kTriesEach * static_cast<int>(most);
-  for (int k = 1; k <= tries && found.size() < most; ++k) {
+  const int before = kTriesEach * static_cast<int>(sought);
+  const int last = before + kTriesEach * static_cast<int>(most);
+  for (int k = before + 1; k <= last && found.size() < most; ++k) {
     JointVector q = evenly_spread_configuration(types, arm_.limits, k);
     if (!moves_to(p_B, q)) continue;
     bool kept = true;

@@ -9,9 +9,6 @@
 
 namespace armsig::tool {
 
-// A ball on a stem leaves its socket where the stem leans farther than this from the socket's axis.
-inline constexpr double kSteepestStem_rad = radians(75);
-
 class TouchSearch {
  public:
   struct Stand {
@@ -28,9 +25,10 @@ class TouchSearch {
 
   // Readings with the tool at `p_B` and its stem about `axis_B`, no two alike, `most` of them at
   // most: found by Newton's method for the position alone from readings spread evenly, so that the
-  // arm comes in all of its postures.
+  // arm comes in all of its postures. `sought`: touches that were sought beside it before; their
+  // readings are passed over, so that this one is in another posture.
   [[nodiscard]] std::vector<JointVector> touches(const Vector3& p_B, const Vector3& axis_B,
-                                                 std::size_t most) const;
+                                                 std::size_t most, std::size_t sought = 0) const;
 
   // Whether a place may be there: inside the box, and above planes with room for what holds it.
   [[nodiscard]] bool has_room(const Vector3& p_B) const;
