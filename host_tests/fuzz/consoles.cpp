@@ -6,7 +6,8 @@
 #include <memory>
 #include <utility>
 
-#include "firmware/host_tool/console/line_editor.hpp"
+#include "firmware/host_tool/console/conversation.hpp"
+#include "firmware/host_tool/console/status_words.hpp"
 #include "hal/serial_console.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
 #include "host_tests/support/puma_cabinet.hpp"
@@ -159,20 +160,32 @@ void fuzz_serial(Bytes bytes) {
   }
 }
 
-void fuzz_line_editor(Bytes bytes) {
-  tool::LineEditor editor;
-  for (const std::uint8_t byte : bytes) {
-    const auto line = editor.key(static_cast<char>(byte));
-    FUZZ_CHECK(editor.cursor() <= editor.text().size());
-    FUZZ_CHECK(editor.text().size() <= tool::LineEditor::kLongestLine);
-    if (!line) continue;
-    FUZZ_CHECK(line->size() <= tool::LineEditor::kLongestLine);
-    for (const char c : *line) FUZZ_CHECK(c != '\n' && c != '\r' && c != '\x1B');
+// Lines that a person types, begun with an even byte, and lines of a controller.
+void fuzz_conversation(Bytes bytes) {
+  tool::Conversation conversation;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = text.substr(at, end - at);
+    at = end + 1;
+    if (line.empty()) continue;
+    if (line.front() % 2 == 0) {
+      const auto step = conversation.take(line.substr(1), 80);
+      FUZZ_CHECK(step.send.size() <= tool::Conversation::kLongestLine);
+      FUZZ_CHECK(!step.say.contains('\x1B'));
+    } else {
+      conversation.learn_verbs(line);
+      conversation.learn_verb(line);
+      conversation.learn_joints(line);
+      FUZZ_CHECK(!conversation.hear(line, 80).contains('\x1B'));
+      FUZZ_CHECK(!tool::status_in_words(line, 80).contains('\x1B'));
+    }
+    for (const std::string& word : conversation.completions(line)) FUZZ_CHECK(!word.empty());
   }
 }
 
 constexpr std::array kTargets{Target{"requests", fuzz_requests}, Target{"serial", fuzz_serial},
-                              Target{"line_editor", fuzz_line_editor}};
+                              Target{"conversation", fuzz_conversation}};
 
 }  // namespace
 

@@ -9,23 +9,14 @@
 #include <string>
 
 #include "firmware/fleet/node/sha256.hpp"
+#include "firmware/formats/console_line.hpp"
 
 namespace armsig::fleet {
 namespace {
 
-// The value under ` key=`, without its quotes; empty: none.
+// Empty: there is none.
 std::string_view value_of(std::string_view line, std::string_view key) {
-  for (std::size_t at = line.find(key); at != std::string_view::npos; at = line.find(key, at + 1)) {
-    const std::size_t after = at + key.size();
-    if (at == 0 || line[at - 1] != ' ' || after >= line.size() || line[after] != '=') continue;
-    std::string_view value = line.substr(after + 1);
-    if (value.starts_with('"')) {
-      value.remove_prefix(1);
-      return value.substr(0, value.find('"'));
-    }
-    return value.substr(0, value.find(' '));
-  }
-  return {};
+  return tool::value_in(line, key).value_or(std::string_view());
 }
 
 double number_in(std::string_view text) {

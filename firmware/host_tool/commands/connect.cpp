@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // armsig connect: the controller's console, for a person and for a script.
-#include <poll.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,13 +16,12 @@
 
 #include <fmt/core.h>
 
-#include "firmware/formats/characters.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/commands/fetch.hpp"
 #include "firmware/host_tool/commands/send.hpp"
 #include "firmware/host_tool/console/console_client.hpp"
-#include "firmware/host_tool/console/line_editor.hpp"
+#include "firmware/host_tool/console/person.hpp"
 #include "firmware/host_tool/console/talking.hpp"
 #include "firmware/host_tool/console/web_start.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
@@ -56,8 +53,6 @@ struct ConnectOptions {
     return !request.empty() && (request[0] == "fetch" || request[0] == "send");
   }
 };
-
-// --- For a script: a request a line, its reply, the next ---------------------------------------
 
 // Replies go to standard output, what the controller says unasked to standard error.
 Talker talker_of(ConsoleClient& console) {
@@ -110,80 +105,6 @@ int talk_once(ConsoleClient& console, const ConnectOptions& options) {
   return good ? kDone : kNoAnswer;
 }
 
-// --- For a person: history, and what the controller says while one types -------------------------
-
-class RawTerminal {
- public:
-  RawTerminal() {
-    ::tcgetattr(STDIN_FILENO, &former_);
-    termios raw = former_;
-    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG | IEXTEN);
-    raw.c_iflag &= ~static_cast<tcflag_t>(IXON | ICRNL);
-    raw.c_cc[VMIN] = 1;
-    raw.c_cc[VTIME] = 0;
-    ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
-  }
-  ~RawTerminal() { ::tcsetattr(STDIN_FILENO, TCSANOW, &former_); }
-  RawTerminal(const RawTerminal&) = delete;
-  RawTerminal& operator=(const RawTerminal&) = delete;
-
- private:
-  termios former_{};
-};
-
-constexpr std::string_view kPrompt = "armsig> ";
-constexpr std::string_view kClearLine = "\r\033[K";
-
-void draw(const LineEditor& editor) {
-  fmt::print("{}{}{}\r\033[{}C", kClearLine, kPrompt, editor.text(),
-             kPrompt.size() + editor.cursor());
-  (void)std::fflush(stdout);
-}
-
-// False when the person wants to leave.
-bool take_keys(ConsoleClient& console, LineEditor& editor) {
-  constexpr char kEndOfInput = 0x04;  // Ctrl-D
-  std::array<char, 256> keys{};
-  const ssize_t count = ::read(STDIN_FILENO, keys.data(), keys.size());
-  if (count <= 0) return false;
-  for (ssize_t i = 0; i < count; ++i) {
-    const char key = keys[static_cast<std::size_t>(i)];
-    if (key == kEndOfInput && editor.text().empty()) return false;
-    const auto line = editor.key(key);
-    if (!line) continue;
-    fmt::print("{}{}{}\n", kClearLine, kPrompt, shown(*line));
-    if (*line == "quit" || *line == "exit") return false;
-    if (!line->empty() && !console.send(*line)) return true;
-  }
-  return true;
-}
-
-int talk_to_a_person(ConsoleClient& console) {
-  const RawTerminal raw;
-  LineEditor editor;
-  fmt::print("Connected. `help` lists the requests, `quit` or Ctrl-D leaves.\n");
-  draw(editor);
-  for (;;) {
-    std::array<pollfd, 2> ready{pollfd{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0},
-                                pollfd{.fd = console.descriptor(), .events = POLLIN, .revents = 0}};
-    if (::poll(ready.data(), ready.size(), -1) < 0) continue;
-    if (ready[0].revents != 0 && !take_keys(console, editor)) {
-      fmt::print("{}", kClearLine);
-      return kDone;
-    }
-    if (ready[1].revents != 0) {
-      while (const auto line = console.receive(milliseconds(0))) {
-        fmt::print("{}{}\n", kClearLine, shown(*line));
-      }
-    }
-    if (console.gone()) {
-      fmt::print("{}The controller closed the console.\n", kClearLine);
-      return kNoAnswer;
-    }
-    draw(editor);
-  }
-}
-
 int serve(const ConnectOptions& options) {
   const Problem problem = become_web_server(
       {.console = options.path, .port = options.port, .token_file = options.token_file},
@@ -223,8 +144,8 @@ int run(const ConnectOptions& options) {
     return options.request[0] == "send" ? send(*console, what) : fetch(*console, what);
   }
   if (!options.request.empty()) return talk_once(*console, options);
-  return ::isatty(STDIN_FILENO) == 1 ? talk_to_a_person(*console)
-                                     : talk_for_a_script(*console, options);
+  if (::isatty(STDIN_FILENO) != 1) return talk_for_a_script(*console, options);
+  return talk_to_a_person(*console, options.longest()) ? kDone : kNoAnswer;
 }
 
 // Returns the request.

@@ -9,6 +9,7 @@
 #include "core/base/error.hpp"
 #include "firmware/controller/fetching.hpp"
 #include "firmware/formats/characters.hpp"
+#include "firmware/formats/console_line.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/units.hpp"
 
@@ -16,21 +17,6 @@ namespace armsig::tool {
 namespace {
 
 constexpr const char* kExpected = "a controller of this armsig";
-
-// The value of `key=` in a reply; empty where it is not there.
-std::string value_in(std::string_view reply, std::string_view key) {
-  std::size_t at = 0;
-  while (at < reply.size()) {
-    const std::size_t end = std::min(reply.find(' ', at), reply.size());
-    const std::string_view word = reply.substr(at, end - at);
-    const std::size_t equals = word.find('=');
-    if (equals != std::string_view::npos && word.substr(0, equals) == key) {
-      return std::string(word.substr(equals + 1));
-    }
-    at = end + 1;
-  }
-  return {};
-}
 
 // The bytes that pairs of hexadecimal digits stand for; false where they are none, or other than as
 // many as there is room for.
@@ -82,7 +68,7 @@ Read<std::vector<std::string>> Fetcher::ask(const std::string& request,
     }
     std::vector<std::string> values;
     for (const std::string& key : keys) {
-      values.push_back(value_in(*line, key));
+      values.emplace_back(value_in(*line, key).value_or(""));
       if (!values.back().empty()) continue;
       return refused(fmt::format("no {} in the reply to \"{}\"", key, request), kExpected);
     }

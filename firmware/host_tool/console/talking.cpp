@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "firmware/formats/console_line.hpp"
 #include "firmware/formats/text.hpp"
 
 namespace armsig::tool {
@@ -19,15 +20,6 @@ constexpr double kUsualBound_s = 3600;  // an identification takes minutes
 constexpr double kLargestBound_s = 1e6;
 constexpr milliseconds kPause{200};  // from one status to the next
 constexpr std::string_view kBlanks = " \t\r";
-
-// Whether `word` is one of the line's; an empty one always is.
-bool has_word(std::string_view line, std::string_view word) {
-  if (word.empty()) return true;
-  const std::size_t at = line.find(std::string(" ").append(word));
-  if (at == std::string_view::npos) return false;
-  const std::size_t end = at + 1 + word.size();
-  return end == line.size() || line[end] == ' ';
-}
 
 std::string_view first_word(std::string_view line) {
   const std::size_t begin = std::min(line.find_first_not_of(kBlanks), line.size());
@@ -72,15 +64,18 @@ void Ending::hear(std::string_view line) {
 
 void Ending::begun(std::string_view verb) {
   resets_ = verb == "reset";
-  if (verb == "enable") awaited_ = "mode=holding";
-  if (verb == "disable" || resets_) awaited_ = "mode=idle";
+  if (verb == "enable") awaited_mode_ = "holding";
+  if (verb == "disable" || resets_) awaited_mode_ = "idle";
 }
 
 std::string Ending::told(std::string_view status) const {
-  const bool faulted = has_word(status, "mode=faulted") && (!resets_ || is_bad_);
-  const bool paused = has_word(status, "sequence=paused");
-  const bool under_way = !has_word(status, "sequence=none") || has_word(status, "moving=yes") ||
-                         has_word(status, "mode=starting") || !has_word(status, awaited_);
+  const auto mode = value_in(status, "mode");
+  const auto sequence = value_in(status, "sequence");
+  const bool faulted = mode == "faulted" && (!resets_ || is_bad_);
+  const bool paused = sequence == "paused";
+  const bool awaited = awaited_mode_.empty() || mode == awaited_mode_;
+  const bool under_way =
+      sequence != "none" || value_in(status, "moving") == "yes" || mode == "starting" || !awaited;
   if (!faulted && !paused && under_way) return {};
   if (faulted && !is_bad_) return "error the controller is faulted: status tells why";
   if (paused && !is_bad_) return "error the sequence is paused: go on with resume";

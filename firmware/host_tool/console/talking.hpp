@@ -40,8 +40,8 @@ class Ending {
  private:
   std::string line_;  // the last one that tells an end, without its "# "
   bool is_bad_ = false;
-  std::string_view awaited_;  // the word of a status that tells the end; empty: any rest does
-  bool resets_ = false;       // a fault of before goes
+  std::string_view awaited_mode_;  // of the end; empty: any rest is one
+  bool resets_ = false;            // a fault of before goes
 };
 
 class Talker {
