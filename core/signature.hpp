@@ -13,7 +13,12 @@
 
 namespace armsig {
 
+// An image of little memory has the one on the hand that its controller measures.
+#ifdef ARMSIG_LITTLE_MEMORY
+inline constexpr std::size_t kMaxTargets = 1;
+#else
 inline constexpr std::size_t kMaxTargets = 32;
+#endif
 
 // A target point: fixed to link `link` (1 = the link that joint 1 moves, n = the last).
 struct Target {

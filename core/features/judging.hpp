@@ -13,7 +13,12 @@
 
 namespace armsig::features {
 
+// An image of little memory sweeps in fewer points than this, and they never fill it.
+#ifdef ARMSIG_LITTLE_MEMORY
+inline constexpr std::size_t kGateCapacity = 56;
+#else
 inline constexpr std::size_t kGateCapacity = 128;
+#endif
 
 // Points that wait to be judged together.
 using WaitingPoints = FixedVector<SweepPoint, kGateCapacity>;

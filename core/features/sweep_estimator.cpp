@@ -100,6 +100,9 @@ std::optional<Refusal> refusal_before_gate(const SweepConfig& config, const Swee
 
 // So many points, fitted unseen, are asked whether they agree; those after them are judged by them.
 constexpr std::size_t kFirstPoints = 8;
+// So many are taken in without a second look at those before them: half of what may wait at most.
+constexpr std::size_t kLookedAtOnce = 64;
+static_assert(kGateCapacity <= kLookedAtOnce || kGateCapacity == 2 * kLookedAtOnce);
 
 }  // namespace
 
@@ -169,13 +172,13 @@ bool SweepEstimator::agrees(const SweepPoint& point) {
   if (!std::isfinite(trial.innovation().leverage) || !passes_gate(accepted, true, point, trial))
     return false;
   accepted.add(point, trial);
-  return place <= kGateCapacity / 2 || two_still_agree();
+  return place <= kLookedAtOnce || two_still_agree();
 }
 
 // With each point of the second half, two are examined again: when the last one comes, all have
 // been, and none has to wait any longer.
 bool SweepEstimator::two_still_agree() const {
-  const std::size_t first = 2 * (state_.waiting.size() - kGateCapacity / 2 - 1);
+  const std::size_t first = 2 * (state_.waiting.size() - kLookedAtOnce - 1);
   return is_confirmed(state_.accepted, state_.waiting[first]) &&
          is_confirmed(state_.accepted, state_.waiting[first + 1]);
 }
