@@ -12,7 +12,9 @@ function(armsig_image name)
   add_executable(${name} ${image_SOURCES} ${board}/startup.cpp)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${image_LIBRARIES} armsig_warnings)
-  set_target_properties(${name} PROPERTIES SUFFIX .elf LINK_DEPENDS ${image_SCRIPT})
+  # A linker script may include others of its board.
+  file(GLOB scripts ${board}/*.ld)
+  set_target_properties(${name} PROPERTIES SUFFIX .elf LINK_DEPENDS "${scripts};${image_BUDGET}")
   target_link_options(${name} PRIVATE
     -nostartfiles -L ${board} -T ${image_SCRIPT} -Wl,--gc-sections -Wl,-Map=${CMAKE_CURRENT_BINARY_DIR}/${name}.map
     -Wl,--fatal-warnings -Wl,--no-warn-rwx-segments)
