@@ -6,6 +6,28 @@
 #include "core/base/error_name.hpp"
 
 namespace armsig::controller {
+namespace {
+
+// Precondition: are_busy().
+std::string_view under_way(const Controls& controls) {
+  if (controls.identification.is_running()) return "identify";
+  if (controls.grid.is_running()) return "touch-grid";
+  if (controls.check.is_running()) return "check";
+  return controls.commit.is_running() ? "a change of the store" : "the planning of a move";
+}
+
+// Whether the mode, and what is under way, let the verb be asked for; why not goes to `out`.
+Result<void> allowed_now(const Verb& verb, const Controls& controls, Line& out) {
+  const Mode mode = controls.mover.now().mode;
+  const bool in_mode = verb.modes.contains(mode);
+  if (in_mode && !(verb.alone && controls.are_busy())) return {};
+  out.text(" mode=").text(name(mode));
+  tell_modes(verb.modes, out);
+  if (in_mode) out.text(" why=\"").text(under_way(controls)).text(" is under way\"");
+  return std::unexpected(Error::kWrongMode);
+}
+
+}  // namespace
 
 void Desk::step() {
   step_planning();
@@ -73,8 +95,8 @@ Result<Answer> Desk::serve(const hal::ConsoleLine& line, Line& out) {
       (verb->takes != Verb::Takes::kVerb && !request.subject.empty())) {
     return std::unexpected(Error::kUnknownRequest);
   }
-  if (!verb->modes.contains(controls_.mover.now().mode) || (verb->alone && controls_.are_busy())) {
-    return std::unexpected(Error::kWrongMode);
+  if (auto allowed = allowed_now(*verb, controls_, out); !allowed) {
+    return std::unexpected(allowed.error());
   }
   if (verb->referenced) {
     if (auto sure = referenced(controls_, out); !sure) return std::unexpected(sure.error());

@@ -52,7 +52,7 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
 // kOutOfRange, kNotFinite.
 // Apart from move_tool(), so that its poses do not stand on the stack below the planning.
 [[gnu::noinline]] Result<Pose> goal_of(const Request& request, const Model& model,
-                                       const JointVector& from) {
+                                       const JointVector& from, Line& out) {
   ARMSIG_TRY(X_RT, tool_pose(model, from));
   Pose goal = X_RT;
   Eigen::Vector4d wxyz = Eigen::Vector4d::Zero();
@@ -61,7 +61,6 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
   int parts = 0;
   for (const auto& [key, value] : request.arguments) {
     if (key == "pace") continue;
-    const auto number = parse_number(value);
     const auto [name, unit] = split(key);
     const bool relative = name.size() == 2 && is_relative(name);
     const auto axis = letter(relative ? tail(name, 1) : name, "xyz");
@@ -70,14 +69,14 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
     if (!part && !(axis && (unit == "mm" || unit == "m"))) {
       return std::unexpected(Error::kUnknownRequest);
     }
-    if (!number) return std::unexpected(Error::kOutOfRange);
+    ARMSIG_TRY(number, needed_number(key, value, out));
     if (part) {
-      wxyz(*part) = *number;
+      wxyz(*part) = number;
       ++parts;
     } else {
       if (told[static_cast<std::size_t>(*axis)]) return std::unexpected(Error::kContradiction);
       told[static_cast<std::size_t>(*axis)] = true;
-      const double length = *unit_factor(unit) * *number;
+      const double length = *unit_factor(unit) * number;
       goal.p(*axis) = relative ? X_RT.p(*axis) + length : length;
       ++places;
     }
@@ -96,8 +95,8 @@ std::optional<Eigen::Index> letter(std::string_view name, std::string_view lette
 
 // The readings that `request` asks for, the others as in `from`. Errors: kUnknownRequest,
 // kContradiction, kOutOfRange.
-Result<JointVector> readings_of(const Request& request, const Arm& drawing,
-                                const JointVector& from) {
+Result<JointVector> readings_of(const Request& request, const Arm& drawing, const JointVector& from,
+                                Line& out) {
   JointVector to = from;
   std::array<bool, kMaxJoints> told{};
   for (const auto& [key, value] : request.arguments) {
@@ -105,15 +104,14 @@ Result<JointVector> readings_of(const Request& request, const Arm& drawing,
     const auto [name, unit] = split(key);
     const auto joint = joint_of(name);
     const auto factor = unit_factor(unit);
-    const auto number = parse_number(value);
     if (!joint || *joint >= to.size() || !factor) return std::unexpected(Error::kUnknownRequest);
     const bool angle = unit == "deg" || unit == "rad";
     const bool turns = drawing.joints[*joint].type == JointType::kRevolute;
     if (angle != turns) return std::unexpected(Error::kUnknownRequest);
-    if (!number) return std::unexpected(Error::kOutOfRange);
+    ARMSIG_TRY(number, needed_number(key, value, out));
     if (told[*joint]) return std::unexpected(Error::kContradiction);
     told[*joint] = true;
-    to[*joint] = *factor * *number + (is_relative(name) ? from[*joint] : 0);
+    to[*joint] = *factor * number + (is_relative(name) ? from[*joint] : 0);
   }
   return to;
 }
@@ -139,7 +137,7 @@ Result<void> allow_jog(const Controls& controls, const JointVector& from, const 
 
 Result<Answer> move_joints(Controls& controls, const Request& request, double pace, Line& out) {
   const JointVector& from = controls.mover.now().commanded;
-  ARMSIG_TRY(to, readings_of(request, controls.configuration.drawing, from));
+  ARMSIG_TRY(to, readings_of(request, controls.configuration.drawing, from, out));
   if (auto allowed = allow_jog(controls, from, to, pace, out); !allowed) {
     return std::unexpected(allowed.error());
   }
@@ -162,7 +160,7 @@ Result<Answer> move_tool(Controls& controls, const Request& request, double pace
   }
   const Snapshot& now = controls.mover.now();
   const Model& model = controls.link.models[now.model];
-  ARMSIG_TRY(goal, goal_of(request, model, now.commanded));
+  ARMSIG_TRY(goal, goal_of(request, model, now.commanded, out));
   controls.planning.emplace(controls.configuration, model, now.commanded, goal, pace);
   return Answer{Answer::When::kPlanned};
 }
@@ -179,7 +177,7 @@ Result<void> referenced(const Controls& controls, Line& out) {
 // `confirm`: readings at which a person sees some joints, as in `move`.
 Result<Answer> confirm(Controls& controls, const Request& request, Line& out) {
   const JointVector& now = controls.mover.now().positions;
-  ARMSIG_TRY(seen, readings_of(request, controls.configuration.drawing, now));
+  ARMSIG_TRY(seen, readings_of(request, controls.configuration.drawing, now, out));
   for (const auto& [key, value] : request.arguments) {
     const auto [name, unit] = split(key);
     const auto joint = joint_of(name);
@@ -201,9 +199,9 @@ Result<Answer> move(Controls& controls, const Request& request, Line& out) {
   bool joints = false;
   for (const auto& [key, value] : request.arguments) {
     if (key == "pace") {
-      const auto told = parse_number(value);
-      if (!told || !(*told >= kLeastPace && *told <= 1)) return std::unexpected(Error::kOutOfRange);
-      pace = *told;
+      ARMSIG_TRY(told, needed_number(key, value, out));
+      if (!(told >= kLeastPace && told <= 1)) return std::unexpected(Error::kOutOfRange);
+      pace = told;
     } else if (joint_of(split(key).name)) {
       joints = true;
     }

@@ -150,14 +150,15 @@ Result<Answer> tell_log(Controls& controls, const Request& request, Line& out) {
     out.text(" rows=").integer(log.size()).text(" capacity=").integer(log.capacity());
     return Answer();
   }
-  const auto index = parse_number(request.arguments[0].second);
-  if (request.arguments.size() != 1 || request.arguments[0].first != "row") {
+  const auto& [key, value] = request.arguments[0];
+  if (request.arguments.size() != 1 || key != "row") {
     return std::unexpected(Error::kUnknownRequest);
   }
-  if (!index || !(*index >= 1 && *index <= static_cast<double>(log.size()))) {
+  ARMSIG_TRY(index, needed_number(key, value, out));
+  if (!(index >= 1 && index <= static_cast<double>(log.size()))) {
     return std::unexpected(Error::kOutOfRange);
   }
-  const LogEntry& row = log[static_cast<std::size_t>(*index) - 1];
+  const LogEntry& row = log[static_cast<std::size_t>(index) - 1];
   out.text(" sweep=").integer(row.sweep()).text(" pings=").integer(row.pings());
   tell_readings(out, controls.configuration.drawing, row.readings(), 5);
   tell_point(out, row.p_S(), 4);

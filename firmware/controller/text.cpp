@@ -114,14 +114,32 @@ Line& Line::reason(Error error) {
   return text(" error=").text(name(error)).text(" reason=\"").text(describe(error)).text("\"");
 }
 
-std::optional<double> parse_number(std::string_view text) {
+namespace {
+
+constexpr std::size_t kMostDigits = 30;
+
+bool is_not_finite(std::string_view unsigned_text) {
+  return unsigned_text == "nan" || unsigned_text == "inf" || unsigned_text == "infinity";
+}
+
+// Whether `text` has a minus at `at`, which goes past it, or past a plus.
+bool take_sign(std::string_view text, std::size_t& at) {
+  const bool negative = at < text.size() && text[at] == '-';
+  if (at < text.size() && (text[at] == '-' || text[at] == '+')) ++at;
+  return negative;
+}
+
+// One division or multiplication by an exact power of ten, so that "0.1" is the nearest double.
+double scaled(double value, int exponent) {
+  double power = 1;
+  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
+  return exponent < 0 ? value / power : value * power;
+}
+
+// Errors: kUnknownRequest (no number), kOutOfRange (not finite, or too long).
+Result<double> read_number(std::string_view text) {
   std::size_t at = 0;
-  const auto sign = [&] {
-    const bool negative = at < text.size() && text[at] == '-';
-    if (at < text.size() && (text[at] == '-' || text[at] == '+')) ++at;
-    return negative;
-  };
-  const bool negative = sign();
+  const bool negative = take_sign(text, at);
   double value = 0;
   int exponent = 0;
   std::size_t digits = 0;
@@ -135,25 +153,41 @@ std::optional<double> parse_number(std::string_view text) {
     if (after_point) --exponent;
     ++digits;
   }
-  if (digits == 0 || digits > 30) return std::nullopt;
+  if (digits == 0) {
+    return std::unexpected(is_not_finite(tail(text, at)) ? Error::kOutOfRange
+                                                         : Error::kUnknownRequest);
+  }
   if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
     ++at;
-    const bool falls = sign();
+    const bool falls = take_sign(text, at);
     int told = 0;
     std::size_t told_digits = 0;
     for (; at < text.size() && is_digit(text[at]) && told_digits < 3; ++at, ++told_digits) {
       told = 10 * told + (text[at] - '0');
     }
-    if (told_digits == 0) return std::nullopt;
+    if (told_digits == 0) return std::unexpected(Error::kUnknownRequest);
     exponent += falls ? -told : told;
   }
-  if (at != text.size()) return std::nullopt;
-  // One division or multiplication by an exact power of ten, so that "0.1" is the nearest double.
-  double power = 1;
-  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
-  value = exponent < 0 ? value / power : value * power;
-  if (!std::isfinite(value)) return std::nullopt;
+  if (at != text.size()) return std::unexpected(Error::kUnknownRequest);
+  if (digits > kMostDigits) return std::unexpected(Error::kOutOfRange);
+  value = scaled(value, exponent);
+  if (!std::isfinite(value)) return std::unexpected(Error::kOutOfRange);
   return negative ? -value : value;
+}
+
+}  // namespace
+
+std::optional<double> parse_number(std::string_view text) {
+  const auto number = read_number(text);
+  return number ? std::optional(*number) : std::nullopt;
+}
+
+Result<double> needed_number(std::string_view key, std::string_view text, Line& out) {
+  const auto number = read_number(text);
+  if (!number && number.error() == Error::kUnknownRequest) {
+    out.text(" why=\"").text(key).text(" needs a number\"");
+  }
+  return number;
 }
 
 Result<Request> parse_request(std::string_view line) {

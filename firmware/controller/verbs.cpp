@@ -24,7 +24,7 @@ struct RefiningRequest {
   bool anew = false;
 };
 
-Result<RefiningRequest> refining_in(const Request& request) {
+Result<RefiningRequest> refining_in(const Request& request, Line& out) {
   RefiningRequest asked;
   for (const auto& [key, text] : request.arguments) {
     if (key == "anew") {
@@ -34,10 +34,10 @@ Result<RefiningRequest> refining_in(const Request& request) {
     }
     const bool accuracy = key == "accuracy_mm";
     if (!accuracy && key != "minutes") return std::unexpected(Error::kUnknownRequest);
-    const auto value = parse_number(text);
+    ARMSIG_TRY(value, needed_number(key, text, out));
     const double most = accuracy ? kCoarsest_mm : kLongest_minutes;
-    if (!value || !(*value > 0 && *value <= most)) return std::unexpected(Error::kOutOfRange);
-    (accuracy ? asked.accuracy_mm : asked.minutes) = *value;
+    if (!(value > 0 && value <= most)) return std::unexpected(Error::kOutOfRange);
+    (accuracy ? asked.accuracy_mm : asked.minutes) = value;
   }
   if (asked.accuracy_mm == 0 && !request.arguments.empty()) {
     return std::unexpected(Error::kUnknownRequest);
@@ -54,7 +54,7 @@ IdentificationSequence::Conditions conditions_of(Controls& controls) {
 }
 
 Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
-  ARMSIG_TRY(asked, refining_in(request));
+  ARMSIG_TRY(asked, refining_in(request, out));
   const bool refines = asked.accuracy_mm > 0;
   if (refines && !controls.identification.can_refine()) {
     out.text(
@@ -76,8 +76,11 @@ Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
 }
 
 template <bool kPauses>
-Result<Answer> pause(Controls& controls, const Request& /*request*/, Line& /*out*/) {
-  if (!controls.identification.is_running()) return std::unexpected(Error::kWrongMode);
+Result<Answer> pause(Controls& controls, const Request& /*request*/, Line& out) {
+  if (!controls.identification.is_running()) {
+    out.text(" why=\"identify is not under way\"");
+    return std::unexpected(Error::kWrongMode);
+  }
   kPauses ? controls.identification.pause() : controls.identification.resume();
   return Answer();
 }
@@ -120,7 +123,10 @@ Result<Answer> rollback(Controls& controls, const Request& /*request*/, Line& /*
 }
 
 Result<Answer> acknowledge(Controls& controls, const Request& /*request*/, Line& out) {
-  if (!controls.custody.needs_acknowledgement()) return std::unexpected(Error::kWrongMode);
+  if (!controls.custody.needs_acknowledgement()) {
+    out.text(" why=\"nothing is to be acknowledged\"");
+    return std::unexpected(Error::kWrongMode);
+  }
   controls.custody.acknowledge();
   out.text(" model=nominal");
   return Answer();
@@ -149,16 +155,6 @@ Result<Answer> compare(Controls& controls, const Request& /*request*/, Line& /*o
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
   controls.identification.begin_comparison(conditions_of(controls), answer.ticket);
   return answer;
-}
-
-void tell_modes(const Modes& modes, Line& out) {
-  out.text(" modes=");
-  bool first = true;
-  for (const Mode mode : kAllModes) {
-    if (!modes.contains(mode)) continue;
-    out.text(first ? "" : ",").text(name(mode));
-    first = false;
-  }
 }
 
 Result<Answer> help(Controls& /*controls*/, const Request& request, Line& out) {
@@ -295,6 +291,16 @@ constexpr std::array kVerbs{
 }  // namespace
 
 std::span<const Verb> verbs() { return kVerbs; }
+
+void tell_modes(const Modes& modes, Line& out) {
+  out.text(" modes=");
+  bool first = true;
+  for (const Mode mode : kAllModes) {
+    if (!modes.contains(mode)) continue;
+    out.text(first ? "" : ",").text(name(mode));
+    first = false;
+  }
+}
 
 const Verb* find_verb(std::string_view name) {
   const auto* found = std::ranges::find(kVerbs, name, &Verb::name);

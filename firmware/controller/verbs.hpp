@@ -72,6 +72,9 @@ struct Verb {
 // Null if there is none.
 [[nodiscard]] const Verb* find_verb(std::string_view name);
 
+// ` modes=idle,holding`.
+void tell_modes(const Modes& modes, Line& out);
+
 // Error: kUnreferenced; which joints are goes to `out`.
 [[nodiscard]] Result<void> referenced(const Controls& controls, Line& out);
 

@@ -197,11 +197,11 @@ TEST(Quaternion, is_refused_in_part_of_another_length_and_beside_joints) {
   puma.expect_refused("move qw=1.0011 qx=0 qy=0 qz=0", "OUT_OF_RANGE");
   puma.expect_refused("move qw=0.9989 qx=0 qy=0 qz=0", "OUT_OF_RANGE");
   puma.expect_refused("move qw=0 qx=0 qy=0 qz=0", "OUT_OF_RANGE");
-  puma.expect_refused("move qw=one qx=0 qy=0 qz=0", "OUT_OF_RANGE");
+  puma.expect_refused("move qw=one qx=0 qy=0 qz=0", "UNKNOWN_REQUEST");
   puma.expect_refused("move qw=1 qx=0 qy=0 qv=0", "UNKNOWN_REQUEST");
   puma.expect_refused("move qw_m=1 qx=0 qy=0 qz=0", "UNKNOWN_REQUEST");
   puma.expect_refused("move q1_deg=1 qx=0", "UNKNOWN_REQUEST");
-  puma.expect_refused("move x_mm=nothing", "OUT_OF_RANGE");
+  puma.expect_refused("move x_mm=nothing", "UNKNOWN_REQUEST");
   puma.expect_refused("move x_deg=1", "UNKNOWN_REQUEST");
   puma.expect_refused("move x=1", "UNKNOWN_REQUEST");
 }

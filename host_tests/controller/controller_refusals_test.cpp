@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What the controller refuses or ends by a name that no other test of it asks for.
+#include <array>
 #include <chrono>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -31,11 +33,43 @@ TEST(Refusals, of_joints_units_and_rows_that_there_are_not) {
         "log row=1 x=2", "log rows=1", "identify anew=no"}) {
     EXPECT_TRUE(puma.ask(request).starts_with("error UNKNOWN_REQUEST ")) << request;
   }
-  for (const char* request : {"log row=one", "log row=1", "identify accuracy_mm=1 anew=maybe"}) {
+  for (const char* request : {"log row=0", "log row=1", "identify accuracy_mm=1 anew=maybe"}) {
     EXPECT_TRUE(puma.ask(request).starts_with("error OUT_OF_RANGE ")) << request;
   }
   for (const char* request : {"pause", "resume"}) {
     EXPECT_TRUE(puma.ask(request).starts_with("error WRONG_MODE ")) << request;
+  }
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
+TEST(Refusals, of_a_value_that_is_no_number_name_the_key) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  const std::string refusal = "error UNKNOWN_REQUEST the request or one of its keys is unknown";
+  const std::array<std::array<const char*, 2>, 9> requests{
+      {{"move q1_deg=ten", "q1_deg"},
+       {"move dq1_deg=", "dq1_deg"},
+       {"move q1_deg=1e", "q1_deg"},
+       {"move x_mm=1,5", "x_mm"},
+       {"move qw=one qx=0", "qw"},
+       {"move q1_deg=1 pace=slow", "pace"},
+       {"confirm q2_deg=10deg", "q2_deg"},
+       {"identify accuracy_mm=fine", "accuracy_mm"},
+       {"log row=one", "row"}}};
+  for (const auto& [request, key] : requests) {
+    EXPECT_EQ(puma.ask(request), refusal + " why=\"" + key + " needs a number\"") << request;
+  }
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
+TEST(Refusals, of_a_number_that_is_not_finite_are_of_its_range) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  for (const char* number : {"nan", "inf", "-inf", "+infinity", "1e999", "-9e999"}) {
+    for (const char* request : {"move q1_deg=", "move z_mm=", "log row="}) {
+      EXPECT_TRUE(puma.ask(request + std::string(number)).starts_with("error OUT_OF_RANGE "))
+          << request << number;
+    }
   }
   EXPECT_EQ(puma.mode(), Mode::kHolding);
 }

@@ -226,7 +226,7 @@ TEST(SelfCalibration, refuses_by_name_what_it_cannot_do) {
     EXPECT_TRUE(puma.ask(request).starts_with("error UNKNOWN_REQUEST")) << request;
   }
   for (const char* request :
-       {"identify accuracy_mm=0", "identify accuracy_mm=-1", "identify accuracy_mm=fine",
+       {"identify accuracy_mm=0", "identify accuracy_mm=-1", "identify accuracy_mm=inf",
         "identify accuracy_mm=101", "identify accuracy_mm=1 minutes=0",
         "identify accuracy_mm=1 minutes=4321"}) {
     EXPECT_TRUE(puma.ask(request).starts_with("error OUT_OF_RANGE")) << request;

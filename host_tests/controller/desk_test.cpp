@@ -67,6 +67,33 @@ TEST(Desk, stops_in_every_mode) {
   }
 }
 
+TEST(Desk, names_the_mode_that_refuses_and_those_that_would_not) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  const std::string refusal = "error WRONG_MODE the present mode does not allow it ";
+  EXPECT_EQ(puma.ask("move q1_deg=1"), refusal + "mode=idle modes=holding");
+  EXPECT_EQ(puma.ask("halt"), refusal + "mode=idle modes=holding,servoing,sweeping");
+  EXPECT_EQ(puma.ask("reset"), refusal + "mode=idle modes=faulted");
+  EXPECT_EQ(puma.ask("pause"), refusal + "why=\"identify is not under way\"");
+  EXPECT_EQ(puma.ask("acknowledge"), refusal + "why=\"nothing is to be acknowledged\"");
+}
+
+TEST(Desk, names_what_is_under_way_where_the_mode_would_do) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("move q3_deg=10 q5_deg=40"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
+  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  puma.console.requests.emplace_back("move dz_mm=-100 dx_mm=50");
+  puma.run(0.002);
+  puma.other.requests.emplace_back("move q1_deg=1");
+  puma.run(0.02);
+  ASSERT_EQ(puma.other.replies.size(), 1U);
+  EXPECT_EQ(puma.other.replies.front(),
+            "error WRONG_MODE the present mode does not allow it mode=holding modes=holding "
+            "why=\"the planning of a move is under way\"");
+}
+
 TEST(Desk, begins_nothing_beside_a_sequence) {
   PumaCabinet puma;
   ASSERT_TRUE(puma.enable());
