@@ -10,11 +10,12 @@
 // if it lowers the cost (a proximal term shortens it otherwise), and finds sigma and the scales of
 // the priors anew: MacKay's and the EM fixed point mixed (MacKay, Bayesian interpolation, Neural
 // Computation 4, 1992; Dempster, Laird and Rubin, 1977), block by block.
-// Nothing is frozen: what the data do not say stays where its prior has it, and the covariance
-// says so. No stated sigma is needed or believed. A range is a position of which one direction was
-// measured: its precision has rank one.
+// What the data do not say stays where its prior has it, and the covariance says so. Of joints that
+// stood still nothing is estimated (engine_still.cpp). No stated sigma is needed or believed. A
+// range is a position of which one direction was measured: its precision has rank one.
 #pragma once
 
+#include <bitset>
 #include <optional>
 #include <span>
 
@@ -154,6 +155,15 @@ class Engine {
   [[nodiscard]] double prior_squares() const;
   void solve_lower(std::array<double, kMaxGeometry>& b, std::size_t first) const;
   void solve_upper(std::array<double, kMaxGeometry>& b) const;
+  // engine_still.cpp
+  [[nodiscard]] bool is_held(std::size_t column) const { return holding_ && held_[column]; }
+  [[nodiscard]] bool stands_still(std::size_t joint) const {
+    return turned_[joint].is_held(model_.joints[joint].type);
+  }
+  void count_turns(const FitRow& row);
+  void note_held();
+  bool drop_gravity();
+  bool reset_held();
   // engine_maps.cpp
   void begin_map();
   void pull_map(Units rows);
@@ -261,7 +271,11 @@ class Engine {
   bool play_on_ = false;
   std::uint8_t without_map_ = 0;                // those asked for, and joints that stood still
   std::array<ReadingSpan, kMaxJoints> read_{};  // of the fitted rows
-  bool uniform_ = true;  // every row has the same relative covariance, a multiple of one
+  // What turned below a target, in effective readings: a joint that no target is beyond did not.
+  std::array<ReadingSpan, kMaxJoints> turned_{};
+  std::bitset<kMaxGeometry> held_;  // columns of which nothing is estimated
+  bool holding_ = false;            // in steps and scales; their doubt is in the covariance
+  bool uniform_ = true;             // every row has the same relative covariance, a multiple of one
   double stated_variance_ = 0;
   double trust_ = 1;      // t of the proximal term
   double coarse_ = 0;     // scale of soft weights, from the first residuals down to their own

@@ -201,6 +201,10 @@ void Engine::assemble_maps(const FitRow& row, const ChainFrames& frames, const G
 void Engine::factorise_geometry(Units columns) {
   for (std::size_t i = columns.first; i < columns.last; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
+      if (is_held(i) || is_held(j)) {
+        lower(i, j) = i == j ? 1 : 0;
+        continue;
+      }
       double sum = upper(j, i) / scales_.sigma_squared;
       if (i == j) {
         sum += 1 / prior_variance(i);
@@ -250,6 +254,9 @@ void Engine::pull_geometry(Units rows) {
 
 void Engine::solve_geometry() {
   auto& x = work_.gradient;
+  for (std::size_t c = 0; c < columns_; ++c) {
+    if (is_held(c)) x[c] = 0;
+  }
   solve_lower(x, 0);
   solve_upper(x);
   for (std::size_t c = 0; c < columns_; ++c) work_.step[c] += x[c];

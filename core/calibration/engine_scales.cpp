@@ -16,6 +16,7 @@ constexpr double kLeastFreedom = 0.05;
 
 void Engine::begin_scales() {
   proximal_ = false;
+  holding_ = true;
   groups_ = {};
   agenda_.put({factorisation(),
                {&Engine::add_variances, columns_, columns_ * columns_ / 2},
@@ -29,6 +30,7 @@ void Engine::begin_scales() {
 void Engine::add_variances(Units columns) {
   std::array<double, kMaxGeometry> e{};
   for (std::size_t c = columns.first; c < columns.last; ++c) {
+    if (is_held(c)) continue;
     std::fill_n(e.begin(), columns_, 0.0);
     e[c] = 1;
     solve_lower(e, c);
@@ -127,6 +129,7 @@ void Engine::conclude_sigma() {
 // The band of the rows gives way to that of the covariance.
 void Engine::begin_covariance() {
   proximal_ = false;
+  holding_ = false;
   joint_ = 0;
   agenda_.put({factorisation(), {&Engine::cover_play, kPlayFactor}, &Engine::cover_next_map});
   // Where the last step was a long one, a matrix of the place before it takes what no row tells for

@@ -56,6 +56,8 @@ void Engine::begin(const ModelParts& parts) {
   coarse_ = 0;
   base_moved_.fill(0);
   read_.fill({});
+  turned_.fill({});
+  held_.reset();
   for (ModelTarget& target : targets_) {
     target.start_L = target.p_L;
     target.rows = 0;
@@ -74,6 +76,7 @@ void Engine::count_rows(Units rows) {
     ++summary_.rows;
     ++targets_[row.target].rows;
     for (std::size_t j = 0; j < model_.joint_count(); ++j) read_[j].add(row.readings[j]);
+    count_turns(row);
   }
 }
 
@@ -83,8 +86,11 @@ void Engine::note_rows() {
     return;
   }
   note_still();
+  note_held();
   scales_.sigma_squared = 1;
   agenda_.put({lengths(), &Engine::conclude_lengths, &Engine::note_start, &Engine::begin_round});
+  const bool dropped = drop_gravity();
+  if (reset_held() || dropped) agenda_.put({evaluation()});
 }
 
 void Engine::note_still() {
@@ -194,6 +200,7 @@ void Engine::shorten() {
 void Engine::begin_improvement() {
   clear_steps();
   proximal_ = true;
+  holding_ = true;
   passes_left_ = passes_;
   agenda_.put({factorisation(), &Engine::improve_geometry, &Engine::improve_maps});
 }
