@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What changes while an arm is measured is named, with the row from which on: of poses in the order
 // in which they were measured.
+#include <algorithm>
 #include <functional>
 #include <map>
 
@@ -100,6 +101,23 @@ TEST(Changes, are_told_from_axes_of_the_sensor_that_are_not_of_one_scale) {
   change(rows, "x_mm", [](double x, double) { return 1.002 * x; });
   expect_said(refine(folder, rows), 1, "the sensor's axes are not of one scale: lengths along (");
   expect_said(refine(folder, rows), 1, " ppm longer than along (");
+}
+
+// The hand's weight is on the other side of joint 2's play where joint 5 is turned the other way.
+TEST(Changes, are_not_told_from_rows_in_the_order_of_a_joint) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  const std::size_t hand = rows.column("q5_deg");
+  std::ranges::sort(rows.rows, {}, [&](const Fields& row) { return std::stod(row[hand]); });
+  const auto turned =
+      std::ranges::find_if(rows.rows, [&](const Fields& row) { return std::stod(row[hand]) >= 0; });
+  const double from = static_cast<double>(turned - rows.rows.begin()) - 0.5;
+  change(rows, "q2_deg", [&](double q, double share) {
+    return share * static_cast<double>(kMeasured - 1) < from ? q : q + 0.05;
+  });
+  const Outcome outcome = refine(folder, rows);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err.find("something changed"), std::string::npos) << outcome.err;
 }
 
 TEST(Changes, are_passed_over_where_the_arm_is_taken_as_it_is) {

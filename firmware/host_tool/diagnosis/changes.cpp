@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/low_discrepancy.hpp"
+#include "firmware/host_tool/diagnosis/reading_order.hpp"
 #include "firmware/host_tool/diagnosis/slide_leads.hpp"
 #include "firmware/host_tool/diagnosis/unchanging_arm.hpp"
 
@@ -81,6 +82,7 @@ class ScoreTest {
         chain_(chain),
         residuals_(residuals_S),
         leads_(evidence),
+        order_(evidence),
         arm_(evidence, chain, residuals_S) {}
 
   // Whether an unchanging arm misses no more than what rounding leaves, of which nothing can be
@@ -157,8 +159,10 @@ class ScoreTest {
     const std::size_t rows = arm_.rows();
     for (std::size_t k = rows; k-- > kFewestOfPart;) {
       sums.add(arm_.derivatives(k), residuals_[k], arm_.weight(k));
-      if (k + kFewestOfPart <= rows) consider(candidates, sums, false, k);
+      // What another configuration does as well is not asserted of time.
+      if (k + kFewestOfPart <= rows && !order_.parts_at(k)) consider(candidates, sums, false, k);
     }
+    if (order_.runs()) return best_;
     Sums growing(arm_.size());
     for (std::size_t k = 0; k < rows; ++k) {
       const double share = static_cast<double>(k) / static_cast<double>(rows - 1);
@@ -238,6 +242,7 @@ class ScoreTest {
   const DeviatingChain& chain_;
   const std::vector<Vector3>& residuals_;
   SlideLeads leads_;
+  ReadingOrder order_;
   UnchangingArm arm_;
   std::optional<Change> best_;
 };
