@@ -58,6 +58,9 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 # What belongs to no component is the command's and the controller's package.
 set(CPACK_COMPONENTS_ALL Unspecified library development python)
+if(ARMSIG_FLEET_BUILT)
+  list(APPEND CPACK_COMPONENTS_ALL fleet)
+endif()
 set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_NAME armsig)
 set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_SHLIBDEPS ON)
@@ -82,6 +85,15 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, libarmsig1 (= ${PROJECT_VERSION}), armsig (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION
 "Identification, kinematics and corrected targets in Python, on arrays of numpy.")
+set(CPACK_DEBIAN_FLEET_PACKAGE_NAME armsig-fleet)
+set(CPACK_DEBIAN_FLEET_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_FLEET_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_FLEET_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers")
+set(CPACK_DEBIAN_FLEET_PACKAGE_SUGGESTS "armsig, mosquitto, postgresql, prometheus")
+set(CPACK_DEBIAN_FLEET_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/toolchain/debian/fleet/postinst)
+set(CPACK_DEBIAN_FLEET_DESCRIPTION
+"What the controllers of a plant report, kept in one record: armsig-node beside
+each controller sends it, armsig-fleet on one host takes it and shows it.")
 set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/toolchain/debian/postinst)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_UNSPECIFIED_DESCRIPTION
