@@ -177,7 +177,7 @@ std::string region_in_words_of(std::string_view region) {
 
 void add_model(Status& status, Paragraphs& out) {
   const bool nominal = status.take("model") == "nominal";
-  std::string words = nominal ? "nominal, as drawn" : status.phrase("signature", "signature ");
+  std::string words = nominal ? "nominal" : status.phrase("signature", "signature ");
   if (status.take("maps") == "yes") words += ", with gravity and joint error maps";
   const std::string predicted = status.take("predicted_tool_error_mm");
   if (!predicted.empty()) {

@@ -15,16 +15,16 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr std::size_t kLeastPoints = 10;
 constexpr double kArcOfAWave_rad = kPi;
 
-struct Rows {
+struct CircleRows {
   Vector6 radial;
   Vector6 tangential;
 };
 
 // Derivatives of both residuals by shift x, y, turn, radius, cosine, sine.
-Rows rows_at(double reading_rad, double radius_m) {
+CircleRows rows_at(double reading_rad, double radius_m) {
   const double c = std::cos(reading_rad);
   const double s = std::sin(reading_rad);
-  Rows rows;
+  CircleRows rows;
   rows.radial << c, s, 0, 1, 0, 0;
   rows.tangential << -s, c, radius_m, 0, radius_m * c, radius_m * s;
   return rows;
@@ -33,7 +33,7 @@ Rows rows_at(double reading_rad, double radius_m) {
 }  // namespace
 
 CircleResidual EncoderWave::residual_at(double reading_rad, double radius_m) const {
-  const Rows rows = rows_at(reading_rad, radius_m);
+  const CircleRows rows = rows_at(reading_rad, radius_m);
   Vector6 x;
   x << absorbed, absorbed_radius_m, cosine_rad, sine_rad;
   return {reading_rad, rows.radial.dot(x), rows.tangential.dot(x)};
@@ -50,7 +50,7 @@ std::optional<EncoderWave> fit_encoder_wave(std::span<const CircleResidual> resi
   Vector6 right = Vector6::Zero();
   double sum_m2 = 0;
   for (const CircleResidual& residual : residuals) {
-    const Rows rows = rows_at(residual.reading_rad, radius_m);
+    const CircleRows rows = rows_at(residual.reading_rad, radius_m);
     normal += rows.radial * rows.radial.transpose() + rows.tangential * rows.tangential.transpose();
     right += rows.radial * residual.radial_m + rows.tangential * residual.tangential_m;
     sum_m2 += residual.radial_m * residual.radial_m + residual.tangential_m * residual.tangential_m;
