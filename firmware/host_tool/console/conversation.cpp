@@ -17,7 +17,7 @@
 namespace armsig::tool {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kBetweenWords = " \t\r";
 
 // Words of this program's own, which the controller never sees, and what they do.
 struct OwnWord {
@@ -31,7 +31,7 @@ constexpr std::array kOwnWords{
 
 // The first word of `text`, and what follows it.
 std::pair<std::string_view, std::string_view> split(std::string_view text) {
-  const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
+  const std::size_t end = std::min(text.find_first_of(kBetweenWords), text.size());
   return {text.substr(0, end), trimmed(text.substr(end))};
 }
 
@@ -171,9 +171,9 @@ std::vector<std::string> Conversation::keys_of(std::string_view verb) const {
 }
 
 std::vector<std::string> Conversation::completions(std::string_view before) const {
-  before.remove_prefix(std::min(before.find_first_not_of(kBlanks), before.size()));
+  before.remove_prefix(std::min(before.find_first_not_of(kBetweenWords), before.size()));
   while (before.starts_with("raw ")) before = trimmed(before.substr(3));
-  const std::size_t blank = before.find_last_of(kBlanks);
+  const std::size_t blank = before.find_last_of(kBetweenWords);
   const std::string_view begun =
       blank == std::string_view::npos ? before : before.substr(blank + 1);
   const std::string_view verb = split(before).first;

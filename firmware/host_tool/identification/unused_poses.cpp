@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kFewest = 12;
 // Of the median's sigma per axis: deflection by gravity is skew, and beyond it are blunders.
-constexpr double kClip = 5;
+constexpr double kClipSigmas = 5;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ std::optional<UnusedPoses> judge_unused_poses(const Evidence& evidence,
   UnusedPoses found{.count = lengths_m.size()};
   predicted /= static_cast<double>(found.count);
   found.predicted_m = std::sqrt(predicted);
-  const double most_m = kClip * sigma_by_median(lengths_m);
+  const double most_m = kClipSigmas * sigma_by_median(lengths_m);
   double squares = 0;
   for (const double length : lengths_m) squares += std::pow(std::min(length, most_m), 2);
   found.missed_m = std::sqrt(std::max(0.0, squares - noise) / static_cast<double>(found.count));
