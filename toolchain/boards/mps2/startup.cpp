@@ -30,6 +30,14 @@ int armsig_main();
 
 // A pure virtual method called: our mistake.
 [[noreturn]] void __cxa_pure_virtual() { __builtin_trap(); }
+
+// The functions of <cmath> tell errors that nobody reads. The library's own place for them lies in
+// a kilobyte of state that no image needs.
+// NOLINTNEXTLINE(bugprone-reserved-identifier)
+int* __errno() {
+  static int error;
+  return &error;
+}
 }
 
 namespace {
