@@ -82,7 +82,7 @@ class Terminal::Library {
     int length = 0;
     const char* const text = ::el_gets(edit_, &length);
     if (text == nullptr || length <= 0) {
-      std::fputs("\r\033[K", stdout);
+      (void)std::fputs("\r\033[K", stdout);
       return std::nullopt;
     }
     std::string line(text, static_cast<std::size_t>(length));
@@ -93,9 +93,9 @@ class Terminal::Library {
   }
 
   void print(std::string_view text) {
-    if (is_read_) std::fputs("\r\033[K", stdout);
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    std::fflush(stdout);
+    if (is_read_) (void)std::fputs("\r\033[K", stdout);
+    (void)std::fwrite(text.data(), 1, text.size(), stdout);
+    (void)std::fflush(stdout);
     if (is_read_) ::el_set(edit_, EL_REFRESH);
   }
 
@@ -146,7 +146,7 @@ class Terminal::Library {
     std::string further = common_begin(words).substr(begun);
     if (words.size() == 1 && !words.front().ends_with('=')) further += ' ';
     if (further.empty()) {
-      std::fputs(("\r\n" + in_columns(words)).c_str(), stdout);
+      (void)std::fputs(("\r\n" + in_columns(words)).c_str(), stdout);
       return CC_REDISPLAY;
     }
     return ::el_insertstr(edit, further.c_str()) < 0 ? CC_ERROR : CC_REFRESH;
