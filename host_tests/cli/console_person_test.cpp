@@ -9,6 +9,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -131,6 +132,8 @@ TEST(ConsolePerson, completes_a_verb_and_its_key_by_tab) {
       "m\tq\t2\t5\r");
   EXPECT_TRUE(person.sees("# moves: move q2_deg=5")) << person.shown();
   EXPECT_TRUE(person.sees("ok")) << person.shown();
+  person.type("raw m\tq1\t6\r");
+  EXPECT_TRUE(person.sees("# moves: move q1_deg=6")) << person.shown();
   person.type("quit\r");
   EXPECT_EQ(person.leave(), 0);
 }
@@ -160,6 +163,10 @@ TEST(ConsolePerson, recalls_a_line_of_a_former_time) {
     person.type("quit\r");
     EXPECT_EQ(person.leave(), 0);
   }
+  // What somebody typed is nobody else's.
+  const auto kept = std::filesystem::status(folder / ".local" / "state" / "armsig" / "console");
+  EXPECT_EQ(kept.permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   Person person(folder);
   ASSERT_TRUE(person.sees("armsig> ")) << person.shown();
   person.type("\x1B[A\x1B[A\r");  // the last line was quit

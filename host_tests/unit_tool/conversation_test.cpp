@@ -61,10 +61,10 @@ TEST(Conversation, leaves_at_quit_and_exit_alone) {
 TEST(Conversation, tells_a_verb_a_line) {
   Conversation conversation = with_verbs();
   const std::string all = conversation.take("help", kWidth).say;
-  EXPECT_NE(all.find("\n  stop        quick stop\n"), std::string::npos) << all;
-  EXPECT_NE(all.find("\n  quit        leaves the console"), std::string::npos) << all;
+  EXPECT_NE(all.find("\n  stop          quick stop\n"), std::string::npos) << all;
+  EXPECT_NE(all.find("\n  quit          leaves the console"), std::string::npos) << all;
   EXPECT_EQ(conversation.take("help stop", kWidth).say,
-            "  stop        quick stop\n  modes       idle, holding\n");
+            "  stop          quick stop\n  modes         idle, holding\n");
   EXPECT_NE(conversation.take("help move", kWidth).say.find("only while nothing else"),
             std::string::npos);
   EXPECT_EQ(conversation.take("help stpo", kWidth).say,
@@ -77,7 +77,7 @@ TEST(Conversation, refuses_a_line_that_no_console_takes) {
   EXPECT_EQ(conversation.take(longest, kWidth).send, longest);
   const auto step = conversation.take(longest + "x", kWidth);
   EXPECT_EQ(step.send, "");
-  EXPECT_EQ(step.say, "A request has 511 characters at most. Nothing was sent.\n");
+  EXPECT_EQ(step.say, "A request has 512 characters at most. Nothing was sent.\n");
 }
 
 TEST(Conversation, completes_verbs_and_those_that_help_takes) {
@@ -94,6 +94,8 @@ TEST(Conversation, completes_the_keys_of_a_verb_for_the_joints_that_there_are) {
   EXPECT_EQ(conversation.completions("move d"), (Words{"dq1_deg=", "dq2_deg=", "dq3_mm="}));
   EXPECT_EQ(conversation.completions("move q1_deg=3 q"), (Words{"q2_deg=", "q3_mm="}));
   EXPECT_EQ(conversation.completions("confirm "), (Words{"q1_deg=", "q2_deg=", "q3_mm="}));
+  EXPECT_EQ(conversation.completions("raw confirm q1"), (Words{"q1_deg="}));
+  EXPECT_EQ(conversation.completions("raw confirm "), (Words{"q1_deg=", "q2_deg=", "q3_mm="}));
   EXPECT_EQ(conversation.completions("stop "), Words{});
 }
 

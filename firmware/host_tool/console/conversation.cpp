@@ -10,9 +10,9 @@
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/console_line.hpp"
 #include "firmware/formats/text.hpp"
-#include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/console/console_client.hpp"
 #include "firmware/host_tool/console/status_words.hpp"
+#include "firmware/host_tool/presentation/entries.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -33,17 +33,6 @@ constexpr std::array kOwnWords{
 std::pair<std::string_view, std::string_view> split(std::string_view text) {
   const std::size_t end = std::min(text.find_first_of(kBetweenWords), text.size());
   return {text.substr(0, end), trimmed(text.substr(end))};
-}
-
-// `name` in a column of its own, `text` beside it in lines that fit.
-std::string entry(std::string_view name, std::string_view text, std::size_t width) {
-  constexpr std::size_t kColumn = 14;
-  constexpr std::size_t kNarrowest = 40;
-  std::string all;
-  for (const std::string& line : wrapped(text, std::max(width, kNarrowest) - kColumn)) {
-    all += fmt::format("  {:<{}}{}\n", all.empty() ? name : "", kColumn - 2, line);
-  }
-  return all;
 }
 
 // "q3_deg" and "dq3_mm" are of a joint.
@@ -69,7 +58,10 @@ void Conversation::learn_verb(std::string_view reply) {
   const auto verb = std::ranges::find(verbs_, name, &ConsoleVerb::name);
   if (verb == verbs_.end()) return;
   verb->does = value_in(reply, "does").value_or("");
-  verb->modes = value_in(reply, "modes").value_or("");
+  verb->modes.clear();
+  for (const char c : value_in(reply, "modes").value_or("")) {
+    verb->modes += c == ',' ? ", " : std::string(1, c);
+  }
   verb->alone = value_in(reply, "alone") == "yes";
 }
 
@@ -98,25 +90,25 @@ Conversation::Step Conversation::no_verb(std::string_view word) const {
 }
 
 Conversation::Step Conversation::help(std::string_view subject, std::size_t width) const {
-  Step step;
+  Entries entries(width);
+  const auto told = [&] { return Step{.send = {}, .say = entries.lines()}; };
   if (subject.empty()) {
-    for (const ConsoleVerb& verb : verbs_) step.say += entry(verb.name, verb.does, width);
-    for (const OwnWord& own : kOwnWords) step.say += entry(own.name, own.does, width);
-    step.say += "`help VERB` tells in which modes it is allowed. The Tab key completes words.\n";
-    return step;
+    for (const ConsoleVerb& verb : verbs_) entries.add(verb.name, verb.does);
+    for (const OwnWord& own : kOwnWords) entries.add(own.name, own.does);
+    entries.add("help VERB", "also the modes in which it is allowed; the Tab key completes words");
+    return told();
   }
   const auto own = std::ranges::find(kOwnWords, subject, &OwnWord::name);
-  if (own != kOwnWords.end()) return {.send = {}, .say = entry(own->name, own->does, width)};
+  if (own != kOwnWords.end()) {
+    entries.add(own->name, own->does);
+    return told();
+  }
   const ConsoleVerb* verb = find(subject);
   if (verb == nullptr) return no_verb(subject);
-  step.say = entry(verb->name, verb->does, width);
-  std::string modes = verb->modes;
-  for (std::size_t at = 0; (at = modes.find(',', at)) != std::string::npos; at += 2) {
-    modes.replace(at, 1, ", ");
-  }
-  step.say += entry("modes", modes, width);
-  if (verb->alone) step.say += entry("", "only while nothing else is under way", width);
-  return step;
+  entries.add(verb->name, verb->does);
+  entries.add("modes", verb->modes);
+  if (verb->alone) entries.add("", "only while nothing else is under way");
+  return told();
 }
 
 Conversation::Step Conversation::ask(std::string_view line, bool in_words) {
@@ -172,7 +164,8 @@ std::vector<std::string> Conversation::keys_of(std::string_view verb) const {
 
 std::vector<std::string> Conversation::completions(std::string_view before) const {
   before.remove_prefix(std::min(before.find_first_not_of(kBetweenWords), before.size()));
-  while (before.starts_with("raw ")) before = trimmed(before.substr(3));
+  if (before.starts_with("raw ")) before.remove_prefix(4);
+  before.remove_prefix(std::min(before.find_first_not_of(kBetweenWords), before.size()));
   const std::size_t blank = before.find_last_of(kBetweenWords);
   const std::string_view begun =
       blank == std::string_view::npos ? before : before.substr(blank + 1);

@@ -9,19 +9,21 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/console.hpp"
+
 namespace armsig::tool {
 
 // A verb as the controller's `help` tells it.
 struct ConsoleVerb {
   std::string name;
   std::string does;
-  std::string modes;   // in which it is allowed, with commas
+  std::string modes;   // in which it is allowed: "idle, holding"
   bool alone = false;  // with nothing else under way
 };
 
 class Conversation {
  public:
-  static constexpr std::size_t kLongestLine = 511;  // what a console takes
+  static constexpr std::size_t kLongestLine = hal::kMaxConsoleLine;
 
   struct Step {
     std::string send;  // to the controller; empty: nothing

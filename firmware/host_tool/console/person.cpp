@@ -2,6 +2,7 @@
 #include "firmware/host_tool/console/person.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -40,26 +41,26 @@ bool talk_to_a_person(ConsoleClient& console, milliseconds longest) {
   Conversation conversation;
   std::string told;
   learn(console, longest, conversation, told);
-  const auto hear = [&](Terminal& terminal) {
+  const auto hear = [&]() -> std::optional<std::string> {
+    std::string said;
     while (const auto line = console.receive(milliseconds(0))) {
-      terminal.print(conversation.hear(*line, output_width()));
+      said += conversation.hear(*line, output_width());
     }
-    return !console.gone();
+    if (console.gone() && said.empty()) return std::nullopt;
+    return said;
   };
-  Terminal* shown_on = nullptr;
   Terminal terminal(
       "armsig> ", console.descriptor(),
-      [&](std::string_view before) { return conversation.completions(before); },
-      [&] { return hear(*shown_on); }, console_history_file());
-  shown_on = &terminal;
-  terminal.print("Connected. `help` lists the requests, `quit` or Ctrl-D leaves.\n" + told);
+      [&](std::string_view before) { return conversation.completions(before); }, hear,
+      console_history_file());
+  Terminal::print("Connected. `help` lists the requests, `quit` or Ctrl-D leaves.\n" + told);
   while (const auto line = terminal.read_line()) {
     const Conversation::Step step = conversation.take(*line, output_width());
     if (step.leaves) return true;
-    terminal.print(step.say);
+    Terminal::print(step.say);
     if (!step.send.empty() && !console.send(step.send)) break;
   }
-  if (console.gone()) terminal.print("The controller closed the console.\n");
+  if (console.gone()) Terminal::print("The controller closed the console.\n");
   return !console.gone();
 }
 

@@ -10,10 +10,11 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/error_name.hpp"
+#include "core/base/tool_accuracy.hpp"
 #include "firmware/formats/characters.hpp"
 #include "firmware/formats/console_line.hpp"
 #include "firmware/formats/text.hpp"
-#include "firmware/formats/wrapping.hpp"
+#include "firmware/host_tool/presentation/entries.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 
 namespace armsig::tool {
@@ -68,7 +69,7 @@ class Status {
     return value;
   }
 
-  // " KEY VALUE" with `before` and `after` about the value; empty where there is none.
+  // The value between `before` and `after`; empty where there is none.
   std::string phrase(std::string_view key, std::string_view before, std::string_view after = "") {
     const std::string value = take(key);
     return value.empty() ? value : fmt::format("{}{}{}", before, value, after);
@@ -78,34 +79,6 @@ class Status {
 
  private:
   std::vector<ConsoleLine::Value> values_;
-};
-
-// A column of names, and text beside it.
-class Paragraphs {
- public:
-  explicit Paragraphs(std::size_t width) : width_(std::max(width, kNarrowest) - kColumn) {}
-
-  // Nothing where `text` is empty.
-  void add(std::string_view name, std::string_view text) {
-    if (text.empty()) return;
-    for (const std::string& line : wrapped(text, width_)) {
-      all_ += fmt::format("  {:<{}}{}\n", name, kColumn - 2, line);
-      name = "";
-    }
-  }
-  // The same of text that is one line already.
-  void add_line(std::string_view name, std::string_view text) {
-    all_ += fmt::format("  {:<{}}{}\n", name, kColumn - 2, text);
-  }
-  [[nodiscard]] std::size_t width() const { return width_; }
-  [[nodiscard]] const std::string& all() const { return all_; }
-
- private:
-  static constexpr std::size_t kColumn = 16;
-  static constexpr std::size_t kNarrowest = 40;
-
-  std::size_t width_;
-  std::string all_;
 };
 
 std::string fault_in_words(Status& status) {
@@ -121,7 +94,7 @@ std::string fault_in_words(Status& status) {
   return words;
 }
 
-void add_warnings(Status& status, Paragraphs& out) {
+void add_warnings(Status& status, Entries& out) {
   out.add("fault", fault_in_words(status));
   out.add("unreferenced", status.phrase("unreferenced", "joints ",
                                         " may stand elsewhere than they read: look, then "
@@ -141,7 +114,7 @@ void add_warnings(Status& status, Paragraphs& out) {
 }
 
 // "q1 12.0000°", as many in a line as it has room for.
-void add_readings(Status& status, Paragraphs& out) {
+void add_readings(Status& status, Entries& out) {
   constexpr std::size_t kCell = 16;
   std::string line;
   std::size_t cells = 0;
@@ -150,7 +123,7 @@ void add_readings(Status& status, Paragraphs& out) {
     std::string value = status.phrase(fmt::format("q{}_deg", joint), "", "°");
     if (value.empty()) value = status.phrase(fmt::format("q{}_mm", joint), "", " mm");
     if (value.empty()) continue;
-    if (cells == std::max<std::size_t>(1, out.width() / kCell)) {
+    if (cells == std::max<std::size_t>(1, out.text_width() / kCell)) {
       out.add_line(std::exchange(name, ""), std::exchange(line, {}));
       cells = 0;
     }
@@ -166,16 +139,15 @@ void add_readings(Status& status, Paragraphs& out) {
   if (!x.empty()) out.add("tool", fmt::format("x {} mm, y {} mm, z {} mm", x, y, z));
 }
 
-std::string region_in_words_of(std::string_view region) {
-  constexpr std::array<std::array<std::string_view, 2>, 3> kRegions{{
-      {"configuration", "at the signature configuration"},
-      {"limits", "over the joint limits"},
-      {"measured", "over the readings measured"},
-  }};
-  return translated(region, kRegions);
+// "over the joint limits"; a region of another version as it is called.
+std::string over_region(std::string_view called) {
+  const auto* const region = std::ranges::find(kPredictedRegions, called);
+  if (region == kPredictedRegions.end()) return fmt::format(" over {}", called);
+  const auto number = static_cast<std::size_t>(region - kPredictedRegions.begin());
+  return " over " + region_in_words(static_cast<PredictedRegion>(number));
 }
 
-void add_model(Status& status, Paragraphs& out) {
+void add_model(Status& status, Entries& out) {
   const bool nominal = status.take("model") == "nominal";
   std::string words = nominal ? "nominal" : status.phrase("signature", "signature ");
   if (status.take("maps") == "yes") words += ", with gravity and joint error maps";
@@ -183,7 +155,7 @@ void add_model(Status& status, Paragraphs& out) {
   if (!predicted.empty()) {
     words += fmt::format("; tool error {} mm (1 sigma, predicted)", predicted);
     const std::string region = status.take("predicted_region");
-    if (!region.empty()) words += " " + region_in_words_of(region);
+    if (!region.empty()) words += over_region(region);
   }
   const std::string validation = status.take("validation_rms_mm");
   if (!validation.empty()) {
@@ -194,7 +166,7 @@ void add_model(Status& status, Paragraphs& out) {
   out.add("model", words);
 }
 
-void add_sensor(Status& status, Paragraphs& out) {
+void add_sensor(Status& status, Entries& out) {
   const std::string sensor = status.take("sensor");
   if (sensor.empty()) return;
   std::string words = sensor == "well" ? "reads well" : error_in_words(sensor);
@@ -206,10 +178,10 @@ std::string candidate_in_words(Status& status) {
   std::string words =
       status.phrase("candidate_predicted_tool_error_mm", "; tool error so far ", " mm (predicted)");
   const std::string region = status.take("candidate_predicted_region");
-  return region.empty() ? words : words + " " + region_in_words_of(region);
+  return region.empty() ? words : words + over_region(region);
 }
 
-void add_sequence(Status& status, Paragraphs& out) {
+void add_sequence(Status& status, Entries& out) {
   constexpr std::array<std::array<std::string_view, 2>, 4> kSequences{{
       {"identifying", "identification"},
       {"paused", "identification, paused: `resume` goes on"},
@@ -233,7 +205,7 @@ void add_sequence(Status& status, Paragraphs& out) {
   out.add("last check", status.take("check"));
 }
 
-void add_times(Status& status, Paragraphs& out) {
+void add_times(Status& status, Entries& out) {
   std::string words = status.phrase("ticks", "", " since the start");
   words += status.phrase("late_mean_us", "; late by ", " us on average");
   words += status.phrase("late_max_us", ", ", " us at most");
@@ -251,7 +223,7 @@ void add_times(Status& status, Paragraphs& out) {
 
 std::string status_in_words(std::string_view reply, std::size_t width) {
   Status status(reply);
-  Paragraphs out(width);
+  Entries out(width);
   const std::string mode = status.take("mode");
   const bool moving = status.take("moving") == "yes";
   out.add(mode, mode_in_words(mode) + (moving && mode == "holding" ? ", a move is under way" : ""));
@@ -266,7 +238,7 @@ std::string status_in_words(std::string_view reply, std::size_t width) {
     further += fmt::format("{}{}={}", further.empty() ? "" : " ", shown(key), shown(value));
   }
   out.add("further", further);
-  return out.all();
+  return out.lines();
 }
 
 }  // namespace armsig::tool

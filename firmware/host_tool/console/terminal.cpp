@@ -3,7 +3,6 @@
 
 #include <histedit.h>
 #include <poll.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -67,11 +66,7 @@ class Terminal::Library {
   }
   ~Library() {
     HistEvent event{};
-    if (!file_.empty()) {
-      const mode_t former = ::umask(S_IRWXG | S_IRWXO);  // what somebody typed is nobody else's
-      ::history(history_, &event, H_SAVE, file_.c_str());
-      ::umask(former);
-    }
+    if (!file_.empty()) ::history(history_, &event, H_SAVE, file_.c_str());
     ::history_end(history_);
     ::el_end(edit_);
   }
@@ -92,13 +87,6 @@ class Terminal::Library {
     return line;
   }
 
-  void print(std::string_view text) {
-    if (is_read_) (void)std::fputs("\r\033[K", stdout);
-    (void)std::fwrite(text.data(), 1, text.size(), stdout);
-    (void)std::fflush(stdout);
-    if (is_read_) ::el_set(edit_, EL_REFRESH);
-  }
-
  private:
   static Library& of(EditLine* edit) {
     void* self = nullptr;
@@ -108,12 +96,17 @@ class Terminal::Library {
   static char* prompt(EditLine* edit) { return of(edit).prompt_.data(); }
 
   // What libedit asks for each key: its number of characters, 0 at the end.
-  static int next_key(EditLine* edit, wchar_t* key) {
-    Library& self = of(edit);
-    self.is_read_ = true;
-    const int count = self.wait_for_key(*key);
-    self.is_read_ = false;
-    return count;
+  static int next_key(EditLine* edit, wchar_t* key) { return of(edit).wait_for_key(*key); }
+
+  // False where the talk has ended.
+  bool hear() {
+    const auto said = hear_();
+    if (!said) return false;
+    if (said->empty()) return true;
+    (void)std::fputs("\r\033[K", stdout);
+    Terminal::print(*said);
+    ::el_set(edit_, EL_REFRESH);
+    return true;
   }
 
   // Requests are ASCII: other bytes are no keys.
@@ -121,8 +114,11 @@ class Terminal::Library {
     for (;;) {
       std::array<pollfd, 2> ready{pollfd{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0},
                                   pollfd{.fd = descriptor_, .events = POLLIN, .revents = 0}};
-      if (::poll(ready.data(), ready.size(), -1) < 0) continue;
-      if (ready[1].revents != 0 && !hear_()) return 0;
+      if (::poll(ready.data(), ready.size(), -1) < 0) {
+        if (errno == EINTR) continue;
+        return 0;
+      }
+      if (ready[1].revents != 0 && !hear()) return 0;
       if (ready[0].revents == 0) continue;
       unsigned char byte = 0;
       const ssize_t count = ::read(STDIN_FILENO, &byte, 1);
@@ -159,7 +155,6 @@ class Terminal::Library {
   std::string file_;
   EditLine* edit_;
   History* history_;
-  bool is_read_ = false;  // a line is being typed, and shown
 };
 
 Terminal::Terminal(std::string prompt, int descriptor, Complete complete, Hear hear,
@@ -169,7 +164,11 @@ Terminal::Terminal(std::string prompt, int descriptor, Complete complete, Hear h
 Terminal::~Terminal() = default;
 
 std::optional<std::string> Terminal::read_line() { return library_->read_line(); }
-void Terminal::print(std::string_view text) { library_->print(text); }
+
+void Terminal::print(std::string_view text) {
+  (void)std::fwrite(text.data(), 1, text.size(), stdout);
+  (void)std::fflush(stdout);
+}
 
 std::string console_history_file() {
   // The environment of a person's shell, read before any thread is begun.

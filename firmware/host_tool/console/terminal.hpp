@@ -17,8 +17,9 @@ class Terminal {
  public:
   // What the last word of the text before the cursor may become.
   using Complete = std::function<std::vector<std::string>(std::string_view before)>;
-  // Called where `descriptor` is readable, between two keys: false where the talk has ended.
-  using Hear = std::function<bool()>;
+  // What is to be said above the line that is typed, whole printable lines, where `descriptor` is
+  // readable; nothing where the talk has ended.
+  using Hear = std::function<std::optional<std::string>()>;
 
   // `prompt` is ASCII. The history is read from `history_file` and written there at the end; empty:
   // it is not kept.
@@ -31,8 +32,8 @@ class Terminal {
   // The next line, without its end; nothing where the person or the other side has left.
   [[nodiscard]] std::optional<std::string> read_line();
 
-  // Above the line that is being typed. `text`: whole lines, printable.
-  void print(std::string_view text);
+  // Between two lines. `text`: whole lines, printable.
+  static void print(std::string_view text);
 
  private:
   class Library;
