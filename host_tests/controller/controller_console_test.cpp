@@ -28,10 +28,7 @@ std::string word(const std::string& line, const std::string& key) {
 struct Bent : PumaCabinet {
   explicit Bent(const Configuration& configuration = test::puma_controller())
       : PumaCabinet(1, configuration) {
-    EXPECT_TRUE(enable());
-    EXPECT_EQ(ask("move q3_deg=10 q5_deg=40"), "ok");
-    EXPECT_TRUE(run_until(Mode::kServoing, 0.1));
-    EXPECT_TRUE(run_until(Mode::kHolding));
+    EXPECT_TRUE(bend_wrist());
     run(0.5);
   }
   void expect_refused(const std::string& request, const std::string& error) {

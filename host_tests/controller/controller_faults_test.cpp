@@ -102,10 +102,7 @@ TEST(BusFaults, in_the_middle_of_an_identification_end_it) {
 // From q with the forearm bent, where lines of the tool are free.
 struct Elbow : PumaCabinet {
   Elbow() {
-    EXPECT_TRUE(enable());
-    EXPECT_EQ(ask("move q3_deg=10 q5_deg=40"), "ok");
-    EXPECT_TRUE(run_until(Mode::kServoing, 0.1));
-    EXPECT_TRUE(run_until(Mode::kHolding));
+    EXPECT_TRUE(bend_wrist());
     run(0.3);
   }
   void expect_refused(const std::string& request, Error error) {

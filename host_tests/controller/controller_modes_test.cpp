@@ -123,10 +123,7 @@ TEST(Controller, moves_joints_where_it_is_told) {
 
 TEST(Controller, moves_the_tool_along_a_straight_line) {
   PumaCabinet puma;
-  ASSERT_TRUE(puma.enable());
-  ASSERT_EQ(puma.ask("move q3_deg=10 q5_deg=40"), "ok");
-  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
-  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  ASSERT_TRUE(puma.bend_wrist());
   puma.run(0.3);
   const Pose from = *puma.now().X_RT;
   ASSERT_EQ(puma.ask("move dz_mm=-100 dx_mm=50"), "ok") << puma.console.replies.back();

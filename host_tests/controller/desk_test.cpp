@@ -80,10 +80,7 @@ TEST(Desk, names_the_mode_that_refuses_and_those_that_would_not) {
 
 TEST(Desk, names_what_is_under_way_where_the_mode_would_do) {
   PumaCabinet puma;
-  ASSERT_TRUE(puma.enable());
-  ASSERT_EQ(puma.ask("move q3_deg=10 q5_deg=40"), "ok");
-  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
-  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  ASSERT_TRUE(puma.bend_wrist());
   puma.console.requests.emplace_back("move dz_mm=-100 dx_mm=50");
   puma.run(0.002);
   puma.other.requests.emplace_back("move q1_deg=1");
@@ -107,10 +104,7 @@ TEST(Desk, begins_nothing_beside_a_sequence) {
 
 TEST(Desk, begins_nothing_while_a_line_is_planned) {
   PumaCabinet puma;
-  ASSERT_TRUE(puma.enable());
-  ASSERT_EQ(puma.ask("move q3_deg=10 q5_deg=40"), "ok");
-  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
-  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  ASSERT_TRUE(puma.bend_wrist());
   puma.console.requests.emplace_back("move dz_mm=-100 dx_mm=50");
   puma.run(0.002);
   for (const char* request : {"identify", "move q1_deg=1", "touch-grid", "accept", "rollback"}) {

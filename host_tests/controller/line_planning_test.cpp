@@ -81,10 +81,7 @@ TEST(LinePlanning, ends_where_the_line_does) {
 
 TEST(LinePlanning, keeps_no_other_operator_waiting) {
   PumaCabinet puma;
-  ASSERT_TRUE(puma.enable());
-  ASSERT_EQ(puma.ask("move q3_deg=10 q5_deg=40"), "ok");
-  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.1));
-  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  ASSERT_TRUE(puma.bend_wrist());
   puma.console.requests.emplace_back("move dz_mm=-100 dx_mm=50");
   puma.other.requests.emplace_back("status");
   puma.run(0.008);

@@ -128,6 +128,11 @@ struct PumaCabinet {
     return run_until(controller::Mode::kIdle) && ask("enable") == "ok" &&
            run_until(controller::Mode::kHolding);
   }
+  // Enabled, and standing with its wrist bent, where straight lines can begin.
+  bool bend_wrist() {
+    return enable() && ask("move q3_deg=10 q5_deg=40") == "ok" &&
+           run_until(controller::Mode::kServoing, 0.1) && run_until(controller::Mode::kHolding);
+  }
 
   LineConsole console;
   LineConsole other;  // a second operator's
