@@ -158,7 +158,7 @@ class Engine {
   // engine_still.cpp
   [[nodiscard]] bool is_held(std::size_t column) const { return holding_ && held_[column]; }
   [[nodiscard]] bool stands_still(std::size_t joint) const {
-    return turned_[joint].is_held(model_.joints[joint].type);
+    return turned_[joint].is_jitter(model_.joints[joint].type);
   }
   void count_turns(const FitRow& row);
   void note_held();

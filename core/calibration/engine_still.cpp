@@ -3,9 +3,6 @@
 // joint that moved, do to the rows what base, target or the next axis that moved can do as well.
 // The jitter of readings would tell them apart by chance, and other poses would be predicted from
 // that. Nor do they get gravity or corrections. What they may be off by is in the covariance.
-#include <algorithm>
-#include <utility>
-
 #include "core/calibration/engine.hpp"
 
 namespace armsig::calibration {

@@ -27,7 +27,7 @@ struct ReadingSpan {
     return !(upper - lower >= (type == JointType::kRevolute ? kLeastTurn : kLeastShift_m));
   }
   // As little as a joint moves that its servo holds. Beyond it rows tell the joint's axis.
-  [[nodiscard]] bool is_held(JointType type) const {
+  [[nodiscard]] bool is_jitter(JointType type) const {
     constexpr double kMostTurn = radians(0.5);
     constexpr double kMostShift_m = 0.002;
     return !(upper - lower > (type == JointType::kRevolute ? kMostTurn : kMostShift_m));
