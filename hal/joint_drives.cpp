@@ -20,6 +20,12 @@ std::optional<DeviceObject> JointDrives::gap(std::size_t joint, std::size_t numb
   return do_gap(joint, number);
 }
 
+Result<void> JointDrives::home(std::size_t joint) {
+  ARMSIG_CHECK(joint < count());
+  if (!all(DriveCondition::kEnabled)) return std::unexpected(Error::kDrivesNotReady);
+  return do_home(joint);
+}
+
 bool JointDrives::all(DriveCondition condition) const {
   for (std::size_t joint = 0; joint < count(); ++joint) {
     if (do_status(joint).condition != condition) return false;

@@ -20,11 +20,19 @@
 
 namespace armsig::hal {
 
+// Where a program has no memory for it, nothing of homing is in its image.
+#ifdef ARMSIG_NO_HOMING
+inline constexpr bool kMayHome = false;
+#else
+inline constexpr bool kMayHome = true;
+#endif
+
 enum class DriveCondition : std::uint8_t {
   kStarting,   // being found and set up
   kDisabled,   // set up, without torque
   kSwitching,  // on the way from one of the other conditions to another
   kEnabled,    // follows the targets
+  kHoming,     // moves by itself, to find its reference
   kStopping,   // on its quick stop ramp, still moving
   kStopped,    // quick stop: at rest under torque, targets are ignored
   kFaulted,    // as `fault` says; left by reset_faults() only
@@ -43,6 +51,7 @@ struct DriveStatus {
   // It keeps its torque when its master is gone, as far as it told while it was set up.
   bool unsupervised = false;
   bool has_position = false;      // it has told its position since it was set up last
+  bool homed = false;             // it has found its reference since it was set up last
   std::uint32_t information = 0;  // last emergency code that told no error; 0: none
 };
 
@@ -86,6 +95,13 @@ class JointDrives {
   void disable() { do_disable(); }
   // Stops every drive on its quick stop ramp and holds it there. No errors.
   void quick_stop() { do_quick_stop(); }
+  // Lets one drive find its reference by its own homing, while the others hold their positions: its
+  // condition is kHoming until it follows targets again, from where it then is. Its reading may
+  // jump meanwhile. One that does not find it has the fault kHomingFailed.
+  // Errors: kDrivesNotReady (not every drive is kEnabled), kUnsupported.
+  Result<void> home(std::size_t joint);
+  // Brings a drive that is homing to rest, to follow targets again. No errors.
+  void stop_homing() { do_stop_homing(); }
   // Forgets faults, resets faulted drives and sets up those that were lost, as soon as all
   // positions stand (as for disable()); all end disabled. No errors: a fault that persists comes
   // back in status().
@@ -112,6 +128,11 @@ class JointDrives {
   virtual void do_disable() = 0;
   virtual void do_quick_stop() = 0;
   virtual void do_reset_faults() = 0;
+  // A backend whose drives have no homing of their own does nothing.
+  virtual Result<void> do_home(std::size_t /*joint*/) {
+    return std::unexpected(Error::kUnsupported);
+  }
+  virtual void do_stop_homing() {}
 };
 
 }  // namespace armsig::hal

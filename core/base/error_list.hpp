@@ -137,5 +137,6 @@ ARMSIG_ERROR(kDriveLimited, "the drive limits the motion by itself")  // for lon
 ARMSIG_ERROR(kDriveLags, "the drive reports a following error")       // for longer than allowed
 ARMSIG_ERROR(kDriveWarning, "the drive's warning persists")           // for longer than allowed
 ARMSIG_ERROR(kVoltageLost, "the drive has lost its motor supply")
+ARMSIG_ERROR(kHomingFailed, "the drive did not find its reference")
 ARMSIG_ERROR(kStopTimeout, "the joint did not come to rest in time")  // that its ramp may take
 ARMSIG_ERROR(kDriveUnsupervised, "a drive would keep its torque if this controller were gone")

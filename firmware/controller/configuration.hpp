@@ -95,6 +95,7 @@ struct CheckPlan {
 enum class Reference : std::uint8_t {
   kAbsolute,  // where the joint is
   kNone,      // nothing: it counts from there on
+  kHomed,     // nothing, until its drive has homed
 };
 
 struct Configuration {

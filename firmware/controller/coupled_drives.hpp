@@ -47,6 +47,8 @@ class CoupledDrives final : public hal::JointDrives {
   void do_disable() override { motors_.disable(); }
   void do_quick_stop() override { motors_.quick_stop(); }
   void do_reset_faults() override { motors_.reset_faults(); }
+  Result<void> do_home(std::size_t joint) override { return motors_.home(joint); }
+  void do_stop_homing() override { motors_.stop_homing(); }
 
   JointCouplings couplings_;
   hal::JointDrives& motors_;

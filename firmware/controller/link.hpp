@@ -23,12 +23,13 @@ enum class CommandKind : std::uint8_t {
   kDisable,
   kReset,
   kStop,  // quick stop, Faulted with kQuickStop
-  kHalt,  // the move and the sequence end in a ramp
+  kHalt,  // the move and the sequence end in a ramp; a drive that is homing stops
   kMove,  // from where the arm is commanded to be, while none is under way; of a sequence: while it
           // lasts
   kBeginSequence,
   kEndSequence,  // a move under way is finished
   kAdoptModel,   // no move under way
+  kHome,
 };
 
 [[nodiscard]] constexpr Modes modes_of(CommandKind kind) {
@@ -36,12 +37,14 @@ enum class CommandKind : std::uint8_t {
     case CommandKind::kEnable:
       return Modes(Mode::kIdle);
     case CommandKind::kDisable:
-      return Modes(Mode::kIdle, Mode::kHolding, Mode::kServoing, Mode::kSweeping);
+      return Modes(Mode::kIdle, Mode::kHolding, Mode::kServoing, Mode::kSweeping, Mode::kHoming);
     case CommandKind::kReset:
       return Modes(Mode::kFaulted);
     case CommandKind::kHalt:
-    case CommandKind::kMove:
       return kWithTorque;
+    case CommandKind::kMove:
+      return Modes(Mode::kHolding, Mode::kServoing, Mode::kSweeping);
+    case CommandKind::kHome:
     case CommandKind::kBeginSequence:
       return Modes(Mode::kHolding);
     case CommandKind::kStop:
@@ -59,6 +62,7 @@ struct Command {
   Move move;                 // kMove
   bool of_sequence = false;  // the move is, which is refused once the sequence has ended
   std::size_t model = 0;     // kAdoptModel: index into Link::models
+  std::size_t joint = 0;     // kHome
 };
 
 // Why the controller is Faulted.
@@ -96,6 +100,8 @@ struct Snapshot {
   std::uint8_t limits_active = 0;  // bit per joint: its drive limits the motion by itself
   std::uint8_t unsupervised = 0;   // bit per joint: its drive would keep its torque by itself
   std::uint8_t known = 0;          // bit per joint: its drive has told its position
+  std::uint8_t homing = 0;         // bit per joint: its drive finds its reference
+  std::uint8_t homed = 0;          // bit per joint: its drive has found it since it was set up
   Histogram lateness;
   Histogram execution;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the controller is doing: Starting -> Idle -> Holding -> {Sweeping, Servoing} -> Holding, and
-// Faulted from anywhere, left only by an explicit reset.
+// What the controller is doing: Starting -> Idle -> Holding -> {Sweeping, Servoing, Homing} ->
+// Holding, and Faulted from anywhere, left only by an explicit reset.
 #pragma once
 
 #include <array>
@@ -16,6 +16,7 @@ enum class Mode : std::uint8_t {
   kHolding,   // with torque, at rest
   kServoing,  // moving for the operator
   kSweeping,  // moving for a sequence, or waiting between two of its moves
+  kHoming,    // one drive finds its reference, the others hold
   kFaulted,   // stopped; the error is kept until reset
 };
 
@@ -31,6 +32,8 @@ enum class Mode : std::uint8_t {
       return "servoing";
     case Mode::kSweeping:
       return "sweeping";
+    case Mode::kHoming:
+      return "homing";
     case Mode::kFaulted:
       return "faulted";
   }
@@ -51,9 +54,10 @@ class Modes {
 };
 
 inline constexpr std::array kAllModes{Mode::kStarting, Mode::kIdle,     Mode::kHolding,
-                                      Mode::kServoing, Mode::kSweeping, Mode::kFaulted};
-inline constexpr Modes kInAnyMode{Mode::kStarting, Mode::kIdle,     Mode::kHolding,
-                                  Mode::kServoing, Mode::kSweeping, Mode::kFaulted};
-inline constexpr Modes kWithTorque{Mode::kHolding, Mode::kServoing, Mode::kSweeping};
+                                      Mode::kServoing, Mode::kSweeping, Mode::kHoming,
+                                      Mode::kFaulted};
+inline constexpr Modes kInAnyMode{Mode::kStarting, Mode::kIdle,   Mode::kHolding, Mode::kServoing,
+                                  Mode::kSweeping, Mode::kHoming, Mode::kFaulted};
+inline constexpr Modes kWithTorque{Mode::kHolding, Mode::kServoing, Mode::kSweeping, Mode::kHoming};
 
 }  // namespace armsig::controller

@@ -36,6 +36,11 @@ bool References::turns(std::size_t joint) const {
   return configuration_.drawing.joints[joint].type == JointType::kRevolute;
 }
 
+bool References::homes(std::size_t joint) const {
+  return !configuration_.references.empty() &&
+         configuration_.references[joint] == Reference::kHomed;
+}
+
 void References::state_tolerances(const SignatureRecord* in_use) {
   const double error_m = 3 * error_of(in_use);
   const auto& joints = configuration_.drawing.joints;
@@ -74,7 +79,7 @@ void References::compare(const Snapshot& now, const Machine& machine, const Sign
     if (i < machine.drives.size()) drives_[i] = mark_of(machine.drives[i]);
     const double moved = now.positions[i] - at_rest_.positions[i];
     const bool counts_anew =
-        !configuration_.references.empty() && configuration_.references[i] == Reference::kNone;
+        !configuration_.references.empty() && configuration_.references[i] != Reference::kAbsolute;
     const std::uint32_t was = at_rest_.drives[i];
     if (was == 0) at_rest_.drives[i] = drives_[i];
     if (std::abs(moved) > tolerances_[i]) {
@@ -102,8 +107,27 @@ void References::tell(std::size_t joint, std::string_view why, std::optional<dou
   const double unit = turns(joint) ? degrees(1) : 1e3;
   if (moved) line.text(turns(joint) ? " by_deg=" : " by_mm=").number(unit * *moved, 3);
   line.reason(Error::kUnreferenced);
+  if (hal::kMayHome && homes(joint)) {
+    announcer.say(line.text(" home joint=").integer(joint + 1));
+    return;
+  }
   line.text(" look at the joint, then confirm q").integer(joint + 1);
   announcer.say(line.text(turns(joint) ? "_deg=..." : "_mm=..."));
+}
+
+// A drive has found the place where it counts zero.
+void References::take_homed(const Snapshot& now, const Announcer& announcer) {
+  const unsigned just_homed = now.homed & ~homed_;
+  homed_ = now.homed;
+  for (std::size_t i = 0; i < at_rest_.positions.size(); ++i) {
+    if ((just_homed & bit_of(i)) == 0) continue;
+    at_rest_.unreferenced &= static_cast<std::uint8_t>(~bit_of(i));
+    at_rest_.positions[i] = now.positions[i];
+    at_rest_.drives[i] = drives_[i];
+    changed_ = true;
+    Line line;
+    announcer.say(line.text("# homed joint=").integer(i + 1));
+  }
 }
 
 // While the drives tell their positions, the arm is where they say: with torque, and pushed by hand
@@ -114,6 +138,10 @@ void References::track(const Snapshot& now, const Announcer& announcer) {
   // What was told then may be as old as a drive may be silent.
   const double passed_s = hal::seconds(now.now - tracked_at_ + configuration_.feedback_age);
   for (std::size_t i = 0; i < joints; ++i) {
+    if (hal::kMayHome && (now.homing & bit_of(i)) != 0) {
+      at_rest_.unreferenced |= bit_of(i);  // its reading may become another
+      continue;
+    }
     const double moved = now.positions[i] - at_rest_.positions[i];
     const double most = kFall * configuration_.limits.speed[i] * passed_s + tolerances_[i];
     if (!(std::abs(moved) > most)) continue;
@@ -142,6 +170,7 @@ bool References::is_to_be_kept(const Snapshot& now) {
 bool References::step(const Snapshot& now, const Announcer& announcer) {
   if (std::exchange(just_compared_, false)) return true;
   if (!compared_) return false;
+  if constexpr (hal::kMayHome) take_homed(now, announcer);
   track(now, announcer);
   due_ = due_ || kWithTorque.contains(now.mode);
   if (keeper_.is_writing()) {

@@ -2,8 +2,8 @@
 // Whether the joints stand where their readings say. A joint is *unreferenced* where that is not
 // certain: its encoder counts from power-up, it is found elsewhere than it was left, nothing was
 // kept of where it was left, its reading jumped, or another drive reads its encoder. While a joint
-// is, the tool is not moved, nothing is measured and no signature is accepted; a person looks at
-// the joint and confirms its reading.
+// is, the tool is not moved, nothing is measured and no signature is accepted; its drive homes, or
+// a person looks at the joint and confirms its reading.
 //
 // Where the arm rests without torque is kept over a loss of power, with what is not confirmed yet.
 #pragma once
@@ -52,6 +52,8 @@ class References {
   void tell(std::size_t joint, std::string_view why, std::optional<double> moved,
             const Announcer& announcer) const;
   [[nodiscard]] bool turns(std::size_t joint) const;
+  [[nodiscard]] bool homes(std::size_t joint) const;
+  void take_homed(const Snapshot& now, const Announcer& announcer);
   void track(const Snapshot& now, const Announcer& announcer);
   [[nodiscard]] bool is_to_be_kept(const Snapshot& now);
 
@@ -65,6 +67,7 @@ class References {
   DriveMarks drives_;  // of those that are there
   hal::Instant tracked_at_;
   hal::Instant still_since_;
+  std::uint8_t homed_ = 0;  // bit per joint: had homed before
   bool compared_ = false;
   bool just_compared_ = false;
   bool due_ = false;      // to be kept as soon as it rests

@@ -52,7 +52,7 @@ void Servo::supervise_drives() {
   }
   for (std::size_t joint = 0; joint < drives_.count() && has_torque(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
-    if (status.condition != hal::DriveCondition::kEnabled) {
+    if (status.condition != hal::DriveCondition::kEnabled && !is_homing(joint)) {
       fail(Error::kDriveDroppedOut, joint, status.status_word);
     }
   }
@@ -61,6 +61,7 @@ void Servo::supervise_drives() {
 void Servo::supervise_following() {
   const JointVector& actual = drives_.positions();
   for (std::size_t joint = 0; joint < actual.size(); ++joint) {
+    if (is_homing(joint)) continue;  // it follows no targets
     const double error = std::abs(commanded_[joint] - actual[joint]);
     if (!(error <= configuration_.supervision.following_error[joint])) {
       fail(Error::kFollowingError, joint);
@@ -76,6 +77,7 @@ void Servo::fail(Error error, std::optional<std::size_t> joint, std::uint32_t co
   fault_ = Fault{error, joint, code, words};
   enabling_ = in_sequence_ = false;
   move_.reset();
+  homing_.reset();
   drives_.quick_stop();
 }
 
@@ -117,6 +119,7 @@ std::optional<Error> Servo::take(const Command& command) {
     case CommandKind::kHalt:
       in_sequence_ = false;
       path_.brake();
+      if constexpr (hal::kMayHome) drives_.stop_homing();
       break;
     case CommandKind::kMove:
       // The operator's halt may have come before the move of a sequence that does not know of it.
@@ -132,6 +135,9 @@ std::optional<Error> Servo::take(const Command& command) {
       if (move_) return Error::kWrongMode;
       model_ = command.model;  // commanded_ stays: the joints do not notice
       break;
+    case CommandKind::kHome:
+      if constexpr (hal::kMayHome) return home(command.joint);
+      return Error::kUnsupported;
   }
   return std::nullopt;
 }
@@ -140,7 +146,22 @@ void Servo::disable() {
   drives_.disable();
   enabling_ = in_sequence_ = false;
   move_.reset();
+  homing_.reset();
   mode_ = Mode::kIdle;
+}
+
+std::optional<Error> Servo::home(std::size_t joint) {
+  if (move_) return Error::kWrongMode;
+  if (const auto begun = drives_.home(joint); !begun) return begun.error();
+  homing_ = joint;
+  return std::nullopt;
+}
+
+// Its drive moves the joint by itself, and says at last that its reading is another.
+void Servo::step_homing() {
+  if (!homing_) return;
+  commanded_[*homing_] = drives_.positions()[*homing_];
+  if (drives_.status(*homing_).condition == hal::DriveCondition::kEnabled) homing_.reset();
 }
 
 std::optional<Error> Servo::begin(const Move& move) {
@@ -168,7 +189,9 @@ void Servo::step_mode() {
   if (!has_torque()) return;
   step_move();
   if (!has_torque()) return;  // the move failed
+  if constexpr (hal::kMayHome) step_homing();
   mode_ = in_sequence_ ? Mode::kSweeping : (move_ ? Mode::kServoing : Mode::kHolding);
+  if (homing_) mode_ = Mode::kHoming;
   if (!is_settled()) unsettled_at_ = now_;
 }
 
@@ -252,7 +275,7 @@ void Servo::publish(hal::Duration lateness) {
   out.model = model_;
   out.all_disabled = drives_.all(hal::DriveCondition::kDisabled);
   out.status_words.clear();
-  out.limits_active = out.unsupervised = out.known = 0;
+  out.limits_active = out.unsupervised = out.known = out.homing = out.homed = 0;
   for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
     out.status_words.push_back(status.status_word);
@@ -260,6 +283,8 @@ void Servo::publish(hal::Duration lateness) {
     if (status.limit_active) out.limits_active |= bit;
     if (status.unsupervised) out.unsupervised |= bit;
     if (status.has_position) out.known |= bit;
+    if (is_homing(joint)) out.homing |= bit;
+    if (status.homed && !is_homing(joint)) out.homed |= bit;
   }
   publish_tool(out);
   lateness_.add(lateness);

@@ -28,6 +28,11 @@ class Servo {
   [[nodiscard]] std::optional<Error> begin(const Move& move);
   void step_mode();
   void step_move();
+  [[nodiscard]] std::optional<Error> home(std::size_t joint);
+  void step_homing();
+  [[nodiscard]] bool is_homing(std::size_t joint) const {
+    return hal::kMayHome && homing_ == joint;
+  }
   void command_drives();
   void publish(hal::Duration lateness);
   void publish_tool(Snapshot& out) const;
@@ -48,6 +53,7 @@ class Servo {
   bool enabling_ = false;
   bool in_sequence_ = false;
   std::optional<Move> move_;
+  std::optional<std::size_t> homing_;  // joint
   hal::Instant now_;
   // It advances by a period a tick, so that a late tick makes the move longer and never jump.
   PathParameter path_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "firmware/controller/fetching.hpp"
 
@@ -109,6 +110,41 @@ Result<Answer> halt(Controls& controls, const Request& /*request*/, Line& /*out*
   return when_taken(controls.mover.send(CommandKind::kHalt));
 }
 
+// Error: kUnsupported, with the reason.
+Result<void> may_home(const Configuration& configuration, std::size_t joint, Line& out) {
+  const auto& references = configuration.references;
+  const bool homes = !references.empty() && references[joint] == Reference::kHomed;
+  const bool coupled =
+      std::ranges::any_of(configuration.drawing.couplings, [&](const JointCoupling& coupling) {
+        return coupling.joint == joint || coupling.from == joint;
+      });
+  if (homes && !coupled) return {};
+  out.text(" joint=").integer(joint + 1);
+  out.text(homes ? " why=\"its motor moves another joint, too: home it by the tool of its maker\""
+                 : " why=\"its configuration does not say reference: homed\"");
+  return std::unexpected(Error::kUnsupported);
+}
+
+// `home joint=2`.
+Result<Answer> home(Controls& controls, const Request& request, Line& out) {
+  if (request.arguments.size() != 1 || request.arguments[0].first != "joint") {
+    out.text(" why=\"home joint=2\"");
+    return std::unexpected(Error::kUnknownRequest);
+  }
+  ARMSIG_TRY(number, needed_number("joint", request.arguments[0].second, out));
+  const auto joints = static_cast<double>(controls.configuration.drawing.joints.size());
+  if (!(number >= 1 && number <= joints) || number != std::floor(number)) {
+    return std::unexpected(Error::kOutOfRange);
+  }
+  Command command;
+  command.kind = CommandKind::kHome;
+  command.joint = static_cast<std::size_t>(number) - 1;
+  if (auto may = may_home(controls.configuration, command.joint, out); !may) {
+    return std::unexpected(may.error());
+  }
+  return when_taken(controls.mover.send(command));
+}
+
 Result<Answer> when_stored(const Result<void>& begun) {
   if (!begun) return std::unexpected(begun.error());
   return Answer{Answer::When::kStored};
@@ -183,7 +219,7 @@ constexpr Modes kReady{Mode::kHolding};
 constexpr Modes kBetweenSequences{Mode::kStarting, Mode::kIdle, Mode::kHolding, Mode::kServoing,
                                   Mode::kFaulted};
 
-constexpr std::array kVerbs{
+constexpr std::array kVerbsOfAll{
     Verb{.name = "status",
          .handler = tell_status,
          .help = "mode, fault, readings, tool, sensor, sequence, times",
@@ -287,6 +323,25 @@ constexpr std::array kVerbs{
          .only_asks = true,
          .takes = Verb::Takes::kVerb},
 };
+
+// The verbs, with that of homing where there is one.
+constexpr auto kVerbs = [] {
+  if constexpr (hal::kMayHome) {
+    std::array<Verb, kVerbsOfAll.size() + 1> all;
+    std::ranges::copy(kVerbsOfAll, all.begin());
+    all.back() = kVerbsOfAll.back();
+    all[kVerbsOfAll.size() - 1] = {
+        .name = "home",
+        .handler = home,
+        .help = "joint=2: its drive finds its reference by itself, the others hold",
+        .modes = modes_of(CommandKind::kHome),
+        .alone = true,
+        .takes = Verb::Takes::kKeys};
+    return all;
+  } else {
+    return kVerbsOfAll;
+  }
+}();
 
 }  // namespace
 

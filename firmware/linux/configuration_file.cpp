@@ -52,9 +52,9 @@ double longest_stop_s(const controller::MotionLimits& limits) {
 Read<YamlMap> open_can(const YamlMap& root) {
   std::vector<std::string> known{"interface", "bits_per_second", "master_node", "sdo_attempts",
                                  "missed_feedback_limit"};
-  for (const char* time :
-       {"heartbeat", "heartbeat_timeout", "boot_timeout", "sdo_timeout", "transition_timeout",
-        "stop_timeout", "targets_ignored", "limited", "lagging", "warning", "voltage_lost"}) {
+  for (const char* time : {"heartbeat", "heartbeat_timeout", "boot_timeout", "sdo_timeout",
+                           "transition_timeout", "stop_timeout", "homing_timeout",
+                           "targets_ignored", "limited", "lagging", "warning", "voltage_lost"}) {
     add_names(known, time, Dimension::kTime);
   }
   ARMSIG_TRY(node, root.require("can"));
@@ -80,6 +80,7 @@ Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
       .integer("sdo_attempts", 1, kMost, c.drives.sdo_attempts)
       .time("transition_timeout", c.drives.transition_timeout)
       .time("stop_timeout", c.drives.stop_timeout)
+      .time("homing_timeout", c.drives.homing_timeout)
       .time("targets_ignored", c.drives.status_limits.ignores)
       .time("limited", c.drives.status_limits.limits)
       .time("lagging", c.drives.status_limits.lags)

@@ -35,9 +35,9 @@ Dimension acceleration_of(JointType type) {
 
 // Keys with the units of both types: a unit of the other type is told apart from an unknown key.
 std::vector<std::string> known_keys() {
-  std::vector<std::string> known{"type",         "node",      "counts_per_revolution",
-                                 "gear_ratio",   "reversed",  "zero_counts",
-                                 "unsupervised", "reference", "limits"};
+  std::vector<std::string> known{
+      "type",         "node",      "counts_per_revolution", "gear_ratio", "reversed", "zero_counts",
+      "unsupervised", "reference", "homing_method",         "limits"};
   for (const char* angle : {"theta", "alpha", "sweep_arc"}) {
     add_names(known, angle, Dimension::kAngle);
   }
@@ -142,7 +142,22 @@ Read<controller::Reference> read_reference(const YamlMap& map) {
   const YamlNode* node = map.find("reference");
   if (node == nullptr || node->text == "absolute") return controller::Reference::kAbsolute;
   if (node->text == "none") return controller::Reference::kNone;
-  return tool::problem_at(*node, "reference: " + tool::in_quotes(node->text), "absolute or none");
+  if (node->text == "homed") return controller::Reference::kHomed;
+  return tool::problem_at(*node, "reference: " + tool::in_quotes(node->text),
+                          "absolute, homed or none");
+}
+
+// How its drive homes, as object 6098h has it.
+Read<std::optional<std::int8_t>> read_homing_method(const YamlMap& map,
+                                                    controller::Reference reference) {
+  const YamlNode* node = map.find("homing_method");
+  if (node == nullptr) return std::nullopt;
+  if (reference != controller::Reference::kHomed) {
+    return tool::problem_at(*node, "homing_method of a joint that is not homed",
+                            "reference: homed, or no such key");
+  }
+  ARMSIG_TRY(method, map.integer("homing_method", -128, 127));
+  return static_cast<std::int8_t>(method);
 }
 
 // How far a revolute joint is swept; 0: as the section `sweeps` says for all.
@@ -210,8 +225,10 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(arc_rad, read_arc(map, type));
   ARMSIG_TRY(unsupervised, read_unsupervised(map));
   ARMSIG_TRY(reference, read_reference(map));
+  ARMSIG_TRY(homing_method, read_homing_method(map, reference));
   axis.limits = limits;
   axis.unsupervised_known = unsupervised;
+  axis.homing_method = homing_method;
   ARMSIG_TRY(motor_speed, read_motor_speed(map, type, speed));
   axis.largest_speed = motor_speed;
   arm.joints.push_back({type, theta_rad, d_m, a_m, alpha_rad});

@@ -104,6 +104,7 @@ Checked check_patience(const Configuration& c) {
            Wait{unheard, c.period, seconds(15), "a joint moves unseen for as many ticks"},
            Wait{c.stop_timeout, c.period, seconds(60),
                 "a joint that can't be stopped keeps its torque for as long"},
+           Wait{c.homing_timeout, c.period, seconds(600), "a drive searches for as long"},
            Wait{status.ignores, c.period, seconds(30), "a drive ignores its targets for as long"},
            Wait{status.limits, c.period, seconds(60), "a drive limits the motion for as long"},
            Wait{status.lags, c.period, seconds(30), "a drive lags behind for as long"},

@@ -148,6 +148,7 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
   step_others();
   step_setup();
   step_mode_inquiry();
+  if constexpr (hal::kMayHome) step_homing();
   for (auto& node : nodes_) {
     if (node->state().phase != Phase::kRunning) continue;  // no position to hold is known yet
     const auto sent = send(node->command(group_.may_release()));
@@ -191,6 +192,21 @@ void Master::do_disable() {
 void Master::do_quick_stop() {
   group_.set_goal(Goal::kStopped, now_);
   release_drives();
+}
+
+Result<void> Master::do_home(std::size_t joint) {
+  if constexpr (hal::kMayHome) {
+    nodes_[joint]->drive().begin_homing(now_);
+    homing_.emplace(*configuration_, joint);
+    return {};
+  }
+  return std::unexpected(Error::kUnsupported);
+}
+
+void Master::do_stop_homing() {
+  if constexpr (hal::kMayHome) {
+    if (homing_) nodes_[homing_->joint()]->drive().leave_homing(now_);
+  }
 }
 
 void Master::do_reset_faults() {

@@ -18,12 +18,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 
 #include "core/base/fixed_vector.hpp"
 #include "hal/can_bus.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/drive_node.hpp"
 #include "hal/canopen/drive_setup.hpp"
+#include "hal/canopen/homing_run.hpp"
 #include "hal/canopen/rest_inquiry.hpp"
 #include "hal/canopen/sdo_client.hpp"
 #include "hal/cia402/group.hpp"
@@ -99,6 +101,8 @@ class Master final : public hal::JointDrives {
   void do_disable() override;
   void do_quick_stop() override;
   void do_reset_faults() override;
+  Result<void> do_home(std::size_t joint) override;
+  void do_stop_homing() override;
 
   Result<void> send(const hal::CanFrame& frame);
   [[nodiscard]] hal::ReceivedCanFrame with_plausible_stamp(hal::ReceivedCanFrame received) const;
@@ -120,6 +124,7 @@ class Master final : public hal::JointDrives {
   // What a drive shows as its mode once it is enabled.
   void step_mode_inquiry();
   void take_mode(DriveNode& drive, const SdoOutcome& outcome);
+  void step_homing();
 
   CheckedConfiguration configuration_;
   hal::CanBus* bus_;
@@ -144,6 +149,10 @@ class Master final : public hal::JointDrives {
   // The mode of a drive that shows it in Operation enabled only.
   std::optional<std::size_t> mode_joint_;
   std::optional<SdoTransfer> mode_inquiry_;
+  // Of one drive at a time.
+  struct NoHoming {};
+  using OneHoming = std::optional<HomingRun>;
+  [[no_unique_address]] std::conditional_t<hal::kMayHome, OneHoming, NoHoming> homing_;
   MasterCounters counters_;
 };
 

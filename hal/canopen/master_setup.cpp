@@ -23,6 +23,9 @@ void Master::take_answer(const DriveNode& drive, const hal::CanFrame& frame) {
     transfer_->take(frame);
   }
   if (mode_inquiry_ && nodes_[*mode_joint_]->node() == drive.node()) mode_inquiry_->take(frame);
+  if constexpr (hal::kMayHome) {
+    if (homing_ && nodes_[homing_->joint()]->node() == drive.node()) homing_->take(frame);
+  }
 }
 
 bool Master::step_inquiries() {
@@ -150,6 +153,17 @@ void Master::step_mode_inquiry() {
                           configuration_->sdo_timeout, 1U);
   }
   if (const auto request = mode_inquiry_->poll(now_)) (void)send(*request);
+}
+
+void Master::step_homing() {
+  if constexpr (hal::kMayHome) {
+    if (!homing_) return;
+    cia402::Drive& drive = nodes_[homing_->joint()]->drive();
+    const bool forgotten = drive.state().homing == cia402::Homing::kNone;  // it is set up anew
+    const auto request = forgotten ? std::nullopt : homing_->poll(drive, now_);
+    if (request) (void)send(*request);
+    if (forgotten || homing_->is_over()) homing_.reset();
+  }
 }
 
 void Master::take_mode(DriveNode& drive, const SdoOutcome& outcome) {

@@ -34,12 +34,15 @@ hal::DriveStatus Drive::status() const {
                           .warning = (s_.status_word & kStatusWarning) != 0,
                           .has_torque = has_torque(s_.state),
                           .has_position = s_.heard,
+                          .homed = s_.homed,
                           .information = 0};
   using enum hal::DriveCondition;
   if (s_.fault) {
     status.condition = kFaulted;
   } else if (!s_.heard || s_.leaving) {
     status.condition = kStarting;
+  } else if (s_.homing != Homing::kNone) {
+    status.condition = s_.goal == Goal::kEnabled ? kHoming : kSwitching;
   } else if (!reached(s_.goal, s_.state) || (is_enabled() && !s_.arrived)) {
     status.condition = kSwitching;
   } else if (s_.goal == Goal::kEnabled) {
@@ -54,7 +57,8 @@ hal::DriveStatus Drive::status() const {
 
 void Drive::hear(std::uint16_t status_word, std::int32_t counts, hal::Instant at) {
   const double position = scaling_.reading(counts);
-  if (s_.heard && s_.goal == Goal::kEnabled) {
+  // A drive that finds its reference counts from there on.
+  if (s_.heard && s_.goal == Goal::kEnabled && s_.homing == Homing::kNone) {
     const double elapsed = std::max(0.0, hal::seconds(at - s_.position_at)) + kLateStamp_s;
     if (std::fabs(position - s_.position) >
         kFeedbackMargin * settings_->largest_speed * elapsed + 2 * scaling_.resolution()) {
@@ -82,6 +86,8 @@ void Drive::forget() {
   s_.state = State::kNotReadyToSwitchOn;
   s_.leaving = false;
   s_.stands = true;
+  s_.homing = Homing::kNone;
+  s_.homed = false;
 }
 
 void Drive::set_goal(Goal goal, hal::Instant now) {
@@ -89,6 +95,7 @@ void Drive::set_goal(Goal goal, hal::Instant now) {
   s_.goal = goal;
   s_.progress_at = now;
   s_.arrived = false;
+  leave_homing(now);
 }
 
 void Drive::latch(Error error, std::uint32_t code, const hal::DeviceObject& object) {
@@ -160,6 +167,9 @@ Setpoint Drive::command(bool may_release) {
     // The reset acts on the bit's rising edge; a drive that missed it is given another.
     s_.reset_bit = !s_.reset_bit;
     if (s_.reset_bit) word = control_word(Command::kFaultReset);
+  }
+  if (s_.homing == Homing::kSearching && s_.state == State::kOperationEnabled) {
+    word |= kControlHomingStart;
   }
   // A disabled drive is sent its own count back, exactly. Limits were checked to fit into counts,
   // and a position outside them came from counts.

@@ -19,6 +19,14 @@ namespace armsig::cia402 {
 // What an enabled drive says of itself that ends in a fault if it lasts.
 inline constexpr std::size_t kStatusRules = 5;
 
+// How far a drive is that homes.
+enum class Homing : std::uint8_t {
+  kNone,
+  kEntering,   // is told the mode
+  kSearching,  // moves by itself
+  kLeaving,    // is told its former mode again, once it stands
+};
+
 // Everything that changes; plain, to be logged whole.
 struct DriveState {
   std::optional<Error> fault;
@@ -46,7 +54,11 @@ struct DriveState {
   bool resetting = false;                   // a fault reset is under way
   bool leaving = false;                     // for a new set-up, as soon as the torque may go
   std::optional<hal::Instant> released_at;  // since when it may
-  bool reset_bit = false;                   // fault reset bit of the last controlword
+  Homing homing = Homing::kNone;
+  hal::Instant homing_since;  // in that stage
+  bool searched = false;      // its statusword has denied since that the reference is found
+  bool homed = false;         // found it since it was set up
+  bool reset_bit = false;     // fault reset bit of the last controlword
   double target = 0;
   hal::Instant target_at;
 };
@@ -67,7 +79,8 @@ class Drive {
   // Without words: what a code means is told by who knows where it came from.
   [[nodiscard]] hal::DriveStatus status() const;
   [[nodiscard]] bool is_enabled() const {
-    return s_.goal == Goal::kEnabled && s_.state == State::kOperationEnabled;
+    return s_.goal == Goal::kEnabled && s_.state == State::kOperationEnabled &&
+           s_.homing == Homing::kNone;
   }
 
   // A cycle brought objects 6041h and 6064h. Latches kFeedbackImplausible.
@@ -85,6 +98,15 @@ class Drive {
   void show_mode() { s_.hides_mode = false; }
   // In Operation enabled, and its mode is still to be seen.
   [[nodiscard]] bool awaits_mode() const { return s_.hides_mode && is_enabled(); }
+  // It is to find its reference: it is told the mode, searches, is told its former mode again. Who
+  // tells it calls search() after the first, and end_homing() after the second.
+  // Precondition: is_enabled().
+  void begin_homing(hal::Instant now) { enter_homing(Homing::kEntering, now); }
+  void search(hal::Instant now);
+  // It is to stop searching. Also what any other goal than Goal::kEnabled does.
+  void leave_homing(hal::Instant now);
+  // It counts as arrived once it has shown its mode.
+  void end_homing(hal::Instant now);
   // Forgets the fault; a drive in Fault is reset by the following controlwords.
   void reset(hal::Instant now);
   // Its settings are in doubt: it is to be set up anew as soon as its torque is gone. `rebooted`:
@@ -96,7 +118,7 @@ class Drive {
 
   // Once a tick, after hear(): whether it stands, keeps its state, and what its statusword says.
   // Latches kDriveFault, kDriveDroppedOut, kTransitionTimeout, kTargetsIgnored, kDriveLimited,
-  // kDriveLags, kDriveWarning, kVoltageLost.
+  // kDriveLags, kDriveWarning, kVoltageLost, kHomingFailed.
   void supervise(const GroupSettings& settings, hal::Instant now);
 
   // Takes the target of the next cycle: `target` if every drive of the group is enabled, the former
@@ -112,6 +134,8 @@ class Drive {
   void take_rest(hal::Instant at);
   void update_rest(hal::Duration period, hal::Instant now);
   void check_state(const GroupSettings& settings, hal::Instant now);
+  void enter_homing(Homing stage, hal::Instant now);
+  void check_homing(const GroupSettings& settings, hal::Instant now);
   void check_status_word(const StatusLimits& limits, hal::Instant now);
 
   const DriveSettings* settings_;

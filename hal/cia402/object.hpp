@@ -53,7 +53,10 @@ inline constexpr std::uint16_t kFaultReactionOption = 0x605E;
 inline constexpr std::uint16_t kModeOfOperation = 0x6060;
 inline constexpr std::uint16_t kModeDisplay = 0x6061;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
+inline constexpr std::uint16_t kHomingMethod = 0x6098;
 inline constexpr std::uint16_t kSupportedModes = 0x6502;
-inline constexpr std::uint32_t kModeCsp = 8;  // of 6060h: cyclic synchronous position
+// Of 6060h.
+inline constexpr std::uint32_t kModeHoming = 6;
+inline constexpr std::uint32_t kModeCsp = 8;  // cyclic synchronous position
 
 }  // namespace armsig::cia402

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <optional>
 
 #include "core/base/arm.hpp"
 #include "hal/cia402/scaling.hpp"
@@ -20,6 +22,8 @@ struct DriveSettings {
   double stop_deceleration = 0;
   // It is known, and seen to otherwise, that the drive keeps its torque when its master is gone.
   bool unsupervised_known = false;
+  // Object 6098h, told before the drive homes; empty keeps its own.
+  std::optional<std::int8_t> homing_method{};
 };
 
 // How long an enabled drive may say these of itself before it counts as faulted.
@@ -38,6 +42,7 @@ struct GroupSettings {
   // From a stop until the positions stand; then the torque may go whether they do or not.
   hal::Duration stop_timeout = std::chrono::milliseconds(1500);
   StatusLimits status_limits;
+  hal::Duration homing_timeout = std::chrono::seconds(120);  // from its start to its end
 };
 
 }  // namespace armsig::cia402

@@ -27,14 +27,20 @@ enum class State : std::uint8_t {
          state == State::kFaultReactionActive;
 }
 
-// Bits of the statusword 6041h. Bit 12 and 13 have these meanings in cyclic synchronous position
-// mode; bit 10 tells in Quick stop active that the drive is at rest.
+// Bits of the statusword 6041h. Bits 12 and 13 have the first meanings in cyclic synchronous
+// position mode, the others in homing mode; bit 10 tells in Quick stop active that the drive is at
+// rest.
 inline constexpr std::uint16_t kStatusVoltage = 1U << 4;
 inline constexpr std::uint16_t kStatusTargetReached = 1U << 10;
 inline constexpr std::uint16_t kStatusWarning = 1U << 7;
 inline constexpr std::uint16_t kStatusInternalLimit = 1U << 11;
 inline constexpr std::uint16_t kStatusFollowsTarget = 1U << 12;
 inline constexpr std::uint16_t kStatusFollowingError = 1U << 13;
+inline constexpr std::uint16_t kStatusHomingAttained = 1U << 12;
+inline constexpr std::uint16_t kStatusHomingError = 1U << 13;
+
+// Bit of the controlword 6040h in homing mode: the search goes on while it is set.
+inline constexpr std::uint16_t kControlHomingStart = 1U << 4;
 
 // The state that a statusword tells. A word that the standard leaves undefined counts as
 // kNotReadyToSwitchOn, from which nothing is commanded.

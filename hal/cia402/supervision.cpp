@@ -66,6 +66,7 @@ void Drive::check_state(const GroupSettings& settings, hal::Instant now) {
   s_.resetting = false;
   if (s_.held) s_.progress_at = now;  // takes the time of its ramp, or of the others'
   check_status_word(settings.status_limits, now);
+  if constexpr (hal::kMayHome) check_homing(settings, now);
   if (reached(s_.goal, s_.state)) {
     // A drive whose brake is still opening does not follow yet.
     const bool follows = (s_.status_word & kStatusFollowsTarget) != 0;

@@ -42,6 +42,7 @@ Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Ins
       now_(now),
       boot_at_(now + configuration.boot_time),
       jitter_(configuration.node) {
+  if (configuration.counts_anew) origin_ = motion_.state().position;
   restore_dictionary();
   publish();
 }
@@ -80,6 +81,8 @@ void Drive::reset(bool whole_device) {
   nmt_ = NmtState::kBootUp;
   boot_at_ = now_ + configuration_.boot_time;
   restore_dictionary();
+  homing_.forget();
+  if (whole_device && configuration_.counts_anew) origin_ = motion_.state().position;
   pending_pdo_.reset();
   answer_at_.reset();
   master_heard_.reset();
@@ -125,6 +128,7 @@ void Drive::do_advance(hal::Instant until) {
   // Between two steps of the motion nothing of the drive's own changes.
   if (!motion_.advance(until)) return;
   power_.advance(motion_);
+  step_homing();
   if (nmt_ == NmtState::kBootUp) {
     if (until < boot_at_) return;
     if (power_.state() == State::kNotReadyToSwitchOn) power_.power_up(motion_);
@@ -193,7 +197,7 @@ void Drive::supervise_following() {
 }
 
 void Drive::publish() {
-  const std::int32_t counts = motion_.counts() + jump_;
+  const auto counts = static_cast<std::int32_t>(std::lround(motion_.counts() - origin_)) + jump_;
   dictionary_.set(0x6064, 0, static_cast<std::uint32_t>(counts));
   dictionary_.set(0x6041, 0, status_word());
   if (configuration_.shows_mode_late) {
@@ -204,6 +208,10 @@ void Drive::publish() {
 
 std::uint16_t Drive::status_word() const {
   std::uint16_t word = power_.status_word(operational(), motion_);
+  if (settings_.homes && power_.state() == State::kOperationEnabled) {
+    word = static_cast<std::uint16_t>(word & ~cia402::kStatusFollowsTarget) |
+           homing_.status_bits(motion_);
+  }
   if (error_since_) word |= cia402::kStatusFollowingError;
   if (configuration_.tells_rest && power_.state() == State::kQuickStopActive && motion_.at_rest()) {
     word |= cia402::kStatusTargetReached;
@@ -310,10 +318,20 @@ void Drive::apply_receive_pdo() {
   pending_pdo_.reset();
   const auto word = static_cast<std::uint16_t>(dictionary_.get(0x6040));
   if (power_.take(word, settings_.stops, motion_)) send_emergency(0);
-  if (power_.state() == State::kOperationEnabled) {
-    motion_.set_target(static_cast<std::int32_t>(dictionary_.get(0x607A)) + settings_.offset,
-                       settings_.period, now_);
+  if (power_.state() != State::kOperationEnabled) return;
+  if (settings_.homes) {
+    homing_.command((word & cia402::kControlHomingStart) != 0, settings_.homing, motion_);
+    return;
   }
+  const double target = static_cast<std::int32_t>(dictionary_.get(0x607A)) + settings_.offset;
+  motion_.set_target(static_cast<std::int32_t>(std::lround(target + origin_)), settings_.period,
+                     now_);
+}
+
+void Drive::step_homing() {
+  if (!settings_.homes || power_.state() != State::kOperationEnabled) return;
+  const auto found = homing_.step(settings_.homing, configuration_.home_switch, motion_);
+  if (found) origin_ = *found - settings_.homing.offset;
 }
 
 void Drive::take_masters_heartbeat(std::uint8_t node) {

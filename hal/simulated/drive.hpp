@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// An emulated CiA 402 servo drive in cyclic synchronous position mode, as a device on any CAN bus:
-// network management, SDO server, mapped PDOs, heartbeats both ways, the power state machine,
-// motion with following error, and faults on command. Written from the standard's device side,
-// apart from the master, so that each checks the other.
+// An emulated CiA 402 servo drive in cyclic synchronous position and homing mode, as a device on
+// any CAN bus: network management, SDO server, mapped PDOs, heartbeats both ways, the power state
+// machine, motion with following error, and faults on command. Written from the standard's device
+// side, apart from the master, so that each checks the other.
 #pragma once
 
 #include <chrono>
@@ -13,6 +13,7 @@
 #include "hal/canopen/protocol.hpp"
 #include "hal/simulated/can_device.hpp"
 #include "hal/simulated/drive_dictionary.hpp"
+#include "hal/simulated/drive_homing.hpp"
 #include "hal/simulated/drive_motion.hpp"
 #include "hal/simulated/drive_power.hpp"
 
@@ -32,9 +33,11 @@ struct DriveConfiguration {
   hal::Duration answer_jitter{};
   // Objects that it has otherwise than the emulated drive; to outlive the drive.
   std::span<const ObjectEdit> edits{};
-  double ramp_unit = 1;          // counts/s^2 in a unit of 6085h
-  bool shows_mode_late = false;  // 6061h follows 6060h in Operation enabled only
-  bool boots_quietly = false;    // no boot-up message after a reset of the communication
+  double ramp_unit = 1;                 // counts/s^2 in a unit of 6085h
+  bool shows_mode_late = false;         // 6061h follows 6060h in Operation enabled only
+  bool boots_quietly = false;           // no boot-up message after a reset of the communication
+  bool counts_anew = false;             // from zero after every power-up, until it has homed
+  std::optional<double> home_switch{};  // where it homes, in counts of the motor
 };
 
 // A drive as they are: honest_motion(), bit 10, an answer 200 us to 400 us after SYNC.
@@ -111,6 +114,8 @@ class Drive final : public CanDevice {
     hal::Duration following_timeout{};
     hal::Duration period{};   // 60C2h
     std::int32_t offset = 0;  // 60B0h
+    bool homes = false;       // 6060h
+    HomingObjects homing;
   };
 
   struct SetObject {
@@ -133,6 +138,7 @@ class Drive final : public CanDevice {
   void take_sync();
   void take_receive_pdo(const hal::CanFrame& frame);
   void apply_receive_pdo();
+  void step_homing();
   void take_masters_heartbeat(std::uint8_t node);
   void supervise();
   void miss_master(std::uint16_t code);
@@ -147,6 +153,8 @@ class Drive final : public CanDevice {
   Settings settings_;
   DriveMotion motion_;
   DrivePower power_;
+  DriveHoming homing_;
+  double origin_ = 0;  // where it counts zero, in counts of the motor
   canopen::NmtState nmt_ = canopen::NmtState::kBootUp;
   hal::Instant now_;
   hal::Instant boot_at_;

@@ -99,6 +99,7 @@ void DriveDictionary::add_profile() {
   add(0x6065, 0, 4, kReadWrite, 0xFFFFFFFF);  // following error window: off
   add(0x6066, 0, 2, kReadWrite, 10);          // following error time-out, ms
   add(0x607A, 0, 4, kMapsIn, 0);              // target position
+  add(0x607C, 0, 4, kReadWrite, 0);           // home offset
   add(0x607E, 0, 1, kReadWrite, 0);           // polarity
   add(0x6084, 0, 4, kReadWrite, 0);           // profile deceleration
   add(0x6085, 0, 4, kReadWrite, 0);           // quick stop deceleration
@@ -107,11 +108,15 @@ void DriveDictionary::add_profile() {
     add_quotient(0x6091, 1);                // gear ratio: the drive knows of none
     add_quotient(0x6092, encoder_counts_);  // feed constant
   }
+  add(0x6098, 0, 1, kReadWrite, 0);  // homing method: none
+  add(0x6099, 0, 1, kReadOnly, 2);   // homing speeds, counts/s: to the switch, to its edge
+  add(0x6099, 1, 4, kReadWrite, 2000);
+  add(0x6099, 2, 4, kReadWrite, 200);
   add(0x60B0, 0, 4, kReadWrite, 0);  // position offset, added to the target
   add(0x60C2, 0, 1, kReadOnly, 2);
-  add(0x60C2, 1, 1, kReadWrite, 1);       // interpolation period
-  add(0x60C2, 2, 1, kReadWrite, 0xFD);    // its exponent, -3
-  add(0x6502, 0, 4, kReadOnly, 1U << 7);  // supported modes: CSP
+  add(0x60C2, 1, 1, kReadWrite, 1);                 // interpolation period
+  add(0x60C2, 2, 1, kReadWrite, 0xFD);              // its exponent, -3
+  add(0x6502, 0, 4, kReadOnly, 1U << 5 | 1U << 7);  // supported modes: homing, CSP
 }
 
 void DriveDictionary::add_quotient(std::uint16_t index, std::uint32_t over) {
@@ -186,7 +191,8 @@ AbortCode DriveDictionary::write(std::uint16_t index, std::uint8_t subindex, std
     return kInvalidValue;
   }
   if (index == 0x6060) {
-    if (value != 8 || (get(0x6502) >> (value - 1) & 1U) == 0) return kInvalidValue;
+    const bool known = value == 6 || value == 8;
+    if (!known || (get(0x6502) >> (value - 1) & 1U) == 0) return kInvalidValue;
     set(0x6061, 0, value);
   }
   object->value = value;

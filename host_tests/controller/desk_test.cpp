@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/controller/verbs.hpp"
-#include "host_tests/support/puma_cabinet.hpp"
+#include "host_tests/support/homing_puma.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -14,7 +14,10 @@ using test::PumaCabinet;
 
 // A puma in `mode`; empty where it does not get there.
 std::unique_ptr<PumaCabinet> puma_in(Mode mode) {
-  auto puma = std::make_unique<PumaCabinet>();
+  auto puma = mode == Mode::kHoming
+                  ? std::make_unique<PumaCabinet>(1, test::homing_puma_controller(),
+                                                  test::homing_puma_drive())
+                  : std::make_unique<PumaCabinet>();
   puma->run(0.004);
   if (mode == Mode::kStarting) return puma;
   if (mode == Mode::kIdle) {
@@ -25,6 +28,7 @@ std::unique_ptr<PumaCabinet> puma_in(Mode mode) {
   if (mode == Mode::kServoing) puma->ask("move q1_deg=40 pace=0.1");
   if (mode == Mode::kSweeping) puma->ask("identify");
   if (mode == Mode::kFaulted) puma->ask("stop");
+  if (mode == Mode::kHoming) puma->ask("home joint=2");
   puma->run_until(mode, 1);
   return puma;
 }
@@ -72,7 +76,7 @@ TEST(Desk, names_the_mode_that_refuses_and_those_that_would_not) {
   ASSERT_TRUE(puma.run_until(Mode::kIdle));
   const std::string refusal = "error WRONG_MODE the present mode does not allow it ";
   EXPECT_EQ(puma.ask("move q1_deg=1"), refusal + "mode=idle modes=holding");
-  EXPECT_EQ(puma.ask("halt"), refusal + "mode=idle modes=holding,servoing,sweeping");
+  EXPECT_EQ(puma.ask("halt"), refusal + "mode=idle modes=holding,servoing,sweeping,homing");
   EXPECT_EQ(puma.ask("reset"), refusal + "mode=idle modes=faulted");
   EXPECT_EQ(puma.ask("pause"), refusal + "why=\"identify is not under way\"");
   EXPECT_EQ(puma.ask("acknowledge"), refusal + "why=\"nothing is to be acknowledged\"");
@@ -119,7 +123,7 @@ TEST(Desk, tells_every_verb_and_what_each_is_for) {
   PumaCabinet puma;
   const std::string all = puma.ask("help");
   EXPECT_TRUE(all.starts_with("ok verbs=status,enable,")) << all;
-  EXPECT_TRUE(all.ends_with(",log,fetch,help")) << all;
+  EXPECT_TRUE(all.ends_with(",log,fetch,home,help")) << all;
   for (const Verb& verb : verbs()) {
     EXPECT_NE(all.find(verb.name), std::string::npos) << verb.name;
     const std::string one = puma.ask("help " + std::string(verb.name));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Joints that may stand elsewhere than they read: found so, told, kept from tool moves and
 // sequences, confirmed; and histories of everything that can happen to a reference.
+#include <array>
 #include <cstdlib>
 #include <random>
 #include <string>
@@ -211,6 +212,7 @@ TEST(References, are_uncertain_where_a_signature_is_in_use_and_nothing_was_kept)
 class History {
  public:
   explicit History(unsigned long seed) : random_(seed), plant_(bent()) {
+    for (const std::size_t joint : kHomed) plant_.drives.counts_anew[joint] = true;
     plant_.store_and_power_up();
   }
 
@@ -223,13 +225,19 @@ class History {
   }
   [[nodiscard]] int moves() const { return moves_; }
   [[nodiscard]] int refusals() const { return refusals_; }
+  [[nodiscard]] int homings() const { return homings_; }
 
  private:
+  static constexpr std::array<std::size_t, 2> kHomed{1, 5};
+  static constexpr double kTyped_rad = radians(1e-6);  // of six decimals
+
   // Where lines of the tool are free.
   static Configuration bent() {
     Configuration configuration = test::puma_controller();
     configuration.sweeps.configuration[2] = radians(10);
     configuration.sweeps.configuration[4] = radians(40);
+    configuration.references = FixedVector<Reference, kMaxJoints>(kJoints, Reference::kAbsolute);
+    for (const std::size_t joint : kHomed) configuration.references[joint] = Reference::kHomed;
     return configuration;
   }
   unsigned draw(unsigned count) { return static_cast<unsigned>(random_() % count); }
@@ -241,7 +249,7 @@ class History {
 
   void happen() {
     const std::size_t joint = draw(kJoints);
-    switch (draw(8)) {
+    switch (draw(9)) {
       case 0:  // switched off and on
         plant_.power_up();
         break;
@@ -273,6 +281,12 @@ class History {
         (void)plant_.ask("disable");
         plant_.run(static_cast<int>(draw(700)));
         break;
+      case 7:  // a search that comes to its end, or to another
+        if (!home(kHomed[draw(2)])) break;
+        plant_.run(static_cast<int>(draw(100)));
+        if (draw(3) == 0) plant_.power_up();
+        if (draw(3) == 0) (void)plant_.ask(draw(2) == 0 ? "halt" : "disable");
+        break;
       default:
         (void)plant_.rest_after(
             "move q" + std::to_string(joint + 1) +
@@ -287,10 +301,20 @@ class History {
     for (std::size_t i = 0; i < kJoints; ++i) {
       if ((plant_.unreferenced() >> i & 1U) == 0) continue;
       if (confirm(i) || draw(2) == 0) continue;
+      if (plant_.drives.counts_anew[i]) {
+        if (home(i)) plant_.run(400);
+        continue;
+      }
       plant_.drives.lost[i] = 0;
       plant_.power_up();
       (void)confirm(i);
     }
+  }
+  bool home(std::size_t joint) {
+    if (plant_.ask("enable") == "ok") plant_.run(3);
+    const bool taken = plant_.ask("home joint=" + std::to_string(joint + 1)) == "ok";
+    if (taken) ++homings_;
+    return taken;
   }
   bool confirm(std::size_t joint) {
     return plant_
@@ -307,7 +331,7 @@ class History {
     ++moves_;
     plant_.run(200);
     for (std::size_t i = 0; i < kJoints; ++i) {
-      EXPECT_LE(std::abs(plant_.drives.lost[i]), References::kSeen_rad)
+      EXPECT_LE(std::abs(plant_.drives.lost[i]), References::kSeen_rad + kTyped_rad)
           << "joint " << i + 1 << ": " << reply;
     }
   }
@@ -316,6 +340,7 @@ class History {
   Plant plant_;
   int moves_ = 0;
   int refusals_ = 0;
+  int homings_ = 0;
 };
 
 // ARMSIG_HISTORIES makes it more of them (docs/trust.md).
@@ -324,15 +349,18 @@ TEST(References, no_history_moves_the_tool_with_a_joint_elsewhere) {
   const unsigned long histories = told == nullptr ? 200 : std::strtoul(told, nullptr, 10);
   int moves = 0;
   int refusals = 0;
+  int homings = 0;
   for (unsigned long seed = 1; seed <= histories && !HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
     History history(seed);
     history.take(50);
     moves += history.moves();
     refusals += history.refusals();
+    homings += history.homings();
   }
   EXPECT_GT(moves, 500);
   EXPECT_GT(refusals, 500);
+  EXPECT_GT(homings, 500);
 }
 
 }  // namespace

@@ -29,6 +29,28 @@ unsigned long number_of(const char* name, unsigned long otherwise) {
   return told == nullptr ? otherwise : std::strtoul(told, nullptr, 10);
 }
 
+// Of the switch of joint 6, in counts; where the drive counts as before once it has homed.
+constexpr std::int32_t kSwitch = 5000;
+constexpr std::array<simulated::ObjectEdit, 3> kHomingObjects{{
+    {{0x607C, 0, 4, simulated::Access::kReadWrite, kSwitch}},
+    {{0x6098, 0, 1, simulated::Access::kReadWrite, 17}},
+    {{0x6099, 1, 4, simulated::Access::kReadWrite, 40'000}},
+}};
+
+simulated::DriveConfiguration homing_drive() {
+  simulated::DriveConfiguration drive = test::honest_puma_drive();
+  drive.home_switch = kSwitch;
+  drive.edits = kHomingObjects;
+  return drive;
+}
+
+Configuration with_homed_joint_6() {
+  Configuration configuration = test::quick_puma_with_grid();
+  configuration.references = FixedVector<Reference, kMaxJoints>(6, Reference::kAbsolute);
+  configuration.references[5] = Reference::kHomed;
+  return configuration;
+}
+
 bool moves(Mode mode) {
   return mode == Mode::kHolding || mode == Mode::kServoing || mode == Mode::kSweeping;
 }
@@ -58,7 +80,7 @@ class Walk {
   [[nodiscard]] unsigned typed() const { return typed_; }
   [[nodiscard]] unsigned stops() const { return stops_; }
   [[nodiscard]] unsigned restarts() const { return restarts_; }
-  [[nodiscard]] const std::array<unsigned, 6>& seen() const { return seen_; }
+  [[nodiscard]] const auto& seen() const { return seen_; }
 
  private:
   struct Motion {
@@ -118,6 +140,7 @@ class Walk {
     if (kind == 4) return "enable";
     if (kind == 5) return draw(2) == 0 ? "reset" : "halt";
     if (kind == 6 && draw(2) == 0) return "stop";
+    if (kind == 8 && draw(2) == 0) return "home joint=6";
     if (kind == 7) return draw(2) == 0 ? "identify" : "touch-grid";
     return kWords[draw(kWords.size())];
   }
@@ -131,7 +154,7 @@ class Walk {
     ++typed_;
     if (request == "enable") idle_ticks_ = 0;
     const bool stop = request == "stop";
-    const bool had_torque = moves(mode());
+    const bool had_torque = kWithTorque.contains(mode());
     for (unsigned i = 0; i < 500 && from.replies.empty(); ++i) {
       tick();
       if (stop && had_torque && i + 1 >= kTicksOfStop) {
@@ -252,8 +275,8 @@ class Walk {
     return "joint " + std::to_string(joint + 1) + " at tick " + std::to_string(ticks_);
   }
 
-  Configuration configuration_ = test::quick_puma_with_grid();
-  PumaCabinet puma_{1, configuration_, test::honest_puma_drive()};
+  Configuration configuration_ = with_homed_joint_6();
+  PumaCabinet puma_{1, configuration_, homing_drive()};
   std::mt19937_64 random_;
   std::optional<Motion> former_;
   JointVector taken_at_;  // commanded at the first tick with torque
@@ -263,7 +286,7 @@ class Walk {
   unsigned typed_ = 0;
   unsigned stops_ = 0;
   unsigned restarts_ = 0;
-  std::array<unsigned, 6> seen_{};
+  std::array<unsigned, kAllModes.size()> seen_{};
 };
 
 TEST(Walk, of_requests_faults_and_restarts_never_leaves_torque_limits_or_a_request_unanswered) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,11 +16,12 @@
 
 namespace armsig::test {
 
-// Joints with encoders that may lie: each reads a multiple of where it is, less what was lost.
+// Joints with encoders that may lie: each reads a multiple of where it is, less what was lost. Some
+// count from zero at every power-up, until their drives have brought them where they began.
 class LyingDrives final : public hal::JointDrives {
  public:
   explicit LyingDrives(const JointVector& at)
-      : joints(at), scale(at.size(), 1.0), lost(at.size(), 0.0), readings(at) {
+      : joints(at), scale(at.size(), 1.0), lost(at.size(), 0.0), readings(at), home_(at) {
     for (std::uint32_t i = 0; i < at.size(); ++i) {
       identities.push_back(
           {.device = {1, 2, 3, 1001 + i}, .counts_per_revolution = 4000, .gear_ratio = 100});
@@ -27,6 +29,11 @@ class LyingDrives final : public hal::JointDrives {
   }
   void power_up() {
     condition = hal::DriveCondition::kDisabled;
+    homing.reset();
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      if (counts_anew[i]) lost[i] = scale[i] * joints[i];
+      homed[i] = false;
+    }
     refresh();
   }
   // The joints stand where they read what they read last.
@@ -43,17 +50,33 @@ class LyingDrives final : public hal::JointDrives {
   JointVector readings;
   FixedVector<hal::DriveIdentity, kMaxJoints> identities;
   hal::DriveCondition condition = hal::DriveCondition::kDisabled;
+  std::array<bool, kMaxJoints> counts_anew{};
+  std::array<bool, kMaxJoints> homed{};
+  std::optional<std::size_t> homing;  // joint
 
  private:
+  static constexpr double kHomingStep = 0.02;  // a tick
+  static constexpr int kShortestSearch = 60;   // ticks
+
   [[nodiscard]] std::size_t do_count() const override { return joints.size(); }
   Result<void> do_read(hal::Instant /*now*/) override {
+    if (homing) search(*homing);
     refresh();
     return {};
   }
+  void search(std::size_t joint) {
+    const double way = home_[joint] - joints[joint];
+    joints[joint] += std::clamp(way, -kHomingStep, kHomingStep);
+    if (--search_left_ > 0 || std::abs(way) > kHomingStep) return;
+    lost[joint] = 0;
+    homed[joint] = true;
+    homing.reset();
+  }
   [[nodiscard]] const JointVector& do_positions() const override { return readings; }
-  [[nodiscard]] hal::DriveStatus do_status(std::size_t /*joint*/) const override {
+  [[nodiscard]] hal::DriveStatus do_status(std::size_t joint) const override {
     hal::DriveStatus status;
-    status.condition = condition;
+    status.condition = homing == joint ? hal::DriveCondition::kHoming : condition;
+    status.homed = homed[joint];
     status.has_position = true;
     return status;
   }
@@ -62,16 +85,32 @@ class LyingDrives final : public hal::JointDrives {
   }
   Result<void> do_write(const JointVector& targets, hal::Instant /*now*/) override {
     if (condition != hal::DriveCondition::kEnabled) return {};
-    for (std::size_t i = 0; i < joints.size(); ++i) joints[i] = (targets[i] + lost[i]) / scale[i];
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      if (i != homing) joints[i] = (targets[i] + lost[i]) / scale[i];
+    }
     return {};
   }
+  Result<void> do_home(std::size_t joint) override {
+    homing = joint;
+    search_left_ = kShortestSearch;
+    homed[joint] = false;
+    lost[joint] = scale[joint] * joints[joint];  // counts from there on, until it has found it
+    return {};
+  }
+  void do_stop_homing() override { homing.reset(); }
   Result<void> do_enable() override {
     condition = hal::DriveCondition::kEnabled;
     return {};
   }
-  void do_disable() override { condition = hal::DriveCondition::kDisabled; }
-  void do_quick_stop() override { condition = hal::DriveCondition::kDisabled; }
-  void do_reset_faults() override { condition = hal::DriveCondition::kDisabled; }
+  void do_disable() override {
+    condition = hal::DriveCondition::kDisabled;
+    homing.reset();
+  }
+  void do_quick_stop() override { do_disable(); }
+  void do_reset_faults() override { do_disable(); }
+
+  JointVector home_;
+  int search_left_ = 0;
 };
 
 // The whole controller before such drives.

@@ -144,7 +144,21 @@ TEST(DaemonConfiguration, takes_a_joint_that_counts_from_power_up) {
   ASSERT_TRUE(counting) << tool::render(counting.error());
   EXPECT_EQ(counting->controller.references[0], controller::Reference::kNone);
   EXPECT_EQ(counting->controller.references[1], controller::Reference::kAbsolute);
-  expect_refused("joints:", "reversed: no", "reversed: no, reference: homed", "absolute or none");
+  expect_refused("joints:", "reversed: no", "reversed: no, reference: relative",
+                 "absolute, homed or none");
+}
+
+TEST(DaemonConfiguration, takes_a_joint_whose_drive_homes_and_the_method) {
+  const auto homed = parse_configuration(
+      change("joints:", "reversed: no", "reversed: no, reference: homed, homing_method: -3").text,
+      "cabinet.yaml");
+  ASSERT_TRUE(homed) << tool::render(homed.error());
+  EXPECT_EQ(homed->controller.references[0], controller::Reference::kHomed);
+  EXPECT_EQ(homed->drives.axes[0].homing_method, -3);
+  EXPECT_FALSE(homed->drives.axes[1].homing_method);
+  expect_refused("joints:", "reversed: no", "reversed: no, homing_method: 17", "reference: homed");
+  expect_refused("joints:", "reversed: no", "reversed: no, reference: homed, homing_method: 128",
+                 "-128 to 127");
 }
 
 TEST(DaemonConfiguration, refuses_reversed_limits) {

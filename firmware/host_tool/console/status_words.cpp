@@ -37,6 +37,7 @@ std::string mode_in_words(std::string_view mode) {
       {"holding", "torque on, the arm stands"},
       {"servoing", "torque on, the arm moves"},
       {"sweeping", "torque on, a sequence moves the arm"},
+      {"homing", "torque on, a drive finds its reference"},
       {"faulted", "stopped by a fault; `reset` when its cause is gone"},
   }};
   return translated(mode, kModes);

@@ -49,9 +49,9 @@ export function possible(verb, { status, candidate }) {
   const free = sequence === 'none' && mode !== 'servoing';
   const standing = (mode === 'idle' || mode === 'holding') && free;
   return {
-    enable: mode === 'idle', disable: ['holding', 'servoing', 'sweeping'].includes(mode), reset: mode === 'faulted',
+    enable: mode === 'idle', disable: ['holding', 'servoing', 'sweeping', 'homing'].includes(mode), reset: mode === 'faulted',
     identify: mode === 'holding' && free, pause: sequence === 'identifying', resume: sequence === 'paused',
-    halt: mode === 'servoing' || mode === 'sweeping', accept: standing && candidate?.better === 'yes',
+    halt: ['servoing', 'sweeping', 'homing'].includes(mode), accept: standing && candidate?.better === 'yes',
     rollback: standing && status.model === 'signature', acknowledge: status.acknowledge === 'needed',
   }[verb];
 }
