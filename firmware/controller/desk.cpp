@@ -36,6 +36,8 @@ void Desk::step() {
     const auto refusal = controls_.mover.refusal(waiting_->ticket);
     out_.clear();
     if (waiting_->missed_rad && !refusal) out_.orientation_missed(*waiting_->missed_rad);
+    // The mode has changed since the verb was looked at, or the arm is not where the move begins.
+    if (refusal == Error::kWrongMode) out_.text(" mode=").text(name(controls_.mover.now().mode));
     reply(waiting_->client, refusal ? Result<void>(std::unexpected(*refusal)) : Result<void>(),
           out_);
     waiting_.reset();

@@ -20,14 +20,14 @@ struct Asked {
   double part = 1;
 };
 
-Result<Asked> asked_for(const Request& request) {
+Result<Asked> asked_for(const Request& request, Line& out) {
   Asked asked;
   for (const auto& [key, value] : request.arguments) {
-    const auto number = parse_number(value);
     if (key == "what") {
       asked.what = value;
-    } else if (key == "part" && number) {
-      asked.part = *number;
+    } else if (key == "part") {
+      ARMSIG_TRY(number, needed_number(key, value, out));
+      asked.part = number;
     } else {
       return std::unexpected(Error::kUnknownRequest);
     }
@@ -117,7 +117,7 @@ Result<Arm> decode_drawing(const DrawingImage& image) {
 }
 
 Result<void> tell_part(const Request& request, const Fetchable& fetchable, Line& out) {
-  const auto asked = asked_for(request);
+  const auto asked = asked_for(request, out);
   if (!asked) return std::unexpected(asked.error());
   if (asked->what == "nominal") return tell_drawing(*fetchable.drawing, asked->part, out);
   const bool signature = asked->what == "signature";

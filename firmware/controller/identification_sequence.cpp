@@ -57,10 +57,10 @@ void IdentificationSequence::begin_comparison(const Conditions& conditions, Tick
   work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
 }
 
-Result<bool> IdentificationSequence::receive(const Request& request) {
+Result<bool> IdentificationSequence::receive(const Request& request, Line& out) {
   if (!std::holds_alternative<Receiving>(work_)) work_.emplace<Receiving>();
   auto& receiving = *std::get_if<Receiving>(&work_);
-  ARMSIG_TRY(whole, receiving.take(request));
+  ARMSIG_TRY(whole, receiving.take(request, out));
   if (!whole) return false;
   forget_candidate();
   const auto opened = receiving.open(configuration_.drawing, candidate_.emplace());

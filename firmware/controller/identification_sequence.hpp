@@ -69,7 +69,7 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   void begin_refining(const Refining& asked, const Conditions& conditions, Ticket begun);
   // The next part of a candidate from outside (receiving.hpp); true if it is whole then, and is the
   // candidate in place of any other. Errors: those of Receiving. Precondition: not is_running().
-  [[nodiscard]] Result<bool> receive(const Request& request);
+  [[nodiscard]] Result<bool> receive(const Request& request, Line& out);
   // Whether there is a candidate from outside that has not been compared.
   [[nodiscard]] bool has_received() const { return received_ && !has_verdict(); }
   // Compares it with the active signature as begin() does in the end; what was measured before

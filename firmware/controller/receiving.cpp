@@ -12,17 +12,16 @@ struct Part {
   std::string_view hex;
 };
 
-Result<Part> part_in(const Request& request) {
+Result<Part> part_in(const Request& request, Line& out) {
   Part part;
   for (const auto& [key, value] : request.arguments) {
     if (key == "hex") {
       part.hex = value;
       continue;
     }
-    const auto number = parse_number(value);
-    if (!number || (key != "bytes" && key != "part"))
-      return std::unexpected(Error::kUnknownRequest);
-    (key == "bytes" ? part.bytes : part.number) = *number;
+    if (key != "bytes" && key != "part") return std::unexpected(Error::kUnknownRequest);
+    ARMSIG_TRY(number, needed_number(key, value, out));
+    (key == "bytes" ? part.bytes : part.number) = number;
   }
   if (request.arguments.size() != 3) return std::unexpected(Error::kUnknownRequest);
   return part;
@@ -43,8 +42,8 @@ std::uint32_t told_drawing_crc(const Arm& drawing) {
   return drawing_crc(told);
 }
 
-Result<bool> Receiving::take(const Request& request) {
-  const auto part = part_in(request);
+Result<bool> Receiving::take(const Request& request, Line& out) {
+  const auto part = part_in(request, out);
   if (!part) return std::unexpected(part.error());
   constexpr auto kBytes = static_cast<double>(kRecordBytes);
   if (part->bytes > kBytes) return std::unexpected(Error::kCapacityExceeded);

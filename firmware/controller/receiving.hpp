@@ -20,10 +20,10 @@ namespace armsig::controller {
 class Receiving {
  public:
   // The next part; true if the image is whole then. Part 1 begins anew at any time.
-  // Errors: kUnknownRequest (other keys, hex that is none), kCapacityExceeded (a record that is
-  // longer than this controller's), kRecordCorrupt (shorter, or a part of another length),
-  // kOutOfRange (not the part that comes next).
-  [[nodiscard]] Result<bool> take(const Request& request);
+  // Errors: kUnknownRequest (other keys, hex that is none, a value that is no number: to `out`),
+  // kCapacityExceeded (a record that is longer than this controller's), kRecordCorrupt (shorter, or
+  // a part of another length), kOutOfRange (not the part that comes next).
+  [[nodiscard]] Result<bool> take(const Request& request, Line& out);
   // What the image holds; `drawing` is the controller's own. Errors: those of decode();
   // kRecordUnsuitable (without a target on the hand), kRecordOtherMachine (another drawing).
   // Precondition: take() has returned true.

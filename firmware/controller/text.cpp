@@ -177,11 +177,6 @@ Result<double> read_number(std::string_view text) {
 
 }  // namespace
 
-std::optional<double> parse_number(std::string_view text) {
-  const auto number = read_number(text);
-  return number ? std::optional(*number) : std::nullopt;
-}
-
 Result<double> needed_number(std::string_view key, std::string_view text, Line& out) {
   const auto number = read_number(text);
   if (!number && number.error() == Error::kUnknownRequest) {

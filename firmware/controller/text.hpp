@@ -55,11 +55,9 @@ class Line {
   return text;
 }
 
-// Decimal, with an optional sign, point and exponent; empty for anything else.
-[[nodiscard]] std::optional<double> parse_number(std::string_view text);
-
-// The same of the value of `key`. Errors: kUnknownRequest (no number: ` why="KEY needs a number"`
-// goes to `out`), kOutOfRange (one that is not finite, or too long to be read).
+// The value of `key`, decimal, with an optional sign, point and exponent. Errors: kUnknownRequest
+// (no number: ` why="KEY needs a number"` goes to `out`), kOutOfRange (one that is not finite, or
+// too long to be read).
 [[nodiscard]] Result<double> needed_number(std::string_view key, std::string_view text, Line& out);
 
 struct Request {

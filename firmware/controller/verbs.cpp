@@ -181,7 +181,7 @@ Result<Answer> fetch(Controls& controls, const Request& request, Line& out) {
 }
 
 Result<Answer> send(Controls& controls, const Request& request, Line& out) {
-  ARMSIG_TRY(whole, controls.identification.receive(request));
+  ARMSIG_TRY(whole, controls.identification.receive(request, out));
   if (whole) out.text(" received=candidate");
   return Answer();
 }

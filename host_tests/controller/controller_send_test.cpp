@@ -122,7 +122,9 @@ TEST(Send, parts_come_whole_and_in_order) {
   }
   EXPECT_TRUE(puma.ask("send part=1 bytes=999999 hex=00").starts_with("error CAPACITY_EXCEEDED"));
   EXPECT_TRUE(puma.ask("send part=1 bytes=10 hex=00").starts_with("error RECORD_CORRUPT"));
-  EXPECT_TRUE(puma.ask("send part=nan bytes=1412 hex=00").starts_with("error UNKNOWN_REQUEST"));
+  EXPECT_TRUE(puma.ask("send part=nan bytes=1412 hex=00").starts_with("error OUT_OF_RANGE"));
+  EXPECT_TRUE(
+      puma.ask("send part=one bytes=1412 hex=00").ends_with(" why=\"part needs a number\""));
 }
 
 TEST(Send, waits_for_a_sequence_to_be_over_and_survives_a_halt) {

@@ -80,6 +80,8 @@ TEST(Fetching, refuses_parts_that_are_not_there_and_what_it_does_not_know) {
                               "fetch what=nominal piece=1"}) {
     EXPECT_EQ(test::failure_of(store.ask(request)), Error::kUnknownRequest) << request;
   }
+  (void)store.ask("fetch what=nominal part=one");
+  EXPECT_EQ(store.line.view(), " why=\"part needs a number\"");
 }
 
 TEST(Fetching, tells_signature_and_candidate_apart_and_which_is_missing) {

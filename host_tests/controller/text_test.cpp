@@ -3,6 +3,7 @@
 #include "firmware/controller/text.hpp"
 
 #include <limits>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,12 @@
 
 namespace armsig::controller {
 namespace {
+
+std::optional<double> needed(std::string_view text) {
+  Line why;
+  const auto number = needed_number("key", text, why);
+  return number ? std::optional(*number) : std::nullopt;
+}
 
 std::string number(double value, unsigned decimals) {
   return std::string(Line().number(value, decimals).view());
@@ -80,23 +87,23 @@ TEST(Line, ends_at_its_capacity) {
   EXPECT_EQ(line.view(), "");
 }
 
-TEST(ParseNumber, gives_the_nearest_double) {
-  EXPECT_EQ(parse_number("0"), 0.0);
-  EXPECT_EQ(parse_number("0.1"), 0.1);
-  EXPECT_EQ(parse_number("-0.125"), -0.125);
-  EXPECT_EQ(parse_number("+7.5"), 7.5);
-  EXPECT_EQ(parse_number(".5"), 0.5);
-  EXPECT_EQ(parse_number("5."), 5.0);
-  EXPECT_EQ(parse_number("1e3"), 1000.0);
-  EXPECT_EQ(parse_number("1.5E-2"), 0.015);
-  EXPECT_EQ(parse_number("-2e+1"), -20.0);
-  EXPECT_EQ(parse_number("123456789"), 123456789.0);
-  EXPECT_EQ(parse_number("1e22"), 1e22);
-  EXPECT_EQ(parse_number("1e-999"), 0.0);
-  EXPECT_EQ(parse_number("100000000000000000000000000000"), 1e29) << "thirty digits";
+TEST(NeededNumber, gives_the_nearest_double) {
+  EXPECT_EQ(needed("0"), 0.0);
+  EXPECT_EQ(needed("0.1"), 0.1);
+  EXPECT_EQ(needed("-0.125"), -0.125);
+  EXPECT_EQ(needed("+7.5"), 7.5);
+  EXPECT_EQ(needed(".5"), 0.5);
+  EXPECT_EQ(needed("5."), 5.0);
+  EXPECT_EQ(needed("1e3"), 1000.0);
+  EXPECT_EQ(needed("1.5E-2"), 0.015);
+  EXPECT_EQ(needed("-2e+1"), -20.0);
+  EXPECT_EQ(needed("123456789"), 123456789.0);
+  EXPECT_EQ(needed("1e22"), 1e22);
+  EXPECT_EQ(needed("1e-999"), 0.0);
+  EXPECT_EQ(needed("100000000000000000000000000000"), 1e29) << "thirty digits";
 }
 
-TEST(ParseNumber, takes_nothing_else) {
+TEST(NeededNumber, takes_nothing_else) {
   for (const char* text : {"",      "+",
                            "-",     ".",
                            "e5",    "1e",
@@ -110,7 +117,7 @@ TEST(ParseNumber, takes_nothing_else) {
                            "1e5e5", "1000000000000000000000000000000",
                            "/",     ":",
                            "1/",    "1:"}) {
-    EXPECT_FALSE(parse_number(text)) << text;
+    EXPECT_FALSE(needed(text)) << text;
   }
 }
 
