@@ -98,6 +98,7 @@ struct Snapshot {
   bool all_disabled = false;
   FixedVector<std::uint16_t, kMaxJoints> status_words;  // the drives' own
   std::uint8_t limits_active = 0;  // bit per joint: its drive limits the motion by itself
+  std::uint8_t warning = 0;        // bit per joint: its drive warns
   std::uint8_t unsupervised = 0;   // bit per joint: its drive would keep its torque by itself
   std::uint8_t known = 0;          // bit per joint: its drive has told its position
   std::uint8_t homing = 0;         // bit per joint: its drive finds its reference

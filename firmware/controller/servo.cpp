@@ -275,12 +275,13 @@ void Servo::publish(hal::Duration lateness) {
   out.model = model_;
   out.all_disabled = drives_.all(hal::DriveCondition::kDisabled);
   out.status_words.clear();
-  out.limits_active = out.unsupervised = out.known = out.homing = out.homed = 0;
+  out.limits_active = out.warning = out.unsupervised = out.known = out.homing = out.homed = 0;
   for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
     out.status_words.push_back(status.status_word);
     const auto bit = static_cast<std::uint8_t>(1U << joint);
     if (status.limit_active) out.limits_active |= bit;
+    if (status.warning) out.warning |= bit;
     if (status.unsupervised) out.unsupervised |= bit;
     if (status.has_position) out.known |= bit;
     if (is_homing(joint)) out.homing |= bit;

@@ -45,6 +45,7 @@ void tell_arm(Line& line, const Controls& controls) {
   }
   line.text(" moving=").text(s.moving ? "yes" : "no");
   if (s.limits_active != 0) line.text(" limits_active=").numbers(s.limits_active);
+  if (s.warning != 0) line.text(" warning=").numbers(s.warning);
   if (s.unsupervised != 0) line.text(" unsupervised=").numbers(s.unsupervised);
   if (const auto joints = controls.references.unreferenced(); joints != 0) {
     line.text(" unreferenced=").numbers(joints);

@@ -35,9 +35,10 @@ Dimension acceleration_of(JointType type) {
 
 // Keys with the units of both types: a unit of the other type is told apart from an unknown key.
 std::vector<std::string> known_keys() {
-  std::vector<std::string> known{
-      "type",         "node",      "counts_per_revolution", "gear_ratio", "reversed", "zero_counts",
-      "unsupervised", "reference", "homing_method",         "limits"};
+  std::vector<std::string> known{"type",          "node",     "counts_per_revolution",
+                                 "gear_ratio",    "reversed", "zero_counts",
+                                 "unsupervised",  "warning",  "reference",
+                                 "homing_method", "limits"};
   for (const char* angle : {"theta", "alpha", "sweep_arc"}) {
     add_names(known, angle, Dimension::kAngle);
   }
@@ -126,12 +127,13 @@ Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
   return axis;
 }
 
-// That its drive keeps its torque when this process is gone is known, and seen to otherwise.
-Read<bool> read_unsupervised(const YamlMap& map) {
-  const YamlNode* node = map.find("unsupervised");
+// Something about its drive that is known, and seen to otherwise: that it keeps its torque when
+// this process is gone, or that it warns.
+Read<bool> read_known(const YamlMap& map, const char* key) {
+  const YamlNode* node = map.find(key);
   if (node == nullptr) return false;
   if (node->text != "known") {
-    return tool::problem_at(*node, "unsupervised: " + tool::in_quotes(node->text),
+    return tool::problem_at(*node, fmt::format("{}: {}", key, tool::in_quotes(node->text)),
                             "known, or no such key");
   }
   return true;
@@ -223,11 +225,13 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(following_error, positive(map, "following_error", tool::dimension_of(type)));
   ARMSIG_TRY(sweep_at, map.quantity("sweep_at", tool::dimension_of(type)));
   ARMSIG_TRY(arc_rad, read_arc(map, type));
-  ARMSIG_TRY(unsupervised, read_unsupervised(map));
+  ARMSIG_TRY(unsupervised, read_known(map, "unsupervised"));
+  ARMSIG_TRY(warning, read_known(map, "warning"));
   ARMSIG_TRY(reference, read_reference(map));
   ARMSIG_TRY(homing_method, read_homing_method(map, reference));
   axis.limits = limits;
   axis.unsupervised_known = unsupervised;
+  axis.warning_known = warning;
   axis.homing_method = homing_method;
   ARMSIG_TRY(motor_speed, read_motor_speed(map, type, speed));
   axis.largest_speed = motor_speed;

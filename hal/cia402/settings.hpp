@@ -22,6 +22,8 @@ struct DriveSettings {
   double stop_deceleration = 0;
   // It is known, and seen to otherwise, that the drive keeps its torque when its master is gone.
   bool unsupervised_known = false;
+  // It is known that the drive warns (bit 7), for instance of its battery: no reason to stop.
+  bool warning_known = false;
   // Object 6098h, told before the drive homes; empty keeps its own.
   std::optional<std::int8_t> homing_method{};
 };

@@ -81,7 +81,8 @@ void Drive::check_state(const GroupSettings& settings, hal::Instant now) {
 void Drive::check_status_word(const StatusLimits& limits, hal::Instant now) {
   for (std::size_t i = 0; i < kRules.size(); ++i) {
     const StatusRule& rule = kRules[i];
-    const bool well = !is_enabled() || (s_.status_word & rule.mask) == rule.well;
+    const bool known = rule.error == Error::kDriveWarning && settings_->warning_known;
+    const bool well = known || !is_enabled() || (s_.status_word & rule.mask) == rule.well;
     if (well) {
       s_.well_at[i] = now;
     } else if (now - s_.well_at[i] > limits.*rule.limit) {

@@ -142,6 +142,15 @@ TEST(HonestStatus, what_a_drive_says_of_itself_is_a_fault_by_name_in_time) {
   }
 }
 
+TEST(HonestStatus, a_warning_is_told_from_its_first_moment) {
+  Honest puma;
+  ASSERT_TRUE(puma.enable());
+  EXPECT_EQ(puma.ask("status").find(" warning="), std::string::npos);
+  puma.cabinet->drive(2).inject(DriveFault::kBitsSet, 1U << 7);
+  puma.run(0.1);
+  EXPECT_NE(puma.ask("status").find(" warning=3 "), std::string::npos);
+}
+
 TEST(HonestStatus, an_emergency_that_informs_stops_nothing) {
   Honest puma;
   ASSERT_TRUE(puma.enable());

@@ -135,6 +135,16 @@ TEST(DaemonConfiguration, takes_a_drive_that_keeps_its_torque_for_known_in_one_w
                  "known, or no such key");
 }
 
+TEST(DaemonConfiguration, takes_a_warning_of_a_drive_for_known_in_one_word) {
+  const auto known = parse_configuration(
+      change("joints:", "reversed: no", "reversed: no, warning: known").text, "cabinet.yaml");
+  ASSERT_TRUE(known) << tool::render(known.error());
+  EXPECT_TRUE(known->drives.axes[0].warning_known);
+  EXPECT_FALSE(known->drives.axes[1].warning_known);
+  expect_refused("joints:", "reversed: no", "reversed: no, warning: ignored",
+                 "known, or no such key");
+}
+
 TEST(DaemonConfiguration, takes_a_joint_that_counts_from_power_up) {
   const auto plain = read_configuration(ARMSIG_REFERENCE);
   ASSERT_TRUE(plain);

@@ -211,6 +211,22 @@ TEST(Cia402Drive, tells_of_its_statusword_the_limit_and_the_warning_each) {
   }
 }
 
+TEST(Cia402Drive, goes_on_with_a_warning_that_is_known) {
+  DriveSettings known = kSettings;
+  known.warning_known = true;
+  for (const DriveSettings& settings : {kSettings, known}) {
+    Drive drive(settings, *Scaling::make(kSettings.scaling));
+    hal::Instant now{};
+    drive.set_goal(Goal::kEnabled, now);
+    for (int i = 0; i < 1100; ++i) {
+      drive.hear(0x1237 | kStatusWarning, 5000, now += kPeriod);
+      drive.supervise({}, now);
+    }
+    EXPECT_TRUE(drive.status().warning);
+    EXPECT_EQ(drive.status().fault.has_value(), !settings.warning_known);
+  }
+}
+
 // Else the others of its group would wait for it until their time is over.
 TEST(Cia402Drive, stands_once_it_is_forgotten) {
   const GroupSettings settings;

@@ -100,6 +100,7 @@ void add_warnings(Status& status, Entries& out) {
   out.add("unreferenced", status.phrase("unreferenced", "joints ",
                                         " may stand elsewhere than they read: look, then "
                                         "`confirm` each (`help confirm`)"));
+  out.add("warning", status.phrase("warning", "the drives of joints ", " warn"));
   out.add("unsupervised",
           status.phrase("unsupervised", "joints ",
                         " keep torque if armsigd dies; the emergency stop must end it"));

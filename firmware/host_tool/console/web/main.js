@@ -144,6 +144,7 @@ function showFacts({ status, candidate, sigmas }) {
   if (status.sensor_says) facts.push(['sensor says', status.sensor_says]);
   if (status.store) facts.push(['store', markdown(adviceFor(status.store).words ?? status.store)]);
   if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);
+  if (status.warning) facts.push(['its drive warns', `joint ${status.warning}`]);
   if (status.unsupervised) facts.push(['holds torque without this controller', `joint ${status.unsupervised}`]);
   if (status.unreferenced) facts.push(['may stand elsewhere than it reads', `joint ${status.unreferenced}: look at it, then confirm`]);
   if (status.signature) facts.push(['signature', [`number ${status.signature}`, ...accuracyOf(status), ...(status.air_c ? [`${status.air_c} \u00b0C`] : [])].join(', ')]);
