@@ -150,7 +150,12 @@ class Master final : public hal::JointDrives {
   std::optional<std::size_t> mode_joint_;
   std::optional<SdoTransfer> mode_inquiry_;
   // Of one drive at a time.
-  struct NoHoming {};
+  struct NoHoming {  // takes no memory
+    explicit operator bool() const { return false; }
+    HomingRun* operator->() { return nullptr; }
+    void emplace(const Configuration& /*configuration*/, std::size_t /*joint*/) {}
+    void reset() {}
+  };
   using OneHoming = std::optional<HomingRun>;
   [[no_unique_address]] std::conditional_t<hal::kMayHome, OneHoming, NoHoming> homing_;
   MasterCounters counters_;

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <fmt/core.h>
 
+#include "core/calibration/standing_still.hpp"
 #include "core/identification.hpp"
 #include "firmware/analysis/evaluation/geometry_alone.hpp"
 #include "firmware/analysis/uncertainty/tool_covariance.hpp"
@@ -51,6 +53,7 @@ class Run {
   void note_zeros(const JointVector& shifts);
   void note_gears(const calibration::Refined& refined);
   void take_out_rejected(RefinementOutcome& outcome);
+  [[nodiscard]] std::vector<std::size_t> still_joints() const;
   void name_open(RefinementOutcome& outcome) const;
   void note_play(const calibration::HalfPlays& half_plays);
   void note_vertical();
@@ -269,9 +272,27 @@ void Run::take_out_rejected(RefinementOutcome& outcome) {
   }
 }
 
+// From 0.
+std::vector<std::size_t> Run::still_joints() const {
+  std::vector<std::size_t> still;
+  for (std::size_t joint = 0; joint < nominal_.joints.size(); ++joint) {
+    calibration::ReadingSpan span;
+    for (const calibration::Observation& row : log_.observations()) {
+      span.add(row.readings[joint]);
+    }
+    if (span.is_jitter(nominal_.joints[joint].type)) still.push_back(joint);
+  }
+  return still;
+}
+
 void Run::name_open(RefinementOutcome& outcome) const {
   const calibration::Refined& refined = *calibrated_.refined;
+  const std::vector<std::size_t> still = still_joints();
+  if (!still.empty()) outcome.undetermined.push_back(still_in_words(still));
   for (const calibration::Undetermined& open : refined.undetermined) {
+    const bool of_joint =
+        open.open != calibration::Open::kTarget && open.open != calibration::Open::kReceiverOffset;
+    if (of_joint && std::ranges::find(still, open.index) != still.end()) continue;
     outcome.undetermined.push_back(in_words(open, refined.signature));
   }
   for (const std::size_t t : calibrated_.alone) {

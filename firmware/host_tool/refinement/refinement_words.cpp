@@ -17,6 +17,22 @@ std::string in_words(const calibration::Undetermined& open, const Signature& sig
   }
 }
 
+std::string still_in_words(std::span<const std::size_t> joints) {
+  std::string numbers;
+  for (std::size_t k = 0; k < joints.size();) {
+    std::size_t last = k;
+    while (last + 1 < joints.size() && joints[last + 1] == joints[last] + 1) ++last;
+    if (last < k + 2) last = k;
+    if (k > 0) numbers += last + 1 == joints.size() ? " and " : ", ";
+    numbers += std::to_string(joints[k] + 1);
+    if (last > k) numbers += fmt::format(" to {}", joints[last] + 1);
+    k = last + 1;
+  }
+  const bool one = joints.size() == 1;
+  return fmt::format("{} {} stood still: nothing measured tells {} parameters, which stay nominal",
+                     one ? "joint" : "joints", numbers, one ? "its" : "their");
+}
+
 Problem refinement_problem(const Refusal& refusal, const std::string& file) {
   const auto problem = [&](std::string what, std::string expected) {
     return Problem{file, 0, 0, std::move(what), std::move(expected)};

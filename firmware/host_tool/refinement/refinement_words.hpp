@@ -2,7 +2,9 @@
 // What the refinement found and why it refuses, in words.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "core/calibration/refined.hpp"
@@ -11,6 +13,9 @@
 #include "firmware/host_tool/refinement/calibration_run.hpp"
 
 namespace armsig::tool {
+
+// "joints 3 to 7 stood still: ...". Precondition: `joints`, from 0, rise, and there is one.
+[[nodiscard]] std::string still_in_words(std::span<const std::size_t> joints);
 
 // "joint 6: rotation about its own axis is not determined by this target".
 [[nodiscard]] std::string in_words(const calibration::Undetermined& open,
