@@ -15,7 +15,7 @@ namespace armsig::features {
 
 // An image of little memory sweeps in fewer points than this, and they never fill it.
 #ifdef ARMSIG_LITTLE_MEMORY
-inline constexpr std::size_t kGateCapacity = 56;
+inline constexpr std::size_t kGateCapacity = 53;
 #else
 inline constexpr std::size_t kGateCapacity = 128;
 #endif

@@ -130,7 +130,10 @@ class EmulatedArm {
   [[nodiscard]] static std::optional<double> argument(const controller::Request& request,
                                                       std::string_view key) {
     for (const auto& [name, value] : request.arguments) {
-      if (name == key) return controller::parse_number(value);
+      if (name != key) continue;
+      controller::Line why;
+      const auto number = controller::needed_number(key, value, why);
+      return number ? std::optional(*number) : std::nullopt;
     }
     return std::nullopt;
   }

@@ -53,7 +53,7 @@ std::optional<Result<void>> Commit::step() {
     if (!mover_.is_handled(ticket_)) return std::nullopt;
     Command command;
     command.kind = CommandKind::kAdoptModel;
-    command.model = model_;
+    command.index = model_;
     ticket_ = mover_.send(command).value_or(ticket_);
   } else {
     stage_ = Stage::kResting;

@@ -61,8 +61,7 @@ struct Command {
   std::uint32_t serial = 0;
   Move move;                 // kMove
   bool of_sequence = false;  // the move is, which is refused once the sequence has ended
-  std::size_t model = 0;     // kAdoptModel: index into Link::models
-  std::size_t joint = 0;     // kHome
+  std::size_t index = 0;     // kAdoptModel: into Link::models; kHome: the joint
 };
 
 // Why the controller is Faulted.

@@ -77,7 +77,7 @@ void Servo::fail(Error error, std::optional<std::size_t> joint, std::uint32_t co
   fault_ = Fault{error, joint, code, words};
   enabling_ = in_sequence_ = false;
   move_.reset();
-  homing_.reset();
+  if constexpr (hal::kMayHome) homing_.reset();
   drives_.quick_stop();
 }
 
@@ -133,10 +133,10 @@ std::optional<Error> Servo::take(const Command& command) {
       break;
     case CommandKind::kAdoptModel:
       if (move_) return Error::kWrongMode;
-      model_ = command.model;  // commanded_ stays: the joints do not notice
+      model_ = command.index;  // commanded_ stays: the joints do not notice
       break;
     case CommandKind::kHome:
-      if constexpr (hal::kMayHome) return home(command.joint);
+      if constexpr (hal::kMayHome) return home(command.index);
       return Error::kUnsupported;
   }
   return std::nullopt;
@@ -146,7 +146,7 @@ void Servo::disable() {
   drives_.disable();
   enabling_ = in_sequence_ = false;
   move_.reset();
-  homing_.reset();
+  if constexpr (hal::kMayHome) homing_.reset();
   mode_ = Mode::kIdle;
 }
 
@@ -191,7 +191,7 @@ void Servo::step_mode() {
   if (!has_torque()) return;  // the move failed
   if constexpr (hal::kMayHome) step_homing();
   mode_ = in_sequence_ ? Mode::kSweeping : (move_ ? Mode::kServoing : Mode::kHolding);
-  if (homing_) mode_ = Mode::kHoming;
+  if (hal::kMayHome && homing_) mode_ = Mode::kHoming;
   if (!is_settled()) unsettled_at_ = now_;
 }
 
@@ -284,8 +284,11 @@ void Servo::publish(hal::Duration lateness) {
     if (status.warning) out.warning |= bit;
     if (status.unsupervised) out.unsupervised |= bit;
     if (status.has_position) out.known |= bit;
-    if (is_homing(joint)) out.homing |= bit;
-    if (status.homed && !is_homing(joint)) out.homed |= bit;
+    if (is_homing(joint)) {
+      out.homing |= bit;
+    } else if (hal::kMayHome && status.homed) {
+      out.homed |= bit;
+    }
   }
   publish_tool(out);
   lateness_.add(lateness);

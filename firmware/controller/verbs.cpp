@@ -138,8 +138,8 @@ Result<Answer> home(Controls& controls, const Request& request, Line& out) {
   }
   Command command;
   command.kind = CommandKind::kHome;
-  command.joint = static_cast<std::size_t>(number) - 1;
-  if (auto may = may_home(controls.configuration, command.joint, out); !may) {
+  command.index = static_cast<std::size_t>(number) - 1;
+  if (auto may = may_home(controls.configuration, command.index, out); !may) {
     return std::unexpected(may.error());
   }
   return when_taken(controls.mover.send(command));

@@ -52,7 +52,7 @@ std::optional<hal::CanFrame> HomingRun::poll(cia402::Drive& drive, hal::Instant 
 // A change of the mode in motion would end it by no ramp of ours.
 void HomingRun::wait_for_standstill(cia402::Drive& drive, hal::Instant now) {
   const auto& state = drive.state();
-  const bool too_long = now - state.homing_since > configuration_.stop_timeout;
+  const bool too_long = now - state.progress_at > configuration_.stop_timeout;
   if (!state.stands && !too_long) return;
   if (!state.stands) drive.latch(Error::kStopTimeout);
   enter(Step::kLeave);
@@ -85,7 +85,7 @@ void HomingRun::look(std::uint32_t mode, cia402::Drive& drive, hal::Instant now)
   if (mode == cia402::kModeHoming) {
     drive.search(now);
     enter(Step::kSearch);
-  } else if (now - drive.state().homing_since <= configuration_.transition_timeout) {
+  } else if (now - drive.state().progress_at <= configuration_.transition_timeout) {
     enter(Step::kLook);
   } else {
     drive.latch(Error::kSdoUnexpectedValue, mode,

@@ -41,7 +41,7 @@ hal::DriveStatus Drive::status() const {
     status.condition = kFaulted;
   } else if (!s_.heard || s_.leaving) {
     status.condition = kStarting;
-  } else if (s_.homing != Homing::kNone) {
+  } else if (is_homing()) {
     status.condition = s_.goal == Goal::kEnabled ? kHoming : kSwitching;
   } else if (!reached(s_.goal, s_.state) || (is_enabled() && !s_.arrived)) {
     status.condition = kSwitching;
@@ -58,7 +58,7 @@ hal::DriveStatus Drive::status() const {
 void Drive::hear(std::uint16_t status_word, std::int32_t counts, hal::Instant at) {
   const double position = scaling_.reading(counts);
   // A drive that finds its reference counts from there on.
-  if (s_.heard && s_.goal == Goal::kEnabled && s_.homing == Homing::kNone) {
+  if (s_.heard && s_.goal == Goal::kEnabled && !is_homing()) {
     const double elapsed = std::max(0.0, hal::seconds(at - s_.position_at)) + kLateStamp_s;
     if (std::fabs(position - s_.position) >
         kFeedbackMargin * settings_->largest_speed * elapsed + 2 * scaling_.resolution()) {
@@ -95,7 +95,7 @@ void Drive::set_goal(Goal goal, hal::Instant now) {
   s_.goal = goal;
   s_.progress_at = now;
   s_.arrived = false;
-  leave_homing(now);
+  if constexpr (hal::kMayHome) leave_homing(now);
 }
 
 void Drive::latch(Error error, std::uint32_t code, const hal::DeviceObject& object) {
@@ -168,7 +168,7 @@ Setpoint Drive::command(bool may_release) {
     s_.reset_bit = !s_.reset_bit;
     if (s_.reset_bit) word = control_word(Command::kFaultReset);
   }
-  if (s_.homing == Homing::kSearching && s_.state == State::kOperationEnabled) {
+  if (is_homing() && s_.homing == Homing::kSearching && s_.state == State::kOperationEnabled) {
     word |= kControlHomingStart;
   }
   // A disabled drive is sent its own count back, exactly. Limits were checked to fit into counts,

@@ -49,16 +49,15 @@ struct DriveState {
   bool held = false;  // in Quick stop active, until torque may go
   // Command.
   Goal goal = Goal::kDisabled;
-  hal::Instant progress_at;                 // last change of state or goal
+  hal::Instant progress_at;                 // last change of state, goal or homing
   bool arrived = false;                     // the goal was reached since it was set
   bool resetting = false;                   // a fault reset is under way
   bool leaving = false;                     // for a new set-up, as soon as the torque may go
   std::optional<hal::Instant> released_at;  // since when it may
   Homing homing = Homing::kNone;
-  hal::Instant homing_since;  // in that stage
-  bool searched = false;      // its statusword has denied since that the reference is found
-  bool homed = false;         // found it since it was set up
-  bool reset_bit = false;     // fault reset bit of the last controlword
+  bool searched = false;   // its statusword has denied since then that the reference is found
+  bool homed = false;      // found it since it was set up
+  bool reset_bit = false;  // fault reset bit of the last controlword
   double target = 0;
   hal::Instant target_at;
 };
@@ -79,9 +78,9 @@ class Drive {
   // Without words: what a code means is told by who knows where it came from.
   [[nodiscard]] hal::DriveStatus status() const;
   [[nodiscard]] bool is_enabled() const {
-    return s_.goal == Goal::kEnabled && s_.state == State::kOperationEnabled &&
-           s_.homing == Homing::kNone;
+    return s_.goal == Goal::kEnabled && s_.state == State::kOperationEnabled && !is_homing();
   }
+  [[nodiscard]] bool is_homing() const { return hal::kMayHome && s_.homing != Homing::kNone; }
 
   // A cycle brought objects 6041h and 6064h. Latches kFeedbackImplausible.
   void hear(std::uint16_t status_word, std::int32_t counts, hal::Instant at);

@@ -13,7 +13,7 @@ constexpr hal::Duration kStaleStatus = std::chrono::milliseconds(200);
 
 void Drive::enter_homing(Homing stage, hal::Instant now) {
   s_.homing = stage;
-  s_.homing_since = now;
+  s_.progress_at = now;
   if (stage == Homing::kEntering) s_.homed = false;
 }
 
@@ -31,7 +31,6 @@ void Drive::leave_homing(hal::Instant now) {
 void Drive::end_homing(hal::Instant now) {
   enter_homing(Homing::kNone, now);
   s_.arrived = false;
-  s_.progress_at = now;
   hide_mode();
 }
 
@@ -41,7 +40,7 @@ void Drive::check_homing(const GroupSettings& settings, hal::Instant now) {
   constexpr std::uint16_t kFound = kStatusHomingAttained | kStatusTargetReached;
   const bool says_found = (s_.status_word & kFound) == kFound;
   s_.searched = s_.searched || !says_found;
-  const hal::Duration searching = now - s_.homing_since;
+  const hal::Duration searching = now - s_.progress_at;
   const bool gave_up = (s_.status_word & kStatusHomingError) != 0 && searching > kStaleStatus;
   if (gave_up || searching > settings.homing_timeout) {
     latch(Error::kHomingFailed, s_.status_word);
