@@ -43,6 +43,7 @@ bool Background::step() {
   check_.measure_step(measured);
   identification_.step();
   check_.step();
+  if (check_.take_accepted()) references_.take_check(announcer_);
   grid_.step();
   if (const auto committed = commit_.step()) desk_.stored(*committed);
   if (!references_.step(mover_.now(), announcer_)) desk_.step();

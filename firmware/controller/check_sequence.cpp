@@ -124,6 +124,7 @@ void CheckSequence::finish() {
     memory_->keep({configuration_, announcer_, custody_.active_crc()}, history_.state());
   }
   last_ = *report;
+  just_accepted_ = report->verdict == CheckVerdict::kAsAccepted;
   tell(*report, poses);
   tell_people(*report);
 }

@@ -19,6 +19,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "firmware/controller/check_memory.hpp"
 #include "firmware/controller/custody.hpp"
@@ -51,6 +52,8 @@ class CheckSequence : public VisitingSequence<CheckSequence> {
   [[nodiscard]] bool is_running() const { return stage_ != Stage::kNone; }
   [[nodiscard]] std::size_t poses_done() const { return pose_; }
   [[nodiscard]] const std::optional<CheckReport>& last() const { return last_; }
+  // Once after each check that has found the arm as it was accepted.
+  [[nodiscard]] bool take_accepted() { return std::exchange(just_accepted_, false); }
 
  private:
   friend class VisitingSequence<CheckSequence>;
@@ -82,6 +85,7 @@ class CheckSequence : public VisitingSequence<CheckSequence> {
   std::optional<Error> trouble_;  // of the sensor, by which it ends
   CheckHistory history_;
   std::optional<CheckReport> last_;
+  bool just_accepted_ = false;
   hal::Instant due_;                    // by schedule
   std::optional<hal::Instant> notice_;  // since when it is told
 };

@@ -35,7 +35,9 @@ PositionImage image_of(const RestRecord& rest, std::uint32_t number) {
   out.integer(positions.size(), 2);
   out.integer(number, 4);
   for (std::size_t i = 0; i < kMaxJoints; ++i) out.real(i < positions.size() ? positions[i] : 0);
-  out.integer(rest.unreferenced, 4);
+  out.integer(rest.unreferenced, 1);
+  out.integer(rest.by_drive, 1);
+  out.integer(0, 2);
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
     out.integer(i < rest.drives.size() ? rest.drives[i] : 0, 4);
   }
@@ -69,7 +71,9 @@ std::optional<Kept> kept_in(const PositionImage& image) {
   Kept kept;
   kept.number = static_cast<std::uint32_t>(in.integer(4));
   read_some(joints, kept.rest.positions, [&] { return in.real(); });
-  kept.rest.unreferenced = static_cast<std::uint8_t>(in.integer(4));
+  kept.rest.unreferenced = static_cast<std::uint8_t>(in.integer(1));
+  kept.rest.by_drive = static_cast<std::uint8_t>(in.integer(1));
+  (void)in.integer(2);
   read_some(joints, kept.rest.drives, [&] { return static_cast<std::uint32_t>(in.integer(4)); });
   if (!in.all_finite()) return std::nullopt;
   return kept;
@@ -107,6 +111,7 @@ std::optional<RestRecord> PositionKeeper::load(std::size_t joints) {
 void PositionKeeper::begin(const RestRecord& rest) {
   const auto same = [](double a, double b) { return std::abs(a - b) <= kSamePlace; };
   const bool kept = kept_ && kept_->unreferenced == rest.unreferenced &&
+                    kept_->by_drive == rest.by_drive &&
                     std::ranges::equal(kept_->drives, rest.drives) &&
                     std::ranges::equal(kept_->positions, rest.positions, same);
   if (fits() && !kept) writing_ = rest;

@@ -12,7 +12,9 @@
 //        6      2  joints, n
 //        8      4  number
 //       12     64  readings, 8 doubles; unused ones zero
-//       76      4  a bit for each joint that is unreferenced (references.hpp)
+//       76      1  a bit for each joint that is unreferenced (references.hpp)
+//       77      1  a bit for each of those that another drive is the only reason for
+//       78      2  zero
 //       80     32  marks of the drives, 8 times 4; unused ones zero
 //      112      4  CRC-32 of all before
 #pragma once
@@ -30,6 +32,7 @@ using DriveMarks = FixedVector<std::uint32_t, kMaxJoints>;
 struct RestRecord {
   JointVector positions;
   std::uint8_t unreferenced = 0;  // bit per joint
+  std::uint8_t by_drive = 0;      // those that another drive is the only reason for
   DriveMarks drives;              // that told the positions when they were last known to be right
 };
 

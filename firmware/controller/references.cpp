@@ -36,6 +36,18 @@ bool References::turns(std::size_t joint) const {
   return configuration_.drawing.joints[joint].type == JointType::kRevolute;
 }
 
+void References::doubt(std::size_t joint) {
+  at_rest_.unreferenced |= bit_of(joint);
+  at_rest_.by_drive &= static_cast<std::uint8_t>(~bit_of(joint));
+}
+
+void References::trust(std::size_t joint) {
+  at_rest_.unreferenced &= static_cast<std::uint8_t>(~bit_of(joint));
+  at_rest_.by_drive &= static_cast<std::uint8_t>(~bit_of(joint));
+  at_rest_.drives[joint] = drives_[joint];
+  changed_ = true;
+}
+
 bool References::homes(std::size_t joint) const {
   return !configuration_.references.empty() &&
          configuration_.references[joint] == Reference::kHomed;
@@ -66,7 +78,7 @@ void References::begin(const Snapshot& now, const SignatureRecord* in_use) {
   at_rest_.positions = now.positions;
   at_rest_.drives = DriveMarks(now.positions.size(), 0);
   if (in_use == nullptr) return;
-  for (std::size_t i = 0; i < now.positions.size(); ++i) at_rest_.unreferenced |= bit_of(i);
+  for (std::size_t i = 0; i < now.positions.size(); ++i) doubt(i);
 }
 
 void References::compare(const Snapshot& now, const Machine& machine, const SignatureRecord* in_use,
@@ -82,18 +94,20 @@ void References::compare(const Snapshot& now, const Machine& machine, const Sign
         !configuration_.references.empty() && configuration_.references[i] != Reference::kAbsolute;
     const std::uint32_t was = at_rest_.drives[i];
     if (was == 0) at_rest_.drives[i] = drives_[i];
+    const bool doubted = (at_rest_.unreferenced & bit_of(i)) != 0;
     if (std::abs(moved) > tolerances_[i]) {
+      doubt(i);
       tell(i, "moved", moved, announcer);
     } else if (counts_anew) {
+      doubt(i);
       tell(i, "counts_from_power_up", {}, announcer);
     } else if (was != 0 && drives_[i] != 0 && was != drives_[i]) {
+      if (!doubted) at_rest_.by_drive |= bit_of(i);
+      at_rest_.unreferenced |= bit_of(i);
       tell(i, "other_drive", {}, announcer);
-    } else if ((at_rest_.unreferenced & bit_of(i)) != 0) {
+    } else if (doubted) {
       tell(i, "not_confirmed", {}, announcer);
-    } else {
-      continue;
     }
-    at_rest_.unreferenced |= bit_of(i);
   }
   at_rest_.positions = now.positions;
   tracked_at_ = now.now;
@@ -111,6 +125,7 @@ void References::tell(std::size_t joint, std::string_view why, std::optional<dou
     announcer.say(line.text(" home joint=").integer(joint + 1));
     return;
   }
+  if ((at_rest_.by_drive & bit_of(joint)) != 0) line.text(" check, or");
   line.text(" look at the joint, then confirm q").integer(joint + 1);
   announcer.say(line.text(turns(joint) ? "_deg=..." : "_mm=..."));
 }
@@ -121,10 +136,8 @@ void References::take_homed(const Snapshot& now, const Announcer& announcer) {
   homed_ = now.homed;
   for (std::size_t i = 0; i < at_rest_.positions.size(); ++i) {
     if ((just_homed & bit_of(i)) == 0) continue;
-    at_rest_.unreferenced &= static_cast<std::uint8_t>(~bit_of(i));
+    trust(i);
     at_rest_.positions[i] = now.positions[i];
-    at_rest_.drives[i] = drives_[i];
-    changed_ = true;
     Line line;
     announcer.say(line.text("# homed joint=").integer(i + 1));
   }
@@ -139,13 +152,13 @@ void References::track(const Snapshot& now, const Announcer& announcer) {
   const double passed_s = hal::seconds(now.now - tracked_at_ + configuration_.feedback_age);
   for (std::size_t i = 0; i < joints; ++i) {
     if (hal::kMayHome && (now.homing & bit_of(i)) != 0) {
-      at_rest_.unreferenced |= bit_of(i);  // its reading may become another
+      doubt(i);  // its reading may become another
       continue;
     }
     const double moved = now.positions[i] - at_rest_.positions[i];
     const double most = kFall * configuration_.limits.speed[i] * passed_s + tolerances_[i];
     if (!(std::abs(moved) > most)) continue;
-    at_rest_.unreferenced |= bit_of(i);
+    doubt(i);
     changed_ = true;
     tell(i, "jumped", moved, announcer);
   }
@@ -195,10 +208,17 @@ void References::finish(const hal::JointDrives& drives) {
 Result<void> References::confirm(std::size_t joint, double seen) {
   const double off = std::abs(at_rest_.positions[joint] - seen);
   if (!(off <= (turns(joint) ? kSeen_rad : kSeen_m))) return std::unexpected(Error::kUnreferenced);
-  at_rest_.unreferenced &= static_cast<std::uint8_t>(~bit_of(joint));
-  at_rest_.drives[joint] = drives_[joint];
-  changed_ = true;
+  trust(joint);
   return {};
+}
+
+void References::take_check(const Announcer& announcer) {
+  if (at_rest_.by_drive == 0 || !may_check()) return;
+  Line line;
+  announcer.say(line.text("# referenced joints=").numbers(at_rest_.by_drive).text(" by=check"));
+  for (std::size_t i = 0; i < at_rest_.positions.size(); ++i) {
+    if ((at_rest_.by_drive & bit_of(i)) != 0) trust(i);
+  }
 }
 
 }  // namespace armsig::controller

@@ -2,8 +2,9 @@
 // Whether the joints stand where their readings say. A joint is *unreferenced* where that is not
 // certain: its encoder counts from power-up, it is found elsewhere than it was left, nothing was
 // kept of where it was left, its reading jumped, or another drive reads its encoder. While a joint
-// is, the tool is not moved, nothing is measured and no signature is accepted; its drive homes, or
-// a person looks at the joint and confirms its reading.
+// is, the tool is not moved, nothing is measured and no signature is accepted. Its drive homes, or
+// a person looks at the joint and confirms its reading. Where another drive is the only reason, and
+// the joint is where it was left, a check that finds the arm as accepted does as well.
 //
 // Where the arm rests without torque is kept over a loss of power, with what is not confirmed yet.
 #pragma once
@@ -43,6 +44,10 @@ class References {
 
   // A bit per joint.
   [[nodiscard]] std::uint8_t unreferenced() const { return at_rest_.unreferenced; }
+  // A check may be measured: another drive is the only reason for what is unreferenced.
+  [[nodiscard]] bool may_check() const { return at_rest_.unreferenced == at_rest_.by_drive; }
+  // A check has found the arm as it was accepted.
+  void take_check(const Announcer& announcer);
   // A person sees joint `joint` at reading `seen`. Error: kUnreferenced (its reading is another).
   [[nodiscard]] Result<void> confirm(std::size_t joint, double seen);
 
@@ -51,6 +56,8 @@ class References {
   void state_tolerances(const SignatureRecord* in_use);
   void tell(std::size_t joint, std::string_view why, std::optional<double> moved,
             const Announcer& announcer) const;
+  void doubt(std::size_t joint);
+  void trust(std::size_t joint);
   [[nodiscard]] bool turns(std::size_t joint) const;
   [[nodiscard]] bool homes(std::size_t joint) const;
   void take_homed(const Snapshot& now, const Announcer& announcer);

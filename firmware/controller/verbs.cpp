@@ -100,7 +100,10 @@ Result<Answer> touch_grid(Controls& controls, const Request& /*request*/, Line& 
   return answer;
 }
 
-Result<Answer> check_arm(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+Result<Answer> check_arm(Controls& controls, const Request& /*request*/, Line& out) {
+  if (!controls.references.may_check()) {
+    if (auto sure = referenced(controls, out); !sure) return std::unexpected(sure.error());
+  }
   ARMSIG_TRY(ticket, controls.check.begin());
   return when_taken(ticket);
 }
@@ -257,8 +260,7 @@ constexpr std::array kVerbsOfAll{
          .handler = check_arm,
          .help = "measures a few poses: is the arm still as it was accepted",
          .modes = kReady,
-         .alone = true,
-         .referenced = true},
+         .alone = true},
     Verb{.name = "pause", .handler = pause<true>, .help = "of identify"},
     Verb{.name = "resume", .handler = pause<false>, .help = "of identify; measures again"},
     Verb{.name = "send",

@@ -142,6 +142,58 @@ TEST(Check, tells_what_it_found_in_millimetres) {
   EXPECT_NEAR(millimetres(line, "rms_mm")[0], std::sqrt(squares / poses), 2e-3) << line;
 }
 
+// Powered up again behind amplifiers with other serial numbers.
+void exchange_drives(Accepted& puma) {
+  ASSERT_EQ(puma.ask("disable"), "ok");
+  puma.run(3);
+  puma.first_serial = 2001;
+  puma.start(test::puma_controller(), 2);
+  ASSERT_TRUE(puma.enable());
+  EXPECT_TRUE(heard(puma, "why=other_drive"));
+  EXPECT_TRUE(heard(puma, " check, or look at the joint, then confirm q1_deg="));
+  EXPECT_TRUE(puma.ask("identify").starts_with("error UNREFERENCED "));
+}
+
+TEST(Check, of_a_sound_arm_references_joints_whose_drives_were_exchanged) {
+  Accepted puma;
+  exchange_drives(puma);
+  EXPECT_EQ(puma.cabinet->state().unreferenced(), 63U);
+  EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"as accepted\""));
+  puma.run(0.1);
+  EXPECT_TRUE(heard(puma, "# referenced joints=1,2,3,4,5,6 by=check"));
+  EXPECT_EQ(puma.cabinet->state().unreferenced(), 0U);
+  ASSERT_EQ(puma.ask("disable"), "ok");
+  puma.run(3);
+  puma.start(test::puma_controller(), 2);
+  ASSERT_TRUE(puma.enable());
+  EXPECT_EQ(puma.cabinet->state().unreferenced(), 0U) << "it is kept";
+}
+
+TEST(Check, of_an_arm_that_changed_leaves_its_joints_unreferenced) {
+  Accepted puma;
+  exchange_drives(puma);
+  puma.cabinet->arm().arm.joints[2].theta_rad += radians(0.15);
+  EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"stepped\""));
+  puma.run(0.1);
+  EXPECT_EQ(puma.cabinet->state().unreferenced(), 63U);
+}
+
+TEST(Check, is_refused_where_a_joint_was_also_found_elsewhere) {
+  Accepted puma;
+  ASSERT_EQ(puma.ask("move q2_deg=-80"), "ok");
+  puma.run(3);
+  exchange_drives(puma);  // the emulated arm begins where it began before
+  EXPECT_TRUE(heard(puma, "# unreferenced joint=2 why=moved "));
+  EXPECT_TRUE(puma.ask("check").starts_with("error UNREFERENCED "));
+  puma.start(test::puma_controller(), 2);
+  ASSERT_TRUE(puma.enable());
+  EXPECT_TRUE(puma.ask("check").starts_with("error UNREFERENCED ")) << "nor after a restart";
+  EXPECT_TRUE(puma.ask("confirm q2_deg=-90").starts_with("ok"));
+  EXPECT_TRUE(checked(puma).starts_with("# check verdict=\"as accepted\""));
+  puma.run(0.1);
+  EXPECT_EQ(puma.cabinet->state().unreferenced(), 0U);
+}
+
 TEST(Check, needs_a_signature_a_sensor_and_torque) {
   PumaCabinet drawn;
   ASSERT_TRUE(drawn.run_until(Mode::kIdle));
