@@ -81,6 +81,7 @@ class Barriers(unittest.TestCase):
         page = Page(armsig, cabinet.console, "--web").start()
         self.addCleanup(page.stop)
         tab = self.open(page.address, "document.body.dataset.mode === 'idle'")
+        tab.ask("document.getElementById('jog').open = true")
         self.look_everywhere(tab, "idle")
         tab.look(*kLooks[0])
         cabinet.ask("enable")

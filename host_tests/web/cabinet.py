@@ -5,6 +5,7 @@ import re
 import signal
 import socket
 import subprocess
+import threading
 import time
 
 
@@ -44,6 +45,49 @@ class Cabinet:
             self.process.send_signal(signal.SIGTERM)
             self.process.wait(30)
         self.process = None
+
+
+class Tap:
+    """A console at `path` between a page's server and the controller; keeps each line that the controller is sent."""
+
+    def __init__(self, console, path):
+        self.console, self.lines = console, []
+        self.listener = socket.socket(socket.AF_UNIX)
+        self.listener.bind(path)
+        self.listener.listen()
+        threading.Thread(target=self.serve, daemon=True).start()
+
+    def serve(self):
+        while True:
+            near, far = self.listener.accept()[0], socket.socket(socket.AF_UNIX)
+            far.connect(self.console)
+            for source, sink, lines in ((near, far, self.lines), (far, near, None)):
+                threading.Thread(target=self.pass_on, args=(source, sink, lines), daemon=True).start()
+
+    @staticmethod
+    def pass_on(source, sink, lines):
+        try:
+            for line in source.makefile("rb"):
+                if lines is not None:
+                    lines.append(line.decode().rstrip("\n"))
+                sink.sendall(line)
+        except OSError:
+            pass
+        finally:
+            sink.close()
+
+    def commands(self):
+        """Of what was sent, all but what only asks."""
+        return [line for line in self.lines if line.split(" ")[0] not in ("status", "log", "candidate", "help", "fetch", "signature")]
+
+
+# The third joint of the Puma's configuration as a prismatic one.
+kPrismatic = {"""revolute, theta_deg: 0, d_mm: 0,      a_mm: -20.32, alpha_deg: 90,  limits_deg: [-45, 225],
+     node: 3, counts_per_revolution: 4000, gear_ratio: 100,
+     speed_deg_per_s: 60, acceleration_deg_per_s2: 180, following_error_deg: 3, sweep_at_deg: 90}""":
+              """prismatic, theta_deg: 0, d_mm: 0, a_mm: -20.32, alpha_deg: 90, limits_mm: [-400, 400],
+     node: 3, counts_per_revolution: 4000, gear_ratio: 10, lead_mm: 10,
+     speed_mm_per_s: 100, acceleration_mm_per_s2: 300, following_error_mm: 5, sweep_at_mm: 200}"""}
 
 
 def changed(configuration, folder, changes):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """The controller's live page in Chromium, through the whole story: live_page_test.py ARMSIG ARMSIGD CONFIGURATION
 
-enable, identify, accept, roll back; a quick stop, a drive that lags, a brake that stays shut, a sensor that falls
+enable, identify, check, accept, roll back; jogs and homing; a quick stop, a drive that lags, a brake that stays shut, a sensor that falls
 silent, with their words and black boxes; a second viewer; the controller and the server that go and come back. With ARMSIG_PICTURES=FOLDER the page is also drawn there.
 """
 import csv
@@ -15,7 +15,7 @@ import time
 import unittest
 
 from browser import Browser, Tab, chromium
-from cabinet import Cabinet, Page, changed
+from cabinet import Cabinet, Page, changed, kPrismatic, wait_for
 
 armsig, armsigd, configuration = sys.argv[1:4]
 del sys.argv[1:4]
@@ -70,6 +70,32 @@ class LivePage(unittest.TestCase):
 
     def shown(self, identifier, tab=None):
         return (tab or self.tab).ask(f"document.getElementById('{identifier}').getClientRects().length > 0")
+
+    def type(self, identifier, text):
+        """As a person does, by keys, over what is there."""
+        self.tab.ask(f"document.getElementById('{identifier}').select(), document.getElementById('{identifier}').focus()")
+        self.tab.call("Input.dispatchKeyEvent", type="rawKeyDown", key="Delete", windowsVirtualKeyCode=46)
+        self.tab.call("Input.insertText", text=text)
+
+    def key(self, name, code):
+        for kind in ("rawKeyDown", "char", "keyUp"):
+            self.tab.call("Input.dispatchKeyEvent", type=kind, key=name, code=name, windowsVirtualKeyCode=code, text="\r" if name == "Enter" else " ")
+
+    def jogs_are(self, can):
+        self.tab.wait(f"document.querySelectorAll('.jog button[aria-disabled={str(not can).lower()}]').length === 12", kSlow)
+
+    def jogs(self, reading, step, press):
+        """`press` moves the joint of `reading` by `step`."""
+        self.jogs_are(True)
+        to = self.readings()[reading] + step
+        press()
+        wait_for(lambda: abs(self.readings()[reading] - to) < 0.01, kSlow)
+
+    def jog_button(self, joint, sign):
+        return f"[data-jog='{joint}'] button:{'first' if sign < 0 else 'last'}-of-type"
+
+    def readings(self):
+        return {key: float(value) for key, value in re.findall(r"(q\d_\w+)=(\S+)", self.cabinet.ask("status")[0])}
 
     def stop_is_within_reach(self):
         for width, height in WIDTHS:
@@ -145,6 +171,14 @@ class LivePage(unittest.TestCase):
         self.press("accept")
         self.tab.wait("document.getElementById('facts').textContent.includes('number 1')", kSlow)
         self.assertIn("model=signature", self.cabinet.ask("signature")[0])
+        self.press("check")
+        self.headline("Checking the arm")
+        self.tab.wait("/of 16 points/.test(document.getElementById('progress-points').textContent)", kSlow)
+        self.assertTrue(self.tab.ask("document.querySelector('[data-verb=identify]').disabled"))
+        self.draw("checking")
+        self.tab.wait("document.getElementById('facts').textContent.includes('last checkas accepted')", kSlow)
+        self.assertIn('check="as accepted"', self.cabinet.ask("status")[0])
+        self.assertIn("check verdict", self.tab.text("said"))
         self.press("rollback")
         self.assertIn("model=signature", self.cabinet.ask("signature")[0])  # asked twice
         self.press_sure("rollback")
@@ -246,7 +280,16 @@ class LivePage(unittest.TestCase):
     def test_a_self_calibration_says_what_it_predicts(self):
         self.press("enable")
         self.mode("holding")
-        self.assertEqual(self.cabinet.ask("identify accuracy_mm=0.15 minutes=30"), ["ok"])
+        self.type("accuracy", "500")
+        self.press("identify")
+        self.tab.wait("document.getElementById('answer').textContent.includes('accuracy_mm needs a number above 0, at most 100')")
+        self.type("accuracy", "")
+        self.type("minutes", "30")
+        self.press("identify")
+        self.tab.wait("document.getElementById('answer').textContent.includes('takes nothing, or accuracy_mm')")
+        self.assertIn("sequence=none", self.cabinet.ask("status")[0])
+        self.type("accuracy", "0.15")
+        self.press("identify")
         self.headline("Measuring poses anywhere")
         self.headline("The candidate is better")
         said = self.tab.text("said")
@@ -282,6 +325,63 @@ class LivePage(unittest.TestCase):
     def no_figures(self):
         self.tab.wait("!document.body.classList.contains('stale') && "
                       "!/predicted|validation|reached|number/.test(document.getElementById('facts').textContent)", kSlow)
+
+    @with_cabinet(kPrismatic, speed=0.3)  # so that a busy machine can halt a move
+    def test_jogs_one_joint_by_a_step(self):
+        self.mode("idle")
+        self.assertFalse(self.tab.ask("document.getElementById('jog').open"))
+        self.tab.ask("document.querySelector('#jog summary').focus()")
+        self.key("Enter", 13)
+        self.assertTrue(self.tab.ask("document.getElementById('jog').open"))
+        self.jogs_are(False)
+        self.tab.click(self.jog_button(2, -1))  # says that it can't, and does not
+        self.press("enable")
+        self.mode("holding")
+        self.jogs("q2_deg", -1, lambda: self.tab.click(self.jog_button(2, -1)))
+        self.jogs("q3_mm", 1, lambda: self.tab.click(self.jog_button(3, 1)))
+        self.tab.click("[name=step][value='0.1']")
+        self.jogs("q2_deg", 0.1, lambda: self.tab.click(self.jog_button(2, 1)))
+        self.assertEqual(self.tab.ask("Array.from(document.querySelectorAll('.jog button'), (it) => it.ariaLabel).slice(2, 6)"),
+                         ["Joint 2 by \u22120.1 degrees", "Joint 2 by 0.1 degrees", "Joint 3 by \u22120.1 mm", "Joint 3 by 0.1 mm"])
+        # By keys, again and again: the button keeps the focus while the arm moves.
+        self.tab.ask(f"document.querySelector({json.dumps(self.jog_button(4, 1))}).focus()")
+        for name, code in (("Enter", 13), (" ", 32), ("Enter", 13)):
+            self.jogs("q4_deg", 0.1, lambda: self.key(name, code))
+        # Halt stops it.
+        before = self.readings()["q1_deg"]
+        self.tab.click("[name=step][value='5']")
+        self.jogs_are(True)
+        self.tab.click(self.jog_button(1, 1))
+        self.mode("servoing")
+        self.jogs_are(False)
+        self.tab.click("#jog [data-verb=halt]", kSlow)
+        self.mode("holding")
+        self.assertLess(self.readings()["q1_deg"] - before, 4.5)
+        self.jogs_are(True)
+        self.stop_is_within_reach()
+        self.draw("jog")
+        self.assertEqual(self.tab.complaints(), [])
+
+    @with_cabinet({"gear_ratio: 100, zero_counts: 0, reversed: no,": "gear_ratio: 100, reference: homed, homing_method: 37,",
+                   "node: 2, counts_per_revolution: 4000, gear_ratio: 100,": "node: 2, counts_per_revolution: 4000, gear_ratio: 100, reference: none,"})
+    def test_an_unreferenced_joint_can_be_homed(self):
+        self.mode("idle")
+        self.tab.wait("document.getElementById('facts').textContent.includes('joint 1,2: look at it, then confirm, or home it')", kSlow)
+        homes = "Array.from(document.querySelectorAll('[data-verb=home]'), (it) => it.textContent)"
+        self.assertEqual(self.tab.ask(homes), ["Home joint 1", "Home joint 2"])
+        self.press("enable")
+        self.mode("holding")
+        self.press('home][data-joint="2"')
+        self.press_sure('home][data-joint="2"')
+        self.tab.wait("document.getElementById('answer').textContent.includes('reference: homed')", kSlow)
+        self.draw("unreferenced")
+        self.assertNotIn("workstation", self.tab.text("answer"))  # the reason, and no remedy for others
+        self.press_sure('home][data-joint="1"')
+        self.tab.wait("document.getElementById('facts').textContent.includes('joint 2: look at it, then confirm, or home it')", kSlow)
+        self.tab.wait(f"{homes}.join() === 'Home joint 2'", kSlow)
+        self.assertIn("unreferenced=2 ", self.cabinet.ask("status")[0])
+        homing = "import('./meaning.js').then((it) => it.situation({ status: { mode: 'homing', sequence: 'none' }, candidate: null }, '', 6))"
+        self.assertEqual([self.tab.ask(f"{homing}.then((it) => it.{word})") for word in ("headline", "next")], ["A joint is being homed", "halt"])
 
     def test_a_second_viewer_looks_on_until_it_takes_over(self):
         self.mode("idle")

@@ -3,7 +3,8 @@
 """The server of the controller's live page, as strangers and careless friends use it: live_server_test.py ARMSIG ARMSIGD CONFIGURATION
 
 Without the key nothing is told; names of elsewhere, other origins, garbage and crowds are refused; a second viewer looks on;
-a reader that does not read is dropped; the console that goes and comes back is told.
+a reader that does not read is dropped; the console that goes and comes back is told. Of a request only the values of its own
+verb are taken, within their bounds, and the controller is sent nothing else.
 """
 import http.client
 import json
@@ -16,7 +17,7 @@ import tempfile
 import time
 import unittest
 
-from cabinet import Cabinet, Page, wait_for
+from cabinet import Cabinet, Page, Tap, changed, kPrismatic, wait_for
 
 armsig, armsigd, configuration = sys.argv[1:4]
 del sys.argv[1:4]
@@ -53,16 +54,23 @@ class Stream:
         raise AssertionError(f"never: {state}")
 
 
-class LiveServer(unittest.TestCase):
+class Served(unittest.TestCase):
+    changes = {}  # of the configuration
+
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        cls.cabinet = Cabinet(armsigd, configuration, cls.folder.name, 20)
+        cls.cabinet = Cabinet(armsigd, changed(configuration, cls.folder.name, cls.changes), cls.folder.name, 20)
         cls.cabinet.start()
-        cls.page = Page(armsig, cls.cabinet.console, "--web").start()
+        cls.tap = Tap(cls.cabinet.console, os.path.join(cls.folder.name, "tap"))
+        cls.page = Page(armsig, cls.console(), "--web").start()
         stream = Stream(cls.page, "first")
         stream.until(lambda state: state["status"].get("mode") == "idle")
         stream.close()
+
+    @classmethod
+    def console(cls):
+        return cls.cabinet.console
 
     @classmethod
     def tearDownClass(cls):
@@ -85,16 +93,20 @@ class LiveServer(unittest.TestCase):
         link.close()
         return answer.status, text
 
-    def ask(self, viewer, verb, **changed):
-        body = json.dumps({"viewer": viewer, "verb": verb}).encode()
-        status, self.words = self.get(f"/{self.page.token}/request", "POST", body=body, Content_Type="application/json", **changed)
+    def post(self, body, **changed):
+        status, self.words = self.get(f"/{self.page.token}/request", "POST", body=body.encode(), Content_Type="application/json", **changed)
         return status
+
+    def ask(self, viewer, verb, **changed):
+        return self.post(json.dumps({"viewer": viewer, "verb": verb}), **changed)
 
     def open(self, viewer):
         stream = Stream(self.page, viewer)
         self.addCleanup(stream.close)
         return stream
 
+
+class LiveServer(Served):
     def test_tells_nothing_without_the_key(self):
         wrong = "0" * 32
         for path in ("/", "/page.html", f"/{wrong}/", f"/{wrong}/events?viewer=a", f"/{self.page.token[:-1]}/", f"/{self.page.token}",
@@ -127,7 +139,7 @@ class LiveServer(unittest.TestCase):
         self.assertGreater(len(buttons), 10)
 
     def test_lets_a_page_load_nothing_from_elsewhere(self):
-        for name in ("", "live.css", "main.js", "arm.js", "dials.js", "meaning.js", "black_box.js", "words.js", "advice.json"):
+        for name in ("", "live.css", "main.js", "arm.js", "dials.js", "jog.js", "meaning.js", "black_box.js", "words.js", "advice.json"):
             status, text = self.get(f"/{self.page.token}/{name}")
             self.assertEqual(status, 200, name)
             self.assertIn("default-src 'none'", self.headers["Content-Security-Policy"])
@@ -316,6 +328,116 @@ class LiveServer(unittest.TestCase):
         second.stop()
         self.assertEqual(first.token, second.token)
         self.assertNotEqual(first.token, self.page.token)
+
+
+class Requests(Served):
+    """Of an arm whose third joint is prismatic, and whose first is unreferenced."""
+    changes = kPrismatic | {"gear_ratio: 100, zero_counts: 0, reversed: no,": "gear_ratio: 100, reference: none,"}
+
+    @classmethod
+    def console(cls):
+        return os.path.join(cls.folder.name, "tap")
+
+    def setUp(self):
+        self.stream = self.open("typist")
+        self.assertEqual(self.ask("typist", "take-over"), 202)
+        self.stream.until(lambda state: state["holds"])
+        self.addCleanup(self.at_rest)
+
+    def at_rest(self):
+        self.cabinet.ask("halt", "disable")
+        self.stream.until(lambda state: state["status"]["mode"] == "idle")
+
+    def send(self, verb, **values):
+        return self.post(json.dumps({"viewer": "typist", "verb": verb, **values}))
+
+    def answer_to(self, verb, **values):
+        """Of the controller."""
+        known = (self.stream.next()["answer"] or {"number": 0})["number"]
+        self.assertEqual(self.send(verb, **values), 202, self.words)
+        answer = self.stream.until(lambda state: state["answer"] and state["answer"]["number"] > known)["answer"]
+        self.assertEqual(answer["verb"], verb)
+        return answer["words"]
+
+    def refuses(self, reason, *bodies):
+        """Each of `bodies`, what follows viewer and verb in the text of a request."""
+        sent = len(self.tap.commands())
+        for body in bodies:
+            with self.subTest(body):
+                self.assertEqual(self.post('{"viewer":"typist",' + body + "}"), 400)
+                self.assertIn(reason, self.words)
+        self.stream.next(), self.stream.next()
+        self.assertEqual(self.tap.commands()[sent:], [])
+
+    def test_takes_no_number_out_of_its_bounds(self):
+        bad = ("0", "-1", "-1e-9", "true", "null", '"1"', '"1\\nstop"', "[1]", '{"a":1}', '""')
+        for value in (*bad, "100.001", "1e300"):
+            if value != '{"a":1}':
+                self.refuses("accuracy_mm needs a number above 0, at most 100", f'"verb":"identify","accuracy_mm":{value}')
+        for value in (*bad, "4320.1"):
+            if value != '{"a":1}':
+                self.refuses("minutes needs a number above 0, at most 4320", f'"verb":"identify","accuracy_mm":1,"minutes":{value}')
+        for value in ("0", "5.001", "-5.001", "1e300", '"1"', "true", "null"):
+            self.refuses("step_deg needs a number from -5 to 5, other than 0", f'"verb":"move","joint":2,"step_deg":{value}')
+        for value in ("NaN", "nan", "Infinity", "-Infinity", "1e999", "-1e999", "0x1", "+1", ".5", "1\nstop", '{"a":1}', "1,"):
+            self.refuses("not a request of the page", f'"verb":"identify","accuracy_mm":{value}',
+                         f'"verb":"move","joint":2,"step_deg":{value}', f'"verb":"home","joint":{value}')
+
+    def test_takes_no_joint_that_the_arm_has_not(self):
+        for value in ("0", "7", "-1", "1.5", "1e300", '"1"', "true", "null", "18446744073709551617"):
+            self.refuses("joint needs the number of a joint, 1 to 6", f'"verb":"home","joint":{value}')
+            self.refuses("joint needs the number of a revolute joint", f'"verb":"move","joint":{value},"step_deg":1')
+            self.refuses("joint needs the number of a prismatic joint", f'"verb":"move","joint":{value},"step_mm":1')
+        self.refuses("revolute", '"verb":"move","joint":3,"step_deg":1')
+        self.refuses("prismatic", '"verb":"move","joint":2,"step_mm":1')
+
+    def test_takes_exactly_the_keys_of_a_verb(self):
+        self.refuses("takes nothing\n", *(f'"verb":"{verb}","{key}":1' for verb in ("enable", "stop", "check", "accept", "halt", "take-over")
+                                          for key in ("joint", "accuracy_mm", "", "x y", "step_deg\\nstop")))
+        self.refuses("takes nothing, or accuracy_mm, or accuracy_mm and minutes", '"verb":"identify","minutes":30', '"verb":"identify","anew":"yes"',
+                     '"verb":"identify","accuracy_mm":1,"anew":"yes"', '"verb":"identify","accuracy_mm anew=yes":1',
+                     '"verb":"identify","accuracy_mm":1,"minutes":1,"joint":1')
+        self.refuses("takes joint and step_deg, or joint and step_mm", '"verb":"move"', '"verb":"move","joint":1', '"verb":"move","step_deg":1',
+                     '"verb":"move","joint":1,"step_deg":1,"step_mm":1', '"verb":"move","q1_deg":1', '"verb":"move","joint":1,"step_deg":1,"pace":1')
+        self.refuses("takes joint\n", '"verb":"home"', '"verb":"home","q1_deg":1')
+        self.refuses("none that the page has", '"verb":"confirm","q1_deg":1', '"verb":"move dq1_deg=1"', '"verb":"enable\\nstop"', '"verb":"touch-grid"',
+                     '"verb":1', '"verb":null')
+        # Of two values another reader may take the other.
+        self.refuses("not a request of the page", '"verb":"enable","verb":"stop"', '"verb":"enable","viewer":"typist"',
+                     '"verb":"move","joint":1,"joint":2,"step_deg":1')
+        self.refuses("not a request of the page", *('"verb":"enable"' + rest for rest in (",", "}{", "\0", '\n"stop"')))
+
+    def test_sends_the_controller_the_values_in_words_of_its_own(self):
+        sent = len(self.tap.commands())
+        self.assertEqual(self.answer_to("enable"), "ok")
+        holding = self.stream.until(lambda state: state["status"]["mode"] == "holding")["status"]
+        steps = ((2, "step_deg", -1), (3, "step_mm", 5), (1, "step_deg", 0.1), (2, "step_deg", 1e-3))
+        for joint, key, step in steps:
+            reading = f"q{joint}_{key.removeprefix('step_')}"
+            target = float(self.stream.next()["status"][reading]) + step
+            self.assertEqual(self.answer_to("move", joint=joint, **{key: step}), "ok")
+            self.stream.until(lambda state: state["status"]["mode"] == "holding" and abs(float(state["status"][reading]) - target) < 5e-3)
+        self.assertEqual(self.tap.commands()[sent:], ["enable", "move dq2_deg=-1 pace=0.1", "move dq3_mm=5 pace=0.1", "move dq1_deg=0.1 pace=0.1",
+                                                      "move dq2_deg=0.001 pace=0.1"])
+        after = self.stream.next()["status"]
+        for key, by in (("q1_deg", 0.1), ("q2_deg", -0.999), ("q3_mm", 5), ("q4_deg", 0)):
+            self.assertAlmostEqual(float(after[key]) - float(holding[key]), by, delta=0.01, msg=key)
+        self.assertEqual(after["unreferenced"], "1")
+        self.assertIn("reference: homed", self.answer_to("home", joint=1))
+        self.assertIn("UNREFERENCED", self.answer_to("identify", accuracy_mm=0.15, minutes=30))
+        self.assertIn("UNREFERENCED", self.answer_to("identify", accuracy_mm=1e-5))
+        self.assertIn("UNREFERENCED", self.answer_to("check"))
+        self.assertEqual(self.tap.commands()[sent + 5:], ["home joint=1", "identify accuracy_mm=0.15 minutes=30", "identify accuracy_mm=1e-05", "check"])
+
+    def test_learns_from_the_controller_what_is_possible_when(self):
+        late = self.open("late")
+        verbs = late.next("arm")["verbs"]
+        self.assertEqual(verbs["move"], {"modes": ["holding"], "alone": True})
+        self.assertEqual(verbs["enable"], {"modes": ["idle"], "alone": False})
+        self.assertEqual(verbs["accept"], {"modes": ["idle", "holding"], "alone": True})
+        self.assertEqual(set(verbs), {"stop", "enable", "disable", "halt", "reset", "identify", "pause", "resume", "check", "accept", "rollback",
+                                      "acknowledge", "home", "move"})
+        late.close()
 
 
 unittest.main(argv=[sys.argv[0]])

@@ -149,6 +149,14 @@ std::string WebBoard::black_box() const {
   return value_or_empty(status_, "black_box");
 }
 
+std::vector<bool> WebBoard::revolute() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<bool> revolute;
+  if (!arm_.contains("joints")) return revolute;
+  for (const Json& joint : arm_["joints"]) revolute.push_back(joint["revolute"].get<bool>());
+  return revolute;
+}
+
 std::string WebBoard::events(Seen& seen, const Json& own) const {
   const std::lock_guard lock(mutex_);
   std::string text;

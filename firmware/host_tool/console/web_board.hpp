@@ -42,7 +42,7 @@ class WebBoard {
 
   // --- Written ----------------------------------------------------------------------------------
 
-  // The console is open, and its drawing was told.
+  // The console is open, and has told its nominal model and its verbs.
   void connected(const Json& arm);
   // The console is not there, for a reason in words.
   void gone(std::string why);
@@ -67,6 +67,8 @@ class WebBoard {
 
   // The file of the black box, as the controller named it; empty: none.
   [[nodiscard]] std::string black_box() const;
+  // Of each joint of the arm whether it is revolute; empty before the arm is known.
+  [[nodiscard]] std::vector<bool> revolute() const;
   // A descriptor that can be read when something has changed since take_news().
   [[nodiscard]] int news() const { return news_.get(); }
   void take_news() const;

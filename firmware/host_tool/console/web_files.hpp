@@ -13,7 +13,7 @@ struct WebFile {
   std::string_view content;
 };
 
-extern const std::array<WebFile, 8> kWebFiles;
+extern const std::array<WebFile, 9> kWebFiles;
 // docs/messages.md: what a message means, and what to do.
 extern const std::string_view kMessages;
 

@@ -17,6 +17,7 @@
 
 #include "firmware/host_tool/console/web_advice.hpp"
 #include "firmware/host_tool/console/web_files.hpp"
+#include "firmware/host_tool/console/web_requests.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -31,7 +32,6 @@ constexpr int kWaiting = 128;                  // connections that the kernel ke
 constexpr int kAcceptedAtOnce = 64;
 constexpr int kMostUnread = 32768;                              // bytes in the kernel
 constexpr std::size_t kMostDiscarded = std::size_t{64} << 10U;  // after the reply
-constexpr std::size_t kLongestViewer = 64;
 constexpr std::size_t kPieceOfFile = std::size_t{64} << 10U;
 constexpr std::uintmax_t kLargestBlackBox = std::uintmax_t{64} << 20U;
 
@@ -43,11 +43,6 @@ bool is_same(std::string_view one, std::string_view other) {
     different |= static_cast<unsigned char>(one[i]) ^ static_cast<unsigned char>(other[i]);
   }
   return different == 0;
-}
-
-bool is_viewer(std::string_view name) {
-  const auto is_letter = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z'); };
-  return !name.empty() && name.size() <= kLongestViewer && std::ranges::all_of(name, is_letter);
 }
 
 HttpReply refused(int status, std::string_view words) {
@@ -329,27 +324,19 @@ void WebServer::send_black_box(Connection& connection) {
 }
 
 HttpReply WebServer::post(const HttpRequest& request, std::string_view body) {
-  const auto json = nlohmann::json::parse(body, nullptr, false);
-  const auto text = [&](const char* key) {
-    const bool there = json.is_object() && json.contains(key) && json[key].is_string();
-    return there ? json[key].get<std::string>() : std::string();
-  };
-  const std::string viewer = text("viewer");
-  const std::string verb = text("verb");
-  const bool known = verb == "take-over" || WebWatch::knows(verb);
   const bool sent_by_page = request.path == fmt::format("/{}/request", token_) &&
                             request.content_type == "application/json";
-  if (!sent_by_page || !is_viewer(viewer) || !known) {
-    return refused(400, "not a request of the page");
-  }
-  if (verb == "take-over") {
-    viewers_.take_over(viewer);
+  if (!sent_by_page) return refused(400, "not a request of the page");
+  const auto asked = page_request(body, board_.revolute());
+  if (!asked) return refused(400, asked.error());
+  if (asked->verb == "take-over") {
+    viewers_.take_over(asked->viewer);
     board_.touch();
-  } else if (verb != "stop" && !viewers_.holds(viewer)) {
-    const bool free = viewers_.told(viewer)["free"];
+  } else if (asked->verb != "stop" && !viewers_.holds(asked->viewer)) {
+    const bool free = viewers_.told(asked->viewer)["free"];
     return refused(403, free ? "nobody holds the controls; take them over first"
                              : "another viewer holds the controls");
-  } else if (!watch_.request(verb)) {
+  } else if (!watch_.request(*asked)) {
     return refused(409, "another request is under way");
   }
   return {.status = 202, .body = {}, .fields = {}};

@@ -2,7 +2,6 @@
 #include "firmware/host_tool/console/web_watch.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <utility>
 
@@ -27,10 +26,6 @@ constexpr milliseconds kStored = 60s;      // flash is slow
 constexpr milliseconds kRetry = 500ms;     // to open a console that has gone
 constexpr std::size_t kRowsOfARound = 20;  // so that a status is never far away
 
-constexpr std::array<std::string_view, 11> kVerbs{"enable", "disable",  "stop",       "halt",
-                                                  "reset",  "identify", "pause",      "resume",
-                                                  "accept", "rollback", "acknowledge"};
-
 // The words key=value and key="several words" of a reply.
 WebBoard::Values values_of(std::string_view reply) {
   WebBoard::Values values;
@@ -47,6 +42,16 @@ WebBoard::Values values_of(std::string_view reply) {
     at = end + 1;
   }
   return values;
+}
+
+Json words_between_commas(std::string_view text) {
+  Json words = Json::array();
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(','), text.size());
+    words.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return words;
 }
 
 bool is_running(const WebBoard::Values& status) {
@@ -77,18 +82,14 @@ WebWatch::WebWatch(std::string path, WebBoard& board)
       board_(board),
       thread_([this](const std::stop_token& ending) { run(ending); }) {}
 
-bool WebWatch::knows(std::string_view verb) {
-  return std::ranges::find(kVerbs, verb) != kVerbs.end();
-}
-
-bool WebWatch::request(std::string_view verb) {
+bool WebWatch::request(const PageRequest& request) {
   const std::lock_guard lock(mutex_);
-  if (verb == "stop") {
+  if (request.verb == "stop") {
     stop_wanted_ = true;
     return true;
   }
-  if (!wanted_.empty()) return false;
-  wanted_ = verb;
+  if (wanted_) return false;
+  wanted_ = request;
   return true;
 }
 
@@ -109,9 +110,9 @@ void WebWatch::run(const std::stop_token& ending) {
     {
       // What was asked of a controller that is not there is not done when it comes back.
       const std::lock_guard lock(mutex_);
-      if (!wanted_.empty()) board_.answered(wanted_, false, "the controller is not there");
+      if (wanted_) board_.answered(wanted_->verb, false, "the controller is not there");
       if (stop_wanted_) board_.answered("stop", false, "the controller is not there");
-      wanted_.clear();
+      wanted_.reset();
       stop_wanted_ = false;
     }
     const auto until = WatchClock::now() + kRetry;
@@ -132,12 +133,34 @@ void WebWatch::converse(ConsoleClient& console, const std::stop_token& ending) {
     lost_ = !console.gone();
     return;
   }
+  Json arm = json_of_drawing(*drawing);
+  arm["verbs"] = learn_verbs(console);
+  if (lost_ || console.gone()) return;
   board_.begin_run();
-  board_.connected(json_of_drawing(*drawing));
+  board_.connected(arm);
   while (!ending.stop_requested() && !console.gone() && !lost_) {
     if (!pass_on(console) || !look(console)) return;
     hear(console, ending);
   }
+}
+
+// A verb that the controller refuses to explain is none of its own.
+Json WebWatch::learn_verbs(ConsoleClient& console) {
+  Json verbs = Json::object();
+  for (const std::string_view verb : page_verbs()) {
+    std::optional<std::string> reply;
+    while (!reply && !lost_ && !console.gone()) {  // a stop in between takes a reply away
+      reply = ask(console, fmt::format("help {}", verb), kAnswer);
+    }
+    if (!reply || is_error(*reply)) continue;
+    const auto values = values_of(*reply);
+    const auto modes = values.find("modes");
+    const auto alone = values.find("alone");
+    if (modes == values.end() || alone == values.end()) continue;
+    verbs[verb] = {{"modes", words_between_commas(modes->second)},
+                   {"alone", alone->second == "yes"}};
+  }
+  return verbs;
 }
 
 // One round: the status, and what it says is new.
@@ -188,25 +211,25 @@ bool WebWatch::look_at_candidate(ConsoleClient& console) {
 
 // What a viewer wants. False if the controller has gone.
 bool WebWatch::pass_on(ConsoleClient& console) {
-  std::string verb;
+  std::optional<PageRequest> wanted;
   {
     const std::lock_guard lock(mutex_);
-    verb = stop_wanted_ ? std::string() : wanted_;
+    if (!stop_wanted_) wanted = wanted_;
   }
   if (take_stop()) {
     tell("stop", ask(console, "stop", kCommand));
     return !lost_ && !console.gone();
   }
-  if (verb.empty()) return true;
-  board_.busy(verb);
-  const bool stores = verb == "accept" || verb == "rollback";
-  const auto reply = ask(console, verb, stores ? kStored : kCommand);
+  if (!wanted) return true;
+  board_.busy(wanted->verb);
+  const bool stores = wanted->verb == "accept" || wanted->verb == "rollback";
+  const auto reply = ask(console, wanted->line, stores ? kStored : kCommand);
   {
     const std::lock_guard lock(mutex_);
-    wanted_.clear();
+    wanted_.reset();
   }
   board_.busy("");
-  tell(verb, reply);
+  tell(wanted->verb, reply);
   candidate_due_ = true;
   return !lost_ && !console.gone();
 }
@@ -243,7 +266,7 @@ void WebWatch::hear(ConsoleClient& console, const std::stop_token& ending) {
   while (!ending.stop_requested() && !console.gone() && WatchClock::now() < until) {
     if (auto line = console.receive(kSlice)) said(std::move(*line));
     const std::lock_guard lock(mutex_);
-    if (stop_wanted_ || !wanted_.empty()) return;
+    if (stop_wanted_ || wanted_) return;
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "firmware/host_tool/console/console_client.hpp"
 #include "firmware/host_tool/console/web_board.hpp"
+#include "firmware/host_tool/console/web_requests.hpp"
 
 namespace armsig::tool {
 
@@ -22,16 +23,16 @@ class WebWatch {
   // `board` must outlive it.
   WebWatch(std::string path, WebBoard& board);
 
-  // False for a verb that a page has no business with.
-  [[nodiscard]] static bool knows(std::string_view verb);
-  // False while another request is under way (never of "stop"). Precondition: knows(verb).
-  [[nodiscard]] bool request(std::string_view verb);
+  // False while another request is under way (never of "stop"). Precondition: it has a line.
+  [[nodiscard]] bool request(const PageRequest& request);
 
  private:
   using milliseconds = std::chrono::milliseconds;
 
   void run(const std::stop_token& ending);
   void converse(ConsoleClient& console, const std::stop_token& ending);
+  // The modes of each verb of the page, as far as the controller has it.
+  [[nodiscard]] WebBoard::Json learn_verbs(ConsoleClient& console);
   [[nodiscard]] bool look(ConsoleClient& console);
   [[nodiscard]] bool look_at_log(ConsoleClient& console);
   [[nodiscard]] bool look_at_candidate(ConsoleClient& console);
@@ -51,7 +52,7 @@ class WebWatch {
   WebBoard& board_;
 
   std::mutex mutex_;
-  std::string wanted_;  // by a viewer; empty: nothing
+  std::optional<PageRequest> wanted_;  // by a viewer
   bool stop_wanted_ = false;
 
   bool lost_ = false;          // no reply came in time: which reply is whose is no longer known

@@ -3,8 +3,9 @@
 import { ArmView } from './arm.js';
 import { BlackBox } from './black_box.js';
 import { Dials } from './dials.js';
+import { Jog } from './jog.js';
 import { adviceFor, markdown, possible, setAdvice, situation, troubleOf, upper } from './meaning.js';
-import { degrees, duration, element, fixed, reading, rough, tell } from './words.js';
+import { duration, element, fixed, reading, readingWords, rough, tell } from './words.js';
 
 const kOld_ms = 1500;       // news older than this is not shown as the present
 const kMostLines = 200;
@@ -15,8 +16,10 @@ const byId = (id) => document.getElementById(id);
 const arm = new ArmView(byId('arm'));
 const dials = new Dials(byId('dials'));
 const blackBox = new BlackBox(byId('black-box'), tell);
+const jog = new Jog(byId('jog'), byId('jogs'), (values) => request('move', values));
 
 let joints = [];
+let verbs = {};      // of the controller: the modes of each, and whether nothing else may be under way
 let rows = [];
 let state = null;
 let heard = 0;       // when the server was heard last
@@ -52,9 +55,11 @@ function listen() {
   });
   on('arm', (told) => {
     joints = told.joints;
+    verbs = told.verbs;
     rows = [];
     arm.setArm(joints);
     dials.setArm(joints);
+    jog.setArm(joints);
   });
   on('points', ({ from, points }) => {
     rows = rows.slice(0, from).concat(points.map(rowOf));
@@ -98,7 +103,7 @@ function stale() {
 // --- How it looks ----------------------------------------------------------------------------------
 
 function showProgress({ status }) {
-  const running = status.sequence === 'identifying' || status.sequence === 'paused';
+  const running = ['identifying', 'paused', 'checking'].includes(status.sequence);
   byId('progress').hidden = !running;
   if (!running) return;
   const [points, planned] = [Number(status.points), Number(status.planned)];
@@ -146,8 +151,9 @@ function showFacts({ status, candidate, sigmas }) {
   if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);
   if (status.warning) facts.push(['its drive warns', `joint ${status.warning}`]);
   if (status.unsupervised) facts.push(['holds torque without this controller', `joint ${status.unsupervised}`]);
-  if (status.unreferenced) facts.push(['may stand elsewhere than it reads', `joint ${status.unreferenced}: look at it, then confirm`]);
+  if (status.unreferenced) facts.push(['may stand elsewhere than it reads', `joint ${status.unreferenced}: look at it, then confirm${verbs.home ? ', or home it' : ''}`]);
   if (status.signature) facts.push(['signature', [`number ${status.signature}`, ...accuracyOf(status), ...(status.air_c ? [`${status.air_c} \u00b0C`] : [])].join(', ')]);
+  if (status.check) facts.push(['last check', status.check]);
   facts.push(...candidateFacts(status, candidate, sigmas));
   if (status.late_max_us) facts.push(['control tick', `at most ${rough(Number(status.late_max_us))} \u00b5s late`]);
   const key = JSON.stringify(facts);
@@ -185,11 +191,7 @@ function candidateFacts(status, candidate, sigmas) {
 }
 
 function showReadings({ status }) {
-  const parts = joints.map((joint, i) => {
-    const q = reading(status, i + 1, joint.revolute);
-    const words = !Number.isFinite(q) ? 'not known' : joint.revolute ? `${fixed(degrees(q), 2)}\u00b0` : `${fixed(1e3 * q, 2)} mm`;
-    return element('span', {}, `${i + 1} `, element('b', {}, words));
-  });
+  const parts = joints.map((joint, i) => element('span', {}, `${i + 1} `, element('b', {}, readingWords(status, i + 1, joint.revolute))));
   byId('readings').replaceChildren(...parts);
 }
 
@@ -198,15 +200,33 @@ function showAnswer({ answer }) {
   shownAnswer = answer.number;
   asked = '';
   const [, name, rest] = /^error (\S+) (.*)$/.exec(answer.words) ?? [];
-  const why = name ? `${rest}. ${markdown(adviceFor(name).todo ?? '')}` : answer.words;
-  byId('answer').classList.toggle('bad', !answer.ok);
-  tell('answer', answer.ok ? `The controller took ${answer.verb}.` : `${answer.verb}: ${why}`);
+  const own = / why="([^"]*)"/.exec(rest ?? '');  // of the controller, which knows more than the table of messages
+  const why = own ? `${rest.replace(own[0], '')}: ${own[1]}` : name ? `${rest}. ${markdown(adviceFor(name).todo ?? '')}` : answer.words;
+  say(answer.verb, answer.ok ? `The controller took ${answer.verb}.` : `${answer.verb}: ${why}`, answer.ok);
+}
+
+// What became of a request; of a jog beside its buttons, too.
+function say(verb, words, good) {
+  for (const id of verb === 'move' ? ['answer', 'jog-answer'] : ['answer']) tell(id, words).classList.toggle('bad', !good);
+}
+
+// A button for each joint that may stand elsewhere than it reads, where the controller can home at all.
+function showHomes({ status }) {
+  const wanted = verbs.home ? (status.unreferenced ?? '') : '';
+  if (byId('homes').dataset.joints === wanted) return;
+  byId('homes').dataset.joints = wanted;
+  byId('homes').replaceChildren(...wanted.split(',').filter(Boolean).map((joint) => {
+    const button = element('button', { type: 'button', 'data-verb': 'home', 'data-joint': joint, 'data-sure': `Home joint ${joint}: sure?`, disabled: '' }, `Home joint ${joint}`);
+    button.addEventListener('click', () => press(button));
+    return button;
+  }));
 }
 
 function showButtons(next) {
-  const old = stale() !== '';
-  for (const button of document.querySelectorAll('#buttons [data-verb]')) {
-    const can = state !== null && !old && state.holds && state.busy === '' && asked === '' && possible(button.dataset.verb, state);
+  const free = state !== null && stale() === '' && state.holds && state.busy === '' && asked === '';
+  if (state !== null) jog.show(state.status, free && possible('move', state, verbs));
+  for (const button of document.querySelectorAll('[data-verb]:not(.stop)')) {
+    const can = free && possible(button.dataset.verb, state, verbs);
     button.disabled = !can;
     button.hidden = !can && ['pause', 'resume', 'acknowledge', 'reset'].includes(button.dataset.verb);
     button.classList.toggle('next', button.dataset.verb === next && can);
@@ -240,6 +260,7 @@ function show() {
   showFacts(state);
   showReadings(state);
   showAnswer(state);
+  showHomes(state);
   showButtons(next);
   arm.setStatus(state.status);
   dials.show(rows, state.sigmas, Number(state.status.sweep ?? 0));
@@ -247,7 +268,7 @@ function show() {
 
 // --- What the viewer wants -------------------------------------------------------------------------
 
-async function request(verb) {
+async function request(verb, values = {}) {
   if (verb !== 'stop' && verb !== 'take-over') {
     asked = verb;  // one at a time: a second would be refused
     showButtons('');
@@ -255,29 +276,44 @@ async function request(verb) {
   const answer = await fetch('request', {
     method: 'POST',
     headers: { 'Content-Type': 'application/json' },
-    body: JSON.stringify({ viewer, verb }),
+    body: JSON.stringify({ viewer, verb, ...values }),
     signal: AbortSignal.timeout(3000),
   }).catch(() => null);
   if (answer?.ok) return;
   if (asked === verb) asked = '';
-  byId('answer').classList.add('bad');
-  tell('answer', answer ? `${verb}: ${await answer.text()}` : `${verb} did not reach the page’s server${verb === 'stop' ? ': use the emergency stop' : ''}`);
+  say(verb, answer ? `${verb}: ${await answer.text()}` : `${verb} did not reach the page’s server${verb === 'stop' ? ': use the emergency stop' : ''}`, false);
+}
+
+// What is typed beside Identify, as it is: the server has the bounds. Null: no number, which a browser tells as if it were empty.
+function typedValues() {
+  const fields = [['accuracy_mm', byId('accuracy')], ['minutes', byId('minutes')]];
+  if (fields.some(([, field]) => field.validity.badInput)) return null;
+  return Object.fromEntries(fields.filter(([, field]) => field.value !== '').map(([key, field]) => [key, Number(field.value)]));
+}
+
+function ask({ verb, joint }) {
+  const values = verb === 'identify' ? typedValues() : joint ? { joint: Number(joint) } : {};
+  if (values === null) say(verb, `${verb}: what is typed is no number`, false);
+  else request(verb, values);
+}
+
+function calm(button) {
+  if (button.classList.contains('sure')) button.textContent = button.dataset.words;
+  button.classList.remove('sure');
 }
 
 // A button with data-sure is asked twice.
 function press(button) {
-  const { verb, sure } = button.dataset;
+  const { sure } = button.dataset;
   if (!sure || button.classList.contains('sure')) {
-    request(verb);
+    calm(button);
+    ask(button.dataset);
     return;
   }
-  const words = button.textContent;
+  button.dataset.words = button.textContent;
   button.textContent = sure;
   button.classList.add('sure');
-  setTimeout(() => {
-    button.textContent = words;
-    button.classList.remove('sure');
-  }, kSure_ms);
+  setTimeout(calm, kSure_ms, button);
 }
 
 for (const button of document.querySelectorAll('[data-verb]')) button.addEventListener('click', () => press(button));

@@ -33,6 +33,8 @@ export function situation({ status, candidate }, pausedBy, jointCount) {
     const headline = status.sweep ? `Measuring joint ${status.sweep} of ${jointCount}` : status.refining ? 'Measuring poses anywhere' : 'Comparing on poses held out';
     return { headline, words: 'The arm moves by itself. Keep clear of it.', next: 'pause' };
   }
+  if (status.sequence === 'checking') return { headline: 'Checking the arm against its signature', words: 'The arm moves by itself. Keep clear of it.', next: 'halt' };
+  if (status.mode === 'homing') return { headline: 'A joint is being homed', words: 'Its drive finds its reference by itself, also beyond the limits. Keep clear of the arm.', next: 'halt' };
   if (status.sequence === 'touching') return { headline: 'Touching the grid', words: 'The arm moves by itself. Keep clear of it.', next: 'halt' };
   if (candidate) {
     const better = candidate.better === 'yes';
@@ -43,15 +45,12 @@ export function situation({ status, candidate }, pausedBy, jointCount) {
   return { headline: 'Ready', words: `${model} Identify sweeps each joint in turn.`, next: status.model === 'signature' ? '' : 'identify' };
 }
 
-// Whether the controller would take the verb now.
-export function possible(verb, { status, candidate }) {
-  const { mode, sequence } = status;
-  const free = sequence === 'none' && mode !== 'servoing';
-  const standing = (mode === 'idle' || mode === 'holding') && free;
+// Whether the controller would take the verb now. `verbs`: the modes of each, as it told them, and whether nothing else may be under way.
+export function possible(verb, { status, candidate }, verbs) {
+  const told = verbs[verb];
+  if (!told?.modes.includes(status.mode) || (told.alone && status.sequence !== 'none')) return false;
   return {
-    enable: mode === 'idle', disable: ['holding', 'servoing', 'sweeping', 'homing'].includes(mode), reset: mode === 'faulted',
-    identify: mode === 'holding' && free, pause: sequence === 'identifying', resume: sequence === 'paused',
-    halt: ['servoing', 'sweeping', 'homing'].includes(mode), accept: standing && candidate?.better === 'yes',
-    rollback: standing && status.model === 'signature', acknowledge: status.acknowledge === 'needed',
-  }[verb];
+    pause: status.sequence === 'identifying', resume: status.sequence === 'paused', accept: candidate?.better === 'yes',
+    check: status.model === 'signature', rollback: status.model === 'signature', acknowledge: status.acknowledge === 'needed',
+  }[verb] ?? true;
 }

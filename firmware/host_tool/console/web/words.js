@@ -48,3 +48,9 @@ export function tell(id, text) {
 // The joint's reading in a row or a status, radians or metres; NaN where it is not told.
 export const reading = (values, joint, revolute) =>
   revolute ? radians(parseFloat(values[`q${joint}_deg`])) : parseFloat(values[`q${joint}_mm`]) / 1e3;
+
+export function readingWords(values, joint, revolute) {
+  const q = reading(values, joint, revolute);
+  if (!Number.isFinite(q)) return 'not known';
+  return revolute ? `${fixed(degrees(q), 2)}\u00b0` : `${fixed(1e3 * q, 2)} mm`;
+}
