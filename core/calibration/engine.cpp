@@ -33,14 +33,18 @@ const ChainFrames& Engine::frames_of(std::size_t row) {
   return scratch_;
 }
 
-void Engine::evaluate() { evaluate_rows({0, rows_.size()}); }
+void Engine::evaluate() {
+  looked_up_ = false;
+  evaluate_rows({0, rows_.size()});
+}
 
 void Engine::evaluate_rows(Units rows) {
   for (std::size_t k = rows.first; k < rows.last; ++k) {
     FitRow& row = rows_[k];
     const ModelTarget& target = targets_[row.target];
     ChainFrames& frames = cache_.empty() ? scratch_ : cache_[k];
-    evaluate_chain(model_, row.readings, target.link, frames);
+    if (!looked_up_) look_up(model_, row.readings, target.link, frames);
+    place_chain(model_, target.link, frames);
     evaluate(row, frames);
   }
 }

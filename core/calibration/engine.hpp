@@ -269,6 +269,7 @@ class Engine {
   PlayBlock* play_ = nullptr;
   bool maps_on_ = false;
   bool play_on_ = false;
+  bool looked_up_ = false;                      // what the cache has that no step changes
   std::uint8_t without_map_ = 0;                // those asked for, and joints that stood still
   std::array<ReadingSpan, kMaxJoints> read_{};  // of the fitted rows
   // What turned below a target, in effective readings: a joint that no target is beyond did not.

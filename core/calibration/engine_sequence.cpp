@@ -54,6 +54,7 @@ void Engine::begin(const ModelParts& parts) {
   trust_ = 1;
   effective_ = 0;
   coarse_ = 0;
+  looked_up_ = false;
   base_moved_.fill(0);
   read_.fill({});
   turned_.fill({});
@@ -101,7 +102,10 @@ void Engine::note_still() {
   }
 }
 
-void Engine::note_start() { scales_.sigma_squared = scale_ * scale_; }
+void Engine::note_start() {
+  scales_.sigma_squared = scale_ * scale_;
+  looked_up_ = !cache_.empty();
+}
 
 void Engine::begin_round() {
   maps_on_ = parts_.maps && summary_.rounds > 0;

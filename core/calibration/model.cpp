@@ -111,11 +111,16 @@ double map_variance_at(const JointModel& joint, double reading) {
   return unit * unit * variance;
 }
 
-void evaluate_chain(const ArmModel& model, const JointVector& readings, std::size_t link,
-                    ChainFrames& frames) {
+void look_up(const ArmModel& model, const JointVector& readings, std::size_t link,
+             ChainFrames& frames) {
   frames.effective = effective_readings(model.couplings, readings);
-  const JointVector& effective = frames.effective;
-  if (!model.gravity.empty()) gravity_levers(model, effective, frames.levers);
+  if (!model.gravity.empty()) gravity_levers(model, frames.effective, frames.levers);
+  for (std::size_t i = 0; i < link; ++i) {
+    frames.support[i] = spline_support(model.joints[i].domain, readings[i]);
+  }
+}
+
+void place_chain(const ArmModel& model, std::size_t link, ChainFrames& frames) {
   std::array<double, kMaxJoints> sag{};
   for (std::size_t t = 0; t < model.gravity.size(); ++t) {
     sag[model.gravity[t].joint] += model.gravity[t].coefficient * frames.levers[t];
@@ -123,10 +128,9 @@ void evaluate_chain(const ArmModel& model, const JointVector& readings, std::siz
   Pose X = model.X_SB;
   for (std::size_t i = 0; i < link; ++i) {
     const JointModel& joint = model.joints[i];
-    frames.support[i] = spline_support(joint.domain, readings[i]);
     X = X * deviation_pose(joint);
     frames.X_SJ[i] = X;
-    const double motion = corrected(joint.correction, effective[i]) + joint.offset +
+    const double motion = corrected(joint.correction, frames.effective[i]) + joint.offset +
                           joint.deviation[4] + sag[i] +
                           map_unit(joint.type) * map_value(joint.map, frames.support[i]);
     if (joint.type == JointType::kRevolute) {
@@ -140,6 +144,12 @@ void evaluate_chain(const ArmModel& model, const JointVector& readings, std::siz
     X = X * joint.after;
   }
   frames.X_SL = X;
+}
+
+void evaluate_chain(const ArmModel& model, const JointVector& readings, std::size_t link,
+                    ChainFrames& frames) {
+  look_up(model, readings, link, frames);
+  place_chain(model, link, frames);
 }
 
 }  // namespace armsig::calibration

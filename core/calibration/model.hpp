@@ -111,7 +111,13 @@ struct ChainFrames {
   std::array<SplineSupport, kMaxJoints> support;
 };
 
-// Everything at joint readings `readings`, of the joints before link `link` (n: the last).
+// What the drawing and the readings alone say, of the joints before link `link` (n: the last): the
+// effective readings, the levers and the supports.
+void look_up(const ArmModel& model, const JointVector& readings, std::size_t link,
+             ChainFrames& frames);
+// The poses, after look_up().
+void place_chain(const ArmModel& model, std::size_t link, ChainFrames& frames);
+// Both.
 void evaluate_chain(const ArmModel& model, const JointVector& readings, std::size_t link,
                     ChainFrames& frames);
 

@@ -53,6 +53,27 @@ TEST(ArmModel, finds_the_corrections_that_are_asked_for_and_no_others) {
   EXPECT_EQ(model.further[3].index, 3);
 }
 
+TEST(ArmModel, places_its_chain_anew_by_what_was_looked_up_before_it_moved) {
+  Random random(7);
+  ArmModel model = model_of(with_slide(), random.pose(1));
+  choose_gravity_terms(with_slide(), model);
+  const JointVector q = random.configuration(with_slide());
+  ChainFrames anew;
+  look_up(model, q, 6, anew);
+  for (JointModel& joint : model.joints) {
+    for (double& deviation : joint.deviation) deviation = random.normal(1e-3);
+    for (double& coefficient : joint.map) coefficient = random.normal();
+    joint.correction.gain = random.normal(1e-3);
+  }
+  for (GravityTerm& term : model.gravity) term.coefficient = random.normal(1e-3);
+  place_chain(model, 6, anew);
+  ChainFrames whole;
+  evaluate_chain(model, q, 6, whole);
+  EXPECT_EQ(anew.X_SL.R, whole.X_SL.R);
+  EXPECT_EQ(anew.X_SL.p, whole.X_SL.p);
+  for (std::size_t j = 0; j < 6; ++j) EXPECT_EQ(anew.X_SJ[j].p, whole.X_SJ[j].p) << j;
+}
+
 TEST(GravityTerms, are_set_once) {
   const Arm drawing = test::puma();
   ArmModel model = model_of(drawing, {});
