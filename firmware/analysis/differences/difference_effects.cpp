@@ -77,9 +77,29 @@ class Path {
 
   // At the share s of all deviations, base and tool off by `fitted` (1 - s).
   void evaluate(const Reading& q, double s, const Fitted& fitted, ToolAt& at) const {
+    AxisFrames frames;
+    place(q, s, fitted, frames, at);
+    for (std::size_t i = 0; i < types_.size(); ++i) {
+      add_causes(i, s, q, frames.before[i], frames.after[i], at);
+    }
+  }
+  // The same without the derivatives by causes.
+  void place(const Reading& q, double s, const Fitted& fitted, ToolAt& at) const {
+    AxisFrames frames;
+    place(q, s, fitted, frames, at);
+  }
+
+ private:
+  // In the sensor frame, before E_i and after it.
+  struct AxisFrames {
+    std::array<Pose, kMaxJoints> before;
+    std::array<Pose, kMaxJoints> after;
+  };
+
+  void place(const Reading& q, double s, const Fitted& fitted, AxisFrames& frames,
+             ToolAt& at) const {
     const JointVector& coupled = q.coupled;
-    std::array<Pose, kMaxJoints> before;  // axis frames in the sensor frame, before E_i
-    std::array<Pose, kMaxJoints> after;   // and after it
+    auto& [before, after] = frames;
     const Vector3 shift = (1 - s) * fitted.segment<3>(3);
     Pose X = base((1 - s) * fitted);
     for (std::size_t i = 0; i < types_.size(); ++i) {
@@ -97,12 +117,8 @@ class Path {
       at.by_fitted.col(3 + c) = Vector3::Unit(c);
       at.by_fitted.col(6 + c) = X.R.col(c);
     }
-    for (std::size_t i = 0; i < types_.size(); ++i) {
-      add_causes(i, s, q, before[i], after[i], at);
-    }
   }
 
- private:
   void add_causes(std::size_t i, double s, const Reading& q, const Pose& before, const Pose& after,
                   ToolAt& at) const {
     const double coupled = q.coupled[i];
@@ -169,7 +185,7 @@ Fit fit_base_and_tool(Path& path, int count) {
   ToolAt drawn;
   Vector3 middle = Vector3::Zero();
   for (int n = 1; n <= count; ++n) {
-    path.evaluate(path.reading(n), 1, Fitted::Zero(), arm);
+    path.place(path.reading(n), 1, Fitted::Zero(), arm);
     middle += arm.p_S / count;
   }
   path.set_pivot(middle);
@@ -179,8 +195,8 @@ Fit fit_base_and_tool(Path& path, int count) {
     Fitted gradient = Fitted::Zero();
     for (int n = 1; n <= count; ++n) {
       const Reading q = path.reading(n);
-      path.evaluate(q, 1, Fitted::Zero(), arm);
-      path.evaluate(q, 0, fit.fitted, drawn);
+      path.place(q, 1, Fitted::Zero(), arm);
+      path.place(q, 0, fit.fitted, drawn);
       information.noalias() += drawn.by_fitted.transpose() * drawn.by_fitted;
       gradient.noalias() += drawn.by_fitted.transpose() * (arm.p_S - drawn.p_S);
     }
@@ -206,9 +222,9 @@ struct PathIntegral {
 void integrate(const Path& path, int n, const Fit& fit, PathIntegral& integral) {
   const Reading q = path.reading(n);
   ToolAt at;
-  path.evaluate(q, 1, fit.fitted, at);
+  path.place(q, 1, fit.fitted, at);
   integral.displacement = at.p_S;
-  path.evaluate(q, 0, fit.fitted, at);
+  path.place(q, 0, fit.fitted, at);
   integral.displacement -= at.p_S;
   integral.at_start = at.by_fitted * fit.directions;
   integral.by_fitted.setZero();
