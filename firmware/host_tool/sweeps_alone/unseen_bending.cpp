@@ -27,6 +27,28 @@ constexpr double kScaleRange = 18.4;
 // What gears and gravity that are not there have as evidence is less.
 constexpr double kSpeaks = 1;
 
+// Column by column it begins at the diagonal: a panel of columns is solved for from its first row
+// on.
+Eigen::MatrixXd inverse_of_lower(const Eigen::MatrixXd& L) {
+  constexpr Eigen::Index kPanel = 32;
+  const Eigen::Index size = L.rows();
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(size, size);
+  for (Eigen::Index first = 0; first < size; first += kPanel) {
+    const Eigen::Index below = size - first;
+    auto panel = inverse.block(first, first, below, std::min(kPanel, below));
+    L.bottomRightCorner(below, below).triangularView<Eigen::Lower>().solveInPlace(panel);
+  }
+  return inverse;
+}
+
+// tr(P C^T C), P symmetric: of the product one half is enough.
+double trace_of(const Eigen::MatrixXd& P, const Eigen::Ref<const Eigen::MatrixXd>& C) {
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(P.rows(), P.cols());
+  products.selfadjointView<Eigen::Lower>().rankUpdate(C.transpose());
+  products.diagonal() /= 2;
+  return 2 * P.cwiseProduct(products).sum();
+}
+
 // The rows: y = A x + e, every number of one variance.
 struct LinearRows {
   Eigen::MatrixXd A;
@@ -72,7 +94,7 @@ class Fit {
     for (int round = 0; round < kScaleRounds; ++round) {
       const Eigen::LLT<Eigen::MatrixXd> factor(information(squares, found));
       // C = root^T root; of a round only its blocks are needed.
-      const Eigen::MatrixXd root = factor.matrixL().solve(Eigen::MatrixXd::Identity(size, size));
+      const Eigen::MatrixXd root = inverse_of_lower(factor.matrixLLT());
       found.x = factor.solve(gradient / found.variance);
       const double errors = (rows_.y - A * found.x).squaredNorm();
       found.log_evidence = log_evidence(found, errors, factor);
@@ -108,9 +130,9 @@ class Fit {
       const auto size = static_cast<double>(block.size());
       const auto x = found.x.segment(block.first, block.size());
       const double squares = x.dot(block.precision * x);
-      const Eigen::MatrixXd columns =  // of a lower triangular matrix
-          root.block(block.first, block.first, root.rows() - block.first, block.size());
-      const double trace = block.precision.cwiseProduct(columns.transpose() * columns).sum();
+      const double trace = trace_of(  // of a lower triangular matrix
+          block.precision,
+          root.block(block.first, block.first, root.rows() - block.first, block.size()));
       const double own = std::clamp(size - trace / found.scale[b], 1e-3, size);
       found.determined[b] = own;
       determined += own;
