@@ -43,24 +43,29 @@ Normal normal_of(std::span<const PlacedRow> rows, std::size_t targets,
     normal.mean_S += weights[k] * rows[k].p_S;
   }
   normal.mean_S /= normal.weight;
+  // A row's derivatives are y_1 I, y_2 I, y_3 I, -I and -R: their products need no sum of 15 x 15.
+  Eigen::Matrix4d shared = Eigen::Matrix4d::Zero();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const PlacedRow& row = rows[k];
     const Vector3 y = row.p_S - normal.mean_S;
-    Eigen::Matrix<double, 3, 15> A;
-    for (Eigen::Index j = 0; j < 3; ++j) A.block<3, 3>(0, 3 * j) = y[j] * Matrix3::Identity();
-    A.block<3, 3>(0, 9) = -Matrix3::Identity();
-    A.block<3, 3>(0, 12) = -row.X_BL.R;
-    const Eigen::Matrix<double, 15, 15> AA = weights[k] * A.transpose() * A;
-    const Eigen::Matrix<double, 15, 1> Ap = weights[k] * A.transpose() * row.X_BL.p;
+    const Eigen::Vector4d v(y.x(), y.y(), y.z(), -1);
+    const Eigen::Vector4d w = weights[k] * v;
     const auto at = static_cast<Eigen::Index>(12 + 3 * row.target);
-    normal.H.topLeftCorner<12, 12>() += AA.topLeftCorner<12, 12>();
-    normal.H.block<12, 3>(0, at) += AA.topRightCorner<12, 3>();
-    normal.H.block<3, 12>(at, 0) += AA.bottomLeftCorner<3, 12>();
-    normal.H.block<3, 3>(at, at) += AA.bottomRightCorner<3, 3>();
-    normal.g.head<12>() += Ap.head<12>();
-    normal.g.segment<3>(at) += Ap.tail<3>();
+    shared += w * v.transpose();
+    for (Eigen::Index j = 0; j < 4; ++j) {
+      normal.H.block<3, 3>(3 * j, at) -= w[j] * row.X_BL.R;
+      normal.g.segment<3>(3 * j) += w[j] * row.X_BL.p;
+    }
+    normal.H.diagonal().segment<3>(at).array() += weights[k];
+    normal.g.segment<3>(at) -= weights[k] * (row.X_BL.R.transpose() * row.X_BL.p);
     normal.squares += weights[k] * row.X_BL.p.squaredNorm();
   }
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    for (Eigen::Index j = 0; j < 4; ++j) {
+      normal.H.block<3, 3>(3 * i, 3 * j).diagonal().setConstant(shared(i, j));
+    }
+  }
+  normal.H.triangularView<Eigen::StrictlyLower>() = normal.H.transpose();
   return normal;
 }
 

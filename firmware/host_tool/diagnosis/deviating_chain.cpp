@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/links.hpp"
+#include "core/base/sine_cosine.hpp"
 #include "core/numerics/rotations.hpp"
 
 namespace armsig::tool {
@@ -40,9 +41,13 @@ JointVector middle_readings(const Evidence& evidence) {
 Pose DeviatingChain::Link::drawn_part(double reading) const {
   const bool revolute = drawn.type == JointType::kRevolute;
   const double motion = reading + deviation[6];
-  const Matrix3 R_z = rotation_z(drawn.theta_rad + (revolute ? motion : 0));
-  const Vector3 p(drawn.a_m, 0, drawn.d_m + (revolute ? 0 : motion));
-  return {.R = R_z * R_x, .p = R_z * p};
+  const auto [sine, cosine] = sine_and_cosine(drawn.theta_rad + (revolute ? motion : 0));
+  Pose part;
+  part.R.col(0) = Vector3(cosine, sine, 0);
+  part.R.col(1) = Vector3(-sine * R_x(1, 1), cosine * R_x(1, 1), R_x(2, 1));
+  part.R.col(2) = Vector3(-sine * R_x(1, 2), cosine * R_x(1, 2), R_x(2, 2));
+  part.p = {cosine * drawn.a_m, sine * drawn.a_m, drawn.d_m + (revolute ? 0 : motion)};
+  return part;
 }
 
 void DeviatingChain::Link::deviate() {
@@ -219,26 +224,53 @@ Vector3 DeviatingChain::turn_derivative(const Placed& at, std::size_t last, cons
   return derivative;
 }
 
-// The lower half.
+// Unknowns that a row may speak of. The last link has no deviation of its own.
+std::vector<Eigen::Index> DeviatingChain::spoken_of() const {
+  std::vector<Eigen::Index> spoken;
+  const auto add = [&](const Columns& columns) {
+    for (Eigen::Index i = 0; i < columns.count; ++i) spoken.push_back(columns.first + i);
+  };
+  add(of_base());
+  if (two_places_) add({kPlace, kSecond});
+  if (free_scale_) add(of_lengths());
+  if (free_gain_ != 0) add({kTurn, 1});
+  for (std::size_t j = 0; j + 1 < links_.size(); ++j) {
+    add(of_link(j));
+    add(of_zero(j));
+    if (twists(j)) add(of_twist(j));
+  }
+  for (std::size_t t = 0; t < targets_.size(); ++t) add(of_target(t));
+  return spoken;
+}
+
 void DeviatingChain::sum_rows(const Evidence& evidence, const std::vector<Vector3>& residuals,
                               const std::vector<double>& weights, Normal& normal) const {
+  const std::vector<Eigen::Index> spoken = spoken_of();
+  const auto count = static_cast<Eigen::Index>(spoken.size());
   Eigen::Matrix3Xd J(3, normal.g.size());
-  Eigen::MatrixXd batch(normal.g.size(), 3 * kRowsABatch);
+  Eigen::MatrixXd batch(count, 3 * kRowsABatch);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(count, count);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(count);
+  Eigen::VectorXd weighted(batch.cols());
   Eigen::Index filled = 0;
   const auto add_batch = [&] {
-    normal.H.selfadjointView<Eigen::Lower>().rankUpdate(batch.leftCols(filled));
+    H.selfadjointView<Eigen::Lower>().rankUpdate(batch.leftCols(filled));
+    g.noalias() += batch.leftCols(filled) * weighted.head(filled);
     filled = 0;
   };
   for (std::size_t k = 0; k < evidence.rows.size(); ++k) {
     if (weights[k] <= 0) continue;
     derivatives(evidence.rows[k], J);
-    if (!free_scale_) J.col(kScale).setZero();
-    batch.middleCols<3>(filled) = std::sqrt(weights[k]) * J.transpose();
-    normal.g.noalias() += weights[k] * (J.transpose() * residuals[k]);
+    const double weight = std::sqrt(weights[k]);
+    batch.middleCols<3>(filled) = weight * J(Eigen::all, spoken).transpose();
+    weighted.segment<3>(filled) = weight * residuals[k];
     filled += 3;
     if (filled == batch.cols()) add_batch();
   }
   if (filled > 0) add_batch();
+  H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
+  normal.H(spoken, spoken) = H;
+  normal.g(spoken) = g;
 }
 
 DeviatingChain::Normal DeviatingChain::normal(const Evidence& evidence,
@@ -247,7 +279,6 @@ DeviatingChain::Normal DeviatingChain::normal(const Evidence& evidence,
   const Eigen::Index size = target_column(targets_.size());
   Normal normal{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
   sum_rows(evidence, residuals, weights, normal);
-  normal.H.triangularView<Eigen::StrictlyUpper>() = normal.H.transpose();
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const Link& link = links_[k];
     const Eigen::Index column = link_column(k);

@@ -117,6 +117,7 @@ class DeviatingChain {
     return link_column(links_.size()) + 3 * static_cast<Eigen::Index>(target);
   }
   [[nodiscard]] std::size_t target_of(int number) const;
+  [[nodiscard]] std::vector<Eigen::Index> spoken_of() const;
   [[nodiscard]] Placed placed(const JointVector& effective, std::size_t last) const;
   void sum_rows(const Evidence& evidence, const std::vector<Vector3>& residuals,
                 const std::vector<double>& weights, Normal& normal) const;
