@@ -8,6 +8,7 @@
 #include "core/calibration/engine_detail.hpp"
 #include "core/calibration/prior_scale.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
+#include "firmware/host_tool/diagnosis/triangle.hpp"
 #include "firmware/host_tool/places/place_fit.hpp"
 
 namespace armsig::tool {
@@ -84,11 +85,7 @@ void PlaceFit::weigh() {
 void PlaceFit::invert() {
   information_ = information_there(0);
   const Eigen::LLT<Eigen::MatrixXd> factor(information_);
-  Eigen::MatrixXd half = Eigen::MatrixXd::Identity(columns_.size, columns_.size);
-  factor.matrixL().solveInPlace(half);
-  covariance_ = Eigen::MatrixXd::Zero(columns_.size, columns_.size);
-  covariance_.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
-  covariance_.triangularView<Eigen::StrictlyUpper>() = covariance_.transpose();
+  covariance_ = square_of_lower(inverse_of_lower(factor.matrixLLT()));
 }
 
 void PlaceFit::foresee(const std::vector<std::size_t>& touches) {

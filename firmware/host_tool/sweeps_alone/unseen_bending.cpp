@@ -9,6 +9,7 @@
 
 #include "core/base/low_discrepancy.hpp"
 #include "firmware/analysis/uncertainty/tool_covariance.hpp"
+#include "firmware/host_tool/diagnosis/triangle.hpp"
 #include "firmware/host_tool/sweeps_alone/whole_model.hpp"
 
 namespace armsig::tool {
@@ -26,20 +27,6 @@ constexpr double kLeastBlockScale = 1e-6;
 constexpr double kScaleRange = 18.4;
 // What gears and gravity that are not there have as evidence is less.
 constexpr double kSpeaks = 1;
-
-// Column by column it begins at the diagonal: a panel of columns is solved for from its first row
-// on.
-Eigen::MatrixXd inverse_of_lower(const Eigen::MatrixXd& L) {
-  constexpr Eigen::Index kPanel = 32;
-  const Eigen::Index size = L.rows();
-  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(size, size);
-  for (Eigen::Index first = 0; first < size; first += kPanel) {
-    const Eigen::Index below = size - first;
-    auto panel = inverse.block(first, first, below, std::min(kPanel, below));
-    L.bottomRightCorner(below, below).triangularView<Eigen::Lower>().solveInPlace(panel);
-  }
-  return inverse;
-}
 
 // tr(P C^T C), P symmetric: of the product one half is enough.
 double trace_of(const Eigen::MatrixXd& P, const Eigen::Ref<const Eigen::MatrixXd>& C) {
@@ -101,7 +88,7 @@ class Fit {
       if (round + 1 < kScaleRounds) {
         update(found, root, errors);
       } else {
-        found.covariance = root.transpose() * root;
+        found.covariance = square_of_lower(root);
       }
     }
     return found;
