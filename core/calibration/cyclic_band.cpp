@@ -30,12 +30,18 @@ void CyclicFactor::factorise(const CyclicBand& measured, double variance,
     for (std::size_t k = 1; k < kSplines; ++k) {
       if (i + k >= kKnots) row[i + k - kKnots] += entry(i, k);
     }
-    for (std::size_t j = 0; j < kInner; ++j) {
+  }
+  // The rows of the border wait for each other's quotients no more than for their own.
+  for (std::size_t j = 0; j < kInner; ++j) {
+    for (std::array<double, kKnots>& row : border_) {
       for (std::size_t k = j < kBorder ? 0 : j - kBorder; k < j; ++k) {
         row[j] -= row[k] * inner_[j][k + kBorder - j];
       }
       row[j] /= inner_[j][kBorder];
     }
+  }
+  for (std::size_t b = 0; b < kBorder; ++b) {
+    std::array<double, kKnots>& row = border_[b];
     for (std::size_t c = 0; c <= b; ++c) {
       const std::size_t j = kInner + c;
       for (std::size_t k = 0; k < j; ++k) row[j] -= row[k] * border_[c][k];

@@ -198,28 +198,31 @@ void Engine::assemble_maps(const FitRow& row, const ChainFrames& frames, const G
   }
 }
 
+// Row by row, and in a row what a number takes from those behind it as soon as it is known: they
+// wait for it alone.
 void Engine::factorise_geometry(Units columns) {
   for (std::size_t i = columns.first; i < columns.last; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
-      if (is_held(i) || is_held(j)) {
-        lower(i, j) = i == j ? 1 : 0;
-        continue;
-      }
-      double sum = upper(j, i) / scales_.sigma_squared;
-      if (i == j) {
-        sum += 1 / prior_variance(i);
-        if (proximal_) sum += 1 / proximal_variance(i);
-      }
-      for (std::size_t k = 0; k < j; ++k) sum -= lower(i, k) * lower(j, k);
-      lower(i, j) = i == j ? std::sqrt(sum) : sum / lower(j, j);
+      const bool held = is_held(i) || is_held(j);
+      lower(i, j) = held ? (i == j ? 1 : 0) : upper(j, i) / scales_.sigma_squared;
     }
+    if (!is_held(i)) {
+      lower(i, i) += 1 / prior_variance(i);
+      if (proximal_) lower(i, i) += 1 / proximal_variance(i);
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      const double known = lower(i, k) /= lower(k, k);
+      for (std::size_t j = k + 1; j < i; ++j) lower(i, j) -= known * lower(j, k);
+      lower(i, i) -= known * known;
+    }
+    lower(i, i) = std::sqrt(lower(i, i));
   }
 }
 
 void Engine::solve_lower(std::array<double, kMaxGeometry>& b, std::size_t first) const {
-  for (std::size_t i = first; i < columns_; ++i) {
-    for (std::size_t k = first; k < i; ++k) b[i] -= lower(i, k) * b[k];
-    b[i] /= lower(i, i);
+  for (std::size_t k = first; k < columns_; ++k) {
+    const double known = b[k] /= lower(k, k);
+    for (std::size_t i = k + 1; i < columns_; ++i) b[i] -= lower(i, k) * known;
   }
 }
 
