@@ -215,7 +215,7 @@ TEST(Refined, holds_a_correction_that_the_rows_do_not_tell_and_names_the_joint) 
     }
   }
   expect_said(refine(folder, rows, "--correct gain"),
-              "joint 6: the gain of its reading is not determined");
+              "joint 6 stood still: nothing measured tells its parameters");
 }
 
 TEST(Refined, refuses_corrections_by_another_method_or_of_what_is_not_there) {

@@ -21,7 +21,8 @@ Result<bool> take_part(Receiving& receiving, std::size_t part) {
                               " hex=" + std::string(2 * bytes, '0');
   const auto parsed = parse_request(request);
   EXPECT_TRUE(parsed);
-  return receiving.take(*parsed);
+  Line why;
+  return receiving.take(*parsed, why);
 }
 
 TEST(Receiving, takes_parts_in_their_order_none_after_the_last_and_the_first_at_any_time) {
@@ -43,7 +44,8 @@ TEST(Receiving, takes_hexadecimal_digits_and_nothing_beside_them) {
                                 " hex=" + digits + std::string(2 * kPartBytes - 2, '0');
     const auto parsed = parse_request(request);
     EXPECT_TRUE(parsed) << digits;
-    return Receiving().take(*parsed);
+    Line why;
+    return Receiving().take(*parsed, why);
   };
   for (const char* digits : {"09", "90", "af", "fa"}) EXPECT_TRUE(take_begin(digits)) << digits;
   for (const char* digits : {"/0", "0/", ":0", "0:", "`0", "0`", "g0", "0g", "A0", "0F"}) {

@@ -16,7 +16,7 @@
 namespace armsig::controller {
 namespace {
 
-constexpr std::size_t kJoints = 6;
+constexpr std::size_t kPumaJoints = 6;
 
 // A signature of 0.1 mm of the Puma, as an identification without an error would have found it.
 void store_signature(const Configuration& configuration, hal::NonvolatileMemory& memory,
@@ -24,7 +24,7 @@ void store_signature(const Configuration& configuration, hal::NonvolatileMemory&
   SignatureRecord record;
   record.machine = *machine_of(configuration.drawing, drives);
   record.accuracy.predicted = {.rms_m = 1e-4};
-  const KnownTarget target{1, kJoints, {0.15, 0, 0.05}};
+  const KnownTarget target{1, kPumaJoints, {0.15, 0, 0.05}};
   record.signature =
       signature_of(configuration.drawing, configuration.sweeps.configuration, Pose(), {&target, 1});
   SignatureStore store(memory);
@@ -149,7 +149,7 @@ TEST(References, of_another_amplifier_are_to_be_confirmed_and_the_signature_stay
 
 TEST(References, of_a_counter_are_uncertain_after_every_set_up) {
   Configuration configuration = test::puma_controller();
-  configuration.references = FixedVector<Reference, kMaxJoints>(kJoints, Reference::kAbsolute);
+  configuration.references = FixedVector<Reference, kMaxJoints>(kPumaJoints, Reference::kAbsolute);
   configuration.references[5] = Reference::kNone;
   Plant plant(configuration);
   EXPECT_TRUE(plant.told("# unreferenced joint=6 why=counts_from_power_up"));
@@ -204,7 +204,7 @@ TEST(References, are_uncertain_where_a_signature_is_in_use_and_nothing_was_kept)
   plant.store_and_power_up();
   ASSERT_TRUE(plant.memory.erase_sector(RecordStore(plant.memory).sectors()));
   plant.power_up();
-  EXPECT_EQ(plant.unreferenced(), (1U << kJoints) - 1);
+  EXPECT_EQ(plant.unreferenced(), (1U << kPumaJoints) - 1);
 }
 
 // Whatever happens to power, encoders, drives, joints and memory: no move of the tool is taken with
@@ -236,7 +236,8 @@ class History {
     Configuration configuration = test::puma_controller();
     configuration.sweeps.configuration[2] = radians(10);
     configuration.sweeps.configuration[4] = radians(40);
-    configuration.references = FixedVector<Reference, kMaxJoints>(kJoints, Reference::kAbsolute);
+    configuration.references =
+        FixedVector<Reference, kMaxJoints>(kPumaJoints, Reference::kAbsolute);
     for (const std::size_t joint : kHomed) configuration.references[joint] = Reference::kHomed;
     return configuration;
   }
@@ -248,7 +249,7 @@ class History {
   double loss() { return sign() * radians(1.25 + 0.5 * draw(100)); }
 
   void happen() {
-    const std::size_t joint = draw(kJoints);
+    const std::size_t joint = draw(kPumaJoints);
     switch (draw(9)) {
       case 0:  // switched off and on
         plant_.power_up();
@@ -298,7 +299,7 @@ class History {
   // A person goes by every joint and types the mark at which it stands; where that is refused, the
   // joint is homed by the tool of the drive's maker, or left.
   void look() {
-    for (std::size_t i = 0; i < kJoints; ++i) {
+    for (std::size_t i = 0; i < kPumaJoints; ++i) {
       if ((plant_.unreferenced() >> i & 1U) == 0) continue;
       if (confirm(i) || draw(2) == 0) continue;
       if (plant_.drives.counts_anew[i]) {
@@ -330,7 +331,7 @@ class History {
     if (reply != "ok") return;
     ++moves_;
     plant_.run(200);
-    for (std::size_t i = 0; i < kJoints; ++i) {
+    for (std::size_t i = 0; i < kPumaJoints; ++i) {
       EXPECT_LE(std::abs(plant_.drives.lost[i]), References::kSeen_rad + kTyped_rad)
           << "joint " << i + 1 << ": " << reply;
     }

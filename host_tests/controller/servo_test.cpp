@@ -108,7 +108,7 @@ TEST(ServoMoves, begin_where_the_arm_is_commanded_to_be_and_one_at_a_time) {
   EXPECT_EQ(bench.send(bench.move_by(0, 0.1)), Error::kWrongMode) << "one is under way";
   Command adopt;
   adopt.kind = CommandKind::kAdoptModel;
-  adopt.model = 1;
+  adopt.index = 1;
   EXPECT_EQ(bench.send(adopt), Error::kWrongMode);
   EXPECT_EQ(bench.link.snapshot.read().model, 0U);
 }

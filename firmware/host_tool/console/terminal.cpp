@@ -74,6 +74,9 @@ class Terminal::Library {
   Library& operator=(const Library&) = delete;
 
   std::optional<std::string> read_line() {
+    // Before the prompt: libedit itself shows it first, and keys that came then would be the
+    // terminal's own.
+    ::el_set(edit_, EL_PREP_TERM, 1);
     int length = 0;
     const char* const text = ::el_gets(edit_, &length);
     if (text == nullptr || length <= 0) {
