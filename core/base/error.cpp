@@ -10,7 +10,7 @@ namespace armsig {
 namespace {
 
 constexpr std::string_view kWords[] = {
-#define ARMSIG_ERROR(code, words) words,
+#define ARMSIG_ERROR(code, words) std::string_view(words),
 #include "core/base/error_list.hpp"
 #undef ARMSIG_ERROR
 };

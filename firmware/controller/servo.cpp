@@ -117,9 +117,7 @@ std::optional<Error> Servo::take(const Command& command) {
       fail(Error::kQuickStop);
       break;
     case CommandKind::kHalt:
-      in_sequence_ = false;
-      path_.brake();
-      if constexpr (hal::kMayHome) drives_.stop_homing();
+      halt();
       break;
     case CommandKind::kMove:
       // The operator's halt may have come before the move of a sequence that does not know of it.
@@ -136,10 +134,15 @@ std::optional<Error> Servo::take(const Command& command) {
       model_ = command.index;  // commanded_ stays: the joints do not notice
       break;
     case CommandKind::kHome:
-      if constexpr (hal::kMayHome) return home(command.index);
-      return Error::kUnsupported;
+      return hal::kMayHome ? home(command.index) : Error::kUnsupported;
   }
   return std::nullopt;
+}
+
+void Servo::halt() {
+  in_sequence_ = false;
+  path_.brake();
+  if constexpr (hal::kMayHome) drives_.stop_homing();
 }
 
 void Servo::disable() {

@@ -25,6 +25,7 @@ class Servo {
   void follow_positions();
   [[nodiscard]] std::optional<Error> take(const Command& command);
   void disable();
+  void halt();
   [[nodiscard]] std::optional<Error> begin(const Move& move);
   void step_mode();
   void step_move();

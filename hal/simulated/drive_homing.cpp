@@ -50,7 +50,7 @@ std::optional<double> DriveHoming::step(const HomingObjects& objects,
     return std::nullopt;
   }
   stage_ = Stage::kFound;
-  return *edge;
+  return edge;
 }
 
 std::uint16_t DriveHoming::status_bits(const DriveMotion& motion) const {

@@ -3,6 +3,18 @@
 #include "hal/simulated/drive.hpp"
 
 namespace armsig::simulated {
+namespace {
+
+constexpr std::uint32_t kHomingMode = 6;
+
+HomingObjects homing_objects(const DriveDictionary& dictionary) {
+  return {.offset = static_cast<std::int32_t>(dictionary.get(0x607C)),
+          .method = static_cast<std::int8_t>(dictionary.get(0x6098)),
+          .fast = static_cast<double>(dictionary.get(0x6099, 1)),
+          .slow = static_cast<double>(dictionary.get(0x6099, 2))};
+}
+
+}  // namespace
 
 void Drive::restore_dictionary() {
   dictionary_.restore();
@@ -16,7 +28,6 @@ void Drive::restore_dictionary() {
 void Drive::read_settings() {
   using std::chrono::milliseconds;
   constexpr std::uint32_t kLastSynchronousType = 240;
-  constexpr std::uint32_t kModeHoming = 6;
   const auto on_sync = [&](std::uint16_t parameter) {
     const std::uint32_t type = dictionary_.get(parameter, 2);
     return type > 0 && type <= kLastSynchronousType;
@@ -52,11 +63,8 @@ void Drive::read_settings() {
                .following_timeout = milliseconds(dictionary_.get(0x6066)),
                .period = unit * dictionary_.get(0x60C2, 1),
                .offset = static_cast<std::int32_t>(dictionary_.get(0x60B0)),
-               .homes = dictionary_.get(0x6060) == kModeHoming,
-               .homing = {.offset = static_cast<std::int32_t>(dictionary_.get(0x607C)),
-                          .method = static_cast<std::int8_t>(dictionary_.get(0x6098)),
-                          .fast = static_cast<double>(dictionary_.get(0x6099, 1)),
-                          .slow = static_cast<double>(dictionary_.get(0x6099, 2))}};
+               .homes = dictionary_.get(0x6060) == kHomingMode,
+               .homing = homing_objects(dictionary_)};
 }
 
 }  // namespace armsig::simulated
