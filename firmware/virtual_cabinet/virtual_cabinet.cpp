@@ -80,7 +80,12 @@ void VirtualGravity::do_advance(hal::Instant until) {
 
 namespace {
 
-simulated::DriveConfiguration drive_of(const World& world, const canopen::AxisConfiguration& axis) {
+// Of a drive that homes.
+constexpr double kHomingTurnRate = radians(10);  // rad/s
+constexpr double kHomingSpeed = 0.05;            // m/s
+
+simulated::DriveConfiguration drive_of(const World& world, const canopen::AxisConfiguration& axis,
+                                       bool homes) {
   const double counts_per_unit = 1 / cia402::Scaling::make(axis.scaling)->resolution();
   const JointType type = axis.scaling.type;
   simulated::DriveConfiguration drive;
@@ -90,6 +95,8 @@ simulated::DriveConfiguration drive_of(const World& world, const canopen::AxisCo
     drive = type == JointType::kRevolute
                 ? simulated::honest_drive(axis.node, counts_per_unit)
                 : simulated::honest_slide_drive(axis.node, counts_per_unit);
+    const double speed = type == JointType::kRevolute ? kHomingTurnRate : kHomingSpeed;
+    if (homes) simulated::let_home(drive, speed * counts_per_unit);
   }
   drive.motion.play += bend_amount(type, world.play_rad) * counts_per_unit;
   return drive;
@@ -109,7 +116,9 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
       bus_(drives.bits_per_second) {
   bus_.connect(master_port_);
   for (std::size_t i = 0; i < drives.axes.size(); ++i) {
-    simulated::DriveConfiguration drive = drive_of(world, drives.axes[i]);
+    const bool homes = !configuration.references.empty() &&
+                       configuration.references[i] == controller::Reference::kHomed;
+    simulated::DriveConfiguration drive = drive_of(world, drives.axes[i], homes);
     drive.node = drives.axes[i].node;
     drive.encoder_counts =
         static_cast<std::uint32_t>(std::lround(drives.axes[i].scaling.counts_per_revolution));

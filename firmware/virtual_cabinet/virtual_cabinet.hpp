@@ -26,7 +26,8 @@ struct World {
   simulated::SimulatedArm arm;  // as it was built; its last target is on the hand
   JointVector start;            // readings at power-up
   // Of every joint, but for its node and where it starts; none: drives as they are, of each joint's
-  // own counts (simulated::honest_drive(), honest_slide_drive()).
+  // own counts (simulated::honest_drive(), honest_slide_drive()), which home where the
+  // configuration says so (simulated::let_home()).
   std::optional<simulated::DriveConfiguration> drive;
   // Maps of the readings and sag, of the arm as drawn; none: its joints turn as the encoders read.
   std::optional<calibration::ArmModel> bent;

@@ -33,6 +33,12 @@ DriveConfiguration honest_slide_drive(std::uint8_t node, double counts_per_metre
   return drive;
 }
 
+void let_home(DriveConfiguration& drive, double speed) {
+  drive.counts_anew = true;
+  drive.home_switch = 0;
+  drive.home_speed = speed;
+}
+
 Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Instant now)
     : configuration_(configuration),
       bus_(&bus),

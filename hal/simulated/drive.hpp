@@ -38,12 +38,17 @@ struct DriveConfiguration {
   bool boots_quietly = false;           // no boot-up message after a reset of the communication
   bool counts_anew = false;             // from zero after every power-up, until it has homed
   std::optional<double> home_switch{};  // where it homes, in counts of the motor
+  double home_speed = 0;                // counts/s, of 6099h:1; 0: as the dictionary has it
 };
 
 // A drive as they are: honest_motion(), bit 10, an answer 200 us to 400 us after SYNC.
 [[nodiscard]] DriveConfiguration honest_drive(std::uint8_t node, double counts_per_radian);
 // Of a slide: honest_slide().
 [[nodiscard]] DriveConfiguration honest_slide_drive(std::uint8_t node, double counts_per_metre);
+
+// Lets it count from zero at every power-up, until it has homed: by method 17, at `speed`
+// [counts/s], at a switch that stands where it would count zero.
+void let_home(DriveConfiguration& drive, double speed);
 
 // Faults on command.
 enum class DriveFault : std::uint8_t {

@@ -21,6 +21,14 @@ void Drive::restore_dictionary() {
   const auto ramp = static_cast<std::uint32_t>(configuration_.motion.stop_deceleration);
   dictionary_.set(0x6084, 0, ramp);
   dictionary_.set(0x6085, 0, static_cast<std::uint32_t>(ramp / configuration_.ramp_unit));
+  if (configuration_.home_speed > 0) {
+    constexpr std::uint32_t kNegativeLimitSwitch = 17;
+    constexpr double kToTheEdge = 0.1;  // of the speed to the switch
+    const double speed = configuration_.home_speed;
+    dictionary_.set(0x6098, 0, kNegativeLimitSwitch);
+    dictionary_.set(0x6099, 1, static_cast<std::uint32_t>(speed));
+    dictionary_.set(0x6099, 2, static_cast<std::uint32_t>(kToTheEdge * speed));
+  }
   if (set_) dictionary_.set(set_->index, set_->subindex, set_->value);
   read_settings();
 }

@@ -150,6 +150,10 @@ int run(int argc, char** argv) {
   app.add_option("--drive", options.drive,
                  "--drive-tables: the begin of the name of the drive that all joints have")
       ->needs(tables);
+  app.add_option("--homed", plant.homed,
+                 "joints whose drives count from power-up on until they have homed, where they "
+                 "would count zero")
+      ->delimiter(',');
   app.add_option("--start-deg", options.start_deg, "readings at power-up")->delimiter(',');
   app.add_option("--zero-counts", plant.zero_counts, "counts where a reading is zero")
       ->delimiter(',');

@@ -117,6 +117,24 @@ TEST(Bench, drives_of_another_process_are_set_up_enabled_and_moved) {
   EXPECT_EQ(master.master.counters().malformed, 0U);
 }
 
+TEST(Bench, a_drive_that_counts_anew_homes_while_the_others_hold) {
+  BenchProcess arm({"--homed", "2", "--start-deg", "10,5,-20,30,0,0"});
+  BenchMaster master(patient_drives());
+  ASSERT_TRUE(master.enable());
+  EXPECT_NEAR(master.master.positions()[1], 0, 1e-4) << "and stands at 5 degrees";
+  const JointVector before = master.master.positions();
+  ASSERT_TRUE(master.master.home(1));
+  master.run_until([&] { return master.master.status(1).homed || master.faulted(); });
+  ASSERT_TRUE(master.become(DriveCondition::kEnabled));
+  EXPECT_TRUE(master.master.status(1).homed);
+  const auto truth = arm.numbers("status", "joints");
+  EXPECT_NEAR(truth[1], 0, 1e-3);
+  EXPECT_NEAR(master.master.positions()[1], truth[1], 1e-4);
+  for (const std::size_t other : {0U, 2U, 3U, 4U, 5U}) {
+    EXPECT_NEAR(master.master.positions()[other], before[other], 1e-4) << other;
+  }
+}
+
 TEST(Bench, the_sensor_on_the_serial_line_tells_where_the_target_truly_is) {
   BenchProcess arm;
   const auto sensor = serial_sensor(arm.sensor_device);

@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kReceiversOnCan = 6;  // TPDO2 to TPDO4, two each
 // In which even a fast arm turns by a few degrees only.
 constexpr hal::Duration kGravityStep = std::chrono::milliseconds(10);
-constexpr double kLead_m = 0.01;  // travel of a slide a revolution of its output
+constexpr double kHomingSpeed = 0.2;  // rad/s or m/s
+constexpr double kLead_m = 0.01;      // travel of a slide a revolution of its output
 
 std::vector<std::uint16_t> registers_of(const simulated::Sounding& sounding) {
   unsigned status = 0;
@@ -69,6 +70,9 @@ simulated::DriveConfiguration Plant::drive_of(std::size_t joint) const {
   } else {
     drive.encoder_counts =
         static_cast<std::uint32_t>(std::lround(configuration_.counts_per_revolution));
+  }
+  if (std::ranges::find(configuration_.homed, joint + 1) != configuration_.homed.end()) {
+    simulated::let_home(drive, kHomingSpeed * counts_per_unit(joint));
   }
   drive.motion.start =
       configuration_.start[joint] * counts_per_unit(joint) + configuration_.zero_counts[joint];

@@ -37,7 +37,8 @@ struct PlantConfiguration {
   double bandwidth_hz = 25;         // of the position loops: following error = speed / (pi * this)
   unsigned sync_loss_periods = 0;   // that drives bear while enabled; 0: any number
   std::optional<test::DriveTable> drive_table;  // what every drive has and lacks
-  bool ideal = false;  // else drives as they are: simulated::honest_drive()
+  std::vector<std::size_t> homed;  // joints from 1 whose drives count anew until they have homed
+  bool ideal = false;              // else drives as they are: simulated::honest_drive()
   // Maps of the readings and sag; none: the joints turn as the encoders read.
   std::optional<calibration::ArmModel> bent;
   double play_rad = 0;  // of every joint, beside what its drive has of its own

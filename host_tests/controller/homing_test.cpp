@@ -145,6 +145,29 @@ TEST(HomedJoints, are_those_alone_that_the_configuration_names) {
   EXPECT_EQ(puma.mode(), Mode::kHolding);
 }
 
+TEST(HomedJoints, of_any_configuration_home_in_the_virtual_cabinet) {
+  cabinet::World world = test::puma_world();
+  world.start[1] = radians(-20);
+  test::RamMemory memory;
+  test::LineConsole console;
+  const std::array<hal::Console*, 1> consoles{&console};
+  cabinet::VirtualCabinet puma(test::homing_puma_controller(), test::puma_bus(), world, memory,
+                               consoles);
+  const auto run_until = [&](Mode mode) {
+    for (int i = 0; i < 10'000 && puma.state().snapshot().mode != mode; ++i) puma.step();
+    return puma.state().snapshot().mode == mode;
+  };
+  ASSERT_TRUE(run_until(Mode::kIdle));
+  console.requests.emplace_back("enable");
+  ASSERT_TRUE(run_until(Mode::kHolding));
+  EXPECT_NEAR(puma.state().snapshot().positions[1], 0, 1e-4);
+  console.requests.emplace_back("home joint=2");
+  ASSERT_TRUE(run_until(Mode::kHoming) && run_until(Mode::kHolding));
+  const double true_rad = puma.sensor().true_readings()[1];
+  EXPECT_NEAR(puma.state().snapshot().positions[1], true_rad, 1e-4);
+  EXPECT_NEAR(true_rad, 0, 1e-3);
+}
+
 TEST(HomedJoints, are_not_those_whose_motor_moves_another_joint_too) {
   Configuration wrist = test::homing_puma_controller();
   wrist.drawing.couplings.push_back({.joint = 4, .from = 3, .ratio = 0.1});
