@@ -83,6 +83,21 @@ TEST(Ending, of_enable_is_torque_and_of_disable_that_it_has_gone) {
   EXPECT_EQ(disabling.told(kIdle), "ok nothing is under way");
 }
 
+TEST(Ending, of_home_is_the_reference_found) {
+  constexpr const char* kHoming = "ok mode=homing moving=no sequence=none";
+  Ending homing;
+  homing.begun("home");
+  EXPECT_EQ(homing.told(kHoming), "");
+  EXPECT_EQ(homing.told(kResting), "error the search has ended without a reference");
+  homing.hear("# mode faulted error=HOMING_FAILED joint=2");
+  EXPECT_EQ(homing.told(kFaulted), "error mode faulted error=HOMING_FAILED joint=2");
+  Ending found;
+  found.begun("home");
+  found.hear("# homed joint=2");
+  EXPECT_EQ(found.told(kHoming), "");
+  EXPECT_EQ(found.told(kResting), "ok homed joint=2");
+}
+
 TEST(Ending, of_reset_is_no_fault_of_before) {
   Ending ending;
   ending.begun("reset");

@@ -49,7 +49,7 @@ void Ending::hear(std::string_view line) {
   if (!line.starts_with("# ")) return;
   line.remove_prefix(2);
   const bool ended_well = line.starts_with("identify done") ||
-                          line.starts_with("touch-grid done") ||
+                          line.starts_with("touch-grid done") || line.starts_with("homed ") ||
                           line.starts_with("check verdict=\"as accepted\"");
   const bool ended_badly = line.starts_with("identify ended") ||
                            line.starts_with("touch-grid ended") ||
@@ -64,6 +64,7 @@ void Ending::hear(std::string_view line) {
 
 void Ending::begun(std::string_view verb) {
   resets_ = verb == "reset";
+  homes_ = verb == "home";
   if (verb == "enable") awaited_mode_ = "holding";
   if (verb == "disable" || resets_) awaited_mode_ = "idle";
 }
@@ -74,11 +75,12 @@ std::string Ending::told(std::string_view status) const {
   const bool faulted = mode == "faulted" && (!resets_ || is_bad_);
   const bool paused = sequence == "paused";
   const bool awaited = awaited_mode_.empty() || mode == awaited_mode_;
-  const bool under_way =
-      sequence != "none" || value_in(status, "moving") == "yes" || mode == "starting" || !awaited;
+  const bool under_way = sequence != "none" || value_in(status, "moving") == "yes" ||
+                         mode == "starting" || mode == "homing" || !awaited;
   if (!faulted && !paused && under_way) return {};
   if (faulted && !is_bad_) return "error the controller is faulted: status tells why";
   if (paused && !is_bad_) return "error the sequence is paused: go on with resume";
+  if (homes_ && line_.empty()) return "error the search has ended without a reference";
   if (line_.empty()) return "ok nothing is under way";
   return (is_bad_ ? "error " : "ok ") + line_;
 }

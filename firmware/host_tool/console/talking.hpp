@@ -42,6 +42,7 @@ class Ending {
   bool is_bad_ = false;
   std::string_view awaited_mode_;  // of the end; empty: any rest is one
   bool resets_ = false;            // a fault of before goes
+  bool homes_ = false;             // a search that finds its reference says so
 };
 
 class Talker {
