@@ -2,13 +2,12 @@
 // The name of an Error for programs: kWrongMode is "WRONG_MODE".
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <iterator>
 #include <string_view>
 
 #include "core/base/error.hpp"
+#include "core/base/packed_texts.hpp"
 
 namespace armsig {
 namespace error_name_detail {
@@ -21,9 +20,8 @@ inline constexpr std::string_view kCodes[] = {
 };
 inline constexpr std::size_t kCount = std::size(kCodes);
 
-// take(character) of every name, one after the other; begin(number) before each.
-template <typename Begin, typename Take>
-constexpr void each_character(Begin begin, Take take) {
+// The names, in capitals.
+inline constexpr auto kEachCharacter = [](auto begin, auto take) {
   for (std::size_t number = 0; number < kCount; ++number) {
     begin(number);
     bool first = true;
@@ -33,39 +31,15 @@ constexpr void each_character(Begin begin, Take take) {
       first = false;
     }
   }
-}
-
-consteval std::size_t length_of_all() {
-  std::size_t length = 0;
-  each_character([](std::size_t) {}, [&length](char) { ++length; });
-  return length;
-}
-
-// All names without a gap: an image has no room for as much as the longest takes.
-struct Names {
-  std::array<char, length_of_all()> characters{};
-  std::array<std::uint16_t, kCount + 1> begin{};
 };
 
-consteval Names all_names() {
-  Names names;
-  std::size_t end = 0;
-  each_character([&](std::size_t number) { names.begin[number] = static_cast<std::uint16_t>(end); },
-                 [&](char c) { names.characters[end++] = c; });
-  names.begin[kCount] = static_cast<std::uint16_t>(end);
-  return names;
-}
-
-inline constexpr Names kNames = all_names();
+inline constexpr PackedTexts<kCount, kEachCharacter> kNames;
 
 }  // namespace error_name_detail
 
 [[nodiscard]] constexpr std::string_view name(Error error) {
   const auto number = static_cast<std::size_t>(error);
-  if (number >= error_name_detail::kCount) return "ERROR";
-  const auto& [characters, begin] = error_name_detail::kNames;
-  return {characters.data() + begin[number],
-          static_cast<std::size_t>(begin[number + 1] - begin[number])};
+  return number < error_name_detail::kCount ? error_name_detail::kNames[number] : "ERROR";
 }
 
 }  // namespace armsig
