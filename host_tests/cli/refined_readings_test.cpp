@@ -199,9 +199,9 @@ TEST(Refined, refuses_a_scale_from_angles_alone) {
   expect_refused(folder, refine(folder, rows, "--correct scale"), 1, "angles alone");
 }
 
-TEST(Refined, holds_a_correction_that_the_rows_do_not_tell_and_names_the_joint) {
-  const Folder folder;
-  Csv rows = simulated(folder, "--sigma-mm 0.1");
+// Free poses in which the motor of the last joint rests.
+Csv with_resting_last_motor(const Folder& folder, const std::string& arm = kPuma560) {
+  Csv rows = simulated(folder, "--sigma-mm 0.1", arm);
   keep_mixed(rows);
   for (Fields& row : rows.rows) row[rows.column("q6_deg")] = "10";
   // The target is where a resting last joint had it.
@@ -214,8 +214,22 @@ TEST(Refined, holds_a_correction_that_the_rows_do_not_tell_and_names_the_joint) 
           std::to_string(1e3 * truth.number(k, std::string(axis) + "_m"));
     }
   }
-  expect_said(refine(folder, rows, "--correct gain"),
+  return rows;
+}
+
+TEST(Refined, holds_a_correction_that_the_rows_do_not_tell_and_names_the_joint) {
+  const Folder folder;
+  expect_said(refine(folder, with_resting_last_motor(folder), "--correct gain"),
               "joint 6 stood still: nothing measured tells its parameters");
+}
+
+TEST(Refined, a_joint_that_another_turns_did_not_stand_still) {
+  const Folder folder;
+  const std::string coupled =
+      std::string(kPuma560) + "\ncoupling: [{joint: 6, from: 5, ratio: 0.3}]\n";
+  const Outcome outcome = refine(folder, with_resting_last_motor(folder, coupled));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err.find("stood still"), std::string::npos) << outcome.err;
 }
 
 TEST(Refined, refuses_corrections_by_another_method_or_of_what_is_not_there) {

@@ -2,6 +2,7 @@
 #include "firmware/host_tool/refinement/refinement_run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -272,15 +273,20 @@ void Run::take_out_rejected(RefinementOutcome& outcome) {
   }
 }
 
-// From 0.
+// From 0. As the engine has it (engine_still.cpp): by effective readings, below the row's target. A
+// joint that no target is beyond may have moved.
 std::vector<std::size_t> Run::still_joints() const {
+  std::array<calibration::ReadingSpan, kMaxJoints> spans;
+  std::size_t last = 0;
+  for (const calibration::Observation& row : log_.observations()) {
+    const JointVector effective = effective_readings(nominal_.couplings, row.readings);
+    const std::size_t link = calibrated_.refined->signature.targets[row.target].link;
+    for (std::size_t joint = 0; joint < link; ++joint) spans[joint].add(effective[joint]);
+    last = std::max(last, link);
+  }
   std::vector<std::size_t> still;
-  for (std::size_t joint = 0; joint < nominal_.joints.size(); ++joint) {
-    calibration::ReadingSpan span;
-    for (const calibration::Observation& row : log_.observations()) {
-      span.add(row.readings[joint]);
-    }
-    if (span.is_jitter(nominal_.joints[joint].type)) still.push_back(joint);
+  for (std::size_t joint = 0; joint < last; ++joint) {
+    if (spans[joint].is_jitter(nominal_.joints[joint].type)) still.push_back(joint);
   }
   return still;
 }
