@@ -106,6 +106,9 @@ struct Configuration {
   hal::Duration feedback_age{};  // a drive that is silent for longer has failed
   JointVector resolution;        // worth of a count of each joint, rad or m; empty: not known
   FixedVector<Reference, kMaxJoints> references;  // of each joint; empty: absolute
+  [[nodiscard]] Reference reference(std::size_t joint) const {
+    return references.empty() ? Reference::kAbsolute : references[joint];
+  }
   MotionLimits limits;
   Supervision supervision;
   Sensor sensor;

@@ -48,11 +48,6 @@ void References::trust(std::size_t joint) {
   changed_ = true;
 }
 
-bool References::homes(std::size_t joint) const {
-  return !configuration_.references.empty() &&
-         configuration_.references[joint] == Reference::kHomed;
-}
-
 void References::state_tolerances(const SignatureRecord* in_use) {
   const double error_m = 3 * error_of(in_use);
   const auto& joints = configuration_.drawing.joints;
@@ -90,8 +85,10 @@ void References::compare(const Snapshot& now, const Machine& machine, const Sign
   for (std::size_t i = 0; i < joints; ++i) {
     if (i < machine.drives.size()) drives_[i] = mark_of(machine.drives[i]);
     const double moved = now.positions[i] - at_rest_.positions[i];
-    const bool counts_anew =
-        !configuration_.references.empty() && configuration_.references[i] != Reference::kAbsolute;
+    // A drive that has homed since it was set up last has not lost its count: a reset of a fault
+    // may leave it as it is.
+    const bool homed = (now.homed & bit_of(i)) != 0;
+    const bool counts_anew = configuration_.reference(i) != Reference::kAbsolute && !homed;
     const std::uint32_t was = at_rest_.drives[i];
     if (was == 0) at_rest_.drives[i] = drives_[i];
     const bool doubted = (at_rest_.unreferenced & bit_of(i)) != 0;
@@ -121,7 +118,7 @@ void References::tell(std::size_t joint, std::string_view why, std::optional<dou
   const double unit = turns(joint) ? degrees(1) : 1e3;
   if (moved) line.text(turns(joint) ? " by_deg=" : " by_mm=").number(unit * *moved, 3);
   line.reason(Error::kUnreferenced);
-  if (hal::kMayHome && homes(joint)) {
+  if (hal::kMayHome && configuration_.reference(joint) == Reference::kHomed) {
     announcer.say(line.text(" home joint=").integer(joint + 1));
     return;
   }

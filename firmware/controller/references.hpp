@@ -59,7 +59,6 @@ class References {
   void doubt(std::size_t joint);
   void trust(std::size_t joint);
   [[nodiscard]] bool turns(std::size_t joint) const;
-  [[nodiscard]] bool homes(std::size_t joint) const;
   void take_homed(const Snapshot& now, const Announcer& announcer);
   void track(const Snapshot& now, const Announcer& announcer);
   [[nodiscard]] bool is_to_be_kept(const Snapshot& now);

@@ -115,8 +115,7 @@ Result<Answer> halt(Controls& controls, const Request& /*request*/, Line& /*out*
 
 // Error: kUnsupported, with the reason.
 Result<void> may_home(const Configuration& configuration, std::size_t joint, Line& out) {
-  const auto& references = configuration.references;
-  const bool homes = !references.empty() && references[joint] == Reference::kHomed;
+  const bool homes = configuration.reference(joint) == Reference::kHomed;
   const bool coupled =
       std::ranges::any_of(configuration.drawing.couplings, [&](const JointCoupling& coupling) {
         return coupling.joint == joint || coupling.from == joint;

@@ -116,8 +116,7 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
       bus_(drives.bits_per_second) {
   bus_.connect(master_port_);
   for (std::size_t i = 0; i < drives.axes.size(); ++i) {
-    const bool homes = !configuration.references.empty() &&
-                       configuration.references[i] == controller::Reference::kHomed;
+    const bool homes = configuration.reference(i) == controller::Reference::kHomed;
     simulated::DriveConfiguration drive = drive_of(world, drives.axes[i], homes);
     drive.node = drives.axes[i].node;
     drive.encoder_counts =

@@ -117,6 +117,24 @@ TEST(HomedJoints, without_a_switch_fault_the_arm) {
   EXPECT_TRUE(puma.is_unreferenced(1));
 }
 
+TEST(HomedJoints, are_still_known_after_a_reset_that_leaves_their_drives_as_they_are) {
+  Cabinet puma;
+  ASSERT_TRUE(puma.enable());
+  ASSERT_EQ(puma.ask("home joint=2"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 30));
+  ASSERT_EQ(puma.ask("stop"), "ok");
+  puma.run(1);
+  ASSERT_EQ(puma.ask("reset"), "ok");
+  ASSERT_TRUE(puma.enable());
+  EXPECT_FALSE(puma.is_unreferenced(1));
+  EXPECT_TRUE(puma.is_unreferenced(2)) << "it has not homed";
+  puma.cabinet->drive(1).inject(simulated::DriveFault::kReboot);
+  puma.run(0.5);
+  ASSERT_EQ(puma.ask("reset"), "ok");
+  ASSERT_TRUE(puma.enable());
+  EXPECT_TRUE(puma.is_unreferenced(1)) << "its drive was set up anew";
+}
+
 TEST(HomedJoints, are_known_no_more_after_the_next_power_up) {
   Cabinet puma;
   ASSERT_TRUE(puma.enable());
