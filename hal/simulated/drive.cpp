@@ -11,6 +11,7 @@ using canopen::NmtCommand;
 using canopen::NmtState;
 using cia402::State;
 
+constexpr std::uint16_t kHomingStart = 0x0010;  // bit 4 of the controlword, in homing mode
 constexpr std::uint16_t kEmergencyHeartbeat = 0x8130;
 constexpr std::uint16_t kEmergencyPdoLength = 0x8210;
 constexpr std::uint16_t kEmergencyCommands = 0x8250;
@@ -326,7 +327,7 @@ void Drive::apply_receive_pdo() {
   if (power_.take(word, settings_.stops, motion_)) send_emergency(0);
   if (power_.state() != State::kOperationEnabled) return;
   if (settings_.homes) {
-    homing_.command((word & cia402::kControlHomingStart) != 0, settings_.homing, motion_);
+    homing_.command((word & kHomingStart) != 0, settings_.homing, motion_);
     return;
   }
   const double target = static_cast<std::int32_t>(dictionary_.get(0x607A)) + settings_.offset;
