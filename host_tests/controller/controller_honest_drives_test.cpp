@@ -171,6 +171,14 @@ TEST(Tickets, a_refused_command_is_answered_so_and_ends_no_sequence) {
   EXPECT_EQ(puma.mode(), Mode::kSweeping);
 }
 
+TEST(Tickets, a_command_that_the_tick_refuses_is_answered_with_the_mode) {
+  Honest puma;
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  ASSERT_EQ(puma.ask("enable"), "ok");
+  EXPECT_EQ(puma.ask("enable"), "error WRONG_MODE the present mode does not allow it mode=idle")
+      << "it is under way";
+}
+
 TEST(Bounds, an_arm_that_does_not_settle_ends_the_sequence_with_its_joint) {
   Configuration configuration = test::puma_controller();
   configuration.dwell.settle_timeout = std::chrono::seconds(1);
