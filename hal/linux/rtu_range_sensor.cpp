@@ -43,11 +43,14 @@ Error sensor_error(int number) {
   }
 }
 
+// The whole answer is waited for as long, not each byte of it anew: libmodbus would wait half a
+// second for one that was lost.
 void set_answer_timeout(modbus_t* context, hal::Duration timeout) {
   const auto whole = std::chrono::duration_cast<std::chrono::seconds>(timeout);
   const auto rest = std::chrono::duration_cast<std::chrono::microseconds>(timeout - whole);
   modbus_set_response_timeout(context, static_cast<std::uint32_t>(whole.count()),
                               static_cast<std::uint32_t>(rest.count()));
+  modbus_set_byte_timeout(context, 0, 0);
 }
 
 }  // namespace

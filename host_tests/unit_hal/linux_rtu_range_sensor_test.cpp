@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: MIT
 // libmodbus on one end of a pseudo-terminal, a scripted sensor on the other.
-#include <fcntl.h>
-#include <poll.h>
-#include <stdlib.h>
-#include <termios.h>
 #include <time.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "hal/linux/file_descriptor.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"
 #include "hal/linux/steady_clock.hpp"
 #include "hal/modbus/rtu.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/support/pty_server.hpp"
 #include "host_tests/support/scripted_line.hpp"
 
 namespace armsig::linux_hal {
@@ -37,67 +30,19 @@ std::vector<std::uint8_t> with_crc(std::vector<std::uint8_t> body) {
   return body;
 }
 
-// Answers each complete request with what `script` makes of the number of the request.
-class PtySensor {
+// Answers each request with what `script` makes of the number of the request.
+class PtySensor : public test::PtyServer {
  public:
   using Script = std::function<std::vector<std::uint8_t>(unsigned)>;
 
-  explicit PtySensor(Script script) : script_(std::move(script)) {
-    master_ = FileDescriptor(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
-    EXPECT_EQ(grantpt(master_.get()), 0);
-    EXPECT_EQ(unlockpt(master_.get()), 0);
-    device = ptsname(master_.get());
-    // Held open, or the line would hang up whenever the other side closes it.
-    slave_ = FileDescriptor(::open(device.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
-    termios settings{};
-    tcgetattr(slave_.get(), &settings);
-    cfmakeraw(&settings);
-    tcsetattr(slave_.get(), TCSANOW, &settings);
-    thread_ = std::thread([this] { serve(); });
-  }
+  explicit PtySensor(Script script)
+      : PtyServer([this, script = std::move(script), number = 0U](const auto& request) mutable {
+          if (number == 0) first_request = request;
+          return script(number++);
+        }) {}
   ~PtySensor() { stop(); }
-  PtySensor(const PtySensor&) = delete;
-  PtySensor& operator=(const PtySensor&) = delete;
 
-  void stop() {
-    stop_ = true;
-    if (thread_.joinable()) thread_.join();
-  }
-  void unplug() {
-    stop();
-    slave_.reset();
-    master_.reset();
-  }
-
-  std::string device;
   std::vector<std::uint8_t> first_request;  // read it after stop()
-
- private:
-  void serve() {
-    std::vector<std::uint8_t> request;
-    for (unsigned number = 0; !stop_;) {
-      pollfd ready{.fd = master_.get(), .events = POLLIN, .revents = 0};
-      if (::poll(&ready, 1, 10) <= 0) continue;
-      std::array<std::uint8_t, 64> buffer{};
-      const ssize_t count = ::read(master_.get(), buffer.data(), buffer.size());
-      if (count <= 0) continue;
-      request.insert(request.end(), buffer.begin(), buffer.begin() + count);
-      if (request.size() < modbus::kReadRequestBytes) continue;
-      if (number == 0) first_request = request;
-      request.clear();
-      const auto answer = script_(number++);
-      if (!answer.empty()) {
-        EXPECT_EQ(::write(master_.get(), answer.data(), answer.size()),
-                  static_cast<ssize_t>(answer.size()));
-      }
-    }
-  }
-
-  Script script_;
-  FileDescriptor master_;
-  FileDescriptor slave_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
 };
 
 std::vector<std::uint8_t> answer(std::uint8_t unit, std::uint8_t sequence) {
@@ -192,6 +137,24 @@ TEST(RtuRangeSensor, a_sensor_that_does_not_answer_is_silent) {
   const auto sensor = RtuRangeSensor::start(configuration_for(line));
   ASSERT_TRUE(sensor);
   EXPECT_EQ(test::failure_of(next(**sensor)), Error::kSensorSilent);
+}
+
+// A byte that the line lost is waited for as long as a whole answer may take, and no longer.
+TEST(RtuRangeSensor, an_answer_that_lost_a_byte_costs_the_time_of_an_answer_alone) {
+  PtySensor line([](unsigned number) {
+    auto bytes = answer(1, static_cast<std::uint8_t>(number));
+    if (number == 0) bytes.pop_back();
+    return bytes;
+  });
+  const RtuRangeSensorConfiguration configuration = configuration_for(line);
+  const hal::Instant begin = monotonic_now();
+  const auto sensor = RtuRangeSensor::start(configuration);
+  ASSERT_TRUE(sensor);
+  const auto reading = next(**sensor);
+  ASSERT_TRUE(reading) << "it is no silent sensor";
+  EXPECT_EQ(reading->sequence, 1U);
+  EXPECT_GE(monotonic_now() - begin, configuration.answer_timeout);
+  EXPECT_LT(monotonic_now() - begin, milliseconds(450));
 }
 
 TEST(RtuRangeSensor, a_sequence_that_stands_still_is_stale) {
