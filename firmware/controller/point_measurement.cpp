@@ -12,8 +12,9 @@ namespace {
 constexpr unsigned kErrorsInARow = 3;
 
 bool is_passing(Error error) {
-  return error == Error::kSensorBadCrc || error == Error::kSensorWrongUnit ||
-         error == Error::kSensorException || error == Error::kSensorMalformed;
+  return error == Error::kSensorSilent || error == Error::kSensorBadCrc ||
+         error == Error::kSensorWrongUnit || error == Error::kSensorException ||
+         error == Error::kSensorMalformed;
 }
 
 // Of what carries the readings, so that the sensor itself is not to blame.

@@ -30,10 +30,11 @@ class PointMeasurement {
   }
 
   // Takes one reading of the sensor, whether or not a point is being measured; the point when it is
-  // complete. Errors, after which begin() starts anew: kSensorSilent, kSensorStale,
-  // kSensorPortGone, kBusDown, kSensorBadCrc, kSensorWrongUnit, kSensorException,
-  // kSensorMalformed (the third in a row); kTemperatureImplausible, kAirChanged; and, when the
-  // pings allowed are used up, the reason why they give no point (measurement::trilaterate).
+  // complete. Errors, after which begin() starts anew: kSensorStale, kSensorPortGone, kBusDown;
+  // kSensorSilent, kSensorBadCrc, kSensorWrongUnit, kSensorException, kSensorMalformed (the third
+  // in a row, or where there is no reading for the time allowed); kTemperatureImplausible,
+  // kAirChanged; and, when the pings allowed are used up, the reason why they give no point
+  // (measurement::trilaterate).
   [[nodiscard]] Result<std::optional<MeasuredPoint>> step(hal::Instant now);
 
   // Pings enough are in, and where they put the target is being worked out.

@@ -85,8 +85,8 @@ TEST(PointMeasurement, is_where_the_target_is_after_as_many_pings_as_configured)
 }
 
 TEST(PointMeasurement, passes_over_two_spoilt_answers_and_ends_by_the_third_in_a_row) {
-  for (const Error error : {Error::kSensorBadCrc, Error::kSensorWrongUnit, Error::kSensorException,
-                            Error::kSensorMalformed}) {
+  for (const Error error : {Error::kSensorSilent, Error::kSensorBadCrc, Error::kSensorWrongUnit,
+                            Error::kSensorException, Error::kSensorMalformed}) {
     Point point;
     point.measurement.begin(point.now);
     for (int time = 0; time < 2; ++time) {
@@ -103,8 +103,7 @@ TEST(PointMeasurement, passes_over_two_spoilt_answers_and_ends_by_the_third_in_a
 }
 
 TEST(PointMeasurement, is_ended_at_once_by_what_does_not_pass) {
-  for (const Error error :
-       {Error::kSensorSilent, Error::kSensorStale, Error::kSensorPortGone, Error::kBusDown}) {
+  for (const Error error : {Error::kSensorStale, Error::kSensorPortGone, Error::kBusDown}) {
     Point point;
     point.measurement.begin(point.now);
     EXPECT_EQ(test::failure_of(point.step(error)), error);
@@ -133,6 +132,17 @@ TEST(PointMeasurement, ends_where_nothing_is_heard_for_the_time_allowed_and_blam
     EXPECT_EQ(test::failure_of(point.silence(milliseconds(1))), told);
     EXPECT_EQ(point.measurement.trouble(), told);
   }
+}
+
+TEST(PointMeasurement, of_a_sensor_that_stays_silent_ends_by_the_time_allowed) {
+  const auto timeout =
+      std::chrono::duration_cast<milliseconds>(test::puma_controller().sensor.reading_timeout);
+  Point point;
+  point.measurement.begin(point.now);
+  EXPECT_TRUE(point.step(Error::kSensorSilent));
+  point.now += timeout - milliseconds(2);
+  EXPECT_TRUE(point.step(Error::kSensorSilent));
+  EXPECT_EQ(test::failure_of(point.silence(milliseconds(3))), Error::kSensorSilent);
 }
 
 TEST(PointMeasurement, takes_no_air_that_cannot_be_and_none_that_changed_at_a_stroke) {
