@@ -22,9 +22,11 @@ struct ReceiverReading {
 
 struct RangeReading {
   FixedVector<ReceiverReading, kMaxReceivers> receivers;
-  double air_celsius = 0;      // as told by the sensor, plausible or not
-  Instant at;                  // when the reading reached the controller
-  std::uint32_t sequence = 0;  // as told by the sensor; differs between successive readings
+  double air_celsius = 0;  // as told by the sensor, plausible or not
+  // When the reading reached the controller; of a sensor whose values may be older, the earliest
+  // time at which they can have been measured.
+  Instant at;
+  std::uint32_t sequence = 0;  // differs between successive readings
 };
 
 class RangeSensor {

@@ -14,9 +14,8 @@ namespace armsig::measurement {
 inline constexpr double kLowestAirCelsius = -20;
 inline constexpr double kHighestAirCelsius = 60;
 
-// Dry air as an ideal gas: c(T) = 331.3 sqrt(1 + T / 273.15) m/s, (M1) of docs/model.md. A kelvin
-// is worth 1.7 mm per metre of range. Errors: kNotFinite; kTemperatureImplausible outside of the
-// limits above.
+// speed_in_dry_air(), (M1) of docs/model.md. A kelvin is worth 1.7 mm per metre of range. Errors:
+// kNotFinite; kTemperatureImplausible outside of the limits above.
 [[nodiscard]] Result<double> speed_of_sound(double air_celsius);
 
 // Speed over a path of `length_m` > 0 metres, measured in the same air as the ranges. `length_m` is

@@ -63,14 +63,12 @@ void RtuRangeSensor::ContextCloser::operator()(void* context) const {
 Result<std::unique_ptr<RtuRangeSensor>> RtuRangeSensor::start(
     const RtuRangeSensorConfiguration& configuration) {
   constexpr int kDataBits = 8;
-  ARMSIG_TRY(registers, modbus::registers_of(configuration.profile));
-  (void)registers;
+  const auto requests =
+      modbus::requests_of({.profile = configuration.profile, .channels = configuration.channels});
+  if (!requests) return std::unexpected(requests.error());
   Context context(modbus_new_rtu(configuration.device.c_str(), configuration.baud,
                                  configuration.parity, kDataBits, configuration.stop_bits));
-  if (context == nullptr ||
-      modbus_set_slave(as_modbus(context.get()), configuration.profile.unit) != 0) {
-    return std::unexpected(Error::kProfileInvalid);
-  }
+  if (context == nullptr) return std::unexpected(Error::kProfileInvalid);
   set_answer_timeout(as_modbus(context.get()), configuration.answer_timeout);
   std::unique_ptr<RtuRangeSensor> sensor(new RtuRangeSensor(configuration, std::move(context)));
   try {
@@ -84,6 +82,7 @@ Result<std::unique_ptr<RtuRangeSensor>> RtuRangeSensor::start(
 RtuRangeSensor::RtuRangeSensor(const RtuRangeSensorConfiguration& configuration, Context context)
     : configuration_(configuration),
       context_(std::move(context)),
+      round_({.profile = configuration.profile, .channels = configuration.channels}),
       freshness_(configuration.freshness) {}
 
 RtuRangeSensor::~RtuRangeSensor() {
@@ -98,62 +97,93 @@ void RtuRangeSensor::sleep_until(hal::Instant time) const {
   }
 }
 
+bool RtuRangeSensor::connect() {
+  port_errno_ = modbus_connect(as_modbus(context_.get())) == 0 ? 0 : std::max(errno, 1);
+  return port_errno_ == 0;
+}
+
+// A full box means that nobody polls; what it holds is old then, and so is this soon.
+void RtuRangeSensor::post(const Result<hal::RangeReading>& reading) {
+  (void)box_.post({reading, monotonic_now()});
+}
+
 void RtuRangeSensor::talk() {
   BackOff reopen;
   while (!stop_) {
     const hal::Instant begin = monotonic_now();
     if (!connected_) {
-      connected_ = modbus_connect(as_modbus(context_.get())) == 0;
-      port_errno_ = connected_ ? 0 : std::max(errno, 1);
+      connected_ = connect();
       if (connected_) {
         reopen.succeed();
       } else {
         reopen.fail(begin);
-        (void)box_.post(std::unexpected(Error::kSensorPortGone));
+        post(std::unexpected(Error::kSensorPortGone));
         sleep_until(reopen.due_at());
         continue;
       }
     }
     const auto reading = measure();
-    // A full box means that nobody polls; what it holds is old then, and so is this soon.
-    if (reading || reading.error() != Error::kSensorSilent) (void)box_.post(reading);
+    if (reading || reading.error() != Error::kSensorSilent) post(reading);
     if (!reading && reading.error() == Error::kSensorPortGone) {
       modbus_close(as_modbus(context_.get()));
       connected_ = false;
     }
-    sleep_until(begin + configuration_.poll_period);
+    hal::Instant next = begin + configuration_.poll_period;
+    // Without a counter, two rounds are as far apart as two readings of the sensor, whichever of
+    // their requests took long.
+    if (configuration_.channels && !configuration_.channels->counter) {
+      next = std::max(next, monotonic_now() + configuration_.channels->update_period);
+    }
+    sleep_until(next);
   }
 }
 
 Result<hal::RangeReading> RtuRangeSensor::measure() {
+  const hal::Duration pause = modbus::frame_pause(static_cast<std::uint32_t>(configuration_.baud));
+  round_.begin(monotonic_now());
+  auto request = round_.next();
+  while (request && !stop_) {
+    if (const auto asked = ask(*request); !asked) {
+      if (asked.error() == Error::kSensorPortGone) return std::unexpected(asked.error());
+      round_.fail(asked.error());
+    }
+    request = round_.next();
+    if (request) sleep_until(monotonic_now() + pause);
+  }
+  if (request) return std::unexpected(Error::kSensorSilent);
+  return round_.finish(monotonic_now());
+}
+
+// Asks, and takes the answer into the round. Errors: what became of it.
+Result<void> RtuRangeSensor::ask(const modbus::ReadRequest& request) {
   modbus_t* context = as_modbus(context_.get());
-  const modbus::Profile& profile = configuration_.profile;
-  const modbus::RegisterRange range = *modbus::registers_of(profile);
+  const modbus::RegisterRange& range = request.registers;
   std::array<std::uint16_t, modbus::kMaxRegisters> registers{};
   constexpr std::uint8_t kHoldingRegisters = 3;
   const auto read =
-      profile.function == kHoldingRegisters ? &modbus_read_registers : &modbus_read_input_registers;
-  if (read(context, range.first, range.count, registers.data()) != range.count) {
-    const int number = errno;
-    const Error error = sensor_error(number);
-    if (error == Error::kSensorException) {
-      exception_ = static_cast<std::uint8_t>(number - MODBUS_ENOBASE);
-    }
-    // What a late or broken answer left behind must not be taken for the next one.
-    if (error != Error::kSensorPortGone) modbus_flush(context);
-    if (error == Error::kSensorPortGone) port_errno_ = number;
-    return std::unexpected(error);
+      request.function == kHoldingRegisters ? &modbus_read_registers : &modbus_read_input_registers;
+  // What a late or broken answer left behind must not be taken for the next one.
+  modbus_flush(context);
+  modbus_set_slave(context, request.unit);
+  if (read(context, range.first, range.count, registers.data()) == range.count) {
+    round_.take(std::span(registers).first(range.count));
+    return {};
   }
-  auto reading = modbus::decode(profile, std::span(registers).first(range.count));
-  if (reading) reading->at = monotonic_now();
-  return reading;
+  const int number = errno;
+  const Error error = sensor_error(number);
+  if (error == Error::kSensorException) {
+    exception_ = static_cast<std::uint8_t>(number - MODBUS_ENOBASE);
+  }
+  if (error == Error::kSensorPortGone) port_errno_ = number;
+  return std::unexpected(error);
 }
 
 Result<std::optional<hal::RangeReading>> RtuRangeSensor::do_poll(hal::Instant now) {
   // One message a call, but repeated sequences are passed over.
   while (const auto message = box_.take()) {
-    if (!*message) return std::unexpected(message->error());
-    if (freshness_.take((*message)->sequence, (*message)->at)) return **message;
+    const Result<hal::RangeReading>& reading = message->reading;
+    if (!reading) return std::unexpected(reading.error());
+    if (freshness_.take(reading->sequence, message->came_at)) return *reading;
   }
   if (const auto overdue = freshness_.overdue(now)) {
     return std::unexpected(port_errno_ == 0 ? *overdue : Error::kSensorPortGone);

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: MIT
-// A Modbus RTU range sensor by libmodbus, on a serial line or a pseudo-terminal.
+// One or several units of Modbus RTU as a range sensor by libmodbus, on a serial line or a
+// pseudo-terminal.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
 
 #include "hal/freshness.hpp"
 #include "hal/mailbox.hpp"
-#include "hal/modbus/profile.hpp"
+#include "hal/modbus/round.hpp"
 #include "hal/range_sensor.hpp"
 
 namespace armsig::linux_hal {
@@ -23,8 +25,9 @@ struct RtuRangeSensorConfiguration {
   char parity = 'E';  // 'N', 'E' or 'O'
   int stop_bits = 1;
   modbus::Profile profile{};
-  hal::Duration poll_period = std::chrono::milliseconds(20);
-  hal::Duration answer_timeout = std::chrono::milliseconds(100);
+  std::optional<modbus::ChannelProfile> channels{};  // where there are any, instead of `profile`
+  hal::Duration poll_period = std::chrono::milliseconds(20);      // from round to round
+  hal::Duration answer_timeout = std::chrono::milliseconds(100);  // of a request, to the last byte
   hal::FreshnessLimits freshness{};
 };
 
@@ -34,7 +37,7 @@ struct RtuRangeSensorConfiguration {
 class RtuRangeSensor final : public hal::RangeSensor {
  public:
   // The device need not exist yet. Allocates here and never again.
-  // Errors: kProfileInvalid (profile, or line settings that libmodbus does not know),
+  // Errors: kProfileInvalid (profile or channels, or line settings that libmodbus does not know),
   // kSystemRefused (no thread).
   [[nodiscard]] static Result<std::unique_ptr<RtuRangeSensor>> start(
       const RtuRangeSensorConfiguration& configuration);
@@ -55,16 +58,25 @@ class RtuRangeSensor final : public hal::RangeSensor {
   [[nodiscard]] std::uint8_t do_exception_code() const override { return exception_; }
   [[nodiscard]] std::string_view do_words(Error error) const override;
 
+  struct Message {
+    Result<hal::RangeReading> reading;
+    hal::Instant came_at;
+  };
+
   void talk();
+  [[nodiscard]] bool connect();
   void sleep_until(hal::Instant time) const;
+  void post(const Result<hal::RangeReading>& reading);
   [[nodiscard]] Result<hal::RangeReading> measure();
+  [[nodiscard]] Result<void> ask(const modbus::ReadRequest& request);
 
   static constexpr std::size_t kMailboxReadings = 8;
 
   RtuRangeSensorConfiguration configuration_;
   Context context_;
+  modbus::Round round_;  // of the thread
   hal::Freshness freshness_;
-  hal::Mailbox<Result<hal::RangeReading>, kMailboxReadings> box_;
+  hal::Mailbox<Message, kMailboxReadings> box_;
   std::atomic<std::uint8_t> exception_{0};
   std::atomic<int> port_errno_{0};  // why the port isn't open; 0: it is
   std::atomic<bool> stop_{false};

@@ -4,11 +4,6 @@
 #include <algorithm>
 
 namespace armsig::modbus {
-namespace {
-
-constexpr std::uint8_t kLargestUnit = 247;
-
-}  // namespace
 
 Result<RegisterRange> registers_of(const Profile& profile) {
   const bool sane = profile.unit >= 1 && profile.unit <= kLargestUnit &&

@@ -14,6 +14,9 @@ namespace armsig::modbus {
 // The most registers that one request may ask for (MODBUS Application Protocol V1.1b3, 6.3).
 inline constexpr std::size_t kMaxRegisters = 125;
 
+// Units are numbered from 1 to here (MODBUS over Serial Line V1.02, 2.2).
+inline constexpr std::uint8_t kLargestUnit = 247;
+
 // Register numbers count from 0, as on the wire. The defaults are armsig's own sensor map.
 struct Profile {
   std::uint8_t unit = 1;

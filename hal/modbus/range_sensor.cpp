@@ -3,45 +3,58 @@
 
 #include <span>
 
-#include "core/base/check.hpp"
-
 namespace armsig::modbus {
-namespace {
-
-ReadRequest request_of(const Profile& profile) {
-  const auto registers = registers_of(profile);
-  ARMSIG_CHECK(registers);
-  return {profile.unit, profile.function, *registers};
-}
-
-}  // namespace
 
 RangeSensor::RangeSensor(const RangeSensorConfiguration& configuration, hal::ByteStream& line)
     : configuration_(configuration),
-      request_(request_of(configuration.profile)),
+      round_({.profile = configuration.profile, .channels = configuration.channels}),
       master_(configuration.timing, line),
       freshness_(configuration.freshness) {}
 
+// Without a counter, two rounds are as far apart as two readings of the sensor, whichever of their
+// requests took long.
+bool RangeSensor::is_due(hal::Instant now) const {
+  if (!began_at_) return true;
+  const bool counted = !configuration_.channels || configuration_.channels->counter;
+  return now - *began_at_ >= configuration_.poll_period &&
+         (counted || now - ended_at_ >= configuration_.channels->update_period);
+}
+
+Result<void> RangeSensor::ask(hal::Instant now) {
+  const ReadRequest request = *next_;
+  next_.reset();
+  return master_.start(request, now);
+}
+
 Result<std::optional<hal::RangeReading>> RangeSensor::do_poll(hal::Instant now) {
-  if (auto answer = master_.poll(now)) {
-    if (!*answer) {
-      // A single request without an answer is the line's business; silence has its own limit.
-      if (answer->error().error != Error::kSensorSilent) {
-        exception_ = answer->error().exception;
-        return std::unexpected(answer->error().error);
-      }
-    } else {
+  if (const auto answer = master_.poll(now)) {
+    ended_at_ = now;
+    if (*answer) {
       const Registers& registers = **answer;
-      ARMSIG_TRY(reading, decode(configuration_.profile, {registers.data(), registers.size()}));
-      reading.at = now;
-      if (freshness_.take(reading.sequence, now)) return reading;
+      round_.take({registers.data(), registers.size()});
+    } else {
+      const Failure& failure = answer->error();
+      if (failure.error == Error::kSensorException) exception_ = failure.exception;
+      round_.fail(failure.error);
+    }
+    next_ = round_.next();
+    if (!next_) {
+      const auto reading = round_.finish(now);
+      if (reading && freshness_.take(reading->sequence, now)) return *reading;
+      // A round without an answer is the line's business; silence has its own limit.
+      if (!reading && reading.error() != Error::kSensorSilent) {
+        return std::unexpected(reading.error());
+      }
     }
   }
-  const bool due = !requested_at_ || now - *requested_at_ >= configuration_.poll_period;
-  if (due && master_.idle(now)) {
-    requested_at_ = now;
-    if (auto started = master_.start(request_, now); !started) {
-      return std::unexpected(started.error());
+  if (master_.idle(now)) {
+    if (!next_ && is_due(now)) {
+      began_at_ = now;
+      round_.begin(now);
+      next_ = round_.next();
+    }
+    if (next_) {
+      if (auto asked = ask(now); !asked) return std::unexpected(asked.error());
     }
   }
   if (const auto overdue = freshness_.overdue(now)) return std::unexpected(*overdue);

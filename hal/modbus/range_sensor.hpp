@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A Modbus RTU range sensor on a serial line that never blocks, for targets without an operating
-// system.
+// One or several units of Modbus RTU as a range sensor, on a serial line that never blocks, for
+// targets without an operating system.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@
 
 #include "hal/byte_stream.hpp"
 #include "hal/freshness.hpp"
-#include "hal/modbus/profile.hpp"
+#include "hal/modbus/round.hpp"
 #include "hal/modbus/rtu_master.hpp"
 #include "hal/range_sensor.hpp"
 
@@ -18,14 +18,15 @@ namespace armsig::modbus {
 
 struct RangeSensorConfiguration {
   Profile profile{};
+  std::optional<ChannelProfile> channels{};  // where there are any, instead of `profile`
   RtuTiming timing{};
-  hal::Duration poll_period = std::chrono::milliseconds(20);  // from request to request
+  hal::Duration poll_period = std::chrono::milliseconds(20);  // from round to round
   hal::FreshnessLimits freshness{};
 };
 
 class RangeSensor final : public hal::RangeSensor {
  public:
-  // Precondition: registers_of(configuration.profile). `line` must outlive the sensor.
+  // Precondition: requests_of() the profile or the channels. `line` must outlive the sensor.
   RangeSensor(const RangeSensorConfiguration& configuration, hal::ByteStream& line);
 
  private:
@@ -35,11 +36,16 @@ class RangeSensor final : public hal::RangeSensor {
     return error == Error::kSensorException ? describe_exception(exception_) : std::string_view();
   }
 
+  [[nodiscard]] bool is_due(hal::Instant now) const;
+  Result<void> ask(hal::Instant now);
+
   RangeSensorConfiguration configuration_;
-  ReadRequest request_;
+  Round round_;
   RtuMaster master_;
   hal::Freshness freshness_;
-  std::optional<hal::Instant> requested_at_;
+  std::optional<ReadRequest> next_;  // as soon as the line is idle
+  std::optional<hal::Instant> began_at_;
+  hal::Instant ended_at_;
   std::uint8_t exception_ = 0;
 };
 

@@ -79,6 +79,52 @@ void fuzz_modbus_sensor(Bytes bytes) {
   for (hal::Instant now; !tape.empty(); now += milliseconds(1)) check_reading(sensor.poll(now));
 }
 
+// A field anywhere in few units, so that fields meet.
+modbus::Field field_of(Tape& tape) {
+  return {
+      .unit = static_cast<std::uint8_t>(1 + tape.below(3)),
+      .function = static_cast<std::uint8_t>(3 + tape.below(2)),
+      .first = static_cast<std::uint16_t>(tape.byte() < 16 ? 65'400 + tape.byte() : tape.byte()),
+      .format = static_cast<modbus::Format>(tape.below(5)),
+      .high_word_first = tape.below(2) == 0,
+      .step = 1e-3};
+}
+
+modbus::ChannelProfile channels_of(Tape& tape) {
+  modbus::ChannelProfile profile;
+  const std::size_t count = tape.below(6);
+  for (std::size_t j = 0; j < count; ++j) profile.channels.push_back({.field = field_of(tape)});
+  const std::uint8_t what = tape.byte();
+  profile.distance = what % 2 == 0;
+  if (what % 3 == 0) profile.air = field_of(tape);
+  if (what % 5 == 0) profile.counter = field_of(tape);
+  profile.largest_gap = tape.byte();
+  return profile;
+}
+
+// Every field is in one request, and none is longer than a frame has room for.
+void check_requests(const modbus::ChannelProfile& profile, const modbus::Requests& requests) {
+  for (const modbus::ReadRequest& request : requests) {
+    FUZZ_CHECK(request.registers.count >= 1 && request.registers.count <= modbus::kMaxRegisters);
+  }
+  for (const modbus::Channel& channel : profile.channels) {
+    FUZZ_CHECK(std::ranges::count_if(requests, [&](const modbus::ReadRequest& request) {
+                 return modbus::covers(request, channel.field);
+               }) == 1);
+  }
+}
+
+void fuzz_modbus_channels(Bytes bytes) {
+  Tape tape(bytes.first(std::min<std::size_t>(bytes.size(), 512)));
+  const modbus::ChannelProfile profile = channels_of(tape);
+  const auto requests = modbus::requests_of(profile);
+  if (!requests) return;
+  check_requests(profile, *requests);
+  TapeLine line(tape);
+  modbus::RangeSensor sensor({.channels = profile}, line);
+  for (hal::Instant now; !tape.empty(); now += milliseconds(1)) check_reading(sensor.poll(now));
+}
+
 hal::CanFrame frame_of(Tape& tape) {
   hal::CanFrame frame;
   const std::uint8_t kind = tape.byte();
@@ -182,8 +228,11 @@ void fuzz_can_master(Bytes bytes) {
   }
 }
 
-constexpr std::array kTargets{Target{"rtu", fuzz_rtu}, Target{"modbus_sensor", fuzz_modbus_sensor},
-                              Target{"can_sensor", fuzz_can_sensor}, Target{"sdo", fuzz_sdo},
+constexpr std::array kTargets{Target{"rtu", fuzz_rtu},
+                              Target{"modbus_sensor", fuzz_modbus_sensor},
+                              Target{"modbus_channels", fuzz_modbus_channels},
+                              Target{"can_sensor", fuzz_can_sensor},
+                              Target{"sdo", fuzz_sdo},
                               Target{"can_master", fuzz_can_master}};
 
 }  // namespace
