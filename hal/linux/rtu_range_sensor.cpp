@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "hal/linux/rtu_range_sensor.hpp"
 
+#include <linux/serial.h>
+#include <sys/ioctl.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -53,6 +56,17 @@ void set_answer_timeout(modbus_t* context, hal::Duration timeout) {
   modbus_set_byte_timeout(context, 0, 0);
 }
 
+bool turn_direction(int port, Direction direction) {
+  if (direction == Direction::kAutomatic) return true;
+  serial_rs485 settings{};
+  if (::ioctl(port, TIOCGRS485, &settings) != 0) return false;
+  const bool high = direction == Direction::kRtsHigh;
+  settings.flags |= SER_RS485_ENABLED | (high ? SER_RS485_RTS_ON_SEND : SER_RS485_RTS_AFTER_SEND);
+  settings.flags &=
+      ~(SER_RS485_RX_DURING_TX | (high ? SER_RS485_RTS_AFTER_SEND : SER_RS485_RTS_ON_SEND));
+  return ::ioctl(port, TIOCSRS485, &settings) == 0;
+}
+
 }  // namespace
 
 void RtuRangeSensor::ContextCloser::operator()(void* context) const {
@@ -97,9 +111,17 @@ void RtuRangeSensor::sleep_until(hal::Instant time) const {
   }
 }
 
+// The port open, and its direction turned as configured.
 bool RtuRangeSensor::connect() {
-  port_errno_ = modbus_connect(as_modbus(context_.get())) == 0 ? 0 : std::max(errno, 1);
-  return port_errno_ == 0;
+  modbus_t* context = as_modbus(context_.get());
+  direction_refused_ = false;
+  port_errno_ = modbus_connect(context) == 0 ? 0 : std::max(errno, 1);
+  if (port_errno_ != 0) return false;
+  if (turn_direction(modbus_get_socket(context), configuration_.direction)) return true;
+  direction_refused_ = true;
+  port_errno_ = std::max(errno, 1);
+  modbus_close(context);
+  return false;
 }
 
 // A full box means that nobody polls; what it holds is old then, and so is this soon.
@@ -196,6 +218,7 @@ std::string_view RtuRangeSensor::do_words(Error error) const {
   // An answer that begins with the request is none that libmodbus can read.
   if (error == Error::kSensorBadCrc) return "noise, or an RS-485 adapter that echoes requests";
   if (error != Error::kSensorPortGone) return {};
+  if (direction_refused_) return "its driver turns no RS-485 direction (TIOCSRS485)";
   const char* const words = ::strerrordesc_np(port_errno_);
   return words == nullptr ? std::string_view() : words;
 }

@@ -19,11 +19,19 @@
 
 namespace armsig::linux_hal {
 
+// What turns the direction of an RS-485 transceiver.
+enum class Direction : std::uint8_t {
+  kAutomatic,  // the adapter or the transceiver does, by itself
+  kRtsHigh,    // the driver of the port raises RTS while it sends (TIOCSRS485)
+  kRtsLow,     // it lowers RTS while it sends
+};
+
 struct RtuRangeSensorConfiguration {
   std::string device;  // such as /dev/ttyUSB0
   int baud = 115200;
   char parity = 'E';  // 'N', 'E' or 'O'
   int stop_bits = 1;
+  Direction direction = Direction::kAutomatic;
   modbus::Profile profile{};
   std::optional<modbus::ChannelProfile> channels{};  // where there are any, instead of `profile`
   hal::Duration poll_period = std::chrono::milliseconds(20);      // from round to round
@@ -38,7 +46,8 @@ class RtuRangeSensor final : public hal::RangeSensor {
  public:
   // The device need not exist yet. Allocates here and never again.
   // Errors: kProfileInvalid (profile or channels, or line settings that libmodbus does not know),
-  // kSystemRefused (no thread).
+  // kSystemRefused (no thread). A driver that refuses the direction is told by poll(), as a port
+  // that cannot be opened is.
   [[nodiscard]] static Result<std::unique_ptr<RtuRangeSensor>> start(
       const RtuRangeSensorConfiguration& configuration);
 
@@ -79,6 +88,7 @@ class RtuRangeSensor final : public hal::RangeSensor {
   hal::Mailbox<Message, kMailboxReadings> box_;
   std::atomic<std::uint8_t> exception_{0};
   std::atomic<int> port_errno_{0};  // why the port isn't open; 0: it is
+  std::atomic<bool> direction_refused_{false};
   std::atomic<bool> stop_{false};
   bool connected_ = false;  // of the thread
   std::thread thread_;

@@ -224,6 +224,19 @@ TEST(RtuRangeSensor, refuses_a_profile_or_a_line_that_cannot_be) {
   EXPECT_EQ(test::failure_of(RtuRangeSensor::start(configuration)), Error::kProfileInvalid);
 }
 
+TEST(RtuRangeSensor, tells_a_driver_that_turns_no_direction_of_a_transceiver) {
+  PtySensor line([](unsigned number) { return answer(1, static_cast<std::uint8_t>(number)); });
+  for (const Direction direction : {Direction::kRtsHigh, Direction::kRtsLow}) {
+    RtuRangeSensorConfiguration configuration = configuration_for(line);
+    configuration.direction = direction;  // a pseudo-terminal has none
+    const auto sensor = RtuRangeSensor::start(configuration);
+    ASSERT_TRUE(sensor);
+    EXPECT_EQ(test::failure_of(next(**sensor)), Error::kSensorPortGone);
+    EXPECT_NE((*sensor)->words(Error::kSensorPortGone).find("RS-485 direction"),
+              std::string_view::npos);
+  }
+}
+
 TEST(RtuRangeSensor, polling_never_waits) {
   PtySensor line([](unsigned) { return std::vector<std::uint8_t>(); });
   const auto sensor = RtuRangeSensor::start(configuration_for(line));
