@@ -63,6 +63,14 @@ inline constexpr Bounds kEmitter{-10, 10,
 inline constexpr Bounds kPollPeriod{1e-3, 10, "no sensor measures as often or as seldom"};
 inline constexpr Bounds kAnswerTimeout{1e-3, 10, "no sensor answers as soon or as late"};
 inline constexpr Bounds kSecondsAStep{1e-12, 1e-4, "of a flight time, in seconds"};
+inline constexpr Bounds kMetresAStep{1e-7, 0.01,
+                                     "of a distance, in metres: millimetres as metres?"};
+// A number with a point may be in any unit from metres and seconds down.
+inline constexpr Bounds kStepOfFloat{1e-12, 1, "of a number that has a point of its own"};
+inline constexpr Bounds kSpeedOfSound{300, 380, "of air, in m/s, from -40 to 85 degrees Celsius"};
+inline constexpr Bounds kOffset{-10, 10, "of a range, in metres: millimetres as metres?"};
+inline constexpr Bounds kOffsetTime{-0.03, 0.03,
+                                    "of a flight, in seconds: milliseconds as seconds?"};
 inline constexpr Bounds kCelsiusAStep{1e-4, 10, "of a temperature, in kelvins"};
 inline constexpr Bounds kReadingTimeout{
     1e-3, 60, "a sequence would stand still for as long with a sensor that is gone"};

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,16 +12,13 @@
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/yaml_map.hpp"
 #include "firmware/linux/sections.hpp"
+#include "firmware/linux/sensor_parts.hpp"
 #include "firmware/linux/settings.hpp"
 
 namespace armsig::daemon {
 namespace {
 
-using controller::plausible::kAnswerTimeout;
-using controller::plausible::kCelsiusAStep;
 using controller::plausible::kEmitter;
-using controller::plausible::kPollPeriod;
-using controller::plausible::kSecondsAStep;
 using tool::add_names;
 using tool::Dimension;
 using tool::problem_at;
@@ -43,119 +38,6 @@ Read<Vector3> read_point(const YamlNode& node, const std::string& name) {
   return Vector3(x_m, y_m, z_m);
 }
 
-Read<void> read_path(const YamlMap& map, bool& echo) {
-  const YamlNode* node = map.find("path");
-  if (node == nullptr) return {};
-  if (node->text != "one-way" && node->text != "echo") {
-    return problem_at(*node, "path: " + tool::in_quotes(node->text), "one-way or echo");
-  }
-  echo = node->text == "echo";
-  return {};
-}
-
-// `period_name`: of the setting that says how often there is a reading, and `period` is.
-void read_freshness(Settings& settings, std::string_view period_name, hal::Duration period,
-                    hal::FreshnessLimits& freshness) {
-  constexpr std::string_view kReason =
-      "a sensor that is given less time than two readings take is never heard";
-  constexpr double kDay_s = 86'400;
-  const controller::Bounds patience{2 * hal::seconds(period), kDay_s, kReason};
-  settings.time("silent_after", freshness.silent_after)
-      .time("stale_after", freshness.stale_after)
-      .bound("silent_after", Dimension::kTime, hal::seconds(freshness.silent_after), patience)
-      .bound("stale_after", Dimension::kTime, hal::seconds(freshness.stale_after), patience);
-  const double least_s = hal::seconds(std::min(freshness.silent_after, freshness.stale_after));
-  settings.bound(period_name, Dimension::kTime, hal::seconds(period), {0, least_s / 2, kReason});
-}
-
-Read<char> read_parity(const YamlMap& map) {
-  const YamlNode* node = map.find("parity");
-  if (node == nullptr || node->text == "even") return 'E';
-  if (node->text == "odd") return 'O';
-  if (node->text == "none") return 'N';
-  return problem_at(*node, "parity: " + tool::in_quotes(node->text), "even, odd or none");
-}
-
-// How the sensor is wired and asked.
-void read_line(Settings& settings, linux_hal::RtuRangeSensorConfiguration& sensor) {
-  settings.integer("baud", 1200, 921'600, sensor.baud)
-      .integer("stop_bits", 1, 2, sensor.stop_bits)
-      .time("poll_period", sensor.poll_period)
-      .time("answer_timeout", sensor.answer_timeout);
-}
-
-// Where in its registers is what.
-void read_profile(Settings& settings, modbus::Profile& profile) {
-  constexpr int kLargestUnit = 247;
-  constexpr int kLargestRegister = 0xFFFF;
-  settings.integer("unit", 1, kLargestUnit, profile.unit)
-      .integer("function", 3, 4, profile.function)
-      .integer("status", 0, kLargestRegister, profile.status)
-      .integer("sequence", 0, kLargestRegister, profile.sequence)
-      .integer("air_temperature", 0, kLargestRegister, profile.air_temperature)
-      .share("celsius_a_step", profile.celsius_a_step)
-      .integer("receiver_count", 0, kLargestRegister, profile.receiver_count)
-      .integer("first_flight", 0, kLargestRegister, profile.first_flight)
-      .integer("flight_stride", 2, kLargestRegister, profile.flight_stride)
-      .share("seconds_a_step", profile.seconds_a_step);
-}
-
-void set_bounds(Settings& settings, const linux_hal::RtuRangeSensorConfiguration& sensor) {
-  settings.bound("poll_period", Dimension::kTime, hal::seconds(sensor.poll_period), kPollPeriod)
-      .bound("answer_timeout", Dimension::kTime, hal::seconds(sensor.answer_timeout),
-             kAnswerTimeout)
-      .bound("celsius_a_step", std::nullopt, sensor.profile.celsius_a_step, kCelsiusAStep)
-      .bound("seconds_a_step", std::nullopt, sensor.profile.seconds_a_step, kSecondsAStep);
-}
-
-Read<void> read_word_order(const YamlMap& map, bool& high_word_first) {
-  const YamlNode* words = map.find("words");
-  if (words == nullptr) return {};
-  if (words->text != "high-first" && words->text != "low-first") {
-    return problem_at(*words, "words: " + tool::in_quotes(words->text), "high-first or low-first");
-  }
-  high_word_first = words->text == "high-first";
-  return {};
-}
-
-Read<YamlMap> open_modbus(const YamlNode& node) {
-  std::vector<std::string> known{
-      "device",   "baud",           "parity",       "stop_bits",       "unit",
-      "function", "status",         "sequence",     "air_temperature", "celsius_a_step",
-      "path",     "receiver_count", "first_flight", "flight_stride",   "seconds_a_step",
-      "words"};
-  for (const char* time : {"poll_period", "answer_timeout", "silent_after", "stale_after"}) {
-    add_names(known, time, Dimension::kTime);
-  }
-  return YamlMap::open(node, "modbus", known);
-}
-
-Read<void> read_modbus(const YamlNode& node, DaemonConfiguration& c) {
-  ARMSIG_TRY(map, open_modbus(node));
-  linux_hal::RtuRangeSensorConfiguration sensor;
-  modbus::Profile& profile = sensor.profile;
-  ARMSIG_TRY(device, map.text("device"));
-  ARMSIG_TRY(parity, read_parity(map));
-  sensor.device = device;
-  sensor.parity = parity;
-  Settings settings(map);
-  read_line(settings, sensor);
-  read_profile(settings, profile);
-  set_bounds(settings, sensor);
-  read_freshness(settings, "poll_period", sensor.poll_period, sensor.freshness);
-  if (auto done = settings.done(); !done) return done;
-  if (auto order = read_word_order(map, profile.high_word_first); !order) return order;
-  if (auto path = read_path(map, profile.echo); !path) return path;
-  profile.receivers = c.controller.sensor.receivers.p_S.size();
-  if (const auto registers = modbus::registers_of(profile); !registers) {
-    return problem_at(
-        node, std::string(describe(registers.error())),
-        fmt::format("at most {} registers from the first to the last", modbus::kMaxRegisters));
-  }
-  c.sensor = sensor;
-  return {};
-}
-
 Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
   std::vector<std::string> known{"node", "path"};
   for (const char* time : {"reading_period", "silent_after", "stale_after"}) {
@@ -169,7 +51,7 @@ Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
   hal::Duration period = std::chrono::milliseconds(20);
   Settings settings(map);
   settings.time("reading_period", period);
-  read_freshness(settings, "reading_period", period, sensor.freshness);
+  read_freshness(settings, "reading_period", period, true, sensor.freshness);
   if (auto done = settings.done(); !done) return done;
   if (auto path = read_path(map, sensor.echo); !path) return path;
   if (!canopen::check(sensor)) {
@@ -184,9 +66,22 @@ Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
   return {};
 }
 
+// Fewer ranges leave a target on a circle or a sphere, however many poses are measured.
+Read<void> check_count(const YamlNode& receivers) {
+  constexpr std::size_t kLeast = 3;
+  const std::size_t count = receivers.items.size();
+  if (receivers.kind != YamlNode::Kind::kSequence || count == 0 || count >= kLeast) return {};
+  return problem_at(
+      receivers, fmt::format("{} receiver{}", count, count == 1 ? "" : "s"),
+      fmt::format("{} at least: the controller locates the target by ranges of one moment, and "
+                  "fewer leave it on a circle. Units with one channel each make up the receivers",
+                  kLeast));
+}
+
 Read<void> read_array(const YamlMap& map, DaemonConfiguration& c) {
   controller::Sensor& sensor = c.controller.sensor;
   ARMSIG_TRY(node, map.require("receivers"));
+  if (auto enough = check_count(*node); !enough) return enough;
   ARMSIG_TRY(list, tool::read_list(*node, "receivers", 3, kMaxReceivers));
   for (const YamlNode& item : *list) {
     ARMSIG_TRY(p_S, read_point(item, fmt::format("receiver {}", sensor.receivers.p_S.size() + 1)));

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// What the buses of a range sensor have in common in the configuration file, and the parts of
+// `modbus`.
+#pragma once
+
+#include <string_view>
+
+#include "firmware/controller/configuration.hpp"
+#include "firmware/formats/yaml_map.hpp"
+#include "firmware/linux/daemon_configuration.hpp"
+#include "firmware/linux/settings.hpp"
+#include "hal/freshness.hpp"
+#include "hal/linux/rtu_range_sensor.hpp"
+
+namespace armsig::daemon {
+
+// `path`: whether what is measured is there and back.
+[[nodiscard]] tool::Read<void> read_path(const tool::YamlMap& map, bool& echo);
+
+// `words`: of two registers.
+[[nodiscard]] tool::Read<void> read_word_order(const tool::YamlMap& map, bool& high_word_first);
+
+// `silent_after` and, of a sensor that `counts` its readings, `stale_after`. `period_name`: of the
+// setting that says how often there is a reading, and `period` is.
+void read_freshness(Settings& settings, std::string_view period_name, hal::Duration period,
+                    bool counts, hal::FreshnessLimits& freshness);
+
+// `modbus` of a sensor.
+[[nodiscard]] tool::Read<void> read_modbus(const tool::YamlNode& node, DaemonConfiguration& c);
+
+// What `modbus` says of its channels, into `sensor`. Precondition: it has the key `channels`.
+[[nodiscard]] tool::Read<void> read_channels(const tool::YamlMap& map,
+                                             const controller::Sensor& array,
+                                             linux_hal::RtuRangeSensorConfiguration& sensor);
+
+}  // namespace armsig::daemon
