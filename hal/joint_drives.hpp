@@ -20,12 +20,14 @@
 
 namespace armsig::hal {
 
-// Where a program has no memory for it, nothing of homing is in its image.
-#ifdef ARMSIG_NO_HOMING
-inline constexpr bool kMayHome = false;
+// Where a program has no memory for them, its image has no modes but cyclic synchronous position:
+// nothing of homing, interpolated or profile position.
+#ifdef ARMSIG_CYCLIC_ONLY
+inline constexpr bool kOtherModes = false;
 #else
-inline constexpr bool kMayHome = true;
+inline constexpr bool kOtherModes = true;
 #endif
+inline constexpr bool kMayHome = kOtherModes;
 
 enum class DriveCondition : std::uint8_t {
   kStarting,   // being found and set up

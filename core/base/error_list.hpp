@@ -61,8 +61,7 @@ ARMSIG_ERROR(kBusOverload, "the CAN bus would be loaded above its limit")
 ARMSIG_ERROR(kDrivesNotReady, "a drive is not set up or is faulted")
 ARMSIG_ERROR(kTargetStep, "the target steps faster than the joint's speed limit")
 ARMSIG_ERROR(kDriveAbsent, "the drive did not answer the reset")  // no boot-up message
-ARMSIG_ERROR(kDriveWrongType,
-             "the device is not a CiA 402 drive with cyclic synchronous position mode")
+ARMSIG_ERROR(kDriveWrongType, "the device is not a CiA 402 drive with the mode that is configured")
 ARMSIG_ERROR(kDriveEmergency, "the drive sent an emergency message")
 ARMSIG_ERROR(kDriveFault, "the drive is in its fault state")
 ARMSIG_ERROR(kDriveDroppedOut, "the drive left its commanded state by itself")

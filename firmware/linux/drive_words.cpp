@@ -46,6 +46,10 @@ constexpr std::array kWords{
     ObjectWords{0x1600, 2, "RPDO1, second object", ""},
     ObjectWords{0x1A00, 1, "TPDO1, first object", ""},
     ObjectWords{0x1A00, 2, "TPDO1, second object", ""},
+    ObjectWords{0x6081, 0, "profile speed", ""},
+    ObjectWords{0x6083, 0, "profile acceleration", ""},
+    ObjectWords{0x6084, 0, "profile deceleration", ""},
+    ObjectWords{0x60C0, 0, "interpolation", "interpolates by its own rule"},
     ObjectWords{0x60C2, 1, "interpolation period", "may go from target to target in steps"},
     ObjectWords{0x60C2, 2, "its power of ten", "may go from target to target in steps"},
     ObjectWords{0x6007, 0, "when the master is gone", "holds torque when this process dies"},
@@ -94,6 +98,25 @@ std::string value_words(const ObjectOutcome& outcome) {
              : fmt::format("!{:08X}", outcome.error().abort_code);
 }
 
+// The modes of the configuration, by their bits in 6502h.
+struct ConfiguredMode {
+  cia402::PositionMode mode;
+  std::string_view words;
+};
+constexpr std::array kConfiguredModes{
+    ConfiguredMode{cia402::PositionMode::kCyclic, "mode: cyclic"},
+    ConfiguredMode{cia402::PositionMode::kInterpolated, "mode: interpolated"},
+    ConfiguredMode{cia402::PositionMode::kProfile, "mode: profile"}};
+
+// What the drive knows instead of the mode that it lacks.
+std::string mode_that_would_do(std::uint32_t modes) {
+  for (const ConfiguredMode& known : kConfiguredModes) {
+    const bool has = (modes >> (static_cast<unsigned>(known.mode) - 1) & 1U) != 0;
+    if (has) return fmt::format("; \"{}\" would do", known.words);
+  }
+  return "; it knows no mode of positions";
+}
+
 std::string refusal_words(const cia402::SetupRefusal& refusal) {
   const auto told = [](const std::optional<std::uint32_t>& value) {
     return value ? fmt::format("0x{:X}", *value) : std::string("nothing");
@@ -103,6 +126,9 @@ std::string refusal_words(const cia402::SetupRefusal& refusal) {
       told(refusal.object.found), told(refusal.object.wanted), describe(refusal.error));
   if (refusal.error == Error::kSdoAborted) {
     words += fmt::format(" ({})", canopen::describe_sdo_abort(refusal.code));
+  }
+  if (refusal.object.index == cia402::kSupportedModes && refusal.object.found) {
+    words += mode_that_would_do(*refusal.object.found);
   }
   return words;
 }
@@ -203,11 +229,27 @@ bool in_head(std::uint16_t index) {
          index == 0x1000 || index == 0x1018 || index == 0x6061;
 }
 
+// The objects that are told of a node: the known ones, and what the configuration writes besides.
+std::vector<ObjectWords> words_for(const NodeReading& node,
+                                   const CheckedConfiguration& configuration) {
+  std::vector<ObjectWords> all(kWords.begin(), kWords.end());
+  if (!node.joint) return all;
+  for (const auto& further : configuration->axes[*node.joint].further_writes()) {
+    const ObjectWords words{further.index, further.subindex, "by the configuration", ""};
+    const bool known = std::ranges::any_of(all, [&](const ObjectWords& other) {
+      return other.index == words.index && other.subindex == words.subindex;
+    });
+    if (!known) all.push_back(words);
+  }
+  return all;
+}
+
 // A row for each object that the device has, that would be written, or that it costs to lack.
-std::string rows_of(const NodeReading& node, const Rehearsal& setup) {
+std::string rows_of(const NodeReading& node, const CheckedConfiguration& configuration,
+                    const Rehearsal& setup) {
   std::string rows = fmt::format("  {:<8}{:<27}{:<12}{:<12}{}\n", "object", "what", "found",
                                  "is written", "costs");
-  for (const ObjectWords& words : kWords) {
+  for (const ObjectWords& words : words_for(node, configuration)) {
     if (in_head(words.index)) continue;
     const ObjectOutcome found = node.at(words.index, words.subindex);
     const auto written = setup.writes.find({words.index, words.subindex});
@@ -281,7 +323,7 @@ nlohmann::ordered_json json_of_node(const NodeReading& node,
     if (setup->refusal) json["error"] = name(setup->refusal->error);
   }
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
-  for (const ObjectWords& words : kWords) {
+  for (const ObjectWords& words : words_for(node, configuration)) {
     objects.push_back(json_of_object(node, words, setup ? &*setup : nullptr));
   }
   json["objects"] = std::move(objects);
@@ -333,7 +375,7 @@ std::string drives_in_words(const DriveScan& scan, const CheckedConfiguration& c
     words += wrapped(state_words(node) + position_words(node, configuration));
     words += wrapped(mode_words(node));
     const Rehearsal setup = node.joint ? rehearse(node, configuration) : Rehearsal{};
-    words += rows_of(node, setup);
+    words += rows_of(node, configuration, setup);
     if (node.joint) words += wrapped(verdict_words(node, setup));
   }
   return words;

@@ -10,13 +10,13 @@
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/yaml_map.hpp"
+#include "firmware/linux/drive_keys.hpp"
 #include "firmware/linux/sections.hpp"
 #include "firmware/linux/settings.hpp"
 
 namespace armsig::daemon {
 namespace {
 
-using controller::plausible::kFollowingError;
 using controller::plausible::kMotorSpeed;
 using tool::add_names;
 using tool::Dimension;
@@ -24,21 +24,13 @@ using tool::Read;
 using tool::YamlMap;
 using tool::YamlNode;
 
-constexpr int kLargestNode = canopen::kLargestNode;
-
-Dimension speed_of(JointType type) {
-  return type == JointType::kRevolute ? Dimension::kAngularSpeed : Dimension::kSpeed;
-}
-Dimension acceleration_of(JointType type) {
-  return type == JointType::kRevolute ? Dimension::kAngularAcceleration : Dimension::kAcceleration;
-}
-
 // Keys with the units of both types: a unit of the other type is told apart from an unknown key.
 std::vector<std::string> known_keys() {
   std::vector<std::string> known{"type",          "node",     "counts_per_revolution",
                                  "gear_ratio",    "reversed", "zero_counts",
                                  "unsupervised",  "warning",  "reference",
-                                 "homing_method", "limits"};
+                                 "homing_method", "limits",   "mode",
+                                 "writes"};
   for (const char* angle : {"theta", "alpha", "sweep_arc"}) {
     add_names(known, angle, Dimension::kAngle);
   }
@@ -53,17 +45,6 @@ std::vector<std::string> known_keys() {
     }
   }
   return known;
-}
-
-// A quantity that the joint must have, in the units of its type, above zero.
-Read<double> positive(const YamlMap& map, std::string_view name, Dimension dimension) {
-  ARMSIG_TRY(told, map.require_quantity(name, dimension));
-  ARMSIG_TRY(number, tool::read_number(*told.value, told.key->text));
-  if (!(number > 0)) {
-    return tool::problem_at(*told.value, fmt::format("{}: {}", told.key->text, number),
-                            "a number above 0");
-  }
-  return told.unit.to_si(number);
 }
 
 // A key in a unit of the other type of joint.
@@ -92,51 +73,6 @@ Read<void> refuse_other_units(const YamlMap& map, JointType type) {
     }
   }
   return {};
-}
-
-Read<canopen::AxisConfiguration> read_axis(const YamlMap& map, JointType type) {
-  canopen::AxisConfiguration axis;
-  cia402::ScalingConfiguration& scaling = axis.scaling;
-  scaling.type = type;
-  ARMSIG_TRY(node, map.integer("node", 1, kLargestNode));
-  axis.node = static_cast<canopen::NodeId>(node);
-  ARMSIG_TRY(counts, map.number("counts_per_revolution"));
-  ARMSIG_TRY(ratio, map.number("gear_ratio"));
-  scaling.counts_per_revolution = counts;
-  scaling.gear_ratio = ratio;
-  if (type == JointType::kPrismatic) {
-    ARMSIG_TRY(lead_m, positive(map, "lead", Dimension::kLength));
-    scaling.lead_m = lead_m;
-  } else {
-    ARMSIG_TRY(lead, map.find_quantity("lead", Dimension::kLength));
-    if (lead) {
-      return tool::problem_at(
-          *lead->key, fmt::format("{} on {}, which is revolute", lead->key->text, map.name()),
-          "no lead");
-    }
-  }
-  Settings settings(map);
-  settings.flag("reversed", scaling.reversed)
-      .integer("zero_counts", std::numeric_limits<std::int32_t>::min() + 1,
-               std::numeric_limits<std::int32_t>::max(), scaling.zero_counts)
-      .quantity("following_window", tool::dimension_of(type), axis.following_window)
-      .bound("following_window", tool::dimension_of(type), axis.following_window,
-             {0, kFollowingError.of(type).highest, kFollowingError.of(type).reason})
-      .quantity("stop_deceleration", acceleration_of(type), axis.stop_deceleration);
-  if (auto done = settings.done(); !done) return std::unexpected(done.error());
-  return axis;
-}
-
-// Something about its drive that is known, and seen to otherwise: that it keeps its torque when
-// this process is gone, or that it warns.
-Read<bool> read_known(const YamlMap& map, const char* key) {
-  const YamlNode* node = map.find(key);
-  if (node == nullptr) return false;
-  if (node->text != "known") {
-    return tool::problem_at(*node, fmt::format("{}: {}", key, tool::in_quotes(node->text)),
-                            "known, or no such key");
-  }
-  return true;
 }
 
 // What its encoder knows at power-up.
@@ -219,19 +155,15 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(a_m, map.quantity("a", Dimension::kLength));
   ARMSIG_TRY(alpha_rad, map.quantity("alpha", Dimension::kAngle));
   ARMSIG_TRY(limits, read_stated_limits(map, type));
-  ARMSIG_TRY(axis, read_axis(map, type));
+  ARMSIG_TRY(axis, read_drive(map, type));
   ARMSIG_TRY(speed, positive(map, "speed", speed_of(type)));
   ARMSIG_TRY(acceleration, positive(map, "acceleration", acceleration_of(type)));
   ARMSIG_TRY(following_error, positive(map, "following_error", tool::dimension_of(type)));
   ARMSIG_TRY(sweep_at, map.quantity("sweep_at", tool::dimension_of(type)));
   ARMSIG_TRY(arc_rad, read_arc(map, type));
-  ARMSIG_TRY(unsupervised, read_known(map, "unsupervised"));
-  ARMSIG_TRY(warning, read_known(map, "warning"));
   ARMSIG_TRY(reference, read_reference(map));
   ARMSIG_TRY(homing_method, read_homing_method(map, reference));
   axis.limits = limits;
-  axis.unsupervised_known = unsupervised;
-  axis.warning_known = warning;
   axis.homing_method = homing_method;
   ARMSIG_TRY(motor_speed, read_motor_speed(map, type, speed));
   axis.largest_speed = motor_speed;

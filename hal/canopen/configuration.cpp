@@ -65,6 +65,16 @@ Checked check_axis(const AxisConfiguration& axis, std::size_t number,
     if (std::fabs(limit) > largest) return refuse(Error::kLimitsImplausible, limit, largest);
     if (auto counts = scaling.counts(limit); !counts) return refuse(counts.error(), limit, 0);
   }
+  if (axis.mode != axis.position_mode()) {
+    return refuse(Error::kUnsupported, static_cast<double>(axis.mode),
+                  static_cast<double>(axis.position_mode()));
+  }
+  for (const cia402::ObjectRequest& further : axis.further_writes()) {
+    const bool sized = further.bytes == 1 || further.bytes == 2 || further.bytes == 4;
+    if (!sized || !cia402::may_be_written(further.index)) {
+      return refuse(Error::kUnsupported, further.index, 0);
+    }
+  }
   if (axis.largest_speed <= 0) return refuse(Error::kPeriodInvalid, axis.largest_speed, 0);
   if (axis.following_window < 0) return refuse(Error::kPeriodInvalid, axis.following_window, 0);
   if (axis.stop_deceleration < 0) return refuse(Error::kPeriodInvalid, axis.stop_deceleration, 0);

@@ -52,6 +52,7 @@ struct ConfigurationRefusal {
 class CheckedConfiguration;
 
 // Errors: kTooFewAxes (none),
+// kUnsupported (a mode that the image does not have, or a write to an object that is not free),
 // kNotFinite, kNodeOutOfRange, kNodeTwice (axes, other nodes and master together), kScaleInvalid,
 // kResolutionTooCoarse, kLimitsReversed, kLimitsImplausible, kPositionOverflow (a limit or the
 // following window), kPeriodInvalid (period, heartbeats, time-outs, retries or speed), kBusOverload

@@ -26,6 +26,7 @@ constexpr std::uint32_t kOnEverySync = 1;
 constexpr std::uint32_t kLongestLife = 255;  // guard times
 constexpr std::uint32_t kControlWordEntry = 0x60400010;
 constexpr std::uint32_t kTargetPositionEntry = 0x607A0020;
+constexpr std::uint32_t kInterpolationDataEntry = 0x60C10120;
 constexpr std::uint32_t kStatusWordEntry = 0x60410010;
 constexpr std::uint32_t kActualPositionEntry = 0x60640020;
 
@@ -80,7 +81,7 @@ void append_supervision(Setup& setup, const Configuration& configuration) {
 Setup drive_setup(const CheckedConfiguration& configuration, std::size_t axis) {
   const AxisConfiguration& joint = configuration->axes[axis];
   Setup setup;
-  cia402::append_profile_check(setup);
+  cia402::append_profile_check(setup, joint.position_mode());
   append_identity_requests(setup);
   cia402::append_factor_requests(setup);
   append_supervision(setup, *configuration);
@@ -91,8 +92,9 @@ Setup drive_setup(const CheckedConfiguration& configuration, std::size_t axis) {
     cia402::write(setup, static_cast<std::uint16_t>(kTransmitPdoParameter + pdo), 1, 4,
                   kPdoOff | kNoRemote | (kTransmitPdo1Id + step), SetupRule::kIfPresent);
   }
+  const bool interpolates = joint.position_mode() == cia402::PositionMode::kInterpolated;
   map(setup, {kReceivePdoParameter, kReceivePdoMapping, kReceivePdo1Id + joint.node, 0,
-              kControlWordEntry, kTargetPositionEntry});
+              kControlWordEntry, interpolates ? kInterpolationDataEntry : kTargetPositionEntry});
   map(setup, {kTransmitPdoParameter, kTransmitPdoMapping, kTransmitPdo1Id + joint.node, kNoRemote,
               kStatusWordEntry, kActualPositionEntry});
   cia402::append_motion_settings(setup, joint, configuration.scaling(axis), configuration->period);

@@ -8,8 +8,6 @@ using cia402::Homing;
 
 constexpr SdoRequest kEnterMode{
     .index = cia402::kModeOfOperation, .bytes = 1, .value = cia402::kModeHoming};
-constexpr SdoRequest kLeaveMode{
-    .index = cia402::kModeOfOperation, .bytes = 1, .value = cia402::kModeCsp};
 constexpr SdoRequest kShownMode{.index = cia402::kModeDisplay};
 
 SdoRequest method_request(std::int8_t method) {
@@ -35,7 +33,10 @@ void HomingRun::enter(Step step) {
   if (step == Step::kMethod) ask(method_request(*configuration_.axes[joint_].homing_method));
   if (step == Step::kEnter) ask(kEnterMode);
   if (step == Step::kLook) ask(kShownMode);
-  if (step == Step::kLeave) ask(kLeaveMode);
+  if (step == Step::kLeave) {
+    const auto mode = configuration_.axes[joint_].position_mode();
+    ask({.index = cia402::kModeOfOperation, .bytes = 1, .value = static_cast<std::uint32_t>(mode)});
+  }
 }
 
 void HomingRun::take(const hal::CanFrame& frame) {

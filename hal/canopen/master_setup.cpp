@@ -168,11 +168,13 @@ void Master::step_homing() {
 
 void Master::take_mode(DriveNode& drive, const SdoOutcome& outcome) {
   constexpr std::uint32_t kMode = 0xFF;
-  if (outcome && (*outcome & kMode) == cia402::kModeCsp) {
+  const auto wanted =
+      static_cast<std::uint32_t>(configuration_->axes[*mode_joint_].position_mode());
+  if (outcome && (*outcome & kMode) == wanted) {
     drive.drive().show_mode();
   } else if (now_ - drive.drive().state().progress_at > configuration_->transition_timeout) {
     hal::DeviceObject object{
-        .index = cia402::kModeDisplay, .subindex = 0, .found = {}, .wanted = cia402::kModeCsp};
+        .index = cia402::kModeDisplay, .subindex = 0, .found = {}, .wanted = wanted};
     if (outcome) object.found = *outcome;
     drive.drive().latch(outcome ? Error::kSdoUnexpectedValue : outcome.error().error,
                         outcome ? *outcome : outcome.error().abort_code, object);

@@ -175,7 +175,33 @@ Setpoint Drive::command(bool may_release) {
   // and a position outside them came from counts.
   const std::int32_t counts =
       is_enabled() ? scaling_.counts(s_.target).value_or(s_.actual_counts) : s_.actual_counts;
+  const PositionMode mode = settings_->position_mode();
+  if (mode == PositionMode::kProfile) return offer({word, counts});
+  if (mode == PositionMode::kInterpolated && is_enabled()) word |= kControlInterpolate;
   return {word, counts};
+}
+
+// The drive latches the target at the rising edge, and tells by bit 12 that it has: the offer then
+// ends, and after that bit the next may begin. Targets that change meanwhile are passed over.
+Setpoint Drive::offer(Setpoint wanted) {
+  if (!is_enabled()) {
+    s_.offers = false;
+    s_.taken = false;
+    s_.offered_counts = wanted.target_counts;
+    return wanted;
+  }
+  const bool takes = (s_.status_word & kStatusTargetTaken) != 0;
+  if (s_.offers && takes) {
+    s_.offers = false;
+    s_.taken = true;
+  } else if (!s_.offers && !takes && (!s_.taken || s_.offered_counts != wanted.target_counts)) {
+    s_.offers = true;
+    s_.offered_counts = wanted.target_counts;
+  }
+  wanted.control_word |= kControlAtOnce;
+  if (s_.offers) wanted.control_word |= kControlNewTarget;
+  wanted.target_counts = s_.offered_counts;
+  return wanted;
 }
 
 }  // namespace armsig::cia402

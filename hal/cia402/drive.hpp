@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One CiA 402 drive in cyclic synchronous position mode, behind any transport: what it told, what
-// it is commanded, what is wrong with it. A transport calls hear() with what a cycle brought, sends
+// One CiA 402 drive in a position mode, behind any transport: what it told, what it is commanded,
+// what is wrong with it. A transport calls hear() with what a cycle brought, sends
 // what command() says, and tells by latch() what went wrong on the way.
 #pragma once
 
@@ -58,6 +58,11 @@ struct DriveState {
   bool searched = false;   // its statusword has denied since then that the reference is found
   bool homed = false;      // found it since it was set up
   bool reset_bit = false;  // fault reset bit of the last controlword
+  // Profile position: a target is offered (controlword bit 4) until the drive takes it, and the
+  // next one once the drive has seen that the offer is over.
+  bool offers = false;
+  bool taken = false;  // since it was enabled, it has taken one
+  std::int32_t offered_counts = 0;
   double target = 0;
   hal::Instant target_at;
 };
@@ -65,7 +70,7 @@ struct DriveState {
 // What a cycle sends.
 struct Setpoint {
   std::uint16_t control_word = 0;  // object 6040h
-  std::int32_t target_counts = 0;  // object 607Ah
+  std::int32_t target_counts = 0;  // object 607Ah, or 60C1h:1
 };
 
 class Drive {
@@ -130,6 +135,9 @@ class Drive {
   [[nodiscard]] Setpoint command(bool may_release);
 
  private:
+  [[nodiscard]] bool follows() const;
+  [[nodiscard]] bool keeps_in_mode(std::uint16_t mask, std::uint16_t well) const;
+  Setpoint offer(Setpoint wanted);
   void take_rest(hal::Instant at);
   void update_rest(hal::Duration period, hal::Instant now);
   void check_state(const GroupSettings& settings, hal::Instant now);

@@ -37,6 +37,7 @@ inline constexpr std::uint16_t kControlWord = 0x6040;
 inline constexpr std::uint16_t kStatusWord = 0x6041;
 inline constexpr std::uint16_t kActualPosition = 0x6064;
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
+inline constexpr std::uint16_t kInterpolationData = 0x60C1;  // sub-index 1: the next position
 
 // What a set-up is about, besides.
 inline constexpr std::uint16_t kDeviceType = 0x1000;  // of CiA 301: the number of the profile
@@ -55,8 +56,6 @@ inline constexpr std::uint16_t kModeDisplay = 0x6061;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
 inline constexpr std::uint16_t kHomingMethod = 0x6098;
 inline constexpr std::uint16_t kSupportedModes = 0x6502;
-// Of 6060h.
-inline constexpr std::uint32_t kModeHoming = 6;
-inline constexpr std::uint32_t kModeCsp = 8;  // cyclic synchronous position
+inline constexpr std::uint32_t kModeHoming = 6;  // of 6060h
 
 }  // namespace armsig::cia402

@@ -3,14 +3,36 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <type_traits>
 
 #include "core/base/arm.hpp"
+#include "core/base/fixed_vector.hpp"
+#include "hal/cia402/object.hpp"
 #include "hal/cia402/scaling.hpp"
 #include "hal/clock.hpp"
+#include "hal/joint_drives.hpp"
 
 namespace armsig::cia402 {
+
+// How a drive is given its targets; by the values of 6060h.
+enum class PositionMode : std::uint8_t {
+  kProfile = 1,       // one after the other, each by a profile of the drive's own
+  kInterpolated = 7,  // in every cycle, by 60C1h
+  kCyclic = 8,        // in every cycle, by 607Ah: cyclic synchronous position
+};
+
+// What a configuration may write besides, of one drive; nothing where there is no memory for it.
+inline constexpr std::size_t kMaxFurtherWrites = hal::kOtherModes ? 8 : 0;
+struct NoWrites {
+  [[nodiscard]] static constexpr const ObjectRequest* data() { return nullptr; }
+  [[nodiscard]] static constexpr std::size_t size() { return 0; }
+};
+using FurtherWrites =
+    std::conditional_t<hal::kOtherModes, FixedVector<ObjectRequest, kMaxFurtherWrites>, NoWrites>;
 
 // Of one drive.
 struct DriveSettings {
@@ -26,6 +48,17 @@ struct DriveSettings {
   bool warning_known = false;
   // Object 6098h, told before the drive homes; empty keeps its own.
   std::optional<std::int8_t> homing_method{};
+  PositionMode mode = PositionMode::kCyclic;
+  // Objects that are written besides, before the mode; each may_be_written() (setup.hpp).
+  [[no_unique_address]] FurtherWrites writes{};
+
+  // Where the image has no others, that is known to the compiler.
+  [[nodiscard]] constexpr PositionMode position_mode() const {
+    return hal::kOtherModes ? mode : PositionMode::kCyclic;
+  }
+  [[nodiscard]] constexpr std::span<const ObjectRequest> further_writes() const {
+    return {writes.data(), writes.size()};
+  }
 };
 
 // How long an enabled drive may say these of itself before it counts as faulted.

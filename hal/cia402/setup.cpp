@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "hal/cia402/setup.hpp"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 
 namespace armsig::cia402 {
@@ -8,13 +10,19 @@ namespace {
 
 constexpr std::uint16_t kFollowingWindow = 0x6065;
 constexpr std::uint16_t kPolarity = 0x607E;
+constexpr std::uint16_t kProfileSpeed = 0x6081;
+constexpr std::uint16_t kProfileAcceleration = 0x6083;
+constexpr std::uint16_t kProfileDeceleration = 0x6084;
 constexpr std::uint16_t kPositionOffset = 0x60B0;
+constexpr std::uint16_t kInterpolationType = 0x60C0;
 constexpr std::uint16_t kInterpolationPeriod = 0x60C2;
+constexpr std::uint16_t kInterpolationBuffer = 0x60C4;
+constexpr std::uint8_t kBufferAccess = 6;  // of its sub-indices: 0 clears it, 1 opens it
 
 // Values of those objects.
 constexpr std::uint32_t kProfileMask = 0xFFFF;
 constexpr std::uint32_t kProfile402 = 402;
-constexpr std::uint32_t kSupportsCsp = 1U << 7;
+constexpr std::uint32_t kLinear = 0;
 constexpr std::uint32_t kAbortConnectionQuickStop = 3;
 constexpr std::uint32_t kQuickStopRampAndStay = 6;
 constexpr std::uint32_t kRampThenDisable = 1;
@@ -27,6 +35,34 @@ constexpr std::uint32_t kPositionReversed = 0x80;
 constexpr std::uint32_t kAnyRamp = 0b1'1110'1110;
 constexpr std::uint32_t kOffOrRamp = 0b11;
 constexpr std::uint32_t kFaultRamps = 0b110;
+
+// Of the profile area, what a set-up is about: written, or held against what is configured.
+constexpr std::array<std::uint16_t, 26> kOurs{kAbortConnectionOption,
+                                              kControlWord,
+                                              kQuickStopOption,
+                                              kShutdownOption,
+                                              kDisableOperationOption,
+                                              kFaultReactionOption,
+                                              kModeOfOperation,
+                                              kFollowingWindow,
+                                              kTargetPosition,
+                                              kPolarity,
+                                              kQuickStopDeceleration,
+                                              0x608F,
+                                              0x6091,
+                                              0x6092,
+                                              0x6093,
+                                              kHomingMethod,
+                                              0x60A8,
+                                              0x60AA,
+                                              kPositionOffset,
+                                              kInterpolationType,
+                                              kInterpolationData,
+                                              kInterpolationPeriod,
+                                              kInterpolationBuffer,
+                                              0x60B1,
+                                              0x60B2,
+                                              0x6071};
 
 constexpr std::uint32_t kept_bits(std::uint8_t bytes) { return 0xFFFFFFFFU >> (8U * (4U - bytes)); }
 
@@ -46,17 +82,51 @@ void prefer(Setup& setup, const ObjectRequest& request, std::uint32_t safe, Setu
   setup.push_back({request, rule, safe, 0});
 }
 
-void append_profile_check(Setup& setup) {
+void append_profile_check(Setup& setup, PositionMode mode) {
+  const std::uint32_t supports = 1U << (static_cast<std::uint32_t>(mode) - 1);
   expect(setup, kDeviceType, SetupRule::kMustEqual, kProfileMask, kProfile402);
-  expect(setup, kSupportedModes, SetupRule::kEqualIfPresent, kSupportsCsp, kSupportsCsp);
+  expect(setup, kSupportedModes, SetupRule::kEqualIfPresent, supports, supports);
   expect(setup, kPolarity, SetupRule::kEqualIfPresent, kPositionReversed, 0);
+}
+
+namespace {
+
+// How the drive gets from target to target.
+void append_mode_settings(Setup& setup, PositionMode mode, hal::Duration period) {
+  if (mode == PositionMode::kProfile) {
+    for (const auto index : {kProfileSpeed, kProfileAcceleration, kProfileDeceleration}) {
+      expect(setup, index, SetupRule::kNotZero, 0xFFFFFFFF, 1);
+    }
+    return;
+  }
+  const InterpolationPeriod interpolation = *interpolation_period(period);
+  prefer(setup, {kInterpolationPeriod, 1, 1, interpolation.value}, 0);
+  prefer(setup, {kInterpolationPeriod, 2, 1, static_cast<std::uint8_t>(interpolation.exponent)}, 0);
+  if (mode == PositionMode::kInterpolated) {
+    prefer(setup, {kInterpolationType, 0, 2, kLinear}, 0);
+    write(setup, kInterpolationBuffer, kBufferAccess, 1, 0, SetupRule::kIfPresent);
+    write(setup, kInterpolationBuffer, kBufferAccess, 1, 1, SetupRule::kIfPresent);
+  }
+}
+
+}  // namespace
+
+bool may_be_written(std::uint16_t index) {
+  constexpr std::uint16_t kFirstOfMaker = 0x2000;
+  constexpr std::uint16_t kFirstOfProfile = 0x6000;
+  constexpr std::uint16_t kLastOfProfile = 0x67FF;
+  if (index < kFirstOfMaker || index > kLastOfProfile) return false;
+  return index < kFirstOfProfile || std::ranges::find(kOurs, index) == kOurs.end();
 }
 
 void append_motion_settings(Setup& setup, const DriveSettings& settings, const Scaling& scaling,
                             hal::Duration period) {
-  const InterpolationPeriod interpolation = *interpolation_period(period);
-  prefer(setup, {kInterpolationPeriod, 1, 1, interpolation.value}, 0);
-  prefer(setup, {kInterpolationPeriod, 2, 1, static_cast<std::uint8_t>(interpolation.exponent)}, 0);
+  const PositionMode mode = settings.position_mode();
+  for (const ObjectRequest& further : settings.further_writes()) {
+    write(setup, further.index, further.subindex, further.bytes, further.value,
+          SetupRule::kSetting);
+  }
+  append_mode_settings(setup, mode, period);
   prefer(setup, {kAbortConnectionOption, 0, 2, kAbortConnectionQuickStop}, kAnyValue);
   prefer(setup, {kQuickStopOption, 0, 2, kQuickStopRampAndStay}, kAnyRamp);
   prefer(setup, {kShutdownOption, 0, 2, kRampThenDisable}, kAnyValue);
@@ -71,8 +141,8 @@ void append_motion_settings(Setup& setup, const DriveSettings& settings, const S
     write(setup, kFollowingWindow, 0, 4, *scaling.distance_counts(settings.following_window),
           SetupRule::kSetting);
   }
-  write(setup, kModeOfOperation, 0, 1, kModeCsp);
-  expect(setup, kModeDisplay, SetupRule::kTold, 0xFF, kModeCsp);
+  write(setup, kModeOfOperation, 0, 1, static_cast<std::uint32_t>(mode));
+  expect(setup, kModeDisplay, SetupRule::kTold, 0xFF, static_cast<std::uint32_t>(mode));
 }
 
 bool is_absent(const ObjectOutcome& outcome) {
@@ -93,11 +163,14 @@ bool is_safe(const SetupStep& step, std::uint32_t value) {
 
 std::optional<Error> judge(const SetupStep& step, const ObjectOutcome& outcome) {
   if (!outcome) {
-    const bool optional =
-        step.rule == SetupRule::kIfPresent || step.rule == SetupRule::kEqualIfPresent;
+    const bool optional = step.rule == SetupRule::kIfPresent ||
+                          step.rule == SetupRule::kEqualIfPresent ||
+                          (hal::kOtherModes && step.rule == SetupRule::kNotZero);
     if (optional && is_absent(outcome)) return std::nullopt;
     return outcome.error().error;
   }
+  if (hal::kOtherModes && step.rule == SetupRule::kNotZero && *outcome == 0)
+    return Error::kSdoUnexpectedValue;
   const bool compared =
       step.rule == SetupRule::kMustEqual || step.rule == SetupRule::kEqualIfPresent;
   if (!compared || (*outcome & step.mask) == step.expected) return std::nullopt;

@@ -23,6 +23,7 @@ enum class SetupRule : std::uint8_t {
   kMustEqual,       // reads: the value under the mask must be `expected`
   kEqualIfPresent,  // reads: the value must be `expected`, unless the device
                     // lacks the object
+  kNotZero,         // reads: the value must not be 0, unless the device lacks the object
   kTold,            // reads: any value will do now
 };
 
@@ -39,7 +40,7 @@ struct SetupStep {
 // An option that may hold anything.
 inline constexpr std::uint32_t kAnyValue = 0xFFFFFFFF;
 
-inline constexpr std::size_t kMaxSetupSteps = 58;
+inline constexpr std::size_t kMaxSetupSteps = 58 + (hal::kOtherModes ? 4 + kMaxFurtherWrites : 0);
 using Setup = FixedVector<SetupStep, kMaxSetupSteps>;
 
 // One more step: writes an object, or reads one and holds it against `expected`.
@@ -51,14 +52,19 @@ void expect(Setup& setup, std::uint16_t index, SetupRule rule, std::uint32_t mas
 void prefer(Setup& setup, const ObjectRequest& request, std::uint32_t safe,
             SetupRule rule = SetupRule::kOption);
 
-// The device is a drive of CiA 402 that knows cyclic synchronous positions, if it tells its modes.
-// Polarity (607Eh) must be none, as the sense of a joint is ours to turn.
-void append_profile_check(Setup& setup);
-// Interpolation period, stop behaviour, window, mode; a position offset (60B0h) must be zero. The
-// quick stop ramp is in counts until the drive has told its unit (SetupRun).
+// The device is a drive of CiA 402 that knows `mode`, if it tells its modes. Polarity (607Eh) must
+// be none, as the sense of a joint is ours to turn.
+void append_profile_check(Setup& setup, PositionMode mode);
+// Interpolation period, stop behaviour, window, mode; a position offset (60B0h) must be zero. A
+// drive that makes its own profiles must have a speed and accelerations for them. The quick stop
+// ramp is in counts until the drive has told its unit (SetupRun).
 // Preconditions: interpolation_period(period); the distances of `settings` fit into counts.
 void append_motion_settings(Setup& setup, const DriveSettings& settings, const Scaling& scaling,
                             hal::Duration period);
+
+// Whether a configuration may write an object besides: one of the maker (2000h to 5FFFh), or one of
+// the profile that no set-up writes or holds against what is configured.
+[[nodiscard]] bool may_be_written(std::uint16_t index);
 
 // Of the steps that are no option, setting or told: the error that `outcome` of `step` means;
 // empty if the set-up may go on.

@@ -28,8 +28,8 @@ enum class State : std::uint8_t {
 }
 
 // Bits of the statusword 6041h. Bits 12 and 13 have the first meanings in cyclic synchronous
-// position mode, the others in homing mode; bit 10 tells in Quick stop active that the drive is at
-// rest.
+// position mode, the others in homing and profile position mode; of interpolated position bit 12
+// has the first and bit 13 none. Bit 10 tells in Quick stop active that the drive is at rest.
 inline constexpr std::uint16_t kStatusVoltage = 1U << 4;
 inline constexpr std::uint16_t kStatusTargetReached = 1U << 10;
 inline constexpr std::uint16_t kStatusWarning = 1U << 7;
@@ -38,9 +38,15 @@ inline constexpr std::uint16_t kStatusFollowsTarget = 1U << 12;
 inline constexpr std::uint16_t kStatusFollowingError = 1U << 13;
 inline constexpr std::uint16_t kStatusHomingAttained = 1U << 12;
 inline constexpr std::uint16_t kStatusHomingError = 1U << 13;
+inline constexpr std::uint16_t kStatusTargetTaken = 1U << 12;  // of profile position
 
-// Bit of the controlword 6040h in homing mode: the search goes on while it is set.
+// Bits of the controlword 6040h by mode. Homing: the search goes on while it is set. Interpolated
+// position: the positions are followed. Profile position: its rising edge offers a target, which is
+// gone for at once, in the place of the former one.
 inline constexpr std::uint16_t kControlHomingStart = 1U << 4;
+inline constexpr std::uint16_t kControlInterpolate = 1U << 4;
+inline constexpr std::uint16_t kControlNewTarget = 1U << 4;
+inline constexpr std::uint16_t kControlAtOnce = 1U << 5;
 
 // The state that a statusword tells. A word that the standard leaves undefined counts as
 // kNotReadyToSwitchOn, from which nothing is commanded.
@@ -103,7 +109,7 @@ struct Step {
 // that is wanted without torque is stopped first, and held in Quick stop active.
 [[nodiscard]] Step next_step(Goal goal, State state, bool stands = true);
 
-// The whole controlword: the command alone, every mode-specific bit 0 as CSP wants it.
+// The controlword: the command alone, every mode-specific bit 0 as CSP wants it.
 [[nodiscard]] constexpr std::uint16_t control_word(Command command) {
   return static_cast<std::uint16_t>(command);
 }

@@ -69,8 +69,7 @@ void Drive::check_state(const GroupSettings& settings, hal::Instant now) {
   if constexpr (hal::kMayHome) check_homing(settings, now);
   if (reached(s_.goal, s_.state)) {
     // A drive whose brake is still opening does not follow yet.
-    const bool follows = (s_.status_word & kStatusFollowsTarget) != 0;
-    s_.arrived = s_.arrived || s_.goal != Goal::kEnabled || (follows && !s_.hides_mode);
+    s_.arrived = s_.arrived || s_.goal != Goal::kEnabled || (follows() && !s_.hides_mode);
   } else if (s_.arrived && s_.goal == Goal::kEnabled) {
     latch(Error::kDriveDroppedOut);
   } else if (now - s_.progress_at > settings.transition_timeout) {
@@ -78,12 +77,32 @@ void Drive::check_state(const GroupSettings& settings, hal::Instant now) {
   }
 }
 
+bool Drive::follows() const {
+  if (settings_->position_mode() == PositionMode::kProfile) return s_.taken;
+  return (s_.status_word & kStatusFollowsTarget) != 0;
+}
+
+// Whether the statusword is as a rule wants it, in this mode. Bits 12 and 13 mean nothing before
+// the drive has shown it. Where it makes profiles, bit 12 is the answer to an offer; where it
+// interpolates, bit 13 has no meaning.
+bool Drive::keeps_in_mode(std::uint16_t mask, std::uint16_t well) const {
+  const PositionMode mode = settings_->position_mode();
+  const bool of_mode = mask == kStatusFollowsTarget || mask == kStatusFollowingError;
+  if (of_mode && s_.hides_mode) return true;
+  if (mode == PositionMode::kInterpolated && mask == kStatusFollowingError) return true;
+  if (mode == PositionMode::kProfile && mask == kStatusFollowsTarget) {
+    return ((s_.status_word & kStatusTargetTaken) != 0) == s_.offers;
+  }
+  return (s_.status_word & mask) == well;
+}
+
 void Drive::check_status_word(const StatusLimits& limits, hal::Instant now) {
   for (std::size_t i = 0; i < kRules.size(); ++i) {
     const StatusRule& rule = kRules[i];
     const bool known = rule.error == Error::kDriveWarning && settings_->warning_known;
-    const bool well = known || !is_enabled() || (s_.status_word & rule.mask) == rule.well;
-    if (well) {
+    const bool kept = hal::kOtherModes ? keeps_in_mode(rule.mask, rule.well)
+                                       : (s_.status_word & rule.mask) == rule.well;
+    if (known || !is_enabled() || kept) {
       s_.well_at[i] = now;
     } else if (now - s_.well_at[i] > limits.*rule.limit) {
       latch(rule.error, s_.status_word);

@@ -11,7 +11,10 @@ using canopen::NmtCommand;
 using canopen::NmtState;
 using cia402::State;
 
-constexpr std::uint16_t kHomingStart = 0x0010;  // bit 4 of the controlword, in homing mode
+constexpr std::uint16_t kModeBit = 0x0010;  // bit 4 of the controlword, whose meaning is the mode's
+constexpr std::uint8_t kProfileMode = 1;
+constexpr std::uint8_t kHomingMode = 6;
+constexpr std::uint8_t kInterpolatedMode = 7;
 constexpr std::uint16_t kEmergencyHeartbeat = 0x8130;
 constexpr std::uint16_t kEmergencyPdoLength = 0x8210;
 constexpr std::uint16_t kEmergencyCommands = 0x8250;
@@ -133,9 +136,13 @@ void Drive::do_advance(hal::Instant until) {
   now_ = until;
   if (answer_at_ && until >= *answer_at_) answer_sync();
   // Between two steps of the motion nothing of the drive's own changes.
-  if (!motion_.advance(until)) return;
-  power_.advance(motion_);
-  step_homing();
+  bool stepped = false;
+  for (; motion_.step_before(until); stepped = true) {
+    power_.advance(motion_);
+    step_homing();
+    step_profile();
+  }
+  if (!stepped) return;
   if (nmt_ == NmtState::kBootUp) {
     if (until < boot_at_) return;
     if (power_.state() == State::kNotReadyToSwitchOn) power_.power_up(motion_);
@@ -215,10 +222,10 @@ void Drive::publish() {
 
 std::uint16_t Drive::status_word() const {
   std::uint16_t word = power_.status_word(operational(), motion_);
-  if (settings_.homes && power_.state() == State::kOperationEnabled) {
-    word = static_cast<std::uint16_t>(word & ~cia402::kStatusFollowsTarget) |
-           homing_.status_bits(motion_);
-  }
+  const auto without_bit_12 = static_cast<std::uint16_t>(word & ~cia402::kStatusFollowsTarget);
+  if (is_in(kHomingMode)) word = without_bit_12 | homing_.status_bits(motion_);
+  if (is_in(kProfileMode)) word = without_bit_12 | profile_.status_bits(motion_);
+  if (is_in(kInterpolatedMode) && !interpolates()) word = without_bit_12;
   if (error_since_) word |= cia402::kStatusFollowingError;
   if (configuration_.tells_rest && power_.state() == State::kQuickStopActive && motion_.at_rest()) {
     word |= cia402::kStatusTargetReached;
@@ -325,18 +332,38 @@ void Drive::apply_receive_pdo() {
   pending_pdo_.reset();
   const auto word = static_cast<std::uint16_t>(dictionary_.get(0x6040));
   if (power_.take(word, settings_.stops, motion_)) send_emergency(0);
-  if (power_.state() != State::kOperationEnabled) return;
-  if (settings_.homes) {
-    homing_.command((word & kHomingStart) != 0, settings_.homing, motion_);
+  if (power_.state() != State::kOperationEnabled) {
+    profile_.begin(motion_);
     return;
   }
-  const double target = static_cast<std::int32_t>(dictionary_.get(0x607A)) + settings_.offset;
-  motion_.set_target(static_cast<std::int32_t>(std::lround(target + origin_)), settings_.period,
-                     now_);
+  const bool bit_4 = (word & kModeBit) != 0;
+  const auto target_of = [&](std::uint16_t index, std::uint8_t subindex) {
+    return static_cast<std::int32_t>(dictionary_.get(index, subindex)) + origin_;
+  };
+  if (settings_.mode == kHomingMode) {
+    homing_.command(bit_4, settings_.homing, motion_);
+    profile_.begin(motion_);
+  } else if (settings_.mode == kProfileMode) {
+    profile_.command(bit_4, target_of(0x607A, 0), motion_);
+  } else if (settings_.mode == kInterpolatedMode) {
+    if (bit_4) follow(target_of(0x60C1, 1));
+  } else {
+    follow(target_of(0x607A, 0) + settings_.offset);
+  }
+}
+
+void Drive::follow(double target) {
+  motion_.set_target(static_cast<std::int32_t>(std::lround(target)), settings_.period, now_);
+}
+
+bool Drive::interpolates() const { return (dictionary_.get(0x6040) & kModeBit) != 0; }
+
+void Drive::step_profile() {
+  if (is_in(kProfileMode)) profile_.step(settings_.profile, motion_);
 }
 
 void Drive::step_homing() {
-  if (!settings_.homes || power_.state() != State::kOperationEnabled) return;
+  if (!is_in(kHomingMode)) return;
   const auto found = homing_.step(settings_.homing, configuration_.home_switch, motion_);
   if (found) origin_ = *found - settings_.homing.offset;
 }

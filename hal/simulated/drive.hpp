@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// An emulated CiA 402 servo drive in cyclic synchronous position and homing mode, as a device on
-// any CAN bus: network management, SDO server, mapped PDOs, heartbeats both ways, the power state
+// An emulated CiA 402 servo drive in the position modes and in homing mode, as a device on any CAN
+// bus: network management, SDO server, mapped PDOs, heartbeats both ways, the power state
 // machine, motion with following error, and faults on command. Written from the standard's device
 // side, apart from the master, so that each checks the other.
 #pragma once
@@ -16,6 +16,7 @@
 #include "hal/simulated/drive_homing.hpp"
 #include "hal/simulated/drive_motion.hpp"
 #include "hal/simulated/drive_power.hpp"
+#include "hal/simulated/drive_profile.hpp"
 
 namespace armsig::simulated {
 
@@ -119,8 +120,9 @@ class Drive final : public CanDevice {
     hal::Duration following_timeout{};
     hal::Duration period{};   // 60C2h
     std::int32_t offset = 0;  // 60B0h
-    bool homes = false;       // 6060h
+    std::uint8_t mode = 0;    // 6060h
     HomingObjects homing;
+    ProfileObjects profile;
   };
 
   struct SetObject {
@@ -144,6 +146,12 @@ class Drive final : public CanDevice {
   void take_receive_pdo(const hal::CanFrame& frame);
   void apply_receive_pdo();
   void step_homing();
+  void step_profile();
+  void follow(double target);
+  [[nodiscard]] bool interpolates() const;
+  [[nodiscard]] bool is_in(std::uint8_t mode) const {
+    return settings_.mode == mode && power_.state() == cia402::State::kOperationEnabled;
+  }
   void take_masters_heartbeat(std::uint8_t node);
   void supervise();
   void miss_master(std::uint16_t code);
@@ -159,6 +167,7 @@ class Drive final : public CanDevice {
   DriveMotion motion_;
   DrivePower power_;
   DriveHoming homing_;
+  DriveProfile profile_;
   double origin_ = 0;  // where it counts zero, in counts of the motor
   canopen::NmtState nmt_ = canopen::NmtState::kBootUp;
   hal::Instant now_;

@@ -101,6 +101,8 @@ void DriveDictionary::add_profile() {
   add(0x607A, 0, 4, kMapsIn, 0);              // target position
   add(0x607C, 0, 4, kReadWrite, 0);           // home offset
   add(0x607E, 0, 1, kReadWrite, 0);           // polarity
+  add(0x6081, 0, 4, kReadWrite, 0);           // profile speed, counts/s
+  add(0x6083, 0, 4, kReadWrite, 0);           // profile acceleration, counts/s^2
   add(0x6084, 0, 4, kReadWrite, 0);           // profile deceleration
   add(0x6085, 0, 4, kReadWrite, 0);           // quick stop deceleration
   if (encoder_counts_ > 0) {
@@ -108,15 +110,24 @@ void DriveDictionary::add_profile() {
     add_quotient(0x6091, 1);                // gear ratio: the drive knows of none
     add_quotient(0x6092, encoder_counts_);  // feed constant
   }
+  add_modes();
+}
+
+void DriveDictionary::add_modes() {
+  using enum Access;
   add(0x6098, 0, 1, kReadWrite, 0);  // homing method: none
   add(0x6099, 0, 1, kReadOnly, 2);   // homing speeds, counts/s: to the switch, to its edge
   add(0x6099, 1, 4, kReadWrite, 2000);
   add(0x6099, 2, 4, kReadWrite, 200);
   add(0x60B0, 0, 4, kReadWrite, 0);  // position offset, added to the target
+  add(0x60C0, 0, 2, kReadWrite, 0);  // interpolation: linear
+  add(0x60C1, 0, 1, kReadOnly, 1);
+  add(0x60C1, 1, 4, kMapsIn, 0);  // next position
   add(0x60C2, 0, 1, kReadOnly, 2);
-  add(0x60C2, 1, 1, kReadWrite, 1);                 // interpolation period
-  add(0x60C2, 2, 1, kReadWrite, 0xFD);              // its exponent, -3
-  add(0x6502, 0, 4, kReadOnly, 1U << 5 | 1U << 7);  // supported modes: homing, CSP
+  add(0x60C2, 1, 1, kReadWrite, 1);     // interpolation period
+  add(0x60C2, 2, 1, kReadWrite, 0xFD);  // its exponent, -3
+  // Supported modes: profile position, homing, interpolated and cyclic synchronous position.
+  add(0x6502, 0, 4, kReadOnly, 1U << 0 | 1U << 5 | 1U << 6 | 1U << 7);
 }
 
 void DriveDictionary::add_quotient(std::uint16_t index, std::uint32_t over) {
@@ -191,7 +202,7 @@ AbortCode DriveDictionary::write(std::uint16_t index, std::uint8_t subindex, std
     return kInvalidValue;
   }
   if (index == 0x6060) {
-    const bool known = value == 6 || value == 8;
+    const bool known = value == 1 || (value >= 6 && value <= 8);
     if (!known || (get(0x6502) >> (value - 1) & 1U) == 0) return kInvalidValue;
     set(0x6061, 0, value);
   }

@@ -82,6 +82,7 @@ class DriveDictionary {
   void add_identity();
   void add_pdos();
   void add_profile();
+  void add_modes();
   void add_quotient(std::uint16_t index, std::uint32_t over);
   [[nodiscard]] std::uint8_t entries(std::uint16_t mapping) const;  // kMaxEntries at most
   [[nodiscard]] Object* find(std::uint16_t index, std::uint8_t subindex);

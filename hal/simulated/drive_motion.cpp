@@ -92,13 +92,11 @@ void DriveMotion::set_target(std::int32_t counts, hal::Duration period, hal::Ins
   s_.period = period;
 }
 
-bool DriveMotion::advance(hal::Instant until) {
-  bool stepped = false;
-  for (; s_.now + kStep <= until; stepped = true) {
-    s_.now += kStep;
-    step();
-  }
-  return stepped;
+bool DriveMotion::step_before(hal::Instant until) {
+  if (s_.now + kStep > until) return false;
+  s_.now += kStep;
+  step();
+  return true;
 }
 
 void DriveMotion::slow_down(double change) {

@@ -92,8 +92,8 @@ class DriveMotion {
   void push(double counts) { s_.position += counts; }
   // A new target, to be reached linearly `period` from now on (object 60C2h).
   void set_target(std::int32_t counts, hal::Duration period, hal::Instant now);
-  // In whole steps; true if there was one.
-  bool advance(hal::Instant until);
+  // One step, unless it would end after `until`; whether there was one.
+  bool step_before(hal::Instant until);
 
  private:
   [[nodiscard]] double reference(hal::Instant at) const;

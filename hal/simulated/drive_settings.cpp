@@ -5,7 +5,11 @@
 namespace armsig::simulated {
 namespace {
 
-constexpr std::uint32_t kHomingMode = 6;
+ProfileObjects profile_objects(const DriveDictionary& dictionary) {
+  return {.speed = static_cast<double>(dictionary.get(0x6081)),
+          .acceleration = static_cast<double>(dictionary.get(0x6083)),
+          .deceleration = static_cast<double>(dictionary.get(0x6084))};
+}
 
 HomingObjects homing_objects(const DriveDictionary& dictionary) {
   return {.offset = static_cast<std::int32_t>(dictionary.get(0x607C)),
@@ -19,6 +23,8 @@ HomingObjects homing_objects(const DriveDictionary& dictionary) {
 void Drive::restore_dictionary() {
   dictionary_.restore();
   const auto ramp = static_cast<std::uint32_t>(configuration_.motion.stop_deceleration);
+  dictionary_.set(0x6081, 0, static_cast<std::uint32_t>(configuration_.motion.largest_speed));
+  dictionary_.set(0x6083, 0, ramp);
   dictionary_.set(0x6084, 0, ramp);
   dictionary_.set(0x6085, 0, static_cast<std::uint32_t>(ramp / configuration_.ramp_unit));
   if (configuration_.home_speed > 0) {
@@ -45,7 +51,6 @@ void Drive::read_settings() {
   const auto value = [&](std::uint16_t index, std::uint8_t subindex) {
     return dictionary_.has(index, subindex) ? dictionary_.get(index, subindex) : 0;
   };
-  const std::uint32_t command_timeout = value(0x1400, 5);
   const std::uint32_t life_ms = value(0x100C, 0) * value(0x100D, 0);
   hal::Duration unit = std::chrono::seconds(1);
   for (auto exponent = static_cast<std::int8_t>(dictionary_.get(0x60C2, 2)); exponent < 0;
@@ -58,7 +63,7 @@ void Drive::read_settings() {
                .transmits_on_sync = on_sync(0x1800),
                .master = static_cast<std::uint8_t>((consumer >> 16) & 0x7F),
                .master_timeout = milliseconds(consumer & 0xFFFF),
-               .command_timeout = milliseconds(command_timeout),
+               .command_timeout = milliseconds(value(0x1400, 5)),
                .life_time = milliseconds(life_ms),
                .heartbeat = milliseconds(dictionary_.get(0x1017)),
                .stops = {.quick_stop = static_cast<std::uint16_t>(dictionary_.get(0x605A)),
@@ -71,8 +76,9 @@ void Drive::read_settings() {
                .following_timeout = milliseconds(dictionary_.get(0x6066)),
                .period = unit * dictionary_.get(0x60C2, 1),
                .offset = static_cast<std::int32_t>(dictionary_.get(0x60B0)),
-               .homes = dictionary_.get(0x6060) == kHomingMode,
-               .homing = homing_objects(dictionary_)};
+               .mode = static_cast<std::uint8_t>(dictionary_.get(0x6060)),
+               .homing = homing_objects(dictionary_),
+               .profile = profile_objects(dictionary_)};
 }
 
 }  // namespace armsig::simulated

@@ -12,6 +12,7 @@ using simulated::Access;
 using simulated::ObjectEdit;
 
 constexpr std::uint32_t kSupportsCsp = 0x80;
+constexpr std::uint32_t kAnyMode = 0xE1;     // of those that are emulated
 constexpr std::uint32_t kWithoutCsp = 0x65;  // profile position and velocity, homing, interpolation
 
 std::vector<std::string> cells_of(const std::string& line) {
@@ -108,7 +109,7 @@ void add_factors(DriveTable& table, const Row& row) {
 void add_modes(DriveTable& table, const Row& row) {
   const auto modes = row.hex("6502h");
   if (row["6502h"] == "-") {
-    remove(table, 0x6502, kSupportsCsp);
+    remove(table, 0x6502, kAnyMode);
   } else {
     const bool lacks = row.says("6502h", "no CSP");
     add(table, 0x6502, 0, 4, Access::kReadOnly, modes.value_or(lacks ? kWithoutCsp : kSupportsCsp));

@@ -45,8 +45,10 @@ class OnlyUploads final : public simulated::CanWatcher {
 
 // Drives of these tables on nodes 1, 2, ..., of which the first `joints` are configured.
 struct Bus {
-  Bus(const std::vector<DriveTable>& tables, std::uint8_t joints) {
+  Bus(const std::vector<DriveTable>& tables, std::uint8_t joints,
+      const cia402::FurtherWrites& writes = {}) {
     canopen::Configuration drives = test::puma_drives(joints);
+    drives.axes[0].writes = writes;
     for (std::size_t i = 0; i < joints; ++i) {
       const double counts = i < tables.size() ? tables[i].counts_per_revolution : 4000;
       drives.axes[i].scaling.counts_per_revolution = counts;
@@ -107,6 +109,42 @@ TEST(DriveScan, foresees_of_every_drive_that_is_sold_whether_it_would_be_set_up)
     const auto found = refused.find(table.name);
     EXPECT_EQ(verdict(table), found == refused.end() ? "set up" : found->second) << table.name;
   }
+}
+
+TEST(DriveScan, names_a_mode_of_the_drive_that_would_do) {
+  DriveTable table = test::invented_drive_tables()[1];
+  const auto words_of = [&](std::uint32_t modes) {
+    table.edits.push_back({.object = {0x6502, 0, 4, simulated::Access::kReadOnly, modes}});
+    const std::vector tables{table};
+    Bus one(tables, 1);
+    one.look();
+    return drives_in_words(*one.scan, *one.configuration);
+  };
+  EXPECT_NE(words_of(0x43).find("\"mode: interpolated\" would do"), std::string::npos);
+  EXPECT_NE(words_of(0x05).find("\"mode: profile\" would do"), std::string::npos);
+  EXPECT_NE(words_of(0x0C).find("it knows no mode of positions"), std::string::npos);
+}
+
+TEST(DriveScan, tells_what_the_configuration_writes_besides) {
+  const auto words_of = [](const cia402::FurtherWrites& writes) {
+    const std::vector tables{test::invented_drive_tables()[1]};
+    Bus one(tables, 1, writes);
+    one.look();
+    return drives_in_words(*one.scan, *one.configuration);
+  };
+  const std::string written = words_of({{0x6099, 1, 4, 20000}, {0x6081, 0, 4, 1000}});
+  EXPECT_NE(written.find("6099h:1 by the configuration       0x7D0       0x4E20\n"),
+            std::string::npos)
+      << written;
+  EXPECT_NE(written.find("6081h:0 profile speed              0x7A120     0x3E8\n"),
+            std::string::npos)
+      << written;
+  const std::string refused = words_of({{0x2345, 6, 2, 77}});
+  EXPECT_NE(refused.find("2345h:6 by the configuration       absent      -           refused\n"),
+            std::string::npos)
+      << refused;
+  EXPECT_NE(refused.find("refused at 2345h:6: found nothing, wanted 0x4D"), std::string::npos)
+      << refused;
 }
 
 // What only a write tells it can't foresee: an option that is read-only.
