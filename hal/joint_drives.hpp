@@ -20,14 +20,15 @@
 
 namespace armsig::hal {
 
-// Where a program has no memory for them, its image has no modes but cyclic synchronous position:
-// nothing of homing, interpolated or profile position.
-#ifdef ARMSIG_CYCLIC_ONLY
-inline constexpr bool kOtherModes = false;
+// An image with little memory has no modes but cyclic synchronous position (nothing of homing,
+// interpolated or profile position), does not wait for drives that are late, and has fewer words.
+#ifdef ARMSIG_SMALL_IMAGE
+inline constexpr bool kSmallImage = true;
 #else
-inline constexpr bool kOtherModes = true;
+inline constexpr bool kSmallImage = false;
 #endif
-inline constexpr bool kMayHome = kOtherModes;
+inline constexpr bool kOtherModes = !kSmallImage;
+inline constexpr bool kMayHome = !kSmallImage;
 
 enum class DriveCondition : std::uint8_t {
   kStarting,   // being found and set up

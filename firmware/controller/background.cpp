@@ -4,6 +4,16 @@
 #include <algorithm>
 
 namespace armsig::controller {
+namespace {
+
+void tell_fault(Line& line, const Fault& fault) {
+  line.reason(fault.error);
+  if (fault.joint) line.text(" joint=").integer(*fault.joint + 1);
+  line.device_object(fault.object);
+  line.device_says(fault.code, fault.words);
+}
+
+}  // namespace
 
 Background::Background(const Configuration& configuration, hal::RangeSensor& sensor,
                        hal::Clock& clock, hal::NonvolatileMemory& memory,
@@ -38,6 +48,7 @@ bool Background::step() {
   const hal::Instant began = clock_.now();
   mover_.refresh();
   tell_changes();
+  if constexpr (!hal::kSmallImage) tell_faults();
   const auto measured = measurement_.step(clock_.now());
   identification_.measure_step(measured);
   check_.measure_step(measured);
@@ -55,22 +66,38 @@ bool Background::step() {
 void Background::tell_changes() {
   const Snapshot& snapshot = mover_.now();
   const std::uint32_t code = snapshot.fault ? snapshot.fault->code : 0;
-  if (snapshot.mode == told_mode_ && code == told_code_) return;
+  const std::uint32_t waits_for = snapshot.waits_for();
+  const bool waits_on = waits_for == 0 || waits_for == told_wait_;
+  if (snapshot.mode == told_mode_ && code == told_code_ && waits_on) return;
   const bool set_up = told_mode_ == Mode::kStarting;
   told_mode_ = snapshot.mode;
+  if constexpr (!hal::kSmallImage) told_wait_ = waits_for;
   told_code_ = code;
   Line line;
   line.text("# mode ").text(name(snapshot.mode));
-  if (snapshot.fault) {
-    line.reason(snapshot.fault->error);
-    if (snapshot.fault->joint) line.text(" joint=").integer(*snapshot.fault->joint + 1);
-    line.device_object(snapshot.fault->object);
-    line.device_says(snapshot.fault->code, snapshot.fault->words);
-  }
+  if (snapshot.fault) tell_fault(line, *snapshot.fault);
   announcer_.say(line);
   if (snapshot.mode != Mode::kIdle) return;
   if (set_up) tell_gaps();
   look_at_machine(set_up);
+}
+
+// Of every drive that has one, but for the one that the mode was told with; once.
+void Background::tell_faults() {
+  const std::optional<Fault>& first = mover_.now().fault;
+  if (mover_.now().mode == Mode::kIdle) told_faults_ = {};
+  if (!first) return;
+  for (const Fault& fault : link_.faults.read()) {
+    const auto what = std::pair(fault.error, fault.code);
+    auto& told = told_faults_[*fault.joint];
+    if (told == what) continue;
+    told = what;
+    const bool is_first = first && first->joint == fault.joint && first->error == fault.error;
+    if (is_first) continue;
+    Line line;
+    tell_fault(line.text("# drive faulted"), fault);
+    announcer_.say(line);
+  }
 }
 
 // What drives go without.

@@ -2,8 +2,11 @@
 // Everything outside the tick, a bounded step at a time: sensor, sequences, store, consoles.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "firmware/controller/announcer.hpp"
 #include "firmware/controller/check_sequence.hpp"
@@ -45,6 +48,7 @@ class Background {
   void tell_changes();
   void look_at_machine(bool set_up);
   void tell_gaps();
+  void tell_faults();
 
   const Configuration& configuration_;
   hal::Clock& clock_;
@@ -62,6 +66,9 @@ class Background {
   Desk desk_;
   Mode told_mode_ = Mode::kStarting;
   std::uint32_t told_code_ = 0;  // of the fault told
+  // Error and code of each joint's.
+  std::array<std::optional<std::pair<Error, std::uint32_t>>, DriveFaults::capacity()> told_faults_;
+  std::uint32_t told_wait_ = 0;  // as Snapshot::waits_for()
 };
 
 }  // namespace armsig::controller

@@ -29,6 +29,9 @@ Result<void> allowed_now(const Verb& verb, const Controls& controls, Line& out) 
 
 }  // namespace
 
+Desk::Desk(const Announcer& announcer, const Controls& controls)
+    : announcer_(announcer), controls_(controls) {}
+
 void Desk::step() {
   step_planning();
   if (waiting_) {

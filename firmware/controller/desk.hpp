@@ -13,8 +13,7 @@ namespace armsig::controller {
 class Desk {
  public:
   // Both must outlive it.
-  Desk(const Announcer& announcer, const Controls& controls)
-      : announcer_(announcer), controls_(controls) {}
+  Desk(const Announcer& announcer, const Controls& controls);
 
   // A few samples of a line, and at most one request. While an answer waits for the tick no further
   // request is taken.

@@ -64,7 +64,7 @@ struct Command {
   std::size_t index = 0;     // kAdoptModel: into Link::models; kHome: the joint
 };
 
-// Why the controller is Faulted.
+// Why the controller is Faulted, or what it waits for while it is Starting.
 struct Fault {
   Error error = Error::kNotFinite;
   std::optional<std::size_t> joint;
@@ -104,6 +104,13 @@ struct Snapshot {
   std::uint8_t homed = 0;          // bit per joint: its drive has found it since it was set up
   Histogram lateness;
   Histogram execution;
+
+  // A number for what it waits for while it is Starting, of the error and its joint; 0: nothing.
+  [[nodiscard]] std::uint32_t waits_for() const {
+    if (hal::kSmallImage || mode != Mode::kStarting || !fault) return 0;
+    const auto joint = static_cast<std::uint32_t>(fault->joint ? *fault->joint + 1 : 0);
+    return (static_cast<std::uint32_t>(fault->error) + 1) << 8U | joint;
+  }
 };
 
 // An object that a drive goes without, or has otherwise than wanted.
@@ -112,6 +119,9 @@ struct DriveGap {
   hal::DeviceObject object;
 };
 inline constexpr std::size_t kMostGaps = 24;  // of all drives that are told
+
+// Of every drive that has one, in the order of the joints; a small image tells the first alone.
+using DriveFaults = FixedVector<Fault, hal::kSmallImage ? 0 : kMaxJoints>;
 
 // Sees every tick, from inside of it: to be bounded, and never to block.
 class TickObserver {
@@ -130,6 +140,7 @@ struct Link {
   LatestValue<Snapshot> snapshot;     // tick to background
   LatestValue<Machine> machine;       // tick to background, whenever the drives have been set up
   LatestValue<FixedVector<DriveGap, kMostGaps>> gaps;  // before each machine
+  LatestValue<DriveFaults> faults;                     // while there are any
   // The background writes the one that the tick does not use, then sends kAdoptModel.
   std::array<Model, 2> models;
   TickObserver* observer = nullptr;  // set before the first tick

@@ -36,6 +36,12 @@ void Servo::supervise(const Result<void>& read, hal::Duration lateness) {
     learn_the_reason();
     return;
   }
+  if constexpr (!hal::kSmallImage) {
+    if (mode_ == Mode::kStarting) {
+      wait_for_drives(read);
+      return;
+    }
+  }
   supervise_drives();
   if (!read) fail(read.error());
   if (has_torque() || enabling_) supervise_following();
@@ -181,6 +187,7 @@ void Servo::step_mode() {
   using enum hal::DriveCondition;
   if (mode_ == Mode::kStarting && drives_.all(kDisabled)) {
     mode_ = Mode::kIdle;
+    if constexpr (!hal::kSmallImage) fault_.reset();
     publish_machine();
   }
   if (!has_torque()) follow_positions();
@@ -293,6 +300,7 @@ void Servo::publish(hal::Duration lateness) {
       out.homed |= bit;
     }
   }
+  if constexpr (!hal::kSmallImage) publish_faults();
   publish_tool(out);
   lateness_.add(lateness);
   out.lateness = lateness_;

@@ -20,6 +20,7 @@ class Servo {
   [[nodiscard]] bool has_torque() const { return kWithTorque.contains(mode_); }
   void supervise(const Result<void>& read, hal::Duration lateness);
   void supervise_drives();
+  void wait_for_drives(const Result<void>& read);
   void supervise_following();
   void take_commands();
   void follow_positions();
@@ -39,6 +40,7 @@ class Servo {
   void publish_tool(Snapshot& out) const;
   void publish_machine();
   void publish_gaps();
+  void publish_faults();
   void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0,
             std::string_view words = {});
   void learn_the_reason();
@@ -66,6 +68,7 @@ class Servo {
   std::array<CommandResult, 8> results_{};
   Histogram lateness_;
   Histogram execution_;
+  bool faults_told_ = false;  // the last that was published is not empty
 };
 
 }  // namespace armsig::controller

@@ -34,6 +34,16 @@ void tell_point(Line& line, const Vector3& p, unsigned decimals) {
   line.text(" z_mm=").number(1e3 * p.z(), decimals);
 }
 
+// The joints whose drives have faults, where there are several.
+void tell_faulted(Line& line, const Controls& controls) {
+  if constexpr (!hal::kSmallImage) {
+    const DriveFaults& faults = controls.link.faults.read();
+    std::uint32_t joints = 0;
+    for (const Fault& fault : faults) joints |= 1U << *fault.joint;
+    if (faults.size() > 1) line.text(" faulted=").numbers(joints);
+  }
+}
+
 void tell_arm(Line& line, const Controls& controls) {
   const Snapshot& s = controls.mover.now();
   line.text(" mode=").text(name(s.mode));
@@ -43,6 +53,7 @@ void tell_arm(Line& line, const Controls& controls) {
     line.device_object(s.fault->object, "fault_");
     line.device_says(s.fault->code, s.fault->words, "fault_");
   }
+  tell_faulted(line, controls);
   line.text(" moving=").text(s.moving ? "yes" : "no");
   if (s.limits_active != 0) line.text(" limits_active=").numbers(s.limits_active);
   if (s.warning != 0) line.text(" warning=").numbers(s.warning);

@@ -50,8 +50,8 @@ double longest_stop_s(const controller::MotionLimits& limits) {
 }
 
 Read<YamlMap> open_can(const YamlMap& root) {
-  std::vector<std::string> known{"interface", "bits_per_second", "master_node", "sdo_attempts",
-                                 "missed_feedback_limit"};
+  std::vector<std::string> known{"interface",   "bits_per_second", "master_node",
+                                 "other_nodes", "sdo_attempts",    "missed_feedback_limit"};
   for (const char* time : {"heartbeat", "heartbeat_timeout", "boot_timeout", "sdo_timeout",
                            "transition_timeout", "stop_timeout", "homing_timeout",
                            "targets_ignored", "limited", "lagging", "warning", "voltage_lost"}) {
@@ -59,6 +59,28 @@ Read<YamlMap> open_can(const YamlMap& root) {
   }
   ARMSIG_TRY(node, root.require("can"));
   return YamlMap::open(*node, "can", known);
+}
+
+// Devices that are started with the drives: grippers, valves, inputs and outputs.
+Read<void> read_other_nodes(const YamlMap& can, DaemonConfiguration& c) {
+  constexpr std::size_t kMostBesideSensor = canopen::kMaxOtherNodes - 1;
+  const YamlNode* list = can.find("other_nodes");
+  if (list == nullptr) return {};
+  ARMSIG_TRY(items, tool::read_list(*list, "other_nodes", 1, kMostBesideSensor));
+  for (const YamlNode& item : *items) {
+    ARMSIG_TRY(number, tool::read_integer(item, "other_nodes", 1, canopen::kLargestNode));
+    const auto node = static_cast<canopen::NodeId>(number);
+    const auto& axes = c.drives.axes;
+    const bool is_taken = node == c.drives.master_node ||
+                          std::ranges::count(c.drives.other_nodes, node) != 0 ||
+                          std::ranges::count(axes, node, &canopen::AxisConfiguration::node) != 0;
+    if (is_taken) {
+      return problem_at(item, fmt::format("other_nodes: {}", number),
+                        "a node that is no joint's, not the master's, and named once");
+    }
+    c.drives.other_nodes.push_back(node);
+  }
+  return {};
 }
 
 Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
@@ -87,7 +109,8 @@ Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
       .time("warning", c.drives.status_limits.warns)
       .time("voltage_lost", c.drives.status_limits.no_voltage)
       .integer("missed_feedback_limit", 1, kMost, c.drives.missed_feedback_limit);
-  return settings.done();
+  if (auto done = settings.done(); !done) return done;
+  return read_other_nodes(map, c);
 }
 
 // Once speeds and accelerations are known to be plausible.

@@ -32,11 +32,34 @@ bool needs_setup(Error fault) {
   }
 }
 
+// Where a drive stays, or went, and what keeps drives there as a rule.
+std::string_view words_of_state(std::uint16_t status_word) {
+  using enum cia402::State;
+  switch (cia402::decode_state(status_word)) {
+    case kNotReadyToSwitchOn:
+      return "Not ready to switch on: it starts, or tests itself";
+    case kSwitchOnDisabled:
+      return "Switch on disabled: safe torque off is open, or no supply";
+    case kReadyToSwitchOn:
+      return "Ready to switch on: no supply of the power stage";
+    case kSwitchedOn:
+      return "Switched on: its enable input is open";
+    case kQuickStopActive:
+      return "Quick stop active: its stop input is open";
+    default:
+      return "Operation enabled";
+  }
+}
+
 std::string_view words_of(std::optional<Error> fault, std::uint32_t code) {
   if (!fault || code == 0) return {};
   if (*fault == Error::kSdoAborted) return describe_sdo_abort(code);
   if (*fault == Error::kScaleInvalid) {
     return "this object says that the drive counts otherwise than configured";
+  }
+  if (!hal::kSmallImage &&
+      (*fault == Error::kTransitionTimeout || *fault == Error::kDriveDroppedOut)) {
+    return words_of_state(static_cast<std::uint16_t>(code));
   }
   const bool emergency = *fault == Error::kDriveEmergency || *fault == Error::kDriveFault;
   return emergency ? describe_emergency(static_cast<std::uint16_t>(code)) : std::string_view();
@@ -46,6 +69,10 @@ std::string_view words_of(std::optional<Error> fault, std::uint32_t code) {
 
 hal::DriveStatus DriveNode::status() const {
   hal::DriveStatus status = drive_.status();
+  if (!hal::kSmallImage && s_.absent && !status.fault) {
+    status.condition = hal::DriveCondition::kFaulted;
+    status.fault = Error::kDriveAbsent;
+  }
   status.words = words_of(status.fault, status.fault_code);
   status.information = s_.information;
   status.unsupervised = is_started() && s_.unsupervised;
@@ -58,6 +85,7 @@ void DriveNode::enter(Phase phase, hal::Instant now) {
   if (phase == Phase::kUnreset) {
     s_.boot_ups = 0;
     s_.wholly_reset = false;
+    s_.absent = false;
     drive_.forget();
   }
   if (phase == Phase::kStarted) {
@@ -92,6 +120,11 @@ void DriveNode::reset(hal::Instant now) {
   s_.missed = 0;
 }
 
+void DriveNode::look_again(hal::Instant now) {
+  reset(now);
+  s_.absent = true;
+}
+
 void DriveNode::release(hal::Instant now) {
   if (drive_.has_let_go(now)) enter(Phase::kUnreset, now);
 }
@@ -111,6 +144,7 @@ bool DriveNode::take_heartbeat(const hal::CanFrame& frame, hal::Instant now) {
   const auto state = static_cast<NmtState>(frame.data[0] & 0x7FU);
   s_.heard_at = now;
   if (state == NmtState::kBootUp) {
+    s_.absent = false;
     const bool late = s_.phase == Phase::kFailed && drive_.state().fault == Error::kDriveAbsent;
     if (is_started()) {
       drive_.latch(Error::kDriveRebooted);

@@ -30,6 +30,7 @@ struct DriveNodeState {
   hal::Instant phase_since;
   unsigned boot_ups = 0;           // since the reset
   bool wholly_reset = false;       // by 81h, as it did not answer 82h
+  bool absent = false;             // did not answer either, and is looked for again
   bool guarded = false;            // is asked whether it is there
   bool unsupervised = false;       // keeps its torque without its master, by its set-up
   std::uint32_t information = 0;   // last emergency that told no error
@@ -66,6 +67,8 @@ class DriveNode {
   // Forgets the fault. One whose link or set-up failed goes back to Phase::kUnreset, at the next
   // release().
   void reset(hal::Instant now);
+  // It is looked for again; until it boots it has the fault kDriveAbsent.
+  void look_again(hal::Instant now);
   // The torque of this drive may go: what waited for that is done.
   void release(hal::Instant now);
 

@@ -39,10 +39,7 @@ Result<void> Master::do_read(hal::Instant now) {
     take(with_plausible_stamp(*received));
   }
   if (!usable) {
-    const Error error = bus_state == hal::CanState::kDown ? Error::kBusDown : Error::kBusOff;
-    for (auto& node : nodes_) {
-      if (node->is_started()) node->drive().latch(error);
-    }
+    latch_started(bus_state == hal::CanState::kDown ? Error::kBusDown : Error::kBusOff);
   }
   for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
     nodes_[joint]->supervise(*configuration_, sync_sent, now);
@@ -53,6 +50,12 @@ Result<void> Master::do_read(hal::Instant now) {
   if (bus_state == hal::CanState::kDown) return std::unexpected(Error::kBusDown);
   if (bus_state == hal::CanState::kBusOff) return std::unexpected(Error::kBusOff);
   return {};
+}
+
+void Master::latch_started(Error error) {
+  for (auto& node : nodes_) {
+    if (node->is_started()) node->drive().latch(error);
+  }
 }
 
 void Master::release_drives() {
@@ -76,6 +79,10 @@ void Master::take(const hal::ReceivedCanFrame& received) {
   }
   const std::uint32_t function = frame.id & kFunctionMask;
   const auto node = static_cast<NodeId>(frame.id & kNodeMask);
+  if (frame.id == kNmtId && !is_about_ours(frame)) {
+    ++counters_.unknown;
+    return;
+  }
   const bool is_masters = frame.id == kNmtId || frame.id == kSyncId ||
                           (function == kHeartbeatId && node == configuration_->master_node);
   if (is_masters) {
@@ -155,7 +162,7 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
     if (!sent && result) result = sent;
   }
   busy_ticks_ = busy_now_ ? busy_ticks_ + 1 : 0;
-  if (busy_ticks_ >= kBusBusyLimit) group_.latch_all(Error::kBusBusy);
+  if (busy_ticks_ >= kBusBusyLimit) latch_started(Error::kBusBusy);
   return result;
 }
 

@@ -107,13 +107,16 @@ class Master final : public hal::JointDrives {
   Result<void> send(const hal::CanFrame& frame);
   [[nodiscard]] hal::ReceivedCanFrame with_plausible_stamp(hal::ReceivedCanFrame received) const;
   void take(const hal::ReceivedCanFrame& received);
+  [[nodiscard]] bool is_about_ours(const hal::CanFrame& nmt) const;
   void take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received);
   void take_of_other(const hal::ReceivedCanFrame& received);
+  void latch_started(Error error);
   void release_drives();
   void step_others();
   // True while a drive may still be moving by its former master.
   bool step_inquiries();
   void take_answer(const DriveNode& drive, const hal::CanFrame& frame);
+  void look_again();
   void reset_drives();
   void step_setup();
   void step_requests(DriveNode& drive);

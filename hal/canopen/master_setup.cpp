@@ -32,6 +32,7 @@ bool Master::step_inquiries() {
   if (inquiries_.empty()) return false;
   bool over = true;
   for (auto& inquiry : inquiries_) {
+    if (!inquiry) continue;
     const auto question = inquiry->poll(now_);
     if (question && !send(*question)) {
       inquiry->begin();  // the bus takes nothing
@@ -55,7 +56,35 @@ void Master::reset_drives() {
   }
 }
 
+// A command of the network management, of another master: to all nodes, or to one of this arm.
+bool Master::is_about_ours(const hal::CanFrame& nmt) const {
+  const auto node = static_cast<NodeId>(nmt.data[1]);
+  bool ours = nmt.length != 2 || node == 0;
+  for (const auto& drive : nodes_) ours = ours || drive->node() == node;
+  for (const NodeId other : configuration_->other_nodes) ours = ours || other == node;
+  return ours;
+}
+
+// A drive that did not answer is looked for again and again, from the question whether it stands
+// on.
+void Master::look_again() {
+  if (!inquiries_.empty()) return;
+  for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
+    DriveNode& node = *nodes_[joint];
+    const bool absent = node.state().phase == Phase::kFailed &&
+                        node.drive().state().fault == Error::kDriveAbsent &&
+                        now_ - node.state().phase_since > configuration_->boot_timeout;
+    if (!absent) continue;
+    node.look_again(now_);
+    if (inquiries_.empty()) inquiries_.resize(nodes_.size());
+    inquiries_[joint].emplace(configuration_->axes[joint], configuration_.scaling(joint),
+                              configuration_->sdo_timeout);
+    inquiring_since_.reset();
+  }
+}
+
 void Master::step_setup() {
+  if constexpr (!hal::kSmallImage) look_again();
   if (step_inquiries()) return;
   reset_drives();
   for (auto& node : nodes_) {

@@ -71,9 +71,9 @@ void Drive::check_state(const GroupSettings& settings, hal::Instant now) {
     // A drive whose brake is still opening does not follow yet.
     s_.arrived = s_.arrived || s_.goal != Goal::kEnabled || (follows() && !s_.hides_mode);
   } else if (s_.arrived && s_.goal == Goal::kEnabled) {
-    latch(Error::kDriveDroppedOut);
+    latch(Error::kDriveDroppedOut, s_.status_word);
   } else if (now - s_.progress_at > settings.transition_timeout) {
-    latch(Error::kTransitionTimeout);
+    latch(Error::kTransitionTimeout, s_.status_word);
   }
 }
 

@@ -65,13 +65,22 @@ TEST(BusFaults, an_interface_taken_down_and_up_is_told_and_can_be_reset) {
   EXPECT_EQ(puma.now().fault->error, Error::kBusDown);
   EXPECT_TRUE(told(puma.console, "# mode faulted error=BUS_DOWN"));
   EXPECT_LE(ticks_until_safe(puma), 6);  // sync_loss_periods of the emulated drive, and one
-  EXPECT_EQ(puma.ask("reset"), "ok");
-  puma.run(0.1);
-  EXPECT_EQ(puma.mode(), Mode::kFaulted) << "while the interface is down";
   puma.cabinet->master_port().set_up(true);
   puma.run(0.1);
   EXPECT_EQ(puma.mode(), Mode::kFaulted) << "only a reset ends it";
   expect_recovery(puma);
+}
+
+TEST(BusFaults, a_reset_while_the_interface_is_down_waits_for_it) {
+  MovingPuma puma;
+  puma.cabinet->master_port().set_up(false);
+  puma.run(0.1);
+  EXPECT_EQ(puma.ask("reset"), "ok");
+  puma.run(0.5);
+  EXPECT_EQ(puma.mode(), Mode::kStarting);
+  EXPECT_EQ(puma.now().fault->error, Error::kBusDown);
+  puma.cabinet->master_port().set_up(true);
+  EXPECT_TRUE(puma.enable());
 }
 
 TEST(BusFaults, bus_off_is_told_and_can_be_reset) {

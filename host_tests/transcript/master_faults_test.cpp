@@ -203,6 +203,18 @@ TEST(MasterFaults, somebody_elses_controlword_sync_or_nmt_stops) {
   }
 }
 
+// A gripper that another program starts or resets.
+TEST(MasterFaults, a_command_to_a_node_of_nobody_s_here_stops_nothing) {
+  for (const char* foreign : {"000#0128", "000#8128", "000#8228"}) {
+    EnabledMaster script;
+    script.bus.bring(foreign);
+    script.cycle("181#3712E8030000", "201#0F00E8030000");
+    EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
+    EXPECT_EQ(script.master->counters().foreign, 0U);
+    EXPECT_EQ(script.master->counters().unknown, 1U);
+  }
+}
+
 TEST(MasterFaults, malformed_and_unknown_frames_change_nothing_and_are_counted) {
   EnabledMaster script;
   for (const char* odd : {"181#3712", "701#", "081#10", "7FF#00", "2A0#0102", "581#00"}) {

@@ -221,7 +221,7 @@ TEST(DaemonConfiguration, refuses_objects_that_are_not_free_or_have_no_such_valu
   refused("object: 6860h:0, bytes: 1, value: 8", "is not free to be written");
   refused("object: 0x6081, bytes: 4, value: 8", "such as 6081h:0");
   refused("object: 6081h:256, bytes: 4, value: 8", "such as 6081h:0");
-  refused("object: 6081h:, bytes: 4, value: 8", "such as 6081h:0");
+  refused("object: \"6081h:\", bytes: 4, value: 8", "such as 6081h:0");
   refused("object: 608gh:0, bytes: 4, value: 8", "such as 6081h:0");
   refused("object: 6081h:0, bytes: 3, value: 8", "1, 2 or 4");
   refused("object: 6081h:0, bytes: 2, value: 65536", "from -32768 to 65535");
@@ -229,6 +229,25 @@ TEST(DaemonConfiguration, refuses_objects_that_are_not_free_or_have_no_such_valu
   refused("object: 6081h:0, bytes: 2", "value");
   refused("object: 6081h:0, bytes: 2, value: 1, subindex: 0", "unknown key");
   expect_refused("joints:", "reversed: no", "reversed: no, writes: []", "writes");
+}
+
+TEST(DaemonConfiguration, takes_devices_that_are_started_with_the_drives) {
+  const auto read = parse_configuration(
+      change("can:", "interface: can0", "interface: can0\n  other_nodes: [40, 41, 42]").text,
+      "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  ASSERT_EQ(read->drives.other_nodes.size(), 3U);
+  EXPECT_EQ(read->drives.other_nodes[2], 42);
+  const auto refused = [](const std::string& nodes, const std::string& words) {
+    expect_refused("can:", "interface: can0", "other_nodes: " + nodes + "\n  interface: can0",
+                   words);
+  };
+  refused("[3]", "no joint's");
+  refused("[127]", "not the master's");
+  refused("[40, 40]", "named once");
+  refused("[0]", "1 to 127");
+  refused("[40, 41, 42, 43]", "other_nodes");
+  refused("40", "other_nodes");
 }
 
 TEST(DaemonConfiguration, refuses_reversed_limits) {

@@ -32,7 +32,7 @@ std::string translated(std::string_view key,
 
 std::string mode_in_words(std::string_view mode) {
   constexpr std::array<std::array<std::string_view, 2>, 7> kModes{{
-      {"starting", "the drives are set up"},
+      {"starting", "the drives are set up, or waited for"},
       {"idle", "no torque"},
       {"holding", "torque on, the arm stands"},
       {"servoing", "torque on, the arm moves"},
@@ -97,6 +97,7 @@ std::string fault_in_words(Status& status) {
 
 void add_warnings(Status& status, Entries& out) {
   out.add("fault", fault_in_words(status));
+  out.add("faulted", status.phrase("faulted", "the drives of joints ", " have faults"));
   out.add("unreferenced", status.phrase("unreferenced", "joints ",
                                         " may stand elsewhere than they read: look, then "
                                         "`confirm` each (`help confirm`)"));

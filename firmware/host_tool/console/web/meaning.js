@@ -23,7 +23,13 @@ export function situation({ status, candidate }, pausedBy, jointCount) {
     const words = adviceFor(status.fault).words ?? status.fault ?? 'stopped';
     return { headline: `${joint}${joint ? words : upper(words)}`, words: 'The arm is stopped. It stays so until it is reset.', next: 'reset' };
   }
-  if (status.mode === 'starting') return { headline: 'Starting', words: 'The drives are found and set up.', next: '' };
+  if (status.mode === 'starting') {
+    if (!status.fault) return { headline: 'Starting', words: 'The drives are found and set up.', next: '' };
+    const joint = status.fault_joint ? `Joint ${status.fault_joint}: ` : '';
+    const { words, todo } = adviceFor(status.fault);
+    const reason = `${joint}${joint ? words ?? status.fault : upper(words ?? status.fault)}`;
+    return { headline: 'Waiting', words: `${reason}. ${upper(markdown(todo ?? ''))}.`, next: '' };
+  }
   if (status.sequence === 'paused') {
     const name = troubleOf(status, pausedBy);
     const { words, todo } = adviceFor(name);

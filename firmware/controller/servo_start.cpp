@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// What the tick does about drives that are not there yet, and tells of those that have a fault.
+#include "firmware/controller/servo.hpp"
+
+namespace armsig::controller {
+namespace {
+
+bool is_of_bus(Error error) { return error == Error::kBusDown || error == Error::kBusOff; }
+
+}  // namespace
+
+// An interface that is late, or a drive that does not answer yet: nothing has torque by us, and the
+// drives are looked for until they are there. Meanwhile the reason stands as the fault.
+void Servo::wait_for_drives(const Result<void>& read) {
+  std::optional<Fault> waits;
+  bool bus_is_back = false;
+  if (!read) waits = Fault{read.error(), {}, 0, {}};
+  for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
+    const std::optional<Error> fault = drives_.status(joint).fault;
+    if (!fault) continue;
+    if (is_of_bus(*fault)) {
+      bus_is_back = read.has_value();
+    } else if (*fault == Error::kDriveAbsent) {
+      if (!waits) waits = Fault{*fault, joint, 0, {}};
+    } else {
+      supervise_drives();
+      return;
+    }
+  }
+  if (bus_is_back) drives_.reset_faults();
+  fault_ = waits;
+}
+
+void Servo::publish_faults() {
+  auto& faults = link_.faults.writing();
+  faults.clear();
+  for (std::size_t joint = 0; joint < drives_.count() && !faults.full(); ++joint) {
+    const hal::DriveStatus status = drives_.status(joint);
+    if (!status.fault) continue;
+    faults.push_back({*status.fault, joint, status.fault_code, status.words, status.fault_object});
+  }
+  if (faults.empty() && !faults_told_) return;
+  faults_told_ = !faults.empty();
+  link_.faults.publish();
+}
+
+}  // namespace armsig::controller
