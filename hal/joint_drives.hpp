@@ -53,9 +53,12 @@ struct DriveStatus {
   bool has_torque = false;        // as far as the device told last
   // It keeps its torque when its master is gone, as far as it told while it was set up.
   bool unsupervised = false;
-  bool has_position = false;      // it has told its position since it was set up last
-  bool homed = false;             // it has found its reference since it was set up last
-  std::uint32_t information = 0;  // last emergency code that told no error; 0: none
+  bool has_position = false;  // it has told its position since it was set up last
+  bool homed = false;         // it has found its reference since it was set up last
+  // Last emergency code that stopped nothing: it told no error, or came before the drive was
+  // started; 0: none. And what it means, of static storage.
+  std::uint32_t information = 0;
+  std::string_view information_words = {};
 };
 
 class JointDrives {

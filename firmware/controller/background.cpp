@@ -48,7 +48,10 @@ bool Background::step() {
   const hal::Instant began = clock_.now();
   mover_.refresh();
   tell_changes();
-  if constexpr (!hal::kSmallImage) tell_faults();
+  if constexpr (!hal::kSmallImage) {
+    tell_faults();
+    tell_information();
+  }
   const auto measured = measurement_.step(clock_.now());
   identification_.measure_step(measured);
   check_.measure_step(measured);
@@ -97,6 +100,18 @@ void Background::tell_faults() {
     Line line;
     tell_fault(line.text("# drive faulted"), fault);
     announcer_.say(line);
+  }
+}
+
+// What a drive has said that stopped nothing; the same code once.
+void Background::tell_information() {
+  for (const DriveInformation& information : link_.information.read()) {
+    std::uint32_t& told = told_information_[information.joint];
+    if (told == information.code) continue;
+    told = information.code;
+    Line line;
+    line.text("# drive informs joint=").integer(information.joint + 1);
+    announcer_.say(line.device_says(information.code, information.words));
   }
 }
 

@@ -49,6 +49,7 @@ class Background {
   void look_at_machine(bool set_up);
   void tell_gaps();
   void tell_faults();
+  void tell_information();
 
   const Configuration& configuration_;
   hal::Clock& clock_;
@@ -68,6 +69,7 @@ class Background {
   std::uint32_t told_code_ = 0;  // of the fault told
   // Error and code of each joint's.
   std::array<std::optional<std::pair<Error, std::uint32_t>>, DriveFaults::capacity()> told_faults_;
+  std::array<std::uint32_t, DriveInformations::capacity()> told_information_{};
   std::uint32_t told_wait_ = 0;  // as Snapshot::waits_for()
 };
 

@@ -123,6 +123,14 @@ inline constexpr std::size_t kMostGaps = 24;  // of all drives that are told
 // Of every drive that has one, in the order of the joints; a small image tells the first alone.
 using DriveFaults = FixedVector<Fault, hal::kSmallImage ? 0 : kMaxJoints>;
 
+// What a drive has said that stopped nothing.
+struct DriveInformation {
+  std::uint8_t joint = 0;  // from 0
+  std::uint32_t code = 0;  // the device's own
+  std::string_view words;  // and what it means
+};
+using DriveInformations = FixedVector<DriveInformation, DriveFaults::capacity()>;
+
 // Sees every tick, from inside of it: to be bounded, and never to block.
 class TickObserver {
  public:
@@ -141,6 +149,7 @@ struct Link {
   LatestValue<Machine> machine;       // tick to background, whenever the drives have been set up
   LatestValue<FixedVector<DriveGap, kMostGaps>> gaps;  // before each machine
   LatestValue<DriveFaults> faults;                     // while there are any
+  LatestValue<DriveInformations> information;          // of every drive that has said something
   // The background writes the one that the tick does not use, then sends kAdoptModel.
   std::array<Model, 2> models;
   TickObserver* observer = nullptr;  // set before the first tick

@@ -300,7 +300,10 @@ void Servo::publish(hal::Duration lateness) {
       out.homed |= bit;
     }
   }
-  if constexpr (!hal::kSmallImage) publish_faults();
+  if constexpr (!hal::kSmallImage) {
+    publish_faults();
+    publish_information();
+  }
   publish_tool(out);
   lateness_.add(lateness);
   out.lateness = lateness_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the tick does about drives that are not there yet, and tells of those that have a fault.
+// What the tick does about drives that are not there yet, and what it tells of each drive.
 #include "firmware/controller/servo.hpp"
 
 namespace armsig::controller {
@@ -42,6 +42,18 @@ void Servo::publish_faults() {
   if (faults.empty() && !faults_told_) return;
   faults_told_ = !faults.empty();
   link_.faults.publish();
+}
+
+void Servo::publish_information() {
+  auto& information = link_.information.writing();
+  information.clear();
+  for (std::size_t joint = 0; joint < drives_.count() && !information.full(); ++joint) {
+    const hal::DriveStatus status = drives_.status(joint);
+    if (status.information == 0) continue;
+    information.push_back(
+        {static_cast<std::uint8_t>(joint), status.information, status.information_words});
+  }
+  if (!information.empty()) link_.information.publish();
 }
 
 }  // namespace armsig::controller

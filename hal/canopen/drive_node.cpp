@@ -75,6 +75,9 @@ hal::DriveStatus DriveNode::status() const {
   }
   status.words = words_of(status.fault, status.fault_code);
   status.information = s_.information;
+  if (!hal::kSmallImage && s_.information != 0) {
+    status.information_words = describe_emergency(static_cast<std::uint16_t>(s_.information));
+  }
   status.unsupervised = is_started() && s_.unsupervised;
   return status;
 }
@@ -172,10 +175,10 @@ bool DriveNode::take_heartbeat(const hal::CanFrame& frame, hal::Instant now) {
 bool DriveNode::take_emergency(const hal::CanFrame& frame) {
   const auto emergency = decode_emergency(frame);
   if (!emergency) return false;
-  // What a device says while it boots is about the time before; "no error" ends nothing, because a
-  // fault is forgotten by the operator only.
-  if (emergency->code == 0 || !is_started()) return true;
-  if (is_information(*emergency)) {
+  // "No error" ends nothing, because a fault is forgotten by the operator only. What a device says
+  // while it boots may be about the time before.
+  if (emergency->code == 0) return true;
+  if (!is_started() || is_information(*emergency)) {
     s_.information = emergency->code;
     return true;
   }

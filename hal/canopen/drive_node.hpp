@@ -33,7 +33,7 @@ struct DriveNodeState {
   bool absent = false;             // did not answer either, and is looked for again
   bool guarded = false;            // is asked whether it is there
   bool unsupervised = false;       // keeps its torque without its master, by its set-up
-  std::uint32_t information = 0;   // last emergency that told no error
+  std::uint32_t information = 0;   // last emergency that stopped nothing
   bool heard_operational = false;  // by a heartbeat, since the start
   // Feedback supervision.
   bool answered = false;         // a TPDO1 came since the last SYNC but one

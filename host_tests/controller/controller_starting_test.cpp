@@ -94,6 +94,20 @@ TEST(Starting, tells_of_every_drive_that_is_refused) {
   EXPECT_EQ(puma.ask("status").find(" faulted="), std::string::npos);
 }
 
+TEST(Starting, tells_what_a_drive_says_before_it_is_started_and_later) {
+  PumaCabinet puma;
+  puma.run(0.02);  // it boots
+  puma.cabinet->drive(1).inject(DriveFault::kInformation, 0x3220);
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  EXPECT_EQ(times_told(puma, "# drive informs joint=2 code=0x3220 says=\"DC link under-voltage\""),
+            1);
+  puma.cabinet->drive(1).inject(DriveFault::kInformation, 0xFF01);
+  puma.run(0.1);
+  EXPECT_EQ(times_told(puma, "# drive informs joint=2 code=0xFF01 says=\"device specific error\""),
+            1);
+  EXPECT_TRUE(puma.enable());
+}
+
 // A drive without its supply stays in a state below Operation enabled.
 TEST(Starting, tells_where_a_drive_stays_that_is_not_enabled) {
   PumaCabinet puma;
