@@ -117,6 +117,48 @@ TEST(Bench, drives_of_another_process_are_set_up_enabled_and_moved) {
   EXPECT_EQ(master.master.counters().malformed, 0U);
 }
 
+TEST(Bench, drives_without_cyclic_positions_are_moved_in_the_mode_that_they_have) {
+  for (const auto mode : {cia402::PositionMode::kInterpolated, cia402::PositionMode::kProfile}) {
+    BenchProcess arm({"--ideal"});
+    canopen::Configuration configuration = patient_drives();
+    for (auto& axis : configuration.axes) axis.mode = mode;
+    BenchMaster master(configuration);
+    ASSERT_TRUE(master.enable());
+    master.move(folded(), 150);
+    master.run(100);
+    const auto truth = arm.numbers("status", "joints");
+    ASSERT_EQ(truth.size(), folded().size());
+    for (std::size_t i = 0; i < folded().size(); ++i) EXPECT_NEAR(truth[i], folded()[i], 1e-4);
+  }
+}
+
+TEST(Bench, another_program_starts_and_resets_its_own_node_beside_the_arm) {
+  if (!test::have("cansend")) GTEST_SKIP() << "can-utils are not installed";
+  BenchProcess arm;
+  BenchMaster master;
+  ASSERT_TRUE(master.enable());
+  ASSERT_EQ(std::system("for f in 000#0128 000#8128 000#8228; do cansend vcan0 $f; done"), 0);
+  master.run(50);
+  EXPECT_TRUE(master.master.all(DriveCondition::kEnabled));
+  EXPECT_EQ(master.master.counters().foreign, 0U);
+  EXPECT_GE(master.master.counters().unknown, 3U);
+}
+
+TEST(Bench, an_interface_and_drives_that_come_late_are_waited_for) {
+  canopen::Configuration configuration = patient_drives();
+  configuration.boot_timeout = std::chrono::milliseconds(500);
+  ASSERT_EQ(std::system("ip link set vcan0 down"), 0);
+  BenchMaster master(configuration);
+  master.run(50);
+  EXPECT_EQ(test::failure_of(master.read), Error::kBusDown);
+  ASSERT_EQ(std::system("ip link set vcan0 up"), 0);
+  EXPECT_TRUE(
+      master.run_until([&] { return master.master.status(0).fault == Error::kDriveAbsent; }));
+  const BenchProcess arm;  // is switched on now
+  EXPECT_TRUE(master.run_until([&] { return master.master.all(DriveCondition::kDisabled); }));
+  EXPECT_TRUE(master.enable());
+}
+
 TEST(Bench, a_drive_that_counts_anew_homes_while_the_others_hold) {
   BenchProcess arm({"--homed", "2", "--start-deg", "10,5,-20,30,0,0"});
   BenchMaster master(patient_drives());
