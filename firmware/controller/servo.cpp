@@ -300,10 +300,7 @@ void Servo::publish(hal::Duration lateness) {
       out.homed |= bit;
     }
   }
-  if constexpr (!hal::kSmallImage) {
-    publish_faults();
-    publish_information();
-  }
+  if constexpr (!hal::kSmallImage) publish_words();
   publish_tool(out);
   lateness_.add(lateness);
   out.lateness = lateness_;

@@ -40,6 +40,7 @@ class Servo {
   void publish_tool(Snapshot& out) const;
   void publish_machine();
   void publish_gaps();
+  void publish_words();
   void publish_faults();
   void publish_information();
   void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0,

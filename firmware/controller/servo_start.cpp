@@ -7,6 +7,11 @@ namespace {
 
 bool is_of_bus(Error error) { return error == Error::kBusDown || error == Error::kBusOff; }
 
+// Every drive has it, and it is none of theirs.
+bool is_of_all(Error error) {
+  return is_of_bus(error) || error == Error::kBusBusy || error == Error::kSecondMaster;
+}
+
 }  // namespace
 
 // An interface that is late, or a drive that does not answer yet: nothing has torque by us, and the
@@ -31,12 +36,18 @@ void Servo::wait_for_drives(const Result<void>& read) {
   fault_ = waits;
 }
 
+// What the drives tell beside numbers.
+void Servo::publish_words() {
+  publish_faults();
+  publish_information();
+}
+
 void Servo::publish_faults() {
   auto& faults = link_.faults.writing();
   faults.clear();
   for (std::size_t joint = 0; joint < drives_.count() && !faults.full(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
-    if (!status.fault) continue;
+    if (!status.fault || is_of_all(*status.fault)) continue;
     faults.push_back({*status.fault, joint, status.fault_code, status.words, status.fault_object});
   }
   if (faults.empty() && !faults_told_) return;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -16,6 +18,7 @@
 #include "firmware/linux/places.hpp"
 #include "firmware/linux/real_time_loop.hpp"
 #include "firmware/linux/self_calibrating.hpp"
+#include "firmware/virtual_cabinet/emulation_console.hpp"
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
 #include "hal/linux/steady_clock.hpp"
 #include "hal/simulated/demo_sensor.hpp"
@@ -75,6 +78,30 @@ void pace(cabinet::VirtualCabinet& cabinet, hal::Clock& clock, ProcessWatch& wat
   }
 }
 
+// The operators' consoles, each behind one that answers `emulate`.
+class Emulations {
+ public:
+  explicit Emulations(std::span<hal::Console* const> inner) {
+    for (hal::Console* console : inner) {
+      emulations_.push_back(cabinet::EmulationConsole(*console));
+      consoles_.push_back(&*emulations_.back());
+    }
+  }
+  Emulations(const Emulations&) = delete;
+  Emulations& operator=(const Emulations&) = delete;
+
+  [[nodiscard]] std::span<hal::Console* const> consoles() const {
+    return {consoles_.data(), consoles_.size()};
+  }
+  void attend(cabinet::VirtualCabinet& cabinet) {
+    for (auto& emulation : emulations_) emulation->attend(cabinet);
+  }
+
+ private:
+  FixedVector<std::optional<cabinet::EmulationConsole>, controller::kMaxConsoles> emulations_;
+  FixedVector<hal::Console*, controller::kMaxConsoles> consoles_;
+};
+
 }  // namespace
 
 int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& options,
@@ -83,12 +110,15 @@ int run_virtual(const DaemonConfiguration& configuration, const VirtualOptions& 
   if (!places) return 1;
   Attendance attendance(configuration, *places->console, places->reporting.get());
   linux_hal::SteadyClock clock;
+  Emulations emulations(attendance.consoles());
   const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto cabinet = std::make_unique<cabinet::VirtualCabinet>(
       configuration.controller, configuration.drives,
-      world_of(configuration, options, places->store), places->store, attendance.consoles(),
+      world_of(configuration, options, places->store), places->store, emulations.consoles(),
       options.real_time ? &clock : nullptr, &refinement->refinement(), &checks);
+  // The threads of a real time would change the world at once.
+  if (!options.real_time) emulations.attend(*cabinet);
   attendance.begin(cabinet->controller());
   const auto started = [&] {
     attendance.started(fmt::format("{}: virtual controller, console at {}", configuration.name,

@@ -112,6 +112,10 @@ class VirtualCabinet {
   [[nodiscard]] controller::Controller& controller() { return *controller_; }
   [[nodiscard]] const controller::Background& state() const { return controller_->state(); }
   [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return *motors_[joint]; }
+  [[nodiscard]] std::size_t joint_count() const { return drives_->axes.size(); }
+  [[nodiscard]] const cia402::Scaling& scaling(std::size_t joint) const {
+    return drives_.scaling(joint);
+  }
   [[nodiscard]] simulated::VirtualCanPort& master_port() { return master_port_; }
   [[nodiscard]] VirtualSensor& sensor() { return *sensor_; }
   // A link that bends, a foot or a sensor that is pushed: changed between two steps, and not while

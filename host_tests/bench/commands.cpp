@@ -6,12 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "hal/simulated/drive_fault.hpp"
 #include "host_tests/bench/request.hpp"
 
 namespace armsig::bench {
 namespace {
-
-using simulated::DriveFault;
 
 template <typename T, std::size_t kCount>
 const T* named(const std::array<std::pair<std::string_view, T>, kCount>& names,
@@ -22,25 +21,6 @@ const T* named(const std::array<std::pair<std::string_view, T>, kCount>& names,
   return nullptr;
 }
 
-constexpr std::array kDriveFaults{
-    std::pair{std::string_view("none"), DriveFault::kNone},
-    std::pair{std::string_view("emergency"), DriveFault::kEmergency},
-    std::pair{std::string_view("silent"), DriveFault::kSilent},
-    std::pair{std::string_view("heartbeat"), DriveFault::kHeartbeatLost},
-    std::pair{std::string_view("feedback"), DriveFault::kFeedbackLost},
-    std::pair{std::string_view("blocked"), DriveFault::kBlocked},
-    std::pair{std::string_view("power"), DriveFault::kPowerRemoved},
-    std::pair{std::string_view("reboot"), DriveFault::kReboot},
-    std::pair{std::string_view("deaf"), DriveFault::kDeaf},
-    std::pair{std::string_view("jump"), DriveFault::kPositionJump},
-    std::pair{std::string_view("pre-operational"), DriveFault::kPreOperational},
-    std::pair{std::string_view("sdo"), DriveFault::kSdoSilent},
-    std::pair{std::string_view("sync"), DriveFault::kSyncLost},
-    std::pair{std::string_view("ignores"), DriveFault::kIgnoresTargets},
-    std::pair{std::string_view("bits-clear"), DriveFault::kBitsClear},
-    std::pair{std::string_view("bits-set"), DriveFault::kBitsSet},
-    std::pair{std::string_view("information"), DriveFault::kInformation},
-};
 constexpr std::array kSensorFaults{
     std::pair{std::string_view("none"), SensorFault::kNone},
     std::pair{std::string_view("stale"), SensorFault::kStale},
@@ -88,9 +68,9 @@ std::string drive_fault(Plant& plant, Request& request) {
                          kind == "bits-set" || kind == "information";
   const int code = with_code ? request.integer("code", -1'000'000'000, 1'000'000'000) : 0;
   const int joint = request.integer("joint", 1, static_cast<int>(plant.joints()));
-  const DriveFault* fault = named(kDriveFaults, kind);
+  const auto fault = simulated::drive_fault(kind);
   if (const std::string wrong = request.wrong(); !wrong.empty()) return refused(wrong);
-  if (fault == nullptr) return refused("no such fault of a drive: " + kind);
+  if (!fault) return refused("no such fault of a drive: " + kind);
   plant.drive(static_cast<std::size_t>(joint - 1)).inject(*fault, code);
   return "ok";
 }
