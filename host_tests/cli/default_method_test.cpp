@@ -70,7 +70,7 @@ TEST(DefaultMethod, does_not_count_poses_that_were_not_seen) {
   EXPECT_EQ(identified(folder, "")["method"], "encoder");
 }
 
-TEST(DefaultMethod, keeps_to_features_where_more_would_take_long_or_cannot_be_known) {
+TEST(DefaultMethod, keeps_to_features_where_free_poses_cannot_be_known) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25 --free-poses 30"));
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
@@ -82,10 +82,15 @@ TEST(DefaultMethod, keeps_to_features_where_more_would_take_long_or_cannot_be_kn
   const json result = json::parse(outcome.out);
   EXPECT_EQ(result["method"], "encoder");
   EXPECT_NE(result["why_method"].get<std::string>().find("a pipe"), std::string::npos);
+}
+
+// The free poses are the last rows of the file.
+TEST(DefaultMethod, sees_the_free_poses_of_a_file_of_any_length) {
+  const Folder folder;
   ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 3400 --free-poses 30"));
   const json many = identified(folder, "");
-  EXPECT_EQ(many["method"], "encoder");
-  EXPECT_NE(many["why_method"].get<std::string>().find("more than 20000 rows"), std::string::npos);
+  EXPECT_EQ(many["method"], "refined");
+  EXPECT_EQ(many["why_method"], "which uses the free poses (sweep 0) too");
 }
 
 }  // namespace

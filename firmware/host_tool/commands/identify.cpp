@@ -33,8 +33,8 @@
 namespace armsig::tool {
 namespace {
 
-// More rows take the refinement longer than ten seconds or so, and more memory than sweeps need.
-constexpr std::size_t kMostRowsToRefineUnasked = 20'000;
+// Free poses are counted among so many rows; of more rows it is enough that there is one.
+constexpr std::size_t kRowsCounted = 20'000;
 
 // So many rows back a copy is found: of features, whose memory does not grow with the file, fewer.
 constexpr std::size_t kRemembered = std::size_t{8} << 10U;
@@ -67,17 +67,13 @@ Read<std::string> choose_method(IdentifyOptions& options, const OpenRows& source
   ARMSIG_TRY(reader, open_reader(source));
   std::size_t rows = 0;
   std::size_t free_poses = 0;
-  for (MeasurementRow row; rows <= kMostRowsToRefineUnasked; ++rows) {
+  for (MeasurementRow row; rows <= kRowsCounted || free_poses == 0; ++rows) {
     const auto more = reader.next(row);
     if (!more || !*more) break;  // whoever reads the rows in earnest says what is wrong
     free_poses += row.sweep == 0 && was_seen(row) ? 1 : 0;
   }
-  if (rows > kMostRowsToRefineUnasked) {
-    return take("encoder", fmt::format("as there are more than {} rows; --method refined takes "
-                                       "longer, and uses free poses too",
-                                       kMostRowsToRefineUnasked));
-  }
   if (free_poses == 0) return take("encoder", "as there are no free poses (sweep 0)");
+  if (rows > kRowsCounted) return take("refined", "which uses the free poses (sweep 0) too");
   return take("refined", fmt::format("which uses the {} free poses (sweep 0) too", free_poses));
 }
 
