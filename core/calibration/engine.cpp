@@ -71,13 +71,20 @@ Matrix3 Engine::row_covariance(const std::array<float, 6>& relative) const {
 }
 
 Matrix3 Engine::precision(const FitRow& row) const {
-  if (uniform_) return Matrix3::Identity();
+  if (uniform_) {
+    if constexpr (kMergesRows) return static_cast<double>(row.merged.count) * Matrix3::Identity();
+    return Matrix3::Identity();
+  }
   if (row.is_range()) return row.p_S * row.p_S.transpose() / row_covariance(row.relative)(0, 0);
   return row_covariance(row.relative).inverse();
 }
 
 double Engine::whitened_squares(const FitRow& row) const {
-  if (uniform_) return row.residual.squaredNorm();
+  if (uniform_) {
+    const double squares = row.residual.squaredNorm();
+    if constexpr (kMergesRows) return row.merged.count * squares + row.merged.scatter_m2;
+    return squares;
+  }
   return row.residual.dot(precision(row) * row.residual);
 }
 

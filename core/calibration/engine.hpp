@@ -63,6 +63,8 @@ class Engine {
   [[nodiscard]] Result<FitSummary> result() const;
 
   [[nodiscard]] const Scales& scales() const { return scales_; }
+  // The length [m] of a residual beyond which rows were rejected at last.
+  [[nodiscard]] double gate_m() const { return gate_; }
 
   // Covariance [m^2] of a measured position at `frames` of `target`: the row's own error, of the
   // covariance stated for it where one was, and that of the model. After run().
@@ -109,7 +111,12 @@ class Engine {
                               const Matrix3& row) const;
   [[nodiscard]] Matrix3 row_covariance(const std::array<float, 6>& relative) const;
   [[nodiscard]] Matrix3 precision(const FitRow& row) const;
+  // Of all measured rows that it stands for, and of one of them, the mean.
   [[nodiscard]] double whitened_squares(const FitRow& row) const;
+  [[nodiscard]] double mean_squares(const FitRow& row) const {
+    if constexpr (kMergesRows) return whitened_squares(row) / row.merged.count;
+    return whitened_squares(row);
+  }
 
   // engine.cpp
   void evaluate_rows(Units rows);

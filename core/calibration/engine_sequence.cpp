@@ -74,8 +74,8 @@ void Engine::count_rows(Units rows) {
   for (FitRow& row : rows_.subspan(rows.first, rows.last - rows.first)) {
     row.weight = 1;
     if (row.held_out) continue;
-    ++summary_.rows;
-    ++targets_[row.target].rows;
+    summary_.rows += row.merged.count;
+    targets_[row.target].rows += row.merged.count;
     for (std::size_t j = 0; j < model_.joint_count(); ++j) read_[j].add(row.readings[j]);
     count_turns(row);
   }
@@ -264,9 +264,10 @@ void Engine::add_motions(Units rows) {
     evaluate(before, frames_of(k));
     const Vector3 moved = before.residual - row.residual;
     // Per measured number, three of which are a position.
+    const double weight = row.merged.count * row.weight;
     sums_.squares +=
-        row.weight * (row.is_range() ? 3 * std::pow(row.p_S.dot(moved), 2) : moved.squaredNorm());
-    sums_.weights += row.weight;
+        weight * (row.is_range() ? 3 * std::pow(row.p_S.dot(moved), 2) : moved.squaredNorm());
+    sums_.weights += weight;
   }
 }
 

@@ -12,6 +12,22 @@ namespace armsig::calibration {
 
 inline constexpr std::uint8_t kNoReceiver = 255;
 
+// The measured rows that one row of a fit stands for: neighbours of a long log. Where there is no
+// memory for long logs, each row stands for itself.
+#ifdef ARMSIG_SINGLE_ROWS
+inline constexpr bool kMergesRows = false;
+struct MergedRows {
+  static constexpr std::uint32_t count = 1;
+  static constexpr double scatter_m2 = 0;
+};
+#else
+inline constexpr bool kMergesRows = true;
+struct MergedRows {
+  std::uint32_t count = 1;
+  double scatter_m2 = 0;  // the sum of their squared distances from where the row puts them
+};
+#endif
+
 struct FitRow {
   JointVector readings;           // as read
   Vector3 p_S = Vector3::Zero();  // measured; of a range: the way from the receiver, of length one
@@ -33,9 +49,12 @@ struct FitRow {
   std::uint32_t index = 0;  // in the caller's log
   std::uint32_t pose = 0;   // rows with one number repeat one pose
   std::uint64_t hash = 0;   // of the pose's readings
+  // More than one only where all rows of the fit are positions of one stated covariance, or none.
+  [[no_unique_address]] MergedRows merged;
 
   [[nodiscard]] bool is_range() const { return receiver != kNoReceiver; }
-  [[nodiscard]] std::size_t scalars() const { return is_range() ? 1 : 3; }
+  // Measured numbers.
+  [[nodiscard]] std::size_t scalars() const { return merged.count * (is_range() ? 1U : 3U); }
 };
 
 inline constexpr std::uint8_t kNoFold = 255;

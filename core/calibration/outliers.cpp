@@ -20,6 +20,13 @@ constexpr double kFiner = 0.25;  // of the scale of soft weights, in a round
 constexpr double kGate = 6;
 constexpr std::size_t kMostTogether = 64;  // rows of a pose judged together
 
+// By how much the mean square length of merged rows exceeds what half of them are below: their
+// scatter is normal, what they have in common is not.
+[[maybe_unused]] double beyond_median(const FitRow& row) {
+  constexpr double kShare = 1 - kMedianLength3 * kMedianLength3 / 3;
+  return kShare * row.merged.scatter_m2 / row.merged.count;
+}
+
 }  // namespace
 
 void Engine::add_lengths(Units rows) {
@@ -29,8 +36,10 @@ void Engine::add_lengths(Units rows) {
   }
   for (const FitRow& row : rows_.subspan(rows.first, rows.last - rows.first)) {
     if (row.held_out) continue;
-    work_.lengths.add(std::sqrt(whitened_squares(row)) /
-                      (row.is_range() ? kMedianLength1 : kMedianLength3));
+    double squares = mean_squares(row);
+    if constexpr (kMergesRows) squares -= beyond_median(row);
+    work_.lengths.add(std::sqrt(squares) / (row.is_range() ? kMedianLength1 : kMedianLength3),
+                      row.merged.count);
     sums_.weights += static_cast<double>(row.scalars());
   }
 }
@@ -62,7 +71,7 @@ void Engine::begin_soft_weights() {
 
 void Engine::weigh_softly(Units rows) {
   for (FitRow& row : rows_.subspan(rows.first, rows.last - rows.first)) {
-    const double share = std::sqrt(whitened_squares(row)) / (kSoft * soft_scale_);
+    const double share = std::sqrt(mean_squares(row)) / (kSoft * soft_scale_);
     row.weight = 1 / ((1 + share * share) * (1 + share * share));
   }
 }
@@ -81,7 +90,7 @@ Vector3 Engine::common_residual(std::span<const FitRow> pose) const {
     for (const FitRow& row : pose) {
       FitRow shifted = row;
       shifted.residual -= common;
-      const double length = pass == 0 ? gate_ : std::sqrt(whitened_squares(shifted));
+      const double length = pass == 0 ? gate_ : std::sqrt(mean_squares(shifted));
       const Matrix3 W = precision(row) / std::max(length, kNear * gate_);
       weights += W;
       sum += W * row.residual;
@@ -97,7 +106,7 @@ void Engine::judge_pose(std::span<FitRow> pose) {
   std::size_t far = 0;
   bool several = false;
   for (FitRow& row : pose) {
-    row.weight = whitened_squares(row) <= gate_ * gate_ ? 1 : 0;
+    row.weight = mean_squares(row) <= gate_ * gate_ ? 1 : 0;
     if (row.weight == 0) ++far;
     several = several || row.target != pose.front().target;
   }
@@ -106,7 +115,7 @@ void Engine::judge_pose(std::span<FitRow> pose) {
   for (FitRow& row : pose) {
     FitRow shifted = row;
     shifted.residual -= common;
-    row.weight = whitened_squares(shifted) <= gate_ * gate_ ? 1 : 0;
+    row.weight = mean_squares(shifted) <= gate_ * gate_ ? 1 : 0;
   }
 }
 
@@ -132,7 +141,7 @@ void Engine::count_kept(Units rows) {
     for (ModelTarget& target : targets_) target.kept = 0;
   }
   for (const FitRow& row : rows_.subspan(rows.first, rows.last - rows.first)) {
-    if (!row.held_out && row.weight > 0) ++targets_[row.target].kept;
+    if (!row.held_out && row.weight > 0) targets_[row.target].kept += row.merged.count;
   }
 }
 
@@ -141,7 +150,7 @@ void Engine::keep_targets(Units rows) {
   if (rows.first == 0) summary_.rejected = 0;
   for (FitRow& row : rows_.subspan(rows.first, rows.last - rows.first)) {
     if (targets_[row.target].kept == 0) row.weight = 1;
-    summary_.rejected += !row.held_out && row.weight == 0;
+    if (!row.held_out && row.weight == 0) summary_.rejected += row.merged.count;
   }
 }
 

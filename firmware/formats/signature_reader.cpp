@@ -130,11 +130,15 @@ constexpr int kMostRows = 2'000'000'000;
 Read<FitRecord> read_fit(const YamlNode& node) {
   ARMSIG_TRY(map, YamlMap::open(node, "fit",
                                 {"rows_used", "rows_rejected", "rms_m", "left_out_rows",
-                                 "left_out_mean_m", "left_out_rms_m"}));
+                                 "left_out_mean_m", "left_out_rms_m", "rows_merged_to"}));
   ARMSIG_TRY(used, map.integer("rows_used", 0, kMostRows));
   ARMSIG_TRY(rejected, map.integer("rows_rejected", 0, kMostRows));
   ARMSIG_TRY(rms_m, map.number("rms_m"));
-  FitRecord fit{static_cast<std::size_t>(used), static_cast<std::size_t>(rejected), rms_m, {}};
+  FitRecord fit{static_cast<std::size_t>(used), static_cast<std::size_t>(rejected), rms_m, {}, 0};
+  if (map.find("rows_merged_to") != nullptr) {
+    ARMSIG_TRY(merged, map.integer("rows_merged_to", 1, kMostRows));
+    fit.rows_merged_to = static_cast<std::size_t>(merged);
+  }
   if (map.find("left_out_rows") == nullptr) return fit;
   ARMSIG_TRY(rows, map.integer("left_out_rows", 1, kMostRows));
   ARMSIG_TRY(mean_m, map.number("left_out_mean_m"));

@@ -32,6 +32,8 @@ struct FitRecord {
     double rms_m = 0;
   };
   std::optional<LeftOut> left_out;  // cross-validated
+  // Rows of the fit, where neighbours of a long log were merged; 0: each was fitted by itself.
+  std::size_t rows_merged_to = 0;
 };
 
 struct SignatureRecord {

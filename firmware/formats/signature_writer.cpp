@@ -163,6 +163,7 @@ std::string last_link_text(const Pose& X_SL) {
 std::string fit_text(const FitRecord& fit) {
   std::string text = fmt::format("fit:\n  rows_used: {}\n  rows_rejected: {}\n  rms_m: {}\n",
                                  fit.rows_used, fit.rows_rejected, number_text(fit.rms_m));
+  if (fit.rows_merged_to > 0) text += fmt::format("  rows_merged_to: {}\n", fit.rows_merged_to);
   if (!fit.left_out) return text;
   return text + fmt::format(
                     "  left_out_rows: {}  # cross-validated\n  left_out_mean_m: {}\n"

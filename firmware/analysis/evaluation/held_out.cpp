@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "core/calibration/engine_detail.hpp"
 
@@ -27,6 +28,54 @@ RowScore score(const Engine& engine, const ChainFrames& frames, const FitRow& ro
   return {static_cast<float>(row.residual.norm()),
           static_cast<float>(row.residual.dot(S.inverse() * row.residual)),
           static_cast<float>(S.trace()), 3, true};
+}
+
+// What a fit says of a row that it was not fitted to.
+struct Prediction {
+  Vector3 residual = Vector3::Zero();
+  Matrix3 inverse = Matrix3::Identity();  // of the covariance of a measured row there
+  double variance = 0;                    // its trace
+  bool held_out = false;
+};
+
+RowScore score(const RowPart& part, std::span<const Prediction> by_index) {
+  const Prediction& first = by_index[part.first];
+  const Prediction& second = by_index[part.share == 0 ? part.first : part.first + 1];
+  if (!first.held_out) return {};
+  const Vector3 residual = residual_of(part, first.residual, second.residual);
+  const Prediction& nearer = part.share < 0.5F ? first : second;
+  return {static_cast<float>(residual.norm()),
+          static_cast<float>(residual.dot(nearer.inverse * residual)),
+          static_cast<float>(nearer.variance), 3, true};
+}
+
+// The rows held out, all of them positions.
+void score_parts(const Problem& problem, const Engine& engine, std::span<RowScore> scores) {
+  std::vector<Prediction> by_index(problem.rows.size());
+  ChainFrames frames;
+  for (FitRow& row : problem.rows) {
+    if (!row.held_out) continue;
+    evaluate_chain(problem.model, row.readings, problem.targets[row.target].link, frames);
+    engine.evaluate(row, frames);
+    const Engine::Stated stated = engine.covariance_of(row, frames);
+    const Matrix3 S = stated.row + stated.model;
+    by_index[row.index] = {row.residual, S.inverse(), S.trace(), true};
+  }
+  for (std::size_t k = 0; k < scores.size(); ++k) {
+    const RowScore scored = score(problem.parts[k], by_index);
+    if (scored.scored) scores[k] = scored;
+  }
+}
+
+void score_rows(const Problem& problem, const Engine& engine, std::span<RowScore> scores) {
+  ChainFrames frames;
+  for (std::size_t k = 0; k < scores.size(); ++k) {
+    FitRow& row = problem.rows[k];
+    if (!row.held_out) continue;
+    evaluate_chain(problem.model, row.readings, problem.targets[row.target].link, frames);
+    engine.evaluate(row, frames);
+    scores[k] = score(engine, frames, row);
+  }
 }
 
 // Where every fold's fit begins.
@@ -72,6 +121,18 @@ double region_squares(std::span<float> squares) {
   return static_cast<double>(*nth);
 }
 
+// How many rows are of `fold`, which are held out from now on.
+std::size_t hold_out(std::span<FitRow> rows, std::uint8_t fold) {
+  std::size_t held = 0;
+  for (FitRow& row : rows) {
+    row.held_out = row.fold == fold;
+    held += row.held_out;
+  }
+  return held;
+}
+
+}  // namespace
+
 HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> rejected,
                        std::span<float> order) {
   HeldOutScore sum;
@@ -111,29 +172,14 @@ HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> r
   return sum;
 }
 
-// How many rows are of `fold`, which are held out from now on.
-std::size_t hold_out(std::span<FitRow> rows, std::uint8_t fold) {
-  std::size_t held = 0;
-  for (FitRow& row : rows) {
-    row.held_out = row.fold == fold;
-    held += row.held_out;
-  }
-  return held;
-}
-
-}  // namespace
-
-Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& parts,
-                                    const Scales& scales, std::span<const bool> rejected,
-                                    std::span<RowScore> scores, std::span<float> order) {
+Result<void> score_folds(const Problem& problem, const ModelParts& parts, const Scales& scales,
+                         const std::function<std::uint8_t()>& next, std::span<RowScore> scores) {
   const std::span<FitRow> rows = problem.rows;
-  ARMSIG_CHECK(rejected.size() == rows.size() && scores.size() == rows.size() &&
-               order.size() == rows.size() && problem.targets.size() <= kMaxTargets);
+  ARMSIG_CHECK(problem.targets.size() <= kMaxTargets);
   const Start start(problem);
   const PlayBlock::Numbers half =
       problem.play != nullptr ? problem.play->half : PlayBlock::Numbers::Zero();
-  std::fill(scores.begin(), scores.end(), RowScore{});
-  for (std::uint8_t fold = 0; fold < kFolds; ++fold) {
+  for (std::uint8_t fold = next(); fold < kFolds; fold = next()) {
     start.restore(problem);
     const std::size_t held = hold_out(rows, fold);
     if (held == 0 || held == rows.size()) continue;
@@ -147,20 +193,30 @@ Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& pa
       engine.find_play(*problem.play);
     }
     const auto fitted = engine.run(parts);
-    ChainFrames frames;
-    for (std::size_t k = 0; fitted && k < rows.size(); ++k) {
-      if (!rows[k].held_out) continue;
-      evaluate_chain(problem.model, rows[k].readings, problem.targets[rows[k].target].link, frames);
-      engine.evaluate(rows[k], frames);
-      scores[k] = score(engine, frames, rows[k]);
-    }
     if (!fitted) {
       start.restore(problem);
       return std::unexpected(fitted.error());
     }
+    problem.parts.empty() ? score_rows(problem, engine, scores)
+                          : score_parts(problem, engine, scores);
   }
   start.restore(problem);
   for (FitRow& row : rows) row.held_out = false;
+  return {};
+}
+
+Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& parts,
+                                    const Scales& scales, std::span<const bool> rejected,
+                                    std::span<RowScore> scores, std::span<float> order) {
+  const std::size_t measured = problem.parts.empty() ? problem.rows.size() : problem.parts.size();
+  ARMSIG_CHECK(rejected.size() == measured && scores.size() == measured &&
+               order.size() == measured);
+  std::fill(scores.begin(), scores.end(), RowScore{});
+  std::uint8_t fold = 0;
+  const auto next = [&fold] { return fold++; };
+  if (const auto done = score_folds(problem, parts, scales, next, scores); !done) {
+    return std::unexpected(done.error());
+  }
   return summarise(scores, rejected, order);
 }
 

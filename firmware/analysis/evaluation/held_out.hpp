@@ -3,7 +3,10 @@
 // stated (docs/model.md, section 9).
 #pragma once
 
+#include <functional>
+
 #include "core/calibration/engine.hpp"
+#include "firmware/analysis/evaluation/row_part.hpp"
 
 namespace armsig::calibration {
 
@@ -43,17 +46,29 @@ struct Problem {
   std::span<double> matrix;
   Workspace& work;
   double stated_variance = 0;
+  std::span<const RowPart> parts{};  // where rows were merged: of every measured row
   PlayBlock* play = nullptr;  // found too where given, from what it has; of the last fold on return
 };
 
 // Fits kFolds times without one fold, each time from where `problem` stands (maps apart, which
 // begin at zero), with the scales found by the fit to everything, and scores the fold.
-// `rejected[k]`: row k is a blunder by that fit. Precondition: deal_folds(). On return the model is
-// there again, without maps. `order` is for work. Errors: those of Engine::run().
+// `rejected[k]`: row k is a blunder by that fit. `rejected`, `scores` and `order` are of the rows,
+// or of the measured rows where `parts` has them. Precondition: deal_folds(). On return the model
+// is there again, without maps. `order` is for work. Errors: those of Engine::run().
 [[nodiscard]] Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& parts,
                                                   const Scales& scales,
                                                   std::span<const bool> rejected,
                                                   std::span<RowScore> scores,
                                                   std::span<float> order);
+
+// The two halves of it. No fold depends on another one: several problems, each with rows and memory
+// of its own, may share the folds of one log and its scores.
+// Scores the folds that `next` gives, until it gives kFolds.
+[[nodiscard]] Result<void> score_folds(const Problem& problem, const ModelParts& parts,
+                                       const Scales& scales,
+                                       const std::function<std::uint8_t()>& next,
+                                       std::span<RowScore> scores);
+[[nodiscard]] HeldOutScore summarise(std::span<const RowScore> scores,
+                                     std::span<const bool> rejected, std::span<float> order);
 
 }  // namespace armsig::calibration

@@ -16,8 +16,17 @@ std::optional<ResidualSummary> nominal_residuals(
     const calibration::Receivers& receivers, std::span<const calibration::RowOutcome> judged) {
   const auto fitted = calibration::fit_base_and_tool(nominal, positions, targets);
   if (!fitted) return std::nullopt;
+  return nominal_residuals(nominal, *fitted, log, targets, receivers, judged);
+}
+
+std::optional<ResidualSummary> nominal_residuals(const Arm& nominal,
+                                                 const calibration::BaseAndTool& fitted,
+                                                 std::span<const calibration::Observation> log,
+                                                 std::span<const Target> targets,
+                                                 const calibration::Receivers& receivers,
+                                                 std::span<const calibration::RowOutcome> judged) {
   const auto drawn = std::make_unique<calibration::Refined>();
-  drawn->signature = calibration::drawn_signature(nominal, *fitted, log, targets);
+  drawn->signature = calibration::drawn_signature(nominal, fitted, log, targets);
   drawn->readings.couplings = nominal.couplings;
   const calibration::PoeChain chain(drawn->signature, drawn->readings);
   ResidualSummary summary;

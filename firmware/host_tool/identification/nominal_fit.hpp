@@ -7,6 +7,7 @@
 
 #include "core/calibration/observation.hpp"
 #include "core/signature.hpp"
+#include "firmware/analysis/starts/base_and_tool.hpp"
 
 namespace armsig::tool {
 
@@ -22,6 +23,12 @@ struct ResidualSummary {
 [[nodiscard]] std::optional<ResidualSummary> nominal_residuals(
     const Arm& nominal, std::span<const calibration::Observation> log,
     std::span<const calibration::Observation> positions, std::span<const Target> targets,
+    const calibration::Receivers& receivers, std::span<const calibration::RowOutcome> judged);
+
+// The same with base and targets as `fitted`.
+[[nodiscard]] std::optional<ResidualSummary> nominal_residuals(
+    const Arm& nominal, const calibration::BaseAndTool& fitted,
+    std::span<const calibration::Observation> log, std::span<const Target> targets,
     const calibration::Receivers& receivers, std::span<const calibration::RowOutcome> judged);
 
 }  // namespace armsig::tool

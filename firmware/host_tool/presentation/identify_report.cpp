@@ -34,6 +34,9 @@ void print_head(const ReportedFiles& files, const SignatureRecord& record, const
   if (found.refinement && found.refinement->free_poses_rejected > 0) {
     say(" ({} of the {} free poses)", found.refinement->free_poses_rejected, counts.mixed);
   }
+  if (found.refinement && found.refinement->merged_rows) {
+    say(", merged to {} for the fit", *found.refinement->merged_rows);
+  }
   if (counts.missing > 0) say(", {} without a position", counts.missing);
   if (counts.inconsistent > 0) {
     say(", {} with ranges that do not meet in a point", counts.inconsistent);

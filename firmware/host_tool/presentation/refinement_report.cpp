@@ -93,6 +93,7 @@ nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::si
       {"noise_and_model_error_m", outcome.noise.total_m},
       {"model_error_m", outcome.noise.unexplained_m},
       {"stated_sigma_believed", outcome.noise.stated_m > 0 && !outcome.noise.contradicted}};
+  if (outcome.merged_rows) json["rows_merged_to"] = *outcome.merged_rows;
   if (outcome.geometry_left_out_mean_m) {
     json["geometry_left_out_mean_m"] = *outcome.geometry_left_out_mean_m;
   }

@@ -34,6 +34,11 @@ Vector3 motion_beside(const FitStart& at, const ChainFrames& frames, std::size_t
   return turns ? Vector3(z.cross(p_S - X_SJ.p)) : z;
 }
 
+// Of all measured rows that it stands for.
+double squares_of(const FitRow& row) {
+  return row.merged.count * row.residual.squaredNorm() + row.merged.scatter_m2;
+}
+
 }  // namespace
 
 Beside::Beside(const CalibrationLog& log, std::vector<FitRow> rows, FitStart at,
@@ -45,12 +50,11 @@ Beside::Beside(const CalibrationLog& log, std::vector<FitRow> rows, FitStart at,
   }
   const std::size_t columns = Engine::columns(at.model, at.targets.size());
   if (columns > calibration::kMaxGeometry || rows.empty()) return;
-  std::vector<ChainFrames> cache(rows.size());
   std::vector<double> matrix(calibration::matrix_size(columns));
   const auto work = std::make_unique<calibration::WorkspaceFor<kMaxJoints>>();
   calibration::PlayBlock play;
   play.half = half;
-  Engine engine(at.model, at.targets, rows, cache, matrix, *work);
+  Engine engine(at.model, at.targets, rows, {}, matrix, *work);
   engine.find_play(play);
   engine.evaluate();
   prior_.resize(static_cast<Eigen::Index>(columns));
@@ -62,20 +66,55 @@ Beside::Beside(const CalibrationLog& log, std::vector<FitRow> rows, FitStart at,
   at_up_0_ = at.model.up_0;
   choose_unknowns(log.nominal, rows);
   if (asked == Asked::kVertical) choose_weights(log.nominal);
-  std::vector<Columns> all;
   calibration::GeometryColumns J;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    engine.fill(rows[k], cache[k], J);
-    all.emplace_back(Columns::Zero(3, prior_.size() + static_cast<Eigen::Index>(unknowns_.size())));
+  ChainFrames frames;
+  sum(rows, [&](const FitRow& row, Columns& all) {
+    calibration::evaluate_chain(at.model, row.readings, at.targets[row.target].link, frames);
+    engine.fill(row, frames, J);
+    all.setZero(3, prior_.size() + static_cast<Eigen::Index>(unknowns_.size()));
     for (Eigen::Index c = 0; c < prior_.size(); ++c) {
       for (Eigen::Index i = 0; i < 3; ++i) {
-        all.back()(i, c) = J.d[static_cast<std::size_t>(i)][static_cast<std::size_t>(c)];
+        all(i, c) = J.d[static_cast<std::size_t>(i)][static_cast<std::size_t>(c)];
       }
     }
-    add_beside(rows[k], cache[k], at, all.back());
-  }
-  sum(rows, all);
+    add_beside(row, frames, at, all);
+    if (row.is_range()) all = (row.p_S * (row.p_S.transpose() * all)).eval();
+  });
 }
+
+// Weighted sums by one scale of what is a blunder.
+class Beside::Batch {
+ public:
+  Batch(double scale_m, Eigen::Index size)
+      : scale_m_(scale_m),
+        sums_{.squares = Eigen::MatrixXd::Zero(size, size), .pull = Eigen::VectorXd::Zero(size)},
+        rows_(Eigen::MatrixXd::Zero(3 * kRowsABatch, size)) {}
+
+  void add(const FitRow& row, double length_m, const Columns& J, bool last) {
+    const double share = length_m / (kSofter * scale_m_);
+    const double root = 1 / (1 + share * share);  // of the weight
+    const double count = row.merged.count;
+    sums_.pull.noalias() += count * root * root * (J.transpose() * row.residual);
+    sums_.residuals += root * root * squares_of(row);
+    sums_.numbers += root * root * static_cast<double>(row.scalars());
+    rows_.middleRows<3>(3 * filled_) = std::sqrt(count) * root * J;
+    if (++filled_ < kRowsABatch && !last) return;
+    const auto filled = rows_.topRows(3 * filled_);
+    sums_.squares.selfadjointView<Eigen::Lower>().rankUpdate(filled.transpose());
+    filled_ = 0;
+  }
+
+  [[nodiscard]] Sums take() {
+    sums_.squares.triangularView<Eigen::StrictlyUpper>() = sums_.squares.transpose();
+    return std::move(sums_);
+  }
+
+ private:
+  double scale_m_;
+  Sums sums_;
+  Eigen::MatrixXd rows_;
+  Eigen::Index filled_ = 0;
+};
 
 void Beside::choose_unknowns(const Arm& arm, const std::vector<FitRow>& rows) {
   std::array<bool, kMaxJoints> moved{};
@@ -167,38 +206,27 @@ double Beside::factor_of(Of of, const FitRow& row, const ChainFrames& frames, st
   return row.readings[from];
 }
 
-// Of a range, only what is along its way counts.
-void Beside::sum(const std::vector<FitRow>& rows, const std::vector<Columns>& all) {
+// `fill(row, J)` gives the columns of a row; of a range, what is along its way.
+template <typename Fill>
+void Beside::sum(const std::vector<FitRow>& rows, Fill fill) {
   std::vector<double> lengths_m;
   double squares = 0;
+  double measured = 0;
   for (const FitRow& row : rows) {
-    lengths_m.push_back(row.residual.norm());
-    squares += row.residual.squaredNorm();
+    lengths_m.push_back(std::sqrt(squares_of(row) / row.merged.count));
+    squares += squares_of(row);
+    measured += row.merged.count;
   }
   const double fine_m = std::max(kLeastSigma_m, sigma_by_median(lengths_m));
-  const double coarse_m =
-      std::max(fine_m, std::sqrt(squares / (3 * static_cast<double>(rows.size()))));
+  const double coarse_m = std::max(fine_m, std::sqrt(squares / (3 * measured)));
   const Eigen::Index size = prior_.size() + static_cast<Eigen::Index>(unknowns_.size());
-  for (const double scale_m : {fine_m, coarse_m}) {
-    Sums sums{.squares = Eigen::MatrixXd::Zero(size, size), .pull = Eigen::VectorXd::Zero(size)};
-    Eigen::MatrixXd batch = Eigen::MatrixXd::Zero(3 * kRowsABatch, size);
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      const double share = lengths_m[k] / (kSofter * scale_m);
-      const double root = 1 / (1 + share * share);  // of the weight
-      Columns J = all[k];
-      if (rows[k].is_range()) J = rows[k].p_S * (rows[k].p_S.transpose() * J);
-      sums.pull.noalias() += root * root * (J.transpose() * rows[k].residual);
-      sums.residuals += root * root * rows[k].residual.squaredNorm();
-      sums.numbers += root * root * static_cast<double>(rows[k].scalars());
-      const auto place = static_cast<Eigen::Index>(k) % kRowsABatch;
-      batch.middleRows<3>(3 * place) = root * J;
-      if (place + 1 < kRowsABatch && k + 1 < rows.size()) continue;
-      const auto filled = batch.topRows(3 * (place + 1));
-      sums.squares.selfadjointView<Eigen::Lower>().rankUpdate(filled.transpose());
-    }
-    sums.squares.triangularView<Eigen::StrictlyUpper>() = sums.squares.transpose();
-    sums_.push_back(std::move(sums));
+  std::array<Batch, 2> batches{Batch(fine_m, size), Batch(coarse_m, size)};
+  Columns J;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    fill(rows[k], J);
+    for (Batch& batch : batches) batch.add(rows[k], lengths_m[k], J, k + 1 == rows.size());
   }
+  for (Batch& batch : batches) sums_.push_back(batch.take());
 }
 
 bool Beside::tells() const {

@@ -88,7 +88,9 @@ class Beside {
                   const FitStart& at, Columns& J);
   [[nodiscard]] std::array<calibration::GravityLevers, 3> levers_along_axes(
       const JointVector& effective);
-  void sum(const std::vector<calibration::FitRow>& rows, const std::vector<Columns>& all);
+  class Batch;
+  template <typename Fill>
+  void sum(const std::vector<calibration::FitRow>& rows, Fill fill);
   [[nodiscard]] Reduced reduced(const Sums& sums, Eigen::Index first, Eigen::Index count,
                                 Eigen::Index before) const;
   [[nodiscard]] Worth worth(const Sums& sums, Eigen::Index first, Eigen::Index count,

@@ -58,6 +58,7 @@ class CalibrationFit {
     const auto drawn = calibration::fit_base_and_tool(log_.nominal, log_.positions, log_.targets);
     if (!drawn && !log_.start) return std::unexpected(drawn.error());
     if (drawn) found_.nominal_rms_m = drawn->rms_m;
+    if (drawn) found_.drawn = *drawn;
     if (drawn && drawn->rms_m <= most_m &&
         attempt(start_from_drawing(log_, log_.nominal, *drawn), true)) {
       return std::move(found_);
@@ -87,6 +88,7 @@ class CalibrationFit {
   // True, and everything found, where the fit from there is to be believed. `upright`: the start
   // has the drawing's base.
   bool attempt(const FitStart& from, bool upright) {
+    candidates_.gather(from);
     auto geometry = candidates_.geometry(from);
     if (!geometry) return note(geometry.error());
     auto played = candidates_.played(*geometry, kClearPlay);
@@ -158,6 +160,7 @@ class CalibrationFit {
     if (choice.geometry.left_out) found_.geometry = choice.geometry.left_out->score;
     if (best.deflected) found_.deflections = best.model;
     found_.alone = best.alone;
+    found_.merged_rows = candidates_.merged_rows();
     found_.half_plays = best.half_plays;
     found_.moved_by_play = std::move(best.moved_by_play);
     if (const auto named = name_undetermined(best.variance); !named) return named;

@@ -54,8 +54,10 @@ struct Calibrated {
   calibration::HalfPlays half_plays;      // none where no play was found
   std::vector<Vector3> moved_by_play;     // the target of every row of the log
   std::vector<std::size_t> alone;         // targets that a single row sees: nothing checks them
-  double nominal_rms_m = 0;               // of the drawing with base and targets fitted
-  JointVector zero_shifts;                // of the start, where the drawing's zeros led nowhere
+  std::optional<calibration::BaseAndTool> drawn;  // the drawing with base and targets fitted
+  double nominal_rms_m = 0;                       // and what is left of its good rows
+  std::optional<std::size_t> merged_rows;         // of the fit, where neighbours were merged
+  JointVector zero_shifts;  // of the start, where the drawing's zeros led nowhere
 };
 
 struct CalibrationLog {

@@ -54,6 +54,10 @@ class Candidates {
  public:
   explicit Candidates(const CalibrationLog& log) : log_(log), fitting_(log) {}
 
+  // Before fits from there, or from where such a fit ended: the rows of a long log (fitting.hpp).
+  void gather(const FitStart& start) { fitting_.gather(start); }
+  [[nodiscard]] std::optional<std::size_t> merged_rows() const { return fitting_.merged_rows(); }
+
   // Geometry alone, scored. Errors: those of calibration::Engine::run(); kNotConverged and
   // kTooManyOutliers where it is not to be believed.
   [[nodiscard]] std::expected<Candidate, Refusal> geometry(const FitStart& from);

@@ -50,6 +50,7 @@ std::optional<FittedWith> fit_with(const CalibrationLog& log, const Candidate& f
   candidates.find_play(!found.half_plays.empty());
   FitStart start = found.start;
   start.model.couplings = arm.couplings;
+  candidates.gather(start);
   auto fitted = candidates.fitted_as(start, found);
   if (!fitted) return std::nullopt;
   FittedWith result{.candidate = std::move(*fitted)};

@@ -3,10 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <future>
 #include <limits>
+#include <system_error>
+#include <thread>
 
 #include "core/calibration/approach_direction.hpp"
+#include "firmware/host_tool/refinement/merged_rows.hpp"
 
 namespace armsig::tool {
 
@@ -18,6 +23,9 @@ namespace {
 // Variance of a prior about what the rows themselves gave, in the engine's units: a hundredth of a
 // radian and five millimetres say next to nothing.
 constexpr double kWide = 25;
+
+// Of more rows, the memory of a second fit beside the first is too much: 2 kB each.
+constexpr std::size_t kMostRowsTwice = 50'000;
 
 // With the receivers of the log, and the corrections that are asked for.
 void equip(const CalibrationLog& log, calibration::ArmModel& model) {
@@ -37,8 +45,10 @@ double mean_variance(std::span<const calibration::Observation> rows) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-FitRow row_of(const calibration::Observation& from, double stated_variance) {
+FitRow row_of(const calibration::Observation& from, double stated_variance, const Sides& sides) {
   FitRow row;
+  row.sides = sides.sides;
+  row.sided = sides.sided;
   row.readings = from.readings;
   row.target = static_cast<std::uint8_t>(from.target);
   row.sweep = static_cast<std::uint8_t>(from.sweep);
@@ -73,6 +83,39 @@ class TurnsBack {
  private:
   std::array<std::size_t, kMaxJoints> count_{};
 };
+
+// None where the system gives no thread.
+std::future<bool> begin_beside(auto task) {
+  try {
+    return std::async(std::launch::async, std::move(task));
+  } catch (const std::system_error&) {
+    return {};
+  }
+}
+
+struct LogSides {
+  std::vector<Sides> rows;
+  std::uint8_t often = 0;  // a bit a joint: those that turned back often
+};
+
+// By the order of the rows, of the joints that turned back often.
+LogSides sides_of(const CalibrationLog& log) {
+  const JointTypes types = types_of(log.nominal.joints);
+  calibration::ApproachDirection approach;
+  TurnsBack turns_back;
+  LogSides found;
+  found.rows.reserve(log.rows.size());
+  for (const calibration::Observation& from : log.rows) {
+    const std::uint8_t sides = approach.sides();
+    const std::uint8_t sided = approach.sided();
+    approach.go_to(types, from.readings);
+    turns_back.add(sided & approach.sided() & (sides ^ approach.sides()));
+    found.rows.push_back({approach.sides(), approach.sided()});
+  }
+  found.often = turns_back.often();
+  for (Sides& row : found.rows) row.sided = static_cast<std::uint8_t>(row.sided & found.often);
+  return found;
+}
 
 }  // namespace
 
@@ -111,25 +154,42 @@ FitStart start_from_signature(const CalibrationLog& log) {
   return start;
 }
 
-Fitting::Fitting(const CalibrationLog& log) : stated_variance_(mean_variance(log.rows)) {
-  const JointTypes types = types_of(log.nominal.joints);
-  calibration::ApproachDirection approach;
-  TurnsBack turns_back;
-  for (const calibration::Observation& from : log.rows) {
-    rows_.push_back(row_of(from, stated_variance_));
-    const std::uint8_t sides = approach.sides();
-    const std::uint8_t sided = approach.sided();
-    approach.go_to(types, from.readings);
-    turns_back.add(sided & approach.sided() & (sides ^ approach.sides()));
-    rows_.back().sides = approach.sides();
-    rows_.back().sided = approach.sided();
-    rows_.back().index = static_cast<std::uint32_t>(rows_.size() - 1);
+Fitting::Fitting(const CalibrationLog& log) : log_(log), stated_variance_(mean_variance(log.rows)) {
+  if (merges(log.rows)) return;
+  const LogSides sides = sides_of(log_);
+  sided_ = sides.often;
+  std::vector<FitRow> rows;
+  rows.reserve(log.rows.size());
+  for (std::size_t k = 0; k < log.rows.size(); ++k) {
+    rows.push_back(row_of(log.rows[k], stated_variance_, sides.rows[k]));
+    rows.back().index = static_cast<std::uint32_t>(k);
   }
-  sided_ = turns_back.often();
-  for (FitRow& row : rows_) row.sided = static_cast<std::uint8_t>(row.sided & sided_);
-  calibration::group_poses(rows_, types);
+  group(std::move(rows));
+}
+
+void Fitting::gather(const FitStart& start) {
+  if (!merges(log_.rows)) return;
+  const LogSides sides = sides_of(log_);
+  sided_ = sides.often;
+  const auto row = [&](std::size_t k) {
+    return row_of(log_.rows[k], stated_variance_, sides.rows[k]);
+  };
+  RowsToFit gathered = merged(log_.rows, sides.rows, row, start);
+  parts_ = std::move(gathered.parts);
+  group(std::move(gathered.rows));
+}
+
+// Sorts the rows by poses, and deals these to folds.
+void Fitting::group(std::vector<FitRow> rows) {
+  rows_ = std::move(rows);
+  calibration::group_poses(rows_, types_of(log_.nominal.joints));
+  if (!parts_.empty()) join_groups(rows_, parts_);
   poses_ = calibration::deal_folds(rows_);
   cache_.resize(rows_.size());
+  places_.resize(rows_.size());
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    places_[rows_[k].index] = static_cast<std::uint32_t>(k);
+  }
 }
 
 void Fitting::assume_first_sides(std::uint8_t up) {
@@ -150,24 +210,80 @@ Result<calibration::FitSummary> Fitting::run(FitStart& start,
     engine_->set_scales(
         {.rotation = kWide, .shift = kWide, .zero = kWide, .geometry_is_held = true});
   }
-  return engine_->run(parts);
+  auto summary = engine_->run(parts);
+  gate_m_ = engine_->gate_m();
+  return summary;
+}
+
+// Each fold is a fit of its own, and no other changes its answer. A second thread has rows and
+// memory of its own.
+bool Fitting::score_folds(FitStart& start, const calibration::ModelParts& parts,
+                          std::span<calibration::RowScore> scores) {
+  const calibration::Scales scales = engine_->scales();
+  std::atomic<unsigned> fold = 0;
+  const auto next = [&fold] {
+    return static_cast<std::uint8_t>(std::min(fold++, unsigned{calibration::kFolds}));
+  };
+  const auto score_with =
+      [&](FitStart& from, std::vector<FitRow>& rows, std::vector<calibration::ChainFrames>& cache,
+          std::vector<double>& matrix, calibration::Workspace& work, calibration::PlayBlock& play) {
+        const calibration::Problem problem{from.model,
+                                           from.targets,
+                                           rows,
+                                           cache,
+                                           matrix,
+                                           work,
+                                           stated_variance_,
+                                           parts_,
+                                           finds_play_ ? &play : nullptr};
+        return calibration::score_folds(problem, parts, scales, next, scores).has_value();
+      };
+  std::future<bool> other;
+  if (std::thread::hardware_concurrency() > 1 && rows_.size() <= kMostRowsTwice) {
+    other = begin_beside([&, from = start, rows = rows_, play = play_]() mutable {
+      std::vector<calibration::ChainFrames> cache(rows.size());
+      std::vector<double> matrix(matrix_.size());
+      const auto work = std::make_unique<calibration::WorkspaceFor<kMaxJoints>>();
+      return score_with(from, rows, cache, matrix, *work, play);
+    });
+  }
+  const bool done = score_with(start, rows_, cache_, matrix_, *work_, play_);
+  return (!other.valid() || other.get()) && done;
+}
+
+// The place of a measured row in the scores: in the log's order where rows were merged.
+std::size_t Fitting::measured() const { return parts_.empty() ? rows_.size() : parts_.size(); }
+
+// Of a group that was rejected, the rows that would have been by themselves.
+bool Fitting::is_rejected(std::size_t k) const {
+  if (parts_.empty()) return rows_[k].weight == 0;
+  const FitRow& first = rows_[places_[parts_[k].first]];
+  if (first.weight > 0) return false;
+  return first.merged.count == 1 || residual(k).norm() > gate_m_;
+}
+
+// Of a measured row, where rows were merged.
+Vector3 Fitting::residual(std::size_t k) const {
+  const calibration::RowPart& part = parts_[k];
+  const FitRow& first = rows_[places_[part.first]];
+  const FitRow& second = rows_[places_[part.share == 0 ? part.first : part.first + 1]];
+  return calibration::residual_of(part, first.residual, second.residual);
 }
 
 std::optional<LeftOut> Fitting::score(FitStart start, const calibration::ModelParts& parts) {
   if (poses_ < calibration::kFolds) return std::nullopt;
-  const auto rejected = std::make_unique<bool[]>(rows_.size());
-  for (std::size_t k = 0; k < rows_.size(); ++k) rejected[k] = rows_[k].weight == 0;
-  std::vector<calibration::RowScore> scores(rows_.size());
-  std::vector<float> order(rows_.size());
-  const calibration::Scales scales = engine_->scales();
-  const auto left_out =
-      calibration::score_held_out({start.model, start.targets, rows_, cache_, matrix_, *work_,
-                                   stated_variance_, finds_play_ ? &play_ : nullptr},
-                                  parts, scales, {rejected.get(), rows_.size()}, scores, order);
-  if (!left_out || left_out->rows == left_out->rejected) return std::nullopt;
-  LeftOut found{*left_out, std::vector<float>(rows_.size())};
-  for (std::size_t k = 0; k < rows_.size(); ++k)
-    found.length_m[rows_[k].index] = scores[k].length_m;
+  const auto rejected = std::make_unique<bool[]>(measured());
+  for (std::size_t k = 0; k < measured(); ++k) rejected[k] = is_rejected(k);
+  std::vector<calibration::RowScore> scores(measured());
+  std::vector<float> order(measured());
+  if (!score_folds(start, parts, scores)) return std::nullopt;
+  const calibration::HeldOutScore left_out =
+      calibration::summarise(scores, {rejected.get(), measured()}, order);
+  if (left_out.rows == left_out.rejected) return std::nullopt;
+  LeftOut found{left_out, std::vector<float>(measured())};
+  for (std::size_t k = 0; k < measured(); ++k) {
+    found.length_m[parts_.empty() ? rows_[k].index : k] = scores[k].length_m;
+  }
   return found;
 }
 
@@ -176,9 +292,15 @@ calibration::HalfPlays Fitting::half_plays(std::size_t joints) const {
 }
 
 std::vector<Vector3> Fitting::moved_by_play() const {
-  std::vector<Vector3> moved(rows_.size(), Vector3::Zero());
-  for (std::size_t k = 0; finds_play_ && k < rows_.size(); ++k) {
-    moved[rows_[k].index] = engine_->behind(rows_[k], cache_[k]);
+  if (!finds_play_) return {};
+  std::vector<Vector3> moved(log_.rows.size(), Vector3::Zero());
+  const auto behind = [&](std::size_t k) { return engine_->behind(rows_[k], cache_[k]); };
+  for (std::size_t k = 0; k < measured(); ++k) {
+    if (parts_.empty()) {
+      moved[rows_[k].index] = behind(k);
+    } else {
+      moved[k] = behind(places_[parts_[k].first]);
+    }
   }
   return moved;
 }
@@ -187,10 +309,11 @@ void Fitting::note_covered(calibration::ArmModel& model) const {
   for (std::size_t i = 0; i < model.joint_count(); ++i) {
     JointLimits& covered = model.joints[i].covered;
     covered = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    for (const FitRow& row : rows_) {
-      if (row.weight == 0) continue;
-      covered.lower = std::min(covered.lower, row.readings[i]);
-      covered.upper = std::max(covered.upper, row.readings[i]);
+    for (std::size_t k = 0; k < measured(); ++k) {
+      if (is_rejected(k)) continue;
+      const double reading = parts_.empty() ? rows_[k].readings[i] : log_.rows[k].readings[i];
+      covered.lower = std::min(covered.lower, reading);
+      covered.upper = std::max(covered.upper, reading);
     }
   }
 }
@@ -198,15 +321,22 @@ void Fitting::note_covered(calibration::ArmModel& model) const {
 void Fitting::report(std::span<calibration::RowOutcome> verdicts,
                      calibration::FitQuality& quality) const {
   double squares = 0;
-  for (const FitRow& row : rows_) {
-    verdicts[row.index] = {row.residual.norm(), row.weight, row.weight == 0};
-    if (row.weight == 0) {
+  const auto add = [&](std::size_t index, const Vector3& residual, const FitRow& row,
+                       bool is_rejected) {
+    verdicts[index] = {residual.norm(), is_rejected ? 0.0 : row.weight, is_rejected};
+    if (is_rejected) {
       ++quality.rows_rejected;
-      continue;
+      return;
     }
     ++quality.rows_used;
-    quality.scalars += row.scalars();
-    squares += row.residual.squaredNorm();
+    quality.scalars += row.is_range() ? 1 : 3;
+    squares += residual.squaredNorm();
+  };
+  for (std::size_t k = 0; parts_.empty() && k < rows_.size(); ++k) {
+    add(rows_[k].index, rows_[k].residual, rows_[k], is_rejected(k));
+  }
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    add(k, residual(k), rows_[places_[parts_[k].first]], is_rejected(k));
   }
   quality.rms_m = std::sqrt(squares / static_cast<double>(quality.rows_used));
 }

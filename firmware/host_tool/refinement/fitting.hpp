@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/calibration/half_play.hpp"
+#include "firmware/analysis/evaluation/row_part.hpp"
 #include "firmware/host_tool/refinement/calibration_run.hpp"
 
 namespace armsig::tool {
@@ -36,7 +37,12 @@ struct LeftOut {
 // The rows as the engine wants them, and its memory.
 class Fitting {
  public:
+  // Takes the rows of the log, but for a long one of which neighbours are merged
+  // (merged_rows.hpp): its rows are to be gathered. `log` is kept as a reference.
   explicit Fitting(const CalibrationLog& log);
+
+  // Gathers the rows of such a log, relative to the model of `start`; nothing of another one.
+  void gather(const FitStart& start);
 
   // From now on the play of the joints is found too, by the order of the rows, or no longer.
   void find_play(bool wanted) { finds_play_ = wanted; }
@@ -45,7 +51,7 @@ class Fitting {
   // set, its reading grew.
   void assume_first_sides(std::uint8_t up);
 
-  // Fits from `start`, which becomes the result.
+  // Fits from `start`, which becomes the result. Precondition: the rows were gathered.
   [[nodiscard]] Result<calibration::FitSummary> run(FitStart& start,
                                                     const calibration::ModelParts& parts);
 
@@ -59,18 +65,32 @@ class Fitting {
   // Residuals and rejections, by the rows of the log.
   void report(std::span<calibration::RowOutcome> verdicts, calibration::FitQuality& quality) const;
 
-  // After run(): half of each joint's play, none where it was not found; and what it has moved the
-  // target of every row of the log by.
+  // After run(), where play was to be found, otherwise empty: half of each joint's play, and what
+  // it has moved the target of every row of the log by.
   [[nodiscard]] calibration::HalfPlays half_plays(std::size_t joints) const;
   [[nodiscard]] std::vector<Vector3> moved_by_play() const;
   [[nodiscard]] const calibration::PlayBlock& play() const { return play_; }
 
   [[nodiscard]] const std::vector<calibration::FitRow>& rows() const { return rows_; }
+  // How many rows the fit has where neighbours were merged, or nothing.
+  [[nodiscard]] std::optional<std::size_t> merged_rows() const {
+    return parts_.empty() ? std::nullopt : std::optional(rows_.size());
+  }
   [[nodiscard]] const calibration::Engine& engine() const { return *engine_; }
   [[nodiscard]] double stated_variance() const { return stated_variance_; }
 
  private:
+  void group(std::vector<calibration::FitRow> rows);
+  [[nodiscard]] bool score_folds(FitStart& start, const calibration::ModelParts& parts,
+                                 std::span<calibration::RowScore> scores);
+  [[nodiscard]] std::size_t measured() const;
+  [[nodiscard]] bool is_rejected(std::size_t k) const;
+  [[nodiscard]] Vector3 residual(std::size_t k) const;
+
+  const CalibrationLog& log_;
   std::vector<calibration::FitRow> rows_;
+  std::vector<calibration::RowPart> parts_;  // where rows were merged: of every row of the log
+  std::vector<std::uint32_t> places_;        // in rows_, by FitRow::index
   std::vector<calibration::ChainFrames> cache_;
   std::vector<double> matrix_;
   std::unique_ptr<calibration::WorkspaceFor<kMaxJoints>> work_ =
@@ -80,6 +100,7 @@ class Fitting {
   bool finds_play_ = false;
   std::uint8_t sided_ = 0;  // a bit a joint: the order of the rows shows its sides
   double stated_variance_ = 0;
+  double gate_m_ = 0;  // of the last fit
   std::size_t poses_ = 0;
 };
 

@@ -227,7 +227,8 @@ Read<void> Run::fit(const std::optional<Signature>& start, const FurtherUnknowns
   note_vertical();
   if (start) return mixed_agree();
   // Over every row but the outliers: the start's own figure leaves out whatever it weighs little.
-  const auto drawn = nominal_residuals(nominal_, log_.observations(), log_.positions(), targets(),
+  if (!calibrated_.drawn) return {};
+  const auto drawn = nominal_residuals(nominal_, *calibrated_.drawn, log_.observations(), targets(),
                                        receivers_, verdicts_);
   if (drawn) nominal_rms_m_ = drawn->rms_m;
   return {};
@@ -329,6 +330,7 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
                             .coupling = calibrated_.coupling,
                             .half_plays = calibrated_.half_plays,
                             .moved_by_play = {},
+                            .merged_rows = calibrated_.merged_rows,
                             .nominal_rms_m = nominal_rms_m_,
                             .notes = notes_,
                             .predicted_tool_error = {},

@@ -41,6 +41,7 @@ struct RefinementOutcome {
   std::optional<FoundCoupling> coupling;         // not part of `refined`
   calibration::HalfPlays half_plays;             // none where no play was found
   std::map<std::size_t, Vector3> moved_by_play;  // the target, by line of the file
+  std::optional<std::size_t> merged_rows;        // of the fit, where neighbours were merged
   std::optional<double>
       nominal_rms_m;               // of the drawing with base and tool fitted; from drawings only
   std::vector<std::string> notes;  // in words: zeros and gears far from the drawing's

@@ -169,8 +169,9 @@ double add_refinement(SignatureRecord& record, RefinementOutcome& outcome, std::
     record.receiver_offsets_m.push_back(refined.receiver_offsets_m[k]);
   }
   record.scale = refined.scale;
-  record.fit = FitRecord{refined.quality.rows_used, refined.quality.rows_rejected,
-                         refined.quality.rms_m, left_out(outcome.cross_validation)};
+  record.fit =
+      FitRecord{refined.quality.rows_used, refined.quality.rows_rejected, refined.quality.rms_m,
+                left_out(outcome.cross_validation), outcome.merged_rows.value_or(0)};
   if (more.factor >= kNotable) record.warnings.push_back(more.why);
   return more.factor;
 }
