@@ -150,7 +150,7 @@ void Engine::keep_targets(Units rows) {
   if (rows.first == 0) summary_.rejected = 0;
   for (FitRow& row : rows_.subspan(rows.first, rows.last - rows.first)) {
     if (targets_[row.target].kept == 0) row.weight = 1;
-    if (!row.held_out && row.weight == 0) summary_.rejected += row.merged.count;
+    summary_.rejected += row.merged.count * std::size_t{!row.held_out && row.weight == 0};
   }
 }
 
