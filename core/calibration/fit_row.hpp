@@ -54,7 +54,9 @@ struct FitRow {
 
   [[nodiscard]] bool is_range() const { return receiver != kNoReceiver; }
   // Measured numbers.
-  [[nodiscard]] std::size_t scalars() const { return merged.count * (is_range() ? 1U : 3U); }
+  [[nodiscard]] std::size_t scalars() const {
+    return std::size_t{merged.count} * (is_range() ? 1 : 3);
+  }
 };
 
 inline constexpr std::uint8_t kNoFold = 255;

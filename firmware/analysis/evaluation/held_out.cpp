@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "core/calibration/engine_detail.hpp"
 
@@ -30,14 +29,6 @@ RowScore score(const Engine& engine, const ChainFrames& frames, const FitRow& ro
           static_cast<float>(S.trace()), 3, true};
 }
 
-// What a fit says of a row that it was not fitted to.
-struct Prediction {
-  Vector3 residual = Vector3::Zero();
-  Matrix3 inverse = Matrix3::Identity();  // of the covariance of a measured row there
-  double variance = 0;                    // its trace
-  bool held_out = false;
-};
-
 RowScore score(const RowPart& part, std::span<const Prediction> by_index) {
   const Prediction& first = by_index[part.first];
   const Prediction& second = by_index[part.share == 0 ? part.first : part.first + 1];
@@ -51,9 +42,11 @@ RowScore score(const RowPart& part, std::span<const Prediction> by_index) {
 
 // The rows held out, all of them positions.
 void score_parts(const Problem& problem, const Engine& engine, std::span<RowScore> scores) {
-  std::vector<Prediction> by_index(problem.rows.size());
+  const std::span<Prediction> by_index = problem.predictions;
+  ARMSIG_CHECK(by_index.size() == problem.rows.size());
   ChainFrames frames;
   for (FitRow& row : problem.rows) {
+    by_index[row.index].held_out = row.held_out;
     if (!row.held_out) continue;
     evaluate_chain(problem.model, row.readings, problem.targets[row.target].link, frames);
     engine.evaluate(row, frames);

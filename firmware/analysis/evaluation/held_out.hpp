@@ -37,6 +37,14 @@ struct HeldOutScore {
   double region_squares = 0;
 };
 
+// What a fit says of a row that it was not fitted to.
+struct Prediction {
+  Vector3 residual = Vector3::Zero();
+  Matrix3 inverse = Matrix3::Identity();  // of the covariance of a measured row there
+  double variance = 0;                    // its trace
+  bool held_out = false;
+};
+
 // Everything that a fit needs; see Engine.
 struct Problem {
   ArmModel& model;  // where every fold's fit begins
@@ -46,7 +54,9 @@ struct Problem {
   std::span<double> matrix;
   Workspace& work;
   double stated_variance = 0;
-  std::span<const RowPart> parts{};  // where rows were merged: of every measured row
+  // Where rows were merged: of every measured row, and memory for as many predictions as rows.
+  std::span<const RowPart> parts{};
+  std::span<Prediction> predictions{};
   PlayBlock* play = nullptr;  // found too where given, from what it has; of the last fold on return
 };
 

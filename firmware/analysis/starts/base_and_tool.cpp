@@ -134,11 +134,12 @@ double rms_of_good_rows(const DrawnRows& rows, const BaseAndTargets& at) {
 }  // namespace
 
 Judged<BaseAndTool> fit_base_and_tool(const Arm& arm, std::span<const Observation> log,
-                                      std::span<const Target> targets) {
+                                      std::span<const Target> targets, std::span<Pose> memory) {
   ARMSIG_CHECK(targets.size() <= kMaxTargets);
   ARMSIG_TRY(rows_of, count_rows(arm, log, targets));
   ARMSIG_TRY(main, main_target(arm, targets, rows_of));
-  const DrawnRows rows(arm, log, targets);
+  DrawnRows rows(arm, log, targets);
+  if (!memory.empty()) rows.keep_poses(memory);
   BaseAndTargets at;
   at.p_LT.resize(targets.size(), Vector3::Zero());
   if (auto fitted = fit_main(rows.of(main), main, at); !fitted)

@@ -27,9 +27,11 @@ struct BaseAndTool {
 // link each target is; their positions are not used. Preconditions: every row's target is among
 // `targets`, at most kMaxTargets. Errors: kNotFinite (index of the row); kTooFewPoints (positions
 // of the main target, 4); kJointDidNotMove (no joint moved); kCoincidentPoints (its positions are
-// all one); kNotConverged (RMS [m], 0: no minimum was found).
+// all one); kNotConverged (RMS [m], 0: no minimum was found). `memory`, as long as `log` or empty,
+// saves evaluating the nominal model anew in every pass.
 [[nodiscard]] Judged<BaseAndTool> fit_base_and_tool(const Arm& arm,
                                                     std::span<const Observation> log,
-                                                    std::span<const Target> targets);
+                                                    std::span<const Target> targets,
+                                                    std::span<Pose> memory = {});
 
 }  // namespace armsig::calibration

@@ -48,6 +48,9 @@ NoiseStatement noise_of(double variance, double freedom, double stated_variance)
   return noise;
 }
 
+// Poses of the nominal model are kept between the passes over up to so many rows: 20 MB.
+constexpr std::size_t kMostPosesKept = 200'000;
+
 class CalibrationFit {
  public:
   CalibrationFit(const CalibrationLog& log, std::span<calibration::RowOutcome> verdicts)
@@ -55,7 +58,7 @@ class CalibrationFit {
 
   std::expected<Calibrated, Refusal> operator()() {
     const double most_m = candidates_.limits().drawn_rms_m;
-    const auto drawn = calibration::fit_base_and_tool(log_.nominal, log_.positions, log_.targets);
+    const auto drawn = fit_drawn();
     if (!drawn && !log_.start) return std::unexpected(drawn.error());
     if (drawn) found_.nominal_rms_m = drawn->rms_m;
     if (drawn) found_.drawn = *drawn;
@@ -77,6 +80,12 @@ class CalibrationFit {
   }
 
  private:
+  [[nodiscard]] Judged<calibration::BaseAndTool> fit_drawn() const {
+    const std::size_t rows = log_.positions.size();
+    std::vector<Pose> poses(rows <= kMostPosesKept ? rows : 0);
+    return calibration::fit_base_and_tool(log_.nominal, log_.positions, log_.targets, poses);
+  }
+
   // A geometry, and the same with gravity and maps where they help.
   struct Choice {
     Candidate geometry;

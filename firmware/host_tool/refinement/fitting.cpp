@@ -227,15 +227,10 @@ bool Fitting::score_folds(FitStart& start, const calibration::ModelParts& parts,
   const auto score_with =
       [&](FitStart& from, std::vector<FitRow>& rows, std::vector<calibration::ChainFrames>& cache,
           std::vector<double>& matrix, calibration::Workspace& work, calibration::PlayBlock& play) {
-        const calibration::Problem problem{from.model,
-                                           from.targets,
-                                           rows,
-                                           cache,
-                                           matrix,
-                                           work,
-                                           stated_variance_,
-                                           parts_,
-                                           finds_play_ ? &play : nullptr};
+        std::vector<calibration::Prediction> predictions(parts_.empty() ? 0 : rows.size());
+        const calibration::Problem problem{
+            from.model, from.targets,     rows,   cache,       matrix,
+            work,       stated_variance_, parts_, predictions, finds_play_ ? &play : nullptr};
         return calibration::score_folds(problem, parts, scales, next, scores).has_value();
       };
   std::future<bool> other;

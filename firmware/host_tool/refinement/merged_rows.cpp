@@ -62,7 +62,7 @@ class Merging {
   RowsToFit operator()() {
     beside_.reserve(log_.size());
     for (const Observation& row : log_) {
-      beside_.push_back(row.p_S - position(row.readings, row.target));
+      beside_.emplace_back(row.p_S - position(row.readings, row.target));
     }
     gather();
     gate_m_ = kGateOfScale * scale_m();
