@@ -126,13 +126,13 @@ Result<void> change_sensor(VirtualCabinet& cabinet, const Values& values, Line& 
     double scale;
     double simulated::UltrasonicConfig::* value;
   };
-  constexpr double kHottest_c = 100;
+  constexpr double kHottestCelsius = 100;
   for (const Setting& setting :
-       {Setting{"air_c", kHottest_c, 1, &simulated::UltrasonicConfig::air_celsius},
+       {Setting{"air_c", kHottestCelsius, 1, &simulated::UltrasonicConfig::air_celsius},
         Setting{"sigma_mm", 100, 1e-3, &simulated::UltrasonicConfig::range_sigma_m},
         Setting{"dropout", 1, 1, &simulated::UltrasonicConfig::dropout_probability},
         Setting{"multipath", 1, 1, &simulated::UltrasonicConfig::multipath_probability}}) {
-    const double lowest = setting.key == "air_c" ? -kHottest_c : 0;
+    const double lowest = setting.key == "air_c" ? -kHottestCelsius : 0;
     const auto number = values.number(setting.key, lowest, setting.highest, out);
     if (!number) return std::unexpected(number.error());
     if (*number) cabinet.sensor().field().*setting.value = **number * setting.scale;

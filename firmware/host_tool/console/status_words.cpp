@@ -32,7 +32,7 @@ std::string translated(std::string_view key,
 
 std::string mode_in_words(std::string_view mode) {
   constexpr std::array<std::array<std::string_view, 2>, 7> kModes{{
-      {"starting", "the drives are set up, or waited for"},
+      {"starting", "the drives are set up"},
       {"idle", "no torque"},
       {"holding", "torque on, the arm stands"},
       {"servoing", "torque on, the arm moves"},
