@@ -166,15 +166,15 @@ HeldOutScore summarise(std::span<const RowScore> scores, std::span<const bool> r
 }
 
 Result<void> score_folds(const Problem& problem, const ModelParts& parts, const Scales& scales,
-                         const std::function<std::uint8_t()>& next, std::span<RowScore> scores) {
+                         std::atomic<unsigned>& next_fold, std::span<RowScore> scores) {
   const std::span<FitRow> rows = problem.rows;
   ARMSIG_CHECK(problem.targets.size() <= kMaxTargets);
   const Start start(problem);
   const PlayBlock::Numbers half =
       problem.play != nullptr ? problem.play->half : PlayBlock::Numbers::Zero();
-  for (std::uint8_t fold = next(); fold < kFolds; fold = next()) {
+  for (unsigned fold = next_fold++; fold < kFolds; fold = next_fold++) {
     start.restore(problem);
-    const std::size_t held = hold_out(rows, fold);
+    const std::size_t held = hold_out(rows, static_cast<std::uint8_t>(fold));
     if (held == 0 || held == rows.size()) continue;
     Engine engine(problem.model, problem.targets, rows, problem.cache, problem.matrix,
                   problem.work);
@@ -205,9 +205,8 @@ Result<HeldOutScore> score_held_out(const Problem& problem, const ModelParts& pa
   ARMSIG_CHECK(rejected.size() == measured && scores.size() == measured &&
                order.size() == measured);
   std::fill(scores.begin(), scores.end(), RowScore{});
-  std::uint8_t fold = 0;
-  const auto next = [&fold] { return fold++; };
-  if (const auto done = score_folds(problem, parts, scales, next, scores); !done) {
+  std::atomic<unsigned> next_fold = 0;
+  if (const auto done = score_folds(problem, parts, scales, next_fold, scores); !done) {
     return std::unexpected(done.error());
   }
   return summarise(scores, rejected, order);

@@ -3,7 +3,7 @@
 // stated (docs/model.md, section 9).
 #pragma once
 
-#include <functional>
+#include <atomic>
 
 #include "core/calibration/engine.hpp"
 #include "firmware/analysis/evaluation/row_part.hpp"
@@ -73,10 +73,10 @@ struct Problem {
 
 // The two halves of it. No fold depends on another one: several problems, each with rows and memory
 // of its own, may share the folds of one log and its scores.
-// Scores the folds that `next` gives, until it gives kFolds.
+// Scores one fold after the other from `next_fold` on, which counts those that were begun, until
+// there is no more.
 [[nodiscard]] Result<void> score_folds(const Problem& problem, const ModelParts& parts,
-                                       const Scales& scales,
-                                       const std::function<std::uint8_t()>& next,
+                                       const Scales& scales, std::atomic<unsigned>& next_fold,
                                        std::span<RowScore> scores);
 [[nodiscard]] HeldOutScore summarise(std::span<const RowScore> scores,
                                      std::span<const bool> rejected, std::span<float> order);

@@ -220,10 +220,7 @@ Result<calibration::FitSummary> Fitting::run(FitStart& start,
 bool Fitting::score_folds(FitStart& start, const calibration::ModelParts& parts,
                           std::span<calibration::RowScore> scores) {
   const calibration::Scales scales = engine_->scales();
-  std::atomic<unsigned> fold = 0;
-  const auto next = [&fold] {
-    return static_cast<std::uint8_t>(std::min(fold++, unsigned{calibration::kFolds}));
-  };
+  std::atomic<unsigned> next_fold = 0;
   const auto score_with =
       [&](FitStart& from, std::vector<FitRow>& rows, std::vector<calibration::ChainFrames>& cache,
           std::vector<double>& matrix, calibration::Workspace& work, calibration::PlayBlock& play) {
@@ -231,7 +228,7 @@ bool Fitting::score_folds(FitStart& start, const calibration::ModelParts& parts,
         const calibration::Problem problem{
             from.model, from.targets,     rows,   cache,       matrix,
             work,       stated_variance_, parts_, predictions, finds_play_ ? &play : nullptr};
-        return calibration::score_folds(problem, parts, scales, next, scores).has_value();
+        return calibration::score_folds(problem, parts, scales, next_fold, scores).has_value();
       };
   std::future<bool> other;
   if (std::thread::hardware_concurrency() > 1 && rows_.size() <= kMostRowsTwice) {
