@@ -30,8 +30,13 @@ std::vector<std::uint8_t> with_crc(std::vector<std::uint8_t> body) {
   return body;
 }
 
+// There before the server's thread, and after it.
+struct FirstRequest {
+  std::vector<std::uint8_t> first_request;  // read it after stop()
+};
+
 // Answers each request with what `script` makes of the number of the request.
-class PtySensor : public test::PtyServer {
+class PtySensor : public FirstRequest, public test::PtyServer {
  public:
   using Script = std::function<std::vector<std::uint8_t>(unsigned)>;
 
@@ -41,8 +46,6 @@ class PtySensor : public test::PtyServer {
           return script(number++);
         }) {}
   ~PtySensor() { stop(); }
-
-  std::vector<std::uint8_t> first_request;  // read it after stop()
 };
 
 std::vector<std::uint8_t> answer(std::uint8_t unit, std::uint8_t sequence) {
