@@ -50,6 +50,7 @@ constexpr std::array kWords{
     ObjectWords{0x6083, 0, "profile acceleration", ""},
     ObjectWords{0x6084, 0, "profile deceleration", ""},
     ObjectWords{0x60C0, 0, "interpolation", "interpolates by its own rule"},
+    ObjectWords{0x60C4, 6, "interpolation buffer", "opens its buffer by its own rule"},
     ObjectWords{0x60C2, 1, "interpolation period", "may go from target to target in steps"},
     ObjectWords{0x60C2, 2, "its power of ten", "may go from target to target in steps"},
     ObjectWords{0x6007, 0, "when the master is gone", "holds torque when this process dies"},

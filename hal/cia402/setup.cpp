@@ -17,12 +17,13 @@ constexpr std::uint16_t kPositionOffset = 0x60B0;
 constexpr std::uint16_t kInterpolationType = 0x60C0;
 constexpr std::uint16_t kInterpolationPeriod = 0x60C2;
 constexpr std::uint16_t kInterpolationBuffer = 0x60C4;
-constexpr std::uint8_t kBufferAccess = 6;  // of its sub-indices: 0 clears it, 1 opens it
+constexpr std::uint8_t kBufferAccess = 6;  // of its sub-indices
 
 // Values of those objects.
 constexpr std::uint32_t kProfileMask = 0xFFFF;
 constexpr std::uint32_t kProfile402 = 402;
 constexpr std::uint32_t kLinear = 0;
+constexpr std::uint32_t kOpen = 1;  // to what the positions are written to
 constexpr std::uint32_t kAbortConnectionQuickStop = 3;
 constexpr std::uint32_t kQuickStopRampAndStay = 6;
 constexpr std::uint32_t kRampThenDisable = 1;
@@ -104,8 +105,7 @@ void append_mode_settings(Setup& setup, PositionMode mode, hal::Duration period)
   prefer(setup, {kInterpolationPeriod, 2, 1, static_cast<std::uint8_t>(interpolation.exponent)}, 0);
   if (mode == PositionMode::kInterpolated) {
     prefer(setup, {kInterpolationType, 0, 2, kLinear}, 0);
-    write(setup, kInterpolationBuffer, kBufferAccess, 1, 0, SetupRule::kIfPresent);
-    write(setup, kInterpolationBuffer, kBufferAccess, 1, 1, SetupRule::kIfPresent);
+    prefer(setup, {kInterpolationBuffer, kBufferAccess, 1, kOpen}, kAnyValue);
   }
 }
 

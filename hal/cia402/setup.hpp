@@ -40,7 +40,7 @@ struct SetupStep {
 // An option that may hold anything.
 inline constexpr std::uint32_t kAnyValue = 0xFFFFFFFF;
 
-inline constexpr std::size_t kMaxSetupSteps = 58 + (hal::kOtherModes ? 4 + kMaxFurtherWrites : 0);
+inline constexpr std::size_t kMaxSetupSteps = 58 + (hal::kOtherModes ? 2 + kMaxFurtherWrites : 0);
 using Setup = FixedVector<SetupStep, kMaxSetupSteps>;
 
 // One more step: writes an object, or reads one and holds it against `expected`.

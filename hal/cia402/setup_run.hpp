@@ -23,7 +23,7 @@ struct SetupRefusal {
 
 // What a drive that passed has otherwise than wanted.
 struct SetupReport {
-  static constexpr std::size_t kMostGaps = 14;
+  static constexpr std::size_t kMostGaps = hal::kOtherModes ? 16 : 14;
 
   FixedVector<hal::DeviceObject, kMostGaps> gaps;  // found is empty where it lacks the object
   // Its master: by heartbeat (1016h), RPDO time-out (1400h:5), or being guarded by it (100Ch).

@@ -94,6 +94,45 @@ TEST(PositionModes, of_interpolation_without_their_bit_12_are_said_to_ignore_the
   EXPECT_EQ(arm.master->status(0).fault, Error::kTargetsIgnored);
 }
 
+// 60C4h:6 read-only and closed: it is an option, and told.
+TEST(PositionModes, of_interpolation_go_without_a_buffer_that_cannot_be_opened) {
+  const std::array<simulated::ObjectEdit, 1> edits{
+      {{.object = {0x60C4, 6, 1, simulated::Access::kReadOnly, 0}}}};
+  simulated::DriveConfiguration drive;
+  drive.edits = edits;
+  test::EmulatedArm arm(drives_in(PositionMode::kInterpolated, 1), nullptr, drive);
+  ASSERT_TRUE(arm.power_up_and_enable());
+  EXPECT_TRUE(std::ranges::count(
+      arm.master->setup_report(0).gaps,
+      hal::DeviceObject{.index = 0x60C4, .subindex = 6, .found = 0, .wanted = 1}));
+}
+
+TEST(PositionModes, of_interpolation_tell_of_a_drive_that_has_no_option_at_all) {
+  using simulated::Access;
+  using simulated::ObjectEdit;
+  std::vector<ObjectEdit> edits;
+  // What it does all the same: CiA 402's own values, and a cycle of two milliseconds.
+  edits.push_back({.object = {0x60C2, 1, 1, Access::kAbsent, 2}});
+  edits.push_back({.object = {0x60C2, 2, 1, Access::kAbsent, 0xFD}});
+  for (const std::uint16_t index :
+       std::array<std::uint16_t, 7>{0x605A, 0x605B, 0x605C, 0x605E, 0x6007, 0x60C0, 0x60B0}) {
+    edits.push_back({.object = {index, ObjectEdit::kWhole, 0, Access::kAbsent, index < 0x6080}});
+  }
+  for (const std::uint16_t index : std::array<std::uint16_t, 2>{0x1006, 0x1016}) {
+    edits.push_back({.object = {index, ObjectEdit::kWhole, 0, Access::kAbsent, 0}});
+  }
+  simulated::DriveConfiguration drive;
+  drive.edits = edits;
+  Configuration configuration = drives_in(PositionMode::kInterpolated, 1);
+  configuration.axes[0].unsupervised_known = true;
+  test::EmulatedArm arm(configuration, nullptr, drive);
+  ASSERT_TRUE(arm.power_up_and_enable());
+  const auto& gaps = arm.master->setup_report(0).gaps;
+  EXPECT_EQ(gaps.size(), 15U)
+      << "five of CiA 301 (1016h, 1400h:5, 100Ch, 100Dh, 1006h), ten of CiA 402";
+  EXPECT_LT(move(arm), 0.02);
+}
+
 TEST(PositionModes, of_profiles_arrive_and_are_behind_by_no_more_than_their_ramp_takes) {
   simulated::DriveConfiguration drive;
   drive.motion.stop_deceleration = 20 * kCountsPerRadian;
