@@ -78,79 +78,103 @@ class Values {
   const Request& request_;
 };
 
-Result<void> push(VirtualCabinet& cabinet, std::size_t joint, const Values& values, Line& out) {
-  constexpr double kFarthest_deg = 90;
-  constexpr double kFarthest_mm = 1000;
-  const auto by_deg = values.number("push_deg", -kFarthest_deg, kFarthest_deg, out);
-  if (!by_deg) return std::unexpected(by_deg.error());
-  const auto by_mm = values.number("push_mm", -kFarthest_mm, kFarthest_mm, out);
-  if (!by_mm) return std::unexpected(by_mm.error());
-  const cia402::Scaling& scaling = cabinet.scaling(joint);
-  const double counts_per_unit = 1 / (scaling.reading(1) - scaling.reading(0));
-  const double by = by_deg->has_value() ? radians(**by_deg) : by_mm->value_or(0) / 1e3;
-  if (by != 0) cabinet.drive(joint).push(by * counts_per_unit);
+// What an `emulate` asks for, all of it known to be possible.
+struct Changes {
+  std::optional<std::size_t> joint;  // from 0
+  std::optional<simulated::DriveFault> fault;
+  std::int32_t code = 0;
+  std::optional<double> push;  // radians or metres
+  std::optional<SensorFault> sensor;
+  simulated::UltrasonicConfig field;
+  std::string_view bus;  // empty: as it is
+};
+
+Result<void> read_push(const VirtualCabinet& cabinet, const Values& values, Line& out,
+                       Changes& changes) {
+  constexpr double kFarthestDegrees = 90;
+  constexpr double kFarthestMillimetres = 1000;
+  const bool turns = cabinet.joint_type(*changes.joint) == JointType::kRevolute;
+  const std::string_view other = turns ? "push_mm" : "push_deg";
+  if (values.text(other)) return refused(out, other, " is of the other type of joint");
+  const double farthest = turns ? kFarthestDegrees : kFarthestMillimetres;
+  const auto by = values.number(turns ? "push_deg" : "push_mm", -farthest, farthest, out);
+  if (!by) return std::unexpected(by.error());
+  if (*by) changes.push = turns ? radians(**by) : **by / 1e3;
   return {};
 }
 
-Result<void> change_joint(VirtualCabinet& cabinet, const Values& values, Line& out) {
+Result<void> read_joint(const VirtualCabinet& cabinet, const Values& values, Line& out,
+                        Changes& changes) {
   constexpr double kLargestCode = 1e9;
   const auto joint = values.number("joint", 1, static_cast<double>(cabinet.joint_count()), out);
   if (!joint) return std::unexpected(joint.error());
-  const auto fault = values.text("fault");
+  if (!*joint) {
+    for (const std::string_view key : {"fault", "code", "push_deg", "push_mm"}) {
+      if (values.text(key)) return refused(out, key, " needs joint=2");
+    }
+    return {};
+  }
+  if (**joint != std::floor(**joint)) return std::unexpected(Error::kOutOfRange);
+  changes.joint = static_cast<std::size_t>(**joint) - 1;
+  if (auto read = read_push(cabinet, values, out, changes); !read) return read;
+  if (const auto name = values.text("fault")) {
+    changes.fault = simulated::drive_fault(*name);
+    if (!changes.fault) return refused(out, *name, " is no fault of a drive");
+  }
   const auto code = values.number("code", -kLargestCode, kLargestCode, out);
   if (!code) return std::unexpected(code.error());
-  if (!*joint) return fault ? refused(out, "fault", " needs joint=2") : Result<void>{};
-  const double number = **joint;
-  if (number != std::floor(number)) return std::unexpected(Error::kOutOfRange);
-  const auto index = static_cast<std::size_t>(number) - 1;
-  if (auto pushed = push(cabinet, index, values, out); !pushed) return pushed;
-  if (!fault) return {};
-  const auto kind = simulated::drive_fault(*fault);
-  if (!kind) return refused(out, *fault, " is no fault of a drive");
-  cabinet.drive(index).inject(*kind, static_cast<std::int32_t>(code->value_or(0)));
+  if (*code && !changes.fault) return refused(out, "code", " needs fault=emergency");
+  if (!changes.fault && !changes.push) return refused(out, "joint", " needs fault= or push_deg=");
+  changes.code = static_cast<std::int32_t>(code->value_or(0));
   return {};
 }
 
-Result<void> change_sensor(VirtualCabinet& cabinet, const Values& values, Line& out) {
+Result<void> read_sensor(const Values& values, Line& out, Changes& changes) {
   if (const auto name = values.text("sensor")) {
-    const SensorFault* found = nullptr;
-    for (const SensorFault& fault : kSensorFaults) {
-      if (fault.name == *name) found = &fault;
-    }
-    if (found == nullptr) return refused(out, *name, " is no fault of the sensor");
-    cabinet.sensor().set_error(found->error);
+    const auto found = std::ranges::find(kSensorFaults, *name, &SensorFault::name);
+    if (found == kSensorFaults.end()) return refused(out, *name, " is no fault of the sensor");
+    changes.sensor = *found;
   }
   struct Setting {
     std::string_view key;
+    double lowest;
     double highest;
     double scale;
     double simulated::UltrasonicConfig::* value;
   };
-  constexpr double kHottestCelsius = 100;
-  for (const Setting& setting :
-       {Setting{"air_c", kHottestCelsius, 1, &simulated::UltrasonicConfig::air_celsius},
-        Setting{"sigma_mm", 100, 1e-3, &simulated::UltrasonicConfig::range_sigma_m},
-        Setting{"dropout", 1, 1, &simulated::UltrasonicConfig::dropout_probability},
-        Setting{"multipath", 1, 1, &simulated::UltrasonicConfig::multipath_probability}}) {
-    const double lowest = setting.key == "air_c" ? -kHottestCelsius : 0;
-    const auto number = values.number(setting.key, lowest, setting.highest, out);
+  using Field = simulated::UltrasonicConfig;
+  for (const Setting& setting : {Setting{"air_c", -100, 100, 1, &Field::air_celsius},
+                                 Setting{"sigma_mm", 0, 100, 1e-3, &Field::range_sigma_m},
+                                 Setting{"dropout", 0, 1, 1, &Field::dropout_probability},
+                                 Setting{"multipath", 0, 1, 1, &Field::multipath_probability}}) {
+    const auto number = values.number(setting.key, setting.lowest, setting.highest, out);
     if (!number) return std::unexpected(number.error());
-    if (*number) cabinet.sensor().field().*setting.value = **number * setting.scale;
+    if (*number) changes.field.*setting.value = **number * setting.scale;
   }
   return {};
 }
 
-Result<void> change_bus(VirtualCabinet& cabinet, const Values& values, Line& out) {
-  const auto state = values.text("can");
-  if (!state) return {};
-  if (*state == "off") {
-    cabinet.master_port().go_bus_off();
-  } else if (*state == "up" || *state == "down") {
-    cabinet.master_port().set_up(*state == "up");
-  } else {
-    return refused(out, *state, " is neither up, down nor off");
+Result<void> read_bus(const Values& values, Line& out, Changes& changes) {
+  changes.bus = values.text("can").value_or("");
+  if (!values.text("can") || changes.bus == "up" || changes.bus == "down" || changes.bus == "off") {
+    return {};
   }
-  return {};
+  return refused(out, changes.bus, " is neither up, down nor off");
+}
+
+void make(const Changes& changes, VirtualCabinet& cabinet) {
+  if (changes.push) {
+    const cia402::Scaling& scaling = cabinet.scaling(*changes.joint);
+    const double counts_per_unit = 1 / (scaling.reading(1) - scaling.reading(0));
+    cabinet.drive(*changes.joint).push(*changes.push * counts_per_unit);
+  }
+  if (changes.fault) cabinet.drive(*changes.joint).inject(*changes.fault, changes.code);
+  if (changes.sensor) cabinet.sensor().set_error(changes.sensor->error);
+  cabinet.sensor().field() = changes.field;
+  if (changes.bus == "off") cabinet.master_port().go_bus_off();
+  if (changes.bus == "up" || changes.bus == "down") {
+    cabinet.master_port().set_up(changes.bus == "up");
+  }
 }
 
 }  // namespace
@@ -163,9 +187,12 @@ Result<void> emulate(VirtualCabinet& cabinet, const Request& request, Line& out)
   if (const auto key = values.unknown(); !key.empty()) {
     return refused(out, key, " is no key of emulate");
   }
-  for (const auto change : {change_joint, change_sensor, change_bus}) {
-    if (auto done = change(cabinet, values, out); !done) return done;
-  }
+  Changes changes;
+  changes.field = cabinet.sensor().field();
+  if (auto read = read_joint(cabinet, values, out, changes); !read) return read;
+  if (auto read = read_sensor(values, out, changes); !read) return read;
+  if (auto read = read_bus(values, out, changes); !read) return read;
+  make(changes, cabinet);
   return {};
 }
 

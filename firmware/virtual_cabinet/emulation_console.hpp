@@ -9,7 +9,8 @@
 
 namespace armsig::cabinet {
 
-// Does what an `emulate` asks for; what is refused goes to `out` as ` why="..."`:
+// Does what an `emulate` asks for, all of it or nothing; what is refused goes to `out` as `
+// why="..."`:
 //   emulate joint=2 fault=blocked        a fault of its drive: the names of
 //   simulated::drive_fault() emulate joint=2 fault=emergency code=9040 emulate joint=2 push_deg=3
 //   somebody leans on it (push_mm of a slide) emulate sensor=silent                or stale, crc,

@@ -113,6 +113,9 @@ class VirtualCabinet {
   [[nodiscard]] const controller::Background& state() const { return controller_->state(); }
   [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return *motors_[joint]; }
   [[nodiscard]] std::size_t joint_count() const { return drives_->axes.size(); }
+  [[nodiscard]] JointType joint_type(std::size_t joint) const {
+    return drives_->axes[joint].scaling.type;
+  }
   [[nodiscard]] const cia402::Scaling& scaling(std::size_t joint) const {
     return drives_.scaling(joint);
   }

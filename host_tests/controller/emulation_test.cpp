@@ -104,6 +104,16 @@ TEST(Emulation, refuses_what_it_does_not_know_before_it_changes_anything) {
   puma.expect_refused("emulate sensor=tired", "tired is no fault of the sensor");
   puma.expect_refused("emulate dropout=2", "OUT_OF_RANGE");
   puma.expect_refused("emulate can=sideways", "neither up, down nor off");
+  puma.expect_refused("emulate can=", "neither up, down nor off");
+  puma.expect_refused("emulate push_deg=3", "push_deg needs joint=2");
+  puma.expect_refused("emulate code=9040", "code needs joint=2");
+  puma.expect_refused("emulate joint=2 code=9040", "code needs fault=emergency");
+  puma.expect_refused("emulate joint=2", "joint needs fault= or push_deg=");
+  puma.expect_refused("emulate joint=2 push_mm=3", "push_mm is of the other type of joint");
+  puma.expect_refused("emulate joint=2 fault=blocked air_c=31 can=sideways", "neither up");
+  EXPECT_EQ(puma.cabinet->sensor().field().air_celsius, 20);
+  EXPECT_EQ(puma.ask("move q2_deg=-80"), "ok");
+  ASSERT_TRUE(puma.run_until(Mode::kServoing, 0.5) && puma.run_until(Mode::kHolding, 20));
   puma.run(2);
   EXPECT_EQ(puma.mode(), Mode::kHolding);
   EXPECT_NE(puma.ask("status").find(" sensor=well"), std::string::npos);
