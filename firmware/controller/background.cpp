@@ -95,7 +95,7 @@ void Background::tell_faults() {
     auto& told = told_faults_[*fault.joint];
     if (told == what) continue;
     told = what;
-    const bool is_first = first && first->joint == fault.joint && first->error == fault.error;
+    const bool is_first = first->joint == fault.joint && first->error == fault.error;
     if (is_first) continue;
     Line line;
     tell_fault(line.text("# drive faulted"), fault);

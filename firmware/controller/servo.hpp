@@ -41,8 +41,6 @@ class Servo {
   void publish_machine();
   void publish_gaps();
   void publish_words();
-  void publish_faults();
-  void publish_information();
   void fail(Error error, std::optional<std::size_t> joint = {}, std::uint32_t code = 0,
             std::string_view words = {});
   void learn_the_reason();

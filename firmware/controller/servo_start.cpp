@@ -38,33 +38,25 @@ void Servo::wait_for_drives(const Result<void>& read) {
 
 // What the drives tell beside numbers.
 void Servo::publish_words() {
-  publish_faults();
-  publish_information();
-}
-
-void Servo::publish_faults() {
   auto& faults = link_.faults.writing();
+  auto& information = link_.information.writing();
   faults.clear();
+  information.clear();
   for (std::size_t joint = 0; joint < drives_.count() && !faults.full(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
-    if (!status.fault || is_of_all(*status.fault)) continue;
-    faults.push_back({*status.fault, joint, status.fault_code, status.words, status.fault_object});
+    if (status.fault && !is_of_all(*status.fault)) {
+      faults.push_back(
+          {*status.fault, joint, status.fault_code, status.words, status.fault_object});
+    }
+    if (status.information != 0) {
+      information.push_back(
+          {static_cast<std::uint8_t>(joint), status.information, status.information_words});
+    }
   }
+  if (!information.empty()) link_.information.publish();
   if (faults.empty() && !faults_told_) return;
   faults_told_ = !faults.empty();
   link_.faults.publish();
-}
-
-void Servo::publish_information() {
-  auto& information = link_.information.writing();
-  information.clear();
-  for (std::size_t joint = 0; joint < drives_.count() && !information.full(); ++joint) {
-    const hal::DriveStatus status = drives_.status(joint);
-    if (status.information == 0) continue;
-    information.push_back(
-        {static_cast<std::uint8_t>(joint), status.information, status.information_words});
-  }
-  if (!information.empty()) link_.information.publish();
 }
 
 }  // namespace armsig::controller
