@@ -11,47 +11,10 @@
 
 #include "core/base/pose.hpp"
 #include "host_tests/support/failure_of.hpp"
+#include "host_tests/unit_daemon/changed_configuration.hpp"
 
 namespace armsig::daemon {
 namespace {
-
-std::string reference() {
-  std::ifstream file(ARMSIG_REFERENCE);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-// The reference without the grid, which takes long to place, and with the first `from` after `near`
-// put as `to`.
-struct Changed {
-  std::string text;
-  int line = 0;
-};
-Changed change(const std::string& near, const std::string& from, const std::string& to) {
-  Changed changed{reference().substr(0, reference().find("\ngrid:") + 1), 0};
-  std::size_t at = changed.text.find(near);
-  at = at == std::string::npos ? at : changed.text.find(from, at);
-  if (at == std::string::npos) {
-    ADD_FAILURE() << near << " / " << from << " is not in the reference";
-    return changed;
-  }
-  changed.line = 1 + static_cast<int>(std::count(
-                         changed.text.begin(), changed.text.begin() + static_cast<long>(at), '\n'));
-  changed.text.replace(at, from.size(), to);
-  return changed;
-}
-
-void expect_refused(const std::string& near, const std::string& from, const std::string& to,
-                    const std::string& words) {
-  const Changed changed = change(near, from, to);
-  const auto read = parse_configuration(changed.text, "cabinet.yaml");
-  ASSERT_FALSE(read) << from << " -> " << to << " was accepted";
-  const std::string message = tool::render(read.error());
-  EXPECT_EQ(test::failure_of(read).line, changed.line) << message;
-  EXPECT_GT(test::failure_of(read).column, 0) << message;
-  EXPECT_FALSE(test::failure_of(read).expected.empty()) << message;
-  EXPECT_NE(message.find(words), std::string::npos) << message;
-  EXPECT_TRUE(message.starts_with("cabinet.yaml:")) << message;
-}
 
 TEST(DaemonConfiguration, of_the_reference_is_read_as_it_is_written) {
   const auto read = read_configuration(ARMSIG_REFERENCE);
@@ -169,85 +132,6 @@ TEST(DaemonConfiguration, takes_a_joint_whose_drive_homes_and_the_method) {
   expect_refused("joints:", "reversed: no", "reversed: no, homing_method: 17", "reference: homed");
   expect_refused("joints:", "reversed: no", "reversed: no, reference: homed, homing_method: 128",
                  "-128 to 127");
-}
-
-TEST(DaemonConfiguration, takes_how_a_drive_is_given_its_targets) {
-  const auto read_mode = [](const std::string& mode) {
-    const auto read = parse_configuration(
-        change("joints:", "reversed: no", "reversed: no, mode: " + mode).text, "cabinet.yaml");
-    EXPECT_TRUE(read) << tool::render(read.error());
-    EXPECT_EQ(read->drives.axes[1].mode, cia402::PositionMode::kCyclic) << "of the others";
-    return read->drives.axes[0].mode;
-  };
-  EXPECT_EQ(read_mode("cyclic"), cia402::PositionMode::kCyclic);
-  EXPECT_EQ(read_mode("interpolated"), cia402::PositionMode::kInterpolated);
-  EXPECT_EQ(read_mode("profile"), cia402::PositionMode::kProfile);
-  expect_refused("joints:", "reversed: no", "reversed: no, mode: csp",
-                 "cyclic, interpolated or profile");
-}
-
-TEST(DaemonConfiguration, takes_objects_that_are_written_besides) {
-  const auto read = parse_configuration(
-      change("joints:", "reversed: no",
-             "reversed: no, writes: [{object: 6081h:0, bytes: 4, value: 4294967295}, "
-             "{object: 2abcH:12, bytes: 1, value: -2}]")
-          .text,
-      "cabinet.yaml");
-  EXPECT_FALSE(read) << "an h is small";
-  const auto two = parse_configuration(
-      change("joints:", "reversed: no",
-             "reversed: no, writes: [{object: 6081h:0, bytes: 4, value: 4294967295}, "
-             "{object: 2abch:12, bytes: 1, value: -2}]")
-          .text,
-      "cabinet.yaml");
-  ASSERT_TRUE(two) << tool::render(two.error());
-  const auto& writes = two->drives.axes[0].writes;
-  ASSERT_EQ(writes.size(), 2U);
-  EXPECT_EQ(writes[0].index, 0x6081);
-  EXPECT_EQ(writes[0].value, 0xFFFFFFFFU);
-  EXPECT_EQ(writes[1].index, 0x2ABC);
-  EXPECT_EQ(writes[1].subindex, 12);
-  EXPECT_EQ(writes[1].bytes, 1);
-  EXPECT_EQ(writes[1].value, 0xFEU);
-  EXPECT_TRUE(two->drives.axes[1].writes.empty());
-}
-
-TEST(DaemonConfiguration, refuses_objects_that_are_not_free_or_have_no_such_value) {
-  const auto refused = [](const std::string& write, const std::string& words) {
-    expect_refused("joints:", "reversed: no", "reversed: no, writes: [{" + write + "}]", words);
-  };
-  refused("object: 6060h:0, bytes: 1, value: 8", "is not free to be written");
-  refused("object: 1016h:1, bytes: 4, value: 8", "is not free to be written");
-  refused("object: 6860h:0, bytes: 1, value: 8", "is not free to be written");
-  refused("object: 0x6081, bytes: 4, value: 8", "such as 6081h:0");
-  refused("object: 6081h:256, bytes: 4, value: 8", "such as 6081h:0");
-  refused("object: \"6081h:\", bytes: 4, value: 8", "such as 6081h:0");
-  refused("object: 608gh:0, bytes: 4, value: 8", "such as 6081h:0");
-  refused("object: 6081h:0, bytes: 3, value: 8", "1, 2 or 4");
-  refused("object: 6081h:0, bytes: 2, value: 65536", "from -32768 to 65535");
-  refused("object: 6081h:0, bytes: 2, value: 1.5", "a whole number");
-  refused("object: 6081h:0, bytes: 2", "value");
-  refused("object: 6081h:0, bytes: 2, value: 1, subindex: 0", "unknown key");
-  expect_refused("joints:", "reversed: no", "reversed: no, writes: []", "writes");
-}
-
-TEST(DaemonConfiguration, takes_devices_that_are_started_with_the_drives) {
-  const auto read = parse_configuration(
-      change("can:", "interface: can0", "interface: can0\n  other_nodes: [40, 41, 42]").text,
-      "cabinet.yaml");
-  ASSERT_TRUE(read) << tool::render(read.error());
-  ASSERT_EQ(read->drives.other_nodes.size(), 3U);
-  EXPECT_EQ(read->drives.other_nodes[2], 42);
-  const auto refused = [](const std::string& nodes, const std::string& words) {
-    expect_refused("can:", "interface: can0", "other_nodes: " + nodes + "\n  interface: can0",
-                   words);
-  };
-  refused("[3]", "no joint's");
-  refused("[127]", "not the master's");
-  refused("[40, 40]", "named once");
-  refused("[0]", "1 to 127");
-  refused("[40, 41, 42, 43]", "other_nodes");
-  refused("40", "other_nodes");
 }
 
 TEST(DaemonConfiguration, refuses_reversed_limits) {
