@@ -211,6 +211,18 @@ TEST(ModelCases, play_of_a_simulated_arm_is_found_and_stated) {
   EXPECT_GT(result["predicted_tool_error_m"].get<double>(), 0.15e-3);
 }
 
+// Pairs of joints, which many more rows would tell, do not count against it.
+TEST(ModelCases, play_is_found_from_few_poses) {
+  const Folder folder;
+  Csv rows = measured_puma(folder, kPuma560, "--free-poses 70 --sigma-mm 0.02");
+  keep_mixed(rows);
+  const Outcome outcome = refine(folder, with_play(rows, 0.06), "--json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NEAR(number_after(outcome.err, "joint 2: "), 0.06, 0.004);
+  const json result = json::parse(outcome.out);
+  EXPECT_LT(result["cross_validation"]["mean_m"].get<double>(), 0.1e-3);
+}
+
 TEST(ModelCases, an_arm_without_play_has_none) {
   const Folder folder;
   Csv rows = measured_puma(folder, kPuma560, "--free-poses 160 --sigma-mm 0.02");

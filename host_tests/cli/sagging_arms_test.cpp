@@ -124,6 +124,30 @@ TEST(SaggingArms, are_predicted_as_well_where_nobody_says_how_they_are_mounted) 
   }
 }
 
+// Sixty poses without any sweep have numbers for a weight at the furthest origin of each joint.
+TEST(SaggingArms, show_how_they_are_mounted_by_few_poses) {
+  const Folder folder;
+  write_file(folder / "arm.yaml", std::string(kPuma560) + "mounted: {gravity: [0, 1, -1]}\n");
+  write_file(folder / "told.yaml", kPuma560);
+  const Outcome made = run_tool(
+      folder,
+      "simulate --arm arm.yaml --tolerances 1 --flange-target-mm 80,30,120 --points 2 --arc 30 "
+      "--free-poses 60 --sigma-mm 0.05 --deflection-mm 2 --out m.csv --seed 3");
+  ASSERT_EQ(made.status, 0) << made.err;
+  Csv rows = Csv::read(folder / "m.csv");
+  std::erase_if(rows.rows, [&](const Fields& row) { return row[rows.column("sweep")] != "0"; });
+  rows.write(folder / "poses.csv");
+  const Outcome found =
+      run_tool(folder, "identify --arm told.yaml --measurements poses.csv --out s.yaml --json");
+  ASSERT_EQ(found.status, 0) << found.err;
+  const std::string words = "gravity pulls ";
+  const std::size_t at = found.err.find(words);
+  ASSERT_NE(at, std::string::npos) << found.err;
+  EXPECT_NEAR(std::stod(found.err.substr(at + words.size())), 45, 10);
+  const auto result = nlohmann::json::parse(found.out)["cross_validation"];
+  EXPECT_LT(result["rms_m"].get<double>(), 0.25e-3);
+}
+
 TEST(SaggingArms, that_stand_on_the_floor_are_not_said_to_lean) {
   for (const std::string seed : {"1", "2", "3", "4"}) {
     const Mounted upright = identified_mounted("", "", seed);

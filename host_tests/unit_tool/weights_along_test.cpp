@@ -48,6 +48,18 @@ TEST(WeightsAlong, stand_so_that_joints_give_way_downwards) {
   EXPECT_LT((found + up_0).norm(), 1e-6);
 }
 
+// Neighbouring origins share one weight in any way, of either sign: what both do together counts.
+TEST(WeightsAlong, stand_by_the_deflection_and_not_by_single_coefficients) {
+  const Vector3 up_0 = Vector3(1, 2, 2) / 3;
+  WeighedRows rows(up_0, kSoft);
+  rows.J.middleCols<3>(3) = 0.02 * rows.J.middleCols<3>(3);
+  Eigen::VectorXd shared(3 * kTerms);
+  const Eigen::VectorXd coefficients{{2e-3, -9e-3, 5e-4, 0, 0}};
+  for (Eigen::Index t = 0; t < kTerms; ++t) shared.segment<3>(3 * t) = coefficients[t] * up_0;
+  rows.moved = rows.J * shared;
+  EXPECT_LT((rows.weights().best().first - up_0).norm(), 1e-3);
+}
+
 TEST(WeightsAlong, gain_what_least_squares_along_one_vertical_gains) {
   const WeighedRows rows(Vector3(0.6, 0, 0.8), kSoft);
   const Vector3 up_0 = Vector3::UnitZ();

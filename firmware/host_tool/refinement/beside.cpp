@@ -147,16 +147,17 @@ void Beside::choose_unknowns(const Arm& arm, const std::vector<FitRow>& rows) {
   }
 }
 
-// Those of a prismatic joint do not depend on the origin: one is enough.
+// The furthest origin of every joint first, so that few rows have one weight for each joint. Those
+// of a prismatic joint do not depend on the origin: one is enough.
 void Beside::choose_weights(const Arm& arm) {
   std::erase_if(unknowns_, [](const Unknown& unknown) { return unknown.of != Of::kGain; });
   const std::size_t n = arm.joints.size();
-  for (std::size_t j = 0; j < n; ++j) {
-    const bool turns = arm.joints[j].type == JointType::kRevolute;
-    for (std::size_t k = j + 1; k <= (turns ? n : j + 1); ++k) {
+  for (std::size_t origin = n; origin > 0; --origin) {
+    for (std::size_t j = 0; j < origin; ++j) {
       if (weights_.gravity.full()) return;
+      if (origin < n && arm.joints[j].type != JointType::kRevolute) continue;
       const auto joint = static_cast<std::uint8_t>(j);
-      weights_.gravity.push_back({joint, static_cast<std::uint8_t>(k), 0});
+      weights_.gravity.push_back({joint, static_cast<std::uint8_t>(origin), 0});
       for (std::uint8_t axis = 0; axis < 3; ++axis) unknowns_.push_back({Of::kWeight, joint, axis});
     }
   }
@@ -229,10 +230,16 @@ void Beside::sum(const std::vector<FitRow>& rows, Fill fill) {
   for (Batch& batch : batches) sums_.push_back(batch.take());
 }
 
-bool Beside::tells() const {
-  if (sums_.empty()) return false;
-  const auto size = static_cast<double>(sums_.front().pull.size());
-  return sums_.front().numbers >= kNumbersAnUnknown * size;
+bool Beside::tells(Eigen::Index columns) const {
+  return !sums_.empty() &&
+         sums_.front().numbers >= kNumbersAnUnknown * static_cast<double>(columns);
+}
+
+// The coefficient of each weight is an unknown, and two of the vertical they have in common.
+Eigen::Index Beside::weights_told() const {
+  auto count = static_cast<Eigen::Index>(weights_.gravity.size());
+  while (count > 0 && !tells(first_of(Of::kWeight) + count + 2)) --count;
+  return count;
 }
 
 Eigen::Index Beside::first_of(Of of) const {
@@ -287,12 +294,14 @@ Beside::Worth Beside::worth_of_play() const {
 }
 
 double Beside::nats_of_play() const {
-  return tells() && first_of(Of::kCoupling) > first_of(Of::kPlay) ? worth_of_play().nats : 0;
+  const Eigen::Index before = first_of(Of::kCoupling);
+  return before > first_of(Of::kPlay) && tells(before) ? worth_of_play().nats : 0;
 }
 
 std::uint8_t Beside::first_sides() const {
   std::uint8_t up = 0;
-  if (!tells() || first_of(Of::kCoupling) == first_of(Of::kPlay)) return up;
+  const Eigen::Index before = first_of(Of::kCoupling);
+  if (before == first_of(Of::kPlay) || !tells(before)) return up;
   const Eigen::VectorXd size = worth_of_play().size;
   const Eigen::Index first = first_of(Of::kPlay) - prior_.size();
   const auto at = [&](Of of, std::uint8_t joint) {
@@ -311,8 +320,9 @@ std::uint8_t Beside::first_sides() const {
 
 std::vector<SuspectedPair> Beside::pairs() const {
   std::vector<SuspectedPair> all;
-  if (!tells()) return all;
   const Eigen::Index before = first_of(Of::kCoupling);
+  // What few rows have of a load or a slip is easily a pair of joints.
+  if (!tells(prior_.size() + static_cast<Eigen::Index>(unknowns_.size()))) return all;
   const auto tried =
       static_cast<double>(prior_.size() + static_cast<Eigen::Index>(unknowns_.size()) - before);
   for (std::size_t k = 0; k < unknowns_.size(); ++k) {
@@ -333,9 +343,9 @@ std::vector<SuspectedPair> Beside::pairs() const {
 
 SuspectedVertical Beside::vertical() const {
   SuspectedVertical best{.up_0 = at_up_0_};
-  if (!tells() || weights_.gravity.empty()) return best;
   const Eigen::Index first = first_of(Of::kWeight);
-  const auto count = static_cast<Eigen::Index>(3 * weights_.gravity.size());
+  const Eigen::Index count = 3 * weights_told();
+  if (count == 0) return best;
   for (const Sums& sums : sums_) {
     const auto [own, score, left, freedom] = reduced(sums, first, count, first);
     WeightsAlong weights(own, score, left / freedom);

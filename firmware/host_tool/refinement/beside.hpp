@@ -96,8 +96,10 @@ class Beside {
   [[nodiscard]] Worth worth(const Sums& sums, Eigen::Index first, Eigen::Index count,
                             Eigen::Index before) const;
   [[nodiscard]] Worth worth_of_play() const;
+  [[nodiscard]] Eigen::Index weights_told() const;
   [[nodiscard]] Eigen::Index first_of(Of of) const;
-  [[nodiscard]] bool tells() const;
+  // Whether there are numbers enough for so many columns.
+  [[nodiscard]] bool tells(Eigen::Index columns) const;
 
   std::vector<Unknown> unknowns_;
   calibration::ArmModel weights_;  // of the fit, with every gravity term that there may be

@@ -46,6 +46,12 @@ Vector3 WeightsAlong::better(const Vector3& up_0) const {
   return next.norm() > 0 ? Vector3(next.normalized()) : up_0;
 }
 
+// How far the residuals go with the deflections of equal joints under equal weights. Single
+// coefficients are not to be trusted so far: those of neighbouring origins may be of either sign.
+double WeightsAlong::gives_way(const Vector3& up_0) const {
+  return (along(up_0, score_.size() / 3).transpose() * score_).sum();
+}
+
 std::pair<Vector3, double> WeightsAlong::best() const {
   std::pair<Vector3, double> best{Vector3::UnitZ(), 0};
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -53,7 +59,7 @@ std::pair<Vector3, double> WeightsAlong::best() const {
     for (int turn = 0; turn < kTurns; ++turn) up_0 = better(up_0);
     if (const double gained = gain(up_0); gained > best.second) best = {up_0, gained};
   }
-  if (coefficients(best.first).sum() < 0) best.first = -best.first;
+  if (gives_way(best.first) < 0) best.first = -best.first;
   return best;
 }
 

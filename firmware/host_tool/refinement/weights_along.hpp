@@ -27,6 +27,7 @@ class WeightsAlong {
  private:
   [[nodiscard]] Eigen::VectorXd coefficients(const Vector3& up_0) const;
   [[nodiscard]] Vector3 better(const Vector3& up_0) const;
+  [[nodiscard]] double gives_way(const Vector3& up_0) const;
 
   Eigen::MatrixXd own_;  // with the prior
   Eigen::VectorXd score_;
