@@ -20,7 +20,10 @@ Eigen::Matrix3Xd GravityColumns::of(const EvidenceRow& row, const DeviatingChain
     const std::size_t joint = model_.gravity[t].joint;
     columns.col(static_cast<Eigen::Index>(t)) = levers[t] * J.col(chain.of_zero(joint).first);
   }
-  columns.rightCols(static_cast<Eigen::Index>(model_.joint_count())) = by_tool(row, chain, J);
+  const auto joints = static_cast<Eigen::Index>(model_.joint_count());
+  columns.middleCols(static_cast<Eigen::Index>(model_.gravity.size()), joints) =
+      by_tool(row, chain, J);
+  columns.rightCols<kLeans>() = by_base(row, chain);
   return columns;
 }
 
@@ -42,6 +45,20 @@ Eigen::Matrix3Xd GravityColumns::by_tool(const EvidenceRow& row, const Deviating
     const Eigen::Index zero = chain.of_zero(j).first;
     columns.col(static_cast<Eigen::Index>(j)) = down.dot(of_tool.col(zero)) * J.col(zero);
   }
+  return columns;
+}
+
+// A weight at the point that is seen turns the base about two level axes through its origin.
+Eigen::Matrix<double, 3, GravityColumns::kLeans> GravityColumns::by_base(
+    const EvidenceRow& row, const DeviatingChain& chain) const {
+  const Vector3 up_S = chain.X_SB().R * model_.up_0;
+  const Vector3 r_S = row.p_S - chain.X_SB().p;
+  const Vector3 moment_S = r_S.cross(-up_S);
+  const Vector3 level_S = up_S.unitOrthogonal();
+  Eigen::Matrix<double, 3, kLeans> columns;
+  columns.col(0) = level_S.dot(moment_S) * level_S.cross(r_S);
+  const Vector3 other_S = up_S.cross(level_S);
+  columns.col(1) = other_S.dot(moment_S) * other_S.cross(r_S);
   return columns;
 }
 

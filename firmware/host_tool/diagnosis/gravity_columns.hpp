@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // How the points of an arm move that gravity bends at its joints: one column a term, as
 // core/calibration/gravity_choice.hpp chooses them, and one a joint of a weight at the target on
-// the last link, which no term of the drawing's link frames holds.
+// the last link, which no term of the drawing's link frames holds. Two more are of a base that
+// leans under the arm, as the weight of what it carries is farther out.
 #pragma once
 
 #include "core/calibration/model.hpp"
@@ -15,15 +16,19 @@ class GravityColumns {
   explicit GravityColumns(const Arm& drawing);
 
   [[nodiscard]] Eigen::Index count() const {
-    return static_cast<Eigen::Index>(model_.gravity.size() + model_.joint_count());
+    return static_cast<Eigen::Index>(model_.gravity.size() + model_.joint_count()) + kLeans;
   }
   // `J`: of the row, as DeviatingChain::derivatives() gives them.
   [[nodiscard]] Eigen::Matrix3Xd of(const EvidenceRow& row, const DeviatingChain& chain,
                                     const Eigen::Matrix3Xd& J) const;
 
  private:
+  static constexpr Eigen::Index kLeans = 2;
+
   [[nodiscard]] Eigen::Matrix3Xd by_tool(const EvidenceRow& row, const DeviatingChain& chain,
                                          const Eigen::Matrix3Xd& J) const;
+  [[nodiscard]] Eigen::Matrix<double, 3, kLeans> by_base(const EvidenceRow& row,
+                                                         const DeviatingChain& chain) const;
 
   calibration::ArmModel model_;
 };
