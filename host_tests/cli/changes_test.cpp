@@ -2,6 +2,7 @@
 // What changes while an arm is measured is named, with the row from which on: of poses in the order
 // in which they were measured.
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 
@@ -78,6 +79,53 @@ TEST(Changes, of_a_target_that_slips_are_told_by_row_and_size) {
   after = poses(folder, "81,30,120");
   std::copy_n(before.rows.begin(), kMeasured / 2, after.rows.begin());
   expect_said(refine(folder, after), 1, "line 42 on the target is another point");
+}
+
+TEST(Changes, of_place_and_target_at_once_are_both_told) {
+  const Folder folder;
+  const Csv before = poses(folder);
+  Csv after = poses(folder, "81,30,120");
+  std::copy_n(before.rows.begin(), kMeasured / 2, after.rows.begin());
+  change(after, "y_mm", [](double y, double share) { return share < 0.5 ? y : y + 0.9; });
+  const Outcome outcome = refine(folder, after);
+  expect_said(outcome, 1, "from line 42 on the positions are shifted by 0.");
+  expect_said(outcome, 1, ", and target 1 is another point, 1");
+}
+
+// As after a collision.
+TEST(Changes, of_several_zeros_are_told_by_joint_and_size) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  const std::map<std::string, double> off_deg{{"q2_deg", 0.1}, {"q3_deg", -0.15}, {"q5_deg", 0.2}};
+  for (const auto& [reading, off] : off_deg) {
+    change(rows, reading, [&](double q, double share) { return share < 0.5 ? q : q + off; });
+  }
+  const Outcome outcome = refine(folder, rows);
+  expect_said(outcome, 1, "from line 42 on several readings are off: joint 2 by +0.");
+  expect_said(outcome, 1, ", joint 3 by -0.1");
+  expect_said(outcome, 1, ", joint 5 by +0.");
+  EXPECT_EQ(outcome.err.find("joint 1 by"), std::string::npos) << outcome.err;
+}
+
+// A table that is turned by the weight that it carries is no fault of the sensor's axes.
+TEST(Changes, are_not_told_where_the_base_leans_under_the_arm) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  const std::array<const char*, 3> axes{"x_mm", "y_mm", "z_mm"};
+  constexpr double kLean_rad_per_mm = 4e-7;
+  for (Fields& row : rows.rows) {
+    std::array<double, 3> r{-50, 30, 1200};  // from the base to the point
+    for (std::size_t i = 0; i < 3; ++i) r[i] += std::stod(row[rows.column(axes[i])]);
+    const std::array<double, 3> leant{r[0] * r[2], r[1] * r[2], -r[0] * r[0] - r[1] * r[1]};
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::string& text = row[rows.column(axes[i])];
+      text = std::to_string(std::stod(text) + kLean_rad_per_mm * leant[i]);
+    }
+  }
+  const Outcome outcome = refine(folder, rows);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err.find("scale"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("changed"), std::string::npos) << outcome.err;
 }
 
 TEST(Changes, of_all_lengths_are_told_as_growth) {

@@ -10,15 +10,33 @@
 namespace armsig::tool {
 namespace {
 
+constexpr double kCertainSigmas = 5;
+
 std::string when(const Change& change) {
   if (!change.slow) return fmt::format("from line {} on", change.first_line);
   return fmt::format("from line {} to line {}", change.first_line, change.last_line);
 }
 
-std::string of_reading(const Change& change, const Arm& arm) {
-  const double off = -change.size[0];
-  if (arm.joints[change.index].type == JointType::kPrismatic) return short_length(off);
+std::string of_reading(JointType type, double off) {
+  if (type == JointType::kPrismatic) return short_length(off);
   return fmt::format("{:+.3f}°", degrees(off));
+}
+
+// Those of its joints that are told; all of them where none is.
+std::string of_readings(const Change& change, const Arm& arm) {
+  const auto told = [&](Eigen::Index j) {
+    return std::abs(change.size[j]) > kCertainSigmas * change.sigma[j];
+  };
+  bool any = false;
+  for (Eigen::Index j = 0; j < change.size.size(); ++j) any = any || told(j);
+  std::string words;
+  for (Eigen::Index j = 0; j < change.size.size(); ++j) {
+    if (any && !told(j)) continue;
+    const JointType type = arm.joints[static_cast<std::size_t>(j)].type;
+    words += fmt::format("{}joint {} by {}", words.empty() ? "" : ", ", j + 1,
+                         of_reading(type, -change.size[j]));
+  }
+  return words;
 }
 
 std::string change_in_words(const Change& change, const Arm& arm) {
@@ -32,8 +50,14 @@ std::string change_in_words(const Change& change, const Arm& arm) {
       return change.slow
                  ? fmt::format("target {} creeps by {} {}", change.index, by, at)
                  : fmt::format("{} target {} is another point, {} away", at, change.index, by);
+    case Change::Of::kSensorAndTarget:
+      return fmt::format(
+          "{} the positions are shifted by {}, and target {} is another point, {} away", at,
+          short_length(change.parts_m[0]), change.index, short_length(change.parts_m[1]));
+    case Change::Of::kZeros:
+      return fmt::format("{} several readings are off: {}", at, of_readings(change, arm));
     case Change::Of::kZero: {
-      const std::string off = of_reading(change, arm);
+      const std::string off = of_reading(arm.joints[change.index].type, -change.size[0]);
       return change.slow
                  ? fmt::format("the reading of joint {} drifts by {} {}", change.index + 1, off, at)
                  : fmt::format("{} the reading of joint {} is off by {}", at, change.index + 1,
@@ -80,6 +104,12 @@ std::string mend_of(const Change& change) {
              "measured once more at the end tells";
     case Change::Of::kTarget:
       return "a target that is fixed firmly; the first pose measured once more at the end tells";
+    case Change::Of::kSensorAndTarget:
+      return "the sensor and the target fixed firmly; the first pose measured once more at the end "
+             "tells";
+    case Change::Of::kZeros:
+      return "zeros that stay: a look at what happened before that line (a collision, a homing, an "
+             "exchanged drive)";
     case Change::Of::kZero:
       return fmt::format("a look at the encoder of joint {} and how it is clamped",
                          change.index + 1);

@@ -25,24 +25,59 @@ constexpr std::size_t kFewestOfPart = 4;  // rows before and after
 constexpr double kFarthest = 30;
 constexpr double kUsualSize = 0.03;  // of a change, 1 sigma: metres, radians, a share
 
+// How much less usual than a sensor that was moved, as a logarithm of odds. An arm or a sensor that
+// imitates another cause exactly is thereby named by the most usual one.
+double surprise(Change::Of of) {
+  switch (of) {
+    case Change::Of::kSensor:
+      return 0;
+    case Change::Of::kTarget:
+      return 1;
+    case Change::Of::kZero:
+      return 2;
+    case Change::Of::kSensorAndTarget:
+      return 3;
+    case Change::Of::kZeros:
+      return 4;
+    case Change::Of::kLengths:
+      return 6;
+    case Change::Of::kLink:
+    case Change::Of::kStrain:
+      return 8;
+  }
+  return 0;
+}
+
 struct Candidate {
   Change::Of of;
   std::size_t index;
-  DeviatingChain::Columns columns;
+  std::vector<DeviatingChain::Columns> columns;  // of the chain
+  bool at_once = false;                          // no slow change
+
+  [[nodiscard]] Eigen::Index count() const {
+    Eigen::Index sum = 0;
+    for (const auto& part : columns) sum += part.count;
+    return sum;
+  }
 };
 
 std::vector<Candidate> candidates_of(const Evidence& evidence, const DeviatingChain& chain) {
-  std::vector<Candidate> all{{Change::Of::kSensor, 0, chain.of_base()},
-                             {Change::Of::kLengths, 0, chain.of_lengths()}};
+  std::vector<Candidate> all{{Change::Of::kSensor, 0, {chain.of_base()}},
+                             {Change::Of::kLengths, 0, {chain.of_lengths()}}};
+  Candidate zeros{Change::Of::kZeros, 0, {}, true};
   for (std::size_t j = 0; j < evidence.arm.joints.size(); ++j) {
-    all.push_back({Change::Of::kZero, j, chain.of_zero(j)});
+    zeros.columns.push_back(chain.of_zero(j));
+    all.push_back({Change::Of::kZero, j, {chain.of_zero(j)}});
     if (j + 1 < evidence.arm.joints.size()) {
-      all.push_back({Change::Of::kLink, j, chain.of_link(j)});
+      all.push_back({Change::Of::kLink, j, {chain.of_link(j)}});
     }
   }
+  all.push_back(zeros);
   for (std::size_t t = 0; t < chain.targets().size(); ++t) {
-    all.push_back({Change::Of::kTarget, static_cast<std::size_t>(chain.targets()[t].number),
-                   chain.of_target(t)});
+    const auto number = static_cast<std::size_t>(chain.targets()[t].number);
+    all.push_back({Change::Of::kTarget, number, {chain.of_target(t)}});
+    all.push_back(
+        {Change::Of::kSensorAndTarget, number, {chain.of_base(), chain.of_target(t)}, true});
   }
   return all;
 }
@@ -95,16 +130,18 @@ class ScoreTest {
                 std::size_t from) {
     const Eigen::MatrixXd& squares = slow ? sums.twice : sums.once;
     for (const Candidate& candidate : candidates) {
-      const auto [first, count] = arm_.place_of(candidate.columns);
-      const Eigen::MatrixXd across = sums.once.middleCols(first, count);
-      const Eigen::MatrixXd own = squares.block(first, first, count, count);
+      if (slow && candidate.at_once) continue;
+      const std::vector<Eigen::Index> own = places_of(candidate);
+      const Eigen::MatrixXd across = sums.once(Eigen::all, own);
+      const Eigen::MatrixXd of_own = squares(own, own);
       Scored scored{.across = across,
-                    .usual = own,
-                    .left = own - across.transpose() * arm_.inverse() * across,
-                    .score = sums.score.segment(first, count) - across.transpose() * arm_.step()};
+                    .usual = of_own,
+                    .left = of_own - across.transpose() * arm_.inverse() * across,
+                    .score = sums.score(own) - across.transpose() * arm_.step()};
       score_of(scored, candidates.size());
+      scored.evidence -= surprise(candidate.of);
       if (best_ && scored.evidence <= best_->evidence) continue;
-      const double shift_m = moved_by(candidate, scored.size, from);
+      const double shift_m = moved_by(own, scored.size, from);
       if (!is_told(shift_m)) continue;
       best_ = change_of(scored);
       best_->of = candidate.of;
@@ -112,7 +149,7 @@ class ScoreTest {
       best_->slow = slow;
       best_->first_line = evidence_.rows[from].line;
       best_->shift_m = shift_m;
-      best_->after_it.segment(candidate.columns.first, count) -= scored.size;
+      note_parts(candidate, from, *best_);
     }
   }
 
@@ -143,6 +180,7 @@ class ScoreTest {
                   .score = (score - across.transpose() * arm_.step()).tail(kStrains)};
     take_out_leads(left, score - across.transpose() * arm_.step(), scored);
     score_of(scored, 1);
+    scored.evidence -= surprise(Change::Of::kStrain);
     double squares = 0;
     for (const EvidenceRow& row : evidence_.rows) {
       squares += (strain_of(scored.size) * (row.p_S - middle)).squaredNorm();
@@ -180,6 +218,7 @@ class ScoreTest {
     Eigen::MatrixXd left;    // of that, what an unchanging arm can not do
     Eigen::VectorXd score;   // and of the residuals
     Eigen::VectorXd size = {};
+    Eigen::VectorXd sigma = {};
     double gain = 0;
     double evidence = 0;
   };
@@ -188,9 +227,12 @@ class ScoreTest {
     constexpr double kWeight = 1 / (kUsualSize * kUsualSize);
     scored.usual.diagonal().array() += kWeight;
     scored.left.diagonal().array() += kWeight;
-    scored.size = inverse_of(scored.left, scored.usual.diagonal()) * scored.score;
+    const Eigen::MatrixXd inverse = inverse_of(scored.left, scored.usual.diagonal());
+    scored.size = inverse * scored.score;
     scored.gain = std::clamp(scored.score.dot(scored.size), 0.0, (1 - 1e-12) * arm_.squares());
     const double freedom = 3 * static_cast<double>(arm_.rows()) - static_cast<double>(arm_.size());
+    const double variance = (arm_.squares() - scored.gain) / std::max(1.0, freedom);
+    scored.sigma = (variance * inverse.diagonal()).cwiseSqrt();
     const auto tried = static_cast<double>(candidates * arm_.rows());
     scored.evidence = -0.5 * freedom * std::log1p(-scored.gain / arm_.squares()) -
                       0.5 * static_cast<double>(scored.size.size()) * std::log(freedom) -
@@ -206,6 +248,7 @@ class ScoreTest {
     Change change;
     change.last_line = evidence_.rows.back().line;
     change.size = scored.size;
+    change.sigma = scored.sigma;
     change.before_m = std::sqrt(arm_.squares() / arm_.weight());
     change.after_m = std::sqrt((arm_.squares() - scored.gain) / arm_.weight());
     change.evidence = scored.evidence;
@@ -214,14 +257,37 @@ class ScoreTest {
     return change;
   }
 
-  [[nodiscard]] double moved_by(const Candidate& candidate, const Eigen::VectorXd& size,
-                                std::size_t from) const {
-    const auto [first, count] = arm_.place_of(candidate.columns);
+  // Of a candidate's columns, among the unknowns of an unchanging arm.
+  [[nodiscard]] std::vector<Eigen::Index> places_of(const Candidate& candidate) const {
+    std::vector<Eigen::Index> places;
+    for (const DeviatingChain::Columns& part : candidate.columns) {
+      const auto [first, count] = arm_.place_of(part);
+      for (Eigen::Index i = 0; i < count; ++i) places.push_back(first + i);
+    }
+    return places;
+  }
+
+  [[nodiscard]] double moved_by(const std::vector<Eigen::Index>& places,
+                                const Eigen::VectorXd& size, std::size_t from) const {
     double squares = 0;
     for (std::size_t k = from; k < arm_.rows(); ++k) {
-      squares += (arm_.derivatives(k).middleCols(first, count) * size).squaredNorm();
+      squares += (arm_.derivatives(k)(Eigen::all, places) * size).squaredNorm();
     }
     return std::sqrt(squares / static_cast<double>(arm_.rows() - from));
+  }
+
+  // By what each part of it moves the rows, and what of the chain is off after it.
+  void note_parts(const Candidate& candidate, std::size_t from, Change& change) const {
+    Eigen::Index at = 0;
+    for (const DeviatingChain::Columns& part : candidate.columns) {
+      const Eigen::VectorXd own = change.size.segment(at, part.count);
+      at += part.count;
+      change.after_it.segment(part.first, part.count) -= own;
+      const auto [first, count] = arm_.place_of(part);
+      std::vector<Eigen::Index> places;
+      for (Eigen::Index i = 0; i < count; ++i) places.push_back(first + i);
+      change.parts_m.push_back(moved_by(places, own, from));
+    }
   }
 
   // `left`, `score`: of leads and strains, what an unchanging arm can do taken out.

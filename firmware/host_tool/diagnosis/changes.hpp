@@ -15,17 +15,19 @@
 namespace armsig::tool {
 
 struct Change {
-  enum class Of { kSensor, kTarget, kZero, kLink, kLengths, kStrain };
+  enum class Of { kSensor, kTarget, kSensorAndTarget, kZero, kZeros, kLink, kLengths, kStrain };
   Of of = Of::kSensor;
   std::size_t index = 0;       // of the joint, from 0, or the number of the target
   bool slow = false;           // grows from the first row to the last
   std::size_t first_line = 0;  // from which on
   std::size_t last_line = 0;
-  Eigen::VectorXd size;  // turns and shifts, the one number of a zero or factor, or strains
-  double shift_m = 0;    // by which the rows are moved in the end, RMS
-  double before_m = 0;   // what an unchanging arm misses the rows by, RMS
-  double after_m = 0;    // and what is left with the change
-  double evidence = 0;   // logarithm of the ratio of likelihoods, the number tried counted
+  Eigen::VectorXd size;   // turns and shifts, the number of each zero or of a factor, or strains
+  Eigen::VectorXd sigma;  // of each of these
+  double shift_m = 0;     // by which the rows are moved in the end, RMS
+  std::vector<double> parts_m;  // the same by the sensor and by the target, or by each zero
+  double before_m = 0;          // what an unchanging arm misses the rows by, RMS
+  double after_m = 0;           // and what is left with the change
+  double evidence = 0;          // logarithm of the ratio of likelihoods, the number tried counted
   // By which the unchanging arm is off from what was there before it, and in the end: unknowns of
   // the chain.
   Eigen::VectorXd before_it;
