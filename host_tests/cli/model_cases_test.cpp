@@ -4,6 +4,7 @@
 // is tried where the folder is absent.
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <nlohmann/json.hpp>
 
@@ -230,6 +231,35 @@ TEST(ModelCases, an_arm_without_play_has_none) {
   const Outcome outcome = refine(folder, rows);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   expect_no_words(outcome.err, "backlash");
+}
+
+// The target's place on the flange and the axis of the flange are then those of the drawing, by
+// chance, wherever the flange is turned.
+TEST(ModelCases, a_flange_that_never_turned_is_stated_for_all_its_readings) {
+  const Folder folder;
+  Csv rows = simulated(folder, "--sigma-mm 0.0001");
+  keep_mixed(rows);
+  const std::size_t flange = rows.column("q6_deg");
+  for (Fields& row : rows.rows) row[flange] = "20";
+  write_joint_poses(rows, folder / "q.csv");
+  const Csv at = predict(folder, "truth.yaml", "1");
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise_mm(0, 0.03);
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    for (const std::string axis : {"x", "y", "z"}) {
+      const double p_mm = 1e3 * at.number(k, axis + "_m") + noise_mm(random);
+      rows.rows[k][rows.column(axis + "_mm")] = std::to_string(p_mm);
+    }
+  }
+  const Outcome outcome = refine(folder, rows, "--json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("joint 6 stood still"), std::string::npos) << outcome.err;
+  const double stated_m = json::parse(outcome.out)["predicted_tool_error_m"].get<double>();
+  write_joint_poses(Csv::read(folder / "good.csv"), folder / "q.csv");
+  const Csv found = predict(folder, "s.yaml", "1");
+  const double missed_m = std::sqrt(3.0) * rms_distance(found, predict(folder, "truth.yaml", "1"));
+  EXPECT_LT(missed_m, 1.5 * stated_m);
+  EXPECT_GT(missed_m, 0.2 * stated_m);
 }
 
 TEST(ModelCases, a_coupling_of_a_simulated_arm_is_named) {

@@ -11,9 +11,11 @@ namespace armsig::tool {
 namespace {
 
 constexpr const char* kOfOne =
-    " stood still: nothing measured tells its parameters, which stay nominal";
+    " stood still: nothing measured tells its parameters, which stay nominal; the predicted tool "
+    "error is for all readings of it";
 constexpr const char* kOfMore =
-    " stood still: nothing measured tells their parameters, which stay nominal";
+    " stood still: nothing measured tells their parameters, which stay nominal; the predicted tool "
+    "error is for all readings of them";
 
 std::string words(const std::vector<std::size_t>& joints) { return still_in_words(joints); }
 

@@ -6,6 +6,7 @@
 
 #include "core/base/low_discrepancy.hpp"
 #include "core/calibration/chain.hpp"
+#include "core/calibration/standing_still.hpp"
 #include "core/kinematics/s_model_chain.hpp"
 #include "core/numerics/rotations.hpp"
 
@@ -92,7 +93,11 @@ FixedVector<JointLimits, kMaxJoints> covered_limits(
   FixedVector<JointLimits, kMaxJoints> covered = limits;
   for (std::size_t i = 0; i < covered.size(); ++i) {
     const JointLimits& measured = model.joints[i].covered;
-    if (measured.lower < measured.upper) covered[i] = measured;
+    if (!(measured.lower < measured.upper)) continue;
+    ReadingSpan span;
+    span.add(measured.lower);
+    span.add(measured.upper);
+    if (!span.is_jitter(model.joints[i].type)) covered[i] = measured;
   }
   return covered;
 }

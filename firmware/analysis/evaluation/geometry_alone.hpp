@@ -15,7 +15,8 @@
 
 namespace armsig::calibration {
 
-// The readings that the rows of `model` covered; `limits` of a joint where that is not known.
+// The readings that the rows of `model` covered; `limits` of a joint where that is not known, and
+// of one that stood still, as nobody means an arm that never moves it.
 [[nodiscard]] FixedVector<JointLimits, kMaxJoints> covered_limits(
     const ArmModel& model, const FixedVector<JointLimits, kMaxJoints>& limits);
 

@@ -29,8 +29,10 @@ std::string still_in_words(std::span<const std::size_t> joints) {
     k = last + 1;
   }
   const bool one = joints.size() == 1;
-  return fmt::format("{} {} stood still: nothing measured tells {} parameters, which stay nominal",
-                     one ? "joint" : "joints", numbers, one ? "its" : "their");
+  return fmt::format(
+      "{} {} stood still: nothing measured tells {} parameters, which stay nominal; the predicted "
+      "tool error is for all readings of {}",
+      one ? "joint" : "joints", numbers, one ? "its" : "their", one ? "it" : "them");
 }
 
 Problem refinement_problem(const Refusal& refusal, const std::string& file) {
