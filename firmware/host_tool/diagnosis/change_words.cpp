@@ -10,8 +10,6 @@
 namespace armsig::tool {
 namespace {
 
-constexpr double kCertainSigmas = 5;
-
 std::string when(const Change& change) {
   if (!change.slow) return fmt::format("from line {} on", change.first_line);
   return fmt::format("from line {} to line {}", change.first_line, change.last_line);

@@ -47,6 +47,9 @@ inline constexpr const char* kMendOfScale =
     "the "
     "factor, or at the lengths of the arm description";
 
+// Of a number that is named, from zero.
+inline constexpr double kCertainSigmas = 5;
+
 // "0.123 mm", "4.56 m".
 [[nodiscard]] std::string short_length(double metres);
 

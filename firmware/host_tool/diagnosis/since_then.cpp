@@ -30,7 +30,6 @@ constexpr double kHistorySettled = 1e-3;  // of the cost, in a step
 constexpr double kNearlyAsGood = 10;
 // Of a hundred histories tried the luckiest gains half as much from noise.
 constexpr double kBeyondNoise = 10;
-constexpr double kCertainSigmas = 5;  // sigmas
 // 1 sigma of what may have happened.
 constexpr double kMovedTurn = 0.5;
 constexpr double kMovedPlace_m = 1;
