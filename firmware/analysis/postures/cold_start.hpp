@@ -4,19 +4,9 @@
 
 #include "core/kinematics/inverse.hpp"
 #include "firmware/analysis/postures/closed_form.hpp"
+#include "firmware/analysis/postures/posture_list.hpp"
 
 namespace armsig::kinematics {
-
-struct NamedSolution {
-  // A solution outside the joint limits is listed too, as kJointLimit; its q then meets the pose
-  // and breaks a limit. All others are kConverged or kDegraded.
-  InverseSolution solution;
-  bool named = false;  // whether the arm has a closed form, and with it postures
-  Posture posture;
-};
-
-inline constexpr std::size_t kMaxSolutions = 16;
-using Solutions = FixedVector<NamedSolution, kMaxSolutions>;
 
 // All postures that meet the pose, each once: those inside the limits first; among them those that
 // meet the whole pose, then those that miss the orientation by no more than 0.02 rad beyond the
