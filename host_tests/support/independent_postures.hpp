@@ -77,8 +77,8 @@ class IndependentArm {
     ErrorS e;
     e.template head<3>() = target.p - at.p;
     const Matrix3S R = target.R * at.R.transpose();
-    const Vector3S v = Scalar(0.5) *
-                       Vector3S(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+    const Vector3S v =
+        Scalar(0.5) * Vector3S(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
     const Scalar sine = v.norm();
     const Scalar angle = std::atan2(sine, (R.trace() - 1) / 2);
     e.template tail<3>() = sine > 0 ? Vector3S(v * (angle / sine)) : v;

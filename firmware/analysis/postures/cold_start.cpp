@@ -24,10 +24,15 @@ constexpr int kIterationsPerStart = 50;
 
 // Passes of a descent that is tried where none of the usual length led anywhere.
 constexpr int kPatience = 4000;
-// How far on both sides of a fold its other solution is looked for, in the joint that moves most.
+// How far on both sides of a fold its other solution is looked for, in the joint that moves most,
+// and along curves [rad, of all joints together].
 constexpr std::array<double, 8> kBeside{0.02, -0.02, 0.1, -0.1, 0.4, -0.4, 1.2, -1.2};
+constexpr double kAlong = 2;
+constexpr double kWholeCurve = 1e3;
 // Below this regularity joints may be free to move without frame n.
 constexpr double kMayBeFree = 1e-6;
+// And below this one Newton's method is slow beside it: other postures are looked for along curves.
+constexpr double kOnFold = 3e-3;
 // A turn about a line comes near to none without passing it: so near, Newton's method is tried.
 constexpr double kNearlyTurned = 0.2;
 
@@ -68,7 +73,8 @@ class ColdStart {
         form_(form),
         X_0n_(X_0n),
         anywhere_(options),
-        list_(chain, form, X_0n, reference, options.rotation_tolerance_rad) {
+        list_(chain, form, X_0n, reference, options.rotation_tolerance_rad),
+        lines_(lines_beside(X_0n, chain.length)) {
     anywhere_.max_step.clear();
     anywhere_.respect_limits = false;
   }
@@ -101,7 +107,13 @@ class ColdStart {
     if (list_.empty()) {
       if (const auto led = from_patiently(starts); !led) return led;
     }
-    return from_beside();
+    return has_one_on_fold() ? from_lines() : from_beside();
+  }
+  [[nodiscard]] bool has_one_on_fold() const {
+    for (std::size_t k = 0; k < list_.size(); ++k) {
+      if (list_[k].regularity < kOnFold) return true;
+    }
+    return false;
   }
 
   Result<InverseSolution> from(const JointVector& start, const InverseOptions& options) {
@@ -126,7 +138,11 @@ class ColdStart {
     FreeMotion::Stretches best;
     const FreeMotion::Kind kind = motion.follow(solution.q, known, best);
     if (kind == FreeMotion::Kind::kNone) list_.add(solution);
-    return kind == FreeMotion::Kind::kNew ? add_all(best) : Result<void>();
+    if (kind != FreeMotion::Kind::kNew) return {};
+    const std::size_t before = list_.size();
+    const auto led = add_all(best);
+    if (list_.size() == before) list_.add(solution);
+    return led;
   }
 
   Result<void> add_all(const FreeMotion::Stretches& best) {
@@ -175,15 +191,28 @@ class ColdStart {
       if (solution.verdict == Verdict::kJointLimit) {
         if (const auto led = from(solution.q, inside); !led) return std::unexpected(led.error());
       }
-      ARMSIG_TRY(at, forward_with_jacobian(chain_, solution.q));
-      const Joints weakest = weakest_direction(at.J, static_cast<Eigen::Index>(chain_.joint_count));
-      for (const double step : kBeside) {
-        JointVector start = solution.q;
-        for (std::size_t i = 0; i < start.size(); ++i) {
-          start[i] += step * weakest[static_cast<Eigen::Index>(i)];
+      if (const auto led = from_steps_beside(solution); !led) return led;
+      for (const Line& line : lines_) {
+        for (const bool forwards : {true, false}) {
+          MotionCurve curve(chain_, X_0n_, line);
+          if (!curve.begin(solution.q, forwards)) continue;
+          const auto led = follow(curve, kAlong, [](const InverseSolution&) {});
+          if (!led) return led;
         }
-        if (const auto led = from(start, anywhere_); !led) return std::unexpected(led.error());
       }
+    }
+    return {};
+  }
+
+  Result<void> from_steps_beside(const InverseSolution& solution) {
+    ARMSIG_TRY(at, forward_with_jacobian(chain_, solution.q));
+    const Joints weakest = weakest_direction(at.J, static_cast<Eigen::Index>(chain_.joint_count));
+    for (const double step : kBeside) {
+      JointVector start = solution.q;
+      for (std::size_t i = 0; i < start.size(); ++i) {
+        start[i] += step * weakest[static_cast<Eigen::Index>(i)];
+      }
+      if (const auto led = from(start, anywhere_); !led) return std::unexpected(led.error());
     }
     return {};
   }
@@ -204,46 +233,46 @@ class ColdStart {
 
   // From each posture along the curves on which frame n turns about a line, to the others.
   Result<void> from_lines() {
-    const std::array<Line, kLines> lines = lines_beside(X_0n_, chain_.length);
     FixedVector<unsigned, PostureList::kMaxFound> followed;
     for (std::size_t k = 0; k < list_.size(); ++k) {
-      for (std::size_t line = 0; line < kLines; ++line) {
+      for (std::size_t line = 0; line < kLines && k < list_.size(); ++line) {
         followed.resize(list_.size(), 0);
-        if ((followed[k] >> line & 1U) != 0) continue;
-        if (const auto led = from_line(lines[line], 1U << line, k, followed); !led) return led;
+        const unsigned bit = 1U << line;
+        if ((followed[k] & bit) != 0) continue;
+        followed[k] |= bit;
+        const JointVector q = list_[k].q;
+        const auto mark = [&](const InverseSolution& solution) {
+          const std::size_t place = list_.place_of(solution);
+          followed.resize(list_.size(), 0);
+          if (place < followed.size()) followed[place] |= bit;
+        };
+        MotionCurve curve(chain_, X_0n_, lines_[line]);
+        for (const bool forwards : {true, false}) {
+          if (curve.is_whole() || !curve.begin(q, forwards)) break;
+          if (const auto led = follow(curve, kWholeCurve, mark); !led) return led;
+        }
       }
     }
-    return {};
+    return from_beside();
   }
 
-  template <typename Followed>
-  Result<void> from_line(const Line& line, unsigned bit, std::size_t k, Followed& followed) {
-    MotionCurve curve(chain_, X_0n_, line);
-    const JointVector begin = list_[k].q;
-    followed[k] |= bit;
-    for (const bool forwards : {true, false}) {
-      if (!curve.begin(begin, forwards)) return {};
-      double before = 0;
-      while (curve.advance()) {
-        const double from_turn = curve.turn_before();
-        const double to_turn = curve.turn();
-        const bool small = std::abs(from_turn) + std::abs(to_turn) < kPi;
-        const bool passes = small && (from_turn > 0) != (to_turn > 0);
-        const bool turns_back = std::abs(from_turn) <= std::abs(before) &&
-                                std::abs(from_turn) <= std::abs(to_turn) &&
-                                std::abs(from_turn) < kNearlyTurned;
-        before = from_turn;
-        if (!passes && !turns_back) continue;
-        const double part = passes ? from_turn / (from_turn - to_turn) : 0;
-        ARMSIG_TRY(solution, from(curve.near(part), anywhere_));
-        if (!is_met(solution)) continue;
-        InverseSolution at = solution;
-        at.q = list_.turned(at.q);
-        const std::size_t place = list_.place_of(at);
-        followed.resize(list_.size(), 0);
-        if (place < followed.size()) followed[place] |= bit;
-      }
-      if (curve.is_whole()) return {};
+  // Along the curve for so long, to where its turn is zero. `found` is told of what is there.
+  template <typename Found>
+  Result<void> follow(MotionCurve& curve, double most, Found found) {
+    double before = kPi;
+    while (curve.length() < most && curve.advance()) {
+      const double from_turn = curve.turn_before();
+      const double to_turn = curve.turn();
+      const bool small = std::abs(from_turn) + std::abs(to_turn) < kPi;
+      const bool passes = small && from_turn != 0 && (from_turn > 0) != (to_turn > 0);
+      const bool turns_back = std::abs(from_turn) <= std::abs(before) &&
+                              std::abs(from_turn) <= std::abs(to_turn) &&
+                              std::abs(from_turn) < kNearlyTurned && from_turn != 0;
+      before = from_turn;
+      if (!passes && !turns_back) continue;
+      const double part = passes ? from_turn / (from_turn - to_turn) : 0;
+      ARMSIG_TRY(solution, from(curve.near(part), anywhere_));
+      if (is_met(solution)) found(solution);
     }
     return {};
   }
@@ -254,7 +283,6 @@ class ColdStart {
     FixedVector<JointVector, kMaxCurves> known;
     FreeMotion motion(chain_, X_0n_, list_);
     int news = 0;
-    for (std::size_t k = 0; k < list_.size(); ++k) (void)k;
     for (int k = 0; k < kMostStarts && !known.full(); ++k) {
       if (k > news + kWithoutNews && !known.empty()) break;
       ARMSIG_TRY(met, inverse(chain_, X_0n_, fixed_start(chain_, k), anywhere_));
@@ -293,6 +321,7 @@ class ColdStart {
   const Pose& X_0n_;
   InverseOptions anywhere_;
   PostureList list_;
+  std::array<Line, kLines> lines_;
 };
 
 }  // namespace

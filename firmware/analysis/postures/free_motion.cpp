@@ -9,6 +9,8 @@ namespace {
 
 // The turn about the line while joints move without frame n: rounding.
 constexpr double kNoTurn = 1e-8;
+// On a fold the turn grows with the square of the way, and is far beyond rounding so far off it.
+constexpr double kSurelyFree = 0.05;
 // A stretch inside the limits may be shorter than a step: looked for where readings come as near to
 // being inside as this.
 constexpr double kNearlyInside = 0.4;
@@ -47,8 +49,8 @@ bool FreeMotion::follow_one_way(const Sample& first, bool& free) {
   Sample at = first;
   while (curve_.advance()) {
     if (std::abs(curve_.turn()) > kNoTurn) break;
-    free = true;
-    if (passes_known()) return false;
+    free = free || !curve_.has_line() || curve_.length() > kSurelyFree;
+    if (free && passes_known()) return false;
     const Sample next = sample(curve_.readings());
     look_at(before, at, next, stretch);
     before = at;
@@ -65,8 +67,7 @@ bool FreeMotion::follow_one_way(const Sample& first, bool& free) {
 }
 
 // A sample worthier than both of its neighbours leads to the worthiest of a stretch.
-void FreeMotion::look_at(const Sample& before, const Sample& at, const Sample& next,
-                         int& stretch) {
+void FreeMotion::look_at(const Sample& before, const Sample& at, const Sample& next, int& stretch) {
   if (at.worth.beyond > 0) stretch = ++stretches_;
   const bool best = at.worth <= before.worth && at.worth <= next.worth;
   if (!best || candidates_.full()) return;

@@ -12,16 +12,17 @@
 namespace armsig::kinematics {
 namespace {
 
-constexpr double kFirstStep = 0.05;
+// Of two postures that have nearly met the one is found from the other.
+constexpr double kFirstStep = 2e-5;
 constexpr double kLongestStep = 0.2;
-constexpr double kShortestStep = 1e-5;
+constexpr double kShortestStep = 1e-6;
 constexpr int kMostSteps = 2000;
 constexpr int kMostCorrections = 5;
-constexpr int kFewCorrections = 2;     // after these the next step is longer
-constexpr double kOnCurve = 1e-10;     // angles, and lengths in units of the arm
+constexpr int kFewCorrections = 2;          // after these the next step is longer
+constexpr double kOnCurve = 1e-10;          // angles, and lengths in units of the arm
 constexpr double kLongestCorrection = 0.5;  // in parts of a step
-constexpr double kStraight = 0.97;     // cosine between neighbouring tangents
-constexpr double kOneCurve = 1e-9;     // least pivot: below, curves cross
+constexpr double kStraight = 0.97;          // cosine between neighbouring tangents
+constexpr double kOneCurve = 1e-9;          // least pivot: below, curves cross
 
 }  // namespace
 
@@ -158,7 +159,7 @@ std::optional<JointVector> MotionCurve::from(const JointVector& q, double distan
 }
 
 bool MotionCurve::is_back() const {
-  if (length_ < 2 * kLongestStep) return false;
+  if (length_ < 4 * kLongestStep) return false;
   Unknowns from_begin = at_ - begin_;
   for (Eigen::Index i = 0; i < 7; ++i) {
     const bool turns = i == static_cast<Eigen::Index>(chain_.joint_count) ||
@@ -190,7 +191,7 @@ bool MotionCurve::advance() {
     at_ = next;
     tangent_ = tangent;
     length_ += (at_ - before_).norm();
-    if (passes <= kFewCorrections) step_ = std::min(1.5 * step_, kLongestStep);
+    if (passes <= kFewCorrections) step_ = std::min(2 * step_, kLongestStep);
     whole_ = is_back();
     return true;
   }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Curves of readings along which joints can move together: seven joints that keep frame n at a
-// pose, or six that keep it at a pose turned about a line, which is a seventh joint that no arm has.
+// pose, or six that keep it at a pose turned about a line, which is a seventh joint that no arm
+// has.
 //
 // Where the turn about the line is zero, six joints are at a posture of the pose itself. From one
-// posture its curve leads to others, however small the region from which Newton's method does; along
-// a curve where the turn stays zero the six joints move without frame n. Followed by tangents and
-// corrections (Allgower and Georg, Introduction to Numerical Continuation Methods, 1990).
+// posture its curve leads to others, however small the region from which Newton's method does;
+// along a curve where the turn stays zero the six joints move without frame n. Followed by tangents
+// and corrections (Allgower and Georg, Introduction to Numerical Continuation Methods, 1990).
 #pragma once
 
 #include <optional>
@@ -30,9 +31,11 @@ class MotionCurve {
   [[nodiscard]] bool begin(const JointVector& q, bool forwards);
   // The next point. False at the end: back at the beginning, or where the curve can't be followed.
   [[nodiscard]] bool advance();
+  [[nodiscard]] bool has_line() const { return has_line_; }
   // After the end: whether it is the whole curve.
   [[nodiscard]] bool is_whole() const { return whole_; }
 
+  [[nodiscard]] double length() const { return length_; }
   [[nodiscard]] JointVector readings() const { return readings_of(at_); }
   // Between the last two points, 0 at the last but one and 1 at the last: on the curve but for the
   // square of the step, and on it. Readings of revolute joints change without jumps of a turn.

@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-
 namespace armsig::kinematics {
 namespace {
 
@@ -74,8 +73,8 @@ PostureList::Worth PostureList::worth(const JointVector& q) const {
   const JointVector best = turned(q);
   Worth worth{0, largest_change(best, reference_)};
   for (std::size_t i = 0; i < chain_.limits.size(); ++i) {
-    worth.beyond = std::max({worth.beyond, chain_.limits[i].lower - best[i],
-                             best[i] - chain_.limits[i].upper});
+    worth.beyond = std::max(
+        {worth.beyond, chain_.limits[i].lower - best[i], best[i] - chain_.limits[i].upper});
   }
   if (worth.beyond <= kAtLimit) worth.beyond = 0;
   return worth;
@@ -104,13 +103,13 @@ void PostureList::add(InverseSolution solution) {
     found_.push_back(named);
     return;
   }
-  NamedSolution* const worse =
-      place < found_.size()
-          ? &found_[place]
-          : std::max_element(found_.begin(), found_.end(),
-                             [&](const NamedSolution& a, const NamedSolution& b) {
-                               return key(a, 0) < key(b, 0);
-                             });
+  NamedSolution* const worse = place < found_.size()
+                                   ? &found_[place]
+                                   : std::max_element(
+                                         found_.begin(), found_.end(),
+                                         [&](const NamedSolution& a, const NamedSolution& b) {
+                                           return key(a, 0) < key(b, 0);
+                                         });
   if (key(named, 0) < key(*worse, 0)) *worse = named;
 }
 
@@ -139,7 +138,11 @@ Solutions PostureList::sorted() {
   }
   Solutions first;
   for (const NamedSolution& named : found_) {
-    if (!first.full()) first.push_back(named);
+    // The better one of a posture may have come to stand so that it is one with another, too.
+    const bool again = std::ranges::any_of(first, [&](const NamedSolution& other) {
+      return is_same_posture(other.solution, named.solution);
+    });
+    if (!again && !first.full()) first.push_back(named);
   }
   return first;
 }
@@ -168,9 +171,24 @@ bool PostureList::is_same_posture(const InverseSolution& a, const InverseSolutio
   const double largest = std::abs(change[farthest]);
   if (largest < kSameSolution) return true;
   if (is_met_at(a.q, change, largest < kAtFold ? kMetHalfwayAtFold : kMetHalfway)) return true;
+  if (largest < kAtFold && leads_between(a.q, change)) return true;
   if (!chain_.revolute[farthest]) return false;
   change[farthest] -= std::copysign(2 * kPi, change[farthest]);
   return is_met_at(a.q, change, kMetHalfway);
+}
+
+// Whether Newton's method from halfway stays between the two: at a fold it leads to one of them.
+bool PostureList::leads_between(JointVector q, const JointVector& change) const {
+  double largest = 0;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    q[i] += 0.5 * change[i];
+    largest = std::max(largest, std::abs(change[i]));
+  }
+  const InverseOptions free{.max_iterations = 30, .respect_limits = false};
+  const auto between = inverse(chain_, X_0n_, q, free);
+  return between && between->position_error_m < kMetHalfwayAtFold &&
+         between->rotation_error_rad < kMetHalfwayAtFold &&
+         largest_change(between->q, q) < 0.25 * largest;
 }
 
 // Halfway along `change` from q.

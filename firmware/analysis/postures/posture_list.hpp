@@ -65,6 +65,7 @@ class PostureList {
 
   [[nodiscard]] Key key(const NamedSolution& named, double turned_rad) const;
   [[nodiscard]] bool is_same_posture(const InverseSolution& a, const InverseSolution& b) const;
+  [[nodiscard]] bool leads_between(JointVector q, const JointVector& change) const;
   [[nodiscard]] bool is_met_at(JointVector q, const JointVector& change, double within) const;
 
   const Chain& chain_;
