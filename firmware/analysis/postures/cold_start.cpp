@@ -221,12 +221,19 @@ class ColdStart {
   Result<void> from_fixed_starts() {
     InverseOptions inside = anywhere_;
     inside.respect_limits = chain_.joint_count != 6;
-    inside.max_iterations = std::min(inside.max_iterations, kIterationsPerStart);
+    // Fewer joints have few postures, and next to a straight elbow a long way to them.
+    if (chain_.joint_count > 5) {
+      inside.max_iterations = std::min(inside.max_iterations, kIterationsPerStart);
+    }
+    InverseOptions across = inside;
+    across.respect_limits = false;
     for (int k = 0; k < kMostStarts; ++k) {
       if (k >= kFewestStarts && !list_.empty()) break;
-      if (const auto led = from(fixed_start(chain_, k), inside); !led) {
-        return std::unexpected(led.error());
-      }
+      const JointVector start = fixed_start(chain_, k);
+      if (const auto led = from(start, inside); !led) return std::unexpected(led.error());
+      if (chain_.joint_count > 5) continue;
+      // Past a limit there may be another posture inside all of them.
+      if (const auto led = from(start, across); !led) return std::unexpected(led.error());
     }
     return {};
   }
