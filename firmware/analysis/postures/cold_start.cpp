@@ -24,6 +24,8 @@ constexpr int kIterationsPerStart = 50;
 
 // Passes of a descent that is tried where none of the usual length led anywhere.
 constexpr int kPatience = 4000;
+// And where another start did.
+constexpr int kPatienceBesideFold = 1000;
 // How far on both sides of a fold its other solution is looked for, in the joint that moves most,
 // and along curves [rad, of all joints together].
 constexpr std::array<double, 8> kBeside{0.02, -0.02, 0.1, -0.1, 0.4, -0.4, 1.2, -1.2};
@@ -105,9 +107,11 @@ class ColdStart {
       if (const auto led = from(start, anywhere_); !led) return std::unexpected(led.error());
     }
     if (list_.empty()) {
-      if (const auto led = from_patiently(starts); !led) return led;
+      if (const auto led = from_patiently(starts, kPatience); !led) return led;
     }
-    return has_one_on_fold() ? from_lines() : from_beside();
+    if (!has_one_on_fold()) return from_beside();
+    if (const auto led = from_patiently(starts, kPatienceBesideFold); !led) return led;
+    return from_lines();
   }
   [[nodiscard]] bool has_one_on_fold() const {
     for (std::size_t k = 0; k < list_.size(); ++k) {
@@ -171,9 +175,9 @@ class ColdStart {
 
   // Where two folds meet, a stretched elbow and a straight wrist for instance, the descent still
   // converges, by a digit in some hundred passes.
-  Result<void> from_patiently(const PostureStarts& starts) {
+  Result<void> from_patiently(const PostureStarts& starts, int patience) {
     InverseOptions patient = anywhere_;
-    patient.max_iterations = std::max(patient.max_iterations, kPatience);
+    patient.max_iterations = std::max(patient.max_iterations, patience);
     for (const JointVector& start : starts) {
       if (const auto led = from(start, patient); !led) return std::unexpected(led.error());
     }

@@ -76,40 +76,35 @@ void FreeMotion::look_at(const Sample& before, const Sample& at, const Sample& n
 }
 
 bool FreeMotion::passes_known() const {
+  return std::ranges::any_of(known_, [&](const JointVector& one) { return passes(one); });
+}
+
+// Whether the last step of the curve goes through `one`, by the point of the step beside it.
+bool FreeMotion::passes(const JointVector& one) const {
+  constexpr int kMostSecants = 3;
+  constexpr double kPastAnEnd = 0.1;  // parts of a step: the next one has it as well
   const JointVector from = curve_.near(0);
   const JointVector to = curve_.near(1);
-  for (const JointVector& one : known_) {
-    double along = 0;
-    double squared = 0;
-    JointVector apart;
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      double by = one[i] - from[i];
-      if (chain_.revolute[i]) by = wrap_angle(by);
-      along += by * (to[i] - from[i]);
-      squared += (to[i] - from[i]) * (to[i] - from[i]);
-      apart.push_back(by);
-    }
-    double part = along / squared;
-    if (!(part >= -0.1 && part <= 1.1)) continue;
-    const auto beside = [&](const JointVector& q) {
-      double sum = 0;
-      for (std::size_t i = 0; i < q.size(); ++i) {
-        const double by = q[i] - from[i] - apart[i];
-        sum += by * by;
-      }
-      return std::sqrt(sum);
-    };
-    if (beside(curve_.near(part)) > 0.3 * std::sqrt(squared) + kSamePoint) continue;
-    // The point of the curve beside it, by secants along the step.
-    for (int k = 0; k < 3; ++k) {
-      const JointVector q = curve_.exactly(part);
-      if (beside(q) < kSamePoint) return true;
-      double off = 0;
-      for (std::size_t i = 0; i < q.size(); ++i) {
-        off += (from[i] + apart[i] - q[i]) * (to[i] - from[i]);
-      }
-      part += off / squared;
-    }
+  JointVector goal = from;  // `one`, turned next to the step
+  double squared = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    const double by = one[i] - from[i];
+    goal[i] += chain_.revolute[i] ? wrap_angle(by) : by;
+    squared += (to[i] - from[i]) * (to[i] - from[i]);
+  }
+  const auto along = [&](const JointVector& q) {
+    double sum = 0;
+    for (std::size_t i = 0; i < q.size(); ++i) sum += (goal[i] - q[i]) * (to[i] - from[i]);
+    return sum / squared;
+  };
+  double part = along(from);
+  if (!(part >= -kPastAnEnd && part <= 1 + kPastAnEnd)) return false;
+  // The curve leaves the straight step by less than this.
+  if (largest_change(curve_.near(part), goal) > 0.3 * std::sqrt(squared) + kSamePoint) return false;
+  for (int k = 0; k < kMostSecants; ++k) {
+    const JointVector q = curve_.exactly(part);
+    if (largest_change(q, goal) < kSamePoint) return true;
+    part += along(q);
   }
   return false;
 }

@@ -3,6 +3,8 @@
 // stretch of their curve inside the limits.
 #pragma once
 
+#include <cstdint>
+
 #include "firmware/analysis/postures/motion_curve.hpp"
 #include "firmware/analysis/postures/posture_list.hpp"
 
@@ -45,6 +47,7 @@ class FreeMotion {
   bool follow_one_way(const Sample& first, bool& free);
   void look_at(const Sample& before, const Sample& at, const Sample& next, int& stretch);
   [[nodiscard]] bool passes_known() const;
+  [[nodiscard]] bool passes(const JointVector& one) const;
   [[nodiscard]] Sample sample(const JointVector& q) const { return {q, list_.worth(q)}; }
   // The worthiest nearby.
   [[nodiscard]] Sample refined(Sample at) const;

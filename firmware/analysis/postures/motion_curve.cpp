@@ -24,6 +24,35 @@ constexpr double kLongestCorrection = 0.5;  // in parts of a step
 constexpr double kStraight = 0.97;          // cosine between neighbouring tangents
 constexpr double kOneCurve = 1e-9;          // least pivot: below, curves cross
 
+// Column k of the unit matrix by the largest of what is left. False where that is none.
+bool eliminate(Eigen::Index k, Eigen::Matrix<double, 6, 7>& A, Eigen::Matrix<double, 6, 1>& e,
+               std::array<Eigen::Index, 7>& column) {
+  Eigen::Index row = 0;
+  Eigen::Index best = 0;
+  const double pivot = A.bottomRightCorner(6 - k, 7 - k).cwiseAbs().maxCoeff(&row, &best);
+  if (!(pivot > kOneCurve)) return false;
+  row += k;
+  best += k;
+  if (row != k) {
+    A.row(row).swap(A.row(k));
+    std::swap(e[row], e[k]);
+  }
+  if (best != k) {
+    A.col(best).swap(A.col(k));
+    std::swap(column[static_cast<std::size_t>(best)], column[static_cast<std::size_t>(k)]);
+  }
+  const double inverse = 1 / A(k, k);
+  A.row(k) *= inverse;
+  e[k] *= inverse;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    if (i == k) continue;
+    const double by = A(i, k);
+    A.row(i) -= by * A.row(k);
+    e[i] -= by * e[k];
+  }
+  return true;
+}
+
 }  // namespace
 
 MotionCurve::MotionCurve(const Chain& chain, const Pose& X_0n, const Line& line)
@@ -78,34 +107,12 @@ bool MotionCurve::solve(Rates A, Residuals e, const Unknowns& along, Unknowns& s
                         Unknowns& tangent) {
   std::array<Eigen::Index, 7> column{0, 1, 2, 3, 4, 5, 6};
   for (Eigen::Index k = 0; k < 6; ++k) {
-    Eigen::Index row = 0;
-    Eigen::Index best = 0;
-    const double pivot = A.bottomRightCorner(6 - k, 7 - k).cwiseAbs().maxCoeff(&row, &best);
-    if (!(pivot > kOneCurve)) return false;
-    row += k;
-    best += k;
-    if (row != k) {
-      A.row(row).swap(A.row(k));
-      std::swap(e[row], e[k]);
-    }
-    if (best != k) {
-      A.col(best).swap(A.col(k));
-      std::swap(column[static_cast<std::size_t>(best)], column[static_cast<std::size_t>(k)]);
-    }
-    const double inverse = 1 / A(k, k);
-    A.row(k) *= inverse;
-    e[k] *= inverse;
-    for (Eigen::Index i = 0; i < 6; ++i) {
-      if (i == k) continue;
-      const double by = A(i, k);
-      A.row(i) -= by * A.row(k);
-      e[i] -= by * e[k];
-    }
+    if (!eliminate(k, A, e, column)) return false;
   }
   step.setZero();
-  for (Eigen::Index k = 0; k < 6; ++k) {
-    step[column[static_cast<std::size_t>(k)]] = e[k];
-    tangent[column[static_cast<std::size_t>(k)]] = -A(k, 6);
+  for (std::size_t k = 0; k < 6; ++k) {
+    step[column[k]] = e[static_cast<Eigen::Index>(k)];
+    tangent[column[k]] = -A(static_cast<Eigen::Index>(k), 6);
   }
   tangent[column[6]] = 1;
   tangent /= tangent.dot(along) < 0 ? -tangent.norm() : tangent.norm();
