@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -110,7 +111,9 @@ void PostureList::add(InverseSolution solution) {
                                          [&](const NamedSolution& a, const NamedSolution& b) {
                                            return key(a, 0) < key(b, 0);
                                          });
-  if (key(named, 0) < key(*worse, 0)) *worse = named;
+  if (!(key(named, 0) < key(*worse, 0))) return;
+  *worse = named;
+  replaced_ = true;
 }
 
 bool PostureList::has_one_inside() const {
@@ -125,24 +128,29 @@ std::size_t PostureList::place_of(const InverseSolution& solution) const {
   return place;
 }
 
-Solutions PostureList::sorted() {
+Solutions PostureList::sorted() const {
   double nearest = std::numeric_limits<double>::infinity();
   for (const NamedSolution& named : found_) {
     nearest = std::min(nearest, named.solution.rotation_error_rad);
   }
-  const double turned = nearest + kSameOrientation;
-  for (std::size_t i = 1; i < found_.size(); ++i) {
-    for (std::size_t k = i; k > 0 && key(found_[k], turned) < key(found_[k - 1], turned); --k) {
-      std::swap(found_[k], found_[k - 1]);
+  FixedVector<Key, kMaxFound> keys;
+  FixedVector<std::uint8_t, kMaxFound> order;
+  for (std::size_t i = 0; i < found_.size(); ++i) {
+    keys.push_back(key(found_[i], nearest + kSameOrientation));
+    order.push_back(static_cast<std::uint8_t>(i));
+    for (std::size_t k = i; k > 0 && keys[order[k]] < keys[order[k - 1]]; --k) {
+      std::swap(order[k], order[k - 1]);
     }
   }
   Solutions first;
-  for (const NamedSolution& named : found_) {
+  for (const std::uint8_t place : order) {
+    if (first.full()) break;
+    const NamedSolution& named = found_[place];
     // The better one of a posture may have come to stand so that it is one with another, too.
-    const bool again = std::ranges::any_of(first, [&](const NamedSolution& other) {
-      return is_same_posture(other.solution, named.solution);
-    });
-    if (!again && !first.full()) first.push_back(named);
+    const bool again = replaced_ && std::ranges::any_of(first, [&](const NamedSolution& other) {
+                         return is_same_posture(other.solution, named.solution);
+                       });
+    if (!again) first.push_back(named);
   }
   return first;
 }

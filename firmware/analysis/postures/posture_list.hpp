@@ -47,7 +47,7 @@ class PostureList {
   // The place of readings that are one posture with `solution`; size() where there is none.
   [[nodiscard]] std::size_t place_of(const InverseSolution& solution) const;
   // The first of the list in order.
-  [[nodiscard]] Solutions sorted();
+  [[nodiscard]] Solutions sorted() const;
 
   // Each revolute joint by the whole turns that bring it inside its limits, and to the reference.
   [[nodiscard]] JointVector turned(JointVector q) const;
@@ -74,6 +74,7 @@ class PostureList {
   JointVector reference_;
   double rotation_tolerance_rad_;
   FixedVector<NamedSolution, kMaxFound> found_;
+  bool replaced_ = false;  // one of these, by a better one
 };
 
 }  // namespace armsig::kinematics
