@@ -29,6 +29,12 @@ struct RangeReading {
   std::uint32_t sequence = 0;  // differs between successive readings
 };
 
+// A unit that does not answer as it should while others do.
+struct FailingUnit {
+  std::uint8_t unit = 0;
+  Error error = Error::kSensorSilent;
+};
+
 class RangeSensor {
  public:
   // The next reading, if a new one has arrived; each is handed out once, and a reading whose
@@ -46,6 +52,16 @@ class RangeSensor {
   // the operating system, for the console; empty: nothing more is known.
   [[nodiscard]] std::string_view words(Error error) const { return do_words(error); }
 
+  // Of a sensor that is made up of several units, the first one that failed in the last reading;
+  // empty: none did.
+  [[nodiscard]] std::optional<FailingUnit> failing_unit() const {
+#ifdef ARMSIG_SMALL_IMAGE  // whose sensor is one node
+    return std::nullopt;
+#else
+    return do_failing_unit();
+#endif
+  }
+
  protected:
   ~RangeSensor() = default;
 
@@ -53,6 +69,9 @@ class RangeSensor {
   virtual Result<std::optional<RangeReading>> do_poll(Instant now) = 0;
   [[nodiscard]] virtual std::uint8_t do_exception_code() const { return 0; }
   [[nodiscard]] virtual std::string_view do_words(Error) const { return {}; }
+#ifndef ARMSIG_SMALL_IMAGE
+  [[nodiscard]] virtual std::optional<FailingUnit> do_failing_unit() const { return {}; }
+#endif
 };
 
 }  // namespace armsig::hal

@@ -173,6 +173,7 @@ Result<hal::RangeReading> RtuRangeSensor::measure() {
     if (request) sleep_until(monotonic_now() + pause);
   }
   if (request) return std::unexpected(Error::kSensorSilent);
+  failing_ = round_.failing_unit().value_or(hal::FailingUnit{});
   return round_.finish(monotonic_now());
 }
 

@@ -66,6 +66,10 @@ class RtuRangeSensor final : public hal::RangeSensor {
   Result<std::optional<hal::RangeReading>> do_poll(hal::Instant now) override;
   [[nodiscard]] std::uint8_t do_exception_code() const override { return exception_; }
   [[nodiscard]] std::string_view do_words(Error error) const override;
+  [[nodiscard]] std::optional<hal::FailingUnit> do_failing_unit() const override {
+    const hal::FailingUnit failing = failing_;
+    return failing.unit == 0 ? std::nullopt : std::optional(failing);
+  }
 
   struct Message {
     Result<hal::RangeReading> reading;
@@ -87,7 +91,8 @@ class RtuRangeSensor final : public hal::RangeSensor {
   hal::Freshness freshness_;
   hal::Mailbox<Message, kMailboxReadings> box_;
   std::atomic<std::uint8_t> exception_{0};
-  std::atomic<int> port_errno_{0};  // why the port isn't open; 0: it is
+  std::atomic<hal::FailingUnit> failing_{};  // in the last round; unit 0: none
+  std::atomic<int> port_errno_{0};           // why the port isn't open; 0: it is
   std::atomic<bool> direction_refused_{false};
   std::atomic<bool> stop_{false};
   bool connected_ = false;  // of the thread

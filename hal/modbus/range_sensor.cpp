@@ -40,6 +40,7 @@ Result<std::optional<hal::RangeReading>> RangeSensor::do_poll(hal::Instant now) 
     next_ = round_.next();
     if (!next_) {
       const auto reading = round_.finish(now);
+      failing_ = round_.failing_unit();
       if (reading && freshness_.take(reading->sequence, now)) return *reading;
       // A round without an answer is the line's business; silence has its own limit.
       if (!reading && reading.error() != Error::kSensorSilent) {

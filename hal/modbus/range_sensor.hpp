@@ -36,6 +36,12 @@ class RangeSensor final : public hal::RangeSensor {
     return error == Error::kSensorException ? describe_exception(exception_) : std::string_view();
   }
 
+#ifndef ARMSIG_SMALL_IMAGE
+  [[nodiscard]] std::optional<hal::FailingUnit> do_failing_unit() const override {
+    return failing_;
+  }
+#endif
+
   [[nodiscard]] bool is_due(hal::Instant now) const;
   Result<void> ask(hal::Instant now);
 
@@ -47,6 +53,7 @@ class RangeSensor final : public hal::RangeSensor {
   std::optional<hal::Instant> began_at_;
   hal::Instant ended_at_;
   std::uint8_t exception_ = 0;
+  std::optional<hal::FailingUnit> failing_;  // in the last round
 };
 
 }  // namespace armsig::modbus

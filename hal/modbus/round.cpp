@@ -85,6 +85,7 @@ void Round::take_channels(std::span<const std::uint16_t> registers) {
 
 void Round::fail(Error error) {
   ARMSIG_CHECK(asked_ > 0);
+  if (failed_units_.empty()) first_error_ = error;
   failed_units_.push_back(requests_[asked_ - 1].unit);
   if (!error_ || *error_ == Error::kSensorSilent) error_ = error;
 }

@@ -47,6 +47,12 @@ class Round {
   // decode()).
   [[nodiscard]] Result<hal::RangeReading> finish(hal::Instant now);
 
+  // The first unit that failed in this round, by its first error; empty: none has.
+  [[nodiscard]] std::optional<hal::FailingUnit> failing_unit() const {
+    return failed_units_.empty() ? std::nullopt
+                                 : std::optional(hal::FailingUnit{failed_units_[0], first_error_});
+  }
+
  private:
   void take_channels(std::span<const std::uint16_t> registers);
   [[nodiscard]] bool has_failed(std::uint8_t unit) const;
@@ -55,6 +61,7 @@ class Round {
   Requests requests_;
   std::size_t asked_ = 0;  // requests handed out or passed over
   FixedVector<std::uint8_t, kMaxFields> failed_units_;
+  Error first_error_ = Error::kSensorSilent;  // of failed_units_[0]
   std::optional<Error> error_;
   bool heard_ = false;  // a channel was answered
   // What stands in the channels' fields; not a number where nobody answered.

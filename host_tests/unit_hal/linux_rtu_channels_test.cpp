@@ -100,6 +100,9 @@ TEST(RtuChannels, leave_out_a_unit_that_is_silent_refuses_or_answers_for_another
   const std::vector<void (*)(Unit&)> faults{
       [](Unit& unit) { unit.silent = true; }, [](Unit& unit) { unit.exception = 6; },
       [](Unit& unit) { unit.answers_as = 5; }, [](Unit& unit) { unit.short_of_one = true; }};
+  const std::vector<Error> errors{Error::kSensorSilent, Error::kSensorException,
+                                  Error::kSensorWrongUnit, Error::kSensorMalformed};
+  EXPECT_TRUE(next(**sensor) && !(*sensor)->failing_unit());
   for (std::size_t k = 0; k < faults.size(); ++k) {
     three.change([&](auto& units) { faults[k](units[4]); });
     Result<hal::RangeReading> reading = next(**sensor);
@@ -108,6 +111,10 @@ TEST(RtuChannels, leave_out_a_unit_that_is_silent_refuses_or_answers_for_another
     EXPECT_TRUE(reading->receivers[0].valid) << k;
     EXPECT_FALSE(reading->receivers[1].valid) << k;
     EXPECT_TRUE(reading->receivers[2].valid) << k;
+    const auto failing = (*sensor)->failing_unit();
+    ASSERT_TRUE(failing) << k;
+    EXPECT_EQ(failing->unit, 4) << k;
+    EXPECT_EQ(failing->error, errors[k]) << k;
     three.change(
         [](auto& units) { units[4] = Unit{.functions = {{4, {{300, 0x449A}, {301, 0x5000}}}}}; });
     for (int i = 0; i < 20 && reading && !reading->receivers[1].valid; ++i) {
