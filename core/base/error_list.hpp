@@ -76,15 +76,16 @@ ARMSIG_ERROR(kSdoTimeout, "the drive did not answer an SDO request")  // nor any
 ARMSIG_ERROR(kSdoAborted, "the drive refused an SDO request")
 ARMSIG_ERROR(kSdoUnexpectedValue, "an object of the drive holds another value than the one needed")
 
-// Range sensor.
+// Sensor: of ranges, or of points.
+ARMSIG_ERROR(kNoSensor, "no sensor is configured")
 ARMSIG_ERROR(kProfileInvalid, "the sensor profile contradicts itself")
-ARMSIG_ERROR(kSensorPortGone, "the range sensor's serial port is missing or cannot be opened")
-ARMSIG_ERROR(kSensorSilent, "the range sensor is silent")  // no answer within the time allowed
-ARMSIG_ERROR(kSensorStale, "the range sensor repeats an old reading")  // by its sequence number
-ARMSIG_ERROR(kSensorBadCrc, "the range sensor's answer has a wrong checksum")
+ARMSIG_ERROR(kSensorPortGone, "the sensor is not connected")
+ARMSIG_ERROR(kSensorSilent, "the sensor is silent")  // no answer within the time allowed
+ARMSIG_ERROR(kSensorStale, "the sensor repeats an old reading")  // by its sequence number
+ARMSIG_ERROR(kSensorBadCrc, "the sensor's answer has a wrong checksum")
 ARMSIG_ERROR(kSensorWrongUnit, "the answer is from another Modbus unit or function")
-ARMSIG_ERROR(kSensorException, "the range sensor answered with an exception")  // of Modbus
-ARMSIG_ERROR(kSensorMalformed, "the range sensor's answer is malformed")  // in length or content
+ARMSIG_ERROR(kSensorException, "the sensor answered with an exception")  // of Modbus
+ARMSIG_ERROR(kSensorMalformed, "the sensor's answer is malformed")       // in length or content
 
 // Storage, console and operating system.
 ARMSIG_ERROR(kAddressOutOfRange,
@@ -128,7 +129,8 @@ ARMSIG_ERROR(kNotSettled, "the joint did not settle in time")  // within its tol
 ARMSIG_ERROR(kArmMoved, "the arm moved while a point was measured")
 ARMSIG_ERROR(kToleranceTooFine, "the tolerance is below one count of the encoder")
 ARMSIG_ERROR(kOutsideWorkspace, "too near to the floor, its box or itself")  // of the whole arm
-ARMSIG_ERROR(kPointTimeout, "the range sensor's readings give no point in time")
+ARMSIG_ERROR(kPointsDiffer, "the points differ by more than their sigma")
+ARMSIG_ERROR(kPointTimeout, "the sensor's readings give no point in time")
 
 // What a drive says of itself while it is enabled.
 ARMSIG_ERROR(kTargetsIgnored, "the drive does not follow its targets")

@@ -15,16 +15,15 @@ void tell_fault(Line& line, const Fault& fault) {
 
 }  // namespace
 
-Background::Background(const Configuration& configuration, hal::RangeSensor& sensor,
-                       hal::Clock& clock, hal::NonvolatileMemory& memory,
-                       std::span<hal::Console* const> consoles, Link& link, Refinement* refinement,
-                       CheckMemory* checks)
+Background::Background(const Configuration& configuration, Instrument instrument, hal::Clock& clock,
+                       hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles,
+                       Link& link, Refinement* refinement, CheckMemory* checks)
     : configuration_(configuration),
       clock_(clock),
       link_(link),
       announcer_(consoles),
       mover_(link),
-      measurement_(configuration, sensor),
+      measurement_(configuration, instrument),
       identification_(configuration, mover_, measurement_, announcer_, refinement),
       grid_(configuration, mover_, link, announcer_),
       custody_(configuration.drawing, memory),

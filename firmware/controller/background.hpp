@@ -26,7 +26,7 @@ class Background {
  public:
   // Loads the committed signature, if there is one, so that the first tick has it. `consoles` are
   // at most kMaxConsoles.
-  Background(const Configuration& configuration, hal::RangeSensor& sensor, hal::Clock& clock,
+  Background(const Configuration& configuration, Instrument instrument, hal::Clock& clock,
              hal::NonvolatileMemory& memory, std::span<hal::Console* const> consoles, Link& link,
              Refinement* refinement = nullptr, CheckMemory* checks = nullptr);
 

@@ -82,7 +82,27 @@ Checked check_motion(const Configuration& c) {
   return {};
 }
 
+#ifndef ARMSIG_SMALL_IMAGE
+// Of an instrument of points, or where there is none.
+Checked check_points(const Configuration& c) {
+  if (c.sensor.measures == Measures::kNothing) {
+    if (c.check.every <= hal::Duration{}) return {};
+    return refused("check.every", Error::kNoSensor, {}, hal::seconds(c.check.every), 0);
+  }
+  if (auto ok = check_plausible("sensor.point_sigma", c.sensor.point_sigma_m,
+                                plausible::kInstrumentSigma);
+      !ok) {
+    return ok;
+  }
+  return check_plausible("sensor.reading_timeout", hal::seconds(c.sensor.reading_timeout),
+                         plausible::kReadingTimeout);
+}
+#endif
+
 Checked check_sensor(const Configuration& c) {
+#ifndef ARMSIG_SMALL_IMAGE
+  if (c.sensor.measures != Measures::kRanges) return check_points(c);
+#endif
   if (const auto array = measurement::check(c.sensor.receivers); !array) {
     return refused("sensor.receivers", array.error());
   }

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <expected>
 #include <optional>
 #include <string_view>
@@ -37,8 +38,20 @@ struct Supervision {
   hal::Duration latest_tick = std::chrono::milliseconds(10);  // a tick later than this is a fault
 };
 
+// What locates the target.
+enum class Measures : std::uint8_t {
+  kRanges,  // a range sensor
+  kPoints,  // an instrument that says where it is
+  kNothing,
+};
+
 struct Sensor {
-  measurement::ReceiverArray receivers;
+#ifndef ARMSIG_SMALL_IMAGE  // which measures ranges
+  Measures measures = Measures::kRanges;
+  // 1 sigma along each axis of a point that does not tell its own.
+  double point_sigma_m = 0;
+#endif
+  measurement::ReceiverArray receivers;  // of ranges
   double lowest_air_celsius = 0;
   double highest_air_celsius = 45;
   // Air that warms faster than this between two readings is a broken thermometer.

@@ -23,7 +23,6 @@
 #include "hal/console.hpp"
 #include "hal/joint_drives.hpp"
 #include "hal/nonvolatile_memory.hpp"
-#include "hal/range_sensor.hpp"
 
 namespace armsig::controller {
 
@@ -33,14 +32,15 @@ class Controller {
   // `refinement`, where there is memory for one, is of the same configuration; `checks`, where
   // there is a place for it, keeps what checks have shown.
   // Preconditions: check(configuration); as many drives as joints. Large: keep it out of stacks.
-  Controller(const Configuration& configuration, hal::JointDrives& drives, hal::RangeSensor& sensor,
+  Controller(const Configuration& configuration, hal::JointDrives& drives, Instrument instrument,
              hal::Clock& clock, hal::NonvolatileMemory& memory,
              std::span<hal::Console* const> consoles, Refinement* refinement = nullptr,
              CheckMemory* checks = nullptr)
       : configuration_(configuration),
         drives_(configuration_.drawing.couplings, drives),
         servo_(configuration_, drives_, clock, link_),
-        background_(configuration_, sensor, clock, memory, consoles, link_, refinement, checks) {}
+        background_(configuration_, instrument, clock, memory, consoles, link_, refinement,
+                    checks) {}
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 

@@ -57,6 +57,9 @@ inline constexpr Bounds kLeastRegularity{
 inline constexpr Bounds kAir{-40, 85, "degrees Celsius that a sensor works at: kelvins?"};
 inline constexpr Bounds kAirStep{0.01, 20, "a thermometer's noise, or a fire"};
 inline constexpr Bounds kRangeSigma{1e-7, 0.1, "of one range, in metres: millimetres as metres?"};
+inline constexpr Bounds kInstrumentSigma{1e-6, 0.05,
+                                         "of a point, in metres: millimetres as metres?"};
+inline constexpr Bounds kPointAge{0, 60, "no instrument tells a point as late"};
 inline constexpr Bounds kReceiver{-100, 100, "a receiver a hundred metres away hears nothing"};
 inline constexpr Bounds kEmitter{-10, 10,
                                  "no target is as far from a flange: millimetres as metres?"};

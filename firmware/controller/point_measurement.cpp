@@ -24,19 +24,38 @@ bool is_of_the_line(std::optional<Error> error) {
 
 }  // namespace
 
-PointMeasurement::PointMeasurement(const Configuration& configuration, hal::RangeSensor& sensor)
-    : configuration_(configuration), sensor_(sensor) {}
+PointMeasurement::PointMeasurement(const Configuration& configuration, Instrument instrument)
+    : configuration_(configuration), instrument_(instrument) {}
 
 void PointMeasurement::begin(hal::Instant now) {
   began_ = heard_at_ = now;
   errors_in_a_row_ = 0;
-  median_.emplace(configuration_.sensor.receivers.p_S.size());
   trilateration_.reset();
+#ifndef ARMSIG_SMALL_IMAGE
+  if (instrument_.ranges() == nullptr) {
+    points_.begin();
+    return;
+  }
+#endif
+  median_.emplace(configuration_.sensor.receivers.p_S.size());
+}
+
+// In line: a small image has one caller, and no room for a call.
+inline Result<std::optional<MeasuredPoint>> PointMeasurement::wait(hal::Instant now) {
+  if (is_measuring() && now - heard_at_ > configuration_.sensor.reading_timeout) {
+    end();
+    if (!is_of_the_line(trouble_)) trouble_ = Error::kSensorSilent;
+    return std::unexpected(*trouble_);
+  }
+  return std::optional<MeasuredPoint>{};
 }
 
 Result<std::optional<MeasuredPoint>> PointMeasurement::step(hal::Instant now) {
   if (trilateration_) return locate(now);
-  auto polled = sensor_.poll(now);
+  if constexpr (kMayTakePoints) {
+    if (instrument_.ranges() == nullptr) return step_points(now);
+  }
+  auto polled = instrument_.ranges()->poll(now);
   if (polled && *polled &&
       (*polled)->receivers.size() != configuration_.sensor.receivers.p_S.size()) {
     polled = std::unexpected(Error::kSensorMalformed);
@@ -49,18 +68,13 @@ Result<std::optional<MeasuredPoint>> PointMeasurement::step(hal::Instant now) {
     heard_at_ = now;
     return take(**polled);
   }
-  if (median_ && now - heard_at_ > configuration_.sensor.reading_timeout) {
-    end();
-    if (!is_of_the_line(trouble_)) trouble_ = Error::kSensorSilent;
-    return std::unexpected(*trouble_);
-  }
-  return std::optional<MeasuredPoint>{};
+  return wait(now);
 }
 
 Result<void> PointMeasurement::take_error(Error error) {
   trouble_ = error;
   ++errors_in_a_row_;
-  if (!median_) return {};
+  if (!is_measuring()) return {};
   if (is_passing(error) && errors_in_a_row_ < kErrorsInARow) return {};
   end();
   return std::unexpected(error);
@@ -116,5 +130,45 @@ Result<std::optional<MeasuredPoint>> PointMeasurement::locate(hal::Instant now) 
   end();
   return std::unexpected(position.error());
 }
+
+#ifndef ARMSIG_SMALL_IMAGE
+Result<std::optional<MeasuredPoint>> PointMeasurement::step_points(hal::Instant now) {
+  if (instrument_.points() == nullptr) return std::optional<MeasuredPoint>();
+  const auto polled = instrument_.points()->poll(now);
+  if (!polled) {
+    if (auto taken = take_error(polled.error()); !taken) return std::unexpected(taken.error());
+  } else if (*polled) {
+    errors_in_a_row_ = 0;
+    trouble_.reset();
+    heard_at_ = now;
+    points_.hear();
+    return take(**polled);
+  }
+  return wait(now);
+}
+
+Result<std::optional<MeasuredPoint>> PointMeasurement::take(const hal::PointReading& reading) {
+  if (!points_.is_measuring() || reading.at < began_) return std::optional<MeasuredPoint>();
+  const double sigma_m = configuration_.sensor.point_sigma_m;
+  const Matrix3 as_configured = sigma_m * sigma_m * Matrix3::Identity();
+  measurement::PointMedian& points = points_.median();
+  const auto added = points.add(reading.p_S, reading.covariance_m2.value_or(as_configured));
+  if (!added) {
+    end();
+    return std::unexpected(added.error());
+  }
+  const std::size_t count = points.points();
+  if (count < configuration_.dwell.pings) return std::optional<MeasuredPoint>();
+  const auto median = points.result();
+  if (!median && count < configuration_.dwell.most_pings) return std::optional<MeasuredPoint>();
+  end();
+  if (!median) return std::unexpected(median.error());
+  return std::optional(MeasuredPoint{median->p_S, median->covariance_m2, count});
+}
+#else
+Result<std::optional<MeasuredPoint>> PointMeasurement::step_points(hal::Instant /*now*/) {
+  return std::optional<MeasuredPoint>();
+}
+#endif
 
 }  // namespace armsig::controller

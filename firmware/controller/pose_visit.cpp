@@ -20,7 +20,7 @@ VisitOutcome ends(Error error, std::optional<std::size_t> joint = {}) {
 bool is_of_the_place(Error error) {
   return error == Error::kTooFewReceivers || error == Error::kReceiversCollinear ||
          error == Error::kMirrorAmbiguity || error == Error::kRangesInconsistent ||
-         error == Error::kSingular;
+         error == Error::kSingular || (kMayTakePoints && error == Error::kPointsDiffer);
 }
 
 JointVector spread_pose(const Configuration& configuration, std::size_t index) {

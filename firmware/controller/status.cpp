@@ -73,8 +73,18 @@ void tell_arm(Line& line, const Controls& controls) {
 void tell_sensor(Line& line, const PointMeasurement& measurement) {
   if (measurement.trouble()) {
     line.text(" sensor=").text(name(*measurement.trouble()));
-  } else if (measurement.air_celsius()) {
+  } else if (measurement.has_heard()) {
     line.text(" sensor=well");
+  }
+  if constexpr (kMayTakePoints) {
+    if (!measurement.has_instrument()) line.text(" sensor=none");
+    if (const auto malformed = measurement.malformed(); malformed > 0) {
+      line.text(" sensor_malformed=").integer(malformed);
+    }
+    if (const auto failing = measurement.failing_unit()) {
+      line.text(" sensor_unit=").integer(failing->unit);
+      line.text(" sensor_unit_error=").text(name(failing->error));
+    }
   }
   if (const std::string_view words = measurement.trouble_words(); !words.empty()) {
     line.text(" sensor_says=\"").text(words).text("\"");

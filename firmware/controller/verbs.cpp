@@ -54,7 +54,16 @@ IdentificationSequence::Conditions conditions_of(Controls& controls) {
           .now_s = controls.clock.calendar_s()};
 }
 
+// Error: kNoSensor.
+Result<void> may_measure(const Controls& controls) {
+  if (controls.measurement.has_instrument()) return {};
+  return std::unexpected(Error::kNoSensor);
+}
+
 Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
+  if constexpr (kMayTakePoints) {
+    if (auto may = may_measure(controls); !may) return std::unexpected(may.error());
+  }
   ARMSIG_TRY(asked, refining_in(request, out));
   const bool refines = asked.accuracy_mm > 0;
   if (refines && !controls.identification.can_refine()) {
@@ -101,6 +110,9 @@ Result<Answer> touch_grid(Controls& controls, const Request& /*request*/, Line& 
 }
 
 Result<Answer> check_arm(Controls& controls, const Request& /*request*/, Line& out) {
+  if constexpr (kMayTakePoints) {
+    if (auto may = may_measure(controls); !may) return std::unexpected(may.error());
+  }
   if (!controls.references.may_check()) {
     if (auto sure = referenced(controls, out); !sure) return std::unexpected(sure.error());
   }
@@ -189,6 +201,9 @@ Result<Answer> send(Controls& controls, const Request& request, Line& out) {
 }
 
 Result<Answer> compare(Controls& controls, const Request& /*request*/, Line& /*out*/) {
+  if constexpr (kMayTakePoints) {
+    if (auto may = may_measure(controls); !may) return std::unexpected(may.error());
+  }
   if (!controls.identification.has_received()) return std::unexpected(Error::kNoCandidate);
   ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
   controls.identification.begin_comparison(conditions_of(controls), answer.ticket);
@@ -276,7 +291,7 @@ constexpr std::array kVerbsOfAll{
          .referenced = true},
     Verb{.name = "candidate",
          .handler = tell_candidate,
-         .help = "the candidate against the active model on poses that neither was fitted to",
+         .help = "the candidate against the active model on validation poses",
          .only_asks = true},
     Verb{.name = "accept",
          .handler = accept,
@@ -286,7 +301,7 @@ constexpr std::array kVerbsOfAll{
          .referenced = true},
     Verb{.name = "rollback",
          .handler = rollback,
-         .help = "back to the signature before, from the first one to the nominal model",
+         .help = "back to the signature before, or to the nominal model",
          .modes = kStanding,
          .alone = true},
     Verb{.name = "confirm",
@@ -297,14 +312,14 @@ constexpr std::array kVerbsOfAll{
          .takes = Verb::Takes::kKeys},
     Verb{.name = "acknowledge",
          .handler = acknowledge,
-         .help = "the tool may move by the nominal model although a signature is stored"},
+         .help = "tool moves by the nominal model although a signature is stored"},
     Verb{.name = "signature",
          .handler = tell_signature,
          .help = "the parameters servoed with",
          .only_asks = true},
     Verb{.name = "touch-grid",
          .handler = touch_grid,
-         .help = "sends the tool to every vertex of the grid that was taught",
+         .help = "sends the tool to every vertex of the taught grid",
          .modes = kReady,
          .alone = true,
          .referenced = true},

@@ -251,9 +251,22 @@ Read<void> take_drives(const YamlNode& node, DaemonConfiguration& c) {
   return {};
 }
 
+// A sensor of ranges, an instrument of points, or neither: then signatures come from elsewhere.
+Read<void> read_instrument(const YamlMap& root, DaemonConfiguration& c) {
+  const YamlNode* const sensor = root.find("sensor");
+  const YamlNode* const points = root.find("points");
+  if (sensor != nullptr && points != nullptr) {
+    return problem_at(*points, "points beside a sensor", "sensor, points, or neither");
+  }
+  if (sensor != nullptr) return read_sensor(*sensor, c);
+  if (points != nullptr) return read_points(*points, c);
+  c.sensor = std::monostate();
+  c.controller.sensor.measures = controller::Measures::kNothing;
+  return {};
+}
+
 Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(joints, root.require("joints"));
-  ARMSIG_TRY(sensor, root.require("sensor"));
   if (auto ok = read_top(root, c); !ok) return ok;
   if (auto ok = read_joints(*joints, c); !ok) return ok;
   if (const YamlNode* coupling = root.find("coupling")) {
@@ -261,7 +274,7 @@ Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfig
     c.controller.drawing.couplings = couplings;
   }
   if (auto ok = read_can(root, c); !ok) return ok;
-  if (auto ok = read_sensor(*sensor, c); !ok) return ok;
+  if (auto ok = read_instrument(root, c); !ok) return ok;
   for (const auto read : {read_motion, read_supervision, read_dwell, read_sweeps, read_check}) {
     if (auto ok = read(root, c); !ok) return ok;
   }
@@ -280,9 +293,10 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
     return std::unexpected(std::move(tag).error());
   }
   std::vector<std::string> known{
-      "armsig", "name",  "console", "store",    "priority",    "black_box",
-      "joints", "can",   "sensor",  "motion",   "supervision", "dwell",
-      "sweeps", "check", "grid",    "coupling", "workspace",   "reporting_console"};
+      "armsig",           "name",   "console", "store",  "priority",    "black_box",
+      "joints",           "can",    "sensor",  "motion", "supervision", "dwell",
+      "points",           "sweeps", "check",   "grid",   "coupling",    "workspace",
+      "reporting_console"};
   add_names(known, "period", Dimension::kTime);
   tool::add_mounting_keys(known);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));

@@ -17,6 +17,7 @@
 #include "firmware/linux/self_calibrating.hpp"
 #include "firmware/linux/shut_down.hpp"
 #include "hal/canopen/master.hpp"
+#include "hal/linux/point_server.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"
 #include "hal/linux/socket_can.hpp"
 #include "hal/linux/steady_clock.hpp"
@@ -24,14 +25,17 @@
 namespace armsig::daemon {
 namespace {
 
-// The sensor, on whichever bus it is.
+// What measures, however it is connected; nothing of it where nothing does.
 struct SensorBackend {
+  std::unique_ptr<linux_hal::PointServer> points;
   std::unique_ptr<linux_hal::RtuRangeSensor> serial;
   std::unique_ptr<CanSensor> can;
 
-  [[nodiscard]] hal::RangeSensor& sensor() const {
+  [[nodiscard]] controller::Instrument instrument() const {
     if (serial) return *serial;
-    return *can;
+    if (can) return *can;
+    if (points) return *points;
+    return {};
   }
 };
 
@@ -39,6 +43,12 @@ Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
   SensorBackend backend;
   if (const auto* node = std::get_if<canopen::RangeNodeConfiguration>(&configuration.sensor)) {
     backend.can = std::make_unique<CanSensor>(*node);
+    return backend;
+  }
+  if (std::holds_alternative<std::monostate>(configuration.sensor)) return backend;
+  if (const auto* points =
+          std::get_if<linux_hal::PointServerConfiguration>(&configuration.sensor)) {
+    backend.points = std::make_unique<linux_hal::PointServer>(*points);
     return backend;
   }
   auto started = linux_hal::RtuRangeSensor::start(
@@ -90,7 +100,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto controller = std::make_unique<controller::Controller>(
-      configuration.controller, master, backend->sensor(), clock, places->store,
+      configuration.controller, master, backend->instrument(), clock, places->store,
       attendance.consoles(), &refinement->refinement(), &checks);
   attendance.begin(*controller);
   const RealTimeLoop loop{.controller = *controller,

@@ -12,6 +12,7 @@
 #include "firmware/formats/problem.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/range_sensor.hpp"
+#include "hal/linux/point_server.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"
 
 namespace armsig::daemon {
@@ -23,8 +24,11 @@ struct DaemonConfiguration {
   controller::Configuration controller;
   canopen::Configuration drives;
   std::string can_interface;
-  std::variant<linux_hal::RtuRangeSensorConfiguration, canopen::RangeNodeConfiguration> sensor;
-  Vector3 p_nT = Vector3::Zero();  // the emitter in the frame of the last link, by the drawing
+  // What measures; std::monostate: nothing does.
+  std::variant<linux_hal::RtuRangeSensorConfiguration, canopen::RangeNodeConfiguration,
+               linux_hal::PointServerConfiguration, std::monostate>
+      sensor;
+  Vector3 p_nT = Vector3::Zero();  // the target in the frame of the last link, by the drawing
   std::string console;             // path of the Unix socket
   std::string reporting_console;   // path of one that answers what changes nothing; empty: none
   std::string store;               // path of the file that keeps the signatures

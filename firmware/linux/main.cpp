@@ -122,15 +122,22 @@ void tell_surroundings(const DaemonConfiguration& c) {
   }
 }
 
-void tell(const DaemonConfiguration& c) {
-  const auto& grid = c.controller.grid;
-  fmt::print(
-      "{}: {} joints at {:g} Hz on {}, bus load at most {:.1f} %, sensor on {} with {} "
-      "receivers",
-      c.name, c.drives.axes.size(), 1 / hal::seconds(c.controller.period), c.can_interface,
-      100 * c.bus_load,
+std::string instrument_in_words(const DaemonConfiguration& c) {
+  if (const auto* points = std::get_if<linux_hal::PointServerConfiguration>(&c.sensor)) {
+    return fmt::format("points at {} port {}", points->address, points->port);
+  }
+  if (std::holds_alternative<std::monostate>(c.sensor)) return "no sensor";
+  return fmt::format(
+      "sensor on {} with {} receivers",
       std::holds_alternative<canopen::RangeNodeConfiguration>(c.sensor) ? "CAN" : "Modbus",
       c.controller.sensor.receivers.p_S.size());
+}
+
+void tell(const DaemonConfiguration& c) {
+  const auto& grid = c.controller.grid;
+  fmt::print("{}: {} joints at {:g} Hz on {}, bus load at most {:.1f} %, {}", c.name,
+             c.drives.axes.size(), 1 / hal::seconds(c.controller.period), c.can_interface,
+             100 * c.bus_load, instrument_in_words(c));
   if (!grid.taught[0].empty()) {
     fmt::print(", grid of {} vertices over {:g} x {:g} x {:g} mm", grid.grid.vertex_count(),
                1e3 * grid.grid.size_m[0], 1e3 * grid.grid.size_m[1], 1e3 * grid.grid.size_m[2]);

@@ -13,6 +13,9 @@ namespace armsig::daemon {
 // `sensor`: its receivers, and the bus that it is on.
 [[nodiscard]] tool::Read<void> read_sensor(const tool::YamlNode& node, DaemonConfiguration& c);
 
+// `points`: the instrument that tells them.
+[[nodiscard]] tool::Read<void> read_points(const tool::YamlNode& node, DaemonConfiguration& c);
+
 // `grid`: the grid-touching task. Precondition: the limits have passed canopen::check().
 [[nodiscard]] tool::Read<void> read_grid(const tool::YamlNode& node, DaemonConfiguration& c);
 

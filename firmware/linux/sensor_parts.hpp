@@ -3,6 +3,7 @@
 // `modbus`.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "firmware/controller/configuration.hpp"
@@ -13,6 +14,9 @@
 #include "hal/linux/rtu_range_sensor.hpp"
 
 namespace armsig::daemon {
+
+// Where in the frame of the last link `name` is, by the drawing.
+[[nodiscard]] tool::Read<Vector3> read_target(const tool::YamlNode& node, const std::string& name);
 
 // `path`: whether what is measured is there and back.
 [[nodiscard]] tool::Read<void> read_path(const tool::YamlMap& map, bool& echo);

@@ -116,6 +116,14 @@ Read<void> read_array(const YamlMap& map, DaemonConfiguration& c) {
 
 }  // namespace
 
+Read<Vector3> read_target(const YamlNode& node, const std::string& name) {
+  ARMSIG_TRY(p_nT, read_point(node, name));
+  const double farthest_m = p_nT.cwiseAbs().maxCoeff();
+  if (farthest_m <= kEmitter.highest) return p_nT;
+  return problem_at(node, fmt::format("{} at {:.6g} m", name, farthest_m),
+                    fmt::format("within {} m: {}", kEmitter.highest, kEmitter.reason));
+}
+
 Read<void> read_sensor(const YamlNode& node, DaemonConfiguration& c) {
   std::vector<std::string> known{"receivers", "facing", "air_c", "largest_air_step_k",
                                  "emitter",   "modbus", "can"};
@@ -124,11 +132,7 @@ Read<void> read_sensor(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(map, YamlMap::open(node, "the sensor", known));
   if (auto array = read_array(map, c); !array) return array;
   ARMSIG_TRY(emitter, map.require("emitter"));
-  ARMSIG_TRY(p_nT, read_point(*emitter, "the emitter"));
-  if (!(p_nT.cwiseAbs().maxCoeff() <= kEmitter.highest)) {
-    return problem_at(*emitter, fmt::format("the emitter at {:.6g} m", p_nT.cwiseAbs().maxCoeff()),
-                      fmt::format("within {} m: {}", kEmitter.highest, kEmitter.reason));
-  }
+  ARMSIG_TRY(p_nT, read_target(*emitter, "the emitter"));
   c.p_nT = p_nT;
   const YamlNode* serial = map.find("modbus");
   const YamlNode* can = map.find("can");

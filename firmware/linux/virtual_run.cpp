@@ -58,7 +58,9 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
   // Real ticks may be late: that is to be counted, and not to end by a fault of an emulated drive.
   if (options.real_time) world.sync_loss_periods = 0;
   for (const Vector3& p_S : c.sensor.receivers.p_S) world.sensor.receivers_S.push_back(p_S);
-  world.sensor.range_sigma_m = c.sensor.receivers.range_sigma_m;
+  world.sensor.range_sigma_m = c.sensor.measures == controller::Measures::kPoints
+                                   ? c.sensor.point_sigma_m
+                                   : c.sensor.receivers.range_sigma_m;
   world.seed = options.seed;
   return world;
 }

@@ -63,6 +63,9 @@ std::uint32_t crc_of(const Configuration& configuration) {
                          sweeps.validation_reach, static_cast<double>(sweeps.points),
                          static_cast<double>(sweeps.most_points),
                          static_cast<double>(sweeps.target)});
+  if (configuration.sensor.measures == Measures::kPoints) {
+    print.real(configuration.sensor.point_sigma_m);
+  }
   const measurement::ReceiverArray& receivers = configuration.sensor.receivers;
   for (const Vector3& p_S : receivers.p_S) print.reals(p_S);
   print.reals(receivers.facing_S);

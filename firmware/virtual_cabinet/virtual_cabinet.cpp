@@ -58,6 +58,23 @@ Result<std::optional<hal::RangeReading>> VirtualSensor::do_poll(hal::Instant now
   return reading;
 }
 
+VirtualTracker::VirtualTracker(const World& world, VirtualSensor& sensor)
+    : world_(world), sensor_(sensor), tracker_({}, simulated::Random(world.seed)) {}
+
+Result<std::optional<hal::PointReading>> VirtualTracker::do_poll(hal::Instant now) {
+  if (sighted_at_ && now - *sighted_at_ < world_.ping_period) return std::nullopt;
+  sighted_at_ = now;
+  if (sensor_.error()) return std::unexpected(*sensor_.error());
+  const simulated::UltrasonicConfig& field = sensor_.field();
+  tracker_.config().sigma_m = field.range_sigma_m;
+  tracker_.config().dropout_probability = field.dropout_probability;
+  tracker_.config().outlier_probability = field.multipath_probability;
+  const simulated::Sighting sighting = tracker_.measure(sensor_.target(now));
+  if (!sighting.seen) return std::nullopt;
+  return hal::PointReading{
+      .p_S = sighting.p_S, .covariance_m2 = {}, .at = now, .sequence = ++sequence_};
+}
+
 VirtualGravity::VirtualGravity(const World& world, const canopen::CheckedConfiguration& drives,
                                const VirtualSensor& sensor,
                                std::span<std::optional<simulated::Drive>> motors)
@@ -133,8 +150,15 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
   clock_.add(*sensor_);
   gravity_.emplace(world_, drives_, *sensor_, motors_);
   clock_.add(*gravity_);
-  controller_.emplace(configuration, *master_, *sensor_, clock_, memory, consoles, refinement,
-                      checks);
+  controller_.emplace(configuration, *master_, instrument(configuration.sensor.measures), clock_,
+                      memory, consoles, refinement, checks);
+}
+
+controller::Instrument VirtualCabinet::instrument(controller::Measures measures) {
+  if (measures == controller::Measures::kRanges) return *sensor_;
+  if (measures == controller::Measures::kNothing) return {};
+  if (world_.points != nullptr) return *world_.points;
+  return tracker_.emplace(world_, *sensor_);
 }
 
 void VirtualCabinet::step() {

@@ -12,7 +12,9 @@
 #include "firmware/virtual_cabinet/bent_arm.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/master.hpp"
+#include "hal/point_instrument.hpp"
 #include "hal/simulated/arm.hpp"
+#include "hal/simulated/cartesian_sensor.hpp"
 #include "hal/simulated/drive.hpp"
 #include "hal/simulated/gravity.hpp"
 #include "hal/simulated/ultrasonic_field.hpp"
@@ -41,6 +43,9 @@ struct World {
   unsigned sync_loss_periods = simulated::DriveConfiguration{}.sync_loss_periods;
   simulated::UltrasonicConfig sensor;
   hal::Duration ping_period = std::chrono::milliseconds(20);
+  // Where the configuration says that points are measured: what tells them instead of an emulated
+  // tracker, and outlives the cabinet.
+  hal::PointInstrument* points = nullptr;
   std::uint64_t seed = 1;
   std::uint32_t first_serial = 1001;  // of the drives, one after the other
 };
@@ -55,6 +60,7 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   // Trouble on command: readings cease, are repeated, or tell this air temperature; or their stamps
   // are off.
   void set_error(std::optional<Error> error) { error_ = error; }
+  [[nodiscard]] std::optional<Error> error() const { return error_; }
   void set_stamp_error(hal::Duration error) { stamp_error_ = error; }
   [[nodiscard]] simulated::UltrasonicConfig& field() { return field_.config(); }
   // Exact readings of the joints, which the drives only round.
@@ -75,6 +81,22 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   std::optional<hal::Instant> pinged_at_;
   std::optional<Error> error_;
   hal::Duration stamp_error_{};
+};
+
+// A tracker that sees the same target, with the faults of the sensor: its sigma is that of a range,
+// its dropouts and reflections are those of a receiver.
+class VirtualTracker final : public hal::PointInstrument {
+ public:
+  VirtualTracker(const World& world, VirtualSensor& sensor);
+
+ private:
+  Result<std::optional<hal::PointReading>> do_poll(hal::Instant now) override;
+
+  const World& world_;
+  VirtualSensor& sensor_;
+  simulated::CartesianSensor tracker_;
+  std::optional<hal::Instant> sighted_at_;
+  std::uint32_t sequence_ = 0;
 };
 
 // Gravity, by the pose that the motors have brought the arm into.
@@ -128,6 +150,8 @@ class VirtualCabinet {
   [[nodiscard]] std::optional<calibration::ArmModel>& bent() { return world_.bent; }
 
  private:
+  [[nodiscard]] controller::Instrument instrument(controller::Measures measures);
+
   World world_;
   canopen::CheckedConfiguration drives_;
   hal::Duration period_;
@@ -138,6 +162,7 @@ class VirtualCabinet {
   std::array<std::optional<simulated::Drive>, kMaxJoints> motors_;
   std::optional<canopen::Master> master_;
   std::optional<VirtualSensor> sensor_;
+  std::optional<VirtualTracker> tracker_;
   std::optional<VirtualGravity> gravity_;
   std::optional<controller::Controller> controller_;
   hal::Instant next_;

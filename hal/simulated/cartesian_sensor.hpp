@@ -31,6 +31,9 @@ class CartesianSensor {
   // Measures a target at p_S.
   [[nodiscard]] Sighting measure(const Vector3& p_S);
 
+  // Takes effect with the next measurement.
+  [[nodiscard]] CartesianConfig& config() { return config_; }
+
  private:
   CartesianConfig config_;
   Random random_;

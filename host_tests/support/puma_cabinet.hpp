@@ -92,6 +92,10 @@ struct PumaCabinet {
     for (const Vector3& p_S : configuration.sensor.receivers.p_S) {
       world.sensor.receivers_S.push_back(p_S);
     }
+    if (configuration.sensor.measures == controller::Measures::kPoints) {
+      world.sensor.range_sigma_m = configuration.sensor.point_sigma_m;
+    }
+    world.points = points;
     world.first_serial = first_serial;
     cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, *device,
                                                         consoles, nullptr, nullptr, checks);
@@ -143,6 +147,7 @@ struct PumaCabinet {
   hal::NonvolatileMemory* device = &memory;
   std::uint32_t first_serial = 1001;  // of the drives
   controller::CheckMemory* checks = nullptr;
+  hal::PointInstrument* points = nullptr;
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 

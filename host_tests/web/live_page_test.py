@@ -239,11 +239,11 @@ class LivePage(unittest.TestCase):
         self.mode("holding")
         self.press("identify")
         self.headline("The measurement is paused")
-        self.tab.wait("document.getElementById('advice').textContent.startsWith('The range sensor is silent')", kSlow)
+        self.tab.wait("document.getElementById('advice').textContent.startsWith('The sensor is silent')", kSlow)
         self.assertIn("baud rate", self.tab.text("advice"))
         self.assertTrue(self.tab.ask("document.getElementById('black-box').hidden"))  # no fault: the arm has torque
         late = Tab(self.browser, self.page.address)  # who comes later is told the same
-        late.wait("document.getElementById('advice').textContent.startsWith('The range sensor is silent')", kSlow)
+        late.wait("document.getElementById('advice').textContent.startsWith('The sensor is silent')", kSlow)
         self.draw("silent")
         self.press("resume")
         self.headline("The measurement is paused")

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+#include "hal/linux/point_server.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace armsig::linux_hal {
+namespace {
+
+constexpr int kMostWaiting = 8;
+// In one call; an instrument that sends more has its points counted as old.
+constexpr std::size_t kMostBytes = std::size_t{16} * 1024;
+constexpr std::size_t kWords = 160;
+
+// An address with its port, of either family.
+struct SocketAddress {
+  sockaddr_storage storage{};
+  socklen_t size = 0;
+
+  [[nodiscard]] const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
+};
+
+std::optional<SocketAddress> address_of(const std::string& told, std::uint16_t port) {
+  SocketAddress address;
+  sockaddr_in v4{};
+  sockaddr_in6 v6{};
+  if (::inet_pton(AF_INET, told.c_str(), &v4.sin_addr) == 1) {
+    v4.sin_family = AF_INET;
+    v4.sin_port = htons(port);
+    std::memcpy(&address.storage, &v4, sizeof v4);
+    address.size = sizeof v4;
+    return address;
+  }
+  if (::inet_pton(AF_INET6, told.c_str(), &v6.sin6_addr) != 1) return std::nullopt;
+  v6.sin6_family = AF_INET6;
+  v6.sin6_port = htons(port);
+  std::memcpy(&address.storage, &v6, sizeof v6);
+  address.size = sizeof v6;
+  return address;
+}
+
+std::string text_of(const sockaddr_storage& storage) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (storage.ss_family == AF_INET) {
+    sockaddr_in v4{};
+    std::memcpy(&v4, &storage, sizeof v4);
+    ::inet_ntop(AF_INET, &v4.sin_addr, text.data(), text.size());
+  } else if (storage.ss_family == AF_INET6) {
+    sockaddr_in6 v6{};
+    std::memcpy(&v6, &storage, sizeof v6);
+    ::inet_ntop(AF_INET6, &v6.sin6_addr, text.data(), text.size());
+  }
+  constexpr std::string_view kMapped = "::ffff:";
+  const std::string whole(text.data());
+  const bool mapped = whole.starts_with(kMapped) && whole.contains('.');
+  return mapped ? whole.substr(kMapped.size()) : whole;
+}
+
+// One that does not take it has not read it.
+void tell(const FileDescriptor& socket, std::string_view words) {
+  (void)::send(socket.get(), words.data(), words.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+}  // namespace
+
+std::string canonical_address(const std::string& told) {
+  const auto address = address_of(told, 0);
+  return address ? text_of(address->storage) : std::string();
+}
+
+bool is_loopback(const std::string& canonical) {
+  return canonical == "::1" || canonical.starts_with("127.");
+}
+
+PointServer::PointServer(const PointServerConfiguration& configuration)
+    : configuration_(configuration),
+      nobody_("nobody is connected to " + configuration.address + " port " +
+              std::to_string(configuration.port)),
+      freshness_(configuration.freshness) {
+  configuration_.client = canonical_address(configuration.client);
+  malformed_words_.reserve(kWords);
+  reply_.reserve(kWords);
+}
+
+std::uint16_t PointServer::port() const {
+  SocketAddress address;
+  address.size = sizeof address.storage;
+  if (!listener_.valid() ||
+      ::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address.storage),
+                    &address.size) != 0) {
+    return 0;
+  }
+  sockaddr_in v4{};  // whose port is where that of IPv6 is
+  std::memcpy(&v4, &address.storage, sizeof v4);
+  return ntohs(v4.sin_port);
+}
+
+void PointServer::listen(hal::Instant now) {
+  if (listener_.valid() || !reopen_.due(now)) return;
+  const auto address = address_of(configuration_.address, configuration_.port);
+  listen_errno_ = EAFNOSUPPORT;
+  if (!address) return;
+  FileDescriptor socket(
+      ::socket(address->storage.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  constexpr int kYes = 1;
+  const bool listens =
+      socket.valid() &&
+      ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &kYes, sizeof kYes) == 0 &&
+      ::bind(socket.get(), address->get(), address->size) == 0 &&
+      ::listen(socket.get(), kMostWaiting) == 0;
+  listen_errno_ = listens ? 0 : std::max(errno, 1);
+  if (!listens) {
+    reopen_.fail(now);
+    return;
+  }
+  listener_ = std::move(socket);
+}
+
+bool PointServer::is_in_use(hal::Instant now) const {
+  return client_.valid() && now - pointed_at_ <= configuration_.freshness.silent_after;
+}
+
+void PointServer::take_client(FileDescriptor socket, hal::Instant now) {
+  if (client_.valid()) tell(client_, "error why=\"another instrument has connected\"\n");
+  client_ = std::move(socket);
+  line_.clear();
+  discarding_ = false;
+  lines_ = 0;
+  newest_.reset();
+  pointed_at_ = now;
+}
+
+void PointServer::accept_all(hal::Instant now) {
+  for (int i = 0; i < kMostWaiting; ++i) {
+    SocketAddress peer;
+    peer.size = sizeof peer.storage;
+    FileDescriptor socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer.storage),
+                                    &peer.size, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (!socket.valid()) return;
+    if (!configuration_.client.empty() && text_of(peer.storage) != configuration_.client) {
+      tell(socket, "error why=\"the configuration names another client\"\n");
+    } else if (is_in_use(now)) {
+      tell(socket, "error why=\"another instrument is connected\"\n");
+    } else {
+      take_client(std::move(socket), now);
+    }
+  }
+}
+
+bool PointServer::receive(hal::Instant now) {
+  std::array<char, 2048> bytes{};
+  for (std::size_t taken = 0; taken < kMostBytes;) {
+    const ssize_t count = ::recv(client_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EAGAIN) return true;
+    if (count <= 0) {
+      client_.reset();
+      return true;
+    }
+    taken += static_cast<std::size_t>(count);
+    take_bytes({bytes.data(), static_cast<std::size_t>(count)}, now);
+  }
+  return false;
+}
+
+void PointServer::take_bytes(std::string_view bytes, hal::Instant now) {
+  for (const char c : bytes) {
+    if (c == '\n') {
+      end_line(now);
+    } else if (!line_.full()) {
+      line_.push_back(c);
+    } else if (!discarding_) {
+      discarding_ = true;
+      refuse_line({"the line", "is too long"});
+    }
+  }
+}
+
+void PointServer::end_line(hal::Instant now) {
+  std::string_view line(line_.data(), line_.size());
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  const bool is_told = !line.empty() && !line.starts_with('#');
+  if (is_told && !discarding_) take_line(line, now);
+  discarding_ = false;
+  line_.clear();
+  ++lines_;
+}
+
+void PointServer::take_line(std::string_view line, hal::Instant now) {
+  const auto point = parse_point_line(line);
+  if (!point) {
+    refuse_line(point.error());
+    return;
+  }
+  pointed_at_ = now;
+  const std::uint32_t sequence = point->sequence.value_or(unnumbered_++);
+  if (!freshness_.take(sequence, now)) return;
+  newest_ = {.p_S = point->p_S,
+             .covariance_m2 = point->covariance_m2,
+             .at = std::min(drained_at_, now) - configuration_.age,
+             .sequence = sequence};
+}
+
+void PointServer::refuse_line(const PointLineProblem& problem) {
+  ++malformed_;
+  spoilt_ = true;
+  // Both have room: nothing is allocated while an arm is measured.
+  malformed_words_.assign("line ").append(std::to_string(lines_ + 1)).append(": ");
+  malformed_words_.append(problem.key).append(" ").append(problem.what);
+  reply_.assign("error why=\"").append(malformed_words_).append("\"\n");
+  tell(client_, reply_);
+}
+
+Result<std::optional<hal::PointReading>> PointServer::do_poll(hal::Instant now) {
+  listen(now);
+  if (listener_.valid()) accept_all(now);
+  spoilt_ = false;
+  if (!client_.valid() || receive(now)) drained_at_ = now;
+  if (newest_) return std::exchange(newest_, std::nullopt);
+  if (spoilt_) return std::unexpected(Error::kSensorMalformed);
+  if (const auto overdue = freshness_.overdue(now)) {
+    return std::unexpected(client_.valid() ? *overdue : Error::kSensorPortGone);
+  }
+  return std::nullopt;
+}
+
+std::string_view PointServer::do_words(Error error) const {
+  if (error == Error::kSensorMalformed) return malformed_words_;
+  if (error != Error::kSensorPortGone) return {};
+  if (listen_errno_ == 0) return nobody_;
+  const char* const words = ::strerrordesc_np(listen_errno_);
+  return words == nullptr ? std::string_view() : words;
+}
+
+}  // namespace armsig::linux_hal

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// What measures, in the configuration file: a sensor, an instrument of points, or nothing.
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "firmware/linux/daemon_configuration.hpp"
+#include "host_tests/support/failure_of.hpp"
+
+namespace armsig::daemon {
+namespace {
+
+// The reference without the grid, with `instrument` in place of its sensor.
+std::string with(const std::string& instrument) {
+  std::ifstream file(ARMSIG_REFERENCE);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  text = text.substr(0, text.find("\ngrid:") + 1);
+  const std::size_t begin = text.find("\nsensor:") + 1;
+  return text.replace(begin, text.find("\nmotion:") + 1 - begin, instrument);
+}
+
+// The key that the reference explains in remarks.
+std::string points_of_reference() {
+  std::ifstream file(ARMSIG_REFERENCE);
+  std::string points;
+  for (std::string line; std::getline(file, line);) {
+    const bool begins = line == "# points:";
+    if (begins || (!points.empty() && line.starts_with("#   "))) points += line.substr(2) + "\n";
+    if (!points.empty() && line.empty()) break;
+  }
+  return points;
+}
+
+constexpr const char* kLeast =
+    "points:\n  target: {x_mm: 150, y_mm: 0, z_mm: 50}\n  port: 7047\n  sigma_mm: 0.05\n";
+
+void expect_refused(const std::string& instrument, const std::string& words) {
+  const auto read = parse_configuration(with(instrument), "cabinet.yaml");
+  ASSERT_FALSE(read) << instrument;
+  const std::string message = tool::render(read.error());
+  EXPECT_NE(message.find(words), std::string::npos) << message;
+  EXPECT_GT(test::failure_of(read).line, 0) << message;
+  EXPECT_FALSE(test::failure_of(read).expected.empty()) << message;
+}
+
+TEST(PointConfiguration, of_the_reference_is_read_whole) {
+  const auto read = parse_configuration(with(points_of_reference()), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const auto* points = std::get_if<linux_hal::PointServerConfiguration>(&read->sensor);
+  ASSERT_NE(points, nullptr);
+  EXPECT_EQ(points->address, "127.0.0.1");
+  EXPECT_EQ(points->port, 7047);
+  EXPECT_EQ(points->client, "192.168.5.20");
+  EXPECT_EQ(points->age, std::chrono::milliseconds(100));
+  EXPECT_EQ(points->freshness.silent_after, std::chrono::milliseconds(500));
+  EXPECT_EQ(read->controller.sensor.measures, controller::Measures::kPoints);
+  EXPECT_DOUBLE_EQ(read->controller.sensor.point_sigma_m, 0.05e-3);
+  EXPECT_DOUBLE_EQ(read->p_nT.x(), 0.15);
+}
+
+TEST(PointConfiguration, is_only_for_this_computer_by_default) {
+  const auto read = parse_configuration(with(kLeast), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const auto& points = std::get<linux_hal::PointServerConfiguration>(read->sensor);
+  EXPECT_TRUE(linux_hal::is_loopback(points.address));
+  EXPECT_TRUE(points.client.empty());
+  const linux_hal::PointServerConfiguration defaults;
+  EXPECT_EQ(points.age, defaults.age);
+}
+
+TEST(PointConfiguration, that_cannot_be_is_refused_in_its_place) {
+  const std::string least = kLeast;
+  expect_refused("points:\n  port: 7047\n  sigma_mm: 0.05\n", "target");
+  expect_refused("points:\n  target: {x_mm: 1, y_mm: 0, z_mm: 5}\n  port: 7047\n", "sigma");
+  expect_refused("points:\n  target: {x_mm: 1, y_mm: 0, z_mm: 5}\n  sigma_mm: 1\n", "port");
+  expect_refused(least + "  address: localhost\n", "address: \"localhost\"");
+  expect_refused(least + "  client: 192.168.5\n", "client: \"192.168.5\"");
+  expect_refused(least + "  sensor: yes\n", "sensor");
+  expect_refused(least + "  age_ms: 70000\n", "no instrument tells a point as late");
+  for (const char* port : {"0", "80", "65536", "x"}) {
+    expect_refused("points:\n  target: {x_mm: 1, y_mm: 0, z_mm: 5}\n  sigma_mm: 1\n  port: " +
+                       std::string(port) + "\n",
+                   "port");
+  }
+  for (const char* sigma : {"0", "0.0001", "51"}) {
+    expect_refused("points:\n  target: {x_mm: 1, y_mm: 0, z_mm: 5}\n  port: 7047\n  sigma_mm: " +
+                       std::string(sigma) + "\n",
+                   "sigma: ");
+  }
+}
+
+TEST(PointConfiguration, beside_a_sensor_is_refused) {
+  std::ifstream file(ARMSIG_REFERENCE);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto read = parse_configuration(text + "\n" + kLeast, "cabinet.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(tool::render(read.error()).find("points beside a sensor"), std::string::npos);
+}
+
+TEST(PointConfiguration, of_neither_leaves_signatures_to_others) {
+  const auto read = parse_configuration(with(""), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(read->sensor));
+  EXPECT_EQ(read->controller.sensor.measures, controller::Measures::kNothing);
+}
+
+TEST(PointConfiguration, of_neither_has_no_check_by_schedule) {
+  std::string text = with("");
+  const std::string never = "every_hours: 0 ";
+  text.replace(text.find(never), never.size(), "every_hours: 8 ");
+  const auto read = parse_configuration(text, "cabinet.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(tool::render(read.error()).find("no sensor is configured"), std::string::npos)
+      << tool::render(read.error());
+}
+
+}  // namespace
+}  // namespace armsig::daemon
