@@ -117,6 +117,7 @@ ARMSIG_ERROR(kSequenceStopped, "the sequence was stopped")
 ARMSIG_ERROR(kNoCandidate, "there is no candidate signature")
 ARMSIG_ERROR(kCandidateNoBetter,
              "the candidate has not beaten the active model on validation poses")
+ARMSIG_ERROR(kNotConfirmed, "no second person has confirmed it")
 ARMSIG_ERROR(kNoSignature, "no such signature is stored")     // or no former one
 ARMSIG_ERROR(kRecordCorrupt, "the stored record is corrupt")  // by its own check
 ARMSIG_ERROR(kRecordUnsuitable, "the stored record is of another arm")

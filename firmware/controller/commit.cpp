@@ -24,9 +24,13 @@ void Commit::make_model_in_use(Model& model) const {
   }
 }
 
-Result<void> Commit::begin_accept() {
-  if (!identification_.has_verdict()) return std::unexpected(Error::kNoCandidate);
-  if (!identification_.report().is_better()) return std::unexpected(Error::kCandidateNoBetter);
+Result<void> Commit::begin_accept(bool confirmed) {
+  if (hal::kSmallImage || !confirmed) {
+    if (!identification_.has_verdict()) return std::unexpected(Error::kNoCandidate);
+    if (!identification_.report().is_better()) return std::unexpected(Error::kCandidateNoBetter);
+  } else if (!identification_.has_received()) {
+    return std::unexpected(Error::kNoCandidate);
+  }
   if (!custody_.fits()) return std::unexpected(Error::kAddressOutOfRange);
   if (!custody_.machine()) return std::unexpected(Error::kDrivesNotReady);
   custody_.begin_write(*identification_.candidate());

@@ -20,7 +20,8 @@ class Commit {
   // The candidate becomes the active signature, of the machine that it was measured on.
   // Errors: kNoCandidate, kCandidateNoBetter, kAddressOutOfRange (the memory is too small),
   // kDrivesNotReady (the machine is not known). Precondition: not is_running().
-  Result<void> begin_accept();
+  // `confirmed`: by a second person; of a candidate from outside that was not compared.
+  Result<void> begin_accept(bool confirmed = false);
   // The signature before becomes active, or the drawing. Errors as SignatureStore::begin_rollback.
   // Precondition: not is_running().
   Result<void> begin_rollback();

@@ -104,6 +104,12 @@ struct CheckPlan {
   hal::Duration every{};   // by schedule, counted from the last check or from power-up; zero: never
 };
 
+// What a signature that was sent needs before it is accepted.
+enum class SentNeeds : std::uint8_t {
+  kMeasured,   // to be better on validation poses, as any other
+  kConfirmed,  // that, or a second person who confirms it
+};
+
 // What a joint's encoder knows at power-up.
 enum class Reference : std::uint8_t {
   kAbsolute,  // where the joint is
@@ -129,6 +135,9 @@ struct Configuration {
   SweepPlan sweeps;
   GridTask grid;
   CheckPlan check;
+#ifndef ARMSIG_SMALL_IMAGE  // where it is measured
+  SentNeeds sent_needs = SentNeeds::kMeasured;
+#endif
   // What the whole arm stays clear of. The R5F has no memory to look at it (workspace.hpp).
   clearance::Surroundings around;
 };

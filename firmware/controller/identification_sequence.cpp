@@ -100,6 +100,14 @@ void IdentificationSequence::stamp(const Conditions& conditions) {
   compared_with_ = number_of(conditions.active);
 }
 
+void IdentificationSequence::confirm(const Conditions& conditions, std::string_view sender,
+                                     std::string_view person) {
+  stamp(conditions);
+  Line line;
+  line.text("# candidate confirmed sent_by=").text(sender).text(" confirmed_by=").text(person);
+  announcer_.say(line);
+}
+
 [[gnu::noinline]] void IdentificationSequence::compare_conditions(const Machine& found,
                                                                   const SignatureRecord* active) {
   if (!has_verdict()) return;

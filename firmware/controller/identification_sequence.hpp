@@ -75,6 +75,9 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   // Compares it with the active signature as begin() does in the end; what was measured before
   // stays in the log. Preconditions: has_received(), not is_running().
   void begin_comparison(const Conditions& conditions, Ticket begun);
+  // A person confirms it in place of a comparison. It is of the machine of `conditions` from now
+  // on. Precondition: has_received().
+  void confirm(const Conditions& conditions, std::string_view sender, std::string_view person);
   void pause() { paused_ = true; }
   void resume();
   // Ends it with `error` as the reason, wherever it is.

@@ -46,14 +46,6 @@ Result<RefiningRequest> refining_in(const Request& request, Line& out) {
   return asked;
 }
 
-// What a candidate will be of that is measured from now on.
-IdentificationSequence::Conditions conditions_of(Controls& controls) {
-  const auto& machine = controls.custody.machine();
-  return {.active = controls.custody.in_use(),
-          .machine = machine ? &*machine : nullptr,
-          .now_s = controls.clock.calendar_s()};
-}
-
 // Error: kNoSensor.
 Result<void> may_measure(const Controls& controls) {
   if (controls.measurement.has_instrument()) return {};
@@ -159,15 +151,6 @@ Result<Answer> home(Controls& controls, const Request& request, Line& out) {
   return when_taken(controls.mover.send(command));
 }
 
-Result<Answer> when_stored(const Result<void>& begun) {
-  if (!begun) return std::unexpected(begun.error());
-  return Answer{Answer::When::kStored};
-}
-
-Result<Answer> accept(Controls& controls, const Request& /*request*/, Line& /*out*/) {
-  return when_stored(controls.commit.begin_accept());
-}
-
 Result<Answer> rollback(Controls& controls, const Request& /*request*/, Line& /*out*/) {
   return when_stored(controls.commit.begin_rollback());
 }
@@ -191,12 +174,6 @@ Result<Answer> fetch(Controls& controls, const Request& request, Line& out) {
                  .drawing = &controls.configuration.drawing},
                 out);
   if (!told) return std::unexpected(told.error());
-  return Answer();
-}
-
-Result<Answer> send(Controls& controls, const Request& request, Line& out) {
-  ARMSIG_TRY(whole, controls.identification.receive(request, out));
-  if (whole) out.text(" received=candidate");
   return Answer();
 }
 
@@ -298,7 +275,8 @@ constexpr std::array kVerbsOfAll{
          .help = "stores the candidate and servoes with it",
          .modes = kStanding,
          .alone = true,
-         .referenced = true},
+         .referenced = true,
+         .takes = hal::kSmallImage ? Verb::Takes::kNothing : Verb::Takes::kKeys},
     Verb{.name = "rollback",
          .handler = rollback,
          .help = "back to the signature before, or to the nominal model",
@@ -376,6 +354,18 @@ void tell_modes(const Modes& modes, Line& out) {
 const Verb* find_verb(std::string_view name) {
   const auto* found = std::ranges::find(kVerbs, name, &Verb::name);
   return found == kVerbs.end() ? nullptr : found;
+}
+
+IdentificationSequence::Conditions conditions_of(const Controls& controls) {
+  const auto& machine = controls.custody.machine();
+  return {.active = controls.custody.in_use(),
+          .machine = machine ? &*machine : nullptr,
+          .now_s = controls.clock.calendar_s()};
+}
+
+Result<Answer> when_stored(const Result<void>& begun) {
+  if (!begun) return std::unexpected(begun.error());
+  return Answer{Answer::When::kStored};
 }
 
 Result<Answer> when_taken(std::optional<Ticket> ticket) {

@@ -17,6 +17,9 @@
 
 namespace armsig::controller {
 
+// Of a person, as they tell it.
+using PersonName = FixedVector<char, 32>;
+
 // What the verbs act on and tell about.
 struct Controls {
   const Configuration& configuration;
@@ -33,6 +36,9 @@ struct Controls {
   const hal::Duration& longest_step;          // below zero: none is over yet
   std::optional<LinePlanning> planning = {};  // of the straight line that was asked for
   std::optional<MoveLook> looking = {};       // at the way of the joint move that was asked for
+#ifndef ARMSIG_SMALL_IMAGE
+  PersonName sender = {};  // of the candidate from outside; empty: not told
+#endif
 
   // A sequence, a plan or a change of the store is under way.
   [[nodiscard]] bool are_busy() const {
@@ -80,11 +86,19 @@ void tell_modes(const Modes& modes, Line& out);
 
 // Handlers that stand in files of their own.
 Result<Answer> move(Controls& controls, const Request& request, Line& out);
+Result<Answer> accept(Controls& controls, const Request& request, Line& out);
+Result<Answer> send(Controls& controls, const Request& request, Line& out);
 Result<Answer> confirm(Controls& controls, const Request& request, Line& out);
 Result<Answer> tell_status(Controls& controls, const Request& request, Line& out);
 Result<Answer> tell_signature(Controls& controls, const Request& request, Line& out);
 Result<Answer> tell_candidate(Controls& controls, const Request& request, Line& out);
 Result<Answer> tell_log(Controls& controls, const Request& request, Line& out);
+
+// What a candidate will be of that is measured, or confirmed, from now on.
+[[nodiscard]] IdentificationSequence::Conditions conditions_of(const Controls& controls);
+
+// What follows from a change of the store that was begun: the answer waits for its end.
+[[nodiscard]] Result<Answer> when_stored(const Result<void>& begun);
 
 // What follows from sending a command: the answer waits for the tick. Errors: kBusBusy (the tick
 // has stopped).

@@ -239,6 +239,19 @@ Read<void> read_top(const YamlMap& root, DaemonConfiguration& c) {
   return {};
 }
 
+// Whether a second person may stand in for the measurement of a signature that was sent.
+Read<void> read_accept_sent(const YamlMap& root, DaemonConfiguration& c) {
+  const YamlNode* const node = root.find("accept_sent");
+  if (node == nullptr) return {};
+  if (node->text != "measured" && node->text != "confirmed") {
+    return problem_at(*node, "accept_sent: " + tool::in_quotes(node->text),
+                      "measured or confirmed");
+  }
+  c.controller.sent_needs = node->text == "measured" ? controller::SentNeeds::kMeasured
+                                                     : controller::SentNeeds::kConfirmed;
+  return {};
+}
+
 // What the drives, now known, tell of the bus and of the readings.
 Read<void> take_drives(const YamlNode& node, DaemonConfiguration& c) {
   const auto drives = canopen::check(c.drives);
@@ -268,6 +281,7 @@ Read<void> read_instrument(const YamlMap& root, DaemonConfiguration& c) {
 Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(joints, root.require("joints"));
   if (auto ok = read_top(root, c); !ok) return ok;
+  if (auto ok = read_accept_sent(root, c); !ok) return ok;
   if (auto ok = read_joints(*joints, c); !ok) return ok;
   if (const YamlNode* coupling = root.find("coupling")) {
     ARMSIG_TRY(couplings, tool::read_couplings(*coupling, c.controller.drawing.joints));
@@ -292,11 +306,11 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
   }
-  std::vector<std::string> known{
-      "armsig",           "name",   "console", "store",  "priority",    "black_box",
-      "joints",           "can",    "sensor",  "motion", "supervision", "dwell",
-      "points",           "sweeps", "check",   "grid",   "coupling",    "workspace",
-      "reporting_console"};
+  std::vector<std::string> known{"armsig", "accept_sent", "name",      "console",
+                                 "store",  "priority",    "black_box", "joints",
+                                 "can",    "sensor",      "motion",    "supervision",
+                                 "dwell",  "points",      "sweeps",    "check",
+                                 "grid",   "coupling",    "workspace", "reporting_console"};
   add_names(known, "period", Dimension::kTime);
   tool::add_mounting_keys(known);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));

@@ -106,6 +106,19 @@ TEST(PointConfiguration, of_neither_leaves_signatures_to_others) {
   EXPECT_EQ(read->controller.sensor.measures, controller::Measures::kNothing);
 }
 
+TEST(PointConfiguration, lets_a_second_person_confirm_where_it_says_so) {
+  const auto needs = [](const std::string& told) {
+    std::string text = with("");
+    const std::string reference = "accept_sent: measured ";
+    text.replace(text.find(reference), reference.size(), told);
+    return parse_configuration(text, "cabinet.yaml");
+  };
+  EXPECT_EQ(needs("accept_sent: confirmed ")->controller.sent_needs,
+            controller::SentNeeds::kConfirmed);
+  EXPECT_EQ(needs("# ")->controller.sent_needs, controller::SentNeeds::kMeasured);
+  EXPECT_FALSE(needs("accept_sent: anybody "));
+}
+
 TEST(PointConfiguration, of_neither_has_no_check_by_schedule) {
   std::string text = with("");
   const std::string never = "every_hours: 0 ";

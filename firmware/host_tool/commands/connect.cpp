@@ -125,6 +125,9 @@ std::optional<Problem> contradiction(const ConnectOptions& options) {
   if (options.says_what_to_fetch && !fetches) {
     return mistake("--what, --name or --serial without fetch", "fetch FILE, of which they are");
   }
+  if (!options.fetch.by.empty() && (options.request.empty() || options.request[0] != "send")) {
+    return mistake("--by without send", "send FILE, whose sender it is");
+  }
   if (options.wait && (options.request.empty() || options.is_about_a_file())) {
     return mistake("--wait without a request", "one that begins something, like identify");
   }
@@ -161,6 +164,9 @@ CLI::Option* add_request_options(CLI::App& command, ConnectOptions& options) {
       ->check(CLI::Range(1e-3, 1e6))
       ->capture_default_str()
       ->needs(wait);
+  command.add_option("--by", options.fetch.by,
+                     "send: who sends it; somebody else may then accept it by=NAME, where the "
+                     "controller's configuration lets them");
   return request;
 }
 

@@ -16,6 +16,7 @@ struct FetchOptions : CommonOptions {
   std::string what;  // signature, candidate, drawing, log; empty: log for FILE.csv, else signature
   std::string name = "arm of a controller";
   std::string serial;
+  std::string by;  // of send: who sends it; empty: not told
   std::chrono::milliseconds longest{};
 };
 

@@ -97,7 +97,7 @@ int send(ConsoleClient& console, const FetchOptions& options) {
   if (!drawing) return fail(drawing.error(), kNoAnswer, options);
   const auto record = controller_record(*file, *drawing, options.file);
   if (!record) return fail(record.error(), kBadInput, options);
-  if (auto sent = fetcher.deliver(controller::encode(*record)); !sent) {
+  if (auto sent = fetcher.deliver(controller::encode(*record), options.by); !sent) {
     return fail(sent.error(), kNoAnswer, options);
   }
   if (options.json) {

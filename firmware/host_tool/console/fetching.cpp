@@ -114,10 +114,12 @@ Read<controller::SignatureRecord> Fetcher::record(std::string_view what, const A
                  "a record that does not change while it is fetched: try again");
 }
 
-Read<void> Fetcher::deliver(const controller::RecordImage& record) {
+Read<void> Fetcher::deliver(const controller::RecordImage& record, const std::string& by) {
   const std::size_t parts = (record.size() + controller::kPartBytes - 1) / controller::kPartBytes;
   for (std::size_t part = 0; part < parts; ++part) {
-    std::string request = fmt::format("send part={} bytes={} hex=", part + 1, record.size());
+    std::string request = fmt::format("send part={} bytes={}", part + 1, record.size());
+    if (!by.empty()) request += " by=" + by;
+    request += " hex=";
     const std::size_t begin = part * controller::kPartBytes;
     const std::size_t end = std::min(begin + controller::kPartBytes, record.size());
     for (std::size_t i = begin; i < end; ++i) request += fmt::format("{:02x}", record[i]);

@@ -28,7 +28,7 @@ class Fetcher {
   // The rows of the last identification; refuses where nothing was measured since the start.
   [[nodiscard]] Read<std::vector<MeasurementRow>> log(const JointTypes& types);
   // Sends a record; the controller has it as its candidate then. Refuses by the controller's words.
-  [[nodiscard]] Read<void> deliver(const controller::RecordImage& record);
+  [[nodiscard]] Read<void> deliver(const controller::RecordImage& record, const std::string& by);
 
  private:
   // The words behind the "ok" that answers `request`; refuses an error, silence, and a reply that
