@@ -109,7 +109,8 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
                           .priority = configuration.priority,
                           .watch = attendance.watch(),
                           .journal = attendance.journal(),
-                          .bus = &bus};
+                          .bus = &bus,
+                          .master = &master};
   bool at_rest = false;
   const bool served = run_in_real_time(
       loop, [&] { attendance.started(first_words(configuration)); },

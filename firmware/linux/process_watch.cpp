@@ -41,7 +41,7 @@ void ProcessWatch::begin(const linux_hal::RealTimeReport& report, int priority) 
   servo_faults_before_ = servo_faults_ = page_faults(RUSAGE_THREAD);
 }
 
-void ProcessWatch::look(const linux_hal::SocketCan* bus) {
+void ProcessWatch::look(const linux_hal::SocketCan* bus, const canopen::Master* master) {
   servo_faults_ = page_faults(RUSAGE_THREAD);
   if (bus == nullptr) return;
   const hal::CanStatus status = bus->last_status();
@@ -52,6 +52,12 @@ void ProcessWatch::look(const linux_hal::SocketCan* bus) {
   can_restarts_ = status.restarts;
   can_errno_ = bus->last_errno();
   has_bus_ = true;
+  if (master == nullptr) return;
+  const canopen::MasterCounters& counters = master->counters();
+  can_malformed_ = counters.malformed;
+  can_foreign_ = counters.foreign;
+  can_unknown_ = counters.unknown;
+  can_unsent_ = counters.unsent;
 }
 
 bool ProcessWatch::progressed() {
@@ -78,6 +84,10 @@ void ProcessWatch::tell(controller::Line& line) const {
   line.text(" can_lost=").integer(can_lost_);
   line.text(" can_bus_offs=").integer(can_bus_offs_);
   line.text(" can_restarts=").integer(can_restarts_);
+  line.text(" can_malformed=").integer(can_malformed_);
+  line.text(" can_foreign=").integer(can_foreign_);
+  line.text(" can_unknown=").integer(can_unknown_);
+  line.text(" can_unsent=").integer(can_unsent_);
   const int number = can_errno_;
   const char* const words = number == 0 ? nullptr : ::strerrordesc_np(number);
   if (words != nullptr) line.text(" can_says=\"").text(words).text("\"");

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "firmware/controller/text.hpp"
+#include "hal/canopen/master.hpp"
 #include "hal/linux/real_time.hpp"
 #include "hal/linux/socket_can.hpp"
 
@@ -16,8 +17,8 @@ class ProcessWatch {
  public:
   // By the servo thread when everything is started; `report` is what it was granted.
   void begin(const linux_hal::RealTimeReport& report, int priority);
-  // By the servo thread, now and then; `bus` where there is a real one.
-  void look(const linux_hal::SocketCan* bus);
+  // By the servo thread, now and then; `bus` and the `master` on it where there is a real one.
+  void look(const linux_hal::SocketCan* bus, const canopen::Master* master);
   // By the servo thread after each tick, and by the background's after each of its turns.
   void ticked() { ++ticks_; }
   void stepped() { ++steps_; }
@@ -26,7 +27,8 @@ class ProcessWatch {
 
   // By any thread: ` memory_locked=yes real_time=yes heap_calls=0 page_faults=0
   // servo_page_faults=0`, and of a real bus ` can=active can_error_frames=0 can_lost=0
-  // can_bus_offs=0 can_restarts=0`, with ` can_says="words"` of the system's last refusal.
+  // can_bus_offs=0 can_restarts=0`, with ` can_says="words"` of the system's last refusal; and of
+  // its frames ` can_malformed=0 can_foreign=0 can_unknown=0 can_unsent=0`.
   void tell(controller::Line& line) const;
 
  private:
@@ -43,6 +45,10 @@ class ProcessWatch {
   std::atomic<std::uint32_t> can_bus_offs_{0};
   std::atomic<std::uint32_t> can_restarts_{0};
   std::atomic<int> can_errno_{0};
+  std::atomic<std::uint32_t> can_malformed_{0};
+  std::atomic<std::uint32_t> can_foreign_{0};
+  std::atomic<std::uint32_t> can_unknown_{0};
+  std::atomic<std::uint32_t> can_unsent_{0};
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<std::uint64_t> steps_{0};
   std::uint64_t seen_ticks_ = 0;

@@ -61,7 +61,7 @@ void serve(const RealTimeLoop& loop, const volatile std::sig_atomic_t& stop) {
     const hal::Duration lateness = loop.clock.wait_until(next);
     loop.controller.tick(lateness);
     loop.watch.ticked();
-    if (ticks++ % kTicksBetweenLooks == 0) loop.watch.look(loop.bus);
+    if (ticks++ % kTicksBetweenLooks == 0) loop.watch.look(loop.bus, loop.master);
     next += loop.period * (1 + lateness / loop.period);
   }
 }

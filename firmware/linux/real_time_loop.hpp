@@ -8,6 +8,7 @@
 #include "firmware/controller/controller.hpp"
 #include "firmware/linux/journal.hpp"
 #include "firmware/linux/process_watch.hpp"
+#include "hal/canopen/master.hpp"
 #include "hal/clock.hpp"
 #include "hal/linux/socket_can.hpp"
 
@@ -20,7 +21,8 @@ struct RealTimeLoop {
   int priority = 0;  // SCHED_FIFO of the ticks, where permitted; 0: ordinary scheduling
   ProcessWatch& watch;
   Journal& journal;
-  linux_hal::SocketCan* bus = nullptr;  // of the drives; none where it is emulated
+  linux_hal::SocketCan* bus = nullptr;      // of the drives; none where it is emulated
+  const canopen::Master* master = nullptr;  // on that bus
 };
 
 // The servo tick is the calling thread's; everything else is another's, which ends with this call.
