@@ -8,6 +8,7 @@
 #include "hal/canopen/emergency.hpp"
 #include "hal/canopen/range_sensor.hpp"
 #include "hal/canopen/sdo_client.hpp"
+#include "hal/linux/point_line.hpp"
 #include "hal/modbus/range_sensor.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
 #include "host_tests/support/emulated_arm.hpp"
@@ -34,6 +35,21 @@ void fuzz_rtu(Bytes bytes) {
   if (!registers) return;
   FUZZ_CHECK(registers->size() == request.registers.count);
   (void)modbus::decode(modbus::Profile{}, *registers);
+}
+
+// A point that is taken is a place, and its covariance is one.
+void fuzz_points(Bytes bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto point = linux_hal::parse_point_line(text);
+  if (!point) {
+    FUZZ_CHECK(!point.error().key.empty() && !point.error().what.empty());
+    return;
+  }
+  FUZZ_CHECK(point->p_S.allFinite());
+  FUZZ_CHECK(point->p_S.cwiseAbs().maxCoeff() <= 1e-3 * linux_hal::kFarthestPoint_mm);
+  if (!point->covariance_m2) return;
+  FUZZ_CHECK(point->covariance_m2->allFinite());
+  FUZZ_CHECK(point->covariance_m2->diagonal().minCoeff() > 0);
 }
 
 // What the tape brings, a piece a poll; its checksum mended now and then, or the fuzzer would never
@@ -229,6 +245,7 @@ void fuzz_can_master(Bytes bytes) {
 }
 
 constexpr std::array kTargets{Target{"rtu", fuzz_rtu},
+                              Target{"points", fuzz_points},
                               Target{"modbus_sensor", fuzz_modbus_sensor},
                               Target{"modbus_channels", fuzz_modbus_channels},
                               Target{"can_sensor", fuzz_can_sensor},
