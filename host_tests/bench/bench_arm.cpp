@@ -2,8 +2,10 @@
 // armsig_bench_arm: an emulated arm on SocketCAN with its range sensor, as a process of its own.
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,7 @@
 #include "hal/simulated/demo_sensor.hpp"
 #include "host_tests/bench/commands.hpp"
 #include "host_tests/bench/plant.hpp"
+#include "host_tests/bench/point_bridge.hpp"
 
 namespace armsig::bench {
 namespace {
@@ -37,6 +40,7 @@ struct Options {
   double step_us = 1000;
   int priority = 0;
   int sensor_node = 0;
+  std::uint16_t points_port = 0;  // 0: no tracker
   double maps_deg = 0;
   double sag_mm = 0;
   double play_deg = 0;
@@ -117,8 +121,14 @@ void serve(const Options& options, Plant& plant) {
              options.console);
   std::fflush(stdout);
   linux_hal::SteadyClock clock;
+  std::optional<PointBridge> bridge;
+  if (options.points_port != 0) {
+    bridge.emplace(options.points_port, options.plant.ping_period, 1e-3 * options.sigma_mm,
+                   options.plant.seed);
+  }
   while (stop_requested == 0) {
     plant.run(clock.now());
+    if (bridge) bridge->run(clock.now(), plant.target_S());
     if (const auto line = (*console)->read_line()) {
       const std::string reply = line->error ? "error REQUEST " + std::string(describe(*line->error))
                                             : answer(plant, line->text());
@@ -140,6 +150,9 @@ int run(int argc, char** argv) {
                  "symbolic link to make to the sensor's serial line (Modbus RTU)");
   app.add_option("--sensor-node", options.sensor_node, "node number of the sensor on CAN")
       ->check(CLI::Range(1, 127));
+  app.add_option("--points-port", options.points_port,
+                 "TCP port of this computer where a tracker's points are told")
+      ->check(CLI::Range(1024, 65535));
   app.add_option("--robot", options.robot, "robot of Table 2 of the paper that the arm is")
       ->check(CLI::Range(1, 2))
       ->capture_default_str();
@@ -182,7 +195,8 @@ int run(int argc, char** argv) {
       ->expected(3)
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--sigma-mm", options.sigma_mm, "noise of a range, 1 sigma")
+  app.add_option("--sigma-mm", options.sigma_mm,
+                 "noise of a range, or of a point along each axis, 1 sigma")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--ping-ms", options.ping_ms, "from one ping of the sensor to the next")

@@ -35,11 +35,24 @@ Changes small() {
           {"count: [6, 6, 7]", "count: [2, 2, 2]"}};
 }
 
-BenchProcess emulated_arm() {
+BenchProcess emulated_arm(const std::vector<std::string>& more = {}) {
   const char* seed = std::getenv("ARMSIG_BENCH_SEED");
-  return BenchProcess({"--target-mm", "150,0,50", "--start-deg", "0,-90,90,30,0,0", "--ping-ms",
-                       "15", "--step-us", "2000", "--sensor-node", "32", "--seed",
-                       seed == nullptr ? "1" : seed});
+  std::vector<std::string> options{
+      "--target-mm",   "150,0,50", "--start-deg", "0,-90,90,30,0,0",
+      "--ping-ms",     "15",       "--step-us",   "2000",
+      "--sensor-node", "32",       "--seed",      seed == nullptr ? "1" : seed};
+  options.insert(options.end(), more.begin(), more.end());
+  return BenchProcess(options);
+}
+
+// An instrument of points in the place of the sensor.
+std::pair<std::string, std::string> tracker(const std::string& port) {
+  const std::string text = bench_configuration({});
+  const std::size_t begin = text.find("\nsensor:") + 1;
+  return {text.substr(begin, text.find("\nsupervision:") + 1 - begin),
+          "points:\n  target: {x_mm: 150, y_mm: 0, z_mm: 50}\n  port: " + port +
+              "\n  sigma_mm: 0.05\n  reading_timeout_ms: 10000\n  silent_after_ms: 8000\n"
+              "  stale_after_ms: 8000\n\n"};
 }
 
 const Vector3& target_in_hand() {
@@ -163,6 +176,19 @@ TEST(BenchRun, small_with_the_sensor_on_can) {
   const auto frames = recording->decode();
   std::printf("%zu frames recorded\n", frames.size());
   test::expect_canopen_throughout(frames);
+}
+
+TEST(BenchRun, small_with_a_tracker_by_tcp) {
+  const std::string port = "27047";
+  const BenchProcess arm = emulated_arm({"--points-port", port, "--sigma-mm", "0.05"});
+  Changes changes = small();
+  changes.push_back(tracker(port));
+  DaemonProcess daemon(changes, arm.sensor_device);
+  ASSERT_NO_FATAL_FAILURE(identify_and_accept(daemon, std::chrono::seconds(300)));
+  const std::string status = daemon.ask("status");
+  EXPECT_TRUE(status.contains(" sensor=well")) << status;
+  EXPECT_FALSE(status.contains(" sensor_malformed=")) << status;
+  EXPECT_EQ(daemon.end(SIGTERM), 0);
 }
 
 TEST(BenchRun, full_over_modbus) { run_all({}, true); }
