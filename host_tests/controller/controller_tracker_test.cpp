@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/linux/point_server.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/point_client.hpp"
 #include "host_tests/support/sent_signature.hpp"
 #include "host_tests/support/table_3_run.hpp"
@@ -149,7 +150,7 @@ TEST(Tracker, configuration_of_it_is_refused_where_its_sigma_cannot_be) {
   EXPECT_TRUE(check(c));
   c.sensor.point_sigma_m = 20;
   ASSERT_FALSE(check(c));
-  EXPECT_EQ(check(c).error().setting, "sensor.point_sigma");
+  EXPECT_EQ(test::failure_of(check(c)).setting, "sensor.point_sigma");
 }
 
 TEST(NoSensor, refuses_by_name_what_measures_and_nothing_else) {
@@ -180,7 +181,7 @@ TEST(NoSensor, leaves_no_check_to_a_schedule) {
   Configuration c = unmeasured();
   c.check.every = std::chrono::hours(24);
   ASSERT_FALSE(check(c));
-  EXPECT_EQ(check(c).error().error, Error::kNoSensor);
+  EXPECT_EQ(test::failure_of(check(c)).error, Error::kNoSensor);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/measurement/point_median.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::measurement {
 namespace {
@@ -48,20 +49,20 @@ TEST(PointMedian, of_points_that_are_apart_by_far_more_than_their_sigma_is_refus
     ASSERT_TRUE(points.add(Vector3(x, 0, 0), of_sigma(1e-5)));
   }
   ASSERT_FALSE(points.result());
-  EXPECT_EQ(points.result().error(), Error::kPointsDiffer);
+  EXPECT_EQ(test::failure_of(points.result()), Error::kPointsDiffer);
 }
 
 TEST(PointMedian, takes_no_point_that_is_none) {
   PointMedian points;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(points.add(Vector3(nan, 0, 0), of_sigma(1)).error(), Error::kNotFinite);
-  EXPECT_EQ(points.add(Vector3::Zero(), of_sigma(nan)).error(), Error::kNotFinite);
-  EXPECT_EQ(points.add(Vector3::Zero(), Matrix3::Zero()).error(), Error::kNotPositive);
+  EXPECT_EQ(test::failure_of(points.add(Vector3(nan, 0, 0), of_sigma(1))), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(points.add(Vector3::Zero(), of_sigma(nan))), Error::kNotFinite);
+  EXPECT_EQ(test::failure_of(points.add(Vector3::Zero(), Matrix3::Zero())), Error::kNotPositive);
   EXPECT_EQ(points.points(), 0U);
   for (std::size_t i = 0; i < kMaxPings; ++i) {
     ASSERT_TRUE(points.add(Vector3::Zero(), of_sigma(1)));
   }
-  EXPECT_EQ(points.add(Vector3::Zero(), of_sigma(1)).error(), Error::kCapacityExceeded);
+  EXPECT_EQ(test::failure_of(points.add(Vector3::Zero(), of_sigma(1))), Error::kCapacityExceeded);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST(PointConfiguration, beside_a_sensor_is_refused) {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const auto read = parse_configuration(text + "\n" + kLeast, "cabinet.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(read.error()).find("points beside a sensor"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(read)).find("points beside a sensor"), std::string::npos);
 }
 
 TEST(PointConfiguration, of_neither_leaves_signatures_to_others) {
@@ -125,7 +125,7 @@ TEST(PointConfiguration, of_neither_has_no_check_by_schedule) {
   text.replace(text.find(never), never.size(), "every_hours: 8 ");
   const auto read = parse_configuration(text, "cabinet.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(read.error()).find("no sensor is configured"), std::string::npos)
+  EXPECT_NE(tool::render(test::failure_of(read)).find("no sensor is configured"), std::string::npos)
       << tool::render(read.error());
 }
 

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/point_client.hpp"
 
 namespace armsig::linux_hal {
@@ -32,7 +33,7 @@ struct Served {
     const auto polled = poll(later_ms);
     return polled && polled->has_value();
   }
-  std::optional<Error> error(int later_ms = 10) {
+  std::optional<Error> failure(int later_ms = 10) {
     const auto polled = poll(later_ms);
     return polled ? std::nullopt : std::optional(polled.error());
   }
@@ -77,10 +78,10 @@ TEST(PointServer, takes_a_number_that_is_repeated_for_no_new_point) {
   ASSERT_TRUE(served.has_point());
   for (int i = 0; i < 6; ++i) {
     ASSERT_TRUE(client.say("point x_mm=1 y_mm=2 z_mm=3 seq=7\n"));
-    EXPECT_FALSE(served.error(80));
+    EXPECT_FALSE(served.failure(80));
   }
   ASSERT_TRUE(client.say("point x_mm=1 y_mm=2 z_mm=3 seq=7\n"));
-  EXPECT_EQ(served.error(80), Error::kSensorStale);
+  EXPECT_EQ(served.failure(80), Error::kSensorStale);
   ASSERT_TRUE(client.say("point x_mm=1 y_mm=2 z_mm=3 seq=8\n"));
   EXPECT_TRUE(served.has_point());
 }
@@ -101,7 +102,7 @@ TEST(PointServer, passes_over_empty_lines_and_remarks) {
   Served served;
   const PointClient client(served.server.port());
   ASSERT_TRUE(client.say("\n# tracker warmed up\r\n\r\n"));
-  EXPECT_FALSE(served.error());
+  EXPECT_FALSE(served.failure());
   EXPECT_EQ(served.server.malformed(), 0U);
 }
 
@@ -109,10 +110,10 @@ TEST(PointServer, counts_lines_that_are_none_and_tells_what_is_wrong_with_them) 
   Served served;
   const PointClient client(served.server.port());
   ASSERT_TRUE(client.say("\x16\x03\x01garbage before\n"));
-  EXPECT_EQ(served.error(), Error::kSensorMalformed);
+  EXPECT_EQ(served.failure(), Error::kSensorMalformed);
   EXPECT_EQ(served.server.words(Error::kSensorMalformed), "line 1: the line is not text");
   ASSERT_TRUE(client.say("point x_mm=1 y_mm=nan z_mm=3\n"));
-  EXPECT_EQ(served.error(), Error::kSensorMalformed);
+  EXPECT_EQ(served.failure(), Error::kSensorMalformed);
   EXPECT_EQ(served.server.words(Error::kSensorMalformed), "line 2: y_mm is not a number");
   EXPECT_EQ(served.server.malformed(), 2U);
   EXPECT_EQ(client.heard(),
@@ -175,13 +176,13 @@ TEST(PointServer, gives_the_place_of_a_client_that_says_nothing_to_the_next) {
 
 TEST(PointServer, tells_silence_from_nobody_being_there) {
   Served served;
-  EXPECT_EQ(served.error(600), Error::kSensorPortGone);
+  EXPECT_EQ(served.failure(600), Error::kSensorPortGone);
   EXPECT_EQ(served.server.words(Error::kSensorPortGone), "nobody is connected to 127.0.0.1 port 0");
   PointClient client(served.server.port());
-  EXPECT_EQ(served.error(600), Error::kSensorSilent);
+  EXPECT_EQ(served.failure(600), Error::kSensorSilent);
   client.close();
-  EXPECT_FALSE(served.error());
-  EXPECT_EQ(served.error(600), Error::kSensorPortGone);
+  EXPECT_FALSE(served.failure());
+  EXPECT_EQ(served.failure(600), Error::kSensorPortGone);
 }
 
 TEST(PointServer, hears_only_the_client_that_the_configuration_names) {
@@ -208,7 +209,7 @@ TEST(PointServer, that_cannot_listen_says_why_and_tries_again) {
   (void)second.poll(now);
   const auto polled = second.poll(now += milliseconds(600));
   ASSERT_FALSE(polled);
-  EXPECT_EQ(polled.error(), Error::kSensorPortGone);
+  EXPECT_EQ(test::failure_of(polled), Error::kSensorPortGone);
   EXPECT_EQ(second.words(Error::kSensorPortGone), "Address already in use");
   first.reset();
   (void)second.poll(now += milliseconds(6400));
