@@ -87,7 +87,7 @@ TEST(PointConfiguration, that_cannot_be_is_refused_in_its_place) {
   for (const char* sigma : {"0", "0.0001", "51"}) {
     expect_refused("points:\n  target: {x_mm: 1, y_mm: 0, z_mm: 5}\n  port: 7047\n  sigma_mm: " +
                        std::string(sigma) + "\n",
-                   "sigma: ");
+                   "sigma");
   }
 }
 
