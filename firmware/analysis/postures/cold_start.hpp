@@ -21,12 +21,12 @@ namespace armsig::kinematics {
 //
 // Arms of the two common designs are started from their closed form (docs/model.md, section 4).
 // Next to a singularity, and for other arms that posture_search.hpp knows, the postures are
-// searched on the chain as it is; those of other six-axis arms, and beside folds, are followed along
-// curves from a fixed set of starts (motion_curve.hpp); all other arms are started from such a set
-// alone. Empty if nothing meets the pose. options.max_step and options.respect_limits are not used.
-// Limits may be infinite: such a joint is looked for within a turn, or an arm's length of travel,
-// and its middle is that of the range. `form` is kOther or that of this chain. Errors: those of
-// inverse(), the reference in place of the seed.
+// searched on the chain as it is; those of other six-axis arms, and beside folds, are followed
+// along curves from a fixed set of starts (motion_curve.hpp); all other arms are started from such
+// a set alone. Empty if nothing meets the pose. options.max_step and options.respect_limits are not
+// used. Limits may be infinite: such a joint is looked for within a turn, or an arm's length of
+// travel, and its middle is that of the range. `form` is kOther or that of this chain. Errors:
+// those of inverse(), the reference in place of the seed.
 [[nodiscard]] Result<Solutions> cold_start(const Chain& chain, const ClosedForm& form,
                                            const Pose& X_0n, const JointVector& reference = {},
                                            const InverseOptions& options = {});
