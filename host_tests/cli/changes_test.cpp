@@ -107,14 +107,15 @@ TEST(Changes, of_several_zeros_are_told_by_joint_and_size) {
   EXPECT_EQ(outcome.err.find("joint 1 by"), std::string::npos) << outcome.err;
 }
 
-// A table that is turned by the weight that it carries is no fault of the sensor's axes.
+// A pedestal that is turned by the weight that it carries is no fault of the sensor's axes.
 TEST(Changes, are_not_told_where_the_base_leans_under_the_arm) {
   const Folder folder;
   Csv rows = poses(folder);
   const std::array<const char*, 3> axes{"x_mm", "y_mm", "z_mm"};
   constexpr double kLean_rad_per_mm = 4e-7;
+  constexpr double kFoot_mm = 672;  // below the base, which is at the shoulder
   for (Fields& row : rows.rows) {
-    std::array<double, 3> r{-50, 30, 1200};  // from the base to the point
+    std::array<double, 3> r{-50, 30, 1200 + kFoot_mm};  // from the foot to the point
     for (std::size_t i = 0; i < 3; ++i) r[i] += std::stod(row[rows.column(axes[i])]);
     const std::array<double, 3> leant{r[0] * r[2], r[1] * r[2], -r[0] * r[0] - r[1] * r[1]};
     for (std::size_t i = 0; i < 3; ++i) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "core/base/low_discrepancy.hpp"
@@ -53,12 +54,6 @@ struct Candidate {
   std::size_t index;
   std::vector<DeviatingChain::Columns> columns;  // of the chain
   bool at_once = false;                          // no slow change
-
-  [[nodiscard]] Eigen::Index count() const {
-    Eigen::Index sum = 0;
-    for (const auto& part : columns) sum += part.count;
-    return sum;
-  }
 };
 
 std::vector<Candidate> candidates_of(const Evidence& evidence, const DeviatingChain& chain) {
@@ -131,7 +126,7 @@ class ScoreTest {
     const Eigen::MatrixXd& squares = slow ? sums.twice : sums.once;
     for (const Candidate& candidate : candidates) {
       if (slow && candidate.at_once) continue;
-      const std::vector<Eigen::Index> own = places_of(candidate);
+      const std::vector<Eigen::Index> own = places_of(candidate.columns);
       const Eigen::MatrixXd across = sums.once(Eigen::all, own);
       const Eigen::MatrixXd of_own = squares(own, own);
       Scored scored{.across = across,
@@ -257,10 +252,11 @@ class ScoreTest {
     return change;
   }
 
-  // Of a candidate's columns, among the unknowns of an unchanging arm.
-  [[nodiscard]] std::vector<Eigen::Index> places_of(const Candidate& candidate) const {
+  // Of columns of the chain, among the unknowns of an unchanging arm.
+  [[nodiscard]] std::vector<Eigen::Index> places_of(
+      std::span<const DeviatingChain::Columns> columns) const {
     std::vector<Eigen::Index> places;
-    for (const DeviatingChain::Columns& part : candidate.columns) {
+    for (const DeviatingChain::Columns& part : columns) {
       const auto [first, count] = arm_.place_of(part);
       for (Eigen::Index i = 0; i < count; ++i) places.push_back(first + i);
     }
@@ -283,10 +279,7 @@ class ScoreTest {
       const Eigen::VectorXd own = change.size.segment(at, part.count);
       at += part.count;
       change.after_it.segment(part.first, part.count) -= own;
-      const auto [first, count] = arm_.place_of(part);
-      std::vector<Eigen::Index> places;
-      for (Eigen::Index i = 0; i < count; ++i) places.push_back(first + i);
-      change.parts_m.push_back(moved_by(places, own, from));
+      change.parts_m.push_back(moved_by(places_of({&part, 1}), own, from));
     }
   }
 

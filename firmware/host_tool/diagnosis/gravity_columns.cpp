@@ -48,17 +48,20 @@ Eigen::Matrix3Xd GravityColumns::by_tool(const EvidenceRow& row, const Deviating
   return columns;
 }
 
-// A weight at the point that is seen turns the base about two level axes through its origin.
+// A weight at the point that is seen turns the base about two level axes. They are somewhere below
+// its origin, or above it, so that the origin is shifted as well.
 Eigen::Matrix<double, 3, GravityColumns::kLeans> GravityColumns::by_base(
     const EvidenceRow& row, const DeviatingChain& chain) const {
   const Vector3 up_S = chain.X_SB().R * model_.up_0;
   const Vector3 r_S = row.p_S - chain.X_SB().p;
-  const Vector3 moment_S = r_S.cross(-up_S);
   const Vector3 level_S = up_S.unitOrthogonal();
   Eigen::Matrix<double, 3, kLeans> columns;
-  columns.col(0) = level_S.dot(moment_S) * level_S.cross(r_S);
-  const Vector3 other_S = up_S.cross(level_S);
-  columns.col(1) = other_S.dot(moment_S) * other_S.cross(r_S);
+  Eigen::Index column = 0;
+  for (const Vector3& axis_S : {level_S, Vector3(up_S.cross(level_S))}) {
+    const double moment = axis_S.dot(r_S.cross(-up_S));
+    columns.col(column++) = moment * axis_S.cross(r_S);
+    columns.col(column++) = moment * axis_S.cross(up_S);
+  }
   return columns;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How the points of an arm move that gravity bends at its joints: one column a term, as
 // core/calibration/gravity_choice.hpp chooses them, and one a joint of a weight at the target on
-// the last link, which no term of the drawing's link frames holds. Two more are of a base that
+// the last link, which no term of the drawing's link frames holds. Four more are of a base that
 // leans under the arm, as the weight of what it carries is farther out.
 #pragma once
 
@@ -23,7 +23,7 @@ class GravityColumns {
                                     const Eigen::Matrix3Xd& J) const;
 
  private:
-  static constexpr Eigen::Index kLeans = 2;
+  static constexpr Eigen::Index kLeans = 4;  // a turn and a shift about each of two level axes
 
   [[nodiscard]] Eigen::Matrix3Xd by_tool(const EvidenceRow& row, const DeviatingChain& chain,
                                          const Eigen::Matrix3Xd& J) const;
