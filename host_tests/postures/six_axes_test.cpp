@@ -17,9 +17,11 @@ using kinematics::NamedSolution;
 using kinematics::Solutions;
 using kinematics::Verdict;
 
-constexpr double kSame = 3e-4;     // rad or m: nearer at a fold, two are one
-constexpr double kRegular = 1e-6;  // least singular value of a posture that must be listed
-constexpr double kTrue = 1e-9;     // m and rad
+constexpr double kSame = 1e-4;        // rad or m
+constexpr double kSameAtFold = 3e-4;  // nearer than this at a fold, two are one
+constexpr double kFold = 1e-2;        // least singular value of a posture at a fold
+constexpr double kRegular = 1e-6;     // least singular value of a posture that must be listed
+constexpr double kTrue = 1e-9;        // m and rad
 constexpr int kStarts = 200;
 
 struct Tally {
@@ -63,7 +65,8 @@ class Judge {
       if (one.least_singular_value < kRegular) continue;
       ++tally.postures;
       const bool found = std::ranges::any_of(listed, [&](const NamedSolution& s) {
-        return apart(arm.joints, s.solution.q, one.q) < kSame;
+        return apart(arm.joints, s.solution.q, one.q) <
+               (one.least_singular_value < kFold ? kSameAtFold : kSame);
       });
       if (!found && has_slide_outside(arm, one.q)) continue;
       if (!found) {
