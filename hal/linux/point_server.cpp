@@ -157,7 +157,7 @@ bool PointServer::receive(hal::Instant now) {
   std::array<char, 2048> bytes{};
   for (std::size_t taken = 0; taken < kMostBytes;) {
     const ssize_t count = ::recv(client_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EINTR) return false;  // there may be more
     if (count < 0 && errno == EAGAIN) return true;
     if (count <= 0) {
       client_.reset();
