@@ -321,8 +321,7 @@ std::uint8_t Beside::first_sides() const {
 std::vector<SuspectedPair> Beside::pairs() const {
   std::vector<SuspectedPair> all;
   const Eigen::Index before = first_of(Of::kCoupling);
-  // What few rows have of a load or a slip is easily a pair of joints.
-  if (!tells(prior_.size() + static_cast<Eigen::Index>(unknowns_.size()))) return all;
+  if (!tells(before + 1)) return all;
   const auto tried =
       static_cast<double>(prior_.size() + static_cast<Eigen::Index>(unknowns_.size()) - before);
   for (std::size_t k = 0; k < unknowns_.size(); ++k) {
@@ -339,6 +338,10 @@ std::vector<SuspectedPair> Beside::pairs() const {
   }
   std::ranges::sort(all, std::ranges::greater(), &SuspectedPair::nats);
   return all;
+}
+
+bool Beside::tells_pairs_apart() const {
+  return tells(prior_.size() + static_cast<Eigen::Index>(unknowns_.size()));
 }
 
 SuspectedVertical Beside::vertical() const {

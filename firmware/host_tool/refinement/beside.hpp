@@ -44,6 +44,8 @@ class Beside {
   [[nodiscard]] std::uint8_t first_sides() const;
   // Of all pairs of joints of one type that both moved, those with the most first.
   [[nodiscard]] std::vector<SuspectedPair> pairs() const;
+  // What fewer rows have of a load or a slip is easily a pair of joints.
+  [[nodiscard]] bool tells_pairs_apart() const;
   // The vertical along which weights at the link origins explain the rows best; that of the fit
   // where rows are too few. Precondition: this was asked for.
   [[nodiscard]] SuspectedVertical vertical() const;

@@ -13,8 +13,11 @@ constexpr double kWorthNamingPair = 40;
 constexpr double kSignificantRatio = 5;  // sigmas of the ratio
 constexpr std::size_t kPairsTried = 3;   // pairs, fitted in turn
 constexpr int kStepsToRatio = 3;         // to the ratio, each a fit
-// Of the mean error of rows left out.
+// Of the mean error of rows left out: where there are rows enough to tell all pairs apart, where
+// there are fewer, and where it says more than which rows are rejected.
 constexpr double kWorthCoupling = 0.95;
+constexpr double kWorthOfFew = 0.5;
+constexpr double kFarBetter = 0.67;
 
 // The arm with a coupling changed by that; none where it has no room for one more.
 std::optional<Arm> coupled(const Arm& arm, const JointCoupling& change) {
@@ -89,7 +92,10 @@ std::optional<Trial> tried(const CalibrationLog& log, const Candidate& found,
   return best;
 }
 
-bool explains_more(const Candidate& with, const Candidate& without) {
+bool explains_more(const Candidate& with, const Candidate& without, bool few) {
+  if (few) return predicts_better(with, without, kWorthOfFew);
+  // A better model has a narrower gate, which keeps fewer rows.
+  if (predicts_better(with, without, kFarBetter)) return true;
   if (taken_back(with, without) < taken_back(without, with)) return false;
   return taken_back(with, without) >= kFewestTakenBack ||
          predicts_better(with, without, kWorthCoupling);
@@ -100,7 +106,9 @@ bool explains_more(const Candidate& with, const Candidate& without) {
 std::optional<FoundCoupling> find_coupling(const CalibrationLog& log, Candidates& candidates,
                                            const Candidate& found) {
   if (!found.left_out) return std::nullopt;
-  const std::vector<SuspectedPair> pairs = candidates.beside(found).pairs();
+  const Beside beside = candidates.beside(found);
+  const std::vector<SuspectedPair> pairs = beside.pairs();
+  const bool few = !beside.tells_pairs_apart();
   std::optional<Trial> best;
   for (std::size_t k = 0; k < std::min(kPairsTried, pairs.size()); ++k) {
     const SuspectedPair& pair = pairs[k];
@@ -109,7 +117,9 @@ std::optional<FoundCoupling> find_coupling(const CalibrationLog& log, Candidates
       continue;
     }
     auto trial = tried(log, found, pair);
-    if (!trial || !trial->candidate.left_out || !explains_more(trial->candidate, found)) continue;
+    if (!trial || !trial->candidate.left_out || !explains_more(trial->candidate, found, few)) {
+      continue;
+    }
     if (!best || predicts_better(trial->candidate, best->candidate, 1)) best = std::move(trial);
   }
   if (!best) return std::nullopt;
