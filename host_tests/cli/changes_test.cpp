@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "host_tests/cli/refined_arm.hpp"
 
@@ -14,13 +15,14 @@ namespace {
 constexpr std::size_t kMeasured = 80;
 
 // Poses of a Puma whose target is at `target`, always the same ones with the same noise.
-Csv poses(const Folder& folder, const std::string& target = "80,30,120") {
+Csv poses(const Folder& folder, const std::string& target = "80,30,120",
+          const std::string& options = "") {
   write_file(folder / "arm.yaml", kPuma560);
   const Outcome outcome = run_tool(
       folder,
       "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.05 --points 2 --arc 30 --seed 5 "
       "--free-poses 80 --out poses.csv --flange-target-mm " +
-          target);
+          target + " " + options);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   Csv rows = Csv::read(folder / "poses.csv");
   keep_mixed(rows);
@@ -68,6 +70,24 @@ TEST(Changes, of_an_encoder_are_told_by_joint_row_and_size) {
   Csv rows = poses(folder);
   change(rows, "q2_deg", [](double q, double share) { return share < 0.5 ? q : q + 0.1; });
   expect_said(refine(folder, rows), 1, "from line 42 on the reading of joint 2 is off by +0.1");
+}
+
+TEST(Changes, of_a_gear_are_told_by_joint_row_and_ratio) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  change(rows, "q3_deg", [](double q, double share) { return share < 0.5 ? q : q / 1.004; });
+  expect_said(refine(folder, rows), 1,
+              "from line 42 on joint 3 turns 1.0040 times as far for the same reading");
+}
+
+TEST(Changes, of_the_load_are_told_by_row_and_size) {
+  const Folder folder;
+  const Csv before = poses(folder, "80,30,120", "--deflection-mm 1");
+  Csv after = poses(folder, "80,30,120", "--deflection-mm 4");
+  std::copy_n(before.rows.begin(), kMeasured / 2, after.rows.begin());
+  const Outcome outcome = refine(folder, after);
+  EXPECT_NE(outcome.err.find("the arm bends otherwise, by "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("carries the same load"), std::string::npos) << outcome.err;
 }
 
 TEST(Changes, of_a_target_that_slips_are_told_by_row_and_size) {
@@ -138,6 +158,35 @@ TEST(Changes, of_all_lengths_are_told_as_growth) {
            [&](double x, double share) { return at + (x - at) * (1 + 600e-6 * share); });
   }
   expect_said(refine(folder, rows), 0, "all lengths grow by 6");
+}
+
+TEST(Changes, of_all_that_the_sensor_sees_are_told_from_an_arm_that_grows) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  for (const char* axis : {"x_mm", "y_mm", "z_mm"}) {
+    change(rows, axis, [](double x, double share) { return x * (1 + 600e-6 * share); });
+  }
+  const Outcome outcome = refine(folder, rows);
+  EXPECT_NE(outcome.err.find("all lengths that the sensor sees grow by "), std::string::npos)
+      << outcome.err;
+}
+
+// No change either: each position was taken when 0.4 % of the way from the row before were left.
+TEST(Changes, are_told_from_positions_that_lag_the_readings) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  constexpr double kLeft = 0.004;
+  for (const char* reading : {"q1_deg", "q2_deg", "q3_deg", "q4_deg", "q5_deg", "q6_deg"}) {
+    std::optional<double> before;
+    change(rows, reading, [&](double there, double) {
+      const double read = before ? (there - kLeft * *before) / (1 - kLeft) : there;
+      before = read;
+      return read;
+    });
+  }
+  const Outcome outcome = refine(folder, rows);
+  EXPECT_NE(outcome.err.find("the positions lag the joint readings: by 0."), std::string::npos)
+      << outcome.err;
 }
 
 // No change: the sensor sees one direction too long from the first row to the last.

@@ -22,7 +22,7 @@ void simulate(const Folder& folder, const std::string& options) {
 
 constexpr const char* kIdentify = "identify --arm puma560 --measurements m.csv --out s.yaml ";
 
-json identified(const Folder& folder, const std::string& options) {
+json found_by(const Folder& folder, const std::string& options) {
   const Outcome outcome = run_tool(folder, kIdentify + options + " --json");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   return outcome.status == 0 ? json::parse(outcome.out) : json();
@@ -36,11 +36,11 @@ TEST(DefaultMethod, uses_free_poses_and_says_so) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25 --free-poses 30"));
   write_joint_poses(Csv::read(folder / "m.csv"), folder / "q.csv");
-  const json best = identified(folder, "");
+  const json best = found_by(folder, "");
   EXPECT_EQ(best["method"], "refined");
   EXPECT_EQ(best["why_method"], "which uses the 30 free poses (sweep 0) too");
   const double by_default_m = tool_error_m(folder);
-  EXPECT_EQ(identified(folder, "--method encoder")["why_method"], "");
+  EXPECT_EQ(found_by(folder, "--method encoder")["why_method"], "");
   EXPECT_LT(3 * by_default_m, tool_error_m(folder));
   const std::string text = run_tool(folder, kIdentify).out;
   EXPECT_NE(text.find("the refined method, which uses the 30 free poses (sweep 0) too"),
@@ -51,10 +51,10 @@ TEST(DefaultMethod, uses_free_poses_and_says_so) {
 TEST(DefaultMethod, goes_by_features_where_there_are_sweeps_alone) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 25"));
-  const json best = identified(folder, "");
+  const json best = found_by(folder, "");
   EXPECT_EQ(best["method"], "encoder");
   EXPECT_EQ(best["why_method"], "as there are no free poses (sweep 0)");
-  EXPECT_EQ(identified(folder, "--correct gain")["method"], "refined");
+  EXPECT_EQ(found_by(folder, "--correct gain")["method"], "refined");
 }
 
 // A free pose in which the target was not seen says nothing.
@@ -67,7 +67,7 @@ TEST(DefaultMethod, does_not_count_poses_that_were_not_seen) {
     for (const char* axis : {"x_mm", "y_mm", "z_mm"}) row[rows.column(axis)].clear();
   }
   rows.write(folder / "m.csv");
-  EXPECT_EQ(identified(folder, "")["method"], "encoder");
+  EXPECT_EQ(found_by(folder, "")["method"], "encoder");
 }
 
 TEST(DefaultMethod, keeps_to_features_where_free_poses_cannot_be_known) {
@@ -88,7 +88,7 @@ TEST(DefaultMethod, keeps_to_features_where_free_poses_cannot_be_known) {
 TEST(DefaultMethod, sees_the_free_poses_of_a_file_of_any_length) {
   const Folder folder;
   ASSERT_NO_FATAL_FAILURE(simulate(folder, "--points 3400 --free-poses 30"));
-  const json many = identified(folder, "");
+  const json many = found_by(folder, "");
   EXPECT_EQ(many["method"], "refined");
   EXPECT_EQ(many["why_method"], "which uses the free poses (sweep 0) too");
 }

@@ -67,10 +67,20 @@ std::string change_in_words(const Change& change, const Arm& arm) {
                                change.index + 1, by, at)
                  : fmt::format("{} the axis after joint {} stands elsewhere, and the target by {}",
                                at, change.index + 1, by);
+    case Change::Of::kLoad:
+      return fmt::format("{} the arm bends otherwise, by {}", at, by);
+    case Change::Of::kGear:
+      return fmt::format("{} joint {} {} {:.4f} times as far for the same reading", at,
+                         change.index + 1,
+                         arm.joints[change.index].type == JointType::kPrismatic ? "moves" : "turns",
+                         1 + change.size[0]);
     case Change::Of::kLengths:
-      return fmt::format("{} all lengths {} by {:.0f} ppm", at,
+    case Change::Of::kSight:
+      return fmt::format("{} all lengths {}{} by {:.0f} ppm", at,
+                         change.of == Change::Of::kSight ? "that the sensor sees " : "",
                          change.size[0] > 0 ? "grow" : "shrink", 1e6 * std::abs(change.size[0]));
     case Change::Of::kStrain:
+    case Change::Of::kLag:
       break;
   }
   return {};
@@ -92,6 +102,11 @@ std::string in_words(const Change& change, const Arm& arm) {
   if (change.of == Change::Of::kStrain) {
     return "the sensor's axes are not of one scale: " + strain_in_words(change.size);
   }
+  if (change.of == Change::Of::kLag) {
+    return fmt::format(
+        "the positions lag the joint readings: by {:.2f} % of the way from the row before",
+        1e2 * change.size[0]);
+  }
   return "something changed while the arm was measured: " + change_in_words(change, arm);
 }
 
@@ -111,10 +126,19 @@ std::string mend_of(const Change& change) {
     case Change::Of::kZero:
       return fmt::format("a look at the encoder of joint {} and how it is clamped",
                          change.index + 1);
+    case Change::Of::kLoad:
     case Change::Of::kLink:
       return "an arm that carries the same load all along, and touched nothing";
+    case Change::Of::kGear:
+      return fmt::format(
+          "a look at the gear of joint {}, and at what was set in its drive before that line",
+          change.index + 1);
     case Change::Of::kLengths:
+    case Change::Of::kSight:
       return "arm and sensor warm before the first row is measured";
+    case Change::Of::kLag:
+      return "positions taken when the arm has come to rest, or one clock for positions and "
+             "readings";
     case Change::Of::kStrain:
       return "a look at the sensor: its calibration, the places of its receivers or cameras";
   }

@@ -8,7 +8,6 @@
 
 #include "core/base/low_discrepancy.hpp"
 #include "firmware/host_tool/diagnosis/reading_order.hpp"
-#include "firmware/host_tool/diagnosis/slide_leads.hpp"
 #include "firmware/host_tool/diagnosis/unchanging_arm.hpp"
 
 namespace armsig::tool {
@@ -25,6 +24,9 @@ constexpr std::size_t kFewestRows = 24;
 constexpr std::size_t kFewestOfPart = 4;  // rows before and after
 constexpr double kFarthest = 30;
 constexpr double kUsualSize = 0.03;  // of a change, 1 sigma: metres, radians, a share
+// Of the difference between two axes of a sensor. A test of first order tells nothing of more, and
+// no sensor has it.
+constexpr double kLargestStrain = 0.1;
 
 // How much less usual than a sensor that was moved, as a logarithm of odds. An arm or a sensor that
 // imitates another cause exactly is thereby named by the most usual one.
@@ -37,9 +39,14 @@ double surprise(Change::Of of) {
     case Change::Of::kZero:
       return 2;
     case Change::Of::kSensorAndTarget:
+    case Change::Of::kLoad:
       return 3;
     case Change::Of::kZeros:
       return 4;
+    case Change::Of::kGear:
+    case Change::Of::kSight:
+    case Change::Of::kLag:
+      return 5;
     case Change::Of::kLengths:
       return 6;
     case Change::Of::kLink:
@@ -52,22 +59,26 @@ double surprise(Change::Of of) {
 struct Candidate {
   Change::Of of;
   std::size_t index;
-  std::vector<DeviatingChain::Columns> columns;  // of the chain
+  std::vector<DeviatingChain::Columns> columns;  // of the chain, or beyond them
   bool at_once = false;                          // no slow change
 };
 
-std::vector<Candidate> candidates_of(const Evidence& evidence, const DeviatingChain& chain) {
+std::vector<Candidate> candidates_of(const Evidence& evidence, const DeviatingChain& chain,
+                                     const UnchangingArm& arm) {
   std::vector<Candidate> all{{Change::Of::kSensor, 0, {chain.of_base()}},
-                             {Change::Of::kLengths, 0, {chain.of_lengths()}}};
+                             {Change::Of::kLengths, 0, {chain.of_lengths()}},
+                             {Change::Of::kSight, 0, {arm.of_sight()}}};
   Candidate zeros{Change::Of::kZeros, 0, {}, true};
   for (std::size_t j = 0; j < evidence.arm.joints.size(); ++j) {
     zeros.columns.push_back(chain.of_zero(j));
     all.push_back({Change::Of::kZero, j, {chain.of_zero(j)}});
+    all.push_back({Change::Of::kGear, j, {arm.of_gear(j)}, true});
     if (j + 1 < evidence.arm.joints.size()) {
       all.push_back({Change::Of::kLink, j, {chain.of_link(j)}});
     }
   }
   all.push_back(zeros);
+  all.push_back({Change::Of::kLoad, 0, {arm.of_load()}, true});
   for (std::size_t t = 0; t < chain.targets().size(); ++t) {
     const auto number = static_cast<std::size_t>(chain.targets()[t].number);
     all.push_back({Change::Of::kTarget, number, {chain.of_target(t)}});
@@ -111,7 +122,6 @@ class ScoreTest {
       : evidence_(evidence),
         chain_(chain),
         residuals_(residuals_S),
-        leads_(evidence),
         order_(evidence),
         arm_(evidence, chain, residuals_S) {}
 
@@ -120,6 +130,8 @@ class ScoreTest {
   [[nodiscard]] bool is_computed() const {
     return !(arm_.squares() > kComputed_m * kComputed_m * arm_.weight());
   }
+
+  [[nodiscard]] const UnchangingArm& arm() const { return arm_; }
 
   void consider(const std::vector<Candidate>& candidates, const Sums& sums, bool slow,
                 std::size_t from) {
@@ -148,43 +160,35 @@ class ScoreTest {
     }
   }
 
-  // A strain is no unknown of the arm: rows know it by where they are. What leads of slides can do
-  // as well is not the sensor's.
-  [[nodiscard]] Change strain() const {
+  // A strain is no unknown of the arm: rows know it by where they are.
+  [[nodiscard]] std::optional<Change> strain() const {
     Vector3 middle = Vector3::Zero();
     for (const EvidenceRow& row : evidence_.rows) middle += row.p_S;
     middle /= static_cast<double>(evidence_.rows.size());
-    const Eigen::Index leads = leads_.count();
-    Eigen::MatrixXd across = Eigen::MatrixXd::Zero(arm_.size(), leads + kStrains);
-    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(leads + kStrains, leads + kStrains);
-    Eigen::VectorXd score = Eigen::VectorXd::Zero(leads + kStrains);
-    Eigen::Matrix3Xd of_chain(3, chain_.all().count);
-    Eigen::Matrix3Xd E(3, leads + kStrains);
-    for (std::size_t k = 0; k < arm_.rows(); ++k) {
-      const EvidenceRow& row = evidence_.rows[k];
-      chain_.derivatives(row, of_chain);
-      E << leads_.of(row, chain_, of_chain), moved_by_strains(row.p_S - middle);
-      across.noalias() += arm_.weight(k) * (arm_.derivatives(k).transpose() * E);
-      own.noalias() += arm_.weight(k) * (E.transpose() * E);
-      score.noalias() += arm_.weight(k) * (E.transpose() * residuals_[k]);
-    }
-    const Eigen::MatrixXd left = own - across.transpose() * arm_.inverse() * across;
-    Scored scored{.across = across.rightCols(kStrains),
-                  .usual = own.bottomRightCorner(kStrains, kStrains),
-                  .left = left.bottomRightCorner(kStrains, kStrains),
-                  .score = (score - across.transpose() * arm_.step()).tail(kStrains)};
-    take_out_leads(left, score - across.transpose() * arm_.step(), scored);
-    score_of(scored, 1);
-    scored.evidence -= surprise(Change::Of::kStrain);
-    double squares = 0;
-    for (const EvidenceRow& row : evidence_.rows) {
-      squares += (strain_of(scored.size) * (row.p_S - middle)).squaredNorm();
-    }
-    Change found = change_of(scored);
-    found.of = Change::Of::kStrain;
-    found.first_line = evidence_.rows.front().line;
-    found.shift_m = std::sqrt(squares / static_cast<double>(evidence_.rows.size()));
+    std::vector<Eigen::Matrix3Xd> moved;
+    for (const EvidenceRow& row : evidence_.rows)
+      moved.push_back(moved_by_strains(row.p_S - middle));
+    const Change found = all_along(Change::Of::kStrain, moved);
+    const Vector3 along_axes = strain_of(found.size).selfadjointView<Eigen::Lower>().eigenvalues();
+    if (along_axes.maxCoeff() - along_axes.minCoeff() > kLargestStrain) return std::nullopt;
     return found;
+  }
+
+  // Positions that were taken while the arm was still on its way from the row before: by one share
+  // of the way of all joints.
+  [[nodiscard]] Change lag() const {
+    std::vector<Eigen::Matrix3Xd> moved;
+    for (const EvidenceRow& row : evidence_.rows) {
+      moved.emplace_back(Vector3::Zero());
+      if (row.q_before.empty()) continue;
+      const JointVector there = effective_readings(evidence_.arm, row.q);
+      const JointVector before = effective_readings(evidence_.arm, row.q_before);
+      const Eigen::Matrix3Xd motions = chain_.motions(row);
+      for (std::size_t j = 0; j < there.size(); ++j) {
+        moved.back() += (before[j] - there[j]) * motions.col(static_cast<Eigen::Index>(j));
+      }
+    }
+    return all_along(Change::Of::kLag, moved);
   }
 
   std::optional<Change> run(const std::vector<Candidate>& candidates) {
@@ -218,6 +222,32 @@ class ScoreTest {
     double evidence = 0;
   };
 
+  // `moved`: how each row is moved, a column an unknown that an arm does not have.
+  [[nodiscard]] Change all_along(Change::Of of, const std::vector<Eigen::Matrix3Xd>& moved) const {
+    const Eigen::Index own = moved.back().cols();
+    Eigen::MatrixXd across = Eigen::MatrixXd::Zero(arm_.size(), own);
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(own, own);
+    Eigen::VectorXd score = Eigen::VectorXd::Zero(own);
+    for (std::size_t k = 0; k < arm_.rows(); ++k) {
+      across.noalias() += arm_.weight(k) * (arm_.derivatives(k).transpose() * moved[k]);
+      squares.noalias() += arm_.weight(k) * (moved[k].transpose() * moved[k]);
+      score.noalias() += arm_.weight(k) * (moved[k].transpose() * residuals_[k]);
+    }
+    Scored scored{.across = across,
+                  .usual = squares,
+                  .left = squares - across.transpose() * arm_.inverse() * across,
+                  .score = score - across.transpose() * arm_.step()};
+    score_of(scored, 1);
+    scored.evidence -= surprise(of);
+    Change found = change_of(scored);
+    found.of = of;
+    found.first_line = evidence_.rows.front().line;
+    double moved_squares = 0;
+    for (const Eigen::Matrix3Xd& row : moved) moved_squares += (row * found.size).squaredNorm();
+    found.shift_m = std::sqrt(moved_squares / static_cast<double>(moved.size()));
+    return found;
+  }
+
   void score_of(Scored& scored, std::size_t candidates) const {
     constexpr double kWeight = 1 / (kUsualSize * kUsualSize);
     scored.usual.diagonal().array() += kWeight;
@@ -247,7 +277,8 @@ class ScoreTest {
     change.before_m = std::sqrt(arm_.squares() / arm_.weight());
     change.after_m = std::sqrt((arm_.squares() - scored.gain) / arm_.weight());
     change.evidence = scored.evidence;
-    change.before_it = arm_.without_gravity(scored.across * scored.size);
+    change.before_it = Eigen::VectorXd::Zero(chain_.all().count + arm_.beyond_chain());
+    change.before_it.head(chain_.all().count) = arm_.without_gravity(scored.across * scored.size);
     change.after_it = change.before_it;
     return change;
   }
@@ -283,24 +314,9 @@ class ScoreTest {
     }
   }
 
-  // `left`, `score`: of leads and strains, what an unchanging arm can do taken out.
-  void take_out_leads(const Eigen::MatrixXd& left, const Eigen::VectorXd& score,
-                      Scored& scored) const {
-    const Eigen::Index leads = leads_.count();
-    if (leads == 0) return;
-    constexpr double kWeight = 1 / (kUsualSize * kUsualSize);
-    Eigen::MatrixXd of_leads = left.topLeftCorner(leads, leads);
-    of_leads.diagonal().array() += kWeight;
-    const Eigen::MatrixXd inverse = inverse_of(of_leads, of_leads.diagonal());
-    const Eigen::MatrixXd across = left.topRightCorner(leads, kStrains);
-    scored.left -= across.transpose() * inverse * across;
-    scored.score -= across.transpose() * inverse * score.head(leads);
-  }
-
   const Evidence& evidence_;
   const DeviatingChain& chain_;
   const std::vector<Vector3>& residuals_;
-  SlideLeads leads_;
   ReadingOrder order_;
   UnchangingArm arm_;
   std::optional<Change> best_;
@@ -313,9 +329,12 @@ std::optional<Change> likeliest_change(const Evidence& evidence, const Deviating
   if (evidence.rows.size() < kFewestRows) return std::nullopt;
   ScoreTest test(evidence, chain, residuals_S);
   if (test.is_computed()) return std::nullopt;
-  auto change = test.run(candidates_of(evidence, chain));
-  const Change strain = test.strain();
-  if (!change || strain.evidence > change->evidence) change = strain;
+  auto change = test.run(candidates_of(evidence, chain, test.arm()));
+  const auto take = [&](const Change& other) {
+    if (!change || other.evidence > change->evidence) change = other;
+  };
+  take(test.lag());
+  if (const auto strain = test.strain()) take(*strain);
   if (!change || !(change->evidence > 0)) return std::nullopt;
   return change;
 }
@@ -327,14 +346,20 @@ std::vector<Vector3> moved_by_change(const Change& change, const Evidence& evide
   if (tool == chain.targets().end()) return {};
   EvidenceRow row;
   row.target = tool->number;
+  const GravityColumns gravity(evidence.arm);
   Eigen::Matrix3Xd J(3, chain.all().count);
+  Eigen::Matrix3Xd whole(3, change.before_it.size());
   std::vector<Vector3> before;
   std::vector<Vector3> after;
   for (int k = 1; k <= kJudgedConfigurations; ++k) {
     row.q = work_configuration(types_of(evidence.arm.joints), evidence.arm.limits, k);
     chain.derivatives(row, J);
-    before.emplace_back(J * change.before_it);
-    after.emplace_back(J * change.after_it);
+    const Vector3 from_base_S = J.col(chain.of_lengths().first);
+    row.p_S = chain.X_SB().p + from_base_S;
+    // The base goes along with what the sensor sees: of it only the arm's lengths are wrong.
+    whole << J, gravity.of(row, chain, J), by_gears(evidence.arm, chain, row), from_base_S;
+    before.emplace_back(whole * change.before_it);
+    after.emplace_back(whole * change.after_it);
   }
   return rms_length(before) > rms_length(after) ? before : after;
 }

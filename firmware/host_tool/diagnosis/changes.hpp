@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What changed while the arm was measured: at once from one row on, or slowly from the first row to
-// the last; or what was wrong with the sensor all along: axes of different scale. A score test: the
-// residuals of an arm that stays as it is, against what each change would make of them, all that an
-// unchanging arm could do about it taken out.
+// the last; or what was wrong all along: a sensor with axes of different scale, positions that were
+// taken before the arm had come to rest. A score test: the residuals of an arm that stays as it is,
+// against what each change would make of them, all that an unchanging arm could do about it taken
+// out.
 #pragma once
 
 #include <cstddef>
@@ -15,21 +16,36 @@
 namespace armsig::tool {
 
 struct Change {
-  enum class Of { kSensor, kTarget, kSensorAndTarget, kZero, kZeros, kLink, kLengths, kStrain };
+  // kLengths: of the arm, from its base; kSight: all that is seen, from the sensor's origin.
+  enum class Of {
+    kSensor,
+    kTarget,
+    kSensorAndTarget,
+    kZero,
+    kZeros,
+    kLink,
+    kGear,
+    kLoad,
+    kLengths,
+    kSight,
+    kStrain,
+    kLag,
+  };
   Of of = Of::kSensor;
   std::size_t index = 0;       // of the joint, from 0, or the number of the target
   bool slow = false;           // grows from the first row to the last
   std::size_t first_line = 0;  // from which on
   std::size_t last_line = 0;
-  Eigen::VectorXd size;   // turns and shifts, the number of each zero or of a factor, or strains
-  Eigen::VectorXd sigma;  // of each of these
-  double shift_m = 0;     // by which the rows are moved in the end, RMS
+  // Turns and shifts, the number of each zero, a share of what was read or seen, or strains.
+  Eigen::VectorXd size;
+  Eigen::VectorXd sigma;        // of each of these
+  double shift_m = 0;           // by which the rows are moved in the end, RMS
   std::vector<double> parts_m;  // the same by the sensor and by the target, or by each zero
   double before_m = 0;          // what an unchanging arm misses the rows by, RMS
   double after_m = 0;           // and what is left with the change
   double evidence = 0;          // logarithm of the ratio of likelihoods, the number tried counted
   // By which the unchanging arm is off from what was there before it, and in the end: unknowns of
-  // the chain.
+  // the chain, then of the UnchangingArm beyond it.
   Eigen::VectorXd before_it;
   Eigen::VectorXd after_it;
 

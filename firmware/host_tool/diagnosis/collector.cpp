@@ -2,6 +2,7 @@
 #include "firmware/host_tool/diagnosis/collector.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "firmware/host_tool/reading/ranging.hpp"
 
@@ -16,9 +17,11 @@ EvidenceCollector::EvidenceCollector(const Arm& drawing, std::optional<SensorDes
     : sensor_(std::move(sensor)), evidence_{drawing, {}, false} {}
 
 void EvidenceCollector::add(const MeasurementRow& row) {
+  const JointVector before = std::exchange(before_, row.q);
   phase_ = std::fmod(phase_ + kGoldenShare, 1.0);
   if (thinning_ > 0 && phase_ >= std::ldexp(1.0, -static_cast<int>(thinning_))) return;
-  EvidenceRow kept{.line = row.line, .sweep = row.sweep, .target = row.target, .q = row.q};
+  EvidenceRow kept{
+      .line = row.line, .sweep = row.sweep, .target = row.target, .q = row.q, .q_before = before};
   if (row.p_S) {
     kept.p_S = *row.p_S;
     kept.covariance_m2 = std::pow(row.sigma_m.value_or(0), 2) * Matrix3::Identity();

@@ -22,6 +22,7 @@ class EvidenceCollector {
  private:
   std::optional<SensorDescription> sensor_;
   Evidence evidence_;
+  JointVector before_;  // readings of the row before
   // One of every 2^thinning_ rows is kept, chosen without a period.
   std::uint32_t thinning_ = 0;
   double phase_ = 0;

@@ -178,10 +178,9 @@ void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
   J.setZero();
   const std::size_t last = targets_[target].link;
   const Placed at = placed(effective(row.q), last);
-  const Matrix3 R_seen = row.moved ? Matrix3(X_SM_.R * X_SB_.R) : X_SB_.R;
-  const Seen seen{.p_B = at.drawn[last] * p_LT_[target], .R = scale() * R_seen};
+  const Seen seen = seen_of(row, target, at);
   seen.turn_and_shift(Matrix3::Identity(), Vector3::Zero(), 0, J);
-  J.middleCols<3>(3) = R_seen;
+  J.middleCols<3>(3) = seen.R / scale();
   J.col(kScale) = seen.R * seen.p_B;
   if (row.moved) {
     const Vector3 p_S = X_SB_ * (scale() * seen.p_B);
@@ -195,6 +194,31 @@ void DeviatingChain::derivatives(const EvidenceRow& row, std::size_t target,
   J.middleCols<3>(target_column(target)) = seen.R * at.drawn[last].R;
 }
 
+DeviatingChain::Seen DeviatingChain::seen_of(const EvidenceRow& row, std::size_t target,
+                                             const Placed& at) const {
+  const Matrix3 R_seen = row.moved ? Matrix3(X_SM_.R * X_SB_.R) : X_SB_.R;
+  return {.p_B = at.drawn[targets_[target].link] * p_LT_[target], .R = scale() * R_seen};
+}
+
+Vector3 DeviatingChain::motion(const Placed& at, std::size_t joint, const Seen& seen) const {
+  const Pose& X_BJ = at.full[joint];
+  const Vector3 z = X_BJ.R.col(2);
+  const bool revolute = links_[joint].drawn.type == JointType::kRevolute;
+  return seen.R * (revolute ? Vector3(z.cross(seen.p_B - X_BJ.p)) : z);
+}
+
+Eigen::Matrix3Xd DeviatingChain::motions(const EvidenceRow& row) const {
+  const std::size_t target = target_of(row.target);
+  const std::size_t last = targets_[target].link;
+  const Placed at = placed(effective(row.q), last);
+  const Seen seen = seen_of(row, target, at);
+  Eigen::Matrix3Xd motions = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(links_.size()));
+  for (std::size_t j = 0; j < last; ++j) {
+    motions.col(static_cast<Eigen::Index>(j)) = motion(at, j, seen);
+  }
+  return motions;
+}
+
 void DeviatingChain::link_derivatives(const Placed& at, std::size_t last, const Seen& seen,
                                       Eigen::Matrix3Xd& J) const {
   for (std::size_t k = 1; k < last; ++k) {
@@ -203,9 +227,7 @@ void DeviatingChain::link_derivatives(const Placed& at, std::size_t last, const 
     const Pose& before = at.drawn[k];
     seen.turn_and_shift(before.R, before * (link.centre_L + Vector3(link.deviation.segment<3>(3))),
                         column, J);
-    const Vector3 z = at.full[k - 1].R.col(2);
-    const bool revolute = link.drawn.type == JointType::kRevolute;
-    J.col(column + 6) = seen.R * (revolute ? Vector3(z.cross(seen.p_B - at.full[k - 1].p)) : z);
+    J.col(column + 6) = motion(at, k - 1, seen);
     if (twists(k - 1)) {
       J.col(column + 7) = seen.R * before.R.col(0).cross(seen.p_B - before.p);
     }
@@ -216,10 +238,9 @@ void DeviatingChain::link_derivatives(const Placed& at, std::size_t last, const 
 Vector3 DeviatingChain::turn_derivative(const Placed& at, std::size_t last, const Seen& seen,
                                         const JointVector& turned) const {
   Vector3 derivative = Vector3::Zero();
-  for (std::size_t k = 1; k <= last; ++k) {
-    if (links_[k - 1].drawn.type != JointType::kRevolute) continue;
-    const Pose& before = at.full[k - 1];
-    derivative += turned[k - 1] * (seen.R * Vector3(before.R.col(2)).cross(seen.p_B - before.p));
+  for (std::size_t j = 0; j < last; ++j) {
+    if (links_[j].drawn.type != JointType::kRevolute) continue;
+    derivative += turned[j] * motion(at, j, seen);
   }
   return derivative;
 }

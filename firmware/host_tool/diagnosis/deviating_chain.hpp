@@ -62,6 +62,8 @@ class DeviatingChain {
   void derivatives(const EvidenceRow& row, Eigen::Matrix3Xd& J) const {
     derivatives(row, target_of(row.target), J);
   }
+  // The same by what each joint turns or slides: a column a joint, zero beyond the target's link.
+  [[nodiscard]] Eigen::Matrix3Xd motions(const EvidenceRow& row) const;
 
   [[nodiscard]] std::vector<Deviation> deviations() const;
   [[nodiscard]] double reach_m() const { return reach_m_; }
@@ -124,6 +126,8 @@ class DeviatingChain {
   void derivatives(const EvidenceRow& row, std::size_t target, Eigen::Matrix3Xd& J) const;
   void link_derivatives(const Placed& at, std::size_t last, const Seen& seen,
                         Eigen::Matrix3Xd& J) const;
+  [[nodiscard]] Seen seen_of(const EvidenceRow& row, std::size_t target, const Placed& at) const;
+  [[nodiscard]] Vector3 motion(const Placed& at, std::size_t joint, const Seen& seen) const;
   [[nodiscard]] Vector3 turn_derivative(const Placed& at, std::size_t last, const Seen& seen,
                                         const JointVector& turned) const;
   // How far the joints turn for what was read, couplings applied; and of it what the factor acts

@@ -9,6 +9,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/calibration/standing_still.hpp"
+
 namespace armsig::tool {
 namespace {
 
@@ -138,6 +140,12 @@ std::vector<SeenTarget> seen_targets(const Evidence& evidence) {
   std::vector<SeenTarget> targets;
   for (const auto& [number, link] : links) targets.push_back({number, link});
   return targets;
+}
+
+bool has_moved(const Evidence& evidence, std::size_t joint) {
+  return !calibration::stood_still(
+      evidence.rows, [](const EvidenceRow& row) { return row.q; }, joint,
+      evidence.arm.joints[joint].type);
 }
 
 Evidence thinned(const Evidence& evidence, std::size_t most) {

@@ -44,7 +44,8 @@ struct EvidenceRow {
   std::size_t line = 0;   // of the file, from 1
   std::size_t sweep = 0;  // joint number from 1; 0: any joint may have moved
   int target = 0;
-  JointVector q;  // as read: couplings not applied; radians or metres
+  JointVector q;              // as read: couplings not applied; radians or metres
+  JointVector q_before = {};  // the same of the row before in the file; empty in the first
   Vector3 p_S = Vector3::Zero();
   // Of the position, by the sigma that the row states for it or for its ranges; zero where it
   // states none.
@@ -72,6 +73,9 @@ struct SeenTarget {
   std::size_t link = 0;
 };
 [[nodiscard]] std::vector<SeenTarget> seen_targets(const Evidence& evidence);
+
+// No row shows a gear or a coupling of a joint that stood still.
+[[nodiscard]] bool has_moved(const Evidence& evidence, std::size_t joint);
 
 // At most `most` of the rows, spread over all of them.
 [[nodiscard]] Evidence thinned(const Evidence& evidence, std::size_t most);

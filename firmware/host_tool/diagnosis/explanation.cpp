@@ -14,10 +14,11 @@
 
 #include <fmt/core.h>
 
-#include "core/calibration/standing_still.hpp"
+#include "firmware/host_tool/diagnosis/broken_rows.hpp"
 #include "firmware/host_tool/diagnosis/common_scale.hpp"
 #include "firmware/host_tool/diagnosis/hypothesis.hpp"
 #include "firmware/host_tool/diagnosis/moved.hpp"
+#include "firmware/host_tool/diagnosis/unstated_coupling.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -39,6 +40,13 @@ constexpr double kAsNoise = 1.15;  // what no other cause can better
 constexpr double kStrange = 0.25;
 constexpr double kSurprise = 0.5;
 constexpr double kAsBefore = 0.8;
+// Two causes with one and the same fit, and nearly as usual: no row tells which it is.
+constexpr double kSameFit = 1e-3;
+constexpr double kNearlyAsUsual = 0.5;  // of the score
+// A larger factor, or one that is smaller than one by it, is a unit.
+constexpr double kLargestFactor = 2.5;
+// Smaller ratios of couplings are no mistake of a description.
+constexpr double kLeastRatio = 2e-3;
 constexpr std::array<double, 3> kSizes{1, 0.75, 1.33};  // to look for a factor from
 // Arms from here to there are built.
 constexpr double kShortestReach_m = 0.15;
@@ -90,6 +98,7 @@ struct Tried {
   NearFit fit;
   double score = std::numeric_limits<double>::infinity();
   Explanation explanation;
+  std::optional<Explanation> as_well;  // another cause, with one and the same fit
 };
 
 std::string fits_within(const NearFit& fit, const NearFit& before) {
@@ -116,6 +125,7 @@ class Search {
 
   void try_hypotheses() {
     std::vector<Hypothesis> all = hypotheses_of_rows(evidence_);
+    for (const Hypothesis& hypothesis : hypotheses_of_frozen_rows(evidence_)) try_one(hypothesis);
     for (auto* more : {&hypotheses_of_readings, &hypotheses_of_arm}) {
       std::ranges::move((*more)(evidence_), std::back_inserter(all));
     }
@@ -136,7 +146,7 @@ class Search {
   void try_factors() {
     for (const double start : kSizes) {
       const auto scale = common_scale(evidence_, before_, limits_, start);
-      if (!scale) continue;
+      if (!scale || scale->factor > kLargestFactor || scale->factor * kLargestFactor < 1) continue;
       take(scale->undone, scale->fit, 0.9,
            {.words = fmt::format(
                 "all lengths seen are {:.4f} times those of the nominal model: divided by "
@@ -146,16 +156,36 @@ class Search {
     }
     std::uint32_t turning = 0;
     for (std::size_t j = 0; j < evidence_.arm.joints.size(); ++j) {
-      const JointType type = evidence_.arm.joints[j].type;
-      const auto readings = [](const EvidenceRow& row) { return row.q; };
-      if (type != JointType::kRevolute ||
-          calibration::stood_still(evidence_.rows, readings, j, type)) {
+      if (evidence_.arm.joints[j].type != JointType::kRevolute || !has_moved(evidence_, j)) {
         continue;
       }
       turning |= 1U << j;
       try_gain(1U << j, fmt::format("the reading of joint {} is", j + 1), 1);
     }
     if (std::popcount(turning) > 1) try_gain(turning, "the joint readings are", 0.9);
+  }
+
+  void try_coupling() {
+    const auto found = find_unstated_coupling(evidence_, limits_);
+    if (!found || std::abs(found->ratio) < kLeastRatio) return;
+    take(found->undone, found->fit, 1,
+         {.words = fmt::format("joint {} follows joint {} by {:+.4f} of its reading, which the arm "
+                               "description does not say: with it {}",
+                               found->joint + 1, found->from + 1, found->ratio,
+                               fits_within(found->fit, before_)),
+          .mend = "state it in the arm description: " +
+                  coupling_line(found->joint, found->from, found->ratio)});
+  }
+
+  void try_broken_rows() {
+    const auto found = find_broken_rows(evidence_, limits_);
+    if (!found) return;
+    const auto fit = fit_near(found->undone, limits_);
+    if (!fit) return;
+    take(found->undone, *fit, found->surprise,
+         {.words = fmt::format("in lines {} to {} {}: {} {}", found->first_line, found->last_line,
+                               found->cause, found->undoing, fits_within(*fit, before_)),
+          .mend = found->mend});
   }
 
   void try_moves() {
@@ -181,7 +211,12 @@ class Search {
 
   [[nodiscard]] std::optional<Explanation> best() const {
     if (!std::isfinite(best_.score)) return std::nullopt;
-    return best_.explanation;
+    Explanation best = best_.explanation;
+    if (best_.as_well) {
+      best.words += "; or " + best_.as_well->words;
+      best.mend += "; or " + best_.as_well->mend;
+    }
+    return best;
   }
   // As good as noise allows: nothing better is to be found.
   [[nodiscard]] bool is_convincing() const {
@@ -237,7 +272,17 @@ class Search {
                         as_small.farthest(limits_, undone.arm) <= 1 && share < 1.2 * share_before;
     if (!explains && !nearer) return;
     const double score = score_of(fit, reference_.noise_length_m(), limits_, surprise);
-    if (score < best_.score) best_ = {fit, score, std::move(explanation)};
+    Tried tried{fit, score, std::move(explanation), {}};
+    if (!undone.free_scale && undone.free_gain == 0 && is_same_as_best(tried)) {
+      Tried& likelier = tried.score < best_.score ? tried : best_;
+      likelier.as_well = tried.score < best_.score ? best_.explanation : tried.explanation;
+    }
+    if (tried.score < best_.score) best_ = std::move(tried);
+  }
+
+  [[nodiscard]] bool is_same_as_best(const Tried& tried) const {
+    return std::isfinite(best_.score) && std::abs(tried.score - best_.score) < kNearlyAsUsual &&
+           std::abs(tried.fit.best_rms_m - best_.fit.best_rms_m) < kSameFit * best_.fit.best_rms_m;
   }
 
   Evidence evidence_;
@@ -293,6 +338,8 @@ std::optional<Explanation> explain(const Evidence& evidence, const Reference& re
   Search search(evidence, reference, limits, refused);
   search.try_hypotheses();
   if (refused && !search.is_convincing()) search.try_factors();
+  if (!search.is_convincing()) search.try_coupling();
+  if (refused && !search.is_convincing()) search.try_broken_rows();
   if (!search.is_convincing()) search.try_moves();
   auto best = search.best();
   if (!best && refused) {

@@ -182,11 +182,12 @@ std::optional<Change> change_of(const Evidence& evidence, const Reference& refer
   }
   auto of_found = likeliest_change(evidence, reference.chain, residuals_S);
   // What the arm that was found does not miss has not changed. Of sweeps alone maps may have taken
-  // a change, and of any rows part of a strain.
-  const bool strained = likeliest && likeliest->of == Change::Of::kStrain;
+  // a change, and of any rows part of a strain; and backlash part of a lag.
+  const bool all_along =
+      likeliest && (likeliest->of == Change::Of::kStrain || likeliest->of == Change::Of::kLag);
   const bool swept =
       std::ranges::none_of(evidence.rows, [](const EvidenceRow& row) { return row.sweep == 0; });
-  if (!swept && !strained && rms_length(residuals_S) < rms_length(reference.fit.residuals_S)) {
+  if (!swept && !all_along && rms_length(residuals_S) < rms_length(reference.fit.residuals_S)) {
     return of_found;
   }
   if (!likeliest || (of_found && of_found->explains() > likeliest->explains())) return of_found;
@@ -211,6 +212,12 @@ std::optional<Doubt> doubt_of_change(const Evidence& evidence, const Reference& 
                .tool_off_m = moved_by_change(*change, evidence, reference.chain)};
 }
 
+// Of measurements that no method takes: what is wrong with them is known to the caller.
+std::optional<Doubt> as_cause(std::optional<Doubt> doubt) {
+  if (doubt) doubt->cause = doubt->what + ": " + doubt->cause;
+  return doubt;
+}
+
 // Where no mistake explains what is wrong.
 void say_what_is_expected(Doubt& result, bool states_too_much, bool found,
                           const std::optional<Doubt>& change) {
@@ -218,7 +225,7 @@ void say_what_is_expected(Doubt& result, bool states_too_much, bool found,
     if (!found) result.cause = result.what;
     result.expected = "1 sigma of a position per axis, in the unit of the column's name";
   } else if (change && change->refuses) {
-    result.cause = change->what + ": " + change->cause;
+    result.cause = as_cause(change)->cause;
     result.expected = change->expected;
   } else {
     result.expected =
@@ -256,7 +263,7 @@ std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
     result.expected = explanation->mend;
     return result;
   }
-  if (result.what.empty()) return said;
+  if (result.what.empty()) return found ? said : as_cause(said);
   say_what_is_expected(result, states_too_much(*reference, evidence), found.has_value(), change);
   return result;
 }

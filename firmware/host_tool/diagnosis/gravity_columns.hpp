@@ -18,6 +18,11 @@ class GravityColumns {
   [[nodiscard]] Eigen::Index count() const {
     return static_cast<Eigen::Index>(model_.gravity.size() + model_.joint_count()) + kLeans;
   }
+  // Of them, those of a weight at the target.
+  [[nodiscard]] DeviatingChain::Columns of_tool() const {
+    return {static_cast<Eigen::Index>(model_.gravity.size()),
+            static_cast<Eigen::Index>(model_.joint_count())};
+  }
   // `J`: of the row, as DeviatingChain::derivatives() gives them.
   [[nodiscard]] Eigen::Matrix3Xd of(const EvidenceRow& row, const DeviatingChain& chain,
                                     const Eigen::Matrix3Xd& J) const;

@@ -6,7 +6,6 @@
 
 #include <fmt/core.h>
 
-#include "core/calibration/standing_still.hpp"
 #include "firmware/host_tool/diagnosis/hypothesis.hpp"
 
 namespace armsig::tool {
@@ -15,13 +14,6 @@ namespace {
 constexpr double kRadian = 180 / kPi;
 // Of a larger factor the joint may only seem to have stood still.
 constexpr double kGear = 2;
-
-// No row shows a gear or a coupling of a joint that stood still.
-bool moved(const Evidence& evidence, std::size_t joint) {
-  return !calibration::stood_still(
-      evidence.rows, [](const EvidenceRow& row) { return row.q; }, joint,
-      evidence.arm.joints[joint].type);
-}
 
 struct ReadingUnit {
   double factor;
@@ -78,7 +70,7 @@ void add_reading_units(const Evidence& evidence, std::vector<Hypothesis>& all) {
                    }});
   };
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const bool still = !moved(evidence, j);
+    const bool still = !has_moved(evidence, j);
     const auto add = [&](const ReadingUnit& unit) {
       if (!still || unit.factor > kGear) add_one(j, unit);
     };
@@ -96,7 +88,7 @@ void add_order(const Evidence& evidence, std::vector<Hypothesis>& all) {
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = i + 1; j < n; ++j) {
       if (joints[i].type != joints[j].type) continue;
-      if (!moved(evidence, i) && !moved(evidence, j)) continue;
+      if (!has_moved(evidence, i) && !has_moved(evidence, j)) continue;
       all.push_back(
           {.cause = fmt::format("the readings of joints {} and {} are swapped", i + 1, j + 1),
            .undoing = "the other way round",
@@ -130,17 +122,12 @@ void add_order(const Evidence& evidence, std::vector<Hypothesis>& all) {
   }
 }
 
-std::string coupling_line(std::size_t joint, std::size_t from, double ratio) {
-  return fmt::format("coupling: [{{joint: {}, from: {}, ratio: {:.4g}}}]", joint + 1, from + 1,
-                     ratio);
-}
-
 void add_couplings(const Evidence& evidence, std::vector<Hypothesis>& all) {
   const auto& joints = evidence.arm.joints;
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    if (!moved(evidence, j)) continue;
+    if (!has_moved(evidence, j)) continue;
     for (std::size_t i = j < 3 ? 0 : j - 3; i < j; ++i) {
-      if (joints[i].type != joints[j].type || !moved(evidence, i)) continue;
+      if (joints[i].type != joints[j].type || !has_moved(evidence, i)) continue;
       for (const double ratio : {1.0, -1.0, 0.5, -0.5}) {
         all.push_back(
             {.cause = fmt::format("joint {} is coupled to joint {}", j + 1, i + 1),
@@ -172,6 +159,26 @@ void add_couplings(const Evidence& evidence, std::vector<Hypothesis>& all) {
   }
 }
 
+// The last joints turn, and the point that is seen does not follow them.
+void add_earlier_links(const Evidence& evidence, std::vector<Hypothesis>& all) {
+  const std::size_t n = evidence.arm.joints.size();
+  for (const std::size_t beyond : {2U, 3U}) {
+    if (n <= beyond) continue;
+    const std::size_t first = n - beyond;
+    all.push_back(
+        {.cause = fmt::format("the target follows no joint beyond joint {}", first),
+         .undoing = fmt::format("with joints {} to {} left out", first + 1, n),
+         .mend = "a target on the flange; or sweep = number of the joint that moves it last, and a "
+                 "sweep of each joint",
+         .surprise = 0.7,
+         .undo = [first](Evidence& e) {
+           for (EvidenceRow& row : e.rows) {
+             for (std::size_t j = first; j < row.q.size(); ++j) row.q[j] = 0;
+           }
+         }});
+  }
+}
+
 void add_zeros(const Evidence& evidence, std::vector<Hypothesis>& all) {
   for (std::size_t j = 0; j < evidence.arm.joints.size(); ++j) {
     if (evidence.arm.joints[j].type != JointType::kRevolute) continue;
@@ -193,11 +200,17 @@ void add_zeros(const Evidence& evidence, std::vector<Hypothesis>& all) {
 
 }  // namespace
 
+std::string coupling_line(std::size_t joint, std::size_t from, double ratio) {
+  return fmt::format("coupling: [{{joint: {}, from: {}, ratio: {:.4g}}}]", joint + 1, from + 1,
+                     ratio);
+}
+
 std::vector<Hypothesis> hypotheses_of_readings(const Evidence& evidence) {
   std::vector<Hypothesis> all;
   add_reading_units(evidence, all);
   add_order(evidence, all);
   add_couplings(evidence, all);
+  add_earlier_links(evidence, all);
   add_zeros(evidence, all);
   return all;
 }

@@ -5,6 +5,8 @@
 
 #include <fmt/core.h>
 
+#include "firmware/host_tool/diagnosis/hypothesis.hpp"
+
 namespace armsig::tool {
 namespace {
 
@@ -12,6 +14,25 @@ namespace {
 constexpr double kRejectedTooOften = 0.1;
 constexpr std::size_t kFewestRejected = 3;
 constexpr std::size_t kLongestRun = 5;
+
+// Of the rows that were rejected, so many are those that it leaves out.
+constexpr double kAreThose = 0.8;
+
+// What the columns show of those rows without any fit.
+void say_what_is_frozen(const Evidence& evidence, const std::vector<std::size_t>& lines,
+                        Doubt& doubt) {
+  for (const Hypothesis& frozen : hypotheses_of_frozen_rows(evidence)) {
+    Evidence others = evidence;
+    frozen.undo(others);
+    const auto left = std::ranges::count_if(others.rows, [&](const EvidenceRow& row) {
+      return std::ranges::binary_search(lines, row.line);
+    });
+    if (static_cast<double>(left) > (1 - kAreThose) * static_cast<double>(lines.size())) continue;
+    doubt.cause = frozen.cause;
+    doubt.expected = frozen.mend;
+    return;
+  }
+}
 
 }  // namespace
 
@@ -56,6 +77,7 @@ std::optional<Doubt> doubt_of_rejected(const Evidence& evidence,
   doubt.expected =
       "few outliers, and scattered: look at what those poses have in common, and leave out only "
       "what was measured wrongly; or --accept-different-arm";
+  say_what_is_frozen(evidence, lines, doubt);
   return doubt;
 }
 

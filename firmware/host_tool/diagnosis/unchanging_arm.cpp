@@ -13,6 +13,8 @@ namespace {
 constexpr double kTold = 1e-9;
 // Joints give way by so much under a weight one metre out, 1 sigma [rad, or m of a slide].
 constexpr double kUsualSag = 0.01;
+// A gear or a lead is off by such a share, 1 sigma.
+constexpr double kUsualGear = 0.01;
 
 }  // namespace
 
@@ -25,6 +27,15 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal, const Eigen::VectorXd&
       in.eigenvalues().unaryExpr([](double x) { return x > kTold ? 1 / x : 0.0; });
   return unit.asDiagonal() * in.eigenvectors() * inverse.asDiagonal() *
          in.eigenvectors().transpose() * unit.asDiagonal();
+}
+
+Eigen::Matrix3Xd by_gears(const Arm& arm, const DeviatingChain& chain, const EvidenceRow& row) {
+  Eigen::Matrix3Xd columns = chain.motions(row);
+  const JointVector turned = effective_readings(arm, row.q);
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+    columns.col(j) *= turned[static_cast<std::size_t>(j)];
+  }
+  return columns;
 }
 
 UnchangingArm::UnchangingArm(const Evidence& evidence, const DeviatingChain& chain,
@@ -72,7 +83,7 @@ void UnchangingArm::choose_unknowns() {
   add(chain_.of_zero(evidence_.arm.joints.size() - 1));
   for (std::size_t t = 0; t < chain_.targets().size(); ++t) add(chain_.of_target(t));
   stiff_ = static_cast<Eigen::Index>(of_chain_.size());
-  size_ = stiff_ + gravity_.count();
+  size_ = first_gear() + gears() + 1;
 }
 
 void UnchangingArm::differentiate() {
@@ -80,38 +91,49 @@ void UnchangingArm::differentiate() {
   for (const EvidenceRow& row : evidence_.rows) {
     chain_.derivatives(row, J);
     derivatives_.emplace_back(3, size_);
-    derivatives_.back() << J(Eigen::all, of_chain_), gravity_.of(row, chain_, J);
+    derivatives_.back() << J(Eigen::all, of_chain_), gravity_.of(row, chain_, J),
+        by_gears(evidence_.arm, chain_, row), row.p_S;
   }
 }
 
 DeviatingChain::Columns UnchangingArm::place_of(const DeviatingChain::Columns& of_chain) const {
+  const Eigen::Index beyond = of_chain.first - chain_.all().count;
+  if (beyond >= 0) return {stiff_ + beyond, of_chain.count};
   return {std::ranges::lower_bound(of_chain_, of_chain.first) - of_chain_.begin(), of_chain.count};
 }
 
-// `squares`: of the derivatives. The lengths are no unknown of an unchanging arm.
+// `squares`: of the derivatives. Neither the lengths nor the sensor's are unknowns of an unchanging
+// arm.
 void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
   constexpr double kWeight = 1 / (kUsualSag * kUsualSag);
+  constexpr double kGearWeight = 1 / (kUsualGear * kUsualGear);
   const Eigen::Index lengths = place_of(chain_.of_lengths()).first;
+  const Eigen::Index sight = size_ - 1;
   const DeviatingChain::Normal normal = chain_.normal(evidence_, residuals_, weights_);
   pull_.head(stiff_) = normal.g(of_chain_);
   Eigen::MatrixXd H = squares;
   H.topLeftCorner(stiff_, stiff_) = normal.H(of_chain_, of_chain_);
   H.bottomRows(size_ - stiff_).col(lengths).setZero();
   H.row(lengths).tail(size_ - stiff_).setZero();
-  H.diagonal().tail(size_ - stiff_).array() += kWeight;
+  H.col(sight).setZero();
+  H.row(sight).setZero();
+  H.diagonal().segment(stiff_, gravity_.count()).array() += kWeight;
+  H.diagonal().segment(first_gear(), gears()).array() += kGearWeight;
   stiff_inverse_ = inverse_of(H.topLeftCorner(stiff_, stiff_), H.diagonal().head(stiff_));
   inverse_ = inverse_of(H, H.diagonal());
   for (Eigen::MatrixXd* inverse : {&stiff_inverse_, &inverse_}) {
     inverse->row(lengths).setZero();
     inverse->col(lengths).setZero();
   }
+  inverse_.row(sight).setZero();
+  inverse_.col(sight).setZero();
 }
 
 std::vector<Vector3> UnchangingArm::bent_S() const {
-  const Eigen::VectorXd gravity = (inverse_ * pull_).tail(gravity_.count());
+  const Eigen::VectorXd gravity = (inverse_ * pull_).segment(stiff_, gravity_.count());
   std::vector<Vector3> bent_S;
   for (const Eigen::Matrix3Xd& J : derivatives_) {
-    bent_S.emplace_back(J.rightCols(gravity.size()) * gravity);
+    bent_S.emplace_back(J.middleCols(stiff_, gravity.size()) * gravity);
   }
   return bent_S;
 }

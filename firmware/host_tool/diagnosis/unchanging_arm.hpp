@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What an arm that stays as it is can do about the residuals of its rows: it deviates from its
-// drawing, and gravity bends it, which a drive from one end of a joint to the other shows as if
-// something crept.
+// drawing, its gears and leads are not quite those of the drawing, and gravity bends it, which a
+// drive from one end of a joint to the other shows as if something crept.
 #pragma once
 
 #include <vector>
@@ -18,14 +18,32 @@ namespace armsig::tool {
 [[nodiscard]] Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal,
                                          const Eigen::VectorXd& scale);
 
+// What each joint moves a row's point by, for a unit share of what it turns: a column a joint.
+[[nodiscard]] Eigen::Matrix3Xd by_gears(const Arm& arm, const DeviatingChain& chain,
+                                        const EvidenceRow& row);
+
 class UnchangingArm {
  public:
   // All are kept as references.
   UnchangingArm(const Evidence& evidence, const DeviatingChain& chain,
                 const std::vector<Vector3>& residuals_S);
 
-  // Unknowns: those of the chain that may change or move any row, then gravity's.
+  // Unknowns: those of the chain that may change or move any row, then gravity's, then of every
+  // joint by which share it turns farther than it reads, and by which share the sensor sees all
+  // too far from its origin. An unchanging arm does nothing by the last, nor by its lengths.
   [[nodiscard]] Eigen::Index size() const { return size_; }
+  // What is not the chain's, as if it were in its derivatives, behind all others.
+  [[nodiscard]] DeviatingChain::Columns of_load() const {
+    const auto [first, count] = gravity_.of_tool();
+    return {chain_.all().count + first, count};
+  }
+  [[nodiscard]] DeviatingChain::Columns of_gear(std::size_t joint) const {
+    return {chain_.all().count + gravity_.count() + static_cast<Eigen::Index>(joint), 1};
+  }
+  [[nodiscard]] DeviatingChain::Columns of_sight() const {
+    return {chain_.all().count + beyond_chain() - 1, 1};
+  }
+  [[nodiscard]] Eigen::Index beyond_chain() const { return size_ - stiff_; }
   [[nodiscard]] DeviatingChain::Columns place_of(const DeviatingChain::Columns& of_chain) const;
 
   [[nodiscard]] std::size_t rows() const { return weights_.size(); }
@@ -47,6 +65,10 @@ class UnchangingArm {
   [[nodiscard]] Eigen::VectorXd without_gravity(const Eigen::VectorXd& score) const;
 
  private:
+  [[nodiscard]] Eigen::Index gears() const {
+    return static_cast<Eigen::Index>(evidence_.arm.joints.size());
+  }
+  [[nodiscard]] Eigen::Index first_gear() const { return stiff_ + gravity_.count(); }
   void weigh();
   void choose_unknowns();
   void differentiate();

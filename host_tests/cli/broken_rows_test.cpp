@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Rows of a file that are not like the others are named by their lines, with what is wrong in them;
+// so is a cause that no row tells from another one.
+#include <functional>
+
+#include "host_tests/cli/refined_arm.hpp"
+
+namespace armsig::cli {
+namespace {
+
+constexpr std::size_t kMeasured = 120;
+constexpr std::size_t kFrom = 60;  // at line 62
+
+// Poses of a Puma, always the same ones.
+Csv poses(const Folder& folder) {
+  write_file(folder / "arm.yaml", kPuma560);
+  const Outcome outcome = run_tool(
+      folder,
+      "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.05 --points 2 --arc 30 --seed 5 "
+      "--free-poses 120 --out poses.csv --flange-target-mm 80,30,120");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  Csv rows = Csv::read(folder / "poses.csv");
+  keep_mixed(rows);
+  EXPECT_EQ(rows.rows.size(), kMeasured);
+  return rows;
+}
+
+void set(Csv& rows, std::size_t row, const std::string& column, double value) {
+  rows.rows[row][rows.column(column)] = fmt::format("{:.12g}", value);
+}
+
+void expect_refused_for(const Folder& folder, const Csv& rows, const std::string& words) {
+  const Outcome outcome = refine(folder, rows);
+  EXPECT_EQ(outcome.status, 1) << outcome.out;
+  EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("not of one scale"), std::string::npos) << outcome.err;
+}
+
+TEST(BrokenRows, in_which_the_sensor_repeats_a_position_are_named) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  for (std::size_t k = kFrom + 1; k < kFrom + 18; ++k) {
+    for (const char* axis : {"x_mm", "y_mm", "z_mm"}) {
+      rows.rows[k][rows.column(axis)] = rows.rows[kFrom][rows.column(axis)];
+    }
+  }
+  expect_refused_for(folder, rows,
+                     "lines 62 to 79 have one position to the last digit while the joints move");
+}
+
+TEST(BrokenRows, in_which_a_reading_stands_still_are_named_by_joint) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  for (std::size_t k = kFrom + 1; k < kFrom + 24; ++k) {
+    set(rows, k, "q2_deg", rows.number(kFrom, "q2_deg"));
+  }
+  expect_refused_for(folder, rows,
+                     "lines 62 to 85 have one reading of joint 2 to the last digit while other "
+                     "joints move");
+}
+
+TEST(BrokenRows, behind_a_lost_count_are_named_by_joint_and_angle) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  for (std::size_t k = kFrom; k < kMeasured; ++k) {
+    set(rows, k, "q3_deg", rows.number(k, "q3_deg") - 37.5);
+  }
+  expect_refused_for(folder, rows, "in lines 62 to 121 the reading of joint 3 is off by -37.5");
+}
+
+TEST(BrokenRows, behind_a_row_that_got_lost_are_named) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  for (std::size_t k = kMeasured - 1; k >= kFrom; --k) {
+    for (const char* axis : {"x_mm", "y_mm", "z_mm"}) {
+      rows.rows[k][rows.column(axis)] = rows.rows[k - 1][rows.column(axis)];
+    }
+  }
+  expect_refused_for(folder, rows, "positions and joint readings are out of step");
+}
+
+TEST(BrokenRows, before_the_sound_ones_are_named_as_well) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  for (std::size_t k = 0; k < kFrom; ++k) set(rows, k, "q1_deg", -rows.number(k, "q1_deg"));
+  expect_refused_for(folder, rows, "in lines 2 to 61 the reading of joint 1 is counted the other");
+}
+
+TEST(UnstatedCoupling, of_some_percent_is_named_where_the_arm_is_refused_for_a_tilt) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  for (std::size_t k = 0; k < kMeasured; ++k) {
+    set(rows, k, "q5_deg", rows.number(k, "q5_deg") - 0.06 * rows.number(k, "q4_deg"));
+  }
+  expect_refused_for(folder, rows, "joint 5 follows joint 4 by +0.0");
+}
+
+}  // namespace
+}  // namespace armsig::cli
