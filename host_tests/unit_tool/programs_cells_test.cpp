@@ -24,6 +24,7 @@ TEST(FanucCells, name_an_offset_once_and_correct_its_position) {
   const Program program = fanuc(" 1:L P[1] 50mm/sec FINE Tool_Offset,PR[3] ;\n", position(1));
   EXPECT_EQ(program.targets.size(), 1U);
   expect_left(program, 2, "an offset moves it");
+  EXPECT_TRUE(program.left.front().remark);  // its position is corrected
 }
 
 TEST(FanucCells, read_no_words_in_names_of_positions) {
@@ -89,6 +90,22 @@ TEST(JbiCells, leave_a_position_variable_that_is_no_place) {
   expect_none(read_jbi(job + "ADD P003 P007\n", flange()), 4, "no motion");
   expect_none(read_jbi(job + "MOVL P007 V=5\nSUB P007 P003\n", flange()), 4, "line 8");
   expect_none(read_jbi(job + "'MOVL P007 V=5\n", flange()), 4, "no motion");
+}
+
+TEST(JbiCells, leave_positions_of_another_group) {
+  const std::string steps =
+      "///TOOL 0\n///POSTYPE ROBOT\n///RECTAN\nC00000=400,5,300,180,0,0\n"
+      "C00001=300,5,300,180,0,0\n//INST\n///GROUP1 RB1\n///GROUP2 RB2\nNOP\n";
+  for (const char* both :
+       {"MOVL C000 V=50 +MOVL C001 V=50\n", "MOVJ C00000 VJ=5\n +MOVJ C00001\n"}) {
+    const Program program = read_jbi(steps + both, flange());
+    ASSERT_EQ(program.targets.size(), 1U) << both;
+    EXPECT_EQ(program.targets[0].name, "C00000");
+    expect_left(program, 5, "another group of the job moves to it");
+  }
+  expect_none(
+      read_jbi(std::string(kVariable) + "//INST\nNOP\nMOVL P001 V=5 +MOVL P007 V=5\n", flange()), 4,
+      "another group");
 }
 
 TEST(JbiCells, say_that_a_type_of_position_is_missing) {

@@ -19,6 +19,7 @@
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/programs/correct_poses.hpp"
 #include "firmware/host_tool/programs/correct_program.hpp"
+#include "firmware/host_tool/programs/left_in_words.hpp"
 #include "firmware/host_tool/programs/program_picture.hpp"
 
 namespace armsig::tool {
@@ -108,36 +109,6 @@ std::vector<std::string> remarks_on(const std::vector<CorrectedTarget>& targets,
     }
   }
   return remarks;
-}
-
-std::vector<std::string> left_in_words(const std::vector<LeftAsItIs>& left,
-                                       std::string_view place) {
-  std::vector<std::string> words;
-  words.reserve(left.size());
-  for (const LeftAsItIs& one : left) {
-    words.push_back(fmt::format("{} {}: {}; left as it is", place, one.line, one.what));
-  }
-  return words;
-}
-
-// For a person: neighbours with one reason are said at once, as in G-code of three axes.
-std::vector<std::string> left_in_runs(const std::vector<LeftAsItIs>& left, std::string_view place) {
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin < left.size();) {
-    std::size_t end = begin + 1;
-    while (end < left.size() && left[end].what == left[begin].what &&
-           left[end].line == left[end - 1].line + 1) {
-      ++end;
-    }
-    if (end - begin < 3) end = begin + 1;
-    const LeftAsItIs& first = left[begin];
-    words.push_back(end - begin == 1
-                        ? fmt::format("{} {}: {}; left as it is", place, first.line, first.what)
-                        : fmt::format("{}s {} to {}: {}; left as it is", place, first.line,
-                                      left[end - 1].line, first.what));
-    begin = end;
-  }
-  return words;
 }
 
 void warn_each(const std::string& file, const std::vector<std::string>& warnings) {
@@ -276,8 +247,9 @@ Attempt<ExitStatus> check_alone(const CompensateOptions& options, const std::str
 void print_program(const CompensateOptions& options, const CorrectedProgram& program,
                    const Checked& checked, const Summary& summary) {
   const auto left = left_in_words(program.left, "line");
-  const auto remarks = remarks_on(program.targets, "line");
+  auto remarks = remarks_on(program.targets, "line");
   warn_each(options.into, remarks);
+  std::ranges::copy(remarks_in_words(program.left, "line"), std::back_inserter(remarks));
   warn_each(options.into, left_in_runs(program.left, "line"));
   if (options.json) {
     nlohmann::ordered_json json{{"status", 0},
@@ -293,9 +265,18 @@ void print_program(const CompensateOptions& options, const CorrectedProgram& pro
     return;
   }
   if (options.check) print_check(checked, true);
-  print_summary(summary, program.left.size(), "target");
+  print_summary(summary, left.size(), "target");
   say("Everything else in the program is as it was. Written: {}\n", file_in_words(options.out));
   if (!options.picture.empty()) say("Picture: {}\n", file_in_words(options.picture));
+}
+
+Problem none_corrected(const CompensateOptions& options, const CorrectedProgram& program) {
+  if (count_left(program.left) == 0) {
+    return {options.into, 0, 0, "no target is written in it", "a program with targets"};
+  }
+  return {options.into, 0, 0, "none of its targets can be corrected",
+          program.tried == 0 ? "targets that are written in it, with their tool and frame"
+                             : "a program with targets that both models reach"};
 }
 
 Attempt<ExitStatus> run_program(const CompensateOptions& options, const ControllerView& view) {
@@ -307,8 +288,7 @@ Attempt<ExitStatus> run_program(const CompensateOptions& options, const Controll
   for (const CorrectedTarget& target : program.targets) summary.add(target);
   if (summary.moved_m.count == 0) {
     warn_each(options.into, left_in_runs(program.left, "line"));
-    return no_answer({options.into, 0, 0, "none of its targets can be corrected",
-                      "a program with targets that both models reach"});
+    return no_answer(none_corrected(options, program));
   }
   Checked checked;
   if (options.check || !options.picture.empty()) {

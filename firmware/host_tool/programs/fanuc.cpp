@@ -201,7 +201,9 @@ class FanucReader {
     }
     Position& position = found->second;
     if (offset) {
-      leave(at, name_of(number) + ": an offset moves it, with the correction that it has");
+      program_.left.push_back({lines_.line_of(at),
+                               name_of(number) + ": an offset moves it, with its correction",
+                               true});
     }
     if (position.used) return;
     position.used = true;
@@ -244,6 +246,16 @@ class FanucReader {
     return X != nullptr ? std::optional(*X) : std::nullopt;
   }
 
+  [[nodiscard]] std::vector<double> external_axes(const Position& position) const {
+    std::vector<double> all;
+    for (const char* const axis : {"E1", "E2", "E3"}) {
+      const auto number = value(position, axis);
+      if (!number) break;
+      all.push_back(values_at(text_, {*number})[0]);
+    }
+    return all;
+  }
+
   // Why the place of a pose is not known; empty where it is.
   [[nodiscard]] std::string frames_unknown(const Position& position, bool tool, bool frame) const {
     struct Which {
@@ -277,6 +289,7 @@ class FanucReader {
     target.joints = joints.has_value();
     target.numbers = joints ? *joints : *pose;
     target.values = values_at(text_, target.numbers);
+    target.external = external_axes(position);
     const auto X_FT = frame(position, "UT", frames_.tools);
     const auto X_BW = frame(position, "UF", frames_.frames);
     if (!target.joints) {

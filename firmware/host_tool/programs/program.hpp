@@ -48,14 +48,16 @@ struct ProgramTarget {
   std::vector<double> values;
   std::vector<Bytes> words;  // of the configuration; none where the language has none
   std::vector<long> configuration;
-  std::vector<double> near;  // readings that the program wants its solution near; or empty
-  Pose X_BW;                 // frame of the program in the controller's base
-  Pose X_FT;                 // its tool on the controller's flange
+  std::vector<double> near;      // readings that the program wants its solution near; or empty
+  std::vector<double> external;  // axes beside the arm's own, where it states them; 9e9 of none
+  Pose X_BW;                     // frame of the program in the controller's base
+  Pose X_FT;                     // its tool on the controller's flange
 };
 
 struct LeftAsItIs {
   int line = 0;
-  std::string what;  // with the reason
+  std::string what;     // with the reason
+  bool remark = false;  // no target is left by it: said of targets that are corrected
 };
 
 struct Program {
