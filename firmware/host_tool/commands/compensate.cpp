@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/frames_file.hpp"
 #include "firmware/formats/poses.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text.hpp"
@@ -26,7 +27,7 @@ namespace armsig::tool {
 namespace {
 
 struct CompensateOptions : CommonOptions {
-  std::string signature, poses, into, seed, language, picture, out;
+  std::string signature, poses, into, seed, language, picture, frames_file, out;
   ControllerOptions controller;
   std::vector<std::string> tools, frames;
   double most_mm = 20;
@@ -46,6 +47,19 @@ struct Sizes {
   [[nodiscard]] double mean() const { return count == 0 ? 0 : sum / static_cast<double>(count); }
 };
 
+// Those of the command line come before those of the file.
+Read<GivenFrames> frames_given(std::string_view option, const std::vector<std::string>& texts,
+                               const std::vector<NamedPose>& of_file) {
+  GivenFrames given;
+  for (const std::string& text : texts) {
+    if (auto added = given.add(option, text, of_file); !added) {
+      return std::unexpected(std::move(added).error());
+    }
+  }
+  given.add_all(of_file);
+  return given;
+}
+
 Read<ControllerView> view_of(const CompensateOptions& options, const Arm& nominal,
                              const Compensation& compensation) {
   ControllerView view;
@@ -55,16 +69,14 @@ Read<ControllerView> view_of(const CompensateOptions& options, const Arm& nomina
   ARMSIG_TRY(X_nE, options.controller.flange_in_last_frame());
   view.X_0C = X_0C;
   view.X_nE = X_nE;
-  for (const std::string& tool : options.tools) {
-    if (auto added = view.frames.tools.add("--tool", tool); !added) {
-      return std::unexpected(std::move(added).error());
-    }
+  FramesFile file;
+  if (!options.frames_file.empty()) {
+    ARMSIG_TRY(read, read_frames_file(options.frames_file));
+    file = std::move(read);
   }
-  for (const std::string& frame : options.frames) {
-    if (auto added = view.frames.frames.add("--frame", frame); !added) {
-      return std::unexpected(std::move(added).error());
-    }
-  }
+  ARMSIG_TRY(tools, frames_given("--tool", options.tools, file.tools));
+  ARMSIG_TRY(frames, frames_given("--frame", options.frames, file.work_objects));
+  view.frames = {std::move(tools), std::move(frames)};
   return view;
 }
 
@@ -306,6 +318,11 @@ Attempt<ExitStatus> run_program(const CompensateOptions& options, const Controll
 
 Attempt<ExitStatus> run_poses(const CompensateOptions& options, const SignatureRecord& record,
                               const ControllerView& view, const std::vector<JointVector>& seeds) {
+  if (!options.frames_file.empty() && options.tools.empty()) {
+    return std::unexpected(Problem{options.frames_file, 0, 0,
+                                   "poses do not say which tool they are of",
+                                   "--tool with a name"});
+  }
   ARMSIG_TRY(poses, read_tool_poses(options.poses));
   if (seeds.size() > 1 && seeds.size() != poses.size()) {
     return std::unexpected(
@@ -363,7 +380,8 @@ Read<void> check_files(const CompensateOptions& options) {
   const std::initializer_list<FileRole> read = {{"--signature", options.signature},
                                                 {"--poses", options.poses},
                                                 {"--into", options.into},
-                                                {"--seed", options.seed}};
+                                                {"--seed", options.seed},
+                                                {"--frames", options.frames_file}};
   const FileRole picture{"--picture", options.picture};
   if (options.out.empty()) return check_roles(read, {picture});
   return check_roles(read, {{"--out", options.out}, picture});
@@ -394,6 +412,9 @@ void add_frame_options(CLI::App& command, CompensateOptions& options) {
   command
       .add_option("--frame", options.frames, "work object in the controller's base, written alike")
       ->allow_extra_args(false);
+  command.add_option("--frames", options.frames_file,
+                     "tools and work objects by name, as `armsig frames --out` writes them; --tool "
+                     "and --frame take a name of it too");
   add_controller_options(command, options.controller);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/arm.hpp"
+#include "firmware/formats/frames_file.hpp"
 #include "firmware/formats/problem.hpp"
 #include "firmware/host_tool/exports/urdf_places.hpp"
 
@@ -76,6 +77,10 @@ class GivenFrames {
   // Six numbers are x, y, z in mm and rotations about z, y, x in degrees; seven are x, y, z in mm
   // and a quaternion w, x, y, z; p[...] is x, y, z in metres and a rotation vector in radians.
   [[nodiscard]] Read<void> add(std::string_view option, std::string_view text);
+  // That of a file, or by the name that one has in it: "2=torch". Those that come first are found.
+  [[nodiscard]] Read<void> add(std::string_view option, std::string_view text,
+                               const std::vector<NamedPose>& of_file);
+  void add_all(const std::vector<NamedPose>& of_file);
 
   [[nodiscard]] const Pose* find(
       std::string_view name) const;  // the unnamed one where there is none
