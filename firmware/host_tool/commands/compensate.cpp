@@ -412,9 +412,10 @@ void add_frame_options(CLI::App& command, CompensateOptions& options) {
   command
       .add_option("--frame", options.frames, "work object in the controller's base, written alike")
       ->allow_extra_args(false);
-  command.add_option("--frames", options.frames_file,
-                     "tools and work objects by name, as `armsig frames --out` writes them; --tool "
-                     "and --frame take a name of it too");
+  command.add_option(
+      "--frames", options.frames_file,
+      "tools and work objects by name (YAML), as --out of `armsig frames` writes them; "
+      "--tool and --frame take a name of it too");
   add_controller_options(command, options.controller);
 }
 

@@ -249,7 +249,7 @@ void add_frames(CLI::App& app, int& status) {
   CLI::Option* out =
       command->add_option("-o,--out", options->out,
                           "file to write: the frames of the found model by their names (YAML), for "
-                          "`armsig compensate --frames`");
+                          "--frames of `armsig compensate`");
   add_common(*command, *options);
   command->callback([options, out, &status] {
     if (out->count() != 0 && options->out.empty()) throw CLI::RequiredError("--out");
