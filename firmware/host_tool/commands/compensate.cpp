@@ -316,12 +316,17 @@ Attempt<ExitStatus> run_program(const CompensateOptions& options, const Controll
 
 // --- Poses ------------------------------------------------------------------------------------
 
+// A file of frames has many, and poses have no names.
+Read<void> check_tool_of_poses(const CompensateOptions& options) {
+  if (options.frames_file.empty() || !options.tools.empty()) return {};
+  return std::unexpected(Problem{options.frames_file, 0, 0,
+                                 "poses do not say which tool they are of", "--tool with a name"});
+}
+
 Attempt<ExitStatus> run_poses(const CompensateOptions& options, const SignatureRecord& record,
                               const ControllerView& view, const std::vector<JointVector>& seeds) {
-  if (!options.frames_file.empty() && options.tools.empty()) {
-    return std::unexpected(Problem{options.frames_file, 0, 0,
-                                   "poses do not say which tool they are of",
-                                   "--tool with a name"});
+  if (auto tool = check_tool_of_poses(options); !tool) {
+    return std::unexpected(std::move(tool).error());
   }
   ARMSIG_TRY(poses, read_tool_poses(options.poses));
   if (seeds.size() > 1 && seeds.size() != poses.size()) {
