@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Descriptions in YAML: arm, sensor, signature, configuration of the daemon. What is accepted is
-// written, and read back as the same bits.
+// Descriptions in YAML: arm, sensor, frames, signature, configuration of the daemon. What is
+// accepted is written, and read back as the same bits.
 #include <array>
 #include <cmath>
 
 #include "firmware/formats/arm_file.hpp"
 #include "firmware/formats/canonical.hpp"
+#include "firmware/formats/frames_file.hpp"
 #include "firmware/formats/sensor_file.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
@@ -36,6 +37,16 @@ void fuzz_sensor(Bytes bytes) {
   check_words(again);
   FUZZ_CHECK(again);
   FUZZ_CHECK(sensor_text(*again) == written);
+}
+
+// Orientations are within rounding.
+void fuzz_frames(Bytes bytes) {
+  const auto frames = parse_frames(text_of(bytes), "F");
+  check_words(frames);
+  if (!frames) return;
+  const auto again = parse_frames(frames_text(*frames), "F");
+  check_words(again);
+  FUZZ_CHECK(again && again->tools.size() == frames->tools.size());
 }
 
 void check_signature(std::string_view text) {
@@ -74,7 +85,8 @@ void fuzz_configuration(Bytes bytes) {
 }
 
 constexpr std::array kTargets{
-    Target{"arm", fuzz_arm}, Target{"sensor", fuzz_sensor}, Target{"signature", fuzz_signature},
+    Target{"arm", fuzz_arm},           Target{"sensor", fuzz_sensor},
+    Target{"frames", fuzz_frames},     Target{"signature", fuzz_signature},
     Target{"resealed", fuzz_resealed}, Target{"configuration", fuzz_configuration}};
 
 }  // namespace

@@ -24,6 +24,7 @@ TEST(FanucCells, name_an_offset_once_and_correct_its_position) {
   const Program program = fanuc(" 1:L P[1] 50mm/sec FINE Tool_Offset,PR[3] ;\n", position(1));
   EXPECT_EQ(program.targets.size(), 1U);
   expect_left(program, 2, "an offset moves it");
+  EXPECT_TRUE(program.left.front().remark);  // its position is corrected
 }
 
 TEST(FanucCells, read_no_words_in_names_of_positions) {
@@ -52,6 +53,27 @@ TEST(FanucCells, take_both_positions_of_an_arc) {
   expect_left(program, 5, "PR[7]");
 }
 
+TEST(FanucCells, name_registers_as_the_program_has_them) {
+  expect_left(fanuc(" 1:L PR[R[98]] 9mm/sec FINE ;\n", ""), 2, "PR[R[98]]: it is a register");
+  expect_left(fanuc(" 1:L PR[4:Pick up] 9mm/sec FINE ;\n", ""), 2, "PR[4]: it is a register");
+  const Program program = fanuc(" 1:J P[R[3]] 5% FINE ;\n", position(1));
+  EXPECT_TRUE(is_left(program, 2, "P[R[3]]: a register says which position it is"));
+  EXPECT_TRUE(is_left(program, 4, "P[1]: no motion here goes to it"));
+}
+
+TEST(FanucCells, leave_positions_whose_frame_the_program_sets) {
+  std::string in_frame = position(1);
+  in_frame.replace(in_frame.find("UF : 0"), 6, "UF : 4");
+  const std::string motion = " 2:L P[1] 9mm/sec FINE ;\n";
+  const std::string sets = " 1:  UFRAME[4:Cart]=PR[R[9]] ;\n";
+  expect_none(fanuc(sets + motion, in_frame), 5, "user frame 4 is changed in line 2");
+  expect_none(fanuc(" 1:  UFRAME[R[2]]=PR[9] ;\n" + motion, in_frame), 5, "changed in line 2");
+  expect_none(fanuc(" 1:  UFRAME[R[2]]=PR[9] ;\n 1:  UTOOL[2]=PR[9] ;\n" + motion, in_frame), 6,
+              "changed in line 2");
+  EXPECT_EQ(fanuc(" 1:  UFRAME[5]=PR[9] ;\n" + motion, in_frame).targets.size(), 1U);
+  EXPECT_EQ(fanuc(sets + motion, position(1)).targets.size(), 1U);  // the world stays
+}
+
 constexpr const char* kVariable =
     "///TOOL 0\n///POSTYPE ROBOT\n///RECTAN\nP00007=400,5,300,180,0,0\n";
 
@@ -68,6 +90,22 @@ TEST(JbiCells, leave_a_position_variable_that_is_no_place) {
   expect_none(read_jbi(job + "ADD P003 P007\n", flange()), 4, "no motion");
   expect_none(read_jbi(job + "MOVL P007 V=5\nSUB P007 P003\n", flange()), 4, "line 8");
   expect_none(read_jbi(job + "'MOVL P007 V=5\n", flange()), 4, "no motion");
+}
+
+TEST(JbiCells, leave_positions_of_another_group) {
+  const std::string steps =
+      "///TOOL 0\n///POSTYPE ROBOT\n///RECTAN\nC00000=400,5,300,180,0,0\n"
+      "C00001=300,5,300,180,0,0\n//INST\n///GROUP1 RB1\n///GROUP2 RB2\nNOP\n";
+  for (const char* both :
+       {"MOVL C000 V=50 +MOVL C001 V=50\n", "MOVJ C00000 VJ=5\n +MOVJ C00001\n"}) {
+    const Program program = read_jbi(steps + both, flange());
+    ASSERT_EQ(program.targets.size(), 1U) << both;
+    EXPECT_EQ(program.targets[0].name, "C00000");
+    expect_left(program, 5, "another group of the job moves to it");
+  }
+  expect_none(
+      read_jbi(std::string(kVariable) + "//INST\nNOP\nMOVL P001 V=5 +MOVL P007 V=5\n", flange()), 4,
+      "another group");
 }
 
 TEST(JbiCells, say_that_a_type_of_position_is_missing) {

@@ -64,6 +64,27 @@ TEST(RapidCells, leave_a_target_that_the_program_changes) {
   EXPECT_TRUE(read_rapid(declared + "pFind.extax.eax_a:=5;\n" + move, {}).left.empty());
 }
 
+TEST(RapidCells, say_of_an_offset_whose_correction_it_moves_with) {
+  const std::string declared = "CONST robtarget pTop:=" + kPlace + ";\n";
+  const std::string offset = "MoveL Offs(pTop,0,0,9),v50,fine,tool0;\n";
+  const Program both = read_rapid(declared + offset + "MoveL pTop,v50,fine,tool0;\n", {});
+  EXPECT_EQ(both.targets.size(), 1U);
+  expect_left(both, 2, "Offs(pTop,0,0,9): it moves with the correction of pTop");
+  EXPECT_TRUE(both.left.front().remark);
+
+  const Program alone = read_rapid(declared + offset, {});
+  EXPECT_TRUE(is_left(alone, 1, "pTop: no instruction here goes to it"));
+  EXPECT_TRUE(is_left(alone, 2, "Offs(pTop,0,0,9): it is computed"));
+}
+
+TEST(RapidCells, name_what_is_computed_in_full) {
+  expect_none(read_rapid("MoveL Offs(CRobT(\\Tool:=tool0),0,0,9),v50,fine,tool0;\n", {}), 1,
+              "Offs(CRobT(\\Tool:=tool0),0,0,9): it is computed");
+  expect_none(read_rapid("MoveJ half_way(pA,pB),v50,fine,tool0;\n", {}), 1,
+              "half_way(pA,pB): it is computed");
+  expect_none(read_rapid("MoveJ pA,v50,fine,tool0;\n", {}), 1, "pA: it is not declared here");
+}
+
 TEST(RapidCells, name_a_target_that_is_assigned) {
   const Program program =
       read_rapid("VAR robtarget pNext;\npNext:=" + kPlace + ";\nMoveL pNext,v50,fine,tool0;\n", {});

@@ -116,7 +116,7 @@ TEST(Rapid, names_what_it_leaves) {
   expect_left(read_rapid(p10, {}), 1, "no instruction");
   const Program offset =
       read_rapid(p10 + "MoveL p10,v1,z1,tool0;\nMoveL Offs(p10,0,0,9),v1,z1,tool0;", {});
-  expect_left(offset, 3, "computed");
+  expect_left(offset, 3, "moves with the correction of p10");
   EXPECT_EQ(offset.targets.size(), 1U);
 }
 

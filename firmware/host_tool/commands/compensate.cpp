@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/frames_file.hpp"
 #include "firmware/formats/poses.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text.hpp"
@@ -19,13 +20,14 @@
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/programs/correct_poses.hpp"
 #include "firmware/host_tool/programs/correct_program.hpp"
+#include "firmware/host_tool/programs/left_in_words.hpp"
 #include "firmware/host_tool/programs/program_picture.hpp"
 
 namespace armsig::tool {
 namespace {
 
 struct CompensateOptions : CommonOptions {
-  std::string signature, poses, into, seed, language, picture, out;
+  std::string signature, poses, into, seed, language, picture, frames_file, out;
   ControllerOptions controller;
   std::vector<std::string> tools, frames;
   double most_mm = 20;
@@ -45,6 +47,19 @@ struct Sizes {
   [[nodiscard]] double mean() const { return count == 0 ? 0 : sum / static_cast<double>(count); }
 };
 
+// Those of the command line come before those of the file.
+Read<GivenFrames> frames_given(std::string_view option, const std::vector<std::string>& texts,
+                               const std::vector<NamedPose>& of_file) {
+  GivenFrames given;
+  for (const std::string& text : texts) {
+    if (auto added = given.add(option, text, of_file); !added) {
+      return std::unexpected(std::move(added).error());
+    }
+  }
+  given.add_all(of_file);
+  return given;
+}
+
 Read<ControllerView> view_of(const CompensateOptions& options, const Arm& nominal,
                              const Compensation& compensation) {
   ControllerView view;
@@ -54,16 +69,14 @@ Read<ControllerView> view_of(const CompensateOptions& options, const Arm& nomina
   ARMSIG_TRY(X_nE, options.controller.flange_in_last_frame());
   view.X_0C = X_0C;
   view.X_nE = X_nE;
-  for (const std::string& tool : options.tools) {
-    if (auto added = view.frames.tools.add("--tool", tool); !added) {
-      return std::unexpected(std::move(added).error());
-    }
+  FramesFile file;
+  if (!options.frames_file.empty()) {
+    ARMSIG_TRY(read, read_frames_file(options.frames_file));
+    file = std::move(read);
   }
-  for (const std::string& frame : options.frames) {
-    if (auto added = view.frames.frames.add("--frame", frame); !added) {
-      return std::unexpected(std::move(added).error());
-    }
-  }
+  ARMSIG_TRY(tools, frames_given("--tool", options.tools, file.tools));
+  ARMSIG_TRY(frames, frames_given("--frame", options.frames, file.work_objects));
+  view.frames = {std::move(tools), std::move(frames)};
   return view;
 }
 
@@ -108,36 +121,6 @@ std::vector<std::string> remarks_on(const std::vector<CorrectedTarget>& targets,
     }
   }
   return remarks;
-}
-
-std::vector<std::string> left_in_words(const std::vector<LeftAsItIs>& left,
-                                       std::string_view place) {
-  std::vector<std::string> words;
-  words.reserve(left.size());
-  for (const LeftAsItIs& one : left) {
-    words.push_back(fmt::format("{} {}: {}; left as it is", place, one.line, one.what));
-  }
-  return words;
-}
-
-// For a person: neighbours with one reason are said at once, as in G-code of three axes.
-std::vector<std::string> left_in_runs(const std::vector<LeftAsItIs>& left, std::string_view place) {
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin < left.size();) {
-    std::size_t end = begin + 1;
-    while (end < left.size() && left[end].what == left[begin].what &&
-           left[end].line == left[end - 1].line + 1) {
-      ++end;
-    }
-    if (end - begin < 3) end = begin + 1;
-    const LeftAsItIs& first = left[begin];
-    words.push_back(end - begin == 1
-                        ? fmt::format("{} {}: {}; left as it is", place, first.line, first.what)
-                        : fmt::format("{}s {} to {}: {}; left as it is", place, first.line,
-                                      left[end - 1].line, first.what));
-    begin = end;
-  }
-  return words;
 }
 
 void warn_each(const std::string& file, const std::vector<std::string>& warnings) {
@@ -276,8 +259,9 @@ Attempt<ExitStatus> check_alone(const CompensateOptions& options, const std::str
 void print_program(const CompensateOptions& options, const CorrectedProgram& program,
                    const Checked& checked, const Summary& summary) {
   const auto left = left_in_words(program.left, "line");
-  const auto remarks = remarks_on(program.targets, "line");
+  auto remarks = remarks_on(program.targets, "line");
   warn_each(options.into, remarks);
+  std::ranges::copy(remarks_in_words(program.left, "line"), std::back_inserter(remarks));
   warn_each(options.into, left_in_runs(program.left, "line"));
   if (options.json) {
     nlohmann::ordered_json json{{"status", 0},
@@ -293,9 +277,18 @@ void print_program(const CompensateOptions& options, const CorrectedProgram& pro
     return;
   }
   if (options.check) print_check(checked, true);
-  print_summary(summary, program.left.size(), "target");
+  print_summary(summary, left.size(), "target");
   say("Everything else in the program is as it was. Written: {}\n", file_in_words(options.out));
   if (!options.picture.empty()) say("Picture: {}\n", file_in_words(options.picture));
+}
+
+Problem none_corrected(const CompensateOptions& options, const CorrectedProgram& program) {
+  if (count_left(program.left) == 0) {
+    return {options.into, 0, 0, "no target is written in it", "a program with targets"};
+  }
+  return {options.into, 0, 0, "none of its targets can be corrected",
+          program.tried == 0 ? "targets that are written in it, with their tool and frame"
+                             : "a program with targets that both models reach"};
 }
 
 Attempt<ExitStatus> run_program(const CompensateOptions& options, const ControllerView& view) {
@@ -307,8 +300,7 @@ Attempt<ExitStatus> run_program(const CompensateOptions& options, const Controll
   for (const CorrectedTarget& target : program.targets) summary.add(target);
   if (summary.moved_m.count == 0) {
     warn_each(options.into, left_in_runs(program.left, "line"));
-    return no_answer({options.into, 0, 0, "none of its targets can be corrected",
-                      "a program with targets that both models reach"});
+    return no_answer(none_corrected(options, program));
   }
   Checked checked;
   if (options.check || !options.picture.empty()) {
@@ -324,8 +316,18 @@ Attempt<ExitStatus> run_program(const CompensateOptions& options, const Controll
 
 // --- Poses ------------------------------------------------------------------------------------
 
+// A file of frames has many, and poses have no names.
+Read<void> check_tool_of_poses(const CompensateOptions& options) {
+  if (options.frames_file.empty() || !options.tools.empty()) return {};
+  return std::unexpected(Problem{options.frames_file, 0, 0,
+                                 "poses do not say which tool they are of", "--tool with a name"});
+}
+
 Attempt<ExitStatus> run_poses(const CompensateOptions& options, const SignatureRecord& record,
                               const ControllerView& view, const std::vector<JointVector>& seeds) {
+  if (auto tool = check_tool_of_poses(options); !tool) {
+    return std::unexpected(std::move(tool).error());
+  }
   ARMSIG_TRY(poses, read_tool_poses(options.poses));
   if (seeds.size() > 1 && seeds.size() != poses.size()) {
     return std::unexpected(
@@ -383,7 +385,8 @@ Read<void> check_files(const CompensateOptions& options) {
   const std::initializer_list<FileRole> read = {{"--signature", options.signature},
                                                 {"--poses", options.poses},
                                                 {"--into", options.into},
-                                                {"--seed", options.seed}};
+                                                {"--seed", options.seed},
+                                                {"--frames", options.frames_file}};
   const FileRole picture{"--picture", options.picture};
   if (options.out.empty()) return check_roles(read, {picture});
   return check_roles(read, {{"--out", options.out}, picture});
@@ -414,6 +417,10 @@ void add_frame_options(CLI::App& command, CompensateOptions& options) {
   command
       .add_option("--frame", options.frames, "work object in the controller's base, written alike")
       ->allow_extra_args(false);
+  command.add_option(
+      "--frames", options.frames_file,
+      "tools and work objects by name (YAML), as --out of `armsig frames` writes them; "
+      "--tool and --frame take a name of it too");
   add_controller_options(command, options.controller);
 }
 

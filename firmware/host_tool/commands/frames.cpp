@@ -6,11 +6,14 @@
 #include <fmt/core.h>
 
 #include "core/base/error.hpp"
+#include "firmware/formats/file_roles.hpp"
+#include "firmware/formats/frames_file.hpp"
 #include "firmware/formats/signature_file.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/host_tool/commands/command.hpp"
 #include "firmware/host_tool/commands/controller_options.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/standard_output.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/programs/program.hpp"
 #include "firmware/host_tool/reading/beyond_limits.hpp"
@@ -24,7 +27,7 @@ namespace armsig::tool {
 namespace {
 
 struct FramesOptions : CommonOptions {
-  std::string signature, points, columns, tool;
+  std::string signature, points, columns, tool, out;
   std::string language = "krl";
   ControllerOptions controller;
   std::optional<int> target;
@@ -149,7 +152,40 @@ Read<ControllerFrames> controller_of(const FramesOptions& options, const Signatu
   return ControllerFrames{.nominal = nominal, .X_0C = X_0C, .X_nE = X_nE};
 }
 
+// What the person is told, and a file where one is asked for.
+Attempt<ExitStatus> tell(const FramesOptions& options, const TaughtTask& task,
+                         const TaughtFrames& result) {
+  for (const std::string& warning : result.warnings) {
+    complain("armsig: warning: {}: {}", options.points, warning);
+  }
+  if (!options.out.empty()) {
+    if (auto written = write_frames_file(options.out, file_of(task, result)); !written) {
+      return std::unexpected(std::move(written).error());
+    }
+  }
+  const Language& language = language_called(options.language);
+  if (options.json) {
+    auto json = json_of(task, result, language);
+    if (!options.out.empty()) json["out"] = options.out;
+    print_json(json);
+    return kDone;
+  }
+  print_taught_frames(task, result, language);
+  if (!options.out.empty()) say("Written: {}\n", file_in_words(options.out));
+  return kDone;
+}
+
+// Without --out nothing is written.
+Read<void> check_files(const FramesOptions& options) {
+  if (options.out.empty()) return {};
+  return check_roles({{"--signature", options.signature}, {"--points", options.points}},
+                     {{"--out", options.out}});
+}
+
 Attempt<ExitStatus> run(const FramesOptions& options) {
+  if (auto apart = check_files(options); !apart) {
+    return std::unexpected(std::move(apart).error());
+  }
   ARMSIG_TRY(record, read_signature_file(options.signature));
   ARMSIG_TRY(controller, controller_of(options, record));
   ARMSIG_TRY(input, read_input(options, record));
@@ -165,16 +201,7 @@ Attempt<ExitStatus> run(const FramesOptions& options) {
                               1e-3 * options.teach_sigma_mm);
   if (!result) return no_answer(std::move(result).error());
   result->warnings.insert(result->warnings.begin(), input.warnings.begin(), input.warnings.end());
-  for (const std::string& warning : result->warnings) {
-    complain("armsig: warning: {}: {}", options.points, warning);
-  }
-  const Language& language = language_called(options.language);
-  if (options.json) {
-    print_json(json_of(input.task, *result, language));
-  } else {
-    print_taught_frames(input.task, *result, language);
-  }
-  return kDone;
+  return tell(options, input.task, *result);
 }
 
 void add_tip_options(CLI::App& command, FramesOptions& options) {
@@ -185,6 +212,20 @@ void add_tip_options(CLI::App& command, FramesOptions& options) {
       "tool of the file)");
   command.add_option("--target", options.target, "it was this target of the signature")
       ->excludes(tool);
+}
+
+void add_result_options(CLI::App& command, FramesOptions& options) {
+  command
+      .add_option("--teach-sigma-mm", options.teach_sigma_mm,
+                  "how well a point was taught, 1 sigma of a coordinate (default: what the points "
+                  "beyond the minimum miss by, else 0.1)")
+      ->check(CLI::Range(1e-4, 100.0));
+  command
+      .add_option("--language", options.language,
+                  "of the controller: orientations are written as its programs have them")
+      ->transform(
+          CLI::IsMember({"urscript", "rapid", "krl", "fanuc", "jbi", "gcode"}, CLI::ignore_case))
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -203,20 +244,17 @@ void add_frames(CLI::App& app, int& status) {
                    "taught points of other software: auto, or frame=THEIR NAME,q1_deg=@3,...")
       ->needs(points);
   add_tip_options(*command, *options);
-  command
-      ->add_option("--teach-sigma-mm", options->teach_sigma_mm,
-                   "how well a point was taught, 1 sigma of a coordinate (default: what the points "
-                   "beyond the minimum miss by, else 0.1)")
-      ->check(CLI::Range(1e-4, 100.0));
-  command
-      ->add_option("--language", options->language,
-                   "of the controller: orientations are written as its programs have them")
-      ->transform(
-          CLI::IsMember({"urscript", "rapid", "krl", "fanuc", "jbi", "gcode"}, CLI::ignore_case))
-      ->capture_default_str();
+  add_result_options(*command, *options);
   add_controller_options(*command, options->controller);
+  CLI::Option* out =
+      command->add_option("-o,--out", options->out,
+                          "file to write: the frames of the found model by their names (YAML), for "
+                          "--frames of `armsig compensate`");
   add_common(*command, *options);
-  command->callback([options, &status] { status = status_of(run(*options), *options); });
+  command->callback([options, out, &status] {
+    if (out->count() != 0 && options->out.empty()) throw CLI::RequiredError("--out");
+    status = status_of(run(*options), *options);
+  });
 }
 
 }  // namespace armsig::tool

@@ -141,6 +141,38 @@ std::string replaced(std::string_view text, std::vector<Replacement> all) {
   return result += text.substr(copied);
 }
 
+// Axes beside the arm's own are not read: of each one that moves, a remark where it does so first.
+void remark_external_axes(Program& program) {
+  constexpr double kNone = 1e9;  // RAPID writes 9E9 of an axis that is not there
+  std::vector<double> first;
+  std::vector<bool> moves;
+  for (const ProgramTarget& target : program.targets) {
+    for (std::size_t k = 0; k < target.external.size(); ++k) {
+      const double value = target.external[k];
+      if (k >= first.size()) {
+        first.push_back(value);
+        moves.push_back(false);
+      }
+      if (first[k] >= kNone) first[k] = value;
+      if (moves[k] || value >= kNone || value == first[k]) continue;
+      moves[k] = true;
+      program.left.push_back(
+          {target.line,
+           fmt::format("{}: external axis {} moves; targets are corrected as if it did not "
+                       "move the arm's base",
+                       target.name, k + 1),
+           true});
+    }
+  }
+}
+
+Program read_program(std::string_view text, const Language& language,
+                     const ControllerView& controller) {
+  Program program = language.read(text, controller.frames);
+  remark_external_axes(program);
+  return program;
+}
+
 void by_line(std::vector<LeftAsItIs>& left) {
   std::ranges::sort(left, {}, [](const LeftAsItIs& one) { return std::tie(one.line, one.what); });
 }
@@ -149,9 +181,10 @@ void by_line(std::vector<LeftAsItIs>& left) {
 
 CorrectedProgram corrected_program(std::string_view text, const Language& language,
                                    const ControllerView& controller) {
-  Program program = language.read(text, controller.frames);
+  Program program = read_program(text, language, controller);
   CorrectedProgram result;
   result.left = std::move(program.left);
+  result.tried = program.targets.size();
   std::vector<Replacement> replacements;
   ProgramRun run(language, controller);
   for (const ProgramTarget& target : program.targets) {
@@ -181,7 +214,7 @@ CorrectedProgram corrected_program(std::string_view text, const Language& langua
 
 Arrivals arrivals_of(std::string_view text, const Language& language,
                      const ControllerView& controller) {
-  Program program = language.read(text, controller.frames);
+  Program program = read_program(text, language, controller);
   Arrivals result;
   result.left = std::move(program.left);
   const Pose X_C0 = controller.X_0C.inverse();

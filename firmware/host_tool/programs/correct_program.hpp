@@ -32,7 +32,8 @@ struct CorrectedTarget {
 struct CorrectedProgram {
   std::string text;
   std::vector<CorrectedTarget> targets;  // with those that Correction refuses
-  std::vector<LeftAsItIs> left;          // by line
+  std::size_t tried = 0;         // targets, with those that the nominal model does not reach
+  std::vector<LeftAsItIs> left;  // by line
 };
 
 [[nodiscard]] CorrectedProgram corrected_program(std::string_view text, const Language& language,

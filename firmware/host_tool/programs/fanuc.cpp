@@ -27,6 +27,7 @@ class FanucReader {
   Program read() {
     const std::size_t positions = std::min(text_.find("\n/POS"), text_.size());
     find_positions(positions);
+    find_changed_frames(positions);
     const std::vector<Bytes> motions = motions_before(positions);
     for (const Bytes& motion : motions) find_increments(motion);
     for (const Bytes& motion : motions) take_motion(motion);
@@ -66,7 +67,7 @@ class FanucReader {
 
   static std::string name_of(int number) { return fmt::format("P[{}]", number); }
 
-  // P[1], P[1:"name"]: its number, and the place behind it.
+  // P[1], P[1:"name"]: its number; nothing of P[R[3]], which a register says.
   static std::optional<int> position_number(ProgramScanner& scanner) {
     if (!scanner.accept('[')) return std::nullopt;
     const std::string number(scanner.word());
@@ -87,6 +88,32 @@ class FanucReader {
       positions_.try_emplace(*number, Position{at, {open + 1, std::min(close, group2)}, false});
       scanner.go_to(close);
     }
+  }
+
+  // "UFRAME[2]=PR[3]": the program sets a frame while it runs.
+  void find_changed_frames(std::size_t end) {
+    ProgramScanner scanner(std::string_view(text_).substr(0, end));
+    while (scanner.next_word()) {
+      const std::size_t at = scanner.at();
+      const std::string_view word = scanner.word();
+      if ((word != "UFRAME" && word != "UTOOL") || !scanner.accept('[')) continue;
+      const std::string number(scanner.word());
+      // A number that a register has may be any.
+      const bool direct = scanner.accept(']');
+      if (!direct) scanner.go_to(std::min(text_.find("]]", scanner.at()), end) + 2);
+      if (!scanner.accept('=') || scanner.peek() == '=') continue;
+      const std::string key = std::string(word == "UFRAME" ? "UF" : "UT");
+      changed_.try_emplace(key + (direct ? number : ""), lines_.line_of(at));
+    }
+  }
+
+  // The line that sets it; 0 of none.
+  [[nodiscard]] int changed_in(std::string_view which, std::string_view number) const {
+    for (const std::string_view one : {number, std::string_view()}) {
+      const auto found = changed_.find(std::string(which) + std::string(one));
+      if (found != changed_.end()) return found->second;
+    }
+    return 0;
   }
 
   // "J P[1] 100% FINE", also with P[2] of an arc, on a line of its own: from the letter on.
@@ -120,7 +147,7 @@ class FanucReader {
       const std::size_t before = trimmed_bytes(text_, {motion.begin, at}).end;
       const bool gone_to = before == motion.begin + 1 || text_[before - 1] == ':';
       const auto number = position_number(scanner);
-      if (gone_to || (word == "P" && number)) take(at, word == "PR", number.value_or(0));
+      if (gone_to || (word == "P" && number)) take(at, word == "PR", number);
     }
   }
 
@@ -134,21 +161,36 @@ class FanucReader {
 
   void find_increments(Bytes motion) {
     if (!is_incremental(motion)) return;
-    each_place(motion, [&](std::size_t /*at*/, bool is_register, int number) {
-      const auto found = is_register ? positions_.end() : positions_.find(number);
+    each_place(motion, [&](std::size_t /*at*/, bool is_register, std::optional<int> number) {
+      const bool written = !is_register && number.has_value();
+      const auto found = written ? positions_.find(*number) : positions_.end();
       if (found != positions_.end()) found->second.incremental = true;
     });
   }
 
   void take_motion(Bytes motion) {
     const bool offset = text_at(text_, motion).contains("OFFSET");
-    each_place(motion, [&](std::size_t at, bool is_register, int number) {
+    each_place(motion, [&](std::size_t at, bool is_register, std::optional<int> number) {
       if (is_register) {
-        leave(at, fmt::format("PR[{}]: it is a register", number));
+        leave(at, place_at(at) + ": it is a register");
+      } else if (!number) {
+        leave(at, place_at(at) + ": a register says which position it is");
       } else {
-        go_to(at, number, offset);
+        go_to(at, *number, offset);
       }
     });
+  }
+
+  // "PR[3]", "P[R[98]]".
+  [[nodiscard]] std::string place_at(std::size_t at) const {
+    std::size_t end = at;
+    for (int depth = 0; end < text_.size() && text_[end] != '\n'; ++end) {
+      if (text_[end] == '[') ++depth;
+      if (text_[end] == ']' && --depth == 0) break;
+    }
+    std::string place = text_.substr(at, end + 1 - at);
+    std::erase(place, ' ');
+    return place;
   }
 
   void go_to(std::size_t at, int number, bool offset) {
@@ -159,7 +201,9 @@ class FanucReader {
     }
     Position& position = found->second;
     if (offset) {
-      leave(at, name_of(number) + ": an offset moves it, with the correction that it has");
+      program_.left.push_back({lines_.line_of(at),
+                               name_of(number) + ": an offset moves it, with its correction",
+                               true});
     }
     if (position.used) return;
     position.used = true;
@@ -202,6 +246,36 @@ class FanucReader {
     return X != nullptr ? std::optional(*X) : std::nullopt;
   }
 
+  [[nodiscard]] std::vector<double> external_axes(const Position& position) const {
+    std::vector<double> all;
+    for (const char* const axis : {"E1", "E2", "E3"}) {
+      const auto number = value(position, axis);
+      if (!number) break;
+      all.push_back(values_at(text_, {*number})[0]);
+    }
+    return all;
+  }
+
+  // Why the place of a pose is not known; empty where it is.
+  [[nodiscard]] std::string frames_unknown(const Position& position, bool tool, bool frame) const {
+    struct Which {
+      std::string_view key, words, option;
+      bool known;
+    };
+    for (const Which& one :
+         {Which{"UT", "user tool", "--tool", tool}, Which{"UF", "user frame", "--frame", frame}}) {
+      const auto number = value(position, one.key);
+      const std::string_view n = number ? text_at(text_, *number) : std::string_view("F");
+      if (const int line = changed_in(one.key, n); n != "0" && line > 0) {
+        return fmt::format("its {} {} is changed in line {}", one.words, n, line);
+      }
+      if (!one.known) {
+        return fmt::format("its {} is not known: {} {}=...", one.words, one.option, n);
+      }
+    }
+    return {};
+  }
+
   void add(int number, const Position& position) {
     ProgramTarget target;
     target.line = lines_.line_of(position.at);
@@ -215,14 +289,15 @@ class FanucReader {
     target.joints = joints.has_value();
     target.numbers = joints ? *joints : *pose;
     target.values = values_at(text_, target.numbers);
+    target.external = external_axes(position);
     const auto X_FT = frame(position, "UT", frames_.tools);
     const auto X_BW = frame(position, "UF", frames_.frames);
-    if (!target.joints && (!X_FT || !X_BW)) {
-      const auto n = value(position, X_FT ? "UF" : "UT");
-      leave(position.at, fmt::format("{}: its {} is not known: {} {}=...", target.name,
-                                     X_FT ? "user frame" : "user tool", X_FT ? "--frame" : "--tool",
-                                     n ? text_at(text_, *n) : std::string_view("F")));
-      return;
+    if (!target.joints) {
+      const std::string why = frames_unknown(position, X_FT.has_value(), X_BW.has_value());
+      if (!why.empty()) {
+        leave(position.at, target.name + ": " + why);
+        return;
+      }
     }
     target.X_FT = X_FT.value_or(Pose{});
     target.X_BW = X_BW.value_or(Pose{});
@@ -237,6 +312,7 @@ class FanucReader {
   LineNumbers lines_;
   const ProgramFrames& frames_;
   std::map<int, Position> positions_;
+  std::map<std::string, int> changed_;  // "UF2", or "UF" of any number: with the line
   Program program_;
 };
 

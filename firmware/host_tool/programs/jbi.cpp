@@ -3,6 +3,7 @@
 // robot or a user frame, with the number of their tool. Pulses are counts of the encoders.
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 
 #include <fmt/core.h>
@@ -42,7 +43,8 @@ class JbiReader {
   struct Uses {
     bool gone_to = false;
     bool gone_by = false;  // IMOV
-    int changed = 0;       // line
+    bool other_group = false;
+    int changed = 0;  // line
   };
 
   // The number of P001, LP001 or PX001; nothing of other words.
@@ -52,16 +54,42 @@ class JbiReader {
     return word.empty() ? std::nullopt : parse_integer(word);
   }
 
+  // The place of "+MOVL", behind which another group moves; `end` where there is none.
+  [[nodiscard]] std::size_t other_group_in(Bytes line) const {
+    std::size_t at = line.begin;
+    for (; at < line.end; ++at) {
+      if (text_[at] != '+') continue;
+      ProgramScanner scanner(std::string_view(text_).substr(0, line.end), at + 1);
+      if (scanner.word().contains("MOV")) break;
+    }
+    return at;
+  }
+
+  void find_other_group(Bytes motion) {
+    ProgramScanner scanner(std::string_view(text_).substr(0, motion.end), motion.begin);
+    while (scanner.next_word()) {
+      const std::string_view word = scanner.word();
+      const auto number = word.starts_with('C') ? parse_integer(word.substr(1)) : std::nullopt;
+      if (number) steps_of_others_.insert(*number);
+      if (const auto variable = variable_number(word)) uses_[*variable].other_group = true;
+    }
+  }
+
   void find_uses(Bytes line) {
     const std::string_view text = text_at(text_, line);
     if (text.starts_with('\'') || text.starts_with('/')) return;
-    const std::size_t end = line.begin + std::min(text.find("//"), text.size());
+    std::size_t end = line.begin + std::min(text.find("//"), text.size());
+    const std::size_t other = other_group_in({line.begin, end});
+    find_other_group({other, end});
+    end = other;
     ProgramScanner scanner(std::string_view(text_).substr(0, end), line.begin);
     const std::string_view instruction = scanner.word();
     const std::size_t first = trimmed_bytes(text_, {scanner.at(), end}).begin;
     const int number_of_line = lines_.line_of(line.begin);
     if (instruction == "SFTON") {
-      leave(line.begin, "SFTON: it moves targets; they are corrected for where they are written");
+      program_.left.push_back(
+          {number_of_line, "SFTON: it moves targets; they are corrected for where they are written",
+           true});
     }
     const bool by = instruction.contains("IMOV");
     const bool to = !by && instruction.contains("MOV");
@@ -79,11 +107,16 @@ class JbiReader {
 
   // Why a position variable is no target as it is written; empty where it is one.
   [[nodiscard]] std::string no_target(std::string_view name) const {
+    constexpr const char* kOther = "another group of the job moves to it";
     const auto number = variable_number(name);
-    const auto found = number ? uses_.find(*number) : uses_.end();
-    if (!number) return {};
+    if (!number) {
+      const auto step = parse_integer(name.substr(1));
+      return step && steps_of_others_.contains(*step) ? kOther : "";
+    }
+    const auto found = uses_.find(*number);
     if (found == uses_.end()) return "no motion of this job goes to it";
     const Uses& uses = found->second;
+    if (uses.other_group) return kOther;
     if (uses.gone_by) return "a motion goes by it, not to it (IMOV)";
     if (uses.changed > 0) return fmt::format("line {} gives it another value", uses.changed);
     return uses.gone_to ? "" : "no motion of this job goes to it";
@@ -171,6 +204,7 @@ class JbiReader {
   std::string user_;
   std::string type_;
   std::map<int, Uses> uses_;
+  std::set<int> steps_of_others_;  // C... that another group moves to
   Program program_;
 };
 

@@ -318,7 +318,9 @@ class KrlReader {
     const auto X_BW = pose_now(now_.base, frames_.frames);
     if (declared.used) {
       if (!same(declared.X_FT, X_FT) || !same(declared.X_BW, X_BW)) {
-        leave(at, declared.name + ": it is used with another tool or base than before");
+        program_.left.push_back(
+            {lines_.line_of(at),
+             declared.name + ": it is used with another tool or base than before", true});
       }
       return;
     }
@@ -399,9 +401,20 @@ class KrlReader {
     }
     target.numbers = axes ? *axes : *pose;
     target.values = values_at(text_, target.numbers);
+    target.external = external_axes(aggregate);
     if (!axes && !place(target, name, aggregate.at)) return;
     if (!axes) take_words(target, aggregate);
     program_.targets.push_back(std::move(target));
+  }
+
+  [[nodiscard]] std::vector<double> external_axes(const KrlAggregate& aggregate) const {
+    std::vector<double> all;
+    for (const char* const axis : {"E1", "E2", "E3", "E4", "E5", "E6"}) {
+      const auto number = aggregate.numbers.find(axis);
+      if (number == aggregate.numbers.end()) break;
+      all.push_back(values_at(text_, {number->second})[0]);
+    }
+    return all;
   }
 
   // S and T, where both are written.

@@ -105,6 +105,29 @@ Read<void> GivenFrames::add(std::string_view option, std::string_view text) {
   return {};
 }
 
+Read<void> GivenFrames::add(std::string_view option, std::string_view text,
+                            const std::vector<NamedPose>& of_file) {
+  const std::size_t behind = text.find('=') + 1;  // 0 where there is no name
+  const std::string_view value = trimmed(text.substr(behind));
+  const auto named = std::ranges::find(of_file, value, &NamedPose::name);
+  if (named != of_file.end()) {
+    const std::string_view name = behind == 0 ? "" : trimmed(text.substr(0, behind - 1));
+    frames_.push_back({in_capitals(name), named->X});
+    return {};
+  }
+  auto added = add(option, text);
+  if (!added && !of_file.empty()) {
+    std::vector<std::string> names;
+    for (const NamedPose& frame : of_file) names.push_back(frame.name);
+    added.error().expected = any_of(names) + ", or " + added.error().expected;
+  }
+  return added;
+}
+
+void GivenFrames::add_all(const std::vector<NamedPose>& of_file) {
+  for (const NamedPose& frame : of_file) frames_.push_back({in_capitals(frame.name), frame.X});
+}
+
 const Pose* GivenFrames::find(std::string_view name) const {
   const auto named = std::ranges::find(frames_, in_capitals(name), &NamedFrame::name);
   if (named != frames_.end()) return &named->X;

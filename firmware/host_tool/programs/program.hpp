@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/arm.hpp"
+#include "firmware/formats/frames_file.hpp"
 #include "firmware/formats/problem.hpp"
 #include "firmware/host_tool/exports/urdf_places.hpp"
 
@@ -48,14 +49,16 @@ struct ProgramTarget {
   std::vector<double> values;
   std::vector<Bytes> words;  // of the configuration; none where the language has none
   std::vector<long> configuration;
-  std::vector<double> near;  // readings that the program wants its solution near; or empty
-  Pose X_BW;                 // frame of the program in the controller's base
-  Pose X_FT;                 // its tool on the controller's flange
+  std::vector<double> near;      // readings that the program wants its solution near; or empty
+  std::vector<double> external;  // axes beside the arm's own, where it states them; 9e9 of none
+  Pose X_BW;                     // frame of the program in the controller's base
+  Pose X_FT;                     // its tool on the controller's flange
 };
 
 struct LeftAsItIs {
   int line = 0;
-  std::string what;  // with the reason
+  std::string what;     // with the reason
+  bool remark = false;  // no target is left by it: said of targets that are corrected
 };
 
 struct Program {
@@ -74,6 +77,10 @@ class GivenFrames {
   // Six numbers are x, y, z in mm and rotations about z, y, x in degrees; seven are x, y, z in mm
   // and a quaternion w, x, y, z; p[...] is x, y, z in metres and a rotation vector in radians.
   [[nodiscard]] Read<void> add(std::string_view option, std::string_view text);
+  // That of a file, or by the name that one has in it: "2=torch". Those that come first are found.
+  [[nodiscard]] Read<void> add(std::string_view option, std::string_view text,
+                               const std::vector<NamedPose>& of_file);
+  void add_all(const std::vector<NamedPose>& of_file);
 
   [[nodiscard]] const Pose* find(
       std::string_view name) const;  // the unnamed one where there is none

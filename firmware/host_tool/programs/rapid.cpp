@@ -13,6 +13,7 @@
 #include <fmt/core.h>
 
 #include "firmware/host_tool/programs/program_text.hpp"
+#include "firmware/host_tool/programs/rapid_data.hpp"
 #include "firmware/host_tool/programs/readers.hpp"
 
 namespace armsig::tool {
@@ -21,53 +22,6 @@ namespace {
 // Instructions that go to a target begin with one of these.
 constexpr std::array<std::string_view, 9> kRapidMoves{"MOVE", "ARC",   "TRIGG", "SPOT",   "SEARCH",
                                                       "DISP", "PAINT", "CAP",   "CONTACT"};
-
-struct RapidData {
-  std::vector<std::vector<Bytes>> lists;
-  bool joints = false;
-};
-
-// [[...], [...], ...] of numbers.
-std::optional<std::vector<std::vector<Bytes>>> rapid_lists(ProgramScanner& scanner) {
-  std::vector<std::vector<Bytes>> lists;
-  if (!scanner.accept('[')) return std::nullopt;
-  do {
-    auto one = scanner.list('[', ']');
-    if (!one) return std::nullopt;
-    lists.push_back(std::move(*one));
-  } while (scanner.accept(','));
-  if (!scanner.accept(']')) return std::nullopt;
-  return lists;
-}
-
-bool has_sizes(const RapidData& data, std::initializer_list<std::size_t> sizes) {
-  return std::ranges::equal(data.lists, sizes, {}, [](const auto& list) { return list.size(); });
-}
-
-// A robtarget or jointtarget written out from `at`, and where it ends.
-std::optional<RapidData> rapid_target_at(std::string_view text, std::size_t& at) {
-  ProgramScanner scanner(text, at);
-  auto lists = rapid_lists(scanner);
-  if (!lists) return std::nullopt;
-  RapidData data{std::move(*lists), false};
-  data.joints = has_sizes(data, {6, 6});
-  if (!data.joints && !has_sizes(data, {3, 4, 4, 6})) return std::nullopt;
-  at = scanner.at();
-  return data;
-}
-
-// Those between `bytes`: of an array, one for each element.
-std::vector<RapidData> rapid_targets(std::string_view text, Bytes bytes) {
-  std::vector<RapidData> all;
-  text = text.substr(0, bytes.end);
-  for (std::size_t at = text.find('[', bytes.begin); at != std::string_view::npos;) {
-    std::size_t behind = at;
-    auto one = rapid_target_at(text, behind);
-    if (one) all.push_back(std::move(*one));
-    at = text.find('[', one ? behind : at + 1);
-  }
-  return all;
-}
 
 // Names belong to their routine, or to their module where `routine` is 0.
 struct RapidScope {
@@ -96,6 +50,7 @@ class RapidReader {
     for (const RapidStatement& one : all) take_declaration(one);
     for (const RapidStatement& one : all) take_change(one);
     for (const RapidStatement& one : all) take_instruction(one);
+    name_offsets();
     for (const auto& [name, declared] : targets_) {
       if (declared.used || declared.data.empty()) continue;
       taken_.insert(declared.data[0].lists[0][0].begin);
@@ -302,8 +257,8 @@ class RapidReader {
           behind == ' ' || behind == '\t' || behind == '\\' || behind == '\r' || behind == '\n';
       if (word == "CONFJ") any_configuration_ = upto.substr(at).contains("\\OFF");
       if (word == "PDISPON" || word == "PDISPSET") {
-        leave(at, as_written({at, scanner.at()}) +
-                      ": it moves targets; they are corrected for where they are written");
+        remark(at, as_written({at, scanner.at()}) +
+                       ": it moves targets; they are corrected for where they are written");
       }
       const bool moves = std::ranges::any_of(
           kRapidMoves, [&](std::string_view start) { return word.starts_with(start); });
@@ -314,10 +269,8 @@ class RapidReader {
     } while (scanner.next_word());
   }
 
-  // What stands before the first switch: "P10" of "P10\ID:=3".
   [[nodiscard]] Bytes without_switches(Bytes argument) const {
-    const std::size_t at = text_.find('\\', argument.begin);
-    return at < argument.end ? trimmed_bytes(text_, {argument.begin, at}) : argument;
+    return without_rapid_switches(text_, argument);
   }
 
   [[nodiscard]] std::string wobj_of(Bytes argument) const {
@@ -360,7 +313,9 @@ class RapidReader {
     }
     const Bytes first = without_switches(arguments[0]);
     if (!any && instruction.starts_with("MOVE") && first.end > first.begin) {
-      leave(first.begin, as_written(first) + ": it is not declared here");
+      leave(first.begin, as_written(first) + (text_at(text_, first).contains('(')
+                                                  ? ": it is computed"
+                                                  : ": it is not declared here"));
     }
   }
 
@@ -374,12 +329,31 @@ class RapidReader {
     } else if (const auto data = rapid_target_at(text_, end); data && end == argument.end) {
       add("target", argument.begin, *data, going);
     } else if (name.starts_with("OFFS") || name.starts_with("RELTOOL")) {
-      leave(argument.begin,
-            as_written(argument) + ": it is computed; it moves with the correction of its target");
+      offsets_.push_back({argument, going.scope});
     } else {
       return false;
     }
     return true;
+  }
+
+  // Offs() and RelTool() move with the target that they begin from, where that one is corrected.
+  void name_offsets() {
+    for (const RapidStatement& one : offsets_) {
+      const std::size_t open = std::min(text_.find('(', one.bytes.begin), one.bytes.end - 1);
+      const Bytes from =
+          arguments_from(std::string_view(text_).substr(0, one.bytes.end), open + 1, ')')[0];
+      const std::string_view name = text_at(text_, from);
+      const Declared* const target =
+          find_in(targets_, name.substr(0, std::min(name.find('{'), name.size())), one.scope);
+      const bool corrected =
+          target != nullptr && target->used && target->changed == 0 && !target->data.empty();
+      if (corrected) {
+        remark(one.bytes.begin, fmt::format("{}: it moves with the correction of {}",
+                                            as_written(one.bytes), as_written(from)));
+      } else {
+        leave(one.bytes.begin, as_written(one.bytes) + ": it is computed");
+      }
+    }
   }
 
   void use(Declared& declared, std::size_t at, const Going& going) {
@@ -392,7 +366,7 @@ class RapidReader {
     if (!first) {
       const bool same =
           declared.data[0].joints || (declared.tool == going.tool && declared.wobj == going.wobj);
-      if (!same) leave(at, name + ": it is used with another tool or work object than before");
+      if (!same) remark(at, name + ": it is used with another tool or work object than before");
       return;
     }
     declared.tool = going.tool;
@@ -466,11 +440,15 @@ class RapidReader {
       }
     }
     target.values = values_at(text_, target.numbers);
+    target.external = values_at(text_, data.lists.back());
     program_.targets.push_back(std::move(target));
   }
 
   void leave(std::size_t at, std::string what) {
     program_.left.push_back({lines_.line_of(at), std::move(what)});
+  }
+  void remark(std::size_t at, std::string what) {
+    program_.left.push_back({lines_.line_of(at), std::move(what), true});
   }
 
   std::string text_;
@@ -483,6 +461,7 @@ class RapidReader {
   std::map<std::string, Declared> targets_;
   std::map<std::string, DeclaredFrame> tools_;
   std::map<std::string, DeclaredFrame> wobjs_;
+  std::vector<RapidStatement> offsets_;
   std::set<std::size_t> taken_;  // where targets begin that are corrected, or left by name
   Program program_;
 };

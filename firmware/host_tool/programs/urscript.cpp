@@ -210,7 +210,9 @@ class UrReader {
     }
     Variable& found = variable->second;
     if (found.used) {
-      if (found.tool != tool_now()) leave(at, name + ": it is used with two tools");
+      if (found.tool != tool_now()) {
+        program_.left.push_back({lines_.line_of(at), name + ": it is used with two tools", true});
+      }
       return;
     }
     found.used = true;

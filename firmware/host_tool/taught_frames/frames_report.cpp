@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -243,6 +244,22 @@ nlohmann::ordered_json json_of(const TaughtTask& task, const TaughtFrames& resul
     json["frames"].push_back(frame_json(task, task.frames[f], result.frames[f], language));
   }
   return json;
+}
+
+FramesFile file_of(const TaughtTask& task, const TaughtFrames& result) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kControllers{
+      {{"krl", "KUKA"}, {"rapid", "ABB"}, {"fanuc", "FANUC, Yaskawa"}, {"urscript", "UR"}}};
+  FramesFile file;
+  for (std::size_t f = 0; f < task.frames.size(); ++f) {
+    const bool tool = task.frames[f].kind == TaughtFrameKind::kTool;
+    NamedPose frame{task.frames[f].name, result.frames[f].found.X, {}};
+    for (const auto& [name, maker] : kControllers) {
+      const Language& language = *std::ranges::find(languages(), name, &Language::name);
+      frame.forms.push_back(fmt::format("{}: {}", maker, entered(frame.X, language)));
+    }
+    (tool ? file.tools : file.work_objects).push_back(std::move(frame));
+  }
+  return file;
 }
 
 }  // namespace armsig::tool
