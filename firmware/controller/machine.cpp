@@ -30,6 +30,10 @@ std::optional<MachineDifference> between_devices(const DriveIdentity& expected,
                              static_cast<double>(found.device[i]),
                              static_cast<double>(expected.device[i])};
   }
+  if (!hal::kSmallImage && expected.axis != found.axis) {
+    return MachineDifference{
+        "axis", {}, static_cast<double>(found.axis), static_cast<double>(expected.axis)};
+  }
   return std::nullopt;
 }
 
@@ -89,7 +93,9 @@ std::optional<Machine> machine_of(const Arm& drawing, const hal::JointDrives& dr
 
 std::uint32_t mark_of(const DriveIdentity& drive) {
   if (drive.device == DriveIdentity{}.device) return 0;
-  return crc32(std::as_bytes(std::span(drive.device)));
+  const std::uint32_t crc = crc32(std::as_bytes(std::span(drive.device)));
+  if (hal::kSmallImage || drive.axis == 1) return crc;
+  return crc32(std::as_bytes(std::span(&drive.axis, 1)), crc);
 }
 
 std::optional<MachineDifference> difference(const Machine& expected, const Machine& found,

@@ -25,7 +25,8 @@ struct Machine {
 // Empty until every drive has told who it is.
 [[nodiscard]] std::optional<Machine> machine_of(const Arm& drawing, const hal::JointDrives& drives);
 
-// CRC-32 of what the drive says of itself; 0: it does not say who it is.
+// CRC-32 of what the drive says of itself, and of its axis where that is not the first; 0: it does
+// not say who it is.
 [[nodiscard]] std::uint32_t mark_of(const hal::DriveIdentity& drive);
 
 struct MachineDifference {

@@ -28,6 +28,23 @@ Vector3 read_vector(LittleEndianReader& in) {
   return v;
 }
 
+// Beside the sense of the joint: how far its axis is beyond the first of the drive.
+constexpr unsigned kAxisBit = 8;
+
+std::uint32_t further_axes(const hal::DriveIdentity& drive) {
+  return hal::kSmallImage ? 0 : drive.axis - 1U;
+}
+
+void read_sense_and_axis(LittleEndianReader& in, hal::DriveIdentity& drive) {
+  const auto both = static_cast<std::uint32_t>(in.integer(4));
+  if constexpr (hal::kSmallImage) {
+    drive.reversed = both == 1;
+  } else {
+    drive.reversed = (both & 1U) != 0;
+    drive.axis = static_cast<std::uint8_t>((both >> kAxisBit) + 1);
+  }
+}
+
 void write_drives(PartWriter& out, const Machine& machine) {
   for (std::size_t i = 0; i < kMaxJoints; ++i) {
     const hal::DriveIdentity drive =
@@ -37,7 +54,7 @@ void write_drives(PartWriter& out, const Machine& machine) {
     out.real(drive.gear_ratio);
     out.real(drive.lead_m);
     out.integer(static_cast<std::uint32_t>(drive.zero_counts), 4);
-    out.integer(drive.reversed ? 1 : 0, 4);
+    out.integer((drive.reversed ? 1U : 0U) | further_axes(drive) << kAxisBit, 4);
   }
 }
 
@@ -50,7 +67,7 @@ void read_drives(LittleEndianReader& in, std::size_t joints, Machine& machine) {
     drive.gear_ratio = in.real();
     drive.lead_m = in.real();
     drive.zero_counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(in.integer(4)));
-    drive.reversed = in.integer(4) == 1;
+    read_sense_and_axis(in, drive);
     if (i < joints) machine.drives.push_back(drive);
   }
 }

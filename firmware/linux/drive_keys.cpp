@@ -150,7 +150,8 @@ Read<canopen::AxisConfiguration> read_drive(const YamlMap& map, JointType type) 
     return std::unexpected(std::move(read).error());
   }
   Settings settings(map);
-  settings.flag("reversed", scaling.reversed)
+  settings.integer("axis", 1, cia402::kMostAxes, axis.axis)
+      .flag("reversed", scaling.reversed)
       .integer("zero_counts", std::numeric_limits<std::int32_t>::min() + 1,
                std::numeric_limits<std::int32_t>::max(), scaling.zero_counts)
       .quantity("following_window", tool::dimension_of(type), axis.following_window)

@@ -30,24 +30,31 @@ constexpr std::uint8_t kExpedited = 0x02;
 
 }  // namespace
 
-cia402::ObjectOutcome NodeReading::at(std::uint16_t index, std::uint8_t subindex) const {
+cia402::ObjectOutcome NodeReading::read(std::uint16_t index, std::uint8_t subindex) const {
   const auto found = objects.find({index, subindex});
   if (found != objects.end()) return found->second;
   return std::unexpected(cia402::ObjectFailure{.error = Error::kSdoTimeout, .abort_code = 0});
 }
 
-std::vector<ObjectKey> objects_of_scan(const canopen::CheckedConfiguration& configuration) {
+std::vector<ObjectKey> objects_of_scan(const canopen::CheckedConfiguration& configuration,
+                                       std::uint8_t axis) {
   std::vector<ObjectKey> keys;
   const auto add = [&](std::uint16_t index, std::uint8_t subindex) {
     const ObjectKey key{index, subindex};
     if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
   };
-  for (std::size_t axis = 0; axis < configuration->axes.size(); ++axis) {
-    for (const auto& step : canopen::drive_setup(configuration, axis)) {
-      add(step.request.index, step.request.subindex);
+  const auto add_of_axis = [&](std::uint16_t index, std::uint8_t subindex) {
+    add(cia402::object_of_axis(axis, cia402::object_of_first_axis(index)), subindex);
+  };
+  if (axis > 1) add_of_axis(cia402::kStatusWord, 0);  // which tells whether there is one
+  for (std::size_t joint = 0; joint < configuration->axes.size(); ++joint) {
+    for (const auto& step : canopen::drive_setup(configuration, joint)) {
+      add_of_axis(step.request.index, step.request.subindex);
+      // What another axis sets of the first one.
+      if (configuration->axes[joint].axis == axis) add(step.request.index, step.request.subindex);
     }
   }
-  for (const ObjectWords& words : object_words()) add(words.index, words.subindex);
+  for (const ObjectWords& words : object_words()) add_of_axis(words.index, words.subindex);
   return keys;
 }
 
@@ -92,7 +99,7 @@ std::optional<hal::CanFrame> TextUpload::poll(hal::Instant now) {
 }
 
 DriveScan::DriveScan(const canopen::CheckedConfiguration& configuration, hal::CanBus& bus)
-    : configuration_(configuration), bus_(bus), keys_(objects_of_scan(configuration)) {}
+    : configuration_(configuration), bus_(bus) {}
 
 bool DriveScan::step(hal::Instant now) {
   if (!since_) since_ = now;
@@ -152,27 +159,62 @@ void DriveScan::begin_reading() {
   for (std::size_t joint = 0; joint < configuration_->axes.size(); ++joint) {
     NodeReading reading;
     reading.node = configuration_->axes[joint].node;
+    reading.axis = configuration_->axes[joint].axis;
     reading.joint = joint;
     nodes_.push_back(reading);
   }
   for (const auto& [node, count] : answers_) {
-    auto found = std::ranges::find(nodes_, node, &NodeReading::node);
-    if (found == nodes_.end()) {
+    const auto is_first_axis = [&](const NodeReading& reading) {
+      return reading.node == node && reading.axis == 1;
+    };
+    if (std::ranges::none_of(nodes_, is_first_axis)) {
       NodeReading reading;
       reading.node = node;
-      found = nodes_.insert(found, reading);
+      nodes_.push_back(reading);
     }
-    found->answers = count;
+    for (NodeReading& reading : nodes_) {
+      if (reading.node == node) reading.answers = count;
+    }
   }
-  std::ranges::sort(nodes_, std::ranges::less{}, &NodeReading::node);
+  std::ranges::sort(nodes_, std::ranges::less{}, [](const NodeReading& reading) {
+    return std::pair(reading.node, reading.axis);
+  });
+  for (std::size_t i = 1; i < nodes_.size(); ++i) {
+    if (nodes_[i].node != nodes_[i - 1].node) continue;
+    nodes_[i].one_of_several = nodes_[i - 1].one_of_several = true;
+  }
   part_ = Part::kRead;
+  begin_node();
+}
+
+void DriveScan::begin_node() {
+  at_key_ = 0;
+  transfer_.reset();
+  name_.reset();
+  keys_.clear();
+  if (at_node_ < nodes_.size()) keys_ = objects_of_scan(configuration_, nodes_[at_node_].axis);
 }
 
 void DriveScan::next_node() {
   ++at_node_;
-  at_key_ = 0;
-  transfer_.reset();
-  name_.reset();
+  begin_node();
+}
+
+// A drive may have more axes than are configured.
+void DriveScan::guess_next_axis() {
+  constexpr std::uint32_t kProfile402 = 402;
+  constexpr std::uint32_t kProfileMask = 0xFFFF;
+  const NodeReading& last = nodes_[at_node_];
+  const auto type = last.at(cia402::kDeviceType);
+  const bool is_listed = at_node_ + 1 < nodes_.size() && nodes_[at_node_ + 1].node == last.node;
+  if (is_listed || last.axis == cia402::kMostAxes) return;
+  if (!type || (*type & kProfileMask) != kProfile402) return;
+  NodeReading guess;
+  guess.node = last.node;
+  guess.axis = static_cast<std::uint8_t>(last.axis + 1);
+  guess.is_guess = true;
+  guess.answers = last.answers;
+  nodes_.insert(nodes_.begin() + static_cast<std::ptrdiff_t>(at_node_) + 1, guess);
 }
 
 void DriveScan::read(hal::Instant now) {
@@ -188,6 +230,15 @@ void DriveScan::read(hal::Instant now) {
   }
   if (transfer_ && transfer_->outcome()) {
     const cia402::ObjectOutcome outcome = *transfer_->outcome();
+    if (node.is_guess && !outcome) {
+      nodes_.erase(nodes_.begin() + static_cast<std::ptrdiff_t>(at_node_));
+      begin_node();
+      return;
+    }
+    if (node.is_guess) {
+      node.is_guess = false;
+      node.one_of_several = nodes_[at_node_ - 1].one_of_several = true;
+    }
     node.objects.insert_or_assign(keys_[at_key_], outcome);
     ++at_key_;
     transfer_.reset();
@@ -208,6 +259,7 @@ void DriveScan::read_name(NodeReading& node, hal::Instant now) {
   if (const auto frame = name_->poll(now)) (void)bus_.send(*frame);
   if (!name_->is_over()) return;
   node.name = name_->text();
+  guess_next_axis();
   next_node();
 }
 

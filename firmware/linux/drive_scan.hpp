@@ -19,19 +19,27 @@ namespace armsig::daemon {
 
 using ObjectKey = std::pair<std::uint16_t, std::uint8_t>;  // index and sub-index
 
-// What is read of each device, in this order.
+// What is read of each axis of a device, in this order; by the numbers of its objects.
 [[nodiscard]] std::vector<ObjectKey> objects_of_scan(
-    const canopen::CheckedConfiguration& configuration);
+    const canopen::CheckedConfiguration& configuration, std::uint8_t axis);
 
+// Of one axis of a device.
 struct NodeReading {
   canopen::NodeId node = 0;
+  std::uint8_t axis = 1;
+  bool one_of_several = false;       // the node has other axes
+  bool is_guess = false;             // whether it is there is still to be seen
   std::optional<std::size_t> joint;  // from 0; empty: it is not configured as a drive
   unsigned answers = 0;              // to the first request: more than one of two devices
   std::string name;                  // 1008h
   std::map<ObjectKey, cia402::ObjectOutcome> objects;
 
-  // As the device answered; a time-out where it was not asked.
-  [[nodiscard]] cia402::ObjectOutcome at(std::uint16_t index, std::uint8_t subindex = 0) const;
+  // As the device answered; a time-out where it was not asked. By the number of the object, and by
+  // its number in the first axis.
+  [[nodiscard]] cia402::ObjectOutcome read(std::uint16_t index, std::uint8_t subindex) const;
+  [[nodiscard]] cia402::ObjectOutcome at(std::uint16_t index, std::uint8_t subindex = 0) const {
+    return read(cia402::object_of_axis(axis, index), subindex);
+  }
 };
 
 // A text object, in as many segments as it takes (CiA 301, 7.2.4.3.5).
@@ -74,7 +82,7 @@ class DriveScan {
   // One step, to be called about once a millisecond. False when the look is over.
   bool step(hal::Instant now);
 
-  // By rising node: those that are configured, and those that answer besides.
+  // By rising node and axis: those that are configured, and those that answer besides.
   [[nodiscard]] const std::vector<NodeReading>& nodes() const { return nodes_; }
   // The bus took no frame for so long that the look was given up: nobody acknowledges frames.
   [[nodiscard]] bool is_stuck() const { return stuck_; }
@@ -87,6 +95,8 @@ class DriveScan {
   void take(const hal::CanFrame& frame);
   void call(hal::Instant now);
   void begin_reading();
+  void begin_node();
+  void guess_next_axis();
   void read(hal::Instant now);
   void read_name(NodeReading& node, hal::Instant now);
   void next_node();

@@ -78,6 +78,7 @@ constexpr std::array kWords{
     ObjectWords{0x1003, 1, "last error stored", ""},
     ObjectWords{0x6064, 0, "position, counts", ""},
     ObjectWords{0x1000, 0, "device type", ""},
+    ObjectWords{0x67FF, 0, "type of the axis", ""},
     ObjectWords{0x1018, 1, "vendor", ""},
     ObjectWords{0x1018, 2, "product", ""},
     ObjectWords{0x1018, 3, "revision", ""},
@@ -128,7 +129,8 @@ std::string refusal_words(const cia402::SetupRefusal& refusal) {
   if (refusal.error == Error::kSdoAborted) {
     words += fmt::format(" ({})", canopen::describe_sdo_abort(refusal.code));
   }
-  if (refusal.object.index == cia402::kSupportedModes && refusal.object.found) {
+  const std::uint16_t index = cia402::object_of_first_axis(refusal.object.index);
+  if (index == cia402::kSupportedModes && refusal.object.found) {
     words += mode_that_would_do(*refusal.object.found);
   }
   return words;
@@ -192,7 +194,10 @@ std::string position_words(const NodeReading& node, const CheckedConfiguration& 
 }
 
 std::string type_words(const NodeReading& node) {
-  const ObjectOutcome type = node.at(cia402::kDeviceType);
+  ObjectOutcome type = node.at(cia402::kDeviceType);
+  if (const auto of_axis = node.at(cia402::kLogicalDeviceType); node.axis > 1 && of_axis) {
+    type = of_axis;
+  }
   if (!type) return "device type not reported";
   const std::uint32_t profile = *type & 0xFFFF;
   return profile == 402 ? "drive of CiA 402" : fmt::format("device of profile {}", profile);
@@ -200,6 +205,7 @@ std::string type_words(const NodeReading& node) {
 
 std::string head_words(const NodeReading& node) {
   std::string words = fmt::format("node {}, ", node.node);
+  if (node.one_of_several) words += fmt::format("axis {}, ", node.axis);
   words += node.joint ? fmt::format("joint {}: ", *node.joint + 1) : "not configured: ";
   if (node.answers == 0) return words + "does not answer\n";
   words += type_words(node);
@@ -225,18 +231,22 @@ std::string note_of(const ObjectWords& words, const ObjectOutcome& found, const 
   return gap || untold ? std::string(words.cost) : std::string();
 }
 
-bool in_head(std::uint16_t index) {
-  return index == kFirstOfHead || index == 0x603F || index == 0x1003 || index == 0x6064 ||
-         index == 0x1000 || index == 0x1018 || index == 0x6061;
+bool in_head(std::uint16_t number) {
+  const std::uint16_t index = cia402::object_of_first_axis(number);
+  return index == kFirstOfHead || index == cia402::kLogicalDeviceType || index == 0x603F ||
+         index == 0x1003 || index == 0x6064 || index == 0x1000 || index == 0x1018 ||
+         index == 0x6061;
 }
 
-// The objects that are told of a node: the known ones, and what the configuration writes besides.
+// The objects that are told of an axis: the known ones, and what the configuration writes besides.
 std::vector<ObjectWords> words_for(const NodeReading& node,
                                    const CheckedConfiguration& configuration) {
   std::vector<ObjectWords> all(kWords.begin(), kWords.end());
+  for (ObjectWords& words : all) words.index = cia402::object_of_axis(node.axis, words.index);
   if (!node.joint) return all;
   for (const auto& further : configuration->axes[*node.joint].further_writes()) {
-    const ObjectWords words{further.index, further.subindex, "by the configuration", ""};
+    const ObjectWords words{cia402::object_of_axis(node.axis, further.index), further.subindex,
+                            "by the configuration", ""};
     const bool known = std::ranges::any_of(all, [&](const ObjectWords& other) {
       return other.index == words.index && other.subindex == words.subindex;
     });
@@ -252,7 +262,7 @@ std::string rows_of(const NodeReading& node, const CheckedConfiguration& configu
                                  "is written", "costs");
   for (const ObjectWords& words : words_for(node, configuration)) {
     if (in_head(words.index)) continue;
-    const ObjectOutcome found = node.at(words.index, words.subindex);
+    const ObjectOutcome found = node.read(words.index, words.subindex);
     const auto written = setup.writes.find({words.index, words.subindex});
     const std::string note = note_of(words, found, setup);
     if (!found && note.empty() && written == setup.writes.end()) continue;
@@ -293,7 +303,7 @@ nlohmann::ordered_json number_or_null(const ObjectOutcome& outcome) {
 
 nlohmann::ordered_json json_of_object(const NodeReading& node, const ObjectWords& words,
                                       const Rehearsal* setup) {
-  const ObjectOutcome found = node.at(words.index, words.subindex);
+  const ObjectOutcome found = node.read(words.index, words.subindex);
   nlohmann::ordered_json json{{"object", name_of(words.index, words.subindex)},
                               {"what", words.what},
                               {"found", number_or_null(found)}};
@@ -309,7 +319,7 @@ nlohmann::ordered_json json_of_object(const NodeReading& node, const ObjectWords
 
 nlohmann::ordered_json json_of_node(const NodeReading& node,
                                     const CheckedConfiguration& configuration) {
-  nlohmann::ordered_json json{{"node", node.node}, {"answers", node.answers}};
+  nlohmann::ordered_json json{{"node", node.node}, {"axis", node.axis}, {"answers", node.answers}};
   if (node.joint) json["joint"] = *node.joint + 1;
   if (node.answers == 0) return json;
   if (!node.name.empty()) json["name"] = node.name;
@@ -343,7 +353,7 @@ Rehearsal rehearse(const NodeReading& reading, const CheckedConfiguration& confi
             configuration->axes[*reading.joint]);
   while (const auto request = run.request()) {
     const ObjectKey key{request->index, request->subindex};
-    ObjectOutcome outcome = reading.at(request->index, request->subindex);
+    ObjectOutcome outcome = reading.read(request->index, request->subindex);
     if (request->bytes != 0) {
       if (!cia402::is_absent(outcome)) {
         written[key] = request->value;

@@ -30,7 +30,7 @@ std::vector<std::string> known_keys() {
                                  "gear_ratio",    "reversed", "zero_counts",
                                  "unsupervised",  "warning",  "reference",
                                  "homing_method", "limits",   "mode",
-                                 "writes"};
+                                 "writes",        "axis"};
   for (const char* angle : {"theta", "alpha", "sweep_arc"}) {
     add_names(known, angle, Dimension::kAngle);
   }

@@ -151,7 +151,8 @@ Problem problem_of(const canopen::ConfigurationRefusal& refusal, const YamlNode&
                                  100 * refusal.needed));
     case Error::kNodeTwice:
       return problem(place, fmt::format("{}: node {:.0f}", what, refusal.found),
-                     "a node number of its own for each drive, the sensor and the master");
+                     "a node number of its own for each drive, the sensor and the master; two "
+                     "joints of one drive have two axes of it");
     case Error::kScaleInvalid:
     case Error::kResolutionTooCoarse:
       return problem(

@@ -45,7 +45,8 @@ std::uint32_t crc_of(const Machine& machine) {
   for (const hal::DriveIdentity& drive : machine.drives) {
     print.reals(drive.device);
     print.reals(std::array{drive.counts_per_revolution, drive.gear_ratio, drive.lead_m,
-                           static_cast<double>(drive.zero_counts), drive.reversed ? 1.0 : 0.0});
+                           static_cast<double>(drive.zero_counts), drive.reversed ? 1.0 : 0.0,
+                           static_cast<double>(drive.axis)});
   }
   return print.crc();
 }

@@ -168,7 +168,7 @@ void make(const Changes& changes, VirtualCabinet& cabinet) {
     const double counts_per_unit = 1 / (scaling.reading(1) - scaling.reading(0));
     cabinet.drive(*changes.joint).push(*changes.push * counts_per_unit);
   }
-  if (changes.fault) cabinet.drive(*changes.joint).inject(*changes.fault, changes.code);
+  if (changes.fault) cabinet.inject(*changes.joint, *changes.fault, changes.code);
   if (changes.sensor) cabinet.sensor().set_error(changes.sensor->error);
   cabinet.sensor().field() = changes.field;
   if (changes.bus == "off") cabinet.master_port().go_bus_off();

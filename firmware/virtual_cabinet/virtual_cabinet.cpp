@@ -119,6 +119,21 @@ simulated::DriveConfiguration drive_of(const World& world, const canopen::AxisCo
   return drive;
 }
 
+// Those that are joints, a bit each.
+std::uint8_t axes_of(const canopen::Configuration& drives, canopen::NodeId node) {
+  unsigned axes = 0;
+  for (const canopen::AxisConfiguration& axis : drives.axes) {
+    if (axis.node == node) axes |= 1U << (axis.axis - 1U);
+  }
+  return static_cast<std::uint8_t>(axes);
+}
+
+std::size_t first_of_node(const canopen::Configuration& drives, std::size_t axis) {
+  std::size_t first = 0;
+  while (drives.axes[first].node != drives.axes[axis].node) ++first;
+  return first;
+}
+
 }  // namespace
 
 VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
@@ -136,9 +151,10 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
     const bool homes = configuration.reference(i) == controller::Reference::kHomed;
     simulated::DriveConfiguration drive = drive_of(world, drives.axes[i], homes);
     drive.node = drives.axes[i].node;
+    drive.axis = {.number = drives.axes[i].axis, .emulated = axes_of(drives, drive.node)};
     drive.encoder_counts =
         static_cast<std::uint32_t>(std::lround(drives.axes[i].scaling.counts_per_revolution));
-    drive.serial = world.first_serial + static_cast<std::uint32_t>(i);
+    drive.serial = world.first_serial + static_cast<std::uint32_t>(first_of_node(drives, i));
     drive.sync_loss_periods = world.sync_loss_periods;
     drive.motion.start = drives_.scaling(i).counts(world.start[i]).value_or(0);
     motors_[i].emplace(drive, ports_[i]);
@@ -159,6 +175,15 @@ controller::Instrument VirtualCabinet::instrument(controller::Measures measures)
   if (measures == controller::Measures::kNothing) return {};
   if (world_.points != nullptr) return *world_.points;
   return tracker_.emplace(world_, *sensor_);
+}
+
+void VirtualCabinet::inject(std::size_t joint, simulated::DriveFault fault, std::int32_t code) {
+  for (std::size_t other = 0; other < drives_->axes.size(); ++other) {
+    const bool same_node = drives_->axes[other].node == drives_->axes[joint].node;
+    if (other == joint || (same_node && simulated::concerns_node(fault))) {
+      motors_[other]->inject(fault, code);
+    }
+  }
 }
 
 void VirtualCabinet::step() {

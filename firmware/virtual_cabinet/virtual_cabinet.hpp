@@ -134,6 +134,8 @@ class VirtualCabinet {
   [[nodiscard]] controller::Controller& controller() { return *controller_; }
   [[nodiscard]] const controller::Background& state() const { return controller_->state(); }
   [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return *motors_[joint]; }
+  // A fault of the drive of `joint`; of its whole node, where it is one of those.
+  void inject(std::size_t joint, simulated::DriveFault fault, std::int32_t code = 0);
   [[nodiscard]] std::size_t joint_count() const { return drives_->axes.size(); }
   [[nodiscard]] JointType joint_type(std::size_t joint) const {
     return drives_->axes[joint].scaling.type;

@@ -23,26 +23,47 @@ constexpr std::array<std::uint32_t, 5> kBitRates{1'000'000, 800'000, 500'000, 25
 
 using Checked = std::expected<void, ConfigurationRefusal>;
 
+constexpr std::uint8_t kWhole = 0xFF;  // of a node: all its axes, a bit each
+
+// An image that knows one axis takes the whole node.
+std::uint8_t part_of(const AxisConfiguration& axis) {
+  if constexpr (cia402::kMostAxes == 1) return kWhole;
+  return static_cast<std::uint8_t>(1U << (axis.axis - 1U));
+}
+
 Checked check_nodes(const Configuration& configuration) {
-  std::array<bool, kLargestNode + 1> taken{};
-  const auto take = [&](NodeId node, std::optional<std::size_t> axis) -> Checked {
+  std::array<std::uint8_t, kLargestNode + 1> taken{};  // a bit an axis
+  const auto take = [&](NodeId node, std::optional<std::size_t> axis,
+                        std::uint8_t part = kWhole) -> Checked {
     if (node == 0 || node > kLargestNode) {
       return std::unexpected(ConfigurationRefusal{Error::kNodeOutOfRange, axis,
                                                   static_cast<double>(node), kLargestNode});
     }
-    if (taken[node]) {
+    if ((taken[node] & part) != 0) {
       return std::unexpected(
           ConfigurationRefusal{Error::kNodeTwice, axis, static_cast<double>(node), 0});
     }
-    taken[node] = true;
+    taken[node] |= part;
     return {};
   };
   if (auto ok = take(configuration.master_node, std::nullopt); !ok) return ok;
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
-    if (auto ok = take(configuration.axes[axis].node, axis); !ok) return ok;
+    if (auto ok = take(configuration.axes[axis].node, axis, part_of(configuration.axes[axis])); !ok)
+      return ok;
   }
   for (const NodeId node : configuration.other_nodes) {
     if (auto ok = take(node, std::nullopt); !ok) return ok;
+  }
+  return {};
+}
+
+// Which axis of its node each joint is.
+Checked check_axis_numbers(const Configuration& configuration) {
+  for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
+    const std::uint8_t number = configuration.axes[axis].axis;
+    if (number >= 1 && number <= cia402::kMostAxes) continue;
+    return std::unexpected(ConfigurationRefusal{Error::kUnsupported, axis,
+                                                static_cast<double>(number), cia402::kMostAxes});
   }
   return {};
 }
@@ -183,6 +204,9 @@ std::expected<CheckedConfiguration, ConfigurationRefusal> check(
   if (configuration.axes.empty()) {
     return std::unexpected(ConfigurationRefusal{Error::kTooFewAxes, std::nullopt, 0, 1});
   }
+  if constexpr (cia402::kMostAxes > 1) {
+    if (auto ok = check_axis_numbers(configuration); !ok) return std::unexpected(ok.error());
+  }
   if (auto ok = check_nodes(configuration); !ok) return std::unexpected(ok.error());
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
     const cia402::ScalingConfiguration& scale = configuration.axes[axis].scaling;
@@ -213,7 +237,7 @@ double periodic_load(const Configuration& configuration) {
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
     frames.push_back({kDrivePdoBytes, configuration.period});  // RPDO1
     frames.push_back({kDrivePdoBytes, configuration.period});  // TPDO1
-    frames.push_back({1, configuration.heartbeat});
+    if (is_first_of_node(configuration, axis)) frames.push_back({1, configuration.heartbeat});
   }
   for (std::size_t i = 0; i < configuration.other_nodes.size(); ++i) {
     frames.push_back({1, configuration.heartbeat});

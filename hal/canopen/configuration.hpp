@@ -23,6 +23,16 @@ inline constexpr std::size_t kMaxOtherTraffic = 16;
 
 struct AxisConfiguration : cia402::DriveSettings {
   NodeId node = 0;
+
+  // The identifier of its PDO1, by the function code of that of the first axis: axis n has what the
+  // predefined connection set keeps for PDO n of the node.
+  [[nodiscard]] constexpr std::uint32_t pdo_id(std::uint32_t function) const {
+    return function + (cia402::kMostAxes > 1 ? kNextPdo * (axis - 1U) : 0) + node;
+  }
+  // Another axis of the same device.
+  [[nodiscard]] constexpr bool shares_node(const AxisConfiguration& other) const {
+    return cia402::kMostAxes > 1 && node == other.node;
+  }
 };
 
 struct Configuration : cia402::GroupSettings {
@@ -52,8 +62,10 @@ struct ConfigurationRefusal {
 class CheckedConfiguration;
 
 // Errors: kTooFewAxes (none),
-// kUnsupported (a mode that the image does not have, or a write to an object that is not free),
-// kNotFinite, kNodeOutOfRange, kNodeTwice (axes, other nodes and master together), kScaleInvalid,
+// kUnsupported (a mode or an axis that the image does not have, or a write to an object that is not
+// free),
+// kNotFinite, kNodeOutOfRange, kNodeTwice (axes, other nodes and master together; two joints may be
+// two axes of one node), kScaleInvalid,
 // kResolutionTooCoarse, kLimitsReversed, kLimitsImplausible, kPositionOverflow (a limit or the
 // following window), kPeriodInvalid (period, heartbeats, time-outs, retries or speed), kBusOverload
 // (above kLargestBusLoad).
@@ -78,6 +90,15 @@ class CheckedConfiguration {
   FixedVector<std::optional<cia402::Scaling>, kMaxJoints> scalings_;
   double bus_load_ = 0;
 };
+
+// Whether no joint before `axis` is another axis of the same node.
+[[nodiscard]] inline bool is_first_of_node(const Configuration& configuration, std::size_t axis) {
+  if constexpr (cia402::kMostAxes == 1) return true;
+  for (std::size_t former = 0; former < axis; ++former) {
+    if (configuration.axes[former].shares_node(configuration.axes[axis])) return false;
+  }
+  return true;
+}
 
 // The part of the bus that the periodic frames of `configuration` take at worst: SYNC, two PDOs an
 // axis, heartbeats of all, other traffic. Expedited SDOs are not in it: they are few, come one at a

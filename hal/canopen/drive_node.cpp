@@ -105,11 +105,11 @@ void DriveNode::wait_for_whole_reset(hal::Instant now) {
   enter(Phase::kBooting, now);
 }
 
-void DriveNode::enter_started(const cia402::SetupReport& report, hal::Instant now) {
+void DriveNode::enter_set_up(const cia402::SetupReport& report, hal::Instant now) {
   s_.unsupervised = !report.is_supervised();
   s_.guarded = report.guarded;
   if (report.hides_mode) drive_.hide_mode();
-  enter(Phase::kStarted, now);
+  enter(cia402::kMostAxes > 1 ? Phase::kConfigured : Phase::kStarted, now);
 }
 
 void DriveNode::reset(hal::Instant now) {
@@ -121,6 +121,14 @@ void DriveNode::reset(hal::Instant now) {
   }
   drive_.reset(now);
   s_.missed = 0;
+}
+
+void DriveNode::reset_with_node(hal::Instant now) {
+  if (is_started()) {
+    if (!drive_.state().leaving) drive_.leave(false);
+  } else if (s_.phase != Phase::kUnreset) {
+    enter(Phase::kUnreset, now);
+  }
 }
 
 void DriveNode::look_again(hal::Instant now) {
@@ -211,7 +219,7 @@ void DriveNode::supervise_link(const Configuration& configuration, bool sync_sen
 
 hal::CanFrame DriveNode::command(bool may_release) {
   const cia402::Setpoint setpoint = drive_.command(may_release);
-  hal::CanFrame frame{.id = kReceivePdo1Id + node_, .length = kDrivePdoBytes};
+  hal::CanFrame frame{.id = pdo_id(kReceivePdo1Id), .length = kDrivePdoBytes};
   store(frame, 0, setpoint.control_word);
   store(frame, 2, static_cast<std::uint32_t>(setpoint.target_counts));
   return frame;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One CiA 402 drive on a CANopen network: whether its node is there, set up and operational, and
-// the frames that carry what the drive and its master tell each other.
+// the frames that carry what the drive and its master tell each other. A node with several axes is
+// one of these an axis: what concerns the node is told to each.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,7 @@ enum class Phase : std::uint8_t {
   kBooting,      // the reset is sent, no boot-up message yet
   kBooted,       // waits for its turn
   kConfiguring,  // SDO requests
+  kConfigured,   // set up, to be started with the other axes of its node
   kStarted,      // told to be operational, no position heard yet
   kRunning,      // exchanges PDOs
   kFailed,       // could not be set up
@@ -46,12 +48,19 @@ class DriveNode {
  public:
   // `axis` must outlive it.
   DriveNode(const AxisConfiguration& axis, const cia402::Scaling& scaling)
-      : node_(axis.node), drive_(axis, scaling) {}
+      : node_(axis.node), axis_(axis.axis), drive_(axis, scaling) {}
 
   [[nodiscard]] const DriveNodeState& state() const { return s_; }
   [[nodiscard]] cia402::Drive& drive() { return drive_; }
   [[nodiscard]] const cia402::Drive& drive() const { return drive_; }
   [[nodiscard]] NodeId node() const { return node_; }
+  [[nodiscard]] std::uint16_t object(std::uint16_t index) const {
+    return cia402::object_of_axis(axis_, index);
+  }
+  // Of its PDO1, as AxisConfiguration::pdo_id().
+  [[nodiscard]] std::uint32_t pdo_id(std::uint32_t function) const {
+    return function + (cia402::kMostAxes > 1 ? kNextPdo * (axis_ - 1U) : 0) + node_;
+  }
   [[nodiscard]] bool is_started() const {
     return s_.phase == Phase::kStarted || s_.phase == Phase::kRunning;
   }
@@ -62,11 +71,17 @@ class DriveNode {
   // It does not answer the reset of its communication: it is reset as a whole, once.
   [[nodiscard]] bool may_be_wholly_reset() const { return !s_.wholly_reset; }
   void wait_for_whole_reset(hal::Instant now);
-  // It is set up, as `report` says, and started.
-  void enter_started(const cia402::SetupReport& report, hal::Instant now);
+  // It is set up, as `report` says, and waits to be started; where a node has one axis, it is.
+  void enter_set_up(const cia402::SetupReport& report, hal::Instant now);
   // Forgets the fault. One whose link or set-up failed goes back to Phase::kUnreset, at the next
   // release().
   void reset(hal::Instant now);
+  // Another axis of its node is to be reset, which needs this one without torque.
+  void reset_with_node(hal::Instant now);
+  // It is on the way to a reset of its node.
+  [[nodiscard]] bool awaits_reset() const {
+    return s_.phase == Phase::kUnreset || drive_.state().leaving;
+  }
   // It is looked for again; until it boots it has the fault kDriveAbsent.
   void look_again(hal::Instant now);
   // The torque of this drive may go: what waited for that is done.
@@ -88,6 +103,7 @@ class DriveNode {
   void supervise_link(const Configuration& configuration, bool sync_sent, hal::Instant now);
 
   NodeId node_;
+  [[no_unique_address]] hal::AxisNumber axis_;
   cia402::Drive drive_;
   DriveNodeState s_;
 };

@@ -30,6 +30,7 @@ constexpr std::uint32_t kInterpolationDataEntry = 0x60C10120;
 constexpr std::uint32_t kStatusWordEntry = 0x60410010;
 constexpr std::uint32_t kActualPositionEntry = 0x60640020;
 
+constexpr unsigned kEntryIndex = 16;     // in an entry, from this bit on
 constexpr std::uint16_t kOtherPdos = 3;  // PDO2 to PDO4, which may be on after power-up
 
 struct Pdo {
@@ -57,8 +58,9 @@ std::uint32_t milliseconds_of(hal::Duration time) {
 
 // The drive watches its master: by its heartbeat, else by what commands it, else by being guarded
 // (life time: at least the heartbeat's time-out). It is watched by its own heartbeat, unless it is
-// guarded. And it knows how long a cycle is.
-void append_supervision(Setup& setup, const Configuration& configuration) {
+// guarded. And it knows how long a cycle is. What an axis before it has set of the node is read,
+// and left.
+void append_supervision(Setup& setup, const Configuration& configuration, bool first_of_node) {
   const std::uint32_t timeout_ms = milliseconds_of(configuration.heartbeat_timeout);
   const std::uint32_t master = static_cast<std::uint32_t>(configuration.master_node) << 16;
   const auto period_us =
@@ -72,8 +74,34 @@ void append_supervision(Setup& setup, const Configuration& configuration) {
                  cia402::kAnyValue, SetupRule::kInstead);
   cia402::prefer(setup, {cia402::kLifeFactor, 0, 1, std::min(life, kLongestLife)},
                  cia402::kAnyValue, SetupRule::kInstead);
-  cia402::write(setup, kHeartbeatProducer, 0, 2, milliseconds_of(configuration.heartbeat));
+  cia402::write(setup, kHeartbeatProducer, 0, 2, milliseconds_of(configuration.heartbeat),
+                first_of_node ? SetupRule::kMust : SetupRule::kSetting);
   cia402::prefer(setup, {kCommunicationPeriod, 0, 4, period_us}, cia402::kAnyValue);
+}
+
+// PDO2 to PDO4 of an axis.
+void turn_off_other_pdos(Setup& setup, NodeId node) {
+  for (std::uint16_t pdo = 1; pdo <= kOtherPdos; ++pdo) {
+    const std::uint32_t step = kNextPdo * pdo + node;
+    cia402::write(setup, static_cast<std::uint16_t>(kReceivePdoParameter + pdo), 1, 4,
+                  kPdoOff | (kReceivePdo1Id + step), SetupRule::kIfPresent);
+    cia402::write(setup, static_cast<std::uint16_t>(kTransmitPdoParameter + pdo), 1, 4,
+                  kPdoOff | kNoRemote | (kTransmitPdo1Id + step), SetupRule::kIfPresent);
+  }
+}
+
+void map_pdo1(Setup& setup, const AxisConfiguration& joint) {
+  const auto entry = [&](std::uint32_t of_first_axis) {
+    const std::uint32_t further =
+        cia402::kMostAxes > 1 ? (joint.axis - 1U) * cia402::kProfileObjects : 0;
+    return of_first_axis + (further << kEntryIndex);
+  };
+  const bool interpolates = joint.position_mode() == cia402::PositionMode::kInterpolated;
+  map(setup, {kReceivePdoParameter, kReceivePdoMapping, joint.pdo_id(kReceivePdo1Id), 0,
+              entry(kControlWordEntry),
+              entry(interpolates ? kInterpolationDataEntry : kTargetPositionEntry)});
+  map(setup, {kTransmitPdoParameter, kTransmitPdoMapping, joint.pdo_id(kTransmitPdo1Id), kNoRemote,
+              entry(kStatusWordEntry), entry(kActualPositionEntry)});
 }
 
 }  // namespace
@@ -81,23 +109,20 @@ void append_supervision(Setup& setup, const Configuration& configuration) {
 Setup drive_setup(const CheckedConfiguration& configuration, std::size_t axis) {
   const AxisConfiguration& joint = configuration->axes[axis];
   Setup setup;
-  cia402::append_profile_check(setup, joint.position_mode());
+  cia402::append_profile_check(setup, joint);
   append_identity_requests(setup);
   cia402::append_factor_requests(setup);
-  append_supervision(setup, *configuration);
-  for (std::uint16_t pdo = 1; pdo <= kOtherPdos; ++pdo) {
-    const std::uint32_t step = 0x100U * pdo + joint.node;
-    cia402::write(setup, static_cast<std::uint16_t>(kReceivePdoParameter + pdo), 1, 4,
-                  kPdoOff | (kReceivePdo1Id + step), SetupRule::kIfPresent);
-    cia402::write(setup, static_cast<std::uint16_t>(kTransmitPdoParameter + pdo), 1, 4,
-                  kPdoOff | kNoRemote | (kTransmitPdo1Id + step), SetupRule::kIfPresent);
+  append_supervision(setup, *configuration, is_first_of_node(*configuration, axis));
+  std::size_t first = 0;
+  if (cia402::kMostAxes > 1 && joint.axis > 1) {
+    cia402::move_to_axis(setup, 0, joint.axis);
+    turn_off_other_pdos(setup, joint.node);  // of the first axis, whose identifiers are taken
+    first = setup.size();
   }
-  const bool interpolates = joint.position_mode() == cia402::PositionMode::kInterpolated;
-  map(setup, {kReceivePdoParameter, kReceivePdoMapping, kReceivePdo1Id + joint.node, 0,
-              kControlWordEntry, interpolates ? kInterpolationDataEntry : kTargetPositionEntry});
-  map(setup, {kTransmitPdoParameter, kTransmitPdoMapping, kTransmitPdo1Id + joint.node, kNoRemote,
-              kStatusWordEntry, kActualPositionEntry});
+  turn_off_other_pdos(setup, joint.node);
+  map_pdo1(setup, joint);
   cia402::append_motion_settings(setup, joint, configuration.scaling(axis), configuration->period);
+  if constexpr (cia402::kMostAxes > 1) cia402::move_to_axis(setup, first, joint.axis);
   return setup;
 }
 

@@ -22,9 +22,10 @@ HomingRun::HomingRun(const Configuration& configuration, std::size_t joint)
 }
 
 void HomingRun::ask(const SdoRequest& request) {
+  const AxisConfiguration& axis = configuration_.axes[joint_];
   request_ = request;
-  transfer_.emplace(configuration_.axes[joint_].node, request, configuration_.sdo_timeout,
-                    configuration_.sdo_attempts);
+  request_.index = axis.object(request.index);
+  transfer_.emplace(axis.node, request_, configuration_.sdo_timeout, configuration_.sdo_attempts);
 }
 
 void HomingRun::enter(Step step) {
@@ -90,7 +91,7 @@ void HomingRun::look(std::uint32_t mode, cia402::Drive& drive, hal::Instant now)
     enter(Step::kLook);
   } else {
     drive.latch(Error::kSdoUnexpectedValue, mode,
-                {.index = cia402::kModeDisplay,
+                {.index = configuration_.axes[joint_].object(cia402::kModeDisplay),
                  .subindex = 0,
                  .found = mode,
                  .wanted = cia402::kModeHoming});

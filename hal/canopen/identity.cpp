@@ -21,7 +21,8 @@ hal::DriveIdentity identity_of(const AxisConfiguration& axis) {
           .gear_ratio = axis.scaling.gear_ratio,
           .lead_m = axis.scaling.lead_m,
           .zero_counts = axis.scaling.zero_counts,
-          .reversed = axis.scaling.reversed};
+          .reversed = axis.scaling.reversed,
+          .axis = axis.axis};
 }
 
 void take_identity(const cia402::ObjectRequest& request, const cia402::ObjectOutcome& outcome,

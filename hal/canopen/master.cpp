@@ -101,26 +101,39 @@ void Master::take(const hal::ReceivedCanFrame& received) {
 void Master::take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received) {
   bool well_formed = true;
   switch (received.frame.id & kFunctionMask) {
-    case kTransmitPdo1Id:
-      well_formed = drive.take_feedback(received);
-      break;
     case kHeartbeatId:
-      well_formed = drive.take_heartbeat(received.frame, now_);
+      for_axes_of(
+          drive, [&](DriveNode& axis) { well_formed = axis.take_heartbeat(received.frame, now_); });
       break;
     case kEmergencyId:
-      well_formed = drive.take_emergency(received.frame);
+      for_axes_of(drive,
+                  [&](DriveNode& axis) { well_formed = axis.take_emergency(received.frame); });
       break;
     case kSdoResponseId:
       take_answer(drive, received.frame);
       break;
-    case kReceivePdo1Id:
-      ++counters_.foreign;
-      group_.latch_all(Error::kSecondMaster);
-      break;
     default:
-      ++counters_.unknown;
+      well_formed = take_pdo(drive, received);
   }
   if (!well_formed) ++counters_.malformed;
+}
+
+// By the axis of the node that has this identifier, if one has.
+bool Master::take_pdo(DriveNode& drive, const hal::ReceivedCanFrame& received) {
+  bool known = false;
+  bool well_formed = true;
+  for_axes_of(drive, [&](DriveNode& axis) {
+    if (received.frame.id == axis.pdo_id(kTransmitPdo1Id)) {
+      known = true;
+      well_formed = axis.take_feedback(received);
+    } else if (received.frame.id == axis.pdo_id(kReceivePdo1Id)) {
+      known = true;
+      ++counters_.foreign;
+      group_.latch_all(Error::kSecondMaster);
+    }
+  });
+  if (!known) ++counters_.unknown;
+  return well_formed;
 }
 
 void Master::take_of_other(const hal::ReceivedCanFrame& received) {
@@ -148,8 +161,12 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
     if (send(heartbeat_frame(configuration_->master_node, NmtState::kOperational))) {
       own_heartbeat_at_ = now;
     }
-    for (const auto& node : nodes_) {
-      if (node->is_guarded()) (void)send(guard_frame(node->node()));
+    if constexpr (cia402::kMostAxes > 1) {
+      send_guarding();
+    } else {
+      for (const auto& node : nodes_) {
+        if (node->is_guarded()) (void)send(guard_frame(node->node()));
+      }
     }
   }
   step_others();
@@ -164,6 +181,18 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
   busy_ticks_ = busy_now_ ? busy_ticks_ + 1 : 0;
   if (busy_ticks_ >= kBusBusyLimit) latch_started(Error::kBusBusy);
   return result;
+}
+
+// Once a node.
+void Master::send_guarding() {
+  for (auto& node : nodes_) {
+    if (!node->is_guarded()) continue;
+    const DriveNode* first = nullptr;
+    for_axes_of(*node, [&](DriveNode& axis) {
+      if (first == nullptr && axis.is_guarded()) first = &axis;
+    });
+    if (first == &*node) (void)send(guard_frame(node->node()));
+  }
 }
 
 Result<void> Master::send(const hal::CanFrame& frame) {
@@ -219,6 +248,7 @@ void Master::do_stop_homing() {
 void Master::do_reset_faults() {
   do_disable();
   for (auto& node : nodes_) node->reset(now_);
+  if constexpr (cia402::kMostAxes > 1) reset_whole_nodes();
   release_drives();
 }
 

@@ -12,7 +12,8 @@
 //            (transmission type 1).
 // No drive is reset for the first time before all that have torque by a former master were stopped
 // and stand, or Configuration::stop_timeout is over (rest_inquiry.hpp).
-// Drives are set up one after the other, with one SDO request under way at a time.
+// Drives are set up one after the other, with one SDO request under way at a time. The axes of one
+// node are reset together, set up one after the other, and started together.
 #pragma once
 
 #include <cstddef>
@@ -109,6 +110,7 @@ class Master final : public hal::JointDrives {
   void take(const hal::ReceivedCanFrame& received);
   [[nodiscard]] bool is_about_ours(const hal::CanFrame& nmt) const;
   void take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received);
+  bool take_pdo(DriveNode& drive, const hal::ReceivedCanFrame& received);
   void take_of_other(const hal::ReceivedCanFrame& received);
   void latch_started(Error error);
   void release_drives();
@@ -121,6 +123,23 @@ class Master final : public hal::JointDrives {
   void step_setup();
   void step_requests(DriveNode& drive);
   void finish_setup(DriveNode& drive);
+  void start_configured();
+  // Each axis of the node that `drive` is of, itself too.
+  template <typename F>
+  void for_axes_of(DriveNode& drive, const F& do_with) {
+    if constexpr (cia402::kMostAxes == 1) {
+      do_with(drive);
+    } else {
+      for (auto& axis : nodes_) {
+        if (axis->node() == drive.node()) do_with(*axis);
+      }
+    }
+  }
+  [[nodiscard]] bool all_await_reset(DriveNode& drive);
+  void reset_whole_nodes();
+  // Of the axes of a node, the one that has asked least lately, while none is asking.
+  [[nodiscard]] bool may_ask(std::size_t joint) const;
+  void send_guarding();
   void fail_setup(DriveNode& drive, const cia402::SetupRefusal& refusal);
   void take_setup_answer(DriveNode& drive, const SdoOutcome& outcome);
   void wait_for_boot_up(DriveNode& drive);

@@ -31,8 +31,10 @@ void Master::take_answer(const DriveNode& drive, const hal::CanFrame& frame) {
 bool Master::step_inquiries() {
   if (inquiries_.empty()) return false;
   bool over = true;
-  for (auto& inquiry : inquiries_) {
+  for (std::size_t joint = 0; joint < inquiries_.size(); ++joint) {
+    auto& inquiry = inquiries_[joint];
     if (!inquiry) continue;
+    if constexpr (cia402::kMostAxes > 1) inquiry->let_ask(may_ask(joint));
     const auto question = inquiry->poll(now_);
     if (question && !send(*question)) {
       inquiry->begin();  // the bus takes nothing
@@ -46,13 +48,41 @@ bool Master::step_inquiries() {
   return !inquiries_.empty();
 }
 
+bool Master::may_ask(std::size_t joint) const {
+  const RestInquiry& own = *inquiries_[joint];
+  for (std::size_t other = 0; other < inquiries_.size(); ++other) {
+    const auto& inquiry = inquiries_[other];
+    if (!inquiry || other == joint || inquiry->is_over()) continue;
+    if (!configuration_->axes[other].shares_node(configuration_->axes[joint])) continue;
+    const bool in_order = other < joint && !inquiry->yields_to(own);
+    if (in_order || own.yields_to(*inquiry)) return false;
+  }
+  return true;
+}
+
 // Every drive at once, so that they boot side by side.
 void Master::reset_drives() {
   for (auto& node : nodes_) {
     if (node->state().phase == Phase::kUnreset &&
+        (cia402::kMostAxes == 1 || all_await_reset(*node)) &&
         send(nmt_frame(NmtCommand::kResetCommunication, node->node()))) {
-      node->enter(Phase::kBooting, now_);
+      for_axes_of(*node, [&](DriveNode& axis) { axis.enter(Phase::kBooting, now_); });
     }
+  }
+}
+
+// The reset of a node takes the torque of all its axes.
+bool Master::all_await_reset(DriveNode& drive) {
+  bool all = true;
+  for_axes_of(drive, [&](DriveNode& axis) { all = all && axis.state().phase == Phase::kUnreset; });
+  return all;
+}
+
+// An axis that is to be set up anew takes the others of its node with it.
+void Master::reset_whole_nodes() {
+  for (auto& node : nodes_) {
+    if (!node->awaits_reset()) continue;
+    for_axes_of(*node, [&](DriveNode& axis) { axis.reset_with_node(now_); });
   }
 }
 
@@ -106,6 +136,7 @@ void Master::step_setup() {
     nodes_[joint]->enter(Phase::kConfiguring, now_);
   }
   if (setup_joint_) step_requests(*nodes_[*setup_joint_]);
+  if constexpr (cia402::kMostAxes > 1) start_configured();
 }
 
 // Some drives tell that they booted after a reset of the whole node alone. It is without torque, or
@@ -114,7 +145,7 @@ void Master::wait_for_boot_up(DriveNode& drive) {
   if (!drive.may_be_wholly_reset()) {
     fail_setup(drive, {.error = Error::kDriveAbsent, .code = 0, .object = {}});
   } else if (send(nmt_frame(NmtCommand::kResetNode, drive.node()))) {
-    drive.wait_for_whole_reset(now_);
+    for_axes_of(drive, [&](DriveNode& axis) { axis.wait_for_whole_reset(now_); });
   }
 }
 
@@ -147,10 +178,26 @@ void Master::take_setup_answer(DriveNode& drive, const SdoOutcome& outcome) {
 }
 
 void Master::finish_setup(DriveNode& drive) {
-  if (!send(nmt_frame(NmtCommand::kStart, drive.node()))) return;
+  constexpr bool kAlone = cia402::kMostAxes == 1;
+  if (kAlone && !send(nmt_frame(NmtCommand::kStart, drive.node()))) return;
   reports_[*setup_joint_] = setup_.report();
-  drive.enter_started(setup_.report(), now_);
+  drive.enter_set_up(setup_.report(), now_);
   setup_joint_.reset();
+}
+
+// Nodes of which no axis is still to be set up. An axis that was refused does not keep the others
+// from telling where they are.
+void Master::start_configured() {
+  for (auto& node : nodes_) {
+    if (node->state().phase != Phase::kConfigured) continue;
+    bool ready = true;
+    for_axes_of(
+        *node, [&](DriveNode& axis) { ready = ready && axis.state().phase >= Phase::kConfigured; });
+    if (!ready || !send(nmt_frame(NmtCommand::kStart, node->node()))) continue;
+    for_axes_of(*node, [&](DriveNode& axis) {
+      if (axis.state().phase == Phase::kConfigured) axis.enter(Phase::kStarted, now_);
+    });
+  }
 }
 
 void Master::fail_setup(DriveNode& drive, const cia402::SetupRefusal& refusal) {
@@ -178,7 +225,7 @@ void Master::step_mode_inquiry() {
     return;
   }
   if (!mode_inquiry_) {
-    mode_inquiry_.emplace(drive.node(), SdoRequest{.index = cia402::kModeDisplay},
+    mode_inquiry_.emplace(drive.node(), SdoRequest{.index = drive.object(cia402::kModeDisplay)},
                           configuration_->sdo_timeout, 1U);
   }
   if (const auto request = mode_inquiry_->poll(now_)) (void)send(*request);
@@ -203,7 +250,7 @@ void Master::take_mode(DriveNode& drive, const SdoOutcome& outcome) {
     drive.drive().show_mode();
   } else if (now_ - drive.drive().state().progress_at > configuration_->transition_timeout) {
     hal::DeviceObject object{
-        .index = cia402::kModeDisplay, .subindex = 0, .found = {}, .wanted = wanted};
+        .index = drive.object(cia402::kModeDisplay), .subindex = 0, .found = {}, .wanted = wanted};
     if (outcome) object.found = *outcome;
     drive.drive().latch(outcome ? Error::kSdoUnexpectedValue : outcome.error().error,
                         outcome ? *outcome : outcome.error().abort_code, object);

@@ -25,6 +25,7 @@ inline constexpr std::uint32_t kReceivePdo1Id = 0x200;
 inline constexpr std::uint32_t kTransmitPdo2Id = 0x280;
 inline constexpr std::uint32_t kTransmitPdo3Id = 0x380;
 inline constexpr std::uint32_t kTransmitPdo4Id = 0x480;
+inline constexpr std::uint32_t kNextPdo = 0x100;  // from PDO1 to PDO2, and so on
 inline constexpr std::uint32_t kSdoResponseId = 0x580;
 inline constexpr std::uint32_t kSdoRequestId = 0x600;
 inline constexpr std::uint32_t kHeartbeatId = 0x700;

@@ -17,11 +17,19 @@ constexpr SdoRequest kQuickStop{.index = cia402::kControlWord,
                                 .value = cia402::control_word(cia402::Command::kQuickStop)};
 constexpr SdoRequest kActualPosition{.index = cia402::kActualPosition};
 
+SdoRequest of_axis(std::uint8_t axis, const SdoRequest& request) {
+  if constexpr (cia402::kMostAxes == 1) return request;
+  SdoRequest moved = request;
+  moved.index = cia402::object_of_axis(axis, request.index);
+  return moved;
+}
+
 }  // namespace
 
 RestInquiry::RestInquiry(const AxisConfiguration& axis, const cia402::Scaling& scaling,
                          hal::Duration timeout)
     : node_(axis.node),
+      axis_(axis.axis),
       scaling_(scaling),
       timeout_(timeout),
       tolerance_(cia402::rest_tolerance(axis.scaling.type, scaling)) {
@@ -31,8 +39,9 @@ RestInquiry::RestInquiry(const AxisConfiguration& axis, const cia402::Scaling& s
 void RestInquiry::ask(Question question) {
   question_ = question;
   transfer_.reset();
+  turn_.end();
   const auto begin = [&](const SdoRequest& request) {
-    transfer_.emplace(node_, request, timeout_, 1U);
+    transfer_.emplace(node_, of_axis(axis_, request), timeout_, 1U);
   };
   if (question == Question::kStatus) begin(kStatusWord);
   if (question == Question::kStop) begin(kQuickStop);
@@ -47,7 +56,9 @@ std::optional<hal::CanFrame> RestInquiry::poll(hal::Instant now) {
   if (!transfer_) return std::nullopt;
   if (const auto& outcome = transfer_->outcome()) hear(SdoOutcome(*outcome), now);
   if (!transfer_) return std::nullopt;
+  if (turn_.is_waiting()) return std::nullopt;
   const auto frame = transfer_->poll(now);
+  if (frame) turn_.take(now);
   if (transfer_->outcome()) ask(Question::kNone);  // no answer
   return frame;
 }

@@ -101,9 +101,10 @@ void append_factor_requests(Setup& setup) {
 void take_factor(const ObjectRequest& request, const ObjectOutcome& outcome,
                  DriveFactors& factors) {
   if (!outcome) return;
-  if (request.index == kPositionUnit) factors.position_unit = *outcome;
-  if (request.index == kAccelerationUnit) factors.acceleration_unit = *outcome;
-  Factor* factor = factor_of(request.index, factors);
+  const std::uint16_t index = object_of_first_axis(request.index);
+  if (index == kPositionUnit) factors.position_unit = *outcome;
+  if (index == kAccelerationUnit) factors.acceleration_unit = *outcome;
+  Factor* factor = factor_of(index, factors);
   if (factor == nullptr) return;
   (request.subindex == 1 ? factor->over : factor->under) = *outcome;
 }

@@ -33,7 +33,7 @@ struct DriveFactors {
 };
 
 void append_factor_requests(Setup& setup);
-// The answer to one of those requests; any other is passed over.
+// The answer to one of those requests, of any axis; any other is passed over.
 void take_factor(const ObjectRequest& request, const ObjectOutcome& outcome, DriveFactors& factors);
 
 // The object by which positions (6064h) count otherwise than `scaling` says; empty: they agree, or

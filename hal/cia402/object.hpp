@@ -7,6 +7,7 @@
 #include <expected>
 
 #include "core/base/error.hpp"
+#include "hal/joint_drives.hpp"
 
 namespace armsig::cia402 {
 
@@ -56,6 +57,40 @@ inline constexpr std::uint16_t kModeDisplay = 0x6061;
 inline constexpr std::uint16_t kQuickStopDeceleration = 0x6085;
 inline constexpr std::uint16_t kHomingMethod = 0x6098;
 inline constexpr std::uint16_t kSupportedModes = 0x6502;
-inline constexpr std::uint32_t kModeHoming = 6;  // of 6060h
+inline constexpr std::uint16_t kLogicalDeviceType = 0x67FF;  // of one axis of several
+inline constexpr std::uint32_t kModeHoming = 6;              // of 6060h
+
+// A device with several axes has the objects of the profile and the PDOs once an axis, each axis so
+// much further (CiA 301, object 1000h and CiA 402-2): of the second axis the controlword is 6840h,
+// the parameter of RPDO1 is 1440h.
+inline constexpr std::uint16_t kFirstProfileObject = 0x6000;
+inline constexpr std::uint16_t kProfileObjects = 0x800;  // of an axis
+inline constexpr std::uint16_t kEndOfPdos = 0x1C00;      // from kReceivePdoParameter on
+inline constexpr std::uint16_t kPdos = 0x40;             // of an axis
+inline constexpr std::uint16_t kPdoParameters = 0x200;   // of one kind, of all axes
+
+// An axis of a device, from 1. An image with little memory knows the first alone.
+inline constexpr std::uint8_t kMostAxes = hal::kSmallImage ? 1 : 4;
+
+[[nodiscard]] constexpr bool is_of_pdo(std::uint16_t index) {
+  return index >= kReceivePdoParameter && index < kEndOfPdos;
+}
+// Where the `axis` has what the first one has at `index`. What is of the whole device stays.
+[[nodiscard]] constexpr std::uint16_t object_of_axis(std::uint8_t axis, std::uint16_t index) {
+  if (kMostAxes == 1) return index;
+  const unsigned further = axis - 1U;
+  if (is_of_pdo(index)) return static_cast<std::uint16_t>(index + further * kPdos);
+  if (index < kFirstProfileObject) return index;
+  return static_cast<std::uint16_t>(index + further * kProfileObjects);
+}
+// What the first axis has where another one has `index`.
+[[nodiscard]] constexpr std::uint16_t object_of_first_axis(std::uint16_t index) {
+  if (kMostAxes == 1) return index;
+  if (is_of_pdo(index)) {
+    return static_cast<std::uint16_t>(index - index % kPdoParameters + index % kPdos);
+  }
+  if (index < kFirstProfileObject) return index;
+  return static_cast<std::uint16_t>(kFirstProfileObject + index % kProfileObjects);
+}
 
 }  // namespace armsig::cia402

@@ -51,7 +51,12 @@ struct DriveSettings {
   PositionMode mode = PositionMode::kCyclic;
   // Objects that are written besides, before the mode; each may_be_written() (setup.hpp).
   [[no_unique_address]] FurtherWrites writes{};
+  [[no_unique_address]] hal::AxisNumber axis = 1;
 
+  // Where the device has what the first axis has at `index`.
+  [[nodiscard]] constexpr std::uint16_t object(std::uint16_t index) const {
+    return object_of_axis(axis, index);
+  }
   // Where the image has no others, that is known to the compiler.
   [[nodiscard]] constexpr PositionMode position_mode() const {
     return hal::kOtherModes ? mode : PositionMode::kCyclic;

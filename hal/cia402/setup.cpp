@@ -83,9 +83,15 @@ void prefer(Setup& setup, const ObjectRequest& request, std::uint32_t safe, Setu
   setup.push_back({request, rule, safe, 0});
 }
 
-void append_profile_check(Setup& setup, PositionMode mode) {
-  const std::uint32_t supports = 1U << (static_cast<std::uint32_t>(mode) - 1);
-  expect(setup, kDeviceType, SetupRule::kMustEqual, kProfileMask, kProfile402);
+// 1000h tells the profile of the first axis; another one may tell its own.
+void append_profile_check(Setup& setup, const DriveSettings& settings) {
+  const auto mode = static_cast<std::uint32_t>(settings.position_mode());
+  const std::uint32_t supports = 1U << (mode - 1);
+  if (kMostAxes > 1 && settings.axis > 1) {
+    expect(setup, kLogicalDeviceType, SetupRule::kEqualIfPresent, kProfileMask, kProfile402);
+  } else {
+    expect(setup, kDeviceType, SetupRule::kMustEqual, kProfileMask, kProfile402);
+  }
   expect(setup, kSupportedModes, SetupRule::kEqualIfPresent, supports, supports);
   expect(setup, kPolarity, SetupRule::kEqualIfPresent, kPositionReversed, 0);
 }
@@ -145,6 +151,12 @@ void append_motion_settings(Setup& setup, const DriveSettings& settings, const S
   expect(setup, kModeDisplay, SetupRule::kTold, 0xFF, static_cast<std::uint32_t>(mode));
 }
 
+void move_to_axis(Setup& setup, std::size_t first, std::uint8_t axis) {
+  for (std::size_t i = first; i < setup.size(); ++i) {
+    setup[i].request.index = object_of_axis(axis, setup[i].request.index);
+  }
+}
+
 bool is_absent(const ObjectOutcome& outcome) {
   if (outcome || outcome.error().error != Error::kSdoAborted) return false;
   const std::uint32_t code = outcome.error().abort_code;
@@ -174,8 +186,9 @@ std::optional<Error> judge(const SetupStep& step, const ObjectOutcome& outcome) 
   const bool compared =
       step.rule == SetupRule::kMustEqual || step.rule == SetupRule::kEqualIfPresent;
   if (!compared || (*outcome & step.mask) == step.expected) return std::nullopt;
-  const std::uint16_t index = step.request.index;
-  const bool of_type = index == kDeviceType || index == kSupportedModes;
+  const std::uint16_t index = object_of_first_axis(step.request.index);
+  const bool of_type = index == kDeviceType || index == kSupportedModes ||
+                       (kMostAxes > 1 && index == kLogicalDeviceType);
   return of_type ? Error::kDriveWrongType : Error::kSdoUnexpectedValue;
 }
 

@@ -40,7 +40,10 @@ struct SetupStep {
 // An option that may hold anything.
 inline constexpr std::uint32_t kAnyValue = 0xFFFFFFFF;
 
-inline constexpr std::size_t kMaxSetupSteps = 58 + (hal::kOtherModes ? 2 + kMaxFurtherWrites : 0);
+// PDO2 to PDO4 of the first axis, whose identifiers another one takes.
+inline constexpr std::size_t kFirstAxisSteps = kMostAxes > 1 ? 6 : 0;
+inline constexpr std::size_t kMaxSetupSteps =
+    58 + kFirstAxisSteps + (hal::kOtherModes ? 2 + kMaxFurtherWrites : 0);
 using Setup = FixedVector<SetupStep, kMaxSetupSteps>;
 
 // One more step: writes an object, or reads one and holds it against `expected`.
@@ -52,9 +55,9 @@ void expect(Setup& setup, std::uint16_t index, SetupRule rule, std::uint32_t mas
 void prefer(Setup& setup, const ObjectRequest& request, std::uint32_t safe,
             SetupRule rule = SetupRule::kOption);
 
-// The device is a drive of CiA 402 that knows `mode`, if it tells its modes. Polarity (607Eh) must
-// be none, as the sense of a joint is ours to turn.
-void append_profile_check(Setup& setup, PositionMode mode);
+// The device, or its axis, is a drive of CiA 402 that knows the mode, if it tells its modes.
+// Polarity (607Eh) must be none, as the sense of a joint is ours to turn.
+void append_profile_check(Setup& setup, const DriveSettings& settings);
 // Interpolation period, stop behaviour, window, mode; a position offset (60B0h) must be zero. A
 // drive that makes its own profiles must have a speed and accelerations for them. The quick stop
 // ramp is in counts until the drive has told its unit (SetupRun).
@@ -79,6 +82,10 @@ void append_motion_settings(Setup& setup, const DriveSettings& settings, const S
 [[nodiscard]] constexpr bool is_option(SetupRule rule) {
   return rule == SetupRule::kOption || rule == SetupRule::kInstead;
 }
+
+// The steps from number `first` on name the objects of the first axis; now they name those of
+// `axis`.
+void move_to_axis(Setup& setup, std::size_t first, std::uint8_t axis);
 
 // The interpolation period as object 60C2h wants it: value times 10^exponent seconds.
 struct InterpolationPeriod {

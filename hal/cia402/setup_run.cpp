@@ -105,9 +105,9 @@ std::optional<SetupRefusal> SetupRun::settle(const SetupStep& step) {
     }
     report_.gaps.push_back(refusal(Error::kSdoAborted, 0).object);
   } else if (is_option(step.rule)) {
-    note(step.request.index);
+    note(object_of_first_axis(step.request.index));
   }
-  if (step.request.index == kAbortConnectionOption) {
+  if (object_of_first_axis(step.request.index) == kAbortConnectionOption) {
     report_.stops = found_ && found >= kFirstStop && found <= kLastStop;
   }
   return pass();
@@ -146,7 +146,7 @@ std::optional<SetupRefusal> SetupRun::pass() {
 std::optional<SetupRefusal> SetupRun::prepare() {
   if (at_ == setup_.size()) return std::nullopt;
   ObjectRequest& request = setup_[at_].request;
-  if (request.index == kQuickStopDeceleration) {
+  if (object_of_first_axis(request.index) == kQuickStopDeceleration) {
     const auto ramp = stop_ramp(factors_, settings_->stop_deceleration, settings_->scaling);
     if (!ramp) return refusal(ramp.error(), factors_.acceleration_unit);
     request.value = *ramp;
@@ -156,7 +156,8 @@ std::optional<SetupRefusal> SetupRun::prepare() {
   // Before anything is written.
   if (request.bytes != 0 && !weighed_) {
     weighed_ = true;
-    if (const auto object = contradicting_object(factors_, settings_->scaling)) {
+    if (auto object = contradicting_object(factors_, settings_->scaling)) {
+      object->index = settings_->object(object->index);
       return SetupRefusal{.error = Error::kScaleInvalid, .code = object->index, .object = *object};
     }
   }

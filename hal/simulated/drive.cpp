@@ -15,6 +15,7 @@ constexpr std::uint16_t kModeBit = 0x0010;  // bit 4 of the controlword, whose m
 constexpr std::uint8_t kProfileMode = 1;
 constexpr std::uint8_t kHomingMode = 6;
 constexpr std::uint8_t kInterpolatedMode = 7;
+constexpr std::uint32_t kNodes = 128;  // beyond any node number
 constexpr std::uint16_t kEmergencyHeartbeat = 0x8130;
 constexpr std::uint16_t kEmergencyPdoLength = 0x8210;
 constexpr std::uint16_t kEmergencyCommands = 0x8250;
@@ -47,11 +48,11 @@ Drive::Drive(const DriveConfiguration& configuration, hal::CanBus& bus, hal::Ins
     : configuration_(configuration),
       bus_(&bus),
       dictionary_(configuration.node, configuration.serial, configuration.encoder_counts,
-                  configuration.edits),
+                  configuration.edits, configuration.axis),
       motion_(configuration.motion, now),
       now_(now),
       boot_at_(now + configuration.boot_time),
-      jitter_(configuration.node) {
+      jitter_(configuration.node + kNodes * (configuration.axis.number - 1U)) {
   if (configuration.counts_anew) origin_ = motion_.state().position;
   restore_dictionary();
   publish();
@@ -67,7 +68,9 @@ void Drive::send_emergency(std::uint16_t code) {
   std::uint8_t error_register = 0;
   if (code != 0) {
     const std::uint16_t group = code & 0xFF00U;
-    error_register = group == 0x8100 || group == 0x8200 ? 0x11 : 0x21;
+    const bool of_bus = group == 0x8100 || group == 0x8200;
+    if (of_bus && !speaks_for_node()) return;  // the first axis tells it
+    error_register = of_bus ? 0x11 : 0x21;
   }
   send_emergency(code, error_register);
 }
@@ -148,11 +151,12 @@ void Drive::do_advance(hal::Instant until) {
     if (power_.state() == State::kNotReadyToSwitchOn) power_.power_up(motion_);
     nmt_ = NmtState::kPreOperational;
     next_heartbeat_ = until;
-    if (tells_boot_up_) send(canopen::heartbeat_frame(configuration_.node, NmtState::kBootUp));
+    if (tells_boot_up_ && speaks_for_node())
+      send(canopen::heartbeat_frame(configuration_.node, NmtState::kBootUp));
   }
   if (settings_.heartbeat > hal::Duration::zero() && until >= next_heartbeat_) {
     next_heartbeat_ = until + settings_.heartbeat;
-    if (fault_ != DriveFault::kHeartbeatLost) {
+    if (fault_ != DriveFault::kHeartbeatLost && speaks_for_node()) {
       send(canopen::heartbeat_frame(configuration_.node, nmt_));
     }
   }
@@ -267,7 +271,7 @@ void Drive::take_guarding() {
   hal::CanFrame answer = canopen::heartbeat_frame(configuration_.node, nmt_);
   if (guard_toggle_) answer.data[0] |= 0x80U;
   guard_toggle_ = !guard_toggle_;
-  if (fault_ != DriveFault::kHeartbeatLost) send(answer);
+  if (fault_ != DriveFault::kHeartbeatLost && speaks_for_node()) send(answer);
 }
 
 void Drive::take_nmt(const hal::CanFrame& frame) {

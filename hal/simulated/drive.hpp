@@ -22,6 +22,9 @@ namespace armsig::simulated {
 
 struct DriveConfiguration {
   std::uint8_t node = 1;
+  // Each axis of a device with several is one of these, on a port of its own: the first one says
+  // what the node says.
+  DeviceAxis axis{};
   std::uint32_t serial = 0;          // of the identity object; 0: not told
   std::uint32_t encoder_counts = 0;  // a motor revolution, of the factor group; 0: it has none
   MotionConfiguration motion{};
@@ -71,6 +74,13 @@ enum class DriveFault : std::uint8_t {
   kBitsSet,         // they are set
   kInformation,     // an emergency with `code` and no bit in its error register; nothing else
 };
+
+// Whether it befalls a device with all its axes.
+[[nodiscard]] constexpr bool concerns_node(DriveFault fault) {
+  return fault == DriveFault::kNone || fault == DriveFault::kSilent ||
+         fault == DriveFault::kHeartbeatLost || fault == DriveFault::kReboot ||
+         fault == DriveFault::kPreOperational || fault == DriveFault::kSdoSilent;
+}
 
 class Drive final : public CanDevice {
  public:
@@ -136,6 +146,7 @@ class Drive final : public CanDevice {
   [[nodiscard]] std::uint16_t status_word() const;
   void answer_sync();
   void send(const hal::CanFrame& frame);
+  [[nodiscard]] bool speaks_for_node() const { return configuration_.axis.is_first(); }
   void send_emergency(std::uint16_t code);
   void send_emergency(std::uint16_t code, std::uint8_t error_register);
   void fail(std::uint16_t code);

@@ -25,6 +25,14 @@ constexpr AbortCode kWrongLength = 0x06070010;
 constexpr AbortCode kNoSuchSubindex = 0x06090011;
 constexpr AbortCode kInvalidValue = 0x06090030;
 
+// Each further axis of a device has its objects so much further on (CiA 301, object 1000h).
+constexpr std::uint16_t kProfileOfAxis = 0x800;
+constexpr std::uint16_t kPdosOfAxis = 0x40;
+constexpr std::uint32_t kSeveralDevices = 0xFFFF0000;  // upper half of 1000h
+
+constexpr std::uint16_t kNowhere = 0xFFFF;  // an index that no axis has
+
+constexpr bool is_of_pdos(std::uint16_t index) { return index >= 0x1400 && index < 0x1C00; }
 constexpr bool is_pdo_parameter(std::uint16_t index) {
   return (index >= 0x1400 && index < 0x1410) || (index >= 0x1800 && index < 0x1810);
 }
@@ -69,9 +77,11 @@ bool DriveDictionary::is_in_range(const Object& object, std::uint32_t value) con
 
 void DriveDictionary::add_identity() {
   using enum Access;
-  add(0x1000, 0, 4, kReadOnly, 0x00020192);  // servo drive, profile 402
-  add(0x1001, 0, 1, kReadOnly, 0);           // error register
-  add(0x1006, 0, 4, kReadWrite, 0);          // communication cycle period, us
+  constexpr std::uint32_t kServoDrive = 0x00020192;  // profile 402
+  add(0x1000, 0, 4, kReadOnly, axis_.has_others() ? kSeveralDevices | 0x192 : kServoDrive);
+  if (axis_.has_others()) add(0x67FF, 0, 4, kReadOnly, kServoDrive);  // of each axis
+  add(0x1001, 0, 1, kReadOnly, 0);                                    // error register
+  add(0x1006, 0, 4, kReadWrite, 0);  // communication cycle period, us
   add(0x1016, 0, 1, kReadOnly, 1);
   add(0x1016, 1, 4, kReadWrite, 0);  // heartbeat consumer
   add(0x1017, 0, 2, kReadWrite, 0);  // heartbeat producer
@@ -148,13 +158,33 @@ void DriveDictionary::add_pdos() {
       const auto mapping = static_cast<std::uint16_t>(base + 0x200 + pdo);
       const bool out = base == 0x1800;
       add(parameter, 0, 1, kReadOnly, 2);
-      add(parameter, 1, 4, kReadWrite, out ? kNoRemote | (0x180 + id) : 0x200 + id);
+      // The predefined connection set keeps identifiers for the first axis alone.
+      const std::uint32_t of_first = out ? kNoRemote | (0x180 + id) : 0x200 + id;
+      add(parameter, 1, 4, kReadWrite, axis_.number == 1 ? of_first : kPdoOff);
       add(parameter, 2, 1, kReadWrite, 255);
       add(mapping, 0, 1, kReadWrite, 1);
-      add(mapping, 1, 4, kReadWrite, out ? 0x60410010 : 0x60400010);
+      const auto further = static_cast<std::uint32_t>(kProfileOfAxis * (axis_.number - 1)) << 16;
+      add(mapping, 1, 4, kReadWrite, (out ? 0x60410010 : 0x60400010) + further);
       add(mapping, 2, 4, kReadWrite, 0);
     }
   }
+}
+
+// The number here of what the device has at `index`, if this axis knows of it.
+std::optional<std::uint16_t> DriveDictionary::own(std::uint16_t index) const {
+  const bool of_pdos = is_of_pdos(index);
+  if (index < 0x6000 && !of_pdos) return index;
+  const std::uint16_t step = of_pdos ? kPdosOfAxis : kProfileOfAxis;
+  const int within = of_pdos ? index % 0x200 : index - 0x6000;
+  const int number = within / step + 1;
+  if (number == axis_.number) return static_cast<std::uint16_t>(index - (number - 1) * step);
+  if (axis_.is_emulated(number) || !axis_.is_first()) return std::nullopt;
+  return kNowhere;
+}
+
+const Object* DriveDictionary::find_mapped(std::uint32_t entry) const {
+  const auto index = own(static_cast<std::uint16_t>(entry >> 16));
+  return index ? find(*index, static_cast<std::uint8_t>((entry >> 8) & 0xFF)) : nullptr;
 }
 
 const Object* DriveDictionary::find(std::uint16_t index, std::uint8_t subindex) const {
@@ -223,8 +253,7 @@ AbortCode DriveDictionary::check_mapping(const Object& object, std::uint32_t val
     return bits > 64 ? kMappingTooLong : 0;
   }
   if (get(object.index, 0) != 0) return kUnsupportedAccess;
-  const Object* mapped =
-      find(static_cast<std::uint16_t>(value >> 16), static_cast<std::uint8_t>((value >> 8) & 0xFF));
+  const Object* mapped = find_mapped(value);
   const Access wanted = object.index >= 0x1A00 ? Access::kMapsOut : Access::kMapsIn;
   if (mapped == nullptr || mapped->access != wanted || (value & 0xFF) != 8U * mapped->bytes) {
     return kNotMappable;
@@ -232,36 +261,39 @@ AbortCode DriveDictionary::check_mapping(const Object& object, std::uint32_t val
   return 0;
 }
 
+AbortCode DriveDictionary::answer(const hal::CanFrame& request, std::uint16_t index,
+                                  hal::CanFrame& answer) {
+  const std::uint8_t subindex = request.data[3];
+  if (request.data[0] == 0x40) {
+    const Object* object = find(index, subindex);
+    if (object == nullptr || object->access == Access::kAbsent) return absent(index);
+    answer.data[0] = static_cast<std::uint8_t>(0x43U | ((4U - object->bytes) << 2));
+    store(answer, 4, object->value);
+    return 0;
+  }
+  if ((request.data[0] & 0xE3U) != 0x23U) return kUnknownCommand;
+  const auto bytes = static_cast<std::uint8_t>(4U - ((request.data[0] >> 2) & 3U));
+  const std::uint32_t value = load<std::uint32_t>(request, 4) & (0xFFFFFFFFU >> (8 * (4 - bytes)));
+  answer.data[0] = 0x60;
+  return write(index, subindex, bytes, value);
+}
+
 std::optional<hal::CanFrame> DriveDictionary::serve(const hal::CanFrame& request) {
   if (request.length != 8 || (request.data[0] & 0xE0U) == 0x80U) return std::nullopt;
   const auto index = load<std::uint16_t>(request, 1);
-  const std::uint8_t subindex = request.data[3];
-  hal::CanFrame answer{.id = canopen::kSdoResponseId + node_, .length = 8};
-  store(answer, 1, index);
-  store(answer, 3, subindex);
-  AbortCode abort = 0;
-  if (request.data[0] == 0x40) {
-    const Object* object = find(index, subindex);
-    if (object != nullptr && object->access != Access::kAbsent) {
-      answer.data[0] = static_cast<std::uint8_t>(0x43U | ((4U - object->bytes) << 2));
-      store(answer, 4, object->value);
-    } else {
-      abort = absent(index);
-    }
-  } else if ((request.data[0] & 0xE3U) == 0x23U) {
-    const auto bytes = static_cast<std::uint8_t>(4U - ((request.data[0] >> 2) & 3U));
-    const std::uint32_t value =
-        load<std::uint32_t>(request, 4) & (0xFFFFFFFFU >> (8 * (4 - bytes)));
-    abort = write(index, subindex, bytes, value);
-    answer.data[0] = 0x60;
-  } else {
-    abort = kUnknownCommand;
-  }
+  const auto here = own(index);
+  if (!here) return std::nullopt;
+  hal::CanFrame reply{.id = canopen::kSdoResponseId + node_, .length = 8};
+  store(reply, 1, index);
+  store(reply, 3, request.data[3]);
+  const AbortCode abort = answer(request, *here, reply);
   if (abort != 0) {
-    answer.data[0] = 0x80;
-    store(answer, 4, abort);
+    reply.data[0] = 0x80;
+    store(reply, 4, abort);
   }
-  return answer;
+  const bool of_device = index < 0x6000 && !is_of_pdos(index);
+  if (of_device && !axis_.is_first()) return std::nullopt;
+  return reply;
 }
 
 std::uint8_t DriveDictionary::entries(std::uint16_t mapping) const {
@@ -279,8 +311,8 @@ hal::CanFrame DriveDictionary::pack(std::uint16_t mapping, std::uint32_t id) con
   hal::CanFrame frame{.id = id & 0x7FFU};
   for (std::uint8_t entry = 1; entry <= entries(mapping); ++entry) {
     const std::uint32_t what = get(mapping, entry);
-    const std::uint32_t value =
-        get(static_cast<std::uint16_t>(what >> 16), static_cast<std::uint8_t>((what >> 8) & 0xFF));
+    const Object* object = find_mapped(what);
+    const std::uint32_t value = object == nullptr ? 0 : object->value;
     for (unsigned byte = 0; byte < (what & 0xFF) / 8; ++byte) {
       frame.data[frame.length++] = static_cast<std::uint8_t>(value >> (8 * byte));
     }
@@ -296,8 +328,7 @@ void DriveDictionary::unpack(std::uint16_t mapping, const hal::CanFrame& frame) 
     for (unsigned byte = 0; byte < (what & 0xFF) / 8; ++byte) {
       value |= static_cast<std::uint32_t>(frame.data[at++]) << (8 * byte);
     }
-    set(static_cast<std::uint16_t>(what >> 16), static_cast<std::uint8_t>((what >> 8) & 0xFF),
-        value);
+    if (const Object* object = find_mapped(what)) set(object->index, object->subindex, value);
   }
 }
 

@@ -40,6 +40,22 @@ struct ObjectEdit {
   std::uint32_t highest = 0xFFFFFFFF;
 };
 
+// One axis of a device, and which ones are emulated. The first of these is the device: it answers
+// for what is of all. Another one hears what is said to the device, and answers for its own objects
+// alone.
+struct DeviceAxis {
+  std::uint8_t number = 1;
+  std::uint8_t emulated = 1;  // a bit an axis
+
+  [[nodiscard]] constexpr bool is_emulated(int other) const {
+    return (emulated >> (other - 1) & 1) != 0;
+  }
+  [[nodiscard]] constexpr bool is_first() const {
+    return (emulated & ((1U << (number - 1U)) - 1U)) == 0;
+  }
+  [[nodiscard]] constexpr bool has_others() const { return emulated >> 1 != 0; }
+};
+
 // An SDO abort code (CiA 301, 7.2.4.3.17), 0 for none.
 using AbortCode = std::uint32_t;
 
@@ -51,22 +67,24 @@ class DriveDictionary {
   // `encoder_counts` a motor revolution, told by the factor group; 0: the drive has none. `edits`
   // must outlive it.
   DriveDictionary(std::uint8_t node, std::uint32_t serial, std::uint32_t encoder_counts = 0,
-                  std::span<const ObjectEdit> edits = {})
-      : node_(node), serial_(serial), encoder_counts_(encoder_counts), edits_(edits) {
+                  std::span<const ObjectEdit> edits = {}, DeviceAxis axis = {})
+      : node_(node), axis_(axis), serial_(serial), encoder_counts_(encoder_counts), edits_(edits) {
     restore();
   }
 
   // Power-up values of the communication objects (1000h to 1FFFh) and of the profile's.
   void restore();
 
-  // By number, for the device itself: the object must exist, but may be kAbsent.
+  // By number, for the device itself: the object must exist, but may be kAbsent. Every axis has its
+  // objects under the numbers of the first one here.
   [[nodiscard]] bool has(std::uint16_t index, std::uint8_t subindex) const {
     return find(index, subindex) != nullptr;
   }
   [[nodiscard]] std::uint32_t get(std::uint16_t index, std::uint8_t subindex = 0) const;
   void set(std::uint16_t index, std::uint8_t subindex, std::uint32_t value);
 
-  // What an SDO request frame to this node is answered; empty if it needs no answer.
+  // What an SDO request frame to this node is answered; empty if it needs no answer, or another
+  // axis answers it.
   [[nodiscard]] std::optional<hal::CanFrame> serve(const hal::CanFrame& request);
 
   // The bytes of the PDO with mapping object `mapping`, read from, or written into the dictionary.
@@ -88,11 +106,16 @@ class DriveDictionary {
   [[nodiscard]] Object* find(std::uint16_t index, std::uint8_t subindex);
   [[nodiscard]] const Object* find(std::uint16_t index, std::uint8_t subindex) const;
   [[nodiscard]] AbortCode absent(std::uint16_t index) const;
+  [[nodiscard]] std::optional<std::uint16_t> own(std::uint16_t index) const;
+  [[nodiscard]] const Object* find_mapped(std::uint32_t entry) const;
+  [[nodiscard]] AbortCode answer(const hal::CanFrame& request, std::uint16_t index,
+                                 hal::CanFrame& answer);
   [[nodiscard]] AbortCode write(std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes,
                                 std::uint32_t value);
   [[nodiscard]] AbortCode check_mapping(const Object& object, std::uint32_t value) const;
 
   std::uint8_t node_;
+  DeviceAxis axis_;
   std::uint32_t serial_;
   std::uint32_t encoder_counts_;
   std::span<const ObjectEdit> edits_;

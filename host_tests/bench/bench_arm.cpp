@@ -163,6 +163,7 @@ int run(int argc, char** argv) {
   app.add_option("--drive", options.drive,
                  "--drive-tables: the begin of the name of the drive that all joints have")
       ->needs(tables);
+  app.add_flag("--dual", plant.dual, "drives that move two joints each, by two axes in a node");
   app.add_option("--homed", plant.homed,
                  "joints whose drives count from power-up on until they have homed, where they "
                  "would count zero")

@@ -117,6 +117,31 @@ TEST(Bench, drives_of_another_process_are_set_up_enabled_and_moved) {
   EXPECT_EQ(master.master.counters().malformed, 0U);
 }
 
+TEST(Bench, drives_with_two_axes_are_set_up_moved_and_stopped) {
+  BenchProcess arm({"--dual"});
+  canopen::Configuration configuration = patient_drives();
+  const canopen::Configuration dual = test::puma_on_dual_drives();
+  for (std::size_t i = 0; i < configuration.axes.size(); ++i) {
+    configuration.axes[i].node = dual.axes[i].node;
+    configuration.axes[i].axis = dual.axes[i].axis;
+  }
+  BenchMaster master(configuration);
+  ASSERT_TRUE(master.enable());
+  master.move(folded(), 150);
+  master.run(50);
+  const auto truth = arm.numbers("status", "joints");
+  ASSERT_EQ(truth.size(), folded().size());
+  for (std::size_t i = 0; i < folded().size(); ++i) EXPECT_NEAR(truth[i], folded()[i], 1e-3);
+  EXPECT_EQ(master.master.counters().unknown, 0U);
+  arm.order("drive joint=3 kind=silent");
+  ASSERT_TRUE(master.run_until([&] {
+    return master.master.status(2).fault && master.master.status(3).fault;
+  })) << master.conditions();
+  EXPECT_FALSE(master.master.status(0).fault);
+  arm.order("drive joint=4 kind=none");
+  EXPECT_TRUE(master.recover());
+}
+
 TEST(Bench, drives_without_cyclic_positions_are_moved_in_the_mode_that_they_have) {
   for (const auto mode : {cia402::PositionMode::kInterpolated, cia402::PositionMode::kProfile}) {
     BenchProcess arm({"--ideal"});

@@ -71,7 +71,7 @@ std::string drive_fault(Plant& plant, Request& request) {
   const auto fault = simulated::drive_fault(kind);
   if (const std::string wrong = request.wrong(); !wrong.empty()) return refused(wrong);
   if (!fault) return refused("no such fault of a drive: " + kind);
-  plant.drive(static_cast<std::size_t>(joint - 1)).inject(*fault, code);
+  plant.inject(static_cast<std::size_t>(joint - 1), *fault, code);
   return "ok";
 }
 

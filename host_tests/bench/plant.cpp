@@ -57,7 +57,8 @@ Plant::Plant(const PlantConfiguration& configuration, hal::Instant now)
 }
 
 simulated::DriveConfiguration Plant::drive_of(std::size_t joint) const {
-  const auto node = static_cast<std::uint8_t>(joint + 1);
+  const std::size_t joints_a_node = configuration_.dual ? 2 : 1;
+  const auto node = static_cast<std::uint8_t>(joint / joints_a_node + 1);
   const bool turns = configuration_.arm.arm.joints[joint].type == JointType::kRevolute;
   simulated::DriveConfiguration drive;
   if (!configuration_.ideal) {
@@ -65,6 +66,11 @@ simulated::DriveConfiguration Plant::drive_of(std::size_t joint) const {
                   : simulated::honest_slide_drive(node, counts_per_unit(joint));
   }
   drive.node = node;
+  if (configuration_.dual) {
+    const bool is_last = joint + 1 == configuration_.arm.arm.joints.size();
+    drive.axis.number = static_cast<std::uint8_t>(joint % 2 + 1);
+    drive.axis.emulated = is_last && joint % 2 == 0 ? 0b01 : 0b11;
+  }
   if (configuration_.drive_table) {
     configuration_.drive_table->apply(drive);
   } else {
@@ -111,6 +117,15 @@ Pose Plant::hand_S() const {
 }
 
 double Plant::take_peak_speed() { return std::exchange(peak_speed_, 0.0); }
+
+void Plant::inject(std::size_t joint, simulated::DriveFault fault, std::int32_t code) {
+  for (std::size_t other = 0; other < drives_.size(); ++other) {
+    const bool same_node = configuration_.dual && other / 2 == joint / 2;
+    if (other == joint || (same_node && simulated::concerns_node(fault))) {
+      drives_[other].inject(fault, code);
+    }
+  }
+}
 
 void Plant::set_sensor_fault(SensorFault fault) {
   sensor_fault_ = fault;

@@ -27,7 +27,8 @@ struct PlantConfiguration {
   std::string can_interface = "vcan0";
   std::string sensor_device;     // symbolic link to the sensor's serial line; empty: no such line
   std::uint8_t sensor_node = 0;  // on the CAN bus; 0: not there
-  simulated::SimulatedArm arm;   // joint i is node i; one target
+  simulated::SimulatedArm arm;   // joint i is node i, unless `dual`; one target
+  bool dual = false;             // two joints a node: its first axis, and its second
   // Of every motor; joint reading = (counts - zero) / counts a radian (or a metre, of a slide, at
   // 10 mm a revolution of the output).
   double counts_per_revolution = 4000;
@@ -67,6 +68,8 @@ class Plant {
   [[nodiscard]] simulated::Drive& drive(std::size_t joint) { return drives_[joint]; }
   [[nodiscard]] simulated::UltrasonicConfig& field() { return field_.config(); }
   [[nodiscard]] ModbusServer* line() { return line_ ? &*line_ : nullptr; }
+  // A fault of the drive of a joint; of its whole node, where it is one of those.
+  void inject(std::size_t joint, simulated::DriveFault fault, std::int32_t code);
   void set_sensor_fault(SensorFault fault);
   // The drives hear nothing of the next `count` SYNC frames.
   void lose_sync(unsigned count) { sync_to_lose_ = count; }

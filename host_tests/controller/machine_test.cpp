@@ -40,5 +40,21 @@ TEST(DrawingCrc, differs_in_every_part_of_a_coupling_and_in_how_the_arm_stands) 
   EXPECT_NE(drawing_crc(other), as_drawn) << "on a wall";
 }
 
+// Two axes of a drive have one serial number.
+TEST(Machine, differs_in_the_axis_of_a_drive) {
+  const hal::DriveIdentity first{.device = {1, 2, 3, 4}};
+  hal::DriveIdentity second = first;
+  second.axis = 2;
+  EXPECT_NE(mark_of(first), mark_of(second));
+  const Machine expected{.drives = {first}, .drawing_crc = 0};
+  const Machine found{.drives = {second}, .drawing_crc = 0};
+  const auto told = difference(expected, found);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->what, "axis");
+  EXPECT_EQ(told->found, 2);
+  EXPECT_EQ(told->expected, 1);
+  EXPECT_FALSE(difference(expected, found, Amplifiers::kIgnored));
+}
+
 }  // namespace
 }  // namespace armsig::controller

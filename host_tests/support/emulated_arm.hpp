@@ -25,6 +25,7 @@ struct EmulatedArm {
     for (const canopen::AxisConfiguration& axis : configuration.axes) {
       ports.emplace_back();
       drive.node = axis.node;
+      drive.axis = {.number = axis.axis, .emulated = axes_of(configuration, axis.node)};
       drives.emplace_back(drive, ports.back());
       bus.connect(ports.back(), &drives.back());
     }
@@ -33,6 +34,14 @@ struct EmulatedArm {
     targets.resize(configuration.axes.size());
   }
 
+  // Those of a node that are joints, a bit each.
+  static std::uint8_t axes_of(const canopen::Configuration& configuration, canopen::NodeId node) {
+    unsigned axes = 0;
+    for (const canopen::AxisConfiguration& axis : configuration.axes) {
+      if (axis.node == node) axes |= 1U << (axis.axis - 1U);
+    }
+    return static_cast<std::uint8_t>(axes);
+  }
   // One tick; `plan` may change the targets between reading and writing.
   void tick(const std::function<void()>& plan = {}) {
     read = master->read(clock.now());

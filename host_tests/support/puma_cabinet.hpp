@@ -58,6 +58,16 @@ inline canopen::Configuration puma_bus() {
   return c;
 }
 
+// Two joints a node.
+inline canopen::Configuration puma_bus_of_dual_drives() {
+  canopen::Configuration c = puma_bus();
+  for (std::uint8_t i = 0; i < 6; ++i) {
+    c.axes[i].node = static_cast<std::uint8_t>(i / 2 + 1);
+    c.axes[i].axis = static_cast<std::uint8_t>(i % 2 + 1);
+  }
+  return c;
+}
+
 inline cabinet::World puma_world(std::uint64_t seed = 1) {
   cabinet::World world;
   world.arm.arm = tool::table2_robot(1);

@@ -22,4 +22,14 @@ inline canopen::Configuration puma_drives(std::uint8_t axes = 6) {
   return configuration;
 }
 
+// Two joints a node: its first axis, and its second.
+inline canopen::Configuration puma_on_dual_drives(std::uint8_t axes = 6) {
+  canopen::Configuration configuration = puma_drives(axes);
+  for (std::uint8_t joint = 0; joint < axes; ++joint) {
+    configuration.axes[joint].node = static_cast<std::uint8_t>(joint / 2 + 1);
+    configuration.axes[joint].axis = static_cast<std::uint8_t>(joint % 2 + 1);
+  }
+  return configuration;
+}
+
 }  // namespace armsig::test

@@ -24,6 +24,21 @@ TEST(DriveKeys, takes_how_a_drive_is_given_its_targets) {
                  "cyclic, interpolated or profile");
 }
 
+TEST(DriveKeys, takes_two_joints_of_one_drive_by_their_axes) {
+  const auto read =
+      parse_configuration(change("joints:", "node: 2,", "node: 1, axis: 2,").text, "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  EXPECT_EQ(read->drives.axes[0].node, 1);
+  EXPECT_EQ(read->drives.axes[0].axis, 1);
+  EXPECT_EQ(read->drives.axes[1].node, 1);
+  EXPECT_EQ(read->drives.axes[1].axis, 2);
+  expect_refused("joints:", "node: 2,", "node: 2, axis: 0,", "axis");
+  expect_refused("joints:", "node: 2,", "node: 2, axis: 5,", "axis");
+  expect_refused("joints:", "node: 2,", "node: 2, axis: 9,", "axis");
+  expect_refused("joints:", "node: 2,", "node: 1,", "joint 2: ");
+  expect_refused("joints:", "node: 2,", "node: 1, axis: 1,", "two axes of it");
+}
+
 TEST(DriveKeys, takes_objects_that_are_written_besides) {
   const auto read = parse_configuration(
       change("joints:", "reversed: no",

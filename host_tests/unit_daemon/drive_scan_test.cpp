@@ -2,9 +2,11 @@
 // What a look at the drives finds of each table, and that it writes nothing.
 #include "firmware/linux/drive_scan.hpp"
 
+#include <array>
 #include <chrono>
 #include <deque>
 #include <map>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -236,6 +238,72 @@ TEST(DriveScan, is_told_to_programs) {
     EXPECT_EQ(object["costs"], "holds torque when this process dies");
   }
   EXPECT_TRUE(seen);
+}
+
+// Two axes in a node, of which `joints` are configured as the axes of joints.
+struct DualBus {
+  explicit DualBus(std::uint8_t joints, std::span<const simulated::ObjectEdit> edits = {}) {
+    configuration.emplace(*canopen::check(test::puma_on_dual_drives(joints)));
+    bus.connect(port);
+    bus.set_watcher(&watcher);
+    for (const int axis : {1, 2}) {
+      simulated::DriveConfiguration drive;
+      drive.node = 1;
+      drive.axis = {.number = static_cast<std::uint8_t>(axis), .emulated = 0b11};
+      if (axis == 2) drive.edits = edits;
+      ports.emplace_back();
+      motors.emplace_back(drive, ports.back());
+      bus.connect(ports.back(), &motors.back());
+    }
+    clock.add(bus);
+    scan.emplace(*configuration, port);
+    for (int i = 1; i < 60'000 && scan->step(clock.now()); ++i) {
+      clock.wait_until(hal::Instant(milliseconds(i)));
+    }
+  }
+  [[nodiscard]] std::string words() const { return drives_in_words(*scan, *configuration); }
+
+  simulated::VirtualClock clock;
+  simulated::VirtualCanBus bus;
+  simulated::VirtualCanPort port;
+  std::deque<simulated::VirtualCanPort> ports;
+  std::deque<simulated::Drive> motors;
+  OnlyUploads watcher;
+  std::optional<canopen::CheckedConfiguration> configuration;
+  std::optional<DriveScan> scan;
+};
+
+TEST(DriveScan, tells_each_axis_of_a_node_by_its_own_objects) {
+  DualBus both(2);
+  const std::string words = both.words();
+  EXPECT_NE(words.find("node 1, axis 1, joint 1: drive of CiA 402"), std::string::npos) << words;
+  EXPECT_NE(words.find("node 1, axis 2, joint 2: drive of CiA 402"), std::string::npos) << words;
+  EXPECT_NE(words.find("605Ah:0"), std::string::npos) << words;
+  EXPECT_NE(words.find("685Ah:0"), std::string::npos) << words;
+  EXPECT_NE(words.find("1640h:1"), std::string::npos) << words;
+  EXPECT_TRUE(all_would_be_set_up(both.scan->nodes(), *both.configuration)) << words;
+  const auto json = nlohmann::json::parse(drives_as_json(*both.scan, *both.configuration));
+  ASSERT_EQ(json["nodes"].size(), 2U);
+  EXPECT_EQ(json["nodes"][1]["axis"], 2);
+  EXPECT_EQ(json["nodes"][1]["joint"], 2);
+}
+
+TEST(DriveScan, refuses_an_axis_by_its_own_object) {
+  constexpr std::array<simulated::ObjectEdit, 1> kNoCyclic{
+      {{.object = {0x6502, 0, 4, simulated::Access::kReadOnly, 1}}}};
+  DualBus both(2, kNoCyclic);
+  EXPECT_NE(both.words().find("refused at 6D02h:0: found 0x1, wanted 0x80"), std::string::npos)
+      << both.words();
+  EXPECT_NE(both.words().find("\"mode: profile\" would do"), std::string::npos) << both.words();
+  EXPECT_FALSE(all_would_be_set_up(both.scan->nodes(), *both.configuration));
+}
+
+TEST(DriveScan, shows_an_axis_that_nobody_has_configured) {
+  DualBus one(1);
+  ASSERT_EQ(one.scan->nodes().size(), 2U) << one.words();
+  EXPECT_NE(one.words().find("node 1, axis 2, not configured: drive of CiA 402"), std::string::npos)
+      << one.words();
+  EXPECT_TRUE(all_would_be_set_up(one.scan->nodes(), *one.configuration));
 }
 
 // With nobody on the bus no frame is acknowledged, and the queue of a socket stays full.

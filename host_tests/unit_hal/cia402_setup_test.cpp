@@ -62,7 +62,7 @@ struct Outcome {
 
 Outcome set_up(Objects& objects, const DriveSettings& settings) {
   Setup setup;
-  append_profile_check(setup, PositionMode::kCyclic);
+  append_profile_check(setup, {});
   append_factor_requests(setup);
   append_motion_settings(setup, settings, *Scaling::make(settings.scaling), kPeriod);
   SetupRun run;
