@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 // Rows of a file that are not like the others are named by their lines, with what is wrong in them;
 // so is a cause that no row tells from another one.
-#include <functional>
+#include <string>
 
 #include "host_tests/cli/refined_arm.hpp"
 
 namespace armsig::cli {
 namespace {
 
-constexpr std::size_t kMeasured = 120;
-constexpr std::size_t kFrom = 60;  // at line 62
+constexpr std::size_t kRowsOfFile = 120;
+constexpr std::size_t kFirstBroken = 60;  // at line 62
 
 // Poses of a Puma, always the same ones.
-Csv poses(const Folder& folder) {
+Csv measured_poses(const Folder& folder) {
   write_file(folder / "arm.yaml", kPuma560);
   const Outcome outcome = run_tool(
       folder,
@@ -21,12 +21,12 @@ Csv poses(const Folder& folder) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   Csv rows = Csv::read(folder / "poses.csv");
   keep_mixed(rows);
-  EXPECT_EQ(rows.rows.size(), kMeasured);
+  EXPECT_EQ(rows.rows.size(), kRowsOfFile);
   return rows;
 }
 
 void set(Csv& rows, std::size_t row, const std::string& column, double value) {
-  rows.rows[row][rows.column(column)] = fmt::format("{:.12g}", value);
+  rows.rows[row][rows.column(column)] = std::to_string(value);
 }
 
 void expect_refused_for(const Folder& folder, const Csv& rows, const std::string& words) {
@@ -38,10 +38,10 @@ void expect_refused_for(const Folder& folder, const Csv& rows, const std::string
 
 TEST(BrokenRows, in_which_the_sensor_repeats_a_position_are_named) {
   const Folder folder;
-  Csv rows = poses(folder);
-  for (std::size_t k = kFrom + 1; k < kFrom + 18; ++k) {
+  Csv rows = measured_poses(folder);
+  for (std::size_t k = kFirstBroken + 1; k < kFirstBroken + 18; ++k) {
     for (const char* axis : {"x_mm", "y_mm", "z_mm"}) {
-      rows.rows[k][rows.column(axis)] = rows.rows[kFrom][rows.column(axis)];
+      rows.rows[k][rows.column(axis)] = rows.rows[kFirstBroken][rows.column(axis)];
     }
   }
   expect_refused_for(folder, rows,
@@ -50,9 +50,9 @@ TEST(BrokenRows, in_which_the_sensor_repeats_a_position_are_named) {
 
 TEST(BrokenRows, in_which_a_reading_stands_still_are_named_by_joint) {
   const Folder folder;
-  Csv rows = poses(folder);
-  for (std::size_t k = kFrom + 1; k < kFrom + 24; ++k) {
-    set(rows, k, "q2_deg", rows.number(kFrom, "q2_deg"));
+  Csv rows = measured_poses(folder);
+  for (std::size_t k = kFirstBroken + 1; k < kFirstBroken + 24; ++k) {
+    rows.rows[k][rows.column("q2_deg")] = rows.rows[kFirstBroken][rows.column("q2_deg")];
   }
   expect_refused_for(folder, rows,
                      "lines 62 to 85 have one reading of joint 2 to the last digit while other "
@@ -61,8 +61,8 @@ TEST(BrokenRows, in_which_a_reading_stands_still_are_named_by_joint) {
 
 TEST(BrokenRows, behind_a_lost_count_are_named_by_joint_and_angle) {
   const Folder folder;
-  Csv rows = poses(folder);
-  for (std::size_t k = kFrom; k < kMeasured; ++k) {
+  Csv rows = measured_poses(folder);
+  for (std::size_t k = kFirstBroken; k < kRowsOfFile; ++k) {
     set(rows, k, "q3_deg", rows.number(k, "q3_deg") - 37.5);
   }
   expect_refused_for(folder, rows, "in lines 62 to 121 the reading of joint 3 is off by -37.5");
@@ -70,8 +70,8 @@ TEST(BrokenRows, behind_a_lost_count_are_named_by_joint_and_angle) {
 
 TEST(BrokenRows, behind_a_row_that_got_lost_are_named) {
   const Folder folder;
-  Csv rows = poses(folder);
-  for (std::size_t k = kMeasured - 1; k >= kFrom; --k) {
+  Csv rows = measured_poses(folder);
+  for (std::size_t k = kRowsOfFile - 1; k >= kFirstBroken; --k) {
     for (const char* axis : {"x_mm", "y_mm", "z_mm"}) {
       rows.rows[k][rows.column(axis)] = rows.rows[k - 1][rows.column(axis)];
     }
@@ -81,15 +81,15 @@ TEST(BrokenRows, behind_a_row_that_got_lost_are_named) {
 
 TEST(BrokenRows, before_the_sound_ones_are_named_as_well) {
   const Folder folder;
-  Csv rows = poses(folder);
-  for (std::size_t k = 0; k < kFrom; ++k) set(rows, k, "q1_deg", -rows.number(k, "q1_deg"));
+  Csv rows = measured_poses(folder);
+  for (std::size_t k = 0; k < kFirstBroken; ++k) set(rows, k, "q1_deg", -rows.number(k, "q1_deg"));
   expect_refused_for(folder, rows, "in lines 2 to 61 the reading of joint 1 is counted the other");
 }
 
 TEST(UnstatedCoupling, of_some_percent_is_named_where_the_arm_is_refused_for_a_tilt) {
   const Folder folder;
-  Csv rows = poses(folder);
-  for (std::size_t k = 0; k < kMeasured; ++k) {
+  Csv rows = measured_poses(folder);
+  for (std::size_t k = 0; k < kRowsOfFile; ++k) {
     set(rows, k, "q5_deg", rows.number(k, "q5_deg") - 0.06 * rows.number(k, "q4_deg"));
   }
   expect_refused_for(folder, rows, "joint 5 follows joint 4 by +0.0");

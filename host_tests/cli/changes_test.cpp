@@ -61,7 +61,7 @@ TEST(Changes, of_the_place_of_the_sensor_are_told_as_a_drift) {
   const Outcome small = refine(folder, rows);
   expect_said(small, 0, "the positions drift by 0.3");
   EXPECT_NE(small.err.find("part of the predicted tool error"), std::string::npos) << small.err;
-  change(rows, "x_mm", [](double x, double share) { return x + 0.65 * share; });
+  change(rows, "x_mm", [](double x, double share) { return x + 0.7 * share; });
   expect_said(refine(folder, rows), 1, "the positions drift by 1");
 }
 
