@@ -9,6 +9,7 @@
 
 #include "hal/canopen/master.hpp"
 #include "host_tests/support/emulated_arm.hpp"
+#include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/master_script.hpp"
 
 namespace armsig::canopen {
@@ -309,20 +310,18 @@ TEST(DualAxis, refuses_an_axis_that_two_joints_have_and_one_that_there_cannot_be
   Configuration configuration = puma_on_dual_drives();
   ASSERT_TRUE(check(configuration));
   configuration.axes[3].axis = 1;
-  const auto twice = check(configuration);
-  ASSERT_FALSE(twice);
-  EXPECT_EQ(twice.error().error, Error::kNodeTwice);
-  EXPECT_EQ(twice.error().axis, 3U);
+  const auto twice = test::failure_of(check(configuration));
+  EXPECT_EQ(twice.error, Error::kNodeTwice);
+  EXPECT_EQ(twice.axis, 3U);
   for (const int axis : {0, 5, 9}) {
     configuration.axes[3].axis = static_cast<std::uint8_t>(axis);
-    const auto refused = check(configuration);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().error, Error::kUnsupported);
-    EXPECT_EQ(refused.error().axis, 3U);
+    const auto refused = test::failure_of(check(configuration));
+    EXPECT_EQ(refused.error, Error::kUnsupported);
+    EXPECT_EQ(refused.axis, 3U);
   }
   configuration.axes[3].axis = 2;
   configuration.other_nodes.push_back(3);
-  EXPECT_EQ(check(configuration).error().error, Error::kNodeTwice);
+  EXPECT_EQ(test::failure_of(check(configuration)).error, Error::kNodeTwice);
 }
 
 }  // namespace
