@@ -24,7 +24,7 @@ constexpr double kSoundShare = 0.01;
 constexpr double kStray = 0.2;
 // A cause makes the rows miss by so much less.
 constexpr double kCures = 5;
-constexpr double kGrid_deg = 3;
+constexpr int kGrid_deg = 3;
 constexpr std::size_t kRowsOfGrid = 30;
 constexpr int kThirdings = 40;
 
@@ -112,7 +112,7 @@ double best_turn(const DeviatingChain& chain, const Evidence& broken, std::size_
   const Evidence few = thinned(broken, kRowsOfGrid);
   double best = 0;
   double least_m = std::numeric_limits<double>::infinity();
-  for (double by_deg = -180; by_deg < 180; by_deg += kGrid_deg) {
+  for (int by_deg = -180; by_deg < 180; by_deg += kGrid_deg) {
     const double at_m = missed_at(few, radians(by_deg));
     if (at_m >= least_m) continue;
     least_m = at_m;

@@ -37,6 +37,18 @@ std::string of_readings(const Change& change, const Arm& arm) {
   return words;
 }
 
+// By a share of what was read or seen.
+std::string share_in_words(const Change& change, const Arm& arm) {
+  if (change.of == Change::Of::kGear) {
+    const bool slides = arm.joints[change.index].type == JointType::kPrismatic;
+    return fmt::format("joint {} {} {:.4f} times as far for the same reading", change.index + 1,
+                       slides ? "moves" : "turns", 1 + change.size[0]);
+  }
+  return fmt::format("all lengths {}{} by {:.0f} ppm",
+                     change.of == Change::Of::kSight ? "that the sensor sees " : "",
+                     change.size[0] > 0 ? "grow" : "shrink", 1e6 * std::abs(change.size[0]));
+}
+
 std::string change_in_words(const Change& change, const Arm& arm) {
   const std::string by = short_length(change.shift_m);
   const std::string at = when(change);
@@ -70,15 +82,9 @@ std::string change_in_words(const Change& change, const Arm& arm) {
     case Change::Of::kLoad:
       return fmt::format("{} the arm bends otherwise, by {}", at, by);
     case Change::Of::kGear:
-      return fmt::format("{} joint {} {} {:.4f} times as far for the same reading", at,
-                         change.index + 1,
-                         arm.joints[change.index].type == JointType::kPrismatic ? "moves" : "turns",
-                         1 + change.size[0]);
     case Change::Of::kLengths:
     case Change::Of::kSight:
-      return fmt::format("{} all lengths {}{} by {:.0f} ppm", at,
-                         change.of == Change::Of::kSight ? "that the sensor sees " : "",
-                         change.size[0] > 0 ? "grow" : "shrink", 1e6 * std::abs(change.size[0]));
+      return at + " " + share_in_words(change, arm);
     case Change::Of::kStrain:
     case Change::Of::kLag:
       break;

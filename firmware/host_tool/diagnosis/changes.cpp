@@ -167,8 +167,8 @@ class ScoreTest {
     middle /= static_cast<double>(evidence_.rows.size());
     std::vector<Eigen::Matrix3Xd> moved;
     for (const EvidenceRow& row : evidence_.rows)
-      moved.push_back(moved_by_strains(row.p_S - middle));
-    const Change found = all_along(Change::Of::kStrain, moved);
+      moved.emplace_back(moved_by_strains(row.p_S - middle));
+    Change found = all_along(Change::Of::kStrain, moved);
     const Vector3 along_axes = strain_of(found.size).selfadjointView<Eigen::Lower>().eigenvalues();
     if (along_axes.maxCoeff() - along_axes.minCoeff() > kLargestStrain) return std::nullopt;
     return found;
