@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "host_tests/cli/refined_arm.hpp"
 
@@ -186,6 +187,24 @@ TEST(Changes, are_told_from_positions_that_lag_the_readings) {
   }
   const Outcome outcome = refine(folder, rows);
   EXPECT_NE(outcome.err.find("the positions lag the joint readings: by 0."), std::string::npos)
+      << outcome.err;
+}
+
+TEST(Changes, are_told_from_positions_that_are_late_by_one_time) {
+  const Folder folder;
+  Csv rows = poses(folder);
+  constexpr double kLate_deg = 0.1;
+  for (const char* reading : {"q1_deg", "q2_deg", "q3_deg", "q4_deg", "q5_deg", "q6_deg"}) {
+    double before = 0;
+    change(rows, reading, [&](double there, double) {
+      return there + std::copysign(kLate_deg, there - std::exchange(before, there));
+    });
+  }
+  const Outcome outcome = refine(folder, rows);
+  EXPECT_NE(outcome.err.find("of backlash, by the order of the rows"), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.err.find("positions that are late behind the joint readings look the same"),
+            std::string::npos)
       << outcome.err;
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -29,6 +31,24 @@ constexpr double kNotableShift = 0.05;
 constexpr double kNotableVertical = 0.0175;  // rad
 // Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
 constexpr std::size_t kToTellNoise = 3;
+// Backlash of joints, as one angle: so many of them, and by which factor they differ at most.
+constexpr std::size_t kFewestOfOneAngle = 4;
+constexpr double kOneAngle = 1.1;
+
+// The same angle in every joint that turns is what positions do that are late by one time.
+bool is_one_angle(const calibration::HalfPlays& half_plays, const DhRows& joints) {
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  std::size_t certain = 0;
+  for (std::size_t j = 0; j < half_plays.size(); ++j) {
+    const calibration::HalfPlay& half = half_plays[j];
+    if (joints[j].type != JointType::kRevolute || !std::isfinite(half.sigma)) continue;
+    certain += is_certain(half) ? 1 : 0;
+    least = std::min(least, half.value + 2 * half.sigma);
+    most = std::max(most, half.value - 2 * half.sigma);
+  }
+  return certain >= kFewestOfOneAngle && least > 0 && most < kOneAngle * least;
+}
 
 bool any(const calibration::ReadingTerms& terms) {
   return terms.gain || terms.first || terms.second;
@@ -172,16 +192,23 @@ void Run::note_vertical() {
 }
 
 void Run::note_play(const calibration::HalfPlays& half_plays) {
+  std::string words;
   for (std::size_t j = 0; j < half_plays.size(); ++j) {
     if (!is_certain(half_plays[j])) continue;
     const bool turns = nominal_.joints[j].type == JointType::kRevolute;
     const double unit = turns ? degrees(2) : 2e3;
-    notes_.push_back(fmt::format(
-        "joint {}: {:.4f} ± {:.4f}{} of backlash, by the order of the rows: the signature is the "
-        "arm in the middle of it, and half of it is part of what is stated",
-        j + 1, unit * std::abs(half_plays[j].value), unit * half_plays[j].sigma,
-        turns ? "°" : " mm"));
+    words += fmt::format("{}joint {}: {:.4f} ± {:.4f}{}", words.empty() ? "" : ", ", j + 1,
+                         unit * std::abs(half_plays[j].value), unit * half_plays[j].sigma,
+                         turns ? "°" : " mm");
   }
+  if (words.empty()) return;
+  words +=
+      " of backlash, by the order of the rows: the signature is the arm in the middle of it, "
+      "and half of it is part of what is stated";
+  if (is_one_angle(half_plays, nominal_.joints)) {
+    words += "; positions that are late behind the joint readings look the same";
+  }
+  notes_.push_back(std::move(words));
 }
 
 // More numbers than unknowns, and some to tell the noise by.
