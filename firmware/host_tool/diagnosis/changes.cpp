@@ -60,30 +60,33 @@ struct Candidate {
   Change::Of of;
   std::size_t index;
   std::vector<DeviatingChain::Columns> columns;  // of the chain, or beyond them
-  bool at_once = false;                          // no slow change
+  enum class Pace : std::uint8_t { kAny, kAtOnce, kSlow } pace = Pace::kAny;
 };
 
 std::vector<Candidate> candidates_of(const Evidence& evidence, const DeviatingChain& chain,
                                      const UnchangingArm& arm) {
-  std::vector<Candidate> all{{Change::Of::kSensor, 0, {chain.of_base()}},
-                             {Change::Of::kLengths, 0, {chain.of_lengths()}},
-                             {Change::Of::kSight, 0, {arm.of_sight()}}};
-  Candidate zeros{Change::Of::kZeros, 0, {}, true};
+  std::vector<Candidate> all{
+      {Change::Of::kSensor, 0, {chain.of_base()}},
+      {Change::Of::kLengths, 0, {chain.of_lengths()}, Candidate::Pace::kSlow},
+      {Change::Of::kSight, 0, {arm.of_sight()}, Candidate::Pace::kSlow}};
+  Candidate zeros{Change::Of::kZeros, 0, {}, Candidate::Pace::kAtOnce};
   for (std::size_t j = 0; j < evidence.arm.joints.size(); ++j) {
     zeros.columns.push_back(chain.of_zero(j));
     all.push_back({Change::Of::kZero, j, {chain.of_zero(j)}});
-    all.push_back({Change::Of::kGear, j, {arm.of_gear(j)}, true});
+    all.push_back({Change::Of::kGear, j, {arm.of_gear(j)}, Candidate::Pace::kAtOnce});
     if (j + 1 < evidence.arm.joints.size()) {
       all.push_back({Change::Of::kLink, j, {chain.of_link(j)}});
     }
   }
   all.push_back(zeros);
-  all.push_back({Change::Of::kLoad, 0, {arm.of_load()}, true});
+  all.push_back({Change::Of::kLoad, 0, {arm.of_load()}, Candidate::Pace::kAtOnce});
   for (std::size_t t = 0; t < chain.targets().size(); ++t) {
     const auto number = static_cast<std::size_t>(chain.targets()[t].number);
     all.push_back({Change::Of::kTarget, number, {chain.of_target(t)}});
-    all.push_back(
-        {Change::Of::kSensorAndTarget, number, {chain.of_base(), chain.of_target(t)}, true});
+    all.push_back({Change::Of::kSensorAndTarget,
+                   number,
+                   {chain.of_base(), chain.of_target(t)},
+                   Candidate::Pace::kAtOnce});
   }
   return all;
 }
@@ -137,7 +140,7 @@ class ScoreTest {
                 std::size_t from) {
     const Eigen::MatrixXd& squares = slow ? sums.twice : sums.once;
     for (const Candidate& candidate : candidates) {
-      if (slow && candidate.at_once) continue;
+      if (candidate.pace == (slow ? Candidate::Pace::kAtOnce : Candidate::Pace::kSlow)) continue;
       const std::vector<Eigen::Index> own = places_of(candidate.columns);
       const Eigen::MatrixXd across = sums.once(Eigen::all, own);
       const Eigen::MatrixXd of_own = squares(own, own);

@@ -13,8 +13,10 @@ namespace {
 constexpr double kTold = 1e-9;
 // Joints give way by so much under a weight one metre out, 1 sigma [rad, or m of a slide].
 constexpr double kUsualSag = 0.01;
-// A gear or a lead is off by such a share, 1 sigma.
+// A gear or a lead is off by such a share, 1 sigma. A sweep of a joint tells its gear from nothing
+// else that it does: there an arm is taken to have the gears of its drawing.
 constexpr double kUsualGear = 0.01;
+constexpr double kGearInSweeps = 1e-6;
 
 }  // namespace
 
@@ -102,11 +104,22 @@ DeviatingChain::Columns UnchangingArm::place_of(const DeviatingChain::Columns& o
   return {std::ranges::lower_bound(of_chain_, of_chain.first) - of_chain_.begin(), of_chain.count};
 }
 
+Eigen::VectorXd UnchangingArm::gear_weights() const {
+  const bool swept =
+      std::ranges::any_of(evidence_.rows, [](const EvidenceRow& row) { return row.sweep != 0; });
+  Eigen::VectorXd weights(gears());
+  for (Eigen::Index j = 0; j < weights.size(); ++j) {
+    const JointType type = evidence_.arm.joints[static_cast<std::size_t>(j)].type;
+    const double sigma = swept && type == JointType::kRevolute ? kGearInSweeps : kUsualGear;
+    weights[j] = 1 / (sigma * sigma);
+  }
+  return weights;
+}
+
 // `squares`: of the derivatives. Neither the lengths nor the sensor's are unknowns of an unchanging
 // arm.
 void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
   constexpr double kWeight = 1 / (kUsualSag * kUsualSag);
-  constexpr double kGearWeight = 1 / (kUsualGear * kUsualGear);
   const Eigen::Index lengths = place_of(chain_.of_lengths()).first;
   const Eigen::Index sight = size_ - 1;
   const DeviatingChain::Normal normal = chain_.normal(evidence_, residuals_, weights_);
@@ -118,7 +131,7 @@ void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
   H.col(sight).setZero();
   H.row(sight).setZero();
   H.diagonal().segment(stiff_, gravity_.count()).array() += kWeight;
-  H.diagonal().segment(first_gear(), gears()).array() += kGearWeight;
+  H.diagonal().segment(first_gear(), gears()) += gear_weights();
   stiff_inverse_ = inverse_of(H.topLeftCorner(stiff_, stiff_), H.diagonal().head(stiff_));
   inverse_ = inverse_of(H, H.diagonal());
   for (Eigen::MatrixXd* inverse : {&stiff_inverse_, &inverse_}) {

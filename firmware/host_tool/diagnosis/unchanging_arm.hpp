@@ -69,6 +69,7 @@ class UnchangingArm {
     return static_cast<Eigen::Index>(evidence_.arm.joints.size());
   }
   [[nodiscard]] Eigen::Index first_gear() const { return stiff_ + gravity_.count(); }
+  [[nodiscard]] Eigen::VectorXd gear_weights() const;
   void weigh();
   void choose_unknowns();
   void differentiate();
