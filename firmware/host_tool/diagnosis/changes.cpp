@@ -139,14 +139,17 @@ class ScoreTest {
   void consider(const std::vector<Candidate>& candidates, const Sums& sums, bool slow,
                 std::size_t from) {
     const Eigen::MatrixXd& squares = slow ? sums.twice : sums.once;
-    for (const Candidate& candidate : candidates) {
+    const Eigen::MatrixXd of_all = sums.once(Eigen::all, moved_);
+    const Eigen::MatrixXd taken = arm_.inverse() * of_all;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const Candidate& candidate = candidates[c];
       if (candidate.pace == (slow ? Candidate::Pace::kAtOnce : Candidate::Pace::kSlow)) continue;
-      const std::vector<Eigen::Index> own = places_of(candidate.columns);
-      const Eigen::MatrixXd across = sums.once(Eigen::all, own);
+      const std::vector<Eigen::Index>& own = places_[c];
+      const Eigen::MatrixXd across = of_all(Eigen::all, among_moved_[c]);
       const Eigen::MatrixXd of_own = squares(own, own);
       Scored scored{.across = across,
                     .usual = of_own,
-                    .left = of_own - across.transpose() * arm_.inverse() * across,
+                    .left = of_own - across.transpose() * taken(Eigen::all, among_moved_[c]),
                     .score = sums.score(own) - across.transpose() * arm_.step()};
       score_of(scored, candidates.size());
       scored.evidence -= surprise(candidate.of);
@@ -195,6 +198,7 @@ class ScoreTest {
   }
 
   std::optional<Change> run(const std::vector<Candidate>& candidates) {
+    find_places(candidates);
     Sums sums(arm_.size());
     const std::size_t rows = arm_.rows();
     for (std::size_t k = rows; k-- > kFewestOfPart;) {
@@ -297,6 +301,19 @@ class ScoreTest {
     return places;
   }
 
+  // Of every candidate; several have the same columns.
+  void find_places(const std::vector<Candidate>& candidates) {
+    for (const Candidate& candidate : candidates) {
+      places_.push_back(places_of(candidate.columns));
+      among_moved_.emplace_back();
+      for (const Eigen::Index place : places_.back()) {
+        const auto known = std::ranges::find(moved_, place);
+        among_moved_.back().push_back(known - moved_.begin());
+        if (known == moved_.end()) moved_.push_back(place);
+      }
+    }
+  }
+
   [[nodiscard]] double moved_by(const std::vector<Eigen::Index>& places,
                                 const Eigen::VectorXd& size, std::size_t from) const {
     double squares = 0;
@@ -322,6 +339,9 @@ class ScoreTest {
   const std::vector<Vector3>& residuals_;
   ReadingOrder order_;
   UnchangingArm arm_;
+  std::vector<Eigen::Index> moved_;                // by any candidate: places among the unknowns
+  std::vector<std::vector<Eigen::Index>> places_;  // of each candidate
+  std::vector<std::vector<Eigen::Index>> among_moved_;  // the same, by their places in `moved_`
   std::optional<Change> best_;
 };
 
