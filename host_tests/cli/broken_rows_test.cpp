@@ -11,17 +11,19 @@ namespace {
 constexpr std::size_t kRowsOfFile = 120;
 constexpr std::size_t kFirstBroken = 60;  // at line 62
 
-// Poses of a Puma, always the same ones.
-Csv measured_poses(const Folder& folder) {
-  write_file(folder / "arm.yaml", kPuma560);
+// Poses of an arm, always the same ones.
+Csv measured_poses(const Folder& folder, const std::string& arm = kPuma560,
+                   std::size_t count = kRowsOfFile) {
+  write_file(folder / "arm.yaml", arm);
   const Outcome outcome = run_tool(
       folder,
       "simulate --arm arm.yaml --tolerances 1 --sigma-mm 0.05 --points 2 --arc 30 --seed 5 "
-      "--free-poses 120 --out poses.csv --flange-target-mm 80,30,120");
+      "--out poses.csv --flange-target-mm 80,30,120 --free-poses " +
+          std::to_string(count));
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   Csv rows = Csv::read(folder / "poses.csv");
   keep_mixed(rows);
-  EXPECT_EQ(rows.rows.size(), kRowsOfFile);
+  EXPECT_EQ(rows.rows.size(), count);
   return rows;
 }
 
@@ -68,15 +70,32 @@ TEST(BrokenRows, behind_a_lost_count_are_named_by_joint_and_angle) {
   expect_refused_for(folder, rows, "in lines 62 to 121 the reading of joint 3 is off by -37.5");
 }
 
-TEST(BrokenRows, behind_a_row_that_got_lost_are_named) {
-  const Folder folder;
-  Csv rows = measured_poses(folder);
-  for (std::size_t k = kRowsOfFile - 1; k >= kFirstBroken; --k) {
+// The positions from row `from` on are those of the row before.
+void lose_a_row(Csv& rows, std::size_t from) {
+  for (std::size_t k = rows.rows.size() - 1; k >= from; --k) {
     for (const char* axis : {"x_mm", "y_mm", "z_mm"}) {
       rows.rows[k][rows.column(axis)] = rows.rows[k - 1][rows.column(axis)];
     }
   }
+}
+
+TEST(BrokenRows, behind_a_row_that_got_lost_are_named) {
+  const Folder folder;
+  Csv rows = measured_poses(folder);
+  lose_a_row(rows, kFirstBroken);
   expect_refused_for(folder, rows, "positions and joint readings are out of step");
+}
+
+// Of so many rows not all are judged: neighbours are known all the same.
+TEST(BrokenRows, of_a_long_file_that_are_out_of_step_are_named) {
+  const Folder folder;
+  const Csv sound = measured_poses(folder, kPuma560, 900);
+  for (const std::size_t from : {std::size_t{1}, std::size_t{400}}) {
+    Csv rows = sound;
+    lose_a_row(rows, from);
+    expect_refused_for(folder, rows,
+                       "out of step: with the positions 1 row earlier they fit within 0.");
+  }
 }
 
 TEST(BrokenRows, before_the_sound_ones_are_named_as_well) {
@@ -84,6 +103,53 @@ TEST(BrokenRows, before_the_sound_ones_are_named_as_well) {
   Csv rows = measured_poses(folder);
   for (std::size_t k = 0; k < kFirstBroken; ++k) set(rows, k, "q1_deg", -rows.number(k, "q1_deg"));
   expect_refused_for(folder, rows, "in lines 2 to 61 the reading of joint 1 is counted the other");
+}
+
+// An arm whose offsets lie in one plane is its own mirror image with all readings reversed.
+TEST(OneFitOfTwoCauses, has_both_of_them_named) {
+  const Folder folder;
+  std::string arm = "armsig: arm/1\nname: all in one plane\njoints:\n";
+  for (const char* row :
+       {"340, a_mm: 0, alpha_deg: -90", "0, a_mm: 0, alpha_deg: 90", "400, a_mm: 0, alpha_deg: 90",
+        "0, a_mm: 0, alpha_deg: -90", "400, a_mm: 0, alpha_deg: -90", "0, a_mm: 0, alpha_deg: 90",
+        "126, a_mm: 0, alpha_deg: 0"}) {
+    arm += "  - {type: revolute, theta_deg: 0, d_mm: " + std::string(row) +
+           ", limits_deg: [-120, 120]}\n";
+  }
+  Csv rows = measured_poses(folder, arm);
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) set(rows, k, "x_mm", -rows.number(k, "x_mm"));
+  const Outcome outcome = refine(folder, rows);
+  EXPECT_EQ(outcome.status, 1) << outcome.out;
+  for (const char* cause :
+       {"the positions are a mirror image", "are counted the other way", "; or "}) {
+    EXPECT_NE(outcome.err.find(cause), std::string::npos) << outcome.err;
+  }
+}
+
+// Measured with joints 5 and 6 at rest, and read as if they had turned.
+TEST(TargetOnAnEarlierLink, is_named) {
+  const Folder folder;
+  std::string at_rest = kPuma560;
+  for (const std::string limits : {"[-100, 100]", "[-266, 266]"}) {
+    at_rest.replace(at_rest.find(limits), limits.size(), "[-0.01, 0.01]");
+  }
+  Csv rows = measured_poses(folder, at_rest);
+  write_file(folder / "arm.yaml", kPuma560);
+  for (std::size_t k = 0; k < kRowsOfFile; ++k) {
+    set(rows, k, "q5_deg", static_cast<double>(k * 37 % 190) - 95);
+    set(rows, k, "q6_deg", static_cast<double>(k * 83 % 300) - 150);
+  }
+  expect_refused_for(folder, rows, "the target follows no joint beyond joint 4");
+}
+
+// Forty pairs are more than so few rows tell apart.
+TEST(UnstatedCoupling, of_two_percent_is_named_from_few_poses) {
+  const Folder folder;
+  Csv rows = measured_poses(folder, kPuma560, 56);
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    set(rows, k, "q6_deg", rows.number(k, "q6_deg") - 0.02 * rows.number(k, "q5_deg"));
+  }
+  expect_refused_for(folder, rows, "joint 6 follows joint 5 by +0.0");
 }
 
 TEST(UnstatedCoupling, of_some_percent_is_named_where_the_arm_is_refused_for_a_tilt) {

@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <utility>
 
 #include "host_tests/cli/refined_arm.hpp"
 
@@ -172,19 +171,29 @@ TEST(Changes, of_all_that_the_sensor_sees_are_told_from_an_arm_that_grows) {
       << outcome.err;
 }
 
+// Each joint read otherwise than it was: `read` of where it is, where it was in the row before and
+// what was read of it there.
+void read_late(Csv& rows,
+               const std::function<double(double there, double before, double read)>& read) {
+  for (const char* reading : {"q1_deg", "q2_deg", "q3_deg", "q4_deg", "q5_deg", "q6_deg"}) {
+    std::optional<double> before;
+    double as_read = 0;
+    change(rows, reading, [&](double there, double) {
+      as_read = before ? read(there, *before, as_read) : there;
+      before = there;
+      return as_read;
+    });
+  }
+}
+
 // No change either: each position was taken when 0.4 % of the way from the row before were left.
 TEST(Changes, are_told_from_positions_that_lag_the_readings) {
   const Folder folder;
   Csv rows = poses(folder);
   constexpr double kLeft = 0.004;
-  for (const char* reading : {"q1_deg", "q2_deg", "q3_deg", "q4_deg", "q5_deg", "q6_deg"}) {
-    std::optional<double> before;
-    change(rows, reading, [&](double there, double) {
-      const double read = before ? (there - kLeft * *before) / (1 - kLeft) : there;
-      before = read;
-      return read;
-    });
-  }
+  read_late(rows, [](double there, double /*before*/, double read) {
+    return (there - kLeft * read) / (1 - kLeft);
+  });
   const Outcome outcome = refine(folder, rows);
   EXPECT_NE(outcome.err.find("the positions lag the joint readings: by 0."), std::string::npos)
       << outcome.err;
@@ -193,13 +202,9 @@ TEST(Changes, are_told_from_positions_that_lag_the_readings) {
 TEST(Changes, are_told_from_positions_that_are_late_by_one_time) {
   const Folder folder;
   Csv rows = poses(folder);
-  constexpr double kLate_deg = 0.1;
-  for (const char* reading : {"q1_deg", "q2_deg", "q3_deg", "q4_deg", "q5_deg", "q6_deg"}) {
-    double before = 0;
-    change(rows, reading, [&](double there, double) {
-      return there + std::copysign(kLate_deg, there - std::exchange(before, there));
-    });
-  }
+  read_late(rows, [](double there, double before, double /*read*/) {
+    return there + std::copysign(0.1, there - before);
+  });
   const Outcome outcome = refine(folder, rows);
   EXPECT_NE(outcome.err.find("of backlash, by the order of the rows"), std::string::npos)
       << outcome.err;

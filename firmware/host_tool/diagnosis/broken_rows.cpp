@@ -123,8 +123,11 @@ double best_turn(const DeviatingChain& chain, const Evidence& broken, std::size_
   for (int k = 0; k < kThirdings; ++k) {
     const double a = low + (high - low) / 3;
     const double b = high - (high - low) / 3;
-    (missed_at(broken, a) < missed_at(broken, b) ? high : low) =
-        missed_at(broken, a) < missed_at(broken, b) ? b : a;
+    if (missed_at(broken, a) < missed_at(broken, b)) {
+      high = b;
+    } else {
+      low = a;
+    }
   }
   return (low + high) / 2;
 }

@@ -172,8 +172,9 @@ class ScoreTest {
     for (const EvidenceRow& row : evidence_.rows) middle += row.p_S;
     middle /= static_cast<double>(evidence_.rows.size());
     std::vector<Eigen::Matrix3Xd> moved;
-    for (const EvidenceRow& row : evidence_.rows)
+    for (const EvidenceRow& row : evidence_.rows) {
       moved.emplace_back(moved_by_strains(row.p_S - middle));
+    }
     Change found = all_along(Change::Of::kStrain, moved);
     const Vector3 along_axes = strain_of(found.size).selfadjointView<Eigen::Lower>().eigenvalues();
     if (along_axes.maxCoeff() - along_axes.minCoeff() > kLargestStrain) return std::nullopt;
@@ -186,9 +187,9 @@ class ScoreTest {
     std::vector<Eigen::Matrix3Xd> moved;
     for (const EvidenceRow& row : evidence_.rows) {
       moved.emplace_back(Vector3::Zero());
-      if (row.q_before.empty()) continue;
+      if (row.earlier[0].q.empty()) continue;
       const JointVector there = effective_readings(evidence_.arm, row.q);
-      const JointVector before = effective_readings(evidence_.arm, row.q_before);
+      const JointVector before = effective_readings(evidence_.arm, row.earlier[0].q);
       const Eigen::Matrix3Xd motions = chain_.motions(row);
       for (std::size_t j = 0; j < there.size(); ++j) {
         moved.back() += (before[j] - there[j]) * motions.col(static_cast<Eigen::Index>(j));

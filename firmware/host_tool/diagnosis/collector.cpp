@@ -2,7 +2,6 @@
 #include "firmware/host_tool/diagnosis/collector.hpp"
 
 #include <cmath>
-#include <utility>
 
 #include "firmware/host_tool/reading/ranging.hpp"
 
@@ -17,11 +16,9 @@ EvidenceCollector::EvidenceCollector(const Arm& drawing, std::optional<SensorDes
     : sensor_(std::move(sensor)), evidence_{drawing, {}, false} {}
 
 void EvidenceCollector::add(const MeasurementRow& row) {
-  const JointVector before = std::exchange(before_, row.q);
   phase_ = std::fmod(phase_ + kGoldenShare, 1.0);
-  if (thinning_ > 0 && phase_ >= std::ldexp(1.0, -static_cast<int>(thinning_))) return;
   EvidenceRow kept{
-      .line = row.line, .sweep = row.sweep, .target = row.target, .q = row.q, .q_before = before};
+      .line = row.line, .sweep = row.sweep, .target = row.target, .q = row.q, .earlier = earlier_};
   if (row.p_S) {
     kept.p_S = *row.p_S;
     kept.covariance_m2 = std::pow(row.sigma_m.value_or(0), 2) * Matrix3::Identity();
@@ -35,6 +32,8 @@ void EvidenceCollector::add(const MeasurementRow& row) {
     evidence_.located = true;
     kept.covariance_m2 = position->covariance_m2;
   }
+  earlier_ = {EarlierRow{row.sweep, row.target, row.q, kept.p_S}, earlier_[0]};
+  if (thinning_ > 0 && phase_ >= std::ldexp(1.0, -static_cast<int>(thinning_))) return;
   evidence_.rows.push_back(kept);
   if (evidence_.rows.size() < kRowsKept) return;
   evidence_ = thinned(evidence_, kRowsKept / 2);

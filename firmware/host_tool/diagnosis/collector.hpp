@@ -2,6 +2,7 @@
 // Keeps of the rows of a file what a diagnosis needs, in bounded memory.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -22,7 +23,7 @@ class EvidenceCollector {
  private:
   std::optional<SensorDescription> sensor_;
   Evidence evidence_;
-  JointVector before_;  // readings of the row before
+  std::array<EarlierRow, 2> earlier_ = {};
   // One of every 2^thinning_ rows is kept, chosen without a period.
   std::uint32_t thinning_ = 0;
   double phase_ = 0;

@@ -2,6 +2,7 @@
 // What a diagnosis looks at: an arm as drawn, and the rows that were measured of it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -40,17 +41,26 @@ inline constexpr int kJudgedConfigurations = 200;
 // Precondition: not empty.
 [[nodiscard]] double rms_length(const std::vector<Vector3>& vectors);
 
+// What of a row is of use to one that came after it.
+struct EarlierRow {
+  std::size_t sweep = 0;
+  int target = 0;
+  JointVector q;  // as read; empty: there was none
+  Vector3 p_S = Vector3::Zero();
+};
+
 struct EvidenceRow {
   std::size_t line = 0;   // of the file, from 1
   std::size_t sweep = 0;  // joint number from 1; 0: any joint may have moved
   int target = 0;
-  JointVector q;              // as read: couplings not applied; radians or metres
-  JointVector q_before = {};  // the same of the row before in the file; empty in the first
+  JointVector q;  // as read: couplings not applied; radians or metres
   Vector3 p_S = Vector3::Zero();
   // Of the position, by the sigma that the row states for it or for its ranges; zero where it
   // states none.
   Matrix3 covariance_m2 = Matrix3::Zero();
   bool moved = false;  // measured from the second of two places of the sensor
+  // The row before it in the file, and the one before that; also where those were thinned out.
+  std::array<EarlierRow, 2> earlier = {};
 
   // 1 sigma per axis as stated (root mean square of the three); 0 where nothing was stated.
   [[nodiscard]] double sigma_m() const;

@@ -132,10 +132,8 @@ class Search {
     const Evidence few = thinned(evidence_, kRowsToChoose);
     std::vector<std::pair<double, const Hypothesis*>> order;
     for (const Hypothesis& hypothesis : all) {
-      // Rows out of step need their neighbours.
-      Evidence undone = evidence_;
+      Evidence undone = few;
       hypothesis.undo(undone);
-      undone = thinned(undone, few.rows.size());
       order.emplace_back(std::log(drawn_misfit(undone)) + 0.2 * hypothesis.surprise, &hypothesis);
     }
     std::ranges::sort(order, {}, [](const auto& pair) { return pair.first; });

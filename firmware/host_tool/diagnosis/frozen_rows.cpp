@@ -59,7 +59,6 @@ void add_run(const Evidence& evidence, const Run& run, const std::string& cause,
                  .undoing = "without those rows",
                  .mend = mend,
                  .surprise = 0.2,
-                 .evident = true,
                  .undo = [first_line, last_line](Evidence& e) {
                    std::erase_if(e.rows, [&](const EvidenceRow& row) {
                      return row.line >= first_line && row.line <= last_line;

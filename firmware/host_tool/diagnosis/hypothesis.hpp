@@ -16,7 +16,6 @@ struct Hypothesis {
   std::string mend;       // "name the columns x_m, y_m, z_m": what to change
   double surprise = 0;    // how much less usual than a wrong unit
   bool harmless = false;  // found as it is: a zero, which identification measures anyway
-  bool evident = false;   // to be seen in the columns: tried in any case
   std::function<void(Evidence&)> undo;
 };
 

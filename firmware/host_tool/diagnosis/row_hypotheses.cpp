@@ -99,17 +99,20 @@ void add_mirror(std::vector<Hypothesis>& all) {
                  }});
 }
 
-// Positions of row k belong to the readings of row k + steps.
+// The readings of each row belong to the position of the row `steps` behind it, or before it where
+// that is less than zero.
 void shift_positions(Evidence& e, int steps) {
-  const std::vector<EvidenceRow> rows = e.rows;
-  const auto count = static_cast<int>(rows.size());
-  e.rows.clear();
-  for (int k = 0; k < count; ++k) {
-    const int from = k + steps;
-    if (from < 0 || from >= count) continue;
-    EvidenceRow row = rows[static_cast<std::size_t>(k)];
-    row.p_S = rows[static_cast<std::size_t>(from)].p_S;
-    e.rows.push_back(std::move(row));
+  const auto back = static_cast<std::size_t>(std::abs(steps)) - 1;
+  std::erase_if(e.rows, [&](const EvidenceRow& row) { return row.earlier[back].q.empty(); });
+  for (EvidenceRow& row : e.rows) {
+    const EarlierRow& other = row.earlier[back];
+    if (steps < 0) {
+      row.p_S = other.p_S;
+    } else {
+      row.sweep = other.sweep;
+      row.target = other.target;
+      row.q = other.q;
+    }
   }
 }
 

@@ -117,9 +117,7 @@ Read<void> GivenFrames::add(std::string_view option, std::string_view text,
   }
   auto added = add(option, text);
   if (!added && !of_file.empty()) {
-    std::vector<std::string> names;
-    for (const NamedPose& frame : of_file) names.push_back(frame.name);
-    added.error().expected = any_of(names) + ", or " + added.error().expected;
+    added.error().expected = "a name of the file of --frames, or " + added.error().expected;
   }
   return added;
 }
