@@ -21,14 +21,16 @@ namespace armsig::canopen {
 inline constexpr std::size_t kMaxOtherNodes = 4;
 inline constexpr std::size_t kMaxOtherTraffic = 16;
 
+// The identifier of PDO1 of an axis, by the function code of that of the first axis: axis n has
+// what the predefined connection set keeps for PDO n of the node.
+[[nodiscard]] constexpr std::uint32_t pdo1_id(std::uint32_t function, NodeId node,
+                                              std::uint8_t axis) {
+  return function + (cia402::kMostAxes > 1 ? kNextPdo * (axis - 1U) : 0) + node;
+}
+
 struct AxisConfiguration : cia402::DriveSettings {
   NodeId node = 0;
 
-  // The identifier of its PDO1, by the function code of that of the first axis: axis n has what the
-  // predefined connection set keeps for PDO n of the node.
-  [[nodiscard]] constexpr std::uint32_t pdo_id(std::uint32_t function) const {
-    return function + (cia402::kMostAxes > 1 ? kNextPdo * (axis - 1U) : 0) + node;
-  }
   // Another axis of the same device.
   [[nodiscard]] constexpr bool shares_node(const AxisConfiguration& other) const {
     return cia402::kMostAxes > 1 && node == other.node;

@@ -57,9 +57,8 @@ class DriveNode {
   [[nodiscard]] std::uint16_t object(std::uint16_t index) const {
     return cia402::object_of_axis(axis_, index);
   }
-  // Of its PDO1, as AxisConfiguration::pdo_id().
   [[nodiscard]] std::uint32_t pdo_id(std::uint32_t function) const {
-    return function + (cia402::kMostAxes > 1 ? kNextPdo * (axis_ - 1U) : 0) + node_;
+    return pdo1_id(function, node_, axis_);
   }
   [[nodiscard]] bool is_started() const {
     return s_.phase == Phase::kStarted || s_.phase == Phase::kRunning;

@@ -97,11 +97,12 @@ void map_pdo1(Setup& setup, const AxisConfiguration& joint) {
     return of_first_axis + (further << kEntryIndex);
   };
   const bool interpolates = joint.position_mode() == cia402::PositionMode::kInterpolated;
-  map(setup, {kReceivePdoParameter, kReceivePdoMapping, joint.pdo_id(kReceivePdo1Id), 0,
-              entry(kControlWordEntry),
+  map(setup, {kReceivePdoParameter, kReceivePdoMapping,
+              pdo1_id(kReceivePdo1Id, joint.node, joint.axis), 0, entry(kControlWordEntry),
               entry(interpolates ? kInterpolationDataEntry : kTargetPositionEntry)});
-  map(setup, {kTransmitPdoParameter, kTransmitPdoMapping, joint.pdo_id(kTransmitPdo1Id), kNoRemote,
-              entry(kStatusWordEntry), entry(kActualPositionEntry)});
+  map(setup,
+      {kTransmitPdoParameter, kTransmitPdoMapping, pdo1_id(kTransmitPdo1Id, joint.node, joint.axis),
+       kNoRemote, entry(kStatusWordEntry), entry(kActualPositionEntry)});
 }
 
 }  // namespace
