@@ -118,7 +118,10 @@ TEST_F(FramesInAFile, are_refused_with_the_reason) {
   teach();
   expect_refused(std::string(kInto) + "--frames none.yaml", 2, "none.yaml");
   expect_refused(std::string(kInto) + "--frames frames.yaml --out frames.yaml", 2, "--out");
-  expect_refused(std::string(kInto) + "--frames frames.yaml --tool trch", 2, "torch");
+  expect_refused(std::string(kInto) + "--frames frames.yaml --tool trch", 2,
+                 "expected \"torch\" of the file of --frames, or ");
+  expect_refused(std::string(kInto) + "--frames frames.yaml --tool gripper", 2,
+                 "expected a name of the file of --frames, or ");
 }
 
 std::string problem_with(const std::string& lists) {

@@ -117,7 +117,12 @@ Read<void> GivenFrames::add(std::string_view option, std::string_view text,
   }
   auto added = add(option, text);
   if (!added && !of_file.empty()) {
-    added.error().expected = "a name of the file of --frames, or " + added.error().expected;
+    std::vector<std::string> names;
+    for (const NamedPose& frame : of_file) names.push_back(frame.name);
+    const std::string near = nearest(value, names);
+    added.error().expected =
+        fmt::format("{} of the file of --frames, or {}", near.empty() ? "a name" : in_quotes(near),
+                    added.error().expected);
   }
   return added;
 }
