@@ -106,6 +106,10 @@ class Engine {
   [[nodiscard]] bool has_map(std::size_t joint) const {
     return maps_on_ && (without_map_ >> joint & 1U) == 0;
   }
+  template <typename Visit>
+  void for_columns(const ChainFrames& frames, std::size_t target, Visit visit) const;
+  template <typename Visit>
+  void for_columns(const FitRow& row, const ChainFrames& frames, Visit visit) const;
   void fill(const ChainFrames& frames, std::size_t target, GeometryColumns& columns) const;
   [[nodiscard]] Stated stated(GeometryColumns& J, const ChainFrames& frames, std::size_t target,
                               const Matrix3& row) const;
@@ -119,6 +123,7 @@ class Engine {
   }
 
   // engine.cpp
+  void place_links() { calibration::place_links(model_, links_); }
   void evaluate_rows(Units rows);
   void move(double fraction);
   [[nodiscard]] double cost() const;
@@ -264,6 +269,7 @@ class Engine {
   }
 
   ArmModel& model_;
+  FixedLinks links_;  // where the model stands
   std::span<ModelTarget> targets_;
   std::span<FitRow> rows_;
   std::span<ChainFrames> cache_;

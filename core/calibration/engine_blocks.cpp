@@ -84,19 +84,17 @@ double Engine::prior_squares() const {
   return sum + play_squares();
 }
 
-void Engine::fill(const ChainFrames& frames, std::size_t target, GeometryColumns& columns) const {
+// Visits the columns that move the target: with its derivative by each.
+template <typename Visit>
+void Engine::for_columns(const ChainFrames& frames, std::size_t target, Visit visit) const {
   const ModelTarget& fixed = targets_[target];
   const Vector3 p_S = frames.X_SL * fixed.p_L;
-  const auto set = [&](std::size_t column, const Vector3& value) {
-    for (std::size_t c = 0; c < 3; ++c) columns.d[c][column] = value[static_cast<Eigen::Index>(c)];
-  };
-  for (auto& row : columns.d) std::fill_n(row.begin(), columns_, 0.0);
   const Vector3 from_base = p_S - model_.X_SB.p;
   for (std::size_t c = 0; c < 3; ++c) {
     const Vector3 unit = Vector3::Unit(static_cast<Eigen::Index>(c));
-    set(c, unit.cross(from_base));
-    set(3 + c, unit);
-    set(target_column(target) + c, frames.X_SL.R.col(static_cast<Eigen::Index>(c)));
+    visit(c, unit.cross(from_base));
+    visit(3 + c, unit);
+    visit(target_column(target) + c, frames.X_SL.R.col(static_cast<Eigen::Index>(c)));
   }
   std::array<Vector3, kMaxJoints> motion;
   for (std::size_t j = 0; j < fixed.link; ++j) {
@@ -104,27 +102,28 @@ void Engine::fill(const ChainFrames& frames, std::size_t target, GeometryColumns
     const std::size_t first = joint_column(j);
     const Vector3 from_joint = p_S - X_SJ.p;
     motion[j] = motion_of(model_.joints[j].type == JointType::kRevolute, X_SJ, p_S);
-    set(first, X_SJ.R.col(0).cross(from_joint));
-    set(first + 1, X_SJ.R.col(1).cross(from_joint));
-    set(first + 2, X_SJ.R.col(0));
-    set(first + 3, X_SJ.R.col(1));
-    set(first + 4, motion[j]);
+    visit(first, X_SJ.R.col(0).cross(from_joint));
+    visit(first + 1, X_SJ.R.col(1).cross(from_joint));
+    visit(first + 2, X_SJ.R.col(0));
+    visit(first + 3, X_SJ.R.col(1));
+    visit(first + 4, motion[j]);
   }
   for (std::size_t k = 0; k < model_.further.size(); ++k) {
     const Parameter& parameter = model_.further[k];
     const std::size_t j = parameter.index;
     if (!of_reading(parameter) || j >= fixed.link) continue;
-    set(further_column() + k, turn_by(parameter, frames.effective[j]) * motion[j]);
+    visit(further_column() + k, turn_by(parameter, frames.effective[j]) * motion[j]);
   }
   for (std::size_t t = 0; t < model_.gravity.size(); ++t) {
     const std::size_t j = model_.gravity[t].joint;
-    if (j < fixed.link) set(gravity_column() + t, frames.levers[t] * motion[j]);
+    if (j < fixed.link) visit(gravity_column() + t, frames.levers[t] * motion[j]);
   }
 }
 
-// What a row measured: of a range, its derivatives are those along its way.
-void Engine::fill(const FitRow& row, const ChainFrames& frames, GeometryColumns& columns) const {
-  fill(frames, row.target, columns);
+// Of what a row measured: of a range, its derivatives are those along its way.
+template <typename Visit>
+void Engine::for_columns(const FitRow& row, const ChainFrames& frames, Visit visit) const {
+  for_columns(frames, row.target, visit);
   for (std::size_t k = 0; k < model_.further.size(); ++k) {
     const Parameter& parameter = model_.further[k];
     if (of_reading(parameter)) continue;
@@ -135,10 +134,28 @@ void Engine::fill(const FitRow& row, const ChainFrames& frames, GeometryColumns&
     } else if (row.is_range() && row.receiver == parameter.index) {
       value = row.p_S;
     }
-    for (std::size_t c = 0; c < 3; ++c) {
-      columns.d[c][further_column() + k] = value[static_cast<Eigen::Index>(c)];
-    }
+    visit(further_column() + k, value);
   }
+}
+
+namespace {
+
+// Writes columns where all are zero.
+auto into(GeometryColumns& columns, std::size_t count) {
+  for (auto& row : columns.d) std::fill_n(row.begin(), count, 0.0);
+  return [&columns](std::size_t column, const Vector3& value) {
+    for (std::size_t c = 0; c < 3; ++c) columns.d[c][column] = value[static_cast<Eigen::Index>(c)];
+  };
+}
+
+}  // namespace
+
+void Engine::fill(const ChainFrames& frames, std::size_t target, GeometryColumns& columns) const {
+  for_columns(frames, target, into(columns, columns_));
+}
+
+void Engine::fill(const FitRow& row, const ChainFrames& frames, GeometryColumns& columns) const {
+  for_columns(row, frames, into(columns, columns_));
 }
 
 // J^T W J of the rows, for every block.
@@ -242,16 +259,13 @@ void Engine::begin_geometry() {
 }
 
 void Engine::pull_geometry(Units rows) {
-  GeometryColumns J;
   auto& x = work_.gradient;
   for (std::size_t k = rows.first; k < rows.last; ++k) {
     const FitRow& row = rows_[k];
     if (row.held_out || row.weight == 0) continue;
-    fill(row, frames_of(k), J);
     const Vector3 r = row.weight / scales_.sigma_squared * (precision(row) * row.residual);
-    for (std::size_t c = 0; c < columns_; ++c) {
-      x[c] += J.d[0][c] * r.x() + J.d[1][c] * r.y() + J.d[2][c] * r.z();
-    }
+    for_columns(row, frames_of(k),
+                [&](std::size_t column, const Vector3& by) { x[column] += by.dot(r); });
   }
 }
 
@@ -266,16 +280,13 @@ void Engine::solve_geometry() {
 }
 
 void Engine::follow_geometry(Units rows) {
-  GeometryColumns J;
   const auto& x = work_.gradient;
   for (std::size_t k = rows.first; k < rows.last; ++k) {
     FitRow& row = rows_[k];
     if (row.held_out) continue;
-    fill(row, frames_of(k), J);
     Vector3 moved = Vector3::Zero();
-    for (std::size_t c = 0; c < columns_; ++c) {
-      for (std::size_t i = 0; i < 3; ++i) moved[static_cast<Eigen::Index>(i)] += J.d[i][c] * x[c];
-    }
+    for_columns(row, frames_of(k),
+                [&](std::size_t column, const Vector3& by) { moved += x[column] * by; });
     row.residual -= moved;
   }
 }

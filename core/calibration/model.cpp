@@ -120,15 +120,24 @@ void look_up(const ArmModel& model, const JointVector& readings, std::size_t lin
   }
 }
 
-void place_chain(const ArmModel& model, std::size_t link, ChainFrames& frames) {
+void place_links(const ArmModel& model, FixedLinks& links) {
+  Pose before = model.X_SB;
+  for (std::size_t i = 0; i < model.joint_count(); ++i) {
+    links.X_J[i] = before * deviation_pose(model.joints[i]);
+    before = model.joints[i].after;
+  }
+}
+
+void place_chain(const ArmModel& model, const FixedLinks& links, std::size_t link,
+                 ChainFrames& frames) {
   std::array<double, kMaxJoints> sag{};
   for (std::size_t t = 0; t < model.gravity.size(); ++t) {
     sag[model.gravity[t].joint] += model.gravity[t].coefficient * frames.levers[t];
   }
-  Pose X = model.X_SB;
+  Pose X;
   for (std::size_t i = 0; i < link; ++i) {
     const JointModel& joint = model.joints[i];
-    X = X * deviation_pose(joint);
+    X = i == 0 ? links.X_J[0] : X * links.X_J[i];
     frames.X_SJ[i] = X;
     const double motion = corrected(joint.correction, frames.effective[i]) + joint.offset +
                           joint.deviation[4] + sag[i] +
@@ -141,15 +150,16 @@ void place_chain(const ArmModel& model, std::size_t link, ChainFrames& frames) {
     } else {
       X.p += motion * X.R.col(2);
     }
-    X = X * joint.after;
   }
-  frames.X_SL = X;
+  frames.X_SL = link == 0 ? model.X_SB : X * model.joints[link - 1].after;
 }
 
 void evaluate_chain(const ArmModel& model, const JointVector& readings, std::size_t link,
                     ChainFrames& frames) {
+  FixedLinks links;
+  place_links(model, links);
   look_up(model, readings, link, frames);
-  place_chain(model, link, frames);
+  place_chain(model, links, link, frames);
 }
 
 }  // namespace armsig::calibration

@@ -111,13 +111,21 @@ struct ChainFrames {
   std::array<SplineSupport, kMaxJoints> support;
 };
 
+// What of the chain no reading moves: joint i's frame before its motion in that of joint i - 1
+// after its own; of joint 0, in the sensor's.
+struct FixedLinks {
+  std::array<Pose, kMaxJoints> X_J;
+};
+void place_links(const ArmModel& model, FixedLinks& links);
+
 // What the drawing and the readings alone say, of the joints before link `link` (n: the last): the
 // effective readings, the levers and the supports.
 void look_up(const ArmModel& model, const JointVector& readings, std::size_t link,
              ChainFrames& frames);
-// The poses, after look_up().
-void place_chain(const ArmModel& model, std::size_t link, ChainFrames& frames);
-// Both.
+// The poses, after look_up(), with the model's links.
+void place_chain(const ArmModel& model, const FixedLinks& links, std::size_t link,
+                 ChainFrames& frames);
+// All of it.
 void evaluate_chain(const ArmModel& model, const JointVector& readings, std::size_t link,
                     ChainFrames& frames);
 

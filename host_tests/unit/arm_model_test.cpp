@@ -66,7 +66,9 @@ TEST(ArmModel, places_its_chain_anew_by_what_was_looked_up_before_it_moved) {
     joint.correction.gain = random.normal(1e-3);
   }
   for (GravityTerm& term : model.gravity) term.coefficient = random.normal(1e-3);
-  place_chain(model, 6, anew);
+  FixedLinks links;
+  place_links(model, links);
+  place_chain(model, links, 6, anew);
   ChainFrames whole;
   evaluate_chain(model, q, 6, whole);
   EXPECT_EQ(anew.X_SL.R, whole.X_SL.R);
