@@ -46,6 +46,8 @@ class Engine {
   // Where the mean of the variances stated for the rows is known; scales to begin with.
   void set_stated_variance(double variance) { stated_variance_ = variance; }
   void set_scales(const Scales& scales) { scales_ = scales; }
+  // The model stands where a fit of most of these rows ended, whose scales were given.
+  void start_near() { near_ = true; }
   // Where it is known from which sides the joints came to the rows: their play is found too, from
   // what `play` has of it. Kept as a pointer.
   void find_play(PlayBlock& play) { play_ = &play; }
@@ -280,6 +282,7 @@ class Engine {
   Scales scales_;
   ModelParts parts_;
   PlayBlock* play_ = nullptr;
+  bool near_ = false;
   bool maps_on_ = false;
   bool play_on_ = false;
   bool looked_up_ = false;                      // what the cache has that no step changes

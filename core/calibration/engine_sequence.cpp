@@ -13,6 +13,7 @@ namespace armsig::calibration {
 namespace {
 
 constexpr int kLeastRounds = 4;
+constexpr int kLeastRoundsNear = 1;  // of a start where such a fit ended
 constexpr int kMostRounds = 25;
 constexpr int kSoftRounds = 2;
 // Of the residuals' own scale: the coarse one has come down to it.
@@ -109,8 +110,8 @@ void Engine::note_start() {
 }
 
 void Engine::begin_round() {
-  maps_on_ = parts_.maps && summary_.rounds > 0;
-  play_on_ = play_ != nullptr && summary_.rounds > 0;
+  maps_on_ = parts_.maps && (near_ || summary_.rounds > 0);
+  play_on_ = play_ != nullptr && (near_ || summary_.rounds > 0);
   sigma_squared_before_ = scales_.sigma_squared;
   passes_ = kFirstPasses;
   agenda_.put({lengths(), &Engine::conclude_lengths, &Engine::choose_weights,
@@ -118,7 +119,7 @@ void Engine::begin_round() {
 }
 
 void Engine::choose_weights() {
-  if (summary_.rounds >= kSoftRounds && !(coarse_ > kSettledScale * scale_)) {
+  if (near_ || (summary_.rounds >= kSoftRounds && !(coarse_ > kSettledScale * scale_))) {
     begin_rejection();
   } else if (coarse_ > 0) {
     begin_soft_weights();
@@ -132,7 +133,8 @@ void Engine::end_round() {
   ++summary_.rounds;
   const double sigma = std::sqrt(scales_.sigma_squared);
   summary_.converged =
-      summary_.rounds >= kLeastRounds && moved_ < kHarmlessStep * sigma &&
+      summary_.rounds >= (near_ ? kLeastRoundsNear : kLeastRounds) &&
+      moved_ < kHarmlessStep * sigma &&
       std::abs(std::log(scales_.sigma_squared / sigma_squared_before_)) < kHarmlessChange;
   if (summary_.rounds < kMostRounds && !summary_.converged) {
     begin_round();

@@ -74,6 +74,7 @@ void score_rows(const Problem& problem, const Engine& engine, std::span<RowScore
 // Where every fold's fit begins.
 struct Start {
   std::array<std::array<double, kDeviations>, kMaxJoints> deviations{};
+  std::array<MapCoefficients, kMaxJoints> maps{};
   std::array<double, kMaxFurther> further{};
   FixedVector<GravityTerm, kMaxGravityTerms> gravity;
   Pose X_SB;
@@ -83,6 +84,7 @@ struct Start {
       : gravity(problem.model.gravity), X_SB(problem.model.X_SB) {
     for (std::size_t j = 0; j < problem.model.joint_count(); ++j) {
       deviations[j] = problem.model.joints[j].deviation;
+      maps[j] = problem.model.joints[j].map;
     }
     for (std::size_t k = 0; k < problem.model.further.size(); ++k) {
       further[k] = value_of(std::as_const(problem.model), problem.model.further[k]);
@@ -95,7 +97,7 @@ struct Start {
     problem.model.X_SB = X_SB;
     for (std::size_t j = 0; j < problem.model.joint_count(); ++j) {
       problem.model.joints[j].deviation = deviations[j];
-      problem.model.joints[j].map.fill(0);
+      problem.model.joints[j].map = maps[j];
     }
     for (std::size_t k = 0; k < problem.model.further.size(); ++k) {
       value_of(problem.model, problem.model.further[k]) = further[k];
@@ -180,6 +182,7 @@ Result<void> score_folds(const Problem& problem, const ModelParts& parts, const 
                   problem.work);
     engine.set_stated_variance(problem.stated_variance);
     engine.set_scales(scales);
+    engine.start_near();
     if (problem.play != nullptr) {
       *problem.play = {};
       problem.play->half = half;
