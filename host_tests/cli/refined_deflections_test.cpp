@@ -51,6 +51,32 @@ TEST(RefinedDeflections, are_found_where_they_help_stored_and_applied) {
   EXPECT_NE(exported.err.find("mm RMS at the tool are lost"), std::string::npos) << exported.err;
 }
 
+TEST(RefinedDeflections, stand_in_the_list_of_models_that_were_tried) {
+  const Folder folder;
+  const Outcome outcome = refine(folder, with_wavy_readings(many_poses(folder)), "--json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  const json& tried = result["refinement"]["models_tried"];
+  ASSERT_GE(tried.size(), 3U);
+  EXPECT_EQ(tried[0]["model"], "geometry");
+  EXPECT_EQ(tried[0]["left_out_mean_m"], result["refinement"]["geometry_left_out_mean_m"]);
+  std::size_t written = 0;
+  for (const json& model : tried) {
+    if (!model["written"].get<bool>()) continue;
+    ++written;
+    EXPECT_NE(model["model"].get<std::string>().find("joint error maps"), std::string::npos);
+    EXPECT_EQ(model["left_out_mean_m"], result["cross_validation"]["mean_m"]);
+    EXPECT_EQ(model["rows_rejected"], result["refinement"]["rows_rejected"]);
+  }
+  EXPECT_EQ(written, 1U);
+  const Outcome explained = run_tool(folder,
+                                     "identify --arm arm.yaml --measurements m.csv --method "
+                                     "refined --out s.yaml --explain");
+  EXPECT_NE(explained.out.find("Models tried"), std::string::npos) << explained.out;
+  EXPECT_NE(explained.out.find("geometry, gravity, joint error maps"), std::string::npos);
+  EXPECT_NE(explained.out.find("  written\n"), std::string::npos) << explained.out;
+}
+
 TEST(RefinedDeflections, are_left_out_where_there_are_none) {
   const Folder folder;
   const Outcome outcome = refine(folder, many_poses(folder), "--json");

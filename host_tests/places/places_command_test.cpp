@@ -83,7 +83,7 @@ TEST(PlacesCommand, warns_of_a_touch_of_another_socket_by_its_line) {
 TEST(PlacesCommand, refuses_options_that_are_about_positions) {
   const Folder folder;
   write_session(folder, a_session(1, 30));
-  for (const char* option : {" --correct gain --method refined", " --columns auto"}) {
+  for (const char* option : {" --correct gain --method refined", " --columns auto", " --explain"}) {
     EXPECT_EQ(run_tool(folder, std::string(kIdentify) + option).status, 2) << option;
   }
 }

@@ -22,6 +22,7 @@
 #include "firmware/host_tool/identification/undone.hpp"
 #include "firmware/host_tool/known_arms/known_arms.hpp"
 #include "firmware/host_tool/presentation/identify_report.hpp"
+#include "firmware/host_tool/presentation/refinement_report.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
 #include "firmware/host_tool/reading/copied_rows.hpp"
 #include "firmware/host_tool/reading/range_health.hpp"
@@ -285,6 +286,8 @@ Attempt<ExitStatus> run(const IdentifyOptions& options) {
     print_json(json_of(identified.found, identified.record, files, identified.receivers));
   } else {
     print_identified(identified.found, identified.record, files, identified.receivers);
+    const auto& refined = identified.found.refinement;
+    if (options.explain) print_models_tried(refined ? &*refined : nullptr);
     say_how_to_report(options);
   }
   return kDone;
@@ -341,6 +344,8 @@ void add_identify(CLI::App& app, int& status) {
   command->add_flag("--accept-different-arm", options->accept_different_arm,
                     "write the signature of an arm that is far from its nominal model, or that the "
                     "measurements contradict, all the same; the record keeps a warning");
+  command->add_flag("--explain", options->explain,
+                    "list the models that were tried, and how each predicts validation rows");
   add_common(*command, *options);
   command->callback([options, &status] { status = status_of(run(*options), *options); });
 }

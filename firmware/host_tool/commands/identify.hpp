@@ -23,6 +23,7 @@ struct IdentifyOptions : CommonOptions {
   std::vector<std::string> correct;
   std::string instrument;  // description, where the rows are touches; empty: they are positions
   bool accept_different_arm = false;
+  bool explain = false;  // say which models were tried
 };
 
 struct IdentifiedFile {

@@ -24,6 +24,7 @@ Read<void> check_place_options(const IdentifyOptions& options) {
   if (!rows.sensor.empty()) return refuse("--sensor");
   if (!rows.columns.empty()) return refuse("--columns");
   if (!options.correct.empty()) return refuse("--correct");
+  if (options.explain) return refuse("--explain");
   if (options.method != kBestMethod && options.method != "refined") return refuse("--method");
   if (auto apart = check_roles({{"--arm", options.arm},
                                 {"--measurements", rows.measurements},

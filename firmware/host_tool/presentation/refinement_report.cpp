@@ -7,8 +7,10 @@
 
 #include "firmware/formats/wrapping.hpp"
 #include "firmware/host_tool/presentation/say.hpp"
+#include "firmware/host_tool/presentation/table.hpp"
 #include "firmware/host_tool/presentation/words.hpp"
 #include "firmware/host_tool/refinement/corrections_option.hpp"
+#include "firmware/host_tool/refinement/refinement_words.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -78,6 +80,21 @@ void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
   }
 }
 
+void print_models_tried(const RefinementOutcome* outcome) {
+  say("\nModels tried, by the mean of their validation rows\n\n");
+  if (outcome == nullptr || outcome->tried.empty()) {
+    say("  none: {}\n", outcome == nullptr ? "--method refined tries several"
+                                           : "too few rows to leave some of them out of a fit");
+    return;
+  }
+  Table table({"", "mean, mm", "rejected", ""});
+  for (const TriedModel& model : outcome->tried) {
+    table.add_row({in_words(model), fmt::format("{:.3f}", 1e3 * model.left_out_mean_m),
+                   std::to_string(model.rejected), model.written ? "written" : ""});
+  }
+  say("{}\n", table.render());
+}
+
 nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::size_t receivers) {
   const calibration::Refined& refined = *outcome.refined;
   nlohmann::ordered_json json{
@@ -96,6 +113,12 @@ nlohmann::ordered_json refinement_json(const RefinementOutcome& outcome, std::si
   if (outcome.merged_rows) json["rows_merged_to"] = *outcome.merged_rows;
   if (outcome.geometry_left_out_mean_m) {
     json["geometry_left_out_mean_m"] = *outcome.geometry_left_out_mean_m;
+  }
+  for (const TriedModel& model : outcome.tried) {
+    json["models_tried"].push_back({{"model", in_words(model)},
+                                    {"left_out_mean_m", model.left_out_mean_m},
+                                    {"rows_rejected", model.rejected},
+                                    {"written", model.written}});
   }
   if (outcome.nominal_rms_m) json["nominal_rms_m"] = *outcome.nominal_rms_m;
   if (!outcome.fitted.readings.empty()) {

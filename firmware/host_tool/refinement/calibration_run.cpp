@@ -166,6 +166,8 @@ class CalibrationFit {
     found_.refined = std::move(best.refined);
     found_.summary = best.summary;
     if (best.left_out) found_.left_out = best.left_out->score;
+    found_.tried = candidates_.tried();
+    if (best.left_out) found_.tried[best.tried].written = true;
     if (choice.geometry.left_out) found_.geometry = choice.geometry.left_out->score;
     if (best.deflected) found_.deflections = best.model;
     found_.alone = best.alone;

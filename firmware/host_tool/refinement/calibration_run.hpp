@@ -39,6 +39,18 @@ struct FoundCoupling {
   double left_out_mean_without_m = 0;
 };
 
+// A model that was fitted, and scored on poses left out.
+struct TriedModel {
+  calibration::ReadingTerms readings;  // found of every joint
+  calibration::ModelParts parts;
+  bool other_vertical = false;  // gravity does not pull as the arm description has it
+  bool backlash = false;
+  std::optional<JointCoupling> coupling;  // beside those of the description
+  double left_out_mean_m = 0;
+  std::size_t rejected = 0;  // rows
+  bool written = false;      // it is the one
+};
+
 struct Calibrated {
   std::unique_ptr<calibration::Refined> refined;
   calibration::FitSummary summary;
@@ -51,6 +63,7 @@ struct Calibrated {
   // readings of `refined` point there.
   std::shared_ptr<const calibration::ArmModel> deflections;
   std::optional<FoundCoupling> coupling;  // not part of `refined`
+  std::vector<TriedModel> tried;          // in that order
   calibration::HalfPlays half_plays;      // none where no play was found
   std::vector<Vector3> moved_by_play;     // the target of every row of the log
   std::vector<std::size_t> alone;         // targets that a single row sees: nothing checks them

@@ -196,7 +196,7 @@ std::optional<Candidate> Candidates::corrected(const Candidate& plain) {
   for (const calibration::ReadingTerms& terms : kCorrections) {
     auto candidate = with_terms(plain, terms);
     if (!candidate) continue;
-    candidate->left_out = fitting_.score(candidate->end, kGeometryAlone);
+    score(*candidate);
     if (predicts_better(*candidate, best ? *best : plain, kWorthCorrections)) {
       best = std::move(candidate);
     }
@@ -212,7 +212,7 @@ std::optional<Candidate> Candidates::geared(const Candidate& plain, const Candid
     off = off || is_off_by_its_gear(*candidate->refined, j);
   }
   if (!off) return std::nullopt;
-  candidate->left_out = fitting_.score(candidate->end, kGeometryAlone);
+  score(*candidate);
   if (!predicts_better(*candidate, whole, 1)) return std::nullopt;
   return candidate;
 }
@@ -297,6 +297,24 @@ std::optional<Candidate> Candidates::played(const Candidate& plain, double worth
 void Candidates::score(Candidate& found) {
   if (found.parts.gravity || found.parts.maps) fitting_.note_covered(*found.model);
   found.left_out = fitting_.score(found.end, found.parts);
+  if (!found.left_out) return;
+  found.tried = tried_.size();
+  tried_.push_back(model_tried(found));
+}
+
+TriedModel Candidates::model_tried(const Candidate& found) const {
+  const auto& readings = found.request.readings;
+  const auto corrected = std::ranges::find_if(readings, [](const calibration::ReadingTerms& terms) {
+    return terms.gain || terms.first || terms.second;
+  });
+  return {.readings = corrected != readings.end() ? *corrected : calibration::ReadingTerms{},
+          .parts = found.parts,
+          .other_vertical = found.parts.gravity && found.end.model.up_0 != log_.nominal.up_0,
+          .backlash = !found.half_plays.empty(),
+          .coupling = std::nullopt,
+          .left_out_mean_m = found.left_out->score.mean_m,
+          .rejected = found.summary.rejected,
+          .written = false};
 }
 
 // `found` was the last fit, with gravity or maps, and is taken.

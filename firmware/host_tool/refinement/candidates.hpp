@@ -24,6 +24,7 @@ struct Candidate {
   std::shared_ptr<calibration::ArmModel> model;
   calibration::FitSummary summary;
   std::optional<LeftOut> left_out;  // none of too few poses
+  std::size_t tried = 0;            // with it: which of Candidates::tried()
   std::vector<calibration::RowOutcome> verdicts;
   std::vector<std::size_t> alone;  // targets that a single row sees
   double variance = 0;
@@ -55,7 +56,10 @@ class Candidates {
   explicit Candidates(const CalibrationLog& log) : log_(log), fitting_(log) {}
 
   // Before fits from there, or from where such a fit ended: the rows of a long log (fitting.hpp).
-  void gather(const FitStart& start) { fitting_.gather(start); }
+  void gather(const FitStart& start) {
+    fitting_.gather(start);
+    tried_.clear();
+  }
   [[nodiscard]] std::optional<std::size_t> merged_rows() const { return fitting_.merged_rows(); }
 
   // Geometry alone, scored. Errors: those of calibration::Engine::run(); kNotConverged and
@@ -93,6 +97,10 @@ class Candidates {
   // Whether the richest corrections take back rows that `plain` rejects.
   [[nodiscard]] bool corrections_take_back(const Candidate& plain);
 
+  // Those scored since gather(), and others that belong to them.
+  [[nodiscard]] const std::vector<TriedModel>& tried() const { return tried_; }
+  void note(const TriedModel& model) { tried_.push_back(model); }
+
   [[nodiscard]] double stated_variance() const { return fitting_.stated_variance(); }
   [[nodiscard]] const calibration::StartLimits& limits() const { return limits_; }
 
@@ -113,12 +121,14 @@ class Candidates {
                                                  calibration::ModelParts parts,
                                                  const calibration::ParameterRequest& request);
   void score(Candidate& found);
+  [[nodiscard]] TriedModel model_tried(const Candidate& found) const;
   static void deflect(Candidate& found);
   // What a fit may be left with: an arm's, or a coarse sensor's.
   [[nodiscard]] double most_m() const;
 
   const CalibrationLog& log_;
   Fitting fitting_;
+  std::vector<TriedModel> tried_;
   // An arm of several metres, or one driven by cables, may be left with more than a table-top one.
   calibration::StartLimits limits_{.rms_m = 10e-3};
 };

@@ -92,6 +92,15 @@ std::optional<Trial> tried(const CalibrationLog& log, const Candidate& found,
   return best;
 }
 
+void note(const std::optional<Trial>& trial, const Candidate& found, Candidates& candidates) {
+  if (!trial || !trial->candidate.left_out) return;
+  TriedModel model = candidates.tried()[found.tried];
+  model.coupling = trial->coupling.coupling;
+  model.left_out_mean_m = trial->candidate.left_out->score.mean_m;
+  model.rejected = trial->candidate.summary.rejected;
+  candidates.note(model);
+}
+
 bool explains_more(const Candidate& with, const Candidate& without, bool few) {
   if (few) return predicts_better(with, without, kWorthOfFew);
   // A better model has a narrower gate, which keeps fewer rows.
@@ -117,6 +126,7 @@ std::optional<FoundCoupling> find_coupling(const CalibrationLog& log, Candidates
       continue;
     }
     auto trial = tried(log, found, pair);
+    note(trial, found, candidates);
     if (!trial || !trial->candidate.left_out || !explains_more(trial->candidate, found, few)) {
       continue;
     }

@@ -39,6 +39,7 @@ struct RefinementOutcome {
   std::optional<double> geometry_left_out_mean_m;            // where there are deflections
   std::optional<OfferedCorrections> offered;
   std::optional<FoundCoupling> coupling;         // not part of `refined`
+  std::vector<TriedModel> tried;                 // in that order
   calibration::HalfPlays half_plays;             // none where no play was found
   std::map<std::size_t, Vector3> moved_by_play;  // the target, by line of the file
   std::optional<std::size_t> merged_rows;        // of the fit, where neighbours were merged

@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include "firmware/host_tool/refinement/corrections_option.hpp"
+
 namespace armsig::tool {
 
 std::string in_words(const calibration::Undetermined& open, const Signature& signature) {
@@ -97,6 +99,27 @@ std::string in_words(const FoundCoupling& found) {
   return fmt::format("joint {} follows joint {} by {:+.5f} ± {:.5f} of its reading, {}",
                      found.coupling.joint + 1, found.coupling.from + 1, found.coupling.ratio,
                      found.sigma, instead);
+}
+
+std::string in_words(const TriedModel& model) {
+  std::string words = "geometry";
+  const std::string readings = corrections_in_words(model.readings);
+  if (!readings.empty()) words += fmt::format(", readings corrected ({})", readings);
+  if (model.parts.gravity) words += ", gravity";
+  if (model.other_vertical) words += " along the vertical of the rows";
+  if (model.parts.maps) words += ", joint error maps";
+  std::string without;
+  for (std::size_t j = 0; model.parts.maps && j < kMaxJoints; ++j) {
+    if ((model.parts.without_map >> j & 1U) == 0) continue;
+    without += fmt::format("{}{}", without.empty() ? " but of joint " : ", ", j + 1);
+  }
+  words += without;
+  if (model.backlash) words += ", backlash";
+  if (model.coupling) {
+    words += fmt::format(", joint {} coupled to joint {}", model.coupling->joint + 1,
+                         model.coupling->from + 1);
+  }
+  return words;
 }
 
 std::string evidence_in_words(const FoundCoupling& found) {

@@ -30,6 +30,8 @@ namespace armsig::tool {
 // "joint 5 follows joint 4 by +0.00500 ± 0.00004 of its reading, which the arm description does not
 // say"; "with it rows left out are predicted to ..."; and what to write there.
 [[nodiscard]] std::string in_words(const FoundCoupling& found);
+// "geometry, gravity, joint error maps but of joint 6, backlash".
+[[nodiscard]] std::string in_words(const TriedModel& model);
 [[nodiscard]] std::string evidence_in_words(const FoundCoupling& found);
 [[nodiscard]] std::string remedy_for(const FoundCoupling& found);
 
