@@ -52,6 +52,7 @@ void tell_arm(Line& line, const Controls& controls) {
     if (s.fault->joint) line.text(" fault_joint=").integer(*s.fault->joint + 1);
     line.device_object(s.fault->object, "fault_");
     line.device_says(s.fault->code, s.fault->words, "fault_");
+    line.device_details(s.fault->details, "fault_");
   }
   tell_faulted(line, controls);
   line.text(" moving=").text(s.moving ? "yes" : "no");
