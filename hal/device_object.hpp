@@ -2,6 +2,7 @@
 // One object of a device's dictionary, where what it holds is in the way of something.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -15,5 +16,18 @@ struct DeviceObject {
 
   friend bool operator==(const DeviceObject&, const DeviceObject&) = default;
 };
+
+// What a CANopen emergency has beside its code, for the manual of its maker: the error register
+// (1001h) and five bytes.
+#ifdef ARMSIG_SMALL_IMAGE
+struct DeviceDetails {};
+#else
+struct DeviceDetails {
+  std::uint8_t error_register = 0;
+  std::array<std::uint8_t, 5> own{};
+
+  friend bool operator==(const DeviceDetails&, const DeviceDetails&) = default;
+};
+#endif
 
 }  // namespace armsig::hal

@@ -59,6 +59,8 @@ struct DriveStatus {
   // started; 0: none. And what it means, of static storage.
   std::uint32_t information = 0;
   std::string_view information_words = {};
+  [[no_unique_address]] DeviceDetails fault_details = {};  // of the emergency of fault_code
+  [[no_unique_address]] DeviceDetails information_details = {};
 };
 
 class JointDrives {

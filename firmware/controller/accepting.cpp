@@ -29,8 +29,6 @@ Result<PersonName> name_in(std::string_view text, Line& out) {
   return name;
 }
 
-std::string_view view(const PersonName& name) { return {name.data(), name.size()}; }
-
 // Takes the sender out of a request to send; the first part without one is of nobody.
 Result<Request> take_sender(const Request& request, PersonName& sender, Line& out) {
   Request rest{.verb = request.verb, .subject = request.subject, .arguments = {}};
@@ -76,7 +74,8 @@ Result<Answer> accept_confirmed(Controls& controls, const Request& request, Line
     return std::unexpected(second.error());
   }
   if (!controls.custody.machine()) return std::unexpected(Error::kDrivesNotReady);
-  controls.identification.confirm(conditions_of(controls), view(controls.sender), view(name));
+  controls.identification.confirm(conditions_of(controls),
+                                  {.sender = controls.sender, .confirmer = name});
   return when_stored(controls.commit.begin_accept(true));
 }
 #endif
@@ -90,6 +89,9 @@ Result<Answer> send(Controls& controls, const Request& request, Line& out) {
   ARMSIG_TRY(part, take_sender(request, controls.sender, out));
 #endif
   ARMSIG_TRY(whole, controls.identification.receive(part, out));
+#ifndef ARMSIG_SMALL_IMAGE
+  if (whole) controls.identification.name_sender(controls.sender);
+#endif
   if (whole) out.text(" received=candidate");
   return Answer();
 }

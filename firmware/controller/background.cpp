@@ -11,6 +11,7 @@ void tell_fault(Line& line, const Fault& fault) {
   if (fault.joint) line.text(" joint=").integer(*fault.joint + 1);
   line.device_object(fault.object);
   line.device_says(fault.code, fault.words);
+  line.device_details(fault.details);
 }
 
 }  // namespace
@@ -110,7 +111,8 @@ void Background::tell_information() {
     told = information.code;
     Line line;
     line.text("# drive informs joint=").integer(information.joint + 1);
-    announcer_.say(line.device_says(information.code, information.words));
+    line.device_says(information.code, information.words);
+    announcer_.say(line.device_details(information.details));
   }
 }
 

@@ -53,6 +53,9 @@ void IdentificationSequence::begin_refining(const Refining& asked, const Conditi
 void IdentificationSequence::begin_comparison(const Conditions& conditions, Ticket begun) {
   start(conditions, begun);
   stamp(conditions);
+#ifndef ARMSIG_SMALL_IMAGE
+  candidate_->persons.confirmer.clear();  // from now on a measurement answers for it
+#endif
   stage_ = Stage::kComparing;
   work_.emplace<HeldOutComparison>(*candidate_, active_, configuration_.drawing);
 }
@@ -100,13 +103,15 @@ void IdentificationSequence::stamp(const Conditions& conditions) {
   compared_with_ = number_of(conditions.active);
 }
 
-void IdentificationSequence::confirm(const Conditions& conditions, std::string_view sender,
-                                     std::string_view person) {
+#ifndef ARMSIG_SMALL_IMAGE
+void IdentificationSequence::confirm(const Conditions& conditions, const Persons& persons) {
   stamp(conditions);
+  candidate_->persons = persons;
   Line line;
-  line.text("# candidate confirmed sent_by=").text(sender).text(" confirmed_by=").text(person);
-  announcer_.say(line);
+  line.text("# candidate confirmed sent_by=").text(view(persons.sender));
+  announcer_.say(line.text(" confirmed_by=").text(view(persons.confirmer)));
 }
+#endif
 
 [[gnu::noinline]] void IdentificationSequence::compare_conditions(const Machine& found,
                                                                   const SignatureRecord* active) {

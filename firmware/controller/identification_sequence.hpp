@@ -77,7 +77,11 @@ class IdentificationSequence : public VisitingSequence<IdentificationSequence> {
   void begin_comparison(const Conditions& conditions, Ticket begun);
   // A person confirms it in place of a comparison. It is of the machine of `conditions` from now
   // on. Precondition: has_received().
-  void confirm(const Conditions& conditions, std::string_view sender, std::string_view person);
+#ifndef ARMSIG_SMALL_IMAGE
+  void confirm(const Conditions& conditions, const Persons& persons);
+  // Who has sent the candidate that was received. Precondition: has_received().
+  void name_sender(const PersonName& sender) { candidate_->persons.sender = sender; }
+#endif
   void pause() { paused_ = true; }
   void resume();
   // Ends it with `error` as the reason, wherever it is.

@@ -71,6 +71,7 @@ struct Fault {
   std::uint32_t code = 0;  // the device's own, as in hal::DriveStatus
   std::string_view words;  // and what it means
   hal::DeviceObject object = {};
+  [[no_unique_address]] hal::DeviceDetails details = {};
 };
 
 // What became of a command.
@@ -128,6 +129,7 @@ struct DriveInformation {
   std::uint8_t joint = 0;  // from 0
   std::uint32_t code = 0;  // the device's own
   std::string_view words;  // and what it means
+  [[no_unique_address]] hal::DeviceDetails details = {};
 };
 using DriveInformations = FixedVector<DriveInformation, DriveFaults::capacity()>;
 

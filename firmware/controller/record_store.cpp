@@ -6,9 +6,15 @@
 #include "core/base/check.hpp"
 
 namespace armsig::controller {
+namespace {
+
+// The record, and who answers for it.
+constexpr std::size_t kStoredBytes = kRecordBytes + kPersonsBytes;
+
+}  // namespace
 
 std::size_t RecordStore::record_pages() const {
-  return (kRecordBytes + memory_.layout().page_bytes - 1) / memory_.layout().page_bytes;
+  return (kStoredBytes + memory_.layout().page_bytes - 1) / memory_.layout().page_bytes;
 }
 
 std::size_t RecordStore::sectors_per_bank() const {
@@ -144,6 +150,9 @@ RecordImage& RecordStore::begin_write() {
   change_.emplace();
   change_->writes = true;
   change_->stage = formatted_ ? Stage::kEraseLedger : Stage::kFormat;
+#ifndef ARMSIG_SMALL_IMAGE
+  persons_.fill(hal::kErasedByte);
+#endif
   return image_;
 }
 
@@ -220,11 +229,31 @@ Result<void> RecordStore::advance(Change& change) {
 }
 
 // What page `page` of the record holds.
-std::span<const std::uint8_t> RecordStore::page_of_image(std::size_t page) const {
+std::span<const std::uint8_t> RecordStore::page_of_image(std::size_t page) {
   const std::size_t bytes = memory_.layout().page_bytes;
   const std::size_t first = page * bytes;
-  return std::span(image_).subspan(first, std::min(bytes, kRecordBytes - first));
+  const std::size_t count = std::min(bytes, kStoredBytes - first);
+#ifdef ARMSIG_SMALL_IMAGE
+  return std::span(image_).subspan(first, count);
+#else
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = first + i;
+    page_[i] = at < kRecordBytes ? image_[at] : persons_[at - kRecordBytes];
+  }
+  return std::span(page_).first(count);
+#endif
 }
+
+#ifndef ARMSIG_SMALL_IMAGE
+Persons RecordStore::read_persons() {
+  const StoredRecord& record = *entry_.active;
+  const std::size_t address = record_address(record.bank) + kRecordBytes;
+  if (!read_patiently(memory_, address, persons_)) {
+    return {.sender = {}, .confirmer = {}, .unreadable = true};
+  }
+  return decode_persons(persons_, record.crc);
+}
+#endif
 
 Result<void> RecordStore::program_page(std::uint8_t bank, std::size_t page) {
   return program_padded(memory_, record_address(bank) + page * memory_.layout().page_bytes,

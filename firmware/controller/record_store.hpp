@@ -55,6 +55,14 @@ class RecordStore {
   // The one image that there is: of the record that was read, or that is being written.
   [[nodiscard]] const RecordImage& last_read() const { return image_; }
 
+#ifndef ARMSIG_SMALL_IMAGE
+  // Who answers for the active record. Precondition: active().
+  [[nodiscard]] Persons read_persons();
+  // What is stored behind the record that is being written, by default nobody; to be changed at
+  // once, like the record.
+  [[nodiscard]] PersonsImage& persons() { return persons_; }
+#endif
+
   // Begins to store what the caller then makes of the image that is returned, at once: a record
   // whose sequence number is next_sequence(), which becomes the active one. Precondition: open()
   // was called, fits(), not is_writing().
@@ -105,7 +113,7 @@ class RecordStore {
   [[nodiscard]] Result<void> enter(LedgerEntry entry, std::size_t page);
   [[nodiscard]] LedgerEntry changed() const;
   [[nodiscard]] Result<void> advance(Change& change);
-  [[nodiscard]] std::span<const std::uint8_t> page_of_image(std::size_t page) const;
+  [[nodiscard]] std::span<const std::uint8_t> page_of_image(std::size_t page);
   [[nodiscard]] Result<void> program_page(std::uint8_t bank, std::size_t page);
   [[nodiscard]] Result<void> verify(std::uint8_t bank, std::size_t page);
 
@@ -116,6 +124,10 @@ class RecordStore {
   std::optional<Error> trouble_;
   std::optional<Change> change_;
   RecordImage image_{};
+#ifndef ARMSIG_SMALL_IMAGE
+  PersonsImage persons_{};
+  std::array<std::uint8_t, kLargestPage> page_{};  // which may be of both
+#endif
 };
 
 }  // namespace armsig::controller

@@ -54,7 +54,9 @@ void Servo::supervise_drives() {
     const hal::DriveStatus status = drives_.status(joint);
     if (status.condition != hal::DriveCondition::kFaulted && !status.fault) continue;
     fail(status.fault.value_or(Error::kDriveFault), joint, status.fault_code, status.words);
-    if (fault_->joint == joint) fault_->object = status.fault_object;
+    if (fault_->joint != joint) continue;
+    fault_->object = status.fault_object;
+    fault_->details = status.fault_details;
   }
   for (std::size_t joint = 0; joint < drives_.count() && has_torque(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
@@ -94,6 +96,7 @@ void Servo::learn_the_reason() {
   if (status.fault != fault_->error) return;
   fault_->code = status.fault_code;
   fault_->words = status.words;
+  fault_->details = status.fault_details;
 }
 
 void Servo::take_commands() {

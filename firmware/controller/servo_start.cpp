@@ -45,12 +45,12 @@ void Servo::publish_words() {
   for (std::size_t joint = 0; joint < drives_.count() && !faults.full(); ++joint) {
     const hal::DriveStatus status = drives_.status(joint);
     if (status.fault && !is_of_all(*status.fault)) {
-      faults.push_back(
-          {*status.fault, joint, status.fault_code, status.words, status.fault_object});
+      faults.push_back({*status.fault, joint, status.fault_code, status.words, status.fault_object,
+                        status.fault_details});
     }
     if (status.information != 0) {
-      information.push_back(
-          {static_cast<std::uint8_t>(joint), status.information, status.information_words});
+      information.push_back({static_cast<std::uint8_t>(joint), status.information,
+                             status.information_words, status.information_details});
     }
   }
   if (!information.empty()) link_.information.publish();

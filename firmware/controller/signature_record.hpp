@@ -47,6 +47,7 @@
 #include "core/calibration/packed_deflections.hpp"
 #include "core/signature.hpp"
 #include "firmware/controller/machine.hpp"
+#include "firmware/controller/persons.hpp"
 
 namespace armsig::controller {
 
@@ -63,6 +64,9 @@ struct SignatureRecord {
   ToolAccuracy accuracy;
   Machine machine;                             // that it was identified on
   calibration::PackedDeflections deflections;  // none: its geometry says everything
+#ifndef ARMSIG_SMALL_IMAGE
+  Persons persons;  // stored behind it
+#endif
 };
 
 // On the validation poses; 0: not validated.

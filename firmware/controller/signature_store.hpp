@@ -32,7 +32,11 @@ class SignatureStore {
   // called, fits(), not is_writing().
   void begin_write(const SignatureRecord& record) {
     const std::uint32_t sequence = records_.next_sequence();
-    encode(record, sequence, records_.begin_write());
+    RecordImage& image = records_.begin_write();
+    encode(record, sequence, image);
+#ifndef ARMSIG_SMALL_IMAGE
+    records_.persons() = encode(record.persons, crc_of(image));
+#endif
   }
   // Begins to go back to the record before the active one, or to none. Errors: kNoSignature (none
   // is active), kStorageFault, kRecordCorrupt (the one before cannot be read). Precondition: as

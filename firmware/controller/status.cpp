@@ -52,6 +52,7 @@ void tell_arm(Line& line, const Controls& controls) {
     if (s.fault->joint) line.text(" fault_joint=").integer(*s.fault->joint + 1);
     line.device_object(s.fault->object, "fault_");
     line.device_says(s.fault->code, s.fault->words, "fault_");
+    line.device_details(s.fault->details, "fault_");
   }
   tell_faulted(line, controls);
   line.text(" moving=").text(s.moving ? "yes" : "no");
@@ -120,6 +121,15 @@ void tell_sequence(Line& line, const Controls& controls) {
   }
 }
 
+void tell_persons([[maybe_unused]] Line& line, [[maybe_unused]] const SignatureRecord& record) {
+#ifndef ARMSIG_SMALL_IMAGE
+  const Persons& persons = record.persons;
+  if (!persons.sender.empty()) line.text(" sent_by=").text(view(persons.sender));
+  if (!persons.confirmer.empty()) line.text(" confirmed_by=").text(view(persons.confirmer));
+  if (persons.unreadable) line.text(" persons=unreadable");
+#endif
+}
+
 }  // namespace
 
 Result<Answer> tell_status(Controls& controls, const Request& /*request*/, Line& out) {
@@ -149,6 +159,7 @@ Result<Answer> tell_signature(Controls& controls, const Request& /*request*/, Li
   if (record->identified_at_s > 0) {
     out.text(" identified_unix_s=").integer(static_cast<std::uint64_t>(record->identified_at_s));
   }
+  tell_persons(out, *record);
   for (std::size_t i = 0; i < record->signature.pseudo_dh.size(); ++i) {
     const DhJoint& row = record->signature.pseudo_dh[i];
     out.text(" theta").integer(i + 1).text("_deg=").number(degrees(row.theta_rad), 6);

@@ -7,6 +7,7 @@
 
 #include "core/base/error_name.hpp"
 #include "core/base/pose.hpp"
+#include "hal/joint_drives.hpp"
 
 namespace armsig::controller {
 namespace {
@@ -75,11 +76,27 @@ Line& Line::number(double value, unsigned decimals) {
 
 Line& Line::device_says(std::uint32_t code, std::string_view words, std::string_view prefix) {
   constexpr unsigned kEmergencyDigits = 4;
+  constexpr unsigned kAbortDigits = 8;
   if (code == 0) return *this;
-  text(" ").text(prefix).text("code=").hex(code, kEmergencyDigits);
+  const bool aborted = !hal::kSmallImage && code > 0xFFFF;
+  const unsigned digits = aborted ? kAbortDigits : kEmergencyDigits;
+  text(" ").text(prefix).text("code=").hex(code, digits);
   if (words.empty()) return *this;
   return text(" ").text(prefix).text("says=\"").text(words).text("\"");
 }
+
+#ifndef ARMSIG_SMALL_IMAGE
+Line& Line::device_details(const hal::DeviceDetails& details, std::string_view prefix) {
+  constexpr unsigned kByteDigits = 2;
+  if (details.error_register != 0) {
+    text(" ").text(prefix).text("register=").hex(details.error_register, kByteDigits);
+  }
+  if (std::ranges::all_of(details.own, [](std::uint8_t byte) { return byte == 0; })) return *this;
+  text(" ").text(prefix).text("own=");
+  for (const std::uint8_t byte : details.own) hex_digits(byte, kByteDigits);
+  return *this;
+}
+#endif
 
 Line& Line::device_object(const hal::DeviceObject& object, std::string_view prefix) {
   constexpr unsigned kIndexDigits = 4;

@@ -28,6 +28,15 @@ class Line {
   // A device's own code and what it means: ` code=0x2310 says="words"`, with `prefix` before either
   // key; nothing where the code is 0.
   Line& device_says(std::uint32_t code, std::string_view words, std::string_view prefix = {});
+  // What an emergency has beside its code: ` register=0x21 own=0102030405`, the error register and
+  // the maker's five bytes, with `prefix` before either key; nothing of one that is zero.
+#ifdef ARMSIG_SMALL_IMAGE
+  Line& device_details(const hal::DeviceDetails& /*details*/, std::string_view /*prefix*/ = {}) {
+    return *this;
+  }
+#else
+  Line& device_details(const hal::DeviceDetails& details, std::string_view prefix = {});
+#endif
   // An object of a device that is not as wanted: ` object=605Ah:0 found=0x0 wanted=0x6`, with
   // `prefix` before each key; nothing where there is none.
   Line& device_object(const hal::DeviceObject& object, std::string_view prefix = {});

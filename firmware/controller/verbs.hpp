@@ -17,9 +17,6 @@
 
 namespace armsig::controller {
 
-// Of a person, as they tell it.
-using PersonName = FixedVector<char, 32>;
-
 // What the verbs act on and tell about.
 struct Controls {
   const Configuration& configuration;

@@ -294,6 +294,9 @@ Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfig
   }
   if (auto ok = read_surroundings(root, node, c); !ok) return ok;
   if (auto ok = take_drives(node, c); !ok) return ok;
+  if (const YamlNode* emulated = root.find("virtual")) {
+    if (auto ok = read_virtual(*emulated, c); !ok) return ok;
+  }
   if (const YamlNode* grid = root.find("grid")) {
     if (auto ok = read_grid(*grid, c); !ok) return ok;
   }
@@ -310,7 +313,8 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
                                  "store",  "priority",    "black_box", "joints",
                                  "can",    "sensor",      "motion",    "supervision",
                                  "dwell",  "points",      "sweeps",    "check",
-                                 "grid",   "coupling",    "workspace", "reporting_console"};
+                                 "grid",   "coupling",    "workspace", "reporting_console",
+                                 "virtual"};
   add_names(known, "period", Dimension::kTime);
   tool::add_mounting_keys(known);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));

@@ -3,10 +3,12 @@
 // a commented example), checked as a whole before a frame is sent or anything moves.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 
+#include "core/base/pose.hpp"
 #include "firmware/controller/configuration.hpp"
 #include "firmware/formats/mounting.hpp"
 #include "firmware/formats/problem.hpp"
@@ -34,8 +36,10 @@ struct DaemonConfiguration {
   std::string store;               // path of the file that keeps the signatures
   std::string black_box;           // folder of its files; empty: black-box beside the store
   int priority = 80;               // of the servo thread, SCHED_FIFO; 0: ordinary scheduling
-  tool::LengthWords lengths;       // in what the file tells `workspace`
-  double bus_load = 0;             // of the CAN bus at worst, 1 being all of it
+  // Of a virtual controller: frame 0 of the arm in the sensor frame; none: by the arm's reach.
+  std::optional<Pose> virtual_base;
+  tool::LengthWords lengths;  // in what the file tells `workspace`
+  double bus_load = 0;        // of the CAN bus at worst, 1 being all of it
 };
 
 // Reads and checks everything that can be wrong in a configuration: units, unknown keys, values,

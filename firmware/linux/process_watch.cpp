@@ -44,20 +44,29 @@ void ProcessWatch::begin(const linux_hal::RealTimeReport& report, int priority) 
 void ProcessWatch::look(const linux_hal::SocketCan* bus, const canopen::Master* master) {
   servo_faults_ = page_faults(RUSAGE_THREAD);
   if (bus == nullptr) return;
-  const hal::CanStatus status = bus->last_status();
+  look_at(bus->last_status(), bus->last_errno());
+  if (master != nullptr) look_at(master->counters());
+}
+
+void ProcessWatch::look_at(const hal::CanStatus& status, int refusal) {
   can_state_ = status.state;
   can_error_frames_ = status.error_frames;
   can_lost_ = status.lost;
   can_bus_offs_ = status.bus_offs;
   can_restarts_ = status.restarts;
-  can_errno_ = bus->last_errno();
+  can_errno_ = refusal;
   has_bus_ = true;
-  if (master == nullptr) return;
-  const canopen::MasterCounters& counters = master->counters();
+}
+
+void ProcessWatch::look_at(const canopen::MasterCounters& counters) {
   can_malformed_ = counters.malformed;
   can_foreign_ = counters.foreign;
   can_unknown_ = counters.unknown;
   can_unsent_ = counters.unsent;
+  can_unanswered_ = counters.unanswered;
+  can_late_heartbeats_ = counters.late_heartbeats;
+  can_emergencies_ = counters.emergencies;
+  can_repeated_ = counters.repeated;
 }
 
 bool ProcessWatch::progressed() {
@@ -88,6 +97,10 @@ void ProcessWatch::tell(controller::Line& line) const {
   line.text(" can_foreign=").integer(can_foreign_);
   line.text(" can_unknown=").integer(can_unknown_);
   line.text(" can_unsent=").integer(can_unsent_);
+  line.text(" can_unanswered=").integer(can_unanswered_);
+  line.text(" can_late_heartbeats=").integer(can_late_heartbeats_);
+  line.text(" can_emergencies=").integer(can_emergencies_);
+  line.text(" can_repeated=").integer(can_repeated_);
   const int number = can_errno_;
   const char* const words = number == 0 ? nullptr : ::strerrordesc_np(number);
   if (words != nullptr) line.text(" can_says=\"").text(words).text("\"");

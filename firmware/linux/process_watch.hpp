@@ -19,6 +19,9 @@ class ProcessWatch {
   void begin(const linux_hal::RealTimeReport& report, int priority);
   // By the servo thread, now and then; `bus` and the `master` on it where there is a real one.
   void look(const linux_hal::SocketCan* bus, const canopen::Master* master);
+  // What look() has of a bus and its master. `refusal` is the system's last one, an errno; 0: none.
+  void look_at(const hal::CanStatus& status, int refusal);
+  void look_at(const canopen::MasterCounters& counters);
   // By the servo thread after each tick, and by the background's after each of its turns.
   void ticked() { ++ticks_; }
   void stepped() { ++steps_; }
@@ -28,7 +31,8 @@ class ProcessWatch {
   // By any thread: ` memory_locked=yes real_time=yes heap_calls=0 page_faults=0
   // servo_page_faults=0`, and of a real bus ` can=active can_error_frames=0 can_lost=0
   // can_bus_offs=0 can_restarts=0`, with ` can_says="words"` of the system's last refusal; and of
-  // its frames ` can_malformed=0 can_foreign=0 can_unknown=0 can_unsent=0`.
+  // its frames ` can_malformed=0 can_foreign=0 can_unknown=0 can_unsent=0 can_unanswered=0
+  // can_late_heartbeats=0 can_emergencies=0 can_repeated=0`.
   void tell(controller::Line& line) const;
 
  private:
@@ -49,6 +53,10 @@ class ProcessWatch {
   std::atomic<std::uint32_t> can_foreign_{0};
   std::atomic<std::uint32_t> can_unknown_{0};
   std::atomic<std::uint32_t> can_unsent_{0};
+  std::atomic<std::uint32_t> can_unanswered_{0};
+  std::atomic<std::uint32_t> can_late_heartbeats_{0};
+  std::atomic<std::uint32_t> can_emergencies_{0};
+  std::atomic<std::uint32_t> can_repeated_{0};
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<std::uint64_t> steps_{0};
   std::uint64_t seen_ticks_ = 0;

@@ -16,6 +16,9 @@ namespace armsig::daemon {
 // `points`: the instrument that tells them.
 [[nodiscard]] tool::Read<void> read_points(const tool::YamlNode& node, DaemonConfiguration& c);
 
+// `virtual`: where the arm of `armsigd --virtual` stands.
+[[nodiscard]] tool::Read<void> read_virtual(const tool::YamlNode& node, DaemonConfiguration& c);
+
 // `grid`: the grid-touching task. Precondition: the limits have passed canopen::check().
 [[nodiscard]] tool::Read<void> read_grid(const tool::YamlNode& node, DaemonConfiguration& c);
 

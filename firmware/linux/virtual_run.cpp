@@ -21,7 +21,7 @@
 #include "firmware/virtual_cabinet/emulation_console.hpp"
 #include "firmware/virtual_cabinet/virtual_cabinet.hpp"
 #include "hal/linux/steady_clock.hpp"
-#include "hal/simulated/demo_sensor.hpp"
+#include "hal/simulated/placement.hpp"
 #include "hal/simulated/tolerances.hpp"
 
 namespace armsig::daemon {
@@ -43,10 +43,13 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
   simulated::Random random(options.seed);
   cabinet::World world;
   world.arm.arm = options.truth ? *options.truth : simulated::drawn_arm(c.drawing, {}, random);
-  world.arm.X_S0 = simulated::demo_base_pose();
-  world.limbs.g_S = -world.limbs.g_S.norm() * (world.arm.X_S0.R * c.drawing.up_0);
+  world.arm.arm.up_0 = c.drawing.up_0;
   world.arm.targets.push_back(
       {.number = c.sweeps.target, .link = c.drawing.joints.size(), .p_L = configuration.p_nT});
+  const auto& receivers = c.sensor.receivers;
+  world.arm.X_S0 = configuration.virtual_base.value_or(simulated::base_pose(
+      world.arm, {receivers.p_S.data(), receivers.p_S.size()}, receivers.facing_S));
+  world.limbs.g_S = -world.limbs.g_S.norm() * (world.arm.X_S0.R * c.drawing.up_0);
   if (options.ideal) world.drive.emplace();
   if (options.bends.map_rad > 0 || options.bends.sag_m > 0) {
     simulated::Random bends(options.seed, kBendStream);

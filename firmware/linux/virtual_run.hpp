@@ -24,8 +24,9 @@ struct VirtualOptions {
   bool real_time = false;
 };
 
-// Runs the virtual cabinet of `configuration` until `stop` is set; the arm hangs under its sensor
-// as in the demonstration. Console and store are real. Returns the exit status of the process.
+// Runs the virtual cabinet of `configuration` until `stop` is set; the arm stands under its
+// sensor as the configuration says, else by its reach (simulated::base_pose()). Console and store
+// are real. Returns the exit status of the process.
 [[nodiscard]] int run_virtual(const DaemonConfiguration& configuration,
                               const VirtualOptions& options,
                               const volatile std::sig_atomic_t& stop);

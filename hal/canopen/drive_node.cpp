@@ -74,7 +74,9 @@ hal::DriveStatus DriveNode::status() const {
     status.fault = Error::kDriveAbsent;
   }
   status.words = words_of(status.fault, status.fault_code);
+  status.fault_details = s_.fault_details;
   status.information = s_.information;
+  status.information_details = s_.information_details;
   if (!hal::kSmallImage && s_.information != 0) {
     status.information_words = describe_emergency(static_cast<std::uint16_t>(s_.information));
   }
@@ -121,6 +123,7 @@ void DriveNode::reset(hal::Instant now) {
   }
   drive_.reset(now);
   s_.missed = 0;
+  s_.fault_details = {};
 }
 
 void DriveNode::reset_with_node(hal::Instant now) {
@@ -188,11 +191,24 @@ bool DriveNode::take_emergency(const hal::CanFrame& frame) {
   if (emergency->code == 0) return true;
   if (!is_started() || is_information(*emergency)) {
     s_.information = emergency->code;
+    if constexpr (!hal::kSmallImage) keep_details(*emergency, false);
     return true;
   }
+  [[maybe_unused]] const bool explained = drive_.state().fault_code != 0;
   drive_.latch(Error::kDriveEmergency, emergency->code);
   drive_.explain(emergency->code);  // a drive may tell its state before the reason
+  if constexpr (!hal::kSmallImage) {
+    if (!explained && drive_.state().fault_code == emergency->code) keep_details(*emergency, true);
+  }
   return true;
+}
+
+void DriveNode::keep_details([[maybe_unused]] const Emergency& emergency,
+                             [[maybe_unused]] bool is_fault) {
+#ifndef ARMSIG_SMALL_IMAGE
+  (is_fault ? s_.fault_details : s_.information_details) = {
+      .error_register = emergency.error_register, .own = emergency.own};
+#endif
 }
 
 void DriveNode::supervise(const Configuration& configuration, bool sync_sent, hal::Instant now) {

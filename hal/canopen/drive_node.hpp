@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "hal/canopen/configuration.hpp"
+#include "hal/canopen/emergency.hpp"
 #include "hal/canopen/protocol.hpp"
 #include "hal/cia402/drive.hpp"
 #include "hal/cia402/setup_run.hpp"
@@ -42,6 +43,9 @@ struct DriveNodeState {
   bool sync_unanswered = false;  // a SYNC was sent in the tick before
   unsigned missed = 0;
   hal::Instant heard_at;  // last heartbeat
+  // Of the emergency of `information`, and of the one that is the fault.
+  [[no_unique_address]] hal::DeviceDetails information_details = {};
+  [[no_unique_address]] hal::DeviceDetails fault_details = {};
 };
 
 class DriveNode {
@@ -99,6 +103,7 @@ class DriveNode {
   [[nodiscard]] hal::CanFrame command(bool may_release);
 
  private:
+  void keep_details(const Emergency& emergency, bool is_fault);
   void supervise_link(const Configuration& configuration, bool sync_sent, hal::Instant now);
 
   NodeId node_;

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "core/base/check.hpp"
+#include "hal/canopen/emergency.hpp"
 
 namespace armsig::canopen {
 
@@ -42,7 +43,11 @@ Result<void> Master::do_read(hal::Instant now) {
     latch_started(bus_state == hal::CanState::kDown ? Error::kBusDown : Error::kBusOff);
   }
   for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
+    [[maybe_unused]] const unsigned missed = nodes_[joint]->state().missed;
     nodes_[joint]->supervise(*configuration_, sync_sent, now);
+#ifndef ARMSIG_SMALL_IMAGE
+    if (nodes_[joint]->state().missed > missed) ++counters_.unanswered;
+#endif
     positions_[joint] = nodes_[joint]->drive().state().position;
   }
   group_.supervise(now);
@@ -98,7 +103,22 @@ void Master::take(const hal::ReceivedCanFrame& received) {
   take_of_other(received);
 }
 
+void Master::count([[maybe_unused]] const DriveNode& drive,
+                   [[maybe_unused]] const hal::CanFrame& frame) {
+#ifndef ARMSIG_SMALL_IMAGE
+  const std::uint32_t function = frame.id & kFunctionMask;
+  if (function == kHeartbeatId && drive.is_started() &&
+      now_ - drive.state().heard_at > 2 * configuration_->heartbeat) {
+    ++counters_.late_heartbeats;
+  }
+  if (function != kEmergencyId) return;
+  const auto emergency = decode_emergency(frame);
+  if (emergency && emergency->code != 0) ++counters_.emergencies;
+#endif
+}
+
 void Master::take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received) {
+  if constexpr (!hal::kSmallImage) count(drive, received.frame);
   bool well_formed = true;
   switch (received.frame.id & kFunctionMask) {
     case kHeartbeatId:

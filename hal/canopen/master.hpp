@@ -52,6 +52,12 @@ struct MasterCounters {
   std::uint32_t foreign = 0;    // frames that only a master sends, sent by somebody else
   std::uint32_t unknown = 0;    // frames of nobody that is configured, extended and remote ones
   std::uint32_t unsent = 0;     // own frames that the bus did not take
+#ifndef ARMSIG_SMALL_IMAGE
+  std::uint32_t unanswered = 0;       // SYNCs that a started drive left unanswered
+  std::uint32_t late_heartbeats = 0;  // of started drives, after more than twice their period
+  std::uint32_t emergencies = 0;      // of drives, but for "no error"
+  std::uint32_t repeated = 0;         // requests of the set-up that were sent again
+#endif
 };
 
 class Master final : public hal::JointDrives {
@@ -109,6 +115,7 @@ class Master final : public hal::JointDrives {
   [[nodiscard]] hal::ReceivedCanFrame with_plausible_stamp(hal::ReceivedCanFrame received) const;
   void take(const hal::ReceivedCanFrame& received);
   [[nodiscard]] bool is_about_ours(const hal::CanFrame& nmt) const;
+  void count(const DriveNode& drive, const hal::CanFrame& frame);
   void take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received);
   bool take_pdo(DriveNode& drive, const hal::ReceivedCanFrame& received);
   void take_of_other(const hal::ReceivedCanFrame& received);

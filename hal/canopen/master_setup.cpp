@@ -168,7 +168,13 @@ void Master::step_requests(DriveNode& drive) {
                       configuration_->sdo_attempts);
   }
   // A request that the bus does not take is as good as lost: it is repeated after the time-out.
-  if (const auto request = transfer_->poll(now_)) (void)send(*request);
+  [[maybe_unused]] const bool repeats = transfer_->was_sent();
+  const auto request = transfer_->poll(now_);
+  if (!request) return;
+  (void)send(*request);
+#ifndef ARMSIG_SMALL_IMAGE
+  if (repeats) ++counters_.repeated;
+#endif
 }
 
 void Master::take_setup_answer(DriveNode& drive, const SdoOutcome& outcome) {

@@ -41,6 +41,9 @@ class SdoTransfer {
   // The frame to send now, at the start and whenever the time for an answer is over.
   [[nodiscard]] std::optional<hal::CanFrame> poll(hal::Instant now);
 
+  // A request was sent already, so that the next one repeats it.
+  [[nodiscard]] bool was_sent() const { return sent_at_.has_value(); }
+
   // Empty while the transfer goes on. Errors: kSdoTimeout, kSdoAborted.
   [[nodiscard]] const std::optional<SdoOutcome>& outcome() const { return outcome_; }
 

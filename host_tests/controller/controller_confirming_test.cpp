@@ -37,6 +37,9 @@ struct Sent {
   explicit Sent(const std::string& sender, SentNeeds needs = SentNeeds::kConfirmed)
       : puma(1, configured(Measures::kNothing, needs)) {
     EXPECT_TRUE(puma.enable());
+    send(sender);
+  }
+  void send(const std::string& sender) {
     const RecordImage image = encode(record_for_sending());
     for (std::size_t part = 1; part <= test::kParts; ++part) {
       std::string request = test::part_of(image, part);
@@ -61,12 +64,31 @@ TEST(Confirming, by_a_second_person_brings_a_signature_into_use_and_is_told) {
     told = told || line == "# candidate confirmed sent_by=anna confirmed_by=ben";
   }
   EXPECT_TRUE(told);
+  EXPECT_NE(sent.puma.ask("signature").find(" sent_by=anna confirmed_by=ben "), std::string::npos);
   // It is of this machine, and so after a restart.
   ASSERT_EQ(sent.puma.ask("disable"), "ok");
   sent.puma.run(5);
   sent.puma.start(configured(Measures::kNothing, SentNeeds::kConfirmed), 1);
   ASSERT_TRUE(sent.puma.run_until(Mode::kIdle));
   EXPECT_TRUE(sent.puma.cabinet->state().active());
+  EXPECT_NE(sent.puma.ask("signature").find(" sent_by=anna confirmed_by=ben "), std::string::npos);
+}
+
+TEST(Confirming, names_who_answers_for_the_signature_that_a_rollback_brings_back) {
+  Sent sent("anna");
+  ASSERT_EQ(sent.puma.ask("accept by=ben"), "ok");
+  sent.send("carla");
+  ASSERT_EQ(sent.puma.ask("accept by=dora"), "ok");
+  EXPECT_NE(sent.puma.ask("signature").find(" sent_by=carla confirmed_by=dora "),
+            std::string::npos);
+  ASSERT_EQ(sent.puma.ask("rollback"), "ok");
+  EXPECT_NE(sent.puma.ask("signature").find(" sent_by=anna confirmed_by=ben "), std::string::npos);
+}
+
+TEST(Confirming, is_said_of_no_signature_that_was_measured_here) {
+  PumaCabinet puma(1, configured(Measures::kPoints, SentNeeds::kMeasured));
+  ASSERT_TRUE(test::identify_and_accept(puma));
+  EXPECT_EQ(puma.ask("signature").find("_by="), std::string::npos);
 }
 
 TEST(Confirming, by_the_sender_is_refused_however_the_name_is_written) {

@@ -71,7 +71,7 @@ TEST(DriveGaps, that_are_unsafe_are_refused_with_joint_object_found_and_wanted) 
   puma.run(0.1);
   const std::string status = puma.ask("status");
   EXPECT_NE(status.find(" fault=SDO_ABORTED fault_joint=1 fault_object=605Ah:0 fault_found=0x0 "
-                        "fault_wanted=0x6 fault_code=0x6010002 "
+                        "fault_wanted=0x6 fault_code=0x06010002 "
                         "fault_says=\"attempt to write a read-only object\""),
             std::string::npos)
       << status;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The whole controller over drives as they are: 180 deg/s^2 on their ramps, gravity, coasting,
 // brakes that take their time, statuswords that tell what is wrong.
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -149,6 +151,25 @@ TEST(HonestStatus, a_warning_is_told_from_its_first_moment) {
   puma.cabinet->drive(2).inject(DriveFault::kBitsSet, 1U << 7);
   puma.run(0.1);
   EXPECT_NE(puma.ask("status").find(" warning=3 "), std::string::npos);
+}
+
+TEST(HonestStatus, an_emergency_tells_its_error_register_until_it_is_reset) {
+  Honest puma;
+  ASSERT_TRUE(puma.enable());
+  puma.cabinet->drive(2).inject(DriveFault::kEmergency, 0x2310);
+  ASSERT_TRUE(puma.run_until(Mode::kFaulted, 1));
+  puma.run(0.1);
+  EXPECT_NE(puma.ask("status").find(" fault_says=\"continuous over-current\" fault_register=0x21"),
+            std::string::npos);
+  const auto& told = puma.console.told;
+  EXPECT_TRUE(std::ranges::any_of(told, [](const std::string& line) {
+    return line.starts_with("# mode faulted error=DRIVE_EMERGENCY ") &&
+           line.ends_with(" code=0x2310 says=\"continuous over-current\" register=0x21");
+  }));
+  puma.cabinet->drive(2).inject(DriveFault::kNone);
+  EXPECT_EQ(puma.ask("reset"), "ok");
+  EXPECT_TRUE(puma.enable());
+  EXPECT_EQ(puma.ask("status").find("register"), std::string::npos);
 }
 
 TEST(HonestStatus, an_emergency_that_informs_stops_nothing) {

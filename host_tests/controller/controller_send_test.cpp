@@ -64,6 +64,23 @@ TEST(Send, signature_that_fits_is_compared_accepted_and_in_use) {
   EXPECT_TRUE(puma.ask("compare").starts_with("error NO_CANDIDATE"));
 }
 
+TEST(Send, names_the_sender_of_a_signature_that_was_measured) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  const RecordImage image = encode(identified().record);
+  for (std::size_t part = 1; part <= test::kParts; ++part) {
+    std::string request = test::part_of(image, part);
+    ASSERT_TRUE(puma.ask(request.insert(request.find(" hex="), " by=anna")).starts_with("ok"));
+  }
+  ASSERT_EQ(puma.ask("compare"), "ok");
+  puma.run_until(Mode::kSweeping, 1);
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 600));
+  ASSERT_EQ(puma.ask("accept"), "ok");
+  const std::string signature = puma.ask("signature");
+  EXPECT_NE(signature.find(" sent_by=anna "), std::string::npos) << signature;
+  EXPECT_EQ(signature.find("confirmed_by"), std::string::npos);
+}
+
 TEST(Send, link_two_millimetres_off_is_refused_by_the_held_out_poses) {
   PumaCabinet puma;
   puma.memory.bytes = identified().memory;

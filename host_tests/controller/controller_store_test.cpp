@@ -5,6 +5,8 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -149,6 +151,62 @@ TEST(SignatureStore, keeps_all_of_a_record) {
   EXPECT_EQ(found.identified_at_s, 1'763'800'000);
   EXPECT_FALSE(difference(record.machine, found.machine));
   EXPECT_EQ(found.machine.drives[5], record.machine.drives[5]);
+}
+
+SignatureRecord record_of_persons(std::string_view sender, std::string_view confirmer) {
+  SignatureRecord record = record_of(1);
+  for (const char letter : sender) record.persons.sender.push_back(letter);
+  for (const char letter : confirmer) record.persons.confirmer.push_back(letter);
+  return record;
+}
+
+TEST(SignatureStore, keeps_who_answers_for_each_record) {
+  RamMemory memory;
+  SignatureStore store(memory);
+  SignatureRecord found;
+  (void)store.load(tool::puma560(), found);
+  const std::string longest(PersonName::capacity(), 'x');
+  ASSERT_TRUE(write(store, record_of_persons("anna", longest)));
+  ASSERT_TRUE(store.load(tool::puma560(), found));
+  EXPECT_EQ(view(found.persons.sender), "anna");
+  EXPECT_EQ(view(found.persons.confirmer), longest);
+  ASSERT_TRUE(write(store, record_of(2)));
+  ASSERT_TRUE(store.load(tool::puma560(), found));
+  EXPECT_EQ(view(found.persons.sender), "");
+  EXPECT_FALSE(found.persons.unreadable);
+  ASSERT_TRUE(roll_back(store));
+  ASSERT_TRUE(store.load(tool::puma560(), found));
+  EXPECT_EQ(view(found.persons.sender), "anna");
+}
+
+TEST(SignatureStore, uses_a_record_whose_persons_have_one_wrong_byte_and_says_so) {
+  RamMemory memory;
+  SignatureStore store(memory);
+  SignatureRecord found;
+  (void)store.load(tool::puma560(), found);
+  ASSERT_TRUE(write(store, record_of_persons("anna", "ben")));
+  for (std::size_t i = 0; i < kPersonsBytes; ++i) {
+    std::uint8_t& byte = memory.bytes[RamMemory::kFirstRecord + kRecordBytes + i];
+    byte ^= 0x10;
+    ASSERT_TRUE(store.load(tool::puma560(), found)) << i;
+    EXPECT_TRUE(found.persons.unreadable) << i;
+    EXPECT_TRUE(found.persons.sender.empty()) << i;
+    byte ^= 0x10;
+  }
+}
+
+TEST(Persons, answer_for_the_record_that_they_were_stored_with_and_for_no_other) {
+  const Persons persons = record_of_persons("anna", "ben").persons;
+  EXPECT_EQ(view(decode_persons(encode(persons, 1), 1).confirmer), "ben");
+  EXPECT_TRUE(decode_persons(encode(persons, 1), 2).unreadable);
+}
+
+// A store of before had nothing behind its records.
+TEST(Persons, of_a_record_without_them_are_nobody) {
+  const PersonsImage erased = encode(Persons(), 1);
+  EXPECT_TRUE(std::ranges::all_of(erased, [](std::uint8_t byte) { return byte == 0xFF; }));
+  EXPECT_TRUE(decode_persons(erased, 2).sender.empty());
+  EXPECT_FALSE(decode_persons(erased, 2).unreadable);
 }
 
 // Maps of 0.02 degrees and gravity at two joints.

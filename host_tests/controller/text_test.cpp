@@ -55,9 +55,19 @@ TEST(Line, writes_whole_and_hexadecimal_numbers) {
   EXPECT_EQ(Line().hex(0xFEDC9876, 4).view(), "0xFEDC9876");
 }
 
+TEST(Line, writes_what_an_emergency_has_beside_its_code) {
+  const hal::DeviceDetails details{.error_register = 0x21, .own = {0, 0x1A, 0, 0, 0xFF}};
+  EXPECT_EQ(Line().device_details(details, "fault_").view(),
+            " fault_register=0x21 fault_own=001A0000FF");
+  EXPECT_EQ(Line().device_details({.error_register = 1, .own = {}}).view(), " register=0x01");
+  EXPECT_EQ(Line().device_details({}).view(), "");
+}
+
 TEST(Line, writes_what_a_device_says) {
   EXPECT_EQ(Line().device_says(0, "words").view(), "");
   EXPECT_EQ(Line().device_says(0x2310, "").view(), " code=0x2310");
+  // As manuals of drives write an SDO abort code.
+  EXPECT_EQ(Line().device_says(0x06090030, "").view(), " code=0x06090030");
   EXPECT_EQ(Line().device_says(0x2310, "too warm", "fault_").view(),
             " fault_code=0x2310 fault_says=\"too warm\"");
 }

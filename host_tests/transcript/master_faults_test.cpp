@@ -42,6 +42,49 @@ TEST(MasterFaults, an_emergency_stops_and_keeps_its_code) {
   script.expect_stopped_by(Error::kDriveEmergency);
 }
 
+TEST(MasterFaults, an_emergency_keeps_its_error_register_and_the_bytes_of_the_maker) {
+  EnabledMaster script;
+  script.bus.bring("081#1086210102030405");
+  script.cycle("181#3712E8030000", "201#0200E8030000");
+  const hal::DeviceDetails first{.error_register = 0x21, .own = {1, 2, 3, 4, 5}};
+  EXPECT_EQ(script.master->status(0).fault_details, first);
+  // What follows is not the reason.
+  script.bus.bring("081#2023010900000000");
+  script.cycle("181#3712E8030000", "201#0200E8030000");
+  EXPECT_EQ(script.master->status(0).fault_details, first);
+  script.expect_stopped_by(Error::kDriveEmergency);
+}
+
+TEST(MasterFaults, the_details_of_an_emergency_go_with_the_fault) {
+  EnabledMaster script;
+  script.bus.bring("081#1086210102030405");
+  script.cycle("181#3712E8030000", "201#0200E8030000");
+  script.master->reset_faults();
+  EXPECT_EQ(script.master->status(0).fault_details, hal::DeviceDetails());
+}
+
+TEST(MasterCounters, count_emergencies_but_not_that_there_is_no_error) {
+  EnabledMaster script;
+  script.bus.bring("081#0000000000000000");
+  script.bus.bring("081#01FF000000000000");
+  script.bus.bring("081#1086210000000000");
+  script.cycle("181#3712E8030000", "201#0200E8030000");
+  EXPECT_EQ(script.master->counters().emergencies, 2U);
+}
+
+TEST(MasterCounters, count_a_sync_that_a_drive_leaves_unanswered) {
+  EnabledMaster script;
+  EXPECT_EQ(script.master->counters().unanswered, 0U);
+  script.bus.expect("080#");
+  script.bus.expect("201#0F00E8030000");
+  script.tick();
+  script.cycle("181#3712E8030000", "201#0F00E8030000");
+  script.cycle("181#3712E8030000", "201#0F00E8030000");
+  EXPECT_EQ(script.master->counters().unanswered, 1U);
+  EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
+  script.bus.expect_all_consumed();
+}
+
 TEST(MasterFaults, the_emergency_no_error_stops_nothing) {
   EnabledMaster script;
   script.bus.bring("081#0000000000000000");
@@ -58,6 +101,7 @@ TEST(MasterFaults, an_emergency_that_tells_no_error_is_kept_and_stops_nothing) {
     script.cycle("181#3712E8030000", "201#0F00E8030000");
     EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
     EXPECT_EQ(script.master->status(0).information, code);
+    EXPECT_EQ(script.master->status(0).fault_details, hal::DeviceDetails());
   }
 }
 
@@ -150,6 +194,23 @@ TEST(MasterFaults, a_heartbeat_lost_stops_although_positions_come) {
   }
   script.cycle("181#3712E8030000", "201#0200E8030000");
   script.expect_stopped_by(Error::kHeartbeatLost);
+}
+
+// Twice the period of 50 ms is not over at 100 ms after the start.
+TEST(MasterCounters, count_a_heartbeat_that_comes_after_more_than_twice_its_period) {
+  for (const auto& [at, late] : {std::pair{90, 0U}, std::pair{120, 1U}}) {
+    EnabledMaster script;
+    for (int t = 4; t < at; ++t) {
+      script.bus.expect("080#", {"181#3712E8030000"});
+      if ((t + 1) % 50 == 0) script.bus.expect("77F#05");
+      script.bus.expect("201#0F00E8030000");
+      script.tick();
+    }
+    script.bus.bring("701#05");
+    script.cycle("181#3712E8030000", "201#0F00E8030000");
+    EXPECT_EQ(script.master->counters().late_heartbeats, late) << at;
+    EXPECT_EQ(script.master->status(0).condition, DriveCondition::kEnabled);
+  }
 }
 
 TEST(MasterFaults, two_positions_missing_in_a_row_stop) {

@@ -59,6 +59,7 @@ TEST(MasterStartUp, repeats_a_request_and_gives_up_with_a_named_error) {
   script.tick(std::chrono::milliseconds(1));
   EXPECT_EQ(script.master->status(0).condition, DriveCondition::kFaulted);
   EXPECT_EQ(script.master->status(0).fault, Error::kSdoTimeout);
+  EXPECT_EQ(script.master->counters().repeated, 2U);
   script.bus.expect_all_consumed();
 }
 

@@ -47,6 +47,36 @@ TEST(DaemonConfiguration, of_the_reference_is_read_as_it_is_written) {
   EXPECT_LT(read->bus_load, 0.8);
 }
 
+TEST(DaemonConfiguration, places_the_arm_of_a_virtual_controller) {
+  const std::string place =
+      "virtual: {base: {x_mm: 100, y_mm: -200, z_m: -1.5, rz_deg: 90}}\nmotion:";
+  const auto read = parse_configuration(change("\nmotion:", "motion:", place).text, "c.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  ASSERT_TRUE(read->virtual_base);
+  EXPECT_TRUE(read->virtual_base->p.isApprox(Vector3(0.1, -0.2, -1.5)));
+  EXPECT_TRUE((read->virtual_base->R * Vector3::UnitX()).isApprox(Vector3::UnitY()));
+  EXPECT_FALSE(read_configuration(ARMSIG_REFERENCE)->virtual_base);
+}
+
+TEST(DaemonConfiguration, turns_a_virtual_base_about_x_then_y_then_z_of_the_sensor) {
+  const std::string place =
+      "virtual: {base: {x_mm: 0, y_mm: 0, z_mm: 0, rx_deg: 90, ry_deg: 90, rz_deg: 90}}\nmotion:";
+  const auto read = parse_configuration(change("\nmotion:", "motion:", place).text, "c.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  EXPECT_TRUE((read->virtual_base->R * Vector3::UnitY()).isApprox(Vector3::UnitY()));
+  EXPECT_TRUE((read->virtual_base->R * Vector3::UnitX()).isApprox(-Vector3::UnitZ()));
+}
+
+TEST(DaemonConfiguration, refuses_a_virtual_base_that_is_no_place) {
+  const auto refused = [](const std::string& section, const std::string& words) {
+    expect_refused("\nmotion:", "motion:", section + "\nmotion:", words);
+  };
+  refused("virtual: {base: {x_mm: 0, y_mm: 0}}", "z");
+  refused("virtual: {base: {x_m: 0, y_m: 0, z_m: -1200}}", "no arm is as large");
+  refused("virtual: {place: {x_mm: 0}}", "place");
+  refused("virtual: {}", "base");
+}
+
 TEST(DaemonConfiguration, of_a_sensor_on_can_counts_its_frames_and_starts_its_node) {
   std::string text = change("  modbus:", "  modbus:", "  can: {node: 32}\n  mo: ").text;
   text = text.substr(0, text.find("  mo: ")) + text.substr(text.find("\nmotion:") + 1);

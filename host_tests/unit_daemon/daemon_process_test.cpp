@@ -6,8 +6,10 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -207,6 +209,35 @@ TEST(Daemon, identifies_the_emulated_arm_and_knows_it_after_it_was_killed) {
   VirtualDaemon daemon(folder);
   EXPECT_TRUE(daemon.ask("signature").starts_with("ok model=signature signature=1"));
   EXPECT_EQ(daemon.end(SIGTERM), 0);
+}
+
+// The Puma 560 of the reference, all of its lengths 3.3 times as large: it reaches 3 m.
+std::string large_arm() {
+  std::string text = read_file(ARMSIG_REFERENCE);
+  text = text.substr(0, text.find("\ngrid:") + 1);
+  for (const auto& [from, to] : std::initializer_list<std::pair<std::string, std::string>>{
+           {"149.09", "492"},
+           {"431.8", "1425"},
+           {"-20.32", "-67"},
+           {"430.7", "1421"},
+           {"floor_mm: 672", "floor_mm: 2218"}}) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+TEST(Daemon, identifies_an_emulated_arm_that_is_larger_than_the_frame_of_its_receivers) {
+  const Folder folder;
+  write_file(folder / "large.yaml", large_arm());
+  VirtualDaemon daemon(folder, "0", {}, (folder / "large.yaml").string());
+  ASSERT_TRUE(daemon.is_in("idle"));
+  EXPECT_EQ(daemon.ask("enable"), "ok");
+  ASSERT_TRUE(daemon.is_in("holding"));
+  EXPECT_EQ(daemon.ask("identify"), "ok");
+  ASSERT_TRUE(daemon.hear("# identify done"));
+  EXPECT_NE(daemon.ask("candidate").find("better=yes"), std::string::npos);
 }
 
 // The arm of docs/self-calibration.md, as its operator meets it.

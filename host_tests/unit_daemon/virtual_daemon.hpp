@@ -14,14 +14,16 @@ namespace armsig::cli {
 class VirtualDaemon : public test::ConsoleProcess {
  public:
   explicit VirtualDaemon(const Folder& folder, const std::string& speed = "0",
-                         const std::vector<std::string>& arm = {})
-      : ConsoleProcess(command(folder, speed, arm), (folder / "console").string()) {}
+                         const std::vector<std::string>& arm = {},
+                         const std::string& configuration = ARMSIG_REFERENCE)
+      : ConsoleProcess(command(folder, speed, arm, configuration), (folder / "console").string()) {}
 
  private:
   static std::vector<std::string> command(const Folder& folder, const std::string& speed,
-                                          const std::vector<std::string>& arm) {
+                                          const std::vector<std::string>& arm,
+                                          const std::string& configuration) {
     std::vector<std::string> words{ARMSIG_DAEMON,
-                                   ARMSIG_REFERENCE,
+                                   configuration,
                                    "--virtual",
                                    "--console",
                                    (folder / "console").string(),

@@ -11,6 +11,17 @@
 namespace armsig::tool {
 namespace {
 
+TEST(StatusWords, tell_what_the_manual_of_the_drive_explains_of_an_emergency) {
+  const std::string words = status_in_words(
+      "ok mode=faulted fault=DRIVE_EMERGENCY fault_joint=4 fault_code=0xFF01 "
+      "fault_says=\"device specific error\" fault_register=0x21 fault_own=0102030405 moving=no",
+      200);
+  EXPECT_NE(words.find("device specific error [code 0xFF01] [error register 0x21] "
+                       "[maker's bytes 0102030405]"),
+            std::string::npos)
+      << words;
+}
+
 TEST(StatusWords, tells_what_is_wrong_before_the_arm_and_its_model) {
   EXPECT_EQ(
       status_in_words(

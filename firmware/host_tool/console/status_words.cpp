@@ -89,6 +89,8 @@ std::string fault_in_words(Status& status) {
   words += status.phrase("fault_joint", "; joint ");
   words += status.phrase("fault_says", ": ");
   words += status.phrase("fault_code", " [code ", "]");
+  words += status.phrase("fault_register", " [error register ", "]");
+  words += status.phrase("fault_own", " [maker's bytes ", "]");
   words += status.phrase("fault_object", "; object ");
   words += status.phrase("fault_found", " is ");
   words += status.phrase("fault_wanted", ", wanted ");
