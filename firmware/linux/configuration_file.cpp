@@ -72,13 +72,13 @@ Read<void> read_other_nodes(const YamlMap& can, DaemonConfiguration& c) {
     const auto node = static_cast<canopen::NodeId>(number);
     const auto& axes = c.drives.axes;
     const bool is_taken = node == c.drives.master_node ||
-                          std::ranges::count(c.drives.other_nodes, node) != 0 ||
+                          std::ranges::count(c.drives.others[0].nodes, node) != 0 ||
                           std::ranges::count(axes, node, &canopen::AxisConfiguration::node) != 0;
     if (is_taken) {
       return problem_at(item, fmt::format("other_nodes: {}", number),
                         "a node that is no joint's, not the master's, and named once");
     }
-    c.drives.other_nodes.push_back(node);
+    c.drives.others[0].nodes.push_back(node);
   }
   return {};
 }

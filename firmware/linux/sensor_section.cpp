@@ -58,9 +58,9 @@ Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
     return problem_at(node, fmt::format("{} receivers on CAN", sensor.receivers),
                       fmt::format("at most {}", canopen::kMaxCanReceivers));
   }
-  c.drives.other_nodes.push_back(sensor.node);
+  c.drives.others[0].nodes.push_back(sensor.node);
   for (const canopen::PeriodicFrame& frame : canopen::traffic(sensor, period)) {
-    c.drives.other_traffic.push_back(frame);
+    c.drives.others[0].traffic.push_back(frame);
   }
   c.sensor = sensor;
   return {};

@@ -217,7 +217,7 @@ TEST(Bench, the_sensor_on_the_can_bus_tells_where_the_target_truly_is) {
   BenchProcess arm({"--sensor-node", "32"});
   canopen::RangeSensor sensor({.node = 32, .receivers = 6});
   canopen::Configuration configuration = patient_drives();
-  configuration.other_nodes.push_back(32);
+  configuration.others[0].nodes.push_back(32);
   BenchMaster master(configuration, &sensor);
   const auto reading = reading_of(sensor, [&] { master.tick(); });
   ASSERT_TRUE(reading);
@@ -439,7 +439,7 @@ TEST(Bench, an_independent_decoder_reads_every_frame_of_the_real_bus) {
     BenchProcess arm({"--sensor-node", "32"});
     canopen::RangeSensor sensor({.node = 32, .receivers = 6});
     canopen::Configuration configuration = patient_drives();
-    configuration.other_nodes.push_back(32);
+    configuration.others[0].nodes.push_back(32);
     BenchMaster master(configuration, &sensor);
     ASSERT_TRUE(master.enable());
     master.move(folded(), 50);

@@ -59,9 +59,9 @@ TEST(DaemonConfiguration, of_a_sensor_on_can_counts_its_frames_and_starts_its_no
   const auto read = parse_configuration(text, "cabinet.yaml");
   ASSERT_TRUE(read) << tool::render(read.error());
   EXPECT_TRUE(std::holds_alternative<canopen::RangeNodeConfiguration>(read->sensor));
-  ASSERT_EQ(read->drives.other_nodes.size(), 1U);
-  EXPECT_EQ(read->drives.other_nodes[0], 32);
-  EXPECT_EQ(read->drives.other_traffic.size(), 4U);
+  ASSERT_EQ(read->drives.others[0].nodes.size(), 1U);
+  EXPECT_EQ(read->drives.others[0].nodes[0], 32);
+  EXPECT_EQ(read->drives.others[0].traffic.size(), 4U);
 }
 
 TEST(DaemonConfiguration, refuses_an_unknown_key_and_names_the_one_that_was_meant) {

@@ -89,8 +89,8 @@ TEST(DriveKeys, takes_devices_that_are_started_with_the_drives) {
       change("can:", "interface: can0", "interface: can0\n  other_nodes: [40, 41, 42]").text,
       "cabinet.yaml");
   ASSERT_TRUE(read) << tool::render(read.error());
-  ASSERT_EQ(read->drives.other_nodes.size(), 3U);
-  EXPECT_EQ(read->drives.other_nodes[2], 42);
+  ASSERT_EQ(read->drives.others[0].nodes.size(), 3U);
+  EXPECT_EQ(read->drives.others[0].nodes[2], 42);
   const auto refused = [](const std::string& nodes, const std::string& words) {
     expect_refused("can:", "interface: can0", "other_nodes: " + nodes + "\n  interface: can0",
                    words);
