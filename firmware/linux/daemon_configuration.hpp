@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "firmware/controller/configuration.hpp"
 #include "firmware/formats/mounting.hpp"
@@ -23,7 +24,7 @@ struct DaemonConfiguration {
   std::string name;
   controller::Configuration controller;
   canopen::Configuration drives;
-  std::string can_interface;
+  std::vector<std::string> can_interfaces;  // one or two
   // What measures; std::monostate: nothing does.
   std::variant<linux_hal::RtuRangeSensorConfiguration, canopen::RangeNodeConfiguration,
                linux_hal::PointServerConfiguration, std::monostate>
@@ -35,8 +36,14 @@ struct DaemonConfiguration {
   std::string black_box;           // folder of its files; empty: black-box beside the store
   int priority = 80;               // of the servo thread, SCHED_FIFO; 0: ordinary scheduling
   tool::LengthWords lengths;       // in what the file tells `workspace`
-  double bus_load = 0;             // of the CAN bus at worst, 1 being all of it
+  std::vector<double> bus_loads;   // of each CAN bus at worst, 1 being all of it
 };
+
+// "can0", or "can0 and can1".
+[[nodiscard]] inline std::string interfaces_in_words(const DaemonConfiguration& configuration) {
+  const auto& names = configuration.can_interfaces;
+  return names.size() > 1 ? names[0] + " and " + names[1] : names[0];
+}
 
 // Reads and checks everything that can be wrong in a configuration: units, unknown keys, values,
 // and what the values say together. The problem names file, line and column.
