@@ -46,7 +46,8 @@ struct DriveStatus {
   std::optional<Error> fault;    // the first cause, kept until reset_faults()
   std::uint32_t fault_code = 0;  // the device's own: CANopen emergency or SDO abort code; 0: none
   DeviceObject fault_object;     // the object that was in the way, if one was
-  std::string_view words;  // what fault_code means, by the device's protocol; of static storage
+  // What fault_code means, by the device's protocol, or which bus fails; of static storage.
+  std::string_view words;
   std::uint16_t status_word = 0;  // the device's own, for the log
   bool limit_active = false;      // the drive limits the motion by itself
   bool warning = false;           // the drive warns

@@ -66,9 +66,9 @@ canopen::Configuration drive_configuration() {
   c.period = kPeriod;
   c.bits_per_second = kBitsPerSecond;
   const canopen::RangeNodeConfiguration sensor = sensor_configuration();
-  c.other_nodes.push_back(sensor.node);
+  c.others[0].nodes.push_back(sensor.node);
   for (const auto& frame : canopen::traffic(sensor, std::chrono::milliseconds(20))) {
-    c.other_traffic.push_back(frame);
+    c.others[0].traffic.push_back(frame);
   }
   return c;
 }

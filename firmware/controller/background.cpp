@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "firmware/controller/fault_words.hpp"
+
 namespace armsig::controller {
 namespace {
 
@@ -10,7 +12,7 @@ void tell_fault(Line& line, const Fault& fault) {
   line.reason(fault.error);
   if (fault.joint) line.text(" joint=").integer(*fault.joint + 1);
   line.device_object(fault.object);
-  line.device_says(fault.code, fault.words);
+  tell_words(line, fault);
   line.device_details(fault.details);
 }
 

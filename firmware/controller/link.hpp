@@ -69,7 +69,7 @@ struct Fault {
   Error error = Error::kNotFinite;
   std::optional<std::size_t> joint;
   std::uint32_t code = 0;  // the device's own, as in hal::DriveStatus
-  std::string_view words;  // and what it means
+  std::string_view words;  // and what it means, or which of two buses fails
   hal::DeviceObject object = {};
   [[no_unique_address]] hal::DeviceDetails details = {};
 };

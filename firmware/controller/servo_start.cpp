@@ -7,7 +7,17 @@ namespace {
 
 bool is_of_bus(Error error) { return error == Error::kBusDown || error == Error::kBusOff; }
 
-// Every drive has it, and it is none of theirs.
+// Which of two buses it is that fails; empty where there is one.
+std::string_view words_of_bus(const hal::JointDrives& drives) {
+  for (std::size_t joint = 0; joint < drives.count(); ++joint) {
+    const hal::DriveStatus status = drives.status(joint);
+    const bool names_bus = !status.fault || is_of_bus(*status.fault);
+    if (names_bus && !status.words.empty()) return status.words;
+  }
+  return {};
+}
+
+// Every drive of a bus has it, and it is none of theirs.
 bool is_of_all(Error error) {
   return is_of_bus(error) || error == Error::kBusBusy || error == Error::kSecondMaster;
 }
@@ -19,7 +29,7 @@ bool is_of_all(Error error) {
 void Servo::wait_for_drives(const Result<void>& read) {
   std::optional<Fault> waits;
   bool bus_is_back = false;
-  if (!read) waits = Fault{read.error(), {}, 0, {}};
+  if (!read) waits = Fault{read.error(), {}, 0, words_of_bus(drives_)};
   for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
     const std::optional<Error> fault = drives_.status(joint).fault;
     if (!fault) continue;

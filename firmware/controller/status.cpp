@@ -2,6 +2,7 @@
 // `status`, `signature`, `candidate`, `log`: what the controller says about itself. A key whose
 // value is not known is left out.
 #include "core/base/error_name.hpp"
+#include "firmware/controller/fault_words.hpp"
 #include "firmware/controller/verbs.hpp"
 
 namespace armsig::controller {
@@ -51,7 +52,7 @@ void tell_arm(Line& line, const Controls& controls) {
     line.text(" fault=").text(name(s.fault->error));
     if (s.fault->joint) line.text(" fault_joint=").integer(*s.fault->joint + 1);
     line.device_object(s.fault->object, "fault_");
-    line.device_says(s.fault->code, s.fault->words, "fault_");
+    tell_words(line, *s.fault, "fault_");
     line.device_details(s.fault->details, "fault_");
   }
   tell_faulted(line, controls);

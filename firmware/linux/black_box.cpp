@@ -18,6 +18,7 @@
 
 #include "core/base/error_name.hpp"
 #include "core/base/pose.hpp"
+#include "firmware/controller/fault_words.hpp"
 #include "firmware/controller/text.hpp"
 
 namespace armsig::daemon {
@@ -51,7 +52,8 @@ std::string words_of(const controller::Fault& fault) {
   line.text(name(fault.error));
   if (fault.joint) line.text(" joint=").integer(*fault.joint + 1);
   line.device_object(fault.object);
-  line.device_says(fault.code, fault.words).text(": ").text(describe(fault.error));
+  controller::tell_words(line, fault);
+  line.text(": ").text(describe(fault.error));
   return std::string(line.view());
 }
 

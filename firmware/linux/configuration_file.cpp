@@ -50,8 +50,9 @@ double longest_stop_s(const controller::MotionLimits& limits) {
 }
 
 Read<YamlMap> open_can(const YamlMap& root) {
-  std::vector<std::string> known{"interface",   "bits_per_second", "master_node",
-                                 "other_nodes", "sdo_attempts",    "missed_feedback_limit"};
+  std::vector<std::string> known{"interface",    "second_interface",     "bits_per_second",
+                                 "master_node",  "other_nodes",          "second_other_nodes",
+                                 "sdo_attempts", "missed_feedback_limit"};
   for (const char* time : {"heartbeat", "heartbeat_timeout", "boot_timeout", "sdo_timeout",
                            "transition_timeout", "stop_timeout", "homing_timeout",
                            "targets_ignored", "limited", "lagging", "warning", "voltage_lost"}) {
@@ -61,37 +62,72 @@ Read<YamlMap> open_can(const YamlMap& root) {
   return YamlMap::open(*node, "can", known);
 }
 
-// Devices that are started with the drives: grippers, valves, inputs and outputs.
-Read<void> read_other_nodes(const YamlMap& can, DaemonConfiguration& c) {
+// Devices of a bus that are started with the drives: grippers, valves, inputs and outputs.
+Read<void> read_other_nodes(const YamlMap& can, std::string_view key, std::uint8_t bus,
+                            DaemonConfiguration& c) {
   constexpr std::size_t kMostBesideSensor = canopen::kMaxOtherNodes - 1;
-  const YamlNode* list = can.find("other_nodes");
+  const YamlNode* list = can.find(key);
   if (list == nullptr) return {};
-  ARMSIG_TRY(items, tool::read_list(*list, "other_nodes", 1, kMostBesideSensor));
+  if (bus >= c.drives.buses.count) {
+    return problem_at(*list, fmt::format("{} without second_interface", key),
+                      "second_interface too, or other_nodes alone");
+  }
+  ARMSIG_TRY(items, tool::read_list(*list, key, 1, kMostBesideSensor));
+  auto& others = c.drives.others[bus].nodes;
   for (const YamlNode& item : *items) {
-    ARMSIG_TRY(number, tool::read_integer(item, "other_nodes", 1, canopen::kLargestNode));
+    ARMSIG_TRY(number, tool::read_integer(item, key, 1, canopen::kLargestNode));
     const auto node = static_cast<canopen::NodeId>(number);
-    const auto& axes = c.drives.axes;
-    const bool is_taken = node == c.drives.master_node ||
-                          std::ranges::count(c.drives.other_nodes, node) != 0 ||
-                          std::ranges::count(axes, node, &canopen::AxisConfiguration::node) != 0;
-    if (is_taken) {
-      return problem_at(item, fmt::format("other_nodes: {}", number),
+    const bool is_joints = std::ranges::any_of(
+        c.drives.axes, [&](const auto& axis) { return axis.bus == bus && axis.node == node; });
+    if (is_joints || node == c.drives.master_node || std::ranges::count(others, node) != 0) {
+      return problem_at(item, fmt::format("{}: {}", key, number),
                         "a node that is no joint's, not the master's, and named once");
     }
-    c.drives.other_nodes.push_back(node);
+    others.push_back(node);
+  }
+  return {};
+}
+
+Read<std::string> read_interface(const YamlMap& can, std::string_view key) {
+  ARMSIG_TRY(interface, can.text(key));
+  constexpr std::size_t kLongestName = 15;
+  if (interface.size() <= kLongestName) return interface;
+  return problem_at(*can.find(key), fmt::format("{}: {}", key, tool::in_quotes(interface)),
+                    "the name of a network interface, at most 15 characters");
+}
+
+// Before the joints, which name them.
+Read<void> read_interfaces(const YamlMap& root, DaemonConfiguration& c) {
+  ARMSIG_TRY(map, open_can(root));
+  ARMSIG_TRY(first, read_interface(map, "interface"));
+  c.can_interfaces.push_back(first);
+  const YamlNode* node = map.find("second_interface");
+  if (node == nullptr) return {};
+  ARMSIG_TRY(second, read_interface(map, "second_interface"));
+  if (second == first) {
+    return problem_at(*node, "second_interface: " + tool::in_quotes(second),
+                      "another interface than the first, or no such key");
+  }
+  c.can_interfaces.push_back(second);
+  c.drives.buses.count = 2;
+  return {};
+}
+
+// Of two interfaces both have drives.
+Read<void> check_interfaces(const YamlMap& can, const DaemonConfiguration& c) {
+  for (std::uint8_t bus = 0; c.drives.buses.count > 1 && bus < c.drives.buses.count; ++bus) {
+    if (std::ranges::count(c.drives.axes, bus, &canopen::AxisConfiguration::bus) != 0) continue;
+    const std::string_view key = bus == 0 ? "interface" : "second_interface";
+    const std::string& name = c.can_interfaces[bus];
+    return problem_at(*can.find(key),
+                      fmt::format("{}: {} has no drive", key, tool::in_quotes(name)),
+                      fmt::format("joints with `interface: {}`, or one interface alone", name));
   }
   return {};
 }
 
 Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
   ARMSIG_TRY(map, open_can(root));
-  ARMSIG_TRY(interface, map.text("interface"));
-  constexpr std::size_t kLongestName = 15;
-  if (interface.size() > kLongestName) {
-    return problem_at(*map.find("interface"), "interface: " + tool::in_quotes(interface),
-                      "the name of a network interface, at most 15 characters");
-  }
-  c.can_interface = interface;
   Settings settings(map);
   settings.integer("bits_per_second", 125'000, 1'000'000, c.drives.bits_per_second)
       .integer("master_node", 1, canopen::kLargestNode, c.drives.master_node)
@@ -110,7 +146,9 @@ Read<void> read_can(const YamlMap& root, DaemonConfiguration& c) {
       .time("voltage_lost", c.drives.status_limits.no_voltage)
       .integer("missed_feedback_limit", 1, kMost, c.drives.missed_feedback_limit);
   if (auto done = settings.done(); !done) return done;
-  return read_other_nodes(map, c);
+  if (auto used = check_interfaces(map, c); !used) return used;
+  if (auto read = read_other_nodes(map, "other_nodes", 0, c); !read) return read;
+  return read_other_nodes(map, "second_other_nodes", 1, c);
 }
 
 // Once speeds and accelerations are known to be plausible.
@@ -255,8 +293,10 @@ Read<void> read_accept_sent(const YamlMap& root, DaemonConfiguration& c) {
 // What the drives, now known, tell of the bus and of the readings.
 Read<void> take_drives(const YamlNode& node, DaemonConfiguration& c) {
   const auto drives = canopen::check(c.drives);
-  if (!drives) return std::unexpected(problem_of(drives.error(), node));
-  c.bus_load = drives->bus_load();
+  if (!drives) return std::unexpected(problem_of(drives.error(), node, c.drives, c.can_interfaces));
+  for (std::uint8_t bus = 0; bus < c.drives.buses.count; ++bus) {
+    c.bus_loads.push_back(drives->bus_load(bus));
+  }
   c.controller.feedback_age = c.drives.missed_feedback_limit * c.controller.period;
   for (std::size_t axis = 0; axis < c.drives.axes.size(); ++axis) {
     c.controller.resolution.push_back(drives->scaling(axis).resolution());
@@ -282,6 +322,7 @@ Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfig
   ARMSIG_TRY(joints, root.require("joints"));
   if (auto ok = read_top(root, c); !ok) return ok;
   if (auto ok = read_accept_sent(root, c); !ok) return ok;
+  if (auto ok = read_interfaces(root, c); !ok) return ok;
   if (auto ok = read_joints(*joints, c); !ok) return ok;
   if (const YamlNode* coupling = root.find("coupling")) {
     ARMSIG_TRY(couplings, tool::read_couplings(*coupling, c.controller.drawing.joints));

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/linux/daemon.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -61,20 +64,52 @@ Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
 // Every tick puts a burst into the queue of the interface: SYNC, a frame a drive, a heartbeat, an
 // SDO; and where a tick is late, the next one follows before it is empty. By default Linux gives a
 // CAN interface ten places.
-void warn_about_queue(const DaemonConfiguration& configuration, Journal& journal) {
-  const auto places = linux_hal::send_queue_frames(configuration.can_interface);
-  const std::size_t needed = 2 * (configuration.drives.axes.size() + 3);
+void warn_about_queue(const DaemonConfiguration& configuration, std::uint8_t bus,
+                      Journal& journal) {
+  const std::string& interface = configuration.can_interfaces[bus];
+  const auto places = linux_hal::send_queue_frames(interface);
+  const auto drives = static_cast<std::size_t>(
+      std::ranges::count(configuration.drives.axes, bus, &canopen::AxisConfiguration::bus));
+  const std::size_t needed = 2 * (drives + 3);
   if (!places || *places == 0 || *places >= needed) return;
   journal.tell(
       Priority::kWarning,
       fmt::format("warning: {} queues {} frames where {} may come at once: commands may be "
                   "lost (ip link set {} txqueuelen 64)",
-                  configuration.can_interface, *places, needed, configuration.can_interface));
+                  interface, *places, needed, interface));
 }
+
+// The interfaces, opened as soon as they are there.
+class SocketBuses {
+ public:
+  // `configuration` must outlive it.
+  SocketBuses(const DaemonConfiguration& configuration, Journal& journal) {
+    const auto& interfaces = configuration.can_interfaces;
+    for (std::uint8_t bus = 0; bus < configuration.drives.buses.count; ++bus) {
+      warn_about_queue(configuration, bus, journal);
+      sockets_[bus].emplace(linux_hal::SocketCanConfiguration{
+          .interface_name = interfaces[bus], .filters = {}, .maintained = true});
+      all_.push_back(&*sockets_[bus]);
+      named_.push_back({&*sockets_[bus], interfaces[bus]});
+    }
+  }
+  SocketBuses(const SocketBuses&) = delete;
+  SocketBuses& operator=(const SocketBuses&) = delete;
+
+  [[nodiscard]] std::span<linux_hal::SocketCan* const> all() const {
+    return {all_.data(), all_.size()};
+  }
+  [[nodiscard]] const canopen::NamedBuses& named() const { return named_; }
+
+ private:
+  std::array<std::optional<linux_hal::SocketCan>, canopen::kMostBuses> sockets_;
+  FixedVector<linux_hal::SocketCan*, canopen::kMostBuses> all_;
+  canopen::NamedBuses named_;
+};
 
 std::string first_words(const DaemonConfiguration& configuration) {
   return fmt::format("{}: {} joints on {}, console at {}", configuration.name,
-                     configuration.drives.axes.size(), configuration.can_interface,
+                     configuration.drives.axes.size(), interfaces_in_words(configuration),
                      configuration.console);
 }
 
@@ -92,11 +127,9 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
   }
 
   Attendance attendance(configuration, *places->console, places->reporting.get());
-  warn_about_queue(configuration, attendance.journal());
   linux_hal::SteadyClock clock;
-  linux_hal::SocketCan bus(
-      {.interface_name = configuration.can_interface, .filters = {}, .maintained = true});
-  canopen::Master master(*drives, bus, backend->can.get());
+  SocketBuses sockets(configuration, attendance.journal());
+  canopen::Master master(*drives, sockets.named(), backend->can.get());
   const auto refinement = std::make_unique<SelfCalibrating>(configuration);
   CheckFile checks(configuration.store);
   const auto controller = std::make_unique<controller::Controller>(
@@ -109,7 +142,7 @@ int run_cabinet(const DaemonConfiguration& configuration, const volatile std::si
                           .priority = configuration.priority,
                           .watch = attendance.watch(),
                           .journal = attendance.journal(),
-                          .bus = &bus,
+                          .buses = sockets.all(),
                           .master = &master};
   bool at_rest = false;
   const bool served = run_in_real_time(

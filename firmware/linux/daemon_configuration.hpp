@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "core/base/pose.hpp"
 #include "firmware/controller/configuration.hpp"
@@ -25,7 +26,7 @@ struct DaemonConfiguration {
   std::string name;
   controller::Configuration controller;
   canopen::Configuration drives;
-  std::string can_interface;
+  std::vector<std::string> can_interfaces;  // one or two
   // What measures; std::monostate: nothing does.
   std::variant<linux_hal::RtuRangeSensorConfiguration, canopen::RangeNodeConfiguration,
                linux_hal::PointServerConfiguration, std::monostate>
@@ -38,9 +39,15 @@ struct DaemonConfiguration {
   int priority = 80;               // of the servo thread, SCHED_FIFO; 0: ordinary scheduling
   // Of a virtual controller: frame 0 of the arm in the sensor frame; none: by the arm's reach.
   std::optional<Pose> virtual_base;
-  tool::LengthWords lengths;  // in what the file tells `workspace`
-  double bus_load = 0;        // of the CAN bus at worst, 1 being all of it
+  tool::LengthWords lengths;      // in what the file tells `workspace`
+  std::vector<double> bus_loads;  // of each CAN bus at worst, 1 being all of it
 };
+
+// "can0", or "can0 and can1".
+[[nodiscard]] inline std::string interfaces_in_words(const DaemonConfiguration& configuration) {
+  const auto& names = configuration.can_interfaces;
+  return names.size() > 1 ? names[0] + " and " + names[1] : names[0];
+}
 
 // Reads and checks everything that can be wrong in a configuration: units, unknown keys, values,
 // and what the values say together. The problem names file, line and column.

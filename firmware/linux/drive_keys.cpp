@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/linux/drive_keys.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -139,6 +140,17 @@ Read<double> positive(const YamlMap& map, std::string_view name, Dimension dimen
                             "a number above 0");
   }
   return told.unit.to_si(number);
+}
+
+Read<std::uint8_t> read_bus(const YamlMap& map, const std::vector<std::string>& interfaces) {
+  const YamlNode* node = map.find("interface");
+  if (node == nullptr) return std::uint8_t{0};
+  const auto found = std::ranges::find(interfaces, node->text);
+  if (found != interfaces.end()) return static_cast<std::uint8_t>(found - interfaces.begin());
+  const std::string known =
+      interfaces.size() == 1 ? interfaces[0] + ", or another as second_interface of the section can"
+                             : tool::any_of(interfaces) + ", the interfaces of the section can";
+  return tool::problem_at(*node, "interface: " + tool::in_quotes(node->text), known);
 }
 
 Read<canopen::AxisConfiguration> read_drive(const YamlMap& map, JointType type) {

@@ -2,7 +2,10 @@
 // What the configuration file says of the drive of one joint, and the units of a joint's motion.
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/formats/yaml_map.hpp"
 #include "hal/canopen/configuration.hpp"
@@ -25,5 +28,9 @@ namespace armsig::daemon {
 // are left to the caller.
 [[nodiscard]] tool::Read<canopen::AxisConfiguration> read_drive(const tool::YamlMap& map,
                                                                 JointType type);
+
+// `interface` of a drive or of a sensor: which of `interfaces` it is on, by default the first.
+[[nodiscard]] tool::Read<std::uint8_t> read_bus(const tool::YamlMap& map,
+                                                const std::vector<std::string>& interfaces);
 
 }  // namespace armsig::daemon

@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <cstdio>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,15 +14,12 @@
 #include "hal/linux/steady_clock.hpp"
 
 namespace armsig::daemon {
+namespace {
 
-int look_at_drives(const DaemonConfiguration& configuration, bool as_json,
-                   const volatile std::sig_atomic_t& stop) {
-  const auto drives = canopen::check(configuration.drives);
-  if (!drives) return 1;  // refused when the file was read
+// Until all of one bus is read. False where it is down or takes no frame, which is told.
+bool look_at_bus(const std::string& interface, linux_hal::SocketCan& bus, DriveScan& scan,
+                 const volatile std::sig_atomic_t& stop) {
   linux_hal::SteadyClock clock;
-  linux_hal::SocketCan bus(
-      {.interface_name = configuration.can_interface, .filters = {}, .maintained = false});
-  DriveScan scan(*drives, bus);
   const auto is_down = [&] {
     const hal::CanState state = bus.status().state;
     return state == hal::CanState::kDown || state == hal::CanState::kBusOff;
@@ -28,19 +27,38 @@ int look_at_drives(const DaemonConfiguration& configuration, bool as_json,
   hal::Instant next = clock.now();
   do {
     if (is_down()) {
-      fmt::print(stderr, "armsigd: {}: {}\n", configuration.can_interface,
-                 describe(Error::kBusDown));
-      return 1;
+      fmt::print(stderr, "armsigd: {}: {}\n", interface, describe(Error::kBusDown));
+      return false;
     }
     next += std::chrono::milliseconds(1);
     clock.wait_until(next);
   } while (stop == 0 && scan.step(clock.now()));
-  if (scan.is_stuck()) {
-    fmt::print(stderr, "armsigd: {}: {}\n", configuration.can_interface, describe(Error::kBusBusy));
-    return 1;
+  if (!scan.is_stuck()) return true;
+  fmt::print(stderr, "armsigd: {}: {}\n", interface, describe(Error::kBusBusy));
+  return false;
+}
+
+}  // namespace
+
+int look_at_drives(const DaemonConfiguration& configuration, bool as_json,
+                   const volatile std::sig_atomic_t& stop) {
+  const auto drives = canopen::check(configuration.drives);
+  if (!drives) return 1;  // refused when the file was read
+  const bool several = configuration.can_interfaces.size() > 1;
+  std::vector<DriveScan> scans;
+  bool all_set_up = true;
+  for (const std::string& interface : configuration.can_interfaces) {
+    linux_hal::SocketCan bus({.interface_name = interface, .filters = {}, .maintained = false});
+    const auto number = static_cast<std::uint8_t>(scans.size());
+    scans.emplace_back(*drives, bus, number, several ? interface : "");
+    if (!look_at_bus(interface, bus, scans.back(), stop)) return 1;
+    all_set_up = all_set_up && all_would_be_set_up(scans.back().nodes(), *drives);
   }
-  fmt::print("{}", as_json ? drives_as_json(scan, *drives) : drives_in_words(scan, *drives));
-  return all_would_be_set_up(scan.nodes(), *drives) ? 0 : 1;
+  if (as_json) fmt::print("{}", drives_as_json(scans, *drives));
+  for (const DriveScan& scan : scans) {
+    if (!as_json) fmt::print("{}", drives_in_words(scan, *drives));
+  }
+  return all_set_up ? 0 : 1;
 }
 
 }  // namespace armsig::daemon

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// armsigd --drives: the drives on the CAN interface, told without a write.
+// armsigd --drives: the drives on each CAN interface, told without a write.
 #pragma once
 
 #include <csignal>

@@ -98,8 +98,9 @@ std::optional<hal::CanFrame> TextUpload::poll(hal::Instant now) {
   return frame;
 }
 
-DriveScan::DriveScan(const canopen::CheckedConfiguration& configuration, hal::CanBus& bus)
-    : configuration_(configuration), bus_(bus) {}
+DriveScan::DriveScan(const canopen::CheckedConfiguration& configuration, hal::CanBus& bus,
+                     std::uint8_t number, std::string_view interface)
+    : configuration_(configuration), bus_(bus), number_(number), interface_(interface) {}
 
 bool DriveScan::step(hal::Instant now) {
   if (!since_) since_ = now;
@@ -157,6 +158,7 @@ void DriveScan::call(hal::Instant now) {
 
 void DriveScan::begin_reading() {
   for (std::size_t joint = 0; joint < configuration_->axes.size(); ++joint) {
+    if (configuration_->axes[joint].bus != number_) continue;
     NodeReading reading;
     reading.node = configuration_->axes[joint].node;
     reading.axis = configuration_->axes[joint].axis;
@@ -179,6 +181,7 @@ void DriveScan::begin_reading() {
   std::ranges::sort(nodes_, std::ranges::less{}, [](const NodeReading& reading) {
     return std::pair(reading.node, reading.axis);
   });
+  for (NodeReading& reading : nodes_) reading.interface = interface_;
   for (std::size_t i = 1; i < nodes_.size(); ++i) {
     if (nodes_[i].node != nodes_[i - 1].node) continue;
     nodes_[i].one_of_several = nodes_[i - 1].one_of_several = true;
@@ -211,6 +214,7 @@ void DriveScan::guess_next_axis() {
   if (!type || (*type & kProfileMask) != kProfile402) return;
   NodeReading guess;
   guess.node = last.node;
+  guess.interface = last.interface;
   guess.axis = static_cast<std::uint8_t>(last.axis + 1);
   guess.is_guess = true;
   guess.answers = last.answers;

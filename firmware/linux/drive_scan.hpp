@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,7 @@ using ObjectKey = std::pair<std::uint16_t, std::uint8_t>;  // index and sub-inde
 // Of one axis of a device.
 struct NodeReading {
   canopen::NodeId node = 0;
+  std::string interface;  // that it is on; empty where there is one
   std::uint8_t axis = 1;
   bool one_of_several = false;       // the node has other axes
   bool is_guess = false;             // whether it is there is still to be seen
@@ -76,8 +78,9 @@ class TextUpload {
 
 class DriveScan {
  public:
-  // Both must outlive it.
-  DriveScan(const canopen::CheckedConfiguration& configuration, hal::CanBus& bus);
+  // Both must outlive it. `number`: of the bus; `interface`: its name, where there are two.
+  DriveScan(const canopen::CheckedConfiguration& configuration, hal::CanBus& bus,
+            std::uint8_t number = 0, std::string_view interface = {});
 
   // One step, to be called about once a millisecond. False when the look is over.
   bool step(hal::Instant now);
@@ -88,6 +91,7 @@ class DriveScan {
   [[nodiscard]] bool is_stuck() const { return stuck_; }
   // Frames were heard that only a master sends.
   [[nodiscard]] bool heard_master() const { return heard_master_; }
+  [[nodiscard]] const std::string& interface() const { return interface_; }
 
  private:
   enum class Part : std::uint8_t { kListen, kCall, kHear, kRead, kOver };
@@ -103,6 +107,8 @@ class DriveScan {
 
   const canopen::CheckedConfiguration& configuration_;
   hal::CanBus& bus_;
+  std::uint8_t number_;
+  std::string interface_;
   std::vector<ObjectKey> keys_;
   std::vector<NodeReading> nodes_;
   Part part_ = Part::kListen;

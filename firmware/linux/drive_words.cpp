@@ -204,7 +204,8 @@ std::string type_words(const NodeReading& node) {
 }
 
 std::string head_words(const NodeReading& node) {
-  std::string words = fmt::format("node {}, ", node.node);
+  std::string words = fmt::format("node {}", node.node);
+  words += node.interface.empty() ? ", " : fmt::format(" on {}, ", node.interface);
   if (node.one_of_several) words += fmt::format("axis {}, ", node.axis);
   words += node.joint ? fmt::format("joint {}: ", *node.joint + 1) : "not configured: ";
   if (node.answers == 0) return words + "does not answer\n";
@@ -320,6 +321,7 @@ nlohmann::ordered_json json_of_object(const NodeReading& node, const ObjectWords
 nlohmann::ordered_json json_of_node(const NodeReading& node,
                                     const CheckedConfiguration& configuration) {
   nlohmann::ordered_json json{{"node", node.node}, {"axis", node.axis}, {"answers", node.answers}};
+  if (!node.interface.empty()) json["interface"] = node.interface;
   if (node.joint) json["joint"] = *node.joint + 1;
   if (node.answers == 0) return json;
   if (!node.name.empty()) json["name"] = node.name;
@@ -379,7 +381,10 @@ bool all_would_be_set_up(const std::vector<NodeReading>& nodes,
 
 std::string drives_in_words(const DriveScan& scan, const CheckedConfiguration& configuration) {
   std::string words;
-  if (scan.heard_master()) words += "another master is on the bus\n";
+  if (scan.heard_master()) {
+    words += fmt::format("another master is on {}\n",
+                         scan.interface().empty() ? "the bus" : scan.interface());
+  }
   for (const NodeReading& node : scan.nodes()) {
     words += head_words(node);
     if (node.answers == 0) continue;
@@ -392,10 +397,14 @@ std::string drives_in_words(const DriveScan& scan, const CheckedConfiguration& c
   return words;
 }
 
-std::string drives_as_json(const DriveScan& scan, const CheckedConfiguration& configuration) {
-  nlohmann::ordered_json json{{"armsig", "drives/1"}, {"other_master", scan.heard_master()}};
+std::string drives_as_json(std::span<const DriveScan> scans,
+                           const CheckedConfiguration& configuration) {
+  const bool other_master = std::ranges::any_of(scans, &DriveScan::heard_master);
+  nlohmann::ordered_json json{{"armsig", "drives/1"}, {"other_master", other_master}};
   nlohmann::ordered_json nodes = nlohmann::ordered_json::array();
-  for (const NodeReading& node : scan.nodes()) nodes.push_back(json_of_node(node, configuration));
+  for (const DriveScan& scan : scans) {
+    for (const NodeReading& node : scan.nodes()) nodes.push_back(json_of_node(node, configuration));
+  }
   json["nodes"] = std::move(nodes);
   return json.dump(2) + "\n";
 }

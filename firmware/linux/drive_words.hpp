@@ -38,10 +38,15 @@ struct Rehearsal {
 [[nodiscard]] bool all_would_be_set_up(const std::vector<NodeReading>& nodes,
                                        const canopen::CheckedConfiguration& configuration);
 
-// For a terminal of 100 columns, and for programs.
+// For a terminal of 100 columns.
 [[nodiscard]] std::string drives_in_words(const DriveScan& scan,
                                           const canopen::CheckedConfiguration& configuration);
-[[nodiscard]] std::string drives_as_json(const DriveScan& scan,
+// For programs, of all buses.
+[[nodiscard]] std::string drives_as_json(std::span<const DriveScan> scans,
                                          const canopen::CheckedConfiguration& configuration);
+[[nodiscard]] inline std::string drives_as_json(
+    const DriveScan& scan, const canopen::CheckedConfiguration& configuration) {
+  return drives_as_json({&scan, 1}, configuration);
+}
 
 }  // namespace armsig::daemon

@@ -30,7 +30,7 @@ std::vector<std::string> known_keys() {
                                  "gear_ratio",    "reversed", "zero_counts",
                                  "unsupervised",  "warning",  "reference",
                                  "homing_method", "limits",   "mode",
-                                 "writes",        "axis"};
+                                 "writes",        "axis",     "interface"};
   for (const char* angle : {"theta", "alpha", "sweep_arc"}) {
     add_names(known, angle, Dimension::kAngle);
   }
@@ -156,6 +156,7 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(alpha_rad, map.quantity("alpha", Dimension::kAngle));
   ARMSIG_TRY(limits, read_stated_limits(map, type));
   ARMSIG_TRY(axis, read_drive(map, type));
+  ARMSIG_TRY(bus, read_bus(map, c.can_interfaces));
   ARMSIG_TRY(speed, positive(map, "speed", speed_of(type)));
   ARMSIG_TRY(acceleration, positive(map, "acceleration", acceleration_of(type)));
   ARMSIG_TRY(following_error, positive(map, "following_error", tool::dimension_of(type)));
@@ -163,6 +164,7 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(arc_rad, read_arc(map, type));
   ARMSIG_TRY(reference, read_reference(map));
   ARMSIG_TRY(homing_method, read_homing_method(map, reference));
+  axis.bus = bus;
   axis.limits = limits;
   axis.homing_method = homing_method;
   ARMSIG_TRY(motor_speed, read_motor_speed(map, type, speed));

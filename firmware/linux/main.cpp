@@ -133,11 +133,17 @@ std::string instrument_in_words(const DaemonConfiguration& c) {
       c.controller.sensor.receivers.p_S.size());
 }
 
+std::string loads_in_words(const DaemonConfiguration& c) {
+  std::string words = fmt::format("{:.1f} %", 100 * c.bus_loads[0]);
+  if (c.bus_loads.size() > 1) words += fmt::format(" and {:.1f} %", 100 * c.bus_loads[1]);
+  return words;
+}
+
 void tell(const DaemonConfiguration& c) {
   const auto& grid = c.controller.grid;
-  fmt::print("{}: {} joints at {:g} Hz on {}, bus load at most {:.1f} %, {}", c.name,
-             c.drives.axes.size(), 1 / hal::seconds(c.controller.period), c.can_interface,
-             100 * c.bus_load, instrument_in_words(c));
+  fmt::print("{}: {} joints at {:g} Hz on {}, bus load at most {}, {}", c.name,
+             c.drives.axes.size(), 1 / hal::seconds(c.controller.period), interfaces_in_words(c),
+             loads_in_words(c), instrument_in_words(c));
   if (!grid.taught[0].empty()) {
     fmt::print(", grid of {} vertices over {:g} x {:g} x {:g} mm", grid.grid.vertex_count(),
                1e3 * grid.grid.size_m[0], 1e3 * grid.grid.size_m[1], 1e3 * grid.grid.size_m[2]);

@@ -41,32 +41,57 @@ void ProcessWatch::begin(const linux_hal::RealTimeReport& report, int priority) 
   servo_faults_before_ = servo_faults_ = page_faults(RUSAGE_THREAD);
 }
 
-void ProcessWatch::look(const linux_hal::SocketCan* bus, const canopen::Master* master) {
+void BusWatch::look(const hal::CanStatus& status, int refusal) {
+  state = status.state;
+  error_frames = status.error_frames;
+  lost = status.lost;
+  bus_offs = status.bus_offs;
+  restarts = status.restarts;
+  last_errno = refusal;
+  is_real = true;
+}
+
+void BusWatch::look(const canopen::MasterCounters& counters) {
+  malformed = counters.malformed;
+  foreign = counters.foreign;
+  unknown = counters.unknown;
+  unsent = counters.unsent;
+  unanswered = counters.unanswered;
+  late_heartbeats = counters.late_heartbeats;
+  emergencies = counters.emergencies;
+  repeated = counters.repeated;
+}
+
+void BusWatch::tell(controller::Line& line, std::string_view number) const {
+  if (!is_real) return;
+  const auto begin = [&](std::string_view key) -> controller::Line& {
+    return line.text(" can").text(number).text(key.substr(3)).text("=");
+  };
+  begin("can").text(name_of(state));
+  begin("can_error_frames").integer(error_frames);
+  begin("can_lost").integer(lost);
+  begin("can_bus_offs").integer(bus_offs);
+  begin("can_restarts").integer(restarts);
+  begin("can_malformed").integer(malformed);
+  begin("can_foreign").integer(foreign);
+  begin("can_unknown").integer(unknown);
+  begin("can_unsent").integer(unsent);
+  begin("can_unanswered").integer(unanswered);
+  begin("can_late_heartbeats").integer(late_heartbeats);
+  begin("can_emergencies").integer(emergencies);
+  begin("can_repeated").integer(repeated);
+  const int says = last_errno;
+  const char* const words = says == 0 ? nullptr : ::strerrordesc_np(says);
+  if (words != nullptr) begin("can_says").text("\"").text(words).text("\"");
+}
+
+void ProcessWatch::look(std::span<linux_hal::SocketCan* const> buses,
+                        const canopen::Master* master) {
   servo_faults_ = page_faults(RUSAGE_THREAD);
-  if (bus == nullptr) return;
-  look_at(bus->last_status(), bus->last_errno());
-  if (master != nullptr) look_at(master->counters());
-}
-
-void ProcessWatch::look_at(const hal::CanStatus& status, int refusal) {
-  can_state_ = status.state;
-  can_error_frames_ = status.error_frames;
-  can_lost_ = status.lost;
-  can_bus_offs_ = status.bus_offs;
-  can_restarts_ = status.restarts;
-  can_errno_ = refusal;
-  has_bus_ = true;
-}
-
-void ProcessWatch::look_at(const canopen::MasterCounters& counters) {
-  can_malformed_ = counters.malformed;
-  can_foreign_ = counters.foreign;
-  can_unknown_ = counters.unknown;
-  can_unsent_ = counters.unsent;
-  can_unanswered_ = counters.unanswered;
-  can_late_heartbeats_ = counters.late_heartbeats;
-  can_emergencies_ = counters.emergencies;
-  can_repeated_ = counters.repeated;
+  for (std::size_t i = 0; i < buses.size(); ++i) {
+    buses_[i].look(buses[i]->last_status(), buses[i]->last_errno());
+    if (master != nullptr) buses_[i].look(master->counters(static_cast<std::uint8_t>(i)));
+  }
 }
 
 bool ProcessWatch::progressed() {
@@ -87,23 +112,8 @@ void ProcessWatch::tell(controller::Line& line) const {
   line.text(" heap_calls=").integer(linux_hal::heap_calls() - heap_calls_before_);
   line.text(" page_faults=").integer(difference(page_faults(RUSAGE_SELF), faults_before_));
   line.text(" servo_page_faults=").integer(difference(servo_faults_, servo_faults_before_));
-  if (!has_bus_) return;
-  line.text(" can=").text(name_of(can_state_));
-  line.text(" can_error_frames=").integer(can_error_frames_);
-  line.text(" can_lost=").integer(can_lost_);
-  line.text(" can_bus_offs=").integer(can_bus_offs_);
-  line.text(" can_restarts=").integer(can_restarts_);
-  line.text(" can_malformed=").integer(can_malformed_);
-  line.text(" can_foreign=").integer(can_foreign_);
-  line.text(" can_unknown=").integer(can_unknown_);
-  line.text(" can_unsent=").integer(can_unsent_);
-  line.text(" can_unanswered=").integer(can_unanswered_);
-  line.text(" can_late_heartbeats=").integer(can_late_heartbeats_);
-  line.text(" can_emergencies=").integer(can_emergencies_);
-  line.text(" can_repeated=").integer(can_repeated_);
-  const int number = can_errno_;
-  const char* const words = number == 0 ? nullptr : ::strerrordesc_np(number);
-  if (words != nullptr) line.text(" can_says=\"").text(words).text("\"");
+  buses_[0].tell(line, "");
+  buses_[1].tell(line, "2");
 }
 
 }  // namespace armsig::daemon

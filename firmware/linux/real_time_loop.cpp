@@ -36,7 +36,7 @@ class BackgroundThread {
             const hal::Instant half = clock.now() + loop.period / 2;
             while (loop.controller.background() && clock.now() < half) {
             }
-            if (loop.bus != nullptr) loop.bus->maintain();
+            for (linux_hal::SocketCan* bus : loop.buses) bus->maintain();
             loop.watch.stepped();
             clock.wait_until(half + loop.period / 2);
           }
@@ -61,7 +61,7 @@ void serve(const RealTimeLoop& loop, const volatile std::sig_atomic_t& stop) {
     const hal::Duration lateness = loop.clock.wait_until(next);
     loop.controller.tick(lateness);
     loop.watch.ticked();
-    if (ticks++ % kTicksBetweenLooks == 0) loop.watch.look(loop.bus, loop.master);
+    if (ticks++ % kTicksBetweenLooks == 0) loop.watch.look(loop.buses, loop.master);
     next += loop.period * (1 + lateness / loop.period);
   }
 }

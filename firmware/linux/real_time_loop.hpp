@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <functional>
+#include <span>
 
 #include "firmware/controller/controller.hpp"
 #include "firmware/linux/journal.hpp"
@@ -21,8 +22,8 @@ struct RealTimeLoop {
   int priority = 0;  // SCHED_FIFO of the ticks, where permitted; 0: ordinary scheduling
   ProcessWatch& watch;
   Journal& journal;
-  linux_hal::SocketCan* bus = nullptr;      // of the drives; none where it is emulated
-  const canopen::Master* master = nullptr;  // on that bus
+  std::span<linux_hal::SocketCan* const> buses = {};  // of the drives; none where emulated
+  const canopen::Master* master = nullptr;            // on those buses
 };
 
 // The servo tick is the calling thread's; everything else is another's, which ends with this call.

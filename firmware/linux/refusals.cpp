@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -88,6 +89,19 @@ const YamlNode& place_of(const canopen::ConfigurationRefusal& refusal, const Yam
   }
 }
 
+// Of two buses the one that is to blame: of the joint, of the sensor, or the one that is
+// overloaded.
+std::string on_which(const canopen::ConfigurationRefusal& refusal,
+                     const canopen::Configuration& drives,
+                     std::span<const std::string> interfaces) {
+  if (interfaces.size() < 2) return {};
+  std::uint8_t bus = refusal.axis ? drives.axes[*refusal.axis].bus : drives.buses.sink;
+  if (refusal.error == Error::kBusOverload) {
+    bus = canopen::periodic_load(drives, 0) > canopen::kLargestBusLoad ? 0 : 1;
+  }
+  return " on " + interfaces[bus];
+}
+
 std::string joint_words(std::optional<std::size_t> joint) {
   return joint ? fmt::format("joint {}: ", *joint + 1) : std::string();
 }
@@ -141,16 +155,18 @@ Problem problem_of(const controller::ConfigurationRefusal& refusal, const YamlNo
                              because(refusal.reason)));
 }
 
-Problem problem_of(const canopen::ConfigurationRefusal& refusal, const YamlNode& root) {
+Problem problem_of(const canopen::ConfigurationRefusal& refusal, const YamlNode& root,
+                   const canopen::Configuration& drives, std::span<const std::string> interfaces) {
   const YamlNode& place = place_of(refusal, root);
+  const std::string on = on_which(refusal, drives, interfaces);
   const std::string what = joint_words(refusal.axis) + std::string(describe(refusal.error));
   switch (refusal.error) {
     case Error::kBusOverload:
-      return problem(place, fmt::format("{}: {:.1f} %", what, 100 * refusal.found),
+      return problem(place, fmt::format("{}{}: {:.1f} %", what, on, 100 * refusal.found),
                      fmt::format("at most {:.0f} %: a longer period, fewer joints or a faster bus",
                                  100 * refusal.needed));
     case Error::kNodeTwice:
-      return problem(place, fmt::format("{}: node {:.0f}", what, refusal.found),
+      return problem(place, fmt::format("{}: node {:.0f}{}", what, refusal.found, on),
                      "a node number of its own for each drive, the sensor and the master; two "
                      "joints of one drive have two axes of it");
     case Error::kScaleInvalid:

@@ -2,6 +2,9 @@
 // What the portable checks refuse, told at its place in the configuration file.
 #pragma once
 
+#include <span>
+#include <string>
+
 #include "firmware/formats/yaml_tree.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
 
@@ -12,7 +15,10 @@ namespace armsig::daemon {
 
 [[nodiscard]] tool::Problem problem_of(const controller::ConfigurationRefusal& refusal,
                                        const tool::YamlNode& root);
+// Of `drives`, on `interfaces`.
 [[nodiscard]] tool::Problem problem_of(const canopen::ConfigurationRefusal& refusal,
-                                       const tool::YamlNode& root);
+                                       const tool::YamlNode& root,
+                                       const canopen::Configuration& drives,
+                                       std::span<const std::string> interfaces);
 
 }  // namespace armsig::daemon

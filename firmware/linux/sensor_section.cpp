@@ -11,6 +11,7 @@
 #include "firmware/controller/plausibility.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/yaml_map.hpp"
+#include "firmware/linux/drive_keys.hpp"
 #include "firmware/linux/sections.hpp"
 #include "firmware/linux/sensor_parts.hpp"
 #include "firmware/linux/settings.hpp"
@@ -39,7 +40,7 @@ Read<Vector3> read_point(const YamlNode& node, const std::string& name) {
 }
 
 Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
-  std::vector<std::string> known{"node", "path"};
+  std::vector<std::string> known{"node", "path", "interface"};
   for (const char* time : {"reading_period", "silent_after", "stale_after"}) {
     add_names(known, time, Dimension::kTime);
   }
@@ -47,6 +48,8 @@ Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
   canopen::RangeNodeConfiguration sensor;
   ARMSIG_TRY(number, map.integer("node", 1, canopen::kLargestNode));
   sensor.node = static_cast<canopen::NodeId>(number);
+  ARMSIG_TRY(bus, read_bus(map, c.can_interfaces));
+  c.drives.buses.sink = bus;
   sensor.receivers = c.controller.sensor.receivers.p_S.size();
   hal::Duration period = std::chrono::milliseconds(20);
   Settings settings(map);
@@ -58,9 +61,9 @@ Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
     return problem_at(node, fmt::format("{} receivers on CAN", sensor.receivers),
                       fmt::format("at most {}", canopen::kMaxCanReceivers));
   }
-  c.drives.other_nodes.push_back(sensor.node);
+  c.drives.others[bus].nodes.push_back(sensor.node);
   for (const canopen::PeriodicFrame& frame : canopen::traffic(sensor, period)) {
-    c.drives.other_traffic.push_back(frame);
+    c.drives.others[bus].traffic.push_back(frame);
   }
   c.sensor = sensor;
   return {};

@@ -45,7 +45,8 @@ constexpr std::array kKeys{
     std::string_view("joint"),     std::string_view("fault"),    std::string_view("code"),
     std::string_view("push_deg"),  std::string_view("push_mm"),  std::string_view("sensor"),
     std::string_view("air_c"),     std::string_view("sigma_mm"), std::string_view("dropout"),
-    std::string_view("multipath"), std::string_view("can")};
+    std::string_view("multipath"), std::string_view("can"),      std::string_view("can2")};
+constexpr std::array<std::string_view, canopen::kMostBuses> kBusKeys{"can", "can2"};
 
 class Values {
  public:
@@ -86,7 +87,7 @@ struct Changes {
   std::optional<double> push;  // radians or metres
   std::optional<SensorFault> sensor;
   simulated::UltrasonicConfig field;
-  std::string_view bus;  // empty: as it is
+  std::array<std::string_view, canopen::kMostBuses> buses;  // empty: as it is
 };
 
 Result<void> read_push(const VirtualCabinet& cabinet, const Values& values, Line& out,
@@ -154,12 +155,23 @@ Result<void> read_sensor(const Values& values, Line& out, Changes& changes) {
   return {};
 }
 
-Result<void> read_bus(const Values& values, Line& out, Changes& changes) {
-  changes.bus = values.text("can").value_or("");
-  if (!values.text("can") || changes.bus == "up" || changes.bus == "down" || changes.bus == "off") {
-    return {};
+Result<void> read_buses(const VirtualCabinet& cabinet, const Values& values, Line& out,
+                        Changes& changes) {
+  for (std::size_t bus = 0; bus < kBusKeys.size(); ++bus) {
+    const auto state = values.text(kBusKeys[bus]);
+    if (!state) continue;
+    if (bus >= cabinet.bus_count()) return refused(out, kBusKeys[bus], " is not configured");
+    if (*state != "up" && *state != "down" && *state != "off") {
+      return refused(out, *state, " is neither up, down nor off");
+    }
+    changes.buses[bus] = *state;
   }
-  return refused(out, changes.bus, " is neither up, down nor off");
+  return {};
+}
+
+void change_bus(simulated::VirtualCanPort& port, std::string_view state) {
+  if (state == "off") port.go_bus_off();
+  if (state == "up" || state == "down") port.set_up(state == "up");
 }
 
 void make(const Changes& changes, VirtualCabinet& cabinet) {
@@ -171,9 +183,8 @@ void make(const Changes& changes, VirtualCabinet& cabinet) {
   if (changes.fault) cabinet.inject(*changes.joint, *changes.fault, changes.code);
   if (changes.sensor) cabinet.sensor().set_error(changes.sensor->error);
   cabinet.sensor().field() = changes.field;
-  if (changes.bus == "off") cabinet.master_port().go_bus_off();
-  if (changes.bus == "up" || changes.bus == "down") {
-    cabinet.master_port().set_up(changes.bus == "up");
+  for (std::size_t bus = 0; bus < changes.buses.size(); ++bus) {
+    change_bus(cabinet.master_port(bus), changes.buses[bus]);
   }
 }
 
@@ -191,7 +202,7 @@ Result<void> emulate(VirtualCabinet& cabinet, const Request& request, Line& out)
   changes.field = cabinet.sensor().field();
   if (auto read = read_joint(cabinet, values, out, changes); !read) return read;
   if (auto read = read_sensor(values, out, changes); !read) return read;
-  if (auto read = read_bus(values, out, changes); !read) return read;
+  if (auto read = read_buses(cabinet, values, out, changes); !read) return read;
   make(changes, cabinet);
   return {};
 }

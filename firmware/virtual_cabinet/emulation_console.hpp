@@ -15,7 +15,8 @@ namespace armsig::cabinet {
 //   simulated::drive_fault() emulate joint=2 fault=emergency code=9040 emulate joint=2 push_deg=3
 //   somebody leans on it (push_mm of a slide) emulate sensor=silent                or stale, crc,
 //   unit, exception, short, unplugged; none emulate air_c=31.5 dropout=0.3 multipath=0.1
-//   sigma_mm=0.4 emulate can=down                     or up, or off: bus-off
+//   sigma_mm=0.4 emulate can=down                     or up, or off: bus-off;
+//   can2 of a second bus
 // Errors: kUnknownRequest, kOutOfRange.
 Result<void> emulate(VirtualCabinet& cabinet, const controller::Request& request,
                      controller::Line& out);

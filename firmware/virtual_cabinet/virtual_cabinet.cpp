@@ -97,6 +97,9 @@ void VirtualGravity::do_advance(hal::Instant until) {
 
 namespace {
 
+// As `emulate can=` and `can2=` name them.
+constexpr std::array<std::string_view, canopen::kMostBuses> kBusNames{"can", "can2"};
+
 // Of a drive that homes.
 constexpr double kHomingTurnRate = radians(10);  // rad/s
 constexpr double kHomingSpeed = 0.05;            // m/s
@@ -119,18 +122,19 @@ simulated::DriveConfiguration drive_of(const World& world, const canopen::AxisCo
   return drive;
 }
 
-// Those that are joints, a bit each.
-std::uint8_t axes_of(const canopen::Configuration& drives, canopen::NodeId node) {
+// Those of its node that are joints, a bit each.
+std::uint8_t axes_of(const canopen::Configuration& drives,
+                     const canopen::AxisConfiguration& of_node) {
   unsigned axes = 0;
   for (const canopen::AxisConfiguration& axis : drives.axes) {
-    if (axis.node == node) axes |= 1U << (axis.axis - 1U);
+    if (axis.shares_node(of_node)) axes |= 1U << (axis.axis - 1U);
   }
   return static_cast<std::uint8_t>(axes);
 }
 
 std::size_t first_of_node(const canopen::Configuration& drives, std::size_t axis) {
   std::size_t first = 0;
-  while (drives.axes[first].node != drives.axes[axis].node) ++first;
+  while (!drives.axes[first].shares_node(drives.axes[axis])) ++first;
   return first;
 }
 
@@ -145,24 +149,29 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
       drives_(*canopen::check(drives)),
       period_(configuration.period),
       clock_(real_time ? simulated::VirtualClock(*real_time) : simulated::VirtualClock()),
-      bus_(drives.bits_per_second) {
-  bus_.connect(master_port_);
+      buses_{simulated::VirtualCanBus(drives.bits_per_second),
+             simulated::VirtualCanBus(drives.bits_per_second)} {
+  canopen::NamedBuses ports;
+  for (std::uint8_t bus = 0; bus < drives.buses.count; ++bus) {
+    buses_[bus].connect(master_ports_[bus]);
+    ports.push_back({&master_ports_[bus], kBusNames[bus]});
+  }
   for (std::size_t i = 0; i < drives.axes.size(); ++i) {
     const bool homes = configuration.reference(i) == controller::Reference::kHomed;
     simulated::DriveConfiguration drive = drive_of(world, drives.axes[i], homes);
     drive.node = drives.axes[i].node;
-    drive.axis = {.number = drives.axes[i].axis, .emulated = axes_of(drives, drive.node)};
+    drive.axis = {.number = drives.axes[i].axis, .emulated = axes_of(drives, drives.axes[i])};
     drive.encoder_counts =
         static_cast<std::uint32_t>(std::lround(drives.axes[i].scaling.counts_per_revolution));
     drive.serial = world.first_serial + static_cast<std::uint32_t>(first_of_node(drives, i));
     drive.sync_loss_periods = world.sync_loss_periods;
     drive.motion.start = drives_.scaling(i).counts(world.start[i]).value_or(0);
     motors_[i].emplace(drive, ports_[i]);
-    bus_.connect(ports_[i], &*motors_[i]);
+    buses_[drives.axes[i].bus].connect(ports_[i], &*motors_[i]);
   }
-  master_.emplace(drives_, master_port_);
+  master_.emplace(drives_, ports);
   sensor_.emplace(world_, drives_, motors_);
-  clock_.add(bus_);
+  for (simulated::VirtualCanBus& bus : buses_) clock_.add(bus);
   clock_.add(*sensor_);
   gravity_.emplace(world_, drives_, *sensor_, motors_);
   clock_.add(*gravity_);
@@ -179,7 +188,7 @@ controller::Instrument VirtualCabinet::instrument(controller::Measures measures)
 
 void VirtualCabinet::inject(std::size_t joint, simulated::DriveFault fault, std::int32_t code) {
   for (std::size_t other = 0; other < drives_->axes.size(); ++other) {
-    const bool same_node = drives_->axes[other].node == drives_->axes[joint].node;
+    const bool same_node = drives_->axes[other].shares_node(drives_->axes[joint]);
     if (other == joint || (same_node && simulated::concerns_node(fault))) {
       motors_[other]->inject(fault, code);
     }

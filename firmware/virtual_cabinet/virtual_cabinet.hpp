@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A whole cabinet without hardware: the controller with its CANopen stack, a virtual CAN bus,
+// A whole cabinet without hardware: the controller with its CANopen stack, virtual CAN buses,
 // emulated drives, an arm with its manufacturing errors, and an ultrasonic sensor that measures the
 // target on its hand. In virtual time, or in real time by threads as in a real cabinet.
 #pragma once
@@ -143,7 +143,10 @@ class VirtualCabinet {
   [[nodiscard]] const cia402::Scaling& scaling(std::size_t joint) const {
     return drives_.scaling(joint);
   }
-  [[nodiscard]] simulated::VirtualCanPort& master_port() { return master_port_; }
+  [[nodiscard]] simulated::VirtualCanPort& master_port(std::size_t bus = 0) {
+    return master_ports_[bus];
+  }
+  [[nodiscard]] std::size_t bus_count() const { return drives_->buses.count; }
   [[nodiscard]] VirtualSensor& sensor() { return *sensor_; }
   // A link that bends, a foot or a sensor that is pushed: changed between two steps, and not while
   // the threads of a real time run.
@@ -158,8 +161,8 @@ class VirtualCabinet {
   canopen::CheckedConfiguration drives_;
   hal::Duration period_;
   simulated::VirtualClock clock_;
-  simulated::VirtualCanBus bus_;
-  simulated::VirtualCanPort master_port_;
+  std::array<simulated::VirtualCanBus, canopen::kMostBuses> buses_;
+  std::array<simulated::VirtualCanPort, canopen::kMostBuses> master_ports_;
   std::array<simulated::VirtualCanPort, kMaxJoints> ports_;
   std::array<std::optional<simulated::Drive>, kMaxJoints> motors_;
   std::optional<canopen::Master> master_;

@@ -31,7 +31,7 @@ std::uint8_t part_of(const AxisConfiguration& axis) {
   return static_cast<std::uint8_t>(1U << (axis.axis - 1U));
 }
 
-Checked check_nodes(const Configuration& configuration) {
+Checked check_nodes(const Configuration& configuration, BusNumber bus) {
   std::array<std::uint8_t, kLargestNode + 1> taken{};  // a bit an axis
   const auto take = [&](NodeId node, std::optional<std::size_t> axis,
                         std::uint8_t part = kWhole) -> Checked {
@@ -47,12 +47,29 @@ Checked check_nodes(const Configuration& configuration) {
     return {};
   };
   if (auto ok = take(configuration.master_node, std::nullopt); !ok) return ok;
-  for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
-    if (auto ok = take(configuration.axes[axis].node, axis, part_of(configuration.axes[axis])); !ok)
-      return ok;
+  for (std::size_t number = 0; number < configuration.axes.size(); ++number) {
+    const AxisConfiguration& axis = configuration.axes[number];
+    if (kMostBuses > 1 && axis.bus != bus) continue;
+    if (auto ok = take(axis.node, number, part_of(axis)); !ok) return ok;
   }
-  for (const NodeId node : configuration.other_nodes) {
+  for (const NodeId node : configuration.others[bus].nodes) {
     if (auto ok = take(node, std::nullopt); !ok) return ok;
+  }
+  return {};
+}
+
+// There are as many buses as can be, and each joint is on one of them.
+Checked check_buses(const Configuration& configuration) {
+  const Buses& buses = configuration.buses;
+  if (buses.count == 0 || buses.count > kMostBuses || buses.sink >= buses.count) {
+    return std::unexpected(ConfigurationRefusal{Error::kUnsupported, std::nullopt,
+                                                static_cast<double>(buses.count), kMostBuses});
+  }
+  for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
+    const std::uint8_t bus = configuration.axes[axis].bus;
+    if (bus < buses.count) continue;
+    return std::unexpected(ConfigurationRefusal{Error::kUnsupported, axis, static_cast<double>(bus),
+                                                static_cast<double>(buses.count)});
   }
   return {};
 }
@@ -169,9 +186,11 @@ Checked check_times(const Configuration& configuration) {
   for (const unsigned count : {configuration.sdo_attempts, configuration.missed_feedback_limit}) {
     if (count == 0) return refuse(0, 1);
   }
-  for (const PeriodicFrame& frame : configuration.other_traffic) {
-    if (frame.period <= hal::Duration::zero() || frame.data_bytes > hal::kMaxCanData) {
-      return refuse(hal::seconds(frame.period), 0);
+  for (const OtherDevices& others : configuration.others) {
+    for (const PeriodicFrame& frame : others.traffic) {
+      if (frame.period <= hal::Duration::zero() || frame.data_bytes > hal::kMaxCanData) {
+        return refuse(hal::seconds(frame.period), 0);
+      }
     }
   }
   for (const std::uint32_t rate : kBitRates) {
@@ -207,7 +226,12 @@ std::expected<CheckedConfiguration, ConfigurationRefusal> check(
   if constexpr (cia402::kMostAxes > 1) {
     if (auto ok = check_axis_numbers(configuration); !ok) return std::unexpected(ok.error());
   }
-  if (auto ok = check_nodes(configuration); !ok) return std::unexpected(ok.error());
+  if constexpr (kMostBuses > 1) {
+    if (auto ok = check_buses(configuration); !ok) return std::unexpected(ok.error());
+  }
+  for (std::uint8_t bus = 0; bus < configuration.buses.count; ++bus) {
+    if (auto ok = check_nodes(configuration, bus); !ok) return std::unexpected(ok.error());
+  }
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
     const cia402::ScalingConfiguration& scale = configuration.axes[axis].scaling;
     const auto scaling = cia402::Scaling::make(scale);
@@ -222,27 +246,31 @@ std::expected<CheckedConfiguration, ConfigurationRefusal> check(
   }
   if (auto ok = check_times(configuration); !ok) return std::unexpected(ok.error());
   if (auto ok = check_ramps(configuration); !ok) return std::unexpected(ok.error());
-  checked.bus_load_ = periodic_load(configuration);
-  if (checked.bus_load_ > kLargestBusLoad) {
-    return std::unexpected(ConfigurationRefusal{Error::kBusOverload, std::nullopt,
-                                                checked.bus_load_, kLargestBusLoad});
+  for (std::uint8_t bus = 0; bus < configuration.buses.count; ++bus) {
+    const double load = checked.bus_loads_[bus] = periodic_load(configuration, bus);
+    if (load > kLargestBusLoad) {
+      return std::unexpected(
+          ConfigurationRefusal{Error::kBusOverload, std::nullopt, load, kLargestBusLoad});
+    }
   }
   return checked;
 }
 
-double periodic_load(const Configuration& configuration) {
+double periodic_load(const Configuration& configuration, BusNumber bus) {
   FixedVector<PeriodicFrame, 2 + 3 * kMaxJoints + kMaxOtherNodes + kMaxOtherTraffic> frames;
   frames.push_back({0, configuration.period});     // SYNC
   frames.push_back({1, configuration.heartbeat});  // of the master
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
+    if (kMostBuses > 1 && configuration.axes[axis].bus != bus) continue;
     frames.push_back({kDrivePdoBytes, configuration.period});  // RPDO1
     frames.push_back({kDrivePdoBytes, configuration.period});  // TPDO1
     if (is_first_of_node(configuration, axis)) frames.push_back({1, configuration.heartbeat});
   }
-  for (std::size_t i = 0; i < configuration.other_nodes.size(); ++i) {
+  const OtherDevices& others = configuration.others[bus];
+  for (std::size_t i = 0; i < others.nodes.size(); ++i) {
     frames.push_back({1, configuration.heartbeat});
   }
-  for (const PeriodicFrame& frame : configuration.other_traffic) frames.push_back(frame);
+  for (const PeriodicFrame& frame : others.traffic) frames.push_back(frame);
   return bus_load({frames.data(), frames.size()}, configuration.bits_per_second);
 }
 

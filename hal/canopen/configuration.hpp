@@ -2,6 +2,7 @@
 // What a CANopen master must be told about the drives, checked as a whole before a frame is sent.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include "core/base/error.hpp"
 #include "core/base/fixed_vector.hpp"
 #include "hal/canopen/bus_load.hpp"
+#include "hal/canopen/buses.hpp"
 #include "hal/canopen/protocol.hpp"
 #include "hal/cia402/settings.hpp"
 
@@ -30,19 +32,26 @@ inline constexpr std::size_t kMaxOtherTraffic = 16;
 
 struct AxisConfiguration : cia402::DriveSettings {
   NodeId node = 0;
+  [[no_unique_address]] BusNumber bus = 0;
 
   // Another axis of the same device.
   [[nodiscard]] constexpr bool shares_node(const AxisConfiguration& other) const {
-    return cia402::kMostAxes > 1 && node == other.node;
+    return cia402::kMostAxes > 1 && node == other.node && bus == other.bus;
   }
+};
+
+// What is on a bus beside the drives.
+struct OtherDevices {
+  // Devices that the master starts but does not drive, such as the range sensor.
+  FixedVector<NodeId, kMaxOtherNodes> nodes;
+  // What those devices and any others send, for the bus load.
+  FixedVector<PeriodicFrame, kMaxOtherTraffic> traffic;
 };
 
 struct Configuration : cia402::GroupSettings {
   FixedVector<AxisConfiguration, kMaxJoints> axes;  // base to tip
-  // Devices that the master starts but does not drive, such as the range sensor.
-  FixedVector<NodeId, kMaxOtherNodes> other_nodes;
-  // What those devices and any others send, for the bus load.
-  FixedVector<PeriodicFrame, kMaxOtherTraffic> other_traffic;
+  std::array<OtherDevices, kMostBuses> others;
+  [[no_unique_address]] Buses buses;
   NodeId master_node = kLargestNode;
   std::uint32_t bits_per_second = 1'000'000;
   hal::Duration heartbeat = std::chrono::milliseconds(50);
@@ -64,10 +73,10 @@ struct ConfigurationRefusal {
 class CheckedConfiguration;
 
 // Errors: kTooFewAxes (none),
-// kUnsupported (a mode or an axis that the image does not have, or a write to an object that is not
-// free),
-// kNotFinite, kNodeOutOfRange, kNodeTwice (axes, other nodes and master together; two joints may be
-// two axes of one node), kScaleInvalid,
+// kUnsupported (a mode, an axis or a bus that the image does not have, or a write to an object that
+// is not free),
+// kNotFinite, kNodeOutOfRange, kNodeTwice (of one bus axes, other nodes and master together; two
+// joints may be two axes of one node), kScaleInvalid,
 // kResolutionTooCoarse, kLimitsReversed, kLimitsImplausible, kPositionOverflow (a limit or the
 // following window), kPeriodInvalid (period, heartbeats, time-outs, retries or speed), kBusOverload
 // (above kLargestBusLoad).
@@ -81,7 +90,7 @@ class CheckedConfiguration {
   [[nodiscard]] const Configuration& operator*() const { return configuration_; }
   [[nodiscard]] const Configuration* operator->() const { return &configuration_; }
   [[nodiscard]] const cia402::Scaling& scaling(std::size_t axis) const { return *scalings_[axis]; }
-  [[nodiscard]] double bus_load() const { return bus_load_; }
+  [[nodiscard]] double bus_load(BusNumber bus = 0) const { return bus_loads_[bus]; }
 
  private:
   friend std::expected<CheckedConfiguration, ConfigurationRefusal> check(
@@ -90,7 +99,7 @@ class CheckedConfiguration {
 
   Configuration configuration_;
   FixedVector<std::optional<cia402::Scaling>, kMaxJoints> scalings_;
-  double bus_load_ = 0;
+  std::array<double, kMostBuses> bus_loads_{};
 };
 
 // Whether no joint before `axis` is another axis of the same node.
@@ -102,9 +111,9 @@ class CheckedConfiguration {
   return true;
 }
 
-// The part of the bus that the periodic frames of `configuration` take at worst: SYNC, two PDOs an
+// The part of a bus that the periodic frames of `configuration` take at worst: SYNC, two PDOs an
 // axis, heartbeats of all, other traffic. Expedited SDOs are not in it: they are few, come one at a
 // time, and any PDO wins over them.
-[[nodiscard]] double periodic_load(const Configuration& configuration);
+[[nodiscard]] double periodic_load(const Configuration& configuration, BusNumber bus = 0);
 
 }  // namespace armsig::canopen

@@ -52,7 +52,7 @@ class DriveNode {
  public:
   // `axis` must outlive it.
   DriveNode(const AxisConfiguration& axis, const cia402::Scaling& scaling)
-      : node_(axis.node), axis_(axis.axis), drive_(axis, scaling) {}
+      : node_(axis.node), axis_(axis.axis), bus_(axis.bus), drive_(axis, scaling) {}
 
   [[nodiscard]] const DriveNodeState& state() const { return s_; }
   [[nodiscard]] cia402::Drive& drive() { return drive_; }
@@ -60,6 +60,13 @@ class DriveNode {
   [[nodiscard]] NodeId node() const { return node_; }
   [[nodiscard]] std::uint16_t object(std::uint16_t index) const {
     return cia402::object_of_axis(axis_, index);
+  }
+  [[nodiscard]] BusNumber bus() const { return bus_; }
+  [[nodiscard]] bool is_at(BusNumber bus, NodeId node) const {
+    return node_ == node && bus_ == bus;
+  }
+  [[nodiscard]] bool shares_node(const DriveNode& other) const {
+    return is_at(other.bus_, other.node_);
   }
   [[nodiscard]] std::uint32_t pdo_id(std::uint32_t function) const {
     return pdo1_id(function, node_, axis_);
@@ -108,6 +115,7 @@ class DriveNode {
 
   NodeId node_;
   [[no_unique_address]] hal::AxisNumber axis_;
+  [[no_unique_address]] BusNumber bus_;
   cia402::Drive drive_;
   DriveNodeState s_;
 };

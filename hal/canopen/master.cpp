@@ -10,11 +10,15 @@ namespace armsig::canopen {
 
 using cia402::Goal;
 
-Master::Master(const CheckedConfiguration& configuration, hal::CanBus& bus, FrameSink* other_frames)
-    : configuration_(configuration),
-      bus_(&bus),
-      other_frames_(other_frames),
-      group_(*configuration_) {
+Master::Master(const CheckedConfiguration& configuration, const NamedBuses& buses,
+               FrameSink* other_frames)
+    : configuration_(configuration), other_frames_(other_frames), group_(*configuration_) {
+  ARMSIG_CHECK(buses.size() == bus_count());
+  for (std::uint8_t bus = 0; bus < bus_count(); ++bus) {
+    buses_[bus].can = buses[bus].bus;
+    buses_[bus].name = buses[bus].name;
+    buses_[bus].other_needs_start.fill(true);
+  }
   for (std::size_t axis = 0; axis < configuration_->axes.size(); ++axis) {
     nodes_.push_back(DriveNode(configuration_->axes[axis], configuration_.scaling(axis)));
     group_.add(nodes_.back()->drive());
@@ -23,43 +27,67 @@ Master::Master(const CheckedConfiguration& configuration, hal::CanBus& bus, Fram
                               configuration_->sdo_timeout);
   }
   positions_.resize(nodes_.size());
-  other_needs_start_.fill(true);
 }
 
 Result<void> Master::do_read(hal::Instant now) {
   now_ = now;
-  const hal::CanState bus_state = bus_->status().state;
-  const bool usable = bus_state != hal::CanState::kDown && bus_state != hal::CanState::kBusOff;
-  bool any_started = false;
-  for (const auto& node : nodes_) any_started = any_started || node->is_started();
-  const bool sync_sent = usable && any_started && send(sync_frame()).has_value();
-
-  for (unsigned taken = 0; taken < kMaxFramesPerTick; ++taken) {
-    const auto received = bus_->receive();
-    if (!received) break;
-    take(with_plausible_stamp(*received));
-  }
-  if (!usable) {
-    latch_started(bus_state == hal::CanState::kDown ? Error::kBusDown : Error::kBusOff);
-  }
+  std::array<Cycle, kMostBuses> cycles;
+  for (std::uint8_t bus = 0; bus < bus_count(); ++bus) cycles[bus] = begin_cycle(bus);
+  for (std::uint8_t bus = 0; bus < bus_count(); ++bus) read_bus(bus, cycles[bus]);
   for (std::size_t joint = 0; joint < nodes_.size(); ++joint) {
-    [[maybe_unused]] const unsigned missed = nodes_[joint]->state().missed;
-    nodes_[joint]->supervise(*configuration_, sync_sent, now);
+    DriveNode& node = *nodes_[joint];
+    [[maybe_unused]] const unsigned missed = node.state().missed;
+    node.supervise(*configuration_, cycles[node.bus()].sync_sent, now);
 #ifndef ARMSIG_SMALL_IMAGE
-    if (nodes_[joint]->state().missed > missed) ++counters_.unanswered;
+    if (node.state().missed > missed) ++buses_[node.bus()].counters.unanswered;
 #endif
     positions_[joint] = nodes_[joint]->drive().state().position;
   }
   group_.supervise(now);
   release_drives();
-  if (bus_state == hal::CanState::kDown) return std::unexpected(Error::kBusDown);
-  if (bus_state == hal::CanState::kBusOff) return std::unexpected(Error::kBusOff);
+  for (std::uint8_t bus = 0; bus < bus_count(); ++bus) {
+    if (cycles[bus].state == hal::CanState::kDown) return std::unexpected(Error::kBusDown);
+    if (cycles[bus].state == hal::CanState::kBusOff) return std::unexpected(Error::kBusOff);
+  }
   return {};
 }
 
-void Master::latch_started(Error error) {
+Master::Cycle Master::begin_cycle(BusNumber bus) {
+  Bus& own = buses_[bus];
+  Cycle cycle{.state = own.can->status().state};
+  bool any_started = false;
+  for (const auto& node : nodes_) {
+    any_started = any_started || (node->bus() == bus && node->is_started());
+  }
+  cycle.sync_sent = cycle.is_usable() && any_started && own.send(sync_frame()).has_value();
+  if constexpr (kMostBuses > 1) own.usable = cycle.is_usable();
+  return cycle;
+}
+
+void Master::read_bus(BusNumber bus, const Cycle& cycle) {
+  for (unsigned taken = 0; taken < kMaxFramesPerTick; ++taken) {
+    const auto received = buses_[bus].can->receive();
+    if (!received) break;
+    take(with_plausible_stamp(*received), bus);
+  }
+  if (cycle.is_usable()) return;
+  latch_started(cycle.state == hal::CanState::kDown ? Error::kBusDown : Error::kBusOff, bus);
+}
+
+hal::DriveStatus Master::with_bus(const DriveNode& drive) const {
+  hal::DriveStatus status = drive.status();
+  const Bus& own = buses_[drive.bus()];
+  const bool of_bus = status.fault
+                          ? status.fault == Error::kBusDown || status.fault == Error::kBusOff ||
+                                status.fault == Error::kBusBusy
+                          : !own.usable;
+  if (of_bus && bus_count() > 1) status.words = own.name;
+  return status;
+}
+
+void Master::latch_started(Error error, BusNumber bus) {
   for (auto& node : nodes_) {
-    if (node->is_started()) node->drive().latch(error);
+    if (node->is_started() && node->bus() == bus) node->drive().latch(error);
   }
 }
 
@@ -76,31 +104,32 @@ hal::ReceivedCanFrame Master::with_plausible_stamp(hal::ReceivedCanFrame receive
   return received;
 }
 
-void Master::take(const hal::ReceivedCanFrame& received) {
+void Master::take(const hal::ReceivedCanFrame& received, BusNumber bus) {
   const hal::CanFrame& frame = received.frame;
+  MasterCounters& counters = buses_[bus].counters;
   if (frame.extended || frame.remote) {
-    ++counters_.unknown;
+    ++counters.unknown;
     return;
   }
   const std::uint32_t function = frame.id & kFunctionMask;
   const auto node = static_cast<NodeId>(frame.id & kNodeMask);
-  if (frame.id == kNmtId && !is_about_ours(frame)) {
-    ++counters_.unknown;
+  if (frame.id == kNmtId && !is_about_ours(frame, bus)) {
+    ++counters.unknown;
     return;
   }
   const bool is_masters = frame.id == kNmtId || frame.id == kSyncId ||
                           (function == kHeartbeatId && node == configuration_->master_node);
   if (is_masters) {
-    ++counters_.foreign;
+    ++counters.foreign;
     group_.latch_all(Error::kSecondMaster);
     return;
   }
   for (auto& drive : nodes_) {
-    if (drive->node() != node) continue;
+    if (!drive->is_at(bus, node)) continue;
     take_of_drive(*drive, received);
     return;
   }
-  take_of_other(received);
+  take_of_other(received, bus);
 }
 
 void Master::count([[maybe_unused]] const DriveNode& drive,
@@ -109,11 +138,11 @@ void Master::count([[maybe_unused]] const DriveNode& drive,
   const std::uint32_t function = frame.id & kFunctionMask;
   if (function == kHeartbeatId && drive.is_started() &&
       now_ - drive.state().heard_at > 2 * configuration_->heartbeat) {
-    ++counters_.late_heartbeats;
+    ++buses_[drive.bus()].counters.late_heartbeats;
   }
   if (function != kEmergencyId) return;
   const auto emergency = decode_emergency(frame);
-  if (emergency && emergency->code != 0) ++counters_.emergencies;
+  if (emergency && emergency->code != 0) ++buses_[drive.bus()].counters.emergencies;
 #endif
 }
 
@@ -135,7 +164,7 @@ void Master::take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& receiv
     default:
       well_formed = take_pdo(drive, received);
   }
-  if (!well_formed) ++counters_.malformed;
+  if (!well_formed) ++buses_[drive.bus()].counters.malformed;
 }
 
 // By the axis of the node that has this identifier, if one has.
@@ -148,78 +177,89 @@ bool Master::take_pdo(DriveNode& drive, const hal::ReceivedCanFrame& received) {
       well_formed = axis.take_feedback(received);
     } else if (received.frame.id == axis.pdo_id(kReceivePdo1Id)) {
       known = true;
-      ++counters_.foreign;
+      ++buses_[drive.bus()].counters.foreign;
       group_.latch_all(Error::kSecondMaster);
     }
   });
-  if (!known) ++counters_.unknown;
+  if (!known) ++buses_[drive.bus()].counters.unknown;
   return well_formed;
 }
 
-void Master::take_of_other(const hal::ReceivedCanFrame& received) {
+void Master::take_of_other(const hal::ReceivedCanFrame& received, BusNumber bus) {
   const hal::CanFrame& frame = received.frame;
-  const auto& others = configuration_->other_nodes;
+  const auto& others = configuration_->others[bus].nodes;
   for (std::size_t i = 0; i < others.size(); ++i) {
     // A device that says it is not operational is started (again).
     if (frame.id == kHeartbeatId + others[i] && frame.length == 1 &&
         static_cast<NmtState>(frame.data[0] & 0x7FU) != NmtState::kOperational) {
-      other_needs_start_[i] = true;
+      buses_[bus].other_needs_start[i] = true;
     }
   }
-  if (other_frames_ != nullptr) {
+  const bool is_sinks = kMostBuses == 1 || bus == configuration_->buses.sink;
+  if (other_frames_ != nullptr && is_sinks) {
     other_frames_->take(received);
   } else {
-    ++counters_.unknown;
+    ++buses_[bus].counters.unknown;
   }
 }
 
 Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
   now_ = now;
-  busy_now_ = false;
   Result<void> result = group_.set_targets(targets, now);
-  if (!own_heartbeat_at_ || now - *own_heartbeat_at_ >= configuration_->heartbeat) {
-    if (send(heartbeat_frame(configuration_->master_node, NmtState::kOperational))) {
-      own_heartbeat_at_ = now;
-    }
-    if constexpr (cia402::kMostAxes > 1) {
-      send_guarding();
-    } else {
-      for (const auto& node : nodes_) {
-        if (node->is_guarded()) (void)send(guard_frame(node->node()));
-      }
-    }
-  }
-  step_others();
+  for (std::uint8_t bus = 0; bus < bus_count(); ++bus) begin_write(bus, now);
   step_setup();
   step_mode_inquiry();
   if constexpr (hal::kMayHome) step_homing();
   for (auto& node : nodes_) {
     if (node->state().phase != Phase::kRunning) continue;  // no position to hold is known yet
-    const auto sent = send(node->command(group_.may_release()));
+    const auto sent = buses_[node->bus()].send(node->command(group_.may_release()));
     if (!sent && result) result = sent;
   }
-  busy_ticks_ = busy_now_ ? busy_ticks_ + 1 : 0;
-  if (busy_ticks_ >= kBusBusyLimit) latch_started(Error::kBusBusy);
+  for (std::uint8_t bus = 0; bus < bus_count(); ++bus) end_write(bus);
   return result;
 }
 
+void Master::begin_write(BusNumber bus, hal::Instant now) {
+  Bus& own = buses_[bus];
+  own.busy_now = false;
+  if (!own.heartbeat_at || now - *own.heartbeat_at >= configuration_->heartbeat) {
+    if (own.send(heartbeat_frame(configuration_->master_node, NmtState::kOperational))) {
+      own.heartbeat_at = now;
+    }
+    if constexpr (cia402::kMostAxes > 1) {
+      send_guarding(bus);
+    } else {
+      for (const auto& node : nodes_) {
+        if (node->is_guarded()) (void)send_to(*node, guard_frame(node->node()));
+      }
+    }
+  }
+  step_others(bus);
+}
+
+void Master::end_write(BusNumber bus) {
+  Bus& own = buses_[bus];
+  own.busy_ticks = own.busy_now ? own.busy_ticks + 1 : 0;
+  if (own.busy_ticks >= kBusBusyLimit) latch_started(Error::kBusBusy, bus);
+}
+
 // Once a node.
-void Master::send_guarding() {
+void Master::send_guarding(BusNumber bus) {
   for (auto& node : nodes_) {
-    if (!node->is_guarded()) continue;
+    if (!node->is_guarded() || node->bus() != bus) continue;
     const DriveNode* first = nullptr;
     for_axes_of(*node, [&](DriveNode& axis) {
       if (first == nullptr && axis.is_guarded()) first = &axis;
     });
-    if (first == &*node) (void)send(guard_frame(node->node()));
+    if (first == &*node) (void)buses_[bus].send(guard_frame(node->node()));
   }
 }
 
-Result<void> Master::send(const hal::CanFrame& frame) {
-  auto sent = bus_->send(frame);
+Result<void> Master::Bus::send(const hal::CanFrame& frame) {
+  auto sent = can->send(frame);
   if (!sent) {
-    ++counters_.unsent;
-    busy_now_ = busy_now_ || sent.error() == Error::kBusBusy;
+    ++counters.unsent;
+    busy_now = busy_now || sent.error() == Error::kBusBusy;
   }
   return sent;
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // CANopen master (CiA 301) of the CiA 402 drives of one arm, over any CAN bus.
 //
-// A tick, in fixed order:
+// The drives may be on two buses. SYNC is sent on both before a frame of either is taken, nothing
+// is waited for, and what stops the drives of one bus stops those of the other. No drive is reset
+// for the first time while a bus is down. A tick, in fixed order:
 //   read():  SYNC first, so that its jitter is that of the tick alone; then every frame that has
-//            arrived (at most kMaxFramesPerTick); then supervision of each drive; then the reaction
-//            of the group.
+//            arrived (at most kMaxFramesPerTick a bus); then supervision of each drive; then the
+//            reaction of the group.
 // Stopping and stopped are two conditions: after a stop no command that takes torque off, and no
 // reset, is sent before every position stands, or Configuration::stop_timeout is over.
 //   write(): the master's heartbeat if it is due; one step of the set-up of one drive; RPDO1 of
@@ -23,6 +25,7 @@
 
 #include "core/base/fixed_vector.hpp"
 #include "hal/can_bus.hpp"
+#include "hal/canopen/buses.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/drive_node.hpp"
 #include "hal/canopen/drive_setup.hpp"
@@ -47,6 +50,7 @@ class FrameSink {
   virtual void do_take(const hal::ReceivedCanFrame& received) = 0;
 };
 
+// Of one bus.
 struct MasterCounters {
   std::uint32_t malformed = 0;  // frames of a drive with a wrong length
   std::uint32_t foreign = 0;    // frames that only a master sends, sent by somebody else
@@ -70,11 +74,17 @@ class Master final : public hal::JointDrives {
 
   // `bus` and `other_frames` (which may be null) must outlive the master.
   Master(const CheckedConfiguration& configuration, hal::CanBus& bus,
+         FrameSink* other_frames = nullptr)
+      : Master(configuration, NamedBuses{{&bus, {}}}, other_frames) {}
+  // As many buses as the configuration has.
+  Master(const CheckedConfiguration& configuration, const NamedBuses& buses,
          FrameSink* other_frames = nullptr);
   Master(const Master&) = delete;
   Master& operator=(const Master&) = delete;
 
-  [[nodiscard]] const MasterCounters& counters() const { return counters_; }
+  [[nodiscard]] const MasterCounters& counters(BusNumber bus = 0) const {
+    return buses_[bus].counters;
+  }
   [[nodiscard]] const DriveNodeState& node_state(std::size_t joint) const {
     return nodes_[joint]->state();
   }
@@ -91,6 +101,7 @@ class Master final : public hal::JointDrives {
   Result<void> do_read(hal::Instant now) override;
   [[nodiscard]] const JointVector& do_positions() const override { return positions_; }
   [[nodiscard]] hal::DriveStatus do_status(std::size_t joint) const override {
+    if constexpr (kMostBuses > 1) return with_bus(*nodes_[joint]);
     return nodes_[joint]->status();
   }
   [[nodiscard]] std::optional<hal::DriveIdentity> do_identity(std::size_t joint) const override {
@@ -111,17 +122,49 @@ class Master final : public hal::JointDrives {
   Result<void> do_home(std::size_t joint) override;
   void do_stop_homing() override;
 
-  Result<void> send(const hal::CanFrame& frame);
+  // What is of one bus.
+  struct Bus {
+    std::optional<hal::Instant> heartbeat_at;
+    hal::CanBus* can = nullptr;
+    [[no_unique_address]] BusName name;
+    MasterCounters counters;
+    unsigned busy_ticks = 0;
+    std::array<bool, kMaxOtherNodes> other_needs_start{};
+    bool busy_now = false;
+    bool usable = false;  // at the last tick; not kept of the only bus
+
+    Result<void> send(const hal::CanFrame& frame);
+  };
+  // Of one bus in one tick.
+  struct Cycle {
+    hal::CanState state = hal::CanState::kDown;
+    bool sync_sent = false;
+    [[nodiscard]] bool is_usable() const {
+      return state != hal::CanState::kDown && state != hal::CanState::kBusOff;
+    }
+  };
+
+  Result<void> send_to(const DriveNode& drive, const hal::CanFrame& frame) {
+    return buses_[drive.bus()].send(frame);
+  }
+  [[nodiscard]] std::uint8_t bus_count() const { return configuration_->buses.count; }
+  // A bus that fails is named.
+  [[nodiscard]] hal::DriveStatus with_bus(const DriveNode& drive) const;
+  // What is inline is called in one place, of master.cpp.
+  [[nodiscard]] inline Cycle begin_cycle(BusNumber bus);
+  inline void read_bus(BusNumber bus, const Cycle& cycle);
+  inline void begin_write(BusNumber bus, hal::Instant now);
+  inline void end_write(BusNumber bus);
   [[nodiscard]] hal::ReceivedCanFrame with_plausible_stamp(hal::ReceivedCanFrame received) const;
-  void take(const hal::ReceivedCanFrame& received);
-  [[nodiscard]] bool is_about_ours(const hal::CanFrame& nmt) const;
+  void take(const hal::ReceivedCanFrame& received, BusNumber bus);
+  [[nodiscard]] bool is_about_ours(const hal::CanFrame& nmt, BusNumber bus) const;
   void count(const DriveNode& drive, const hal::CanFrame& frame);
   void take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received);
   bool take_pdo(DriveNode& drive, const hal::ReceivedCanFrame& received);
-  void take_of_other(const hal::ReceivedCanFrame& received);
-  void latch_started(Error error);
+  void take_of_other(const hal::ReceivedCanFrame& received, BusNumber bus);
+  void latch_started(Error error, BusNumber bus);
   void release_drives();
-  void step_others();
+  void step_others(BusNumber bus);
   // True while a drive may still be moving by its former master.
   bool step_inquiries();
   void take_answer(const DriveNode& drive, const hal::CanFrame& frame);
@@ -138,7 +181,7 @@ class Master final : public hal::JointDrives {
       do_with(drive);
     } else {
       for (auto& axis : nodes_) {
-        if (axis->node() == drive.node()) do_with(*axis);
+        if (axis->shares_node(drive)) do_with(*axis);
       }
     }
   }
@@ -146,7 +189,7 @@ class Master final : public hal::JointDrives {
   void reset_whole_nodes();
   // Of the axes of a node, the one that has asked least lately, while none is asking.
   [[nodiscard]] bool may_ask(std::size_t joint) const;
-  void send_guarding();
+  inline void send_guarding(BusNumber bus);
   void fail_setup(DriveNode& drive, const cia402::SetupRefusal& refusal);
   void take_setup_answer(DriveNode& drive, const SdoOutcome& outcome);
   void wait_for_boot_up(DriveNode& drive);
@@ -156,18 +199,14 @@ class Master final : public hal::JointDrives {
   void step_homing();
 
   CheckedConfiguration configuration_;
-  hal::CanBus* bus_;
+  std::array<Bus, kMostBuses> buses_;
   FrameSink* other_frames_;
   FixedVector<std::optional<DriveNode>, kMaxJoints> nodes_;
   std::array<hal::DriveIdentity, kMaxJoints> identities_{};  // of those that were set up
   std::array<cia402::SetupReport, kMaxJoints> reports_;
-  std::array<bool, kMaxOtherNodes> other_needs_start_{};
   JointVector positions_;
   cia402::Group group_;
   hal::Instant now_;
-  std::optional<hal::Instant> own_heartbeat_at_;
-  unsigned busy_ticks_ = 0;
-  bool busy_now_ = false;
   // Before the first reset; empty after it.
   FixedVector<std::optional<RestInquiry>, kMaxJoints> inquiries_;
   std::optional<hal::Instant> inquiring_since_;
@@ -187,7 +226,6 @@ class Master final : public hal::JointDrives {
   };
   using OneHoming = std::optional<HomingRun>;
   [[no_unique_address]] std::conditional_t<hal::kMayHome, OneHoming, NoHoming> homing_;
-  MasterCounters counters_;
 };
 
 }  // namespace armsig::canopen

@@ -6,25 +6,25 @@
 
 namespace armsig::canopen {
 
-void Master::step_others() {
-  const auto& others = configuration_->other_nodes;
+void Master::step_others(BusNumber bus) {
+  const auto& others = configuration_->others[bus].nodes;
+  Bus& own = buses_[bus];
   for (std::size_t i = 0; i < others.size(); ++i) {
-    if (other_needs_start_[i] && send(nmt_frame(NmtCommand::kStart, others[i]))) {
-      other_needs_start_[i] = false;
-    }
+    bool& needs_start = own.other_needs_start[i];
+    if (needs_start && own.send(nmt_frame(NmtCommand::kStart, others[i]))) needs_start = false;
   }
 }
 
 void Master::take_answer(const DriveNode& drive, const hal::CanFrame& frame) {
   for (std::size_t joint = 0; joint < inquiries_.size(); ++joint) {
-    if (inquiries_[joint] && nodes_[joint]->node() == drive.node()) inquiries_[joint]->take(frame);
+    if (inquiries_[joint] && nodes_[joint]->shares_node(drive)) inquiries_[joint]->take(frame);
   }
-  if (transfer_ && setup_joint_ && nodes_[*setup_joint_]->node() == drive.node()) {
+  if (transfer_ && setup_joint_ && nodes_[*setup_joint_]->shares_node(drive)) {
     transfer_->take(frame);
   }
-  if (mode_inquiry_ && nodes_[*mode_joint_]->node() == drive.node()) mode_inquiry_->take(frame);
+  if (mode_inquiry_ && nodes_[*mode_joint_]->shares_node(drive)) mode_inquiry_->take(frame);
   if constexpr (hal::kMayHome) {
-    if (homing_ && nodes_[homing_->joint()]->node() == drive.node()) homing_->take(frame);
+    if (homing_ && nodes_[homing_->joint()]->shares_node(drive)) homing_->take(frame);
   }
 }
 
@@ -36,8 +36,9 @@ bool Master::step_inquiries() {
     if (!inquiry) continue;
     if constexpr (cia402::kMostAxes > 1) inquiry->let_ask(may_ask(joint));
     const auto question = inquiry->poll(now_);
-    if (question && !send(*question)) {
+    if (question && !send_to(*nodes_[joint], *question)) {
       inquiry->begin();  // the bus takes nothing
+      if (kMostBuses > 1 && !buses_[nodes_[joint]->bus()].usable) inquiring_since_.reset();
     } else if (question && !inquiring_since_) {
       inquiring_since_ = now_;
     }
@@ -65,7 +66,7 @@ void Master::reset_drives() {
   for (auto& node : nodes_) {
     if (node->state().phase == Phase::kUnreset &&
         (cia402::kMostAxes == 1 || all_await_reset(*node)) &&
-        send(nmt_frame(NmtCommand::kResetCommunication, node->node()))) {
+        send_to(*node, nmt_frame(NmtCommand::kResetCommunication, node->node()))) {
       for_axes_of(*node, [&](DriveNode& axis) { axis.enter(Phase::kBooting, now_); });
     }
   }
@@ -87,11 +88,11 @@ void Master::reset_whole_nodes() {
 }
 
 // A command of the network management, of another master: to all nodes, or to one of this arm.
-bool Master::is_about_ours(const hal::CanFrame& nmt) const {
+bool Master::is_about_ours(const hal::CanFrame& nmt, BusNumber bus) const {
   const auto node = static_cast<NodeId>(nmt.data[1]);
   bool ours = nmt.length != 2 || node == 0;
-  for (const auto& drive : nodes_) ours = ours || drive->node() == node;
-  for (const NodeId other : configuration_->other_nodes) ours = ours || other == node;
+  for (const auto& drive : nodes_) ours = ours || drive->is_at(bus, node);
+  for (const NodeId other : configuration_->others[bus].nodes) ours = ours || other == node;
   return ours;
 }
 
@@ -144,7 +145,7 @@ void Master::step_setup() {
 void Master::wait_for_boot_up(DriveNode& drive) {
   if (!drive.may_be_wholly_reset()) {
     fail_setup(drive, {.error = Error::kDriveAbsent, .code = 0, .object = {}});
-  } else if (send(nmt_frame(NmtCommand::kResetNode, drive.node()))) {
+  } else if (send_to(drive, nmt_frame(NmtCommand::kResetNode, drive.node()))) {
     for_axes_of(drive, [&](DriveNode& axis) { axis.wait_for_whole_reset(now_); });
   }
 }
@@ -171,9 +172,9 @@ void Master::step_requests(DriveNode& drive) {
   [[maybe_unused]] const bool repeats = transfer_->was_sent();
   const auto request = transfer_->poll(now_);
   if (!request) return;
-  (void)send(*request);
+  (void)send_to(drive, *request);
 #ifndef ARMSIG_SMALL_IMAGE
-  if (repeats) ++counters_.repeated;
+  if (repeats) ++buses_[drive.bus()].counters.repeated;
 #endif
 }
 
@@ -185,7 +186,7 @@ void Master::take_setup_answer(DriveNode& drive, const SdoOutcome& outcome) {
 
 void Master::finish_setup(DriveNode& drive) {
   constexpr bool kAlone = cia402::kMostAxes == 1;
-  if (kAlone && !send(nmt_frame(NmtCommand::kStart, drive.node()))) return;
+  if (kAlone && !send_to(drive, nmt_frame(NmtCommand::kStart, drive.node()))) return;
   reports_[*setup_joint_] = setup_.report();
   drive.enter_set_up(setup_.report(), now_);
   setup_joint_.reset();
@@ -199,7 +200,7 @@ void Master::start_configured() {
     bool ready = true;
     for_axes_of(
         *node, [&](DriveNode& axis) { ready = ready && axis.state().phase >= Phase::kConfigured; });
-    if (!ready || !send(nmt_frame(NmtCommand::kStart, node->node()))) continue;
+    if (!ready || !send_to(*node, nmt_frame(NmtCommand::kStart, node->node()))) continue;
     for_axes_of(*node, [&](DriveNode& axis) {
       if (axis.state().phase == Phase::kConfigured) axis.enter(Phase::kStarted, now_);
     });
@@ -234,7 +235,7 @@ void Master::step_mode_inquiry() {
     mode_inquiry_.emplace(drive.node(), SdoRequest{.index = drive.object(cia402::kModeDisplay)},
                           configuration_->sdo_timeout, 1U);
   }
-  if (const auto request = mode_inquiry_->poll(now_)) (void)send(*request);
+  if (const auto request = mode_inquiry_->poll(now_)) (void)send_to(drive, *request);
 }
 
 void Master::step_homing() {
@@ -243,7 +244,7 @@ void Master::step_homing() {
     cia402::Drive& drive = nodes_[homing_->joint()]->drive();
     const bool forgotten = drive.state().homing == cia402::Homing::kNone;  // it is set up anew
     const auto request = forgotten ? std::nullopt : homing_->poll(drive, now_);
-    if (request) (void)send(*request);
+    if (request) (void)send_to(*nodes_[homing_->joint()], *request);
     if (forgotten || homing_->is_over()) homing_.reset();
   }
 }

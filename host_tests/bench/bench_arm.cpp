@@ -145,6 +145,10 @@ int run(int argc, char** argv) {
   Options options;
   PlantConfiguration& plant = options.plant;
   app.add_option("--can", plant.can_interface, "CAN interface")->capture_default_str();
+  app.add_option(
+      "--second-can", plant.second_can_interface,
+      "CAN interface that the drives of the upper half of the joints are on, their nodes "
+      "counted from 1 too");
   app.add_option("--console", options.console, "Unix socket for requests")->required();
   app.add_option("--sensor-device", plant.sensor_device,
                  "symbolic link to make to the sensor's serial line (Modbus RTU)");

@@ -217,7 +217,7 @@ TEST(Bench, the_sensor_on_the_can_bus_tells_where_the_target_truly_is) {
   BenchProcess arm({"--sensor-node", "32"});
   canopen::RangeSensor sensor({.node = 32, .receivers = 6});
   canopen::Configuration configuration = patient_drives();
-  configuration.other_nodes.push_back(32);
+  configuration.others[0].nodes.push_back(32);
   BenchMaster master(configuration, &sensor);
   const auto reading = reading_of(sensor, [&] { master.tick(); });
   ASSERT_TRUE(reading);
@@ -361,6 +361,37 @@ TEST(Bench, an_interface_that_goes_down_faults_the_drives_and_they_come_back_wit
   EXPECT_TRUE(master.recover());
 }
 
+// Six joints at 1 kHz, three on each interface, whose nodes have the same numbers.
+TEST(Bench, drives_on_two_interfaces_at_1_kHz_stop_together_when_one_goes_down) {
+  BenchProcess arm({"--second-can", "vcan1", "--step-us", "200"});
+  canopen::Configuration configuration = patient_drives();
+  test::put_on_two_buses(configuration);
+  configuration.missed_feedback_limit = 1000;
+  BenchMaster master(configuration);
+  ASSERT_TRUE(master.enable());
+  master.move(folded(), 1500);
+  master.run(500);
+  const auto truth = arm.numbers("status", "joints");
+  ASSERT_EQ(truth.size(), folded().size());
+  for (std::size_t i = 0; i < folded().size(); ++i) EXPECT_NEAR(truth[i], folded()[i], 1e-3);
+  for (const std::uint8_t bus : {std::uint8_t{0}, std::uint8_t{1}}) {
+    EXPECT_EQ(master.master.counters(bus).unknown, 0U);
+    EXPECT_EQ(master.master.counters(bus).malformed, 0U);
+  }
+  ASSERT_EQ(std::system("ip link set vcan1 down"), 0);
+  EXPECT_TRUE(master.run_until([&] {
+    return master.master.status(0).condition == DriveCondition::kStopped &&
+           master.master.status(2).condition == DriveCondition::kStopped;
+  })) << master.conditions();
+  EXPECT_EQ(test::failure_of(master.read), Error::kBusDown);
+  EXPECT_EQ(master.master.status(3).fault, Error::kBusDown);
+  EXPECT_EQ(master.master.status(3).words, "vcan1");
+  EXPECT_FALSE(master.master.status(0).fault);
+  ASSERT_EQ(std::system("ip link set vcan1 up"), 0);
+  EXPECT_TRUE(master.run_until([&] { return master.read.has_value(); }));
+  EXPECT_TRUE(master.recover());
+}
+
 TEST(Bench, every_fault_of_the_serial_sensor_has_its_name_and_ends_with_its_cause) {
   BenchProcess arm;
   const auto sensor = serial_sensor(arm.sensor_device);
@@ -439,7 +470,7 @@ TEST(Bench, an_independent_decoder_reads_every_frame_of_the_real_bus) {
     BenchProcess arm({"--sensor-node", "32"});
     canopen::RangeSensor sensor({.node = 32, .receivers = 6});
     canopen::Configuration configuration = patient_drives();
-    configuration.other_nodes.push_back(32);
+    configuration.others[0].nodes.push_back(32);
     BenchMaster master(configuration, &sensor);
     ASSERT_TRUE(master.enable());
     master.move(folded(), 50);

@@ -39,7 +39,8 @@ class BenchMaster {
                        canopen::FrameSink* others = nullptr)
       : period_(configuration.period),
         bus({.interface_name = "vcan0", .filters = {}}),
-        master(*canopen::check(configuration), bus, others),
+        second_bus({.interface_name = "vcan1", .filters = {}}),
+        master(*canopen::check(configuration), buses_of(configuration), others),
         targets(configuration.axes.size()),
         next_(clock_.now()) {}
 
@@ -122,11 +123,18 @@ class BenchMaster {
   [[nodiscard]] hal::Instant now() { return clock_.now(); }
 
  private:
+  canopen::NamedBuses buses_of(const canopen::Configuration& configuration) {
+    canopen::NamedBuses buses{{&bus, "vcan0"}};
+    if (configuration.buses.count > 1) buses.push_back({&second_bus, "vcan1"});
+    return buses;
+  }
+
   hal::Duration period_;
   linux_hal::SteadyClock clock_;
 
  public:
   linux_hal::SocketCan bus;
+  linux_hal::SocketCan second_bus;  // where the configuration has two
   canopen::Master master;
   JointVector targets;
   bool following = false;  // targets are kept instead of following the positions

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <thread>
@@ -189,6 +191,58 @@ TEST(BenchRun, small_with_a_tracker_by_tcp) {
   EXPECT_TRUE(status.contains(" sensor=well")) << status;
   EXPECT_FALSE(status.contains(" sensor_malformed=")) << status;
   EXPECT_EQ(daemon.end(SIGTERM), 0);
+}
+
+// Joints 4 to 6 on the second interface, whose nodes are 1 to 3 too.
+Changes two_interfaces_at_1_kHz() {
+  return {{"period_ms: 20", "period_ms: 1"},
+          {"interface: vcan0", "interface: vcan0\n  second_interface: vcan1"},
+          {"missed_feedback_limit: 500", "missed_feedback_limit: 1000"},
+          {"node: 4,", "node: 1, interface: vcan1,"},
+          {"node: 5,", "node: 2, interface: vcan1,"},
+          {"node: 6,", "node: 3, interface: vcan1,"}};
+}
+
+// What `armsigd --drives` prints.
+std::string drives_of(const std::string& configuration_path) {
+  const std::string out = configuration_path + ".drives";
+  const std::string command = std::string(ARMSIG_DAEMON) + " --drives " + configuration_path;
+  EXPECT_EQ(std::system((command + " >" + out).c_str()), 0);
+  std::ifstream file(out);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(BenchRun, small_on_two_interfaces_at_1_kHz) {
+  BenchProcess arm({"--start-deg", "0,-90,90,30,0,0", "--second-can", "vcan1", "--step-us", "300"});
+  DaemonProcess daemon(two_interfaces_at_1_kHz(), arm.sensor_device);
+  ASSERT_TRUE(daemon.enable());
+  ASSERT_EQ(daemon.ask("move q1_deg=20 q4_deg=50"), "ok");
+  ASSERT_TRUE(daemon.is_in("servoing"));
+  ASSERT_TRUE(daemon.is_in("holding"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto truth = arm.numbers("status", "joints");
+  ASSERT_EQ(truth.size(), 6U);
+  EXPECT_NEAR(truth[0], radians(20), 1e-3);
+  EXPECT_NEAR(truth[3], radians(50), 1e-3);
+  std::printf("%s\n%s\n", daemon.ask("status").c_str(), daemon.ask("system").c_str());
+  EXPECT_TRUE(daemon.ask("system").contains(" can2=active can2_error_frames=0"));
+
+  ASSERT_EQ(daemon.ask("move q1_deg=-60 q4_deg=0"), "ok");
+  ASSERT_EQ(std::system("ip link set vcan1 down"), 0);
+  ASSERT_TRUE(daemon.is_in("faulted"));
+  const std::string status = daemon.ask("status");
+  EXPECT_TRUE(status.contains(" fault=BUS_DOWN fault_joint=4 fault_says=\"vcan1\"")) << status;
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  (void)arm.numbers("status", "peak_counts_per_s");
+  EXPECT_LT(arm.numbers("status", "peak_counts_per_s").at(0), 10) << "all joints stand";
+  ASSERT_EQ(std::system("ip link set vcan1 up"), 0);
+  EXPECT_TRUE(daemon.recover());
+
+  EXPECT_EQ(daemon.end(SIGTERM), 0);
+  const std::string drives = drives_of(daemon.configuration_path());
+  EXPECT_TRUE(drives.contains("node 1 on vcan0, joint 1: drive of CiA 402")) << drives;
+  EXPECT_TRUE(drives.contains("node 1 on vcan1, joint 4: drive of CiA 402")) << drives;
+  daemon.start();
 }
 
 TEST(BenchRun, full_over_modbus) { run_all({}, true); }

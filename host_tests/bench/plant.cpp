@@ -49,8 +49,12 @@ Plant::Plant(const PlantConfiguration& configuration, hal::Instant now)
       field_(configuration.field, simulated::Random(configuration.seed)),
       next_ping_(now),
       now_(now) {
+  if (!configuration.second_can_interface.empty()) {
+    second_bus_.emplace(linux_hal::SocketCanConfiguration{
+        .interface_name = configuration.second_can_interface, .filters = {}});
+  }
   for (std::size_t i = 0; i < configuration.arm.arm.joints.size(); ++i) {
-    drives_.emplace_back(drive_of(i), bus_, now);
+    drives_.emplace_back(drive_of(i), i < first_of_second() ? bus_ : *second_bus_, now);
   }
   if (configuration.sensor_node != 0) node_.emplace(configuration.sensor_node, bus_, now);
   if (!configuration.sensor_device.empty()) line_.emplace(configuration.sensor_device);
@@ -58,7 +62,8 @@ Plant::Plant(const PlantConfiguration& configuration, hal::Instant now)
 
 simulated::DriveConfiguration Plant::drive_of(std::size_t joint) const {
   const std::size_t joints_a_node = configuration_.dual ? 2 : 1;
-  const auto node = static_cast<std::uint8_t>(joint / joints_a_node + 1);
+  const std::size_t of_bus = joint < first_of_second() ? joint : joint - first_of_second();
+  const auto node = static_cast<std::uint8_t>(of_bus / joints_a_node + 1);
   const bool turns = configuration_.arm.arm.joints[joint].type == JointType::kRevolute;
   simulated::DriveConfiguration drive;
   if (!configuration_.ideal) {
@@ -87,6 +92,11 @@ simulated::DriveConfiguration Plant::drive_of(std::size_t joint) const {
   const JointType type = configuration_.arm.arm.joints[joint].type;
   drive.motion.play += cabinet::bend_amount(type, configuration_.play_rad) * counts_per_unit(joint);
   return drive;
+}
+
+std::size_t Plant::first_of_second() const {
+  const std::size_t joints = configuration_.arm.arm.joints.size();
+  return second_bus_ ? (joints + 1) / 2 : joints;
 }
 
 double Plant::counts_per_unit(std::size_t joint) const {
@@ -134,15 +144,15 @@ void Plant::set_sensor_fault(SensorFault fault) {
     line_->set_fault(fault == SensorFault::kSilent ? LineFault::kSilent : LineFault::kNone);
 }
 
-void Plant::take(const hal::ReceivedCanFrame& received) {
+void Plant::take(const hal::ReceivedCanFrame& received, std::size_t begin, std::size_t end) {
   if (received.frame.id == canopen::kSyncId && sync_to_lose_ > 0) {
     --sync_to_lose_;
     return;
   }
   // What waited in the queue is taken as of when it came.
   advance(std::max(now_, received.at));
-  for (simulated::Drive& drive : drives_) drive.take(received);
-  if (node_) node_->take(received);
+  for (std::size_t i = begin; i < end; ++i) drives_[i].take(received);
+  if (node_ && begin == 0) node_->take(received);
 }
 
 void Plant::advance(hal::Instant until) {
@@ -156,7 +166,13 @@ void Plant::advance(hal::Instant until) {
 
 void Plant::run(hal::Instant now) {
   (void)bus_.status();  // opens the interface again when it was away
-  while (const auto received = bus_.receive()) take(*received);
+  while (const auto received = bus_.receive()) take(*received, 0, first_of_second());
+  if (second_bus_) {
+    (void)second_bus_->status();
+    while (const auto received = second_bus_->receive()) {
+      take(*received, first_of_second(), drives_.size());
+    }
+  }
   advance(std::max(now_, now));
   if (now >= next_gravity_) {
     next_gravity_ = now + kGravityStep;

@@ -25,6 +25,8 @@ namespace armsig::bench {
 
 struct PlantConfiguration {
   std::string can_interface = "vcan0";
+  // The upper half of the joints is on it, their nodes counted from 1 too; empty: all are on one.
+  std::string second_can_interface;
   std::string sensor_device;     // symbolic link to the sensor's serial line; empty: no such line
   std::uint8_t sensor_node = 0;  // on the CAN bus; 0: not there
   simulated::SimulatedArm arm;   // joint i is node i, unless `dual`; one target
@@ -84,16 +86,20 @@ class Plant {
 
  private:
   [[nodiscard]] simulated::DriveConfiguration drive_of(std::size_t joint) const;
+  // The first joint that is on the second interface.
+  [[nodiscard]] std::size_t first_of_second() const;
+  // The drives from `begin` on and before `end` take it.
+  void take(const hal::ReceivedCanFrame& received, std::size_t begin, std::size_t end);
   [[nodiscard]] JointVector turned() const;  // readings of an arm that does not bend, in that pose
   void feel_gravity();
   [[nodiscard]] double counts_per_unit(std::size_t joint) const;
-  void take(const hal::ReceivedCanFrame& received);
   void advance(hal::Instant until);
   void ping();
   void publish(const simulated::Sounding& sounding);
 
   PlantConfiguration configuration_;
   linux_hal::SocketCan bus_;
+  std::optional<linux_hal::SocketCan> second_bus_;
   std::deque<simulated::Drive> drives_;  // not movable
   std::optional<simulated::RangeNode> node_;
   std::optional<ModbusServer> line_;

@@ -96,6 +96,7 @@ TEST(Emulation, refuses_what_it_does_not_know_before_it_changes_anything) {
   ASSERT_TRUE(puma.enable());
   puma.expect_refused("emulate", "joint=2 fault=blocked");
   puma.expect_refused("emulate sensor=silent colour=red", "colour is no key of emulate");
+  puma.expect_refused("emulate can2=down", "can2 is not configured");
   puma.expect_refused("emulate joint=2 fault=tired", "tired is no fault of a drive");
   puma.expect_refused("emulate joint=7 fault=blocked", "OUT_OF_RANGE");
   puma.expect_refused("emulate joint=1.5 fault=blocked", "OUT_OF_RANGE");

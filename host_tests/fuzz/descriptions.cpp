@@ -81,7 +81,7 @@ void fuzz_configuration(Bytes bytes) {
   if (!configuration) return;
   FUZZ_CHECK(controller::check(configuration->controller));
   FUZZ_CHECK(canopen::check(configuration->drives));
-  FUZZ_CHECK(configuration->bus_load >= 0 && configuration->bus_load <= 1);
+  FUZZ_CHECK(configuration->bus_loads.at(0) >= 0 && configuration->bus_loads.at(0) <= 1);
 }
 
 constexpr std::array kTargets{

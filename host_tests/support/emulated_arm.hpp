@@ -22,23 +22,28 @@ struct EmulatedArm {
                        simulated::DriveConfiguration drive = {})
       : period(configuration.period) {
     bus.connect(master_port);
+    second_bus.connect(second_port);
     for (const canopen::AxisConfiguration& axis : configuration.axes) {
       ports.emplace_back();
       drive.node = axis.node;
-      drive.axis = {.number = axis.axis, .emulated = axes_of(configuration, axis.node)};
+      drive.axis = {.number = axis.axis, .emulated = axes_of(configuration, axis)};
       drives.emplace_back(drive, ports.back());
-      bus.connect(ports.back(), &drives.back());
+      (axis.bus == 0 ? bus : second_bus).connect(ports.back(), &drives.back());
     }
     clock.add(bus);
-    master.emplace(*canopen::check(configuration), master_port, other_frames);
+    clock.add(second_bus);
+    canopen::NamedBuses buses{{&master_port, "one"}};
+    if (configuration.buses.count > 1) buses.push_back({&second_port, "two"});
+    master.emplace(*canopen::check(configuration), buses, other_frames);
     targets.resize(configuration.axes.size());
   }
 
   // Those of a node that are joints, a bit each.
-  static std::uint8_t axes_of(const canopen::Configuration& configuration, canopen::NodeId node) {
+  static std::uint8_t axes_of(const canopen::Configuration& configuration,
+                              const canopen::AxisConfiguration& of_node) {
     unsigned axes = 0;
     for (const canopen::AxisConfiguration& axis : configuration.axes) {
-      if (axis.node == node) axes |= 1U << (axis.axis - 1U);
+      if (axis.shares_node(of_node)) axes |= 1U << (axis.axis - 1U);
     }
     return static_cast<std::uint8_t>(axes);
   }
@@ -74,6 +79,8 @@ struct EmulatedArm {
   simulated::VirtualClock clock;
   simulated::VirtualCanBus bus;
   simulated::VirtualCanPort master_port;
+  simulated::VirtualCanBus second_bus;  // where the configuration has two
+  simulated::VirtualCanPort second_port;
   std::deque<simulated::VirtualCanPort> ports;
   std::deque<simulated::Drive> drives;
   std::optional<canopen::Master> master;

@@ -47,9 +47,9 @@ struct Capture {
   Capture() : path(testing::TempDir() + "canopen_capture_" + std::to_string(getpid()) + ".pcap") {
     RangeNodeConfiguration sensor_node;
     Configuration configuration = test::puma_drives();
-    configuration.other_nodes.push_back(sensor_node.node);
+    configuration.others[0].nodes.push_back(sensor_node.node);
     for (const auto& frame : traffic(sensor_node, std::chrono::milliseconds(20))) {
-      configuration.other_traffic.push_back(frame);
+      configuration.others[0].traffic.push_back(frame);
     }
     test::CanCapture capture(path);
     RangeSensor sensor(sensor_node);

@@ -320,7 +320,7 @@ TEST(DualAxis, refuses_an_axis_that_two_joints_have_and_one_that_there_cannot_be
     EXPECT_EQ(refused.axis, 3U);
   }
   configuration.axes[3].axis = 2;
-  configuration.other_nodes.push_back(3);
+  configuration.others[0].nodes.push_back(3);
   EXPECT_EQ(test::failure_of(check(configuration)).error, Error::kNodeTwice);
 }
 

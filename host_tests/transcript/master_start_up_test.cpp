@@ -358,7 +358,7 @@ TEST(MasterStartUp, refuses_to_enable_before_every_drive_is_ready) {
 TEST(MasterStartUp, starts_the_other_nodes_and_starts_them_again_after_their_boot_up) {
   Configuration configuration;
   configuration.axes.push_back(puma_axis(1));
-  configuration.other_nodes.push_back(32);
+  configuration.others[0].nodes.push_back(32);
   MasterScript script(configuration);
   script.bus.expect("77F#05");
   script.bus.expect("000#0120");

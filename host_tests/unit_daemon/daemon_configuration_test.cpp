@@ -21,7 +21,7 @@ TEST(DaemonConfiguration, of_the_reference_is_read_as_it_is_written) {
   ASSERT_TRUE(read) << tool::render(read.error());
   const controller::Configuration& c = read->controller;
   EXPECT_EQ(read->name, "Puma 560");
-  EXPECT_EQ(read->can_interface, "can0");
+  EXPECT_EQ(read->can_interfaces, std::vector<std::string>{"can0"});
   EXPECT_EQ(c.period, std::chrono::milliseconds(2));
   ASSERT_EQ(c.drawing.joints.size(), 6U);
   EXPECT_DOUBLE_EQ(c.drawing.joints[1].a_m, 0.4318);
@@ -43,8 +43,8 @@ TEST(DaemonConfiguration, of_the_reference_is_read_as_it_is_written) {
   EXPECT_EQ(line.parity, 'E');
   EXPECT_EQ(line.profile.receivers, 8U);
   // Table of bit times of docs: SYNC, twelve PDOs and seven heartbeats at 1 Mbit/s.
-  EXPECT_GT(read->bus_load, 0.6);
-  EXPECT_LT(read->bus_load, 0.8);
+  EXPECT_GT(read->bus_loads.at(0), 0.6);
+  EXPECT_LT(read->bus_loads.at(0), 0.8);
 }
 
 TEST(DaemonConfiguration, places_the_arm_of_a_virtual_controller) {
@@ -89,9 +89,9 @@ TEST(DaemonConfiguration, of_a_sensor_on_can_counts_its_frames_and_starts_its_no
   const auto read = parse_configuration(text, "cabinet.yaml");
   ASSERT_TRUE(read) << tool::render(read.error());
   EXPECT_TRUE(std::holds_alternative<canopen::RangeNodeConfiguration>(read->sensor));
-  ASSERT_EQ(read->drives.other_nodes.size(), 1U);
-  EXPECT_EQ(read->drives.other_nodes[0], 32);
-  EXPECT_EQ(read->drives.other_traffic.size(), 4U);
+  ASSERT_EQ(read->drives.others[0].nodes.size(), 1U);
+  EXPECT_EQ(read->drives.others[0].nodes[0], 32);
+  EXPECT_EQ(read->drives.others[0].traffic.size(), 4U);
 }
 
 TEST(DaemonConfiguration, refuses_an_unknown_key_and_names_the_one_that_was_meant) {

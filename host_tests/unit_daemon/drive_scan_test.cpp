@@ -240,6 +240,42 @@ TEST(DriveScan, is_told_to_programs) {
   EXPECT_TRUE(seen);
 }
 
+// Two buses, each with a drive of node 1.
+TEST(DriveScan, names_the_interface_of_a_drive_where_there_are_two) {
+  canopen::Configuration drives = test::puma_drives(2);
+  drives.buses.count = 2;
+  drives.axes[1].node = 1;
+  drives.axes[1].bus = 1;
+  const auto configuration = canopen::check(drives);
+  ASSERT_TRUE(configuration);
+  std::vector<DriveScan> scans;
+  std::string words;
+  for (const std::uint8_t number : {std::uint8_t{0}, std::uint8_t{1}}) {
+    simulated::VirtualClock clock;
+    simulated::VirtualCanBus bus;
+    simulated::VirtualCanPort port;
+    simulated::VirtualCanPort drive_port;
+    simulated::Drive drive({.node = 1}, drive_port);
+    bus.connect(port);
+    if (number == 0) bus.connect(drive_port, &drive);
+    clock.add(bus);
+    scans.emplace_back(*configuration, port, number, number == 0 ? "can0" : "can1");
+    for (int i = 1; i < 60'000 && scans.back().step(clock.now()); ++i) {
+      clock.wait_until(hal::Instant(milliseconds(i)));
+    }
+    words += drives_in_words(scans.back(), *configuration);
+  }
+  EXPECT_TRUE(words.starts_with("node 1 on can0, joint 1: drive of CiA 402\n")) << words;
+  EXPECT_TRUE(words.ends_with("node 1 on can1, joint 2: does not answer\n")) << words;
+  EXPECT_TRUE(all_would_be_set_up(scans[0].nodes(), *configuration)) << words;
+  EXPECT_FALSE(all_would_be_set_up(scans[1].nodes(), *configuration)) << words;
+  const auto json = nlohmann::json::parse(drives_as_json(scans, *configuration));
+  ASSERT_EQ(json["nodes"].size(), 2U);
+  EXPECT_EQ(json["nodes"][0]["interface"], "can0");
+  EXPECT_EQ(json["nodes"][1]["interface"], "can1");
+  EXPECT_EQ(json["nodes"][1]["joint"], 2);
+}
+
 // Two axes in a node, of which `joints` are configured as the axes of joints.
 struct DualBus {
   explicit DualBus(std::uint8_t joints, std::span<const simulated::ObjectEdit> edits = {}) {

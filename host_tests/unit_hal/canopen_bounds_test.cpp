@@ -176,11 +176,11 @@ TEST(CanopenBounds, of_the_masters_node_and_of_others_traffic) {
   EXPECT_EQ(test::failure_of(check(c)).axis, 2U);
   EXPECT_EQ(test::failure_of(check(c)).needed, 0);
   c = puma_drives();
-  c.other_traffic.push_back({8, seconds(1)});
+  c.others[0].traffic.push_back({8, seconds(1)});
   EXPECT_TRUE(check(c));
-  c.other_traffic[0].data_bytes = 9;
+  c.others[0].traffic[0].data_bytes = 9;
   EXPECT_EQ(test::failure_of(check(c)).error, Error::kPeriodInvalid);
-  c.other_traffic[0] = {8, hal::Duration::zero()};
+  c.others[0].traffic[0] = {8, hal::Duration::zero()};
   EXPECT_EQ(test::failure_of(check(c)).error, Error::kPeriodInvalid);
 }
 

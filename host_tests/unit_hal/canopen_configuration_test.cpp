@@ -50,7 +50,7 @@ TEST(Configuration, refuses_eight_axes_at_500_Hz_as_too_much_for_the_bus) {
 
 TEST(Configuration, refuses_a_sensor_that_overloads_the_bus) {
   Configuration configuration = puma_drives();
-  configuration.other_traffic.push_back({8, milliseconds(1)});
+  configuration.others[0].traffic.push_back({8, milliseconds(1)});
   EXPECT_EQ(refusal_of(configuration).error, Error::kBusOverload);
 }
 
@@ -78,7 +78,7 @@ TEST(Configuration, refuses_a_drive_at_the_masters_or_the_sensors_node) {
   configuration.axes[0].node = 127;
   EXPECT_EQ(refusal_of(configuration).error, Error::kNodeTwice);
   configuration = puma_drives();
-  configuration.other_nodes.push_back(6);
+  configuration.others[0].nodes.push_back(6);
   EXPECT_EQ(refusal_of(configuration).error, Error::kNodeTwice);
 }
 
