@@ -132,8 +132,8 @@ void Master::take(const hal::ReceivedCanFrame& received, BusNumber bus) {
   take_of_other(received, bus);
 }
 
-void Master::count([[maybe_unused]] const DriveNode& drive,
-                   [[maybe_unused]] const hal::CanFrame& frame) {
+void Master::count_frame([[maybe_unused]] const DriveNode& drive,
+                         [[maybe_unused]] const hal::CanFrame& frame) {
 #ifndef ARMSIG_SMALL_IMAGE
   const std::uint32_t function = frame.id & kFunctionMask;
   if (function == kHeartbeatId && drive.is_started() &&
@@ -147,7 +147,7 @@ void Master::count([[maybe_unused]] const DriveNode& drive,
 }
 
 void Master::take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received) {
-  if constexpr (!hal::kSmallImage) count(drive, received.frame);
+  if constexpr (!hal::kSmallImage) count_frame(drive, received.frame);
   bool well_formed = true;
   switch (received.frame.id & kFunctionMask) {
     case kHeartbeatId:

@@ -158,7 +158,7 @@ class Master final : public hal::JointDrives {
   [[nodiscard]] hal::ReceivedCanFrame with_plausible_stamp(hal::ReceivedCanFrame received) const;
   void take(const hal::ReceivedCanFrame& received, BusNumber bus);
   [[nodiscard]] bool is_about_ours(const hal::CanFrame& nmt, BusNumber bus) const;
-  void count(const DriveNode& drive, const hal::CanFrame& frame);
+  void count_frame(const DriveNode& drive, const hal::CanFrame& frame);
   void take_of_drive(DriveNode& drive, const hal::ReceivedCanFrame& received);
   bool take_pdo(DriveNode& drive, const hal::ReceivedCanFrame& received);
   void take_of_other(const hal::ReceivedCanFrame& received, BusNumber bus);
