@@ -81,13 +81,13 @@ void print_refinement(const RefinementOutcome& outcome, std::size_t receivers) {
 }
 
 void print_models_tried(const RefinementOutcome* outcome) {
-  say("\nModels tried, by the mean of their validation rows\n\n");
+  say("\nModels tried: the mean of their validation rows, and the rows rejected\n\n");
   if (outcome == nullptr || outcome->tried.empty()) {
     say("  none: {}\n", outcome == nullptr ? "--method refined tries several"
                                            : "too few rows to leave some of them out of a fit");
     return;
   }
-  Table table({"", "mean, mm", "rejected", ""});
+  Table table({"", "mm", "rejected", ""});
   for (const TriedModel& model : outcome->tried) {
     table.add_row({in_words(model), fmt::format("{:.3f}", 1e3 * model.left_out_mean_m),
                    std::to_string(model.rejected), model.written ? "written" : ""});

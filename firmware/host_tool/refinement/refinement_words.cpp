@@ -104,7 +104,7 @@ std::string in_words(const FoundCoupling& found) {
 std::string in_words(const TriedModel& model) {
   std::string words = "geometry";
   const std::string readings = corrections_in_words(model.readings);
-  if (!readings.empty()) words += fmt::format(", readings corrected ({})", readings);
+  if (!readings.empty()) words += fmt::format(", corrected by {}", readings);
   if (model.parts.gravity) words += ", gravity";
   if (model.other_vertical) words += " along the vertical of the rows";
   if (model.parts.maps) words += ", joint error maps";
