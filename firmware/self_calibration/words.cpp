@@ -11,6 +11,8 @@ namespace {
 
 // A target nearer to an axis hardly moves when that joint turns.
 constexpr double kShortLever_m = 25e-3;
+// Of the square of the accuracy asked for, what more poses may leave before it is named first.
+constexpr double kMostThatStays = 0.5;
 
 Line& millimetres(Line& line, std::string_view key, double metres) {
   return line.text(" ").text(key).text("_mm=").number(1e3 * metres, 4);
@@ -160,7 +162,8 @@ void SelfCalibration::tell_help(Line& line, const Findings& findings) const {
   const double rest_m = std::hypot(budget.geometry_m, budget.maps.length_m);
   const auto millimetre = [&](double length_m) -> Line& { return line.number(1e3 * length_m, 3); };
   // More poses where the arm is measured already do not take it out.
-  if (std::hypot(budget.uncovered.length_m, budget.play.length_m) > aim_.accuracy_m) {
+  const double stays_m = std::hypot(budget.uncovered.length_m, budget.play.length_m);
+  if (stays_m * stays_m > kMostThatStays * aim_.accuracy_m * aim_.accuracy_m) {
     const std::size_t joint = budget.uncovered.joint;
     line.text("a wider arc of joint ").integer(joint + 1).text(", whose readings");
     line.text(" that were not measured have ");

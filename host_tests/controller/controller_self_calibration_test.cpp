@@ -142,8 +142,8 @@ TEST(SelfCalibration, asks_for_a_wider_arc_of_a_joint_that_is_measured_in_part) 
     puma.cabinet->step();
   }
   const std::string advice = puma.heard("asked for is not reached: ");
-  EXPECT_TRUE(advice.contains("a wider arc of joint 1")) << advice;
   const std::string budget = puma.heard("# identify budget ");
+  EXPECT_TRUE(advice.contains("a wider arc of joint 1")) << advice << '\n' << budget;
   EXPECT_EQ(value_after(budget, "uncovered_joint"), 1) << budget;
 }
 
