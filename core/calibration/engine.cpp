@@ -29,25 +29,24 @@ Engine::Engine(ArmModel& model, std::span<ModelTarget> targets, std::span<FitRow
 
 const ChainFrames& Engine::frames_of(std::size_t row) {
   if (!cache_.empty()) return cache_[row];
-  const std::size_t link = targets_[rows_[row].target].link;
-  look_up(model_, rows_[row].readings, link, scratch_);
-  place_chain(model_, links_, link, scratch_);
+  evaluate_chain(model_, rows_[row].readings, targets_[rows_[row].target].link, scratch_);
   return scratch_;
 }
 
 void Engine::evaluate() {
   looked_up_ = false;
-  place_links();
   evaluate_rows({0, rows_.size()});
 }
 
 void Engine::evaluate_rows(Units rows) {
+  FixedLinks links;
+  place_links(model_, links);
   for (std::size_t k = rows.first; k < rows.last; ++k) {
     FitRow& row = rows_[k];
     const ModelTarget& target = targets_[row.target];
     ChainFrames& frames = cache_.empty() ? scratch_ : cache_[k];
     if (!looked_up_) look_up(model_, row.readings, target.link, frames);
-    place_chain(model_, links_, target.link, frames);
+    place_chain(model_, links, target.link, frames);
     evaluate(row, frames);
   }
 }
@@ -121,7 +120,6 @@ void Engine::move(double fraction) {
   for (std::size_t t = 0; t < model_.gravity.size(); ++t) {
     model_.gravity[t].coefficient += fraction * step[gravity_column() + t];
   }
-  place_links();
 }
 
 }  // namespace armsig::calibration

@@ -125,7 +125,6 @@ class Engine {
   }
 
   // engine.cpp
-  void place_links() { calibration::place_links(model_, links_); }
   void evaluate_rows(Units rows);
   void move(double fraction);
   [[nodiscard]] double cost() const;
@@ -271,7 +270,6 @@ class Engine {
   }
 
   ArmModel& model_;
-  FixedLinks links_;  // where the model stands
   std::span<ModelTarget> targets_;
   std::span<FitRow> rows_;
   std::span<ChainFrames> cache_;

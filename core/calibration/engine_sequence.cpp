@@ -67,7 +67,6 @@ void Engine::begin(const ModelParts& parts) {
   if (!parts_.gravity) model_.gravity.clear();
   ARMSIG_CHECK(columns_ >= gravity_column() + model_.gravity.size());
   columns_ = gravity_column() + model_.gravity.size();
-  place_links();
   agenda_.clear();
   agenda_.put({evaluation(), of_rows(&Engine::count_rows, kLook), &Engine::note_rows});
 }

@@ -54,7 +54,6 @@ bool Engine::reset_held() {
       model_.joints[k / kDeviations].deviation[k % kDeviations] = 0;
     }
   }
-  place_links();
   return moved;
 }
 
