@@ -260,10 +260,11 @@ bool Servo::is_settled() const {
 }
 
 void Servo::command_drives() {
-  if (const auto written = drives_.write(commanded_, now_); !written) {
-    // One full queue is the bus's business: the backend faults if it stays full.
-    if (has_torque() && written.error() != Error::kBusBusy) fail(written.error());
-  }
+  const auto written = drives_.write(commanded_, now_);
+  // One full queue is the bus's business: the backend faults if it stays full.
+  if (written || !has_torque() || written.error() == Error::kBusBusy) return;
+  if constexpr (!hal::kSmallImage) supervise_drives();  // a drive may say which bus it is
+  fail(written.error());
 }
 
 // Where every position is known.

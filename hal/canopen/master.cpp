@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hal/canopen/master.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/base/check.hpp"
@@ -76,6 +77,10 @@ void Master::read_bus(BusNumber bus, const Cycle& cycle) {
 
 hal::DriveStatus Master::with_bus(const DriveNode& drive) const {
   hal::DriveStatus status = drive.status();
+  if (status.fault == Error::kSecondMaster) {
+    status.words = buses_[second_master_on_].name;
+    return status;
+  }
   const Bus& own = buses_[drive.bus()];
   const bool of_bus = status.fault
                           ? status.fault == Error::kBusDown || status.fault == Error::kBusOff ||
@@ -89,6 +94,17 @@ void Master::latch_started(Error error, BusNumber bus) {
   for (auto& node : nodes_) {
     if (node->is_started() && node->bus() == bus) node->drive().latch(error);
   }
+}
+
+void Master::latch_second_master(BusNumber bus) {
+  ++buses_[bus].counters.foreign;
+  if constexpr (kMostBuses > 1) {
+    const bool is_first = std::ranges::none_of(nodes_, [](const auto& node) {
+      return node->drive().state().fault == Error::kSecondMaster;
+    });
+    if (is_first) second_master_on_ = bus;
+  }
+  group_.latch_all(Error::kSecondMaster);
 }
 
 void Master::release_drives() {
@@ -120,8 +136,7 @@ void Master::take(const hal::ReceivedCanFrame& received, BusNumber bus) {
   const bool is_masters = frame.id == kNmtId || frame.id == kSyncId ||
                           (function == kHeartbeatId && node == configuration_->master_node);
   if (is_masters) {
-    ++counters.foreign;
-    group_.latch_all(Error::kSecondMaster);
+    latch_second_master(bus);
     return;
   }
   for (auto& drive : nodes_) {
@@ -177,8 +192,7 @@ bool Master::take_pdo(DriveNode& drive, const hal::ReceivedCanFrame& received) {
       well_formed = axis.take_feedback(received);
     } else if (received.frame.id == axis.pdo_id(kReceivePdo1Id)) {
       known = true;
-      ++buses_[drive.bus()].counters.foreign;
-      group_.latch_all(Error::kSecondMaster);
+      latch_second_master(drive.bus());
     }
   });
   if (!known) ++buses_[drive.bus()].counters.unknown;
@@ -213,7 +227,12 @@ Result<void> Master::do_write(const JointVector& targets, hal::Instant now) {
   for (auto& node : nodes_) {
     if (node->state().phase != Phase::kRunning) continue;  // no position to hold is known yet
     const auto sent = buses_[node->bus()].send(node->command(group_.may_release()));
-    if (!sent && result) result = sent;
+    if (sent) continue;
+    if (result) result = sent;
+    // An interface that fails between reading and writing is named by its joints.
+    if constexpr (kMostBuses > 1) {
+      if (sent.error() != Error::kBusBusy) latch_started(sent.error(), node->bus());
+    }
   }
   for (std::uint8_t bus = 0; bus < bus_count(); ++bus) end_write(bus);
   return result;

@@ -148,7 +148,7 @@ class Master final : public hal::JointDrives {
     return buses_[drive.bus()].send(frame);
   }
   [[nodiscard]] std::uint8_t bus_count() const { return configuration_->buses.count; }
-  // A bus that fails is named.
+  // A bus that fails is named, or has another master.
   [[nodiscard]] hal::DriveStatus with_bus(const DriveNode& drive) const;
   // What is inline is called in one place, of master.cpp.
   [[nodiscard]] inline Cycle begin_cycle(BusNumber bus);
@@ -163,6 +163,7 @@ class Master final : public hal::JointDrives {
   bool take_pdo(DriveNode& drive, const hal::ReceivedCanFrame& received);
   void take_of_other(const hal::ReceivedCanFrame& received, BusNumber bus);
   void latch_started(Error error, BusNumber bus);
+  void latch_second_master(BusNumber bus);
   void release_drives();
   void step_others(BusNumber bus);
   // True while a drive may still be moving by its former master.
@@ -201,6 +202,7 @@ class Master final : public hal::JointDrives {
   CheckedConfiguration configuration_;
   std::array<Bus, kMostBuses> buses_;
   FrameSink* other_frames_;
+  BusNumber second_master_on_ = 0;
   FixedVector<std::optional<DriveNode>, kMaxJoints> nodes_;
   std::array<hal::DriveIdentity, kMaxJoints> identities_{};  // of those that were set up
   std::array<cia402::SetupReport, kMaxJoints> reports_;

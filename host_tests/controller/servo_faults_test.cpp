@@ -74,6 +74,17 @@ TEST(ServoFaults, a_drive_that_says_why_later_is_listened_to_and_another_cause_i
   EXPECT_EQ(bench.tick().fault->code, 0x2310U) << "the first is kept";
 }
 
+TEST(ServoFaults, an_interface_that_fails_at_a_write_is_named_in_the_same_tick) {
+  Bench bench;
+  ASSERT_NO_FATAL_FAILURE(bench.hold());
+  bench.drives.on_write = Error::kBusDown;
+  bench.drives.faults_on_write = 3;
+  bench.drives.statuses[3].words = "can2";
+  bench.tick();
+  bench.expect_fault(Error::kBusDown, 3);
+  EXPECT_EQ(bench.link.snapshot.read().fault->words, "can2");
+}
+
 TEST(ServoFaults, the_first_cause_is_kept) {
   Bench bench;
   ASSERT_NO_FATAL_FAILURE(bench.hold());

@@ -28,6 +28,7 @@ class SetDrives final : public hal::JointDrives {
   JointVector targets;           // of the last write
   std::optional<Error> on_read;  // what each read, write or enabling fails with
   std::optional<Error> on_write;
+  std::optional<std::size_t> faults_on_write;  // the drive that has the error of a write as well
   std::optional<Error> on_enable;
   int enabled = 0;  // how often each was asked for
   int disabled = 0;
@@ -47,6 +48,7 @@ class SetDrives final : public hal::JointDrives {
   }
   Result<void> do_write(const JointVector& readings, hal::Instant /*now*/) override {
     targets = readings;
+    if (faults_on_write) statuses[*faults_on_write].fault = on_write;
     return outcome(on_write);
   }
   Result<void> do_enable() override {

@@ -143,6 +143,24 @@ TEST(TwoBuses, have_an_interface_taken_down_stop_every_joint_and_come_back) {
   }
 }
 
+TEST(TwoBuses, name_an_interface_that_fails_between_reading_and_writing) {
+  for (const bool off : {false, true}) {
+    MovingOnTwo arm;
+    arm.tick([&] {
+      if (off) arm.second_port.go_bus_off();
+      if (!off) arm.second_port.set_up(false);
+    });
+    const Error error = off ? Error::kBusOff : Error::kBusDown;
+    EXPECT_TRUE(arm.read);
+    EXPECT_EQ(test::failure_of(arm.written), error);
+    for (std::size_t joint = 0; joint < 6; ++joint) {
+      const hal::DriveStatus status = arm.master->status(joint);
+      EXPECT_EQ(status.fault, joint < 3 ? std::nullopt : std::optional(error)) << joint;
+      EXPECT_EQ(status.words, joint < 3 ? "" : "two") << joint;
+    }
+  }
+}
+
 TEST(TwoBuses, have_a_bus_off_stop_every_joint_and_come_back) {
   for (const std::size_t failed : {0U, 1U}) {
     MovingOnTwo arm;
@@ -200,7 +218,14 @@ TEST(TwoBuses, have_another_master_on_either_stop_every_joint) {
   EXPECT_EQ(arm.master->counters(1).foreign, 1U);
   for (std::size_t joint = 0; joint < 6; ++joint) {
     EXPECT_EQ(arm.master->status(joint).fault, Error::kSecondMaster) << joint;
+    EXPECT_EQ(arm.master->status(joint).words, "two") << joint;
   }
+  simulated::VirtualCanPort another;
+  arm.bus.connect(another);
+  ASSERT_TRUE(another.send(sync_frame()));
+  arm.run(3);
+  EXPECT_EQ(arm.master->counters(0).foreign, 1U);
+  EXPECT_EQ(arm.master->status(0).words, "two") << "the first is told";
 }
 
 TEST(TwoBuses, have_other_devices_each_which_are_started_on_their_own) {
