@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -47,13 +48,18 @@ int look_at_drives(const DaemonConfiguration& configuration, bool as_json,
   const bool several = configuration.can_interfaces.size() > 1;
   std::vector<DriveScan> scans;
   bool all_set_up = true;
+  std::uint8_t number = 0;
   for (const std::string& interface : configuration.can_interfaces) {
     linux_hal::SocketCan bus({.interface_name = interface, .filters = {}, .maintained = false});
-    const auto number = static_cast<std::uint8_t>(scans.size());
-    scans.emplace_back(*drives, bus, number, several ? interface : "");
-    if (!look_at_bus(interface, bus, scans.back(), stop)) return 1;
-    all_set_up = all_set_up && all_would_be_set_up(scans.back().nodes(), *drives);
+    DriveScan scan(*drives, bus, number++, several ? interface : "");
+    if (!look_at_bus(interface, bus, scan, stop)) {
+      all_set_up = false;  // what another interface says is told all the same
+      continue;
+    }
+    all_set_up = all_set_up && all_would_be_set_up(scan.nodes(), *drives);
+    scans.push_back(std::move(scan));
   }
+  if (scans.empty()) return 1;
   if (as_json) fmt::print("{}", drives_as_json(scans, *drives));
   for (const DriveScan& scan : scans) {
     if (!as_json) fmt::print("{}", drives_in_words(scan, *drives));

@@ -203,13 +203,29 @@ Changes two_interfaces_at_1_kHz() {
           {"node: 6,", "node: 3, interface: vcan1,"}};
 }
 
-// What `armsigd --drives` prints.
-std::string drives_of(const std::string& configuration_path) {
+// What `armsigd --drives` prints, which ends with `status`.
+std::string drives_of(const std::string& configuration_path, int status) {
   const std::string out = configuration_path + ".drives";
   const std::string command = std::string(ARMSIG_DAEMON) + " --drives " + configuration_path;
-  EXPECT_EQ(std::system((command + " >" + out).c_str()), 0);
+  const int ended = std::system((command + " >" + out + " 2>&1").c_str());
+  EXPECT_TRUE(WIFEXITED(ended));
+  EXPECT_EQ(WEXITSTATUS(ended), status);
   std::ifstream file(out);
   return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void expect_both_to_be_looked_at(const std::string& configuration_path) {
+  const std::string on_first = "node 1 on vcan0, joint 1: drive of CiA 402";
+  const std::string on_second = "node 1 on vcan1, joint 4: drive of CiA 402";
+  std::string drives = drives_of(configuration_path, 0);
+  EXPECT_TRUE(drives.contains(on_first)) << drives;
+  EXPECT_TRUE(drives.contains(on_second)) << drives;
+  ASSERT_EQ(std::system("ip link set vcan0 down"), 0);
+  drives = drives_of(configuration_path, 1);
+  EXPECT_TRUE(drives.contains("armsigd: vcan0: the CAN interface is down or gone")) << drives;
+  EXPECT_FALSE(drives.contains("node 1 on vcan0")) << drives;
+  EXPECT_TRUE(drives.contains(on_second)) << drives;
+  ASSERT_EQ(std::system("ip link set vcan0 up"), 0);
 }
 
 TEST(BenchRun, small_on_two_interfaces_at_1_kHz) {
@@ -239,9 +255,7 @@ TEST(BenchRun, small_on_two_interfaces_at_1_kHz) {
   EXPECT_TRUE(daemon.recover());
 
   EXPECT_EQ(daemon.end(SIGTERM), 0);
-  const std::string drives = drives_of(daemon.configuration_path());
-  EXPECT_TRUE(drives.contains("node 1 on vcan0, joint 1: drive of CiA 402")) << drives;
-  EXPECT_TRUE(drives.contains("node 1 on vcan1, joint 4: drive of CiA 402")) << drives;
+  expect_both_to_be_looked_at(daemon.configuration_path());
   daemon.start();
 }
 
