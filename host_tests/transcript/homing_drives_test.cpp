@@ -81,6 +81,34 @@ TEST(HomingDrives, follow_targets_from_where_they_are_then) {
   EXPECT_NEAR(arm.drives[1].position(), kCountsPerRadian * (from - 0.05), 5);
 }
 
+// Each of the two axes, by its own objects, while the other one holds.
+TEST(HomingDrives, that_are_an_axis_of_a_node_home_and_the_other_axis_holds) {
+  for (const std::size_t homing : {0U, 1U}) {
+    const std::size_t other = 1 - homing;
+    Configuration configuration = homing_drives();
+    configuration.axes[1].node = configuration.axes[0].node;
+    configuration.axes[1].axis = 2;
+    configuration.axes[0].homing_method = 17;
+    HomingArm arm(configuration);
+    arm.drives[0].set_object(0x607C, 0, kSwitchReads);
+    ASSERT_TRUE(arm.power_up_and_enable());
+    const double held = arm.master->positions()[other];
+    ASSERT_TRUE(arm.master->home(homing));
+    for (int i = 0; i < 5000 && !arm.master->status(homing).homed; ++i) {
+      arm.tick([&] { arm.targets[homing] = arm.master->positions()[homing]; });
+      ASSERT_NEAR(arm.master->positions()[other], held, 1e-4);
+      ASSERT_EQ(arm.drives[other].dictionary().get(0x6060), 8U);
+    }
+    EXPECT_TRUE(arm.master->status(homing).homed);
+    EXPECT_FALSE(arm.master->status(other).homed);
+    arm.targets[homing] = arm.master->positions()[homing];
+    ASSERT_TRUE(arm.run_until(DriveCondition::kEnabled));
+    EXPECT_NEAR(arm.master->positions()[homing] * kCountsPerRadian, arm.drives[homing].position(),
+                1);
+    EXPECT_EQ(arm.drives[homing].dictionary().get(0x6060), 8U);
+  }
+}
+
 TEST(HomingDrives, are_not_homed_unless_all_are_enabled) {
   HomingArm arm;
   ASSERT_TRUE(arm.run_until(DriveCondition::kDisabled));
