@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
@@ -21,7 +22,8 @@
 namespace armsig::hal {
 
 // An image with little memory has no modes but cyclic synchronous position (nothing of homing,
-// interpolated or profile position), does not wait for drives that are late, and has fewer words.
+// interpolated or profile position), hears no torque, does not wait for drives that are late, and
+// has fewer words.
 #ifdef ARMSIG_SMALL_IMAGE
 inline constexpr bool kSmallImage = true;
 #else
@@ -29,6 +31,15 @@ inline constexpr bool kSmallImage = false;
 #endif
 inline constexpr bool kOtherModes = !kSmallImage;
 inline constexpr bool kMayHome = !kSmallImage;
+inline constexpr bool kTellsTorque = !kSmallImage;
+
+// What a motor gives, as a share of its rated torque; empty: its drive does not tell. An image that
+// hears no torque keeps no memory for it.
+struct UntoldTorque {
+  constexpr explicit operator bool() const { return false; }
+  constexpr double operator*() const { return 0; }
+};
+using Torque = std::conditional_t<kTellsTorque, std::optional<double>, UntoldTorque>;
 
 enum class DriveCondition : std::uint8_t {
   kStarting,   // being found and set up
@@ -56,6 +67,7 @@ struct DriveStatus {
   bool unsupervised = false;
   bool has_position = false;  // it has told its position since it was set up last
   bool homed = false;         // it has found its reference since it was set up last
+  [[no_unique_address]] Torque torque = {};
   // Last emergency code that stopped nothing: it told no error, or came before the drive was
   // started; 0: none. And what it means, of static storage.
   std::uint32_t information = 0;

@@ -21,7 +21,7 @@ Result<Ticket> CheckSequence::begin() {
     return std::unexpected(Error::kNoSignature);
   }
   if (const auto trouble = measurement_.trouble()) return std::unexpected(*trouble);
-  const auto ticket = mover_.send(CommandKind::kBeginSequence);
+  const auto ticket = mover_.begin_sequence();
   if (!ticket) return std::unexpected(Error::kBusBusy);
   visit_.begin(*ticket);
   if (history_.begin(active->sequence, active->identified_at_s) && memory_ != nullptr) {

@@ -36,6 +36,10 @@ struct Supervision {
   // Commanded less actual position that is a fault, per joint; covers the delay of the bus.
   JointVector following_error;
   hal::Duration latest_tick = std::chrono::milliseconds(10);  // a tick later than this is a fault
+#ifndef ARMSIG_SMALL_IMAGE                                    // which hears no torque
+  // Largest torque of each joint in a sequence, as a share of the rated one, where it is watched.
+  FixedVector<std::optional<double>, kMaxJoints> sequence_torque;
+#endif
 };
 
 // What locates the target.

@@ -103,6 +103,11 @@ struct Snapshot {
   std::uint8_t known = 0;          // bit per joint: its drive has told its position
   std::uint8_t homing = 0;         // bit per joint: its drive finds its reference
   std::uint8_t homed = 0;          // bit per joint: its drive has found it since it was set up
+#ifndef ARMSIG_SMALL_IMAGE
+  // Of each joint, as shares of the rated torque: now, and the largest of the last sequence.
+  std::array<hal::Torque, kMaxJoints> torque{};
+  std::array<double, kMaxJoints> largest_torque{};
+#endif
   Histogram lateness;
   Histogram execution;
 

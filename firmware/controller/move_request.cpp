@@ -194,13 +194,18 @@ Result<Answer> confirm(Controls& controls, const Request& request, Line& out) {
   return Answer();
 }
 
+Result<double> pace_of(std::string_view text, Line& out) {
+  ARMSIG_TRY(pace, needed_number("pace", text, out));
+  if (!(pace >= kLeastPace && pace <= 1)) return std::unexpected(Error::kOutOfRange);
+  return pace;
+}
+
 Result<Answer> move(Controls& controls, const Request& request, Line& out) {
   double pace = 1;
   bool joints = false;
   for (const auto& [key, value] : request.arguments) {
     if (key == "pace") {
-      ARMSIG_TRY(told, needed_number(key, value, out));
-      if (!(told >= kLeastPace && told <= 1)) return std::unexpected(Error::kOutOfRange);
+      ARMSIG_TRY(told, pace_of(value, out));
       pace = told;
     } else if (joint_of(split(key).name)) {
       joints = true;

@@ -40,6 +40,19 @@ class Mover {
     command.kind = kind;
     return send(command);
   }
+  // A sequence whose moves are `pace` times as fast as they may be, in (0, 1]. A small image knows
+  // no other pace than 1.
+  std::optional<Ticket> begin_sequence([[maybe_unused]] double pace = 1) {
+#ifndef ARMSIG_SMALL_IMAGE
+    pace_ = pace;
+#endif
+    return send(CommandKind::kBeginSequence);
+  }
+#ifdef ARMSIG_SMALL_IMAGE
+  [[nodiscard]] static constexpr double sequence_pace() { return 1; }
+#else
+  [[nodiscard]] double sequence_pace() const { return pace_; }
+#endif
   // A function of its own: the command would stand on the stack below the planning of the move.
   [[gnu::noinline]] std::optional<Ticket> send(const Move& move, Of of = Of::kOperator) {
     Command command;
@@ -78,6 +91,9 @@ class Mover {
   Link& link_;
   const Snapshot* snapshot_ = &link_.snapshot.read();
   std::uint32_t serial_ = 0;
+#ifndef ARMSIG_SMALL_IMAGE
+  double pace_ = 1;
+#endif
 };
 
 }  // namespace armsig::controller

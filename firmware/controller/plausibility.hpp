@@ -66,6 +66,7 @@ inline constexpr Bounds kEmitter{-10, 10,
 inline constexpr Bounds kPollPeriod{1e-3, 10, "no sensor measures as often or as seldom"};
 inline constexpr Bounds kAnswerTimeout{1e-3, 10, "no sensor answers as soon or as late"};
 inline constexpr Bounds kSecondsAStep{1e-12, 1e-4, "of a flight time, in seconds"};
+inline constexpr Bounds kPointStep{1e-9, 1, "of a coordinate, in metres: millimetres as metres?"};
 inline constexpr Bounds kMetresAStep{1e-7, 0.01,
                                      "of a distance, in metres: millimetres as metres?"};
 // A number with a point may be in any unit from metres and seconds down.

@@ -89,7 +89,8 @@ bool PoseVisit::is_half_way() { return std::exchange(looks_.goes_home, false); }
 #endif
 
 std::expected<void, MoveRefusal> PoseVisit::move_to(const JointVector& q) {
-  const auto move = plan_joint_move(configuration_, mover_.now().commanded, q);
+  const auto move =
+      plan_joint_move(configuration_, mover_.now().commanded, q, mover_.sequence_pace());
   if (!move) return std::unexpected(move.error());
   const auto sent = mover_.send(*move, Mover::Of::kSequence);
   if (!sent) return std::unexpected(MoveRefusal{Error::kLateTick, {}});

@@ -2,6 +2,7 @@
 #include "firmware/controller/servo.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "core/base/check.hpp"
@@ -11,6 +12,9 @@ namespace {
 
 // A move is planned from where the arm is commanded to be; one planned from elsewhere would jump.
 constexpr double kSameReading = 1e-9;
+
+// What stands in the way takes torque for longer; a reading alone may be noise.
+[[maybe_unused]] constexpr hal::Duration kLastingTorque = std::chrono::milliseconds(20);
 
 }  // namespace
 
@@ -45,6 +49,7 @@ void Servo::supervise(const Result<void>& read, hal::Duration lateness) {
   supervise_drives();
   if (!read) fail(read.error());
   if (has_torque() || enabling_) supervise_following();
+  supervise_torque();
   if (has_torque() && lateness > configuration_.supervision.latest_tick) fail(Error::kLateTick);
 }
 
@@ -75,6 +80,23 @@ void Servo::supervise_following() {
       fail(Error::kFollowingError, joint);
     }
   }
+}
+
+// An arm that touches something in a sequence is stopped by it long before it lags.
+void Servo::supervise_torque() {
+#ifndef ARMSIG_SMALL_IMAGE
+  const auto& limits = configuration_.supervision.sequence_torque;
+  for (std::size_t joint = 0; joint < limits.size(); ++joint) {
+    const hal::Torque told = drives_.status(joint).torque;
+    const double torque = in_sequence_ && told ? std::abs(*told) : 0;
+    largest_torque_[joint] = std::max(largest_torque_[joint], torque);
+    if (!limits[joint] || !(torque > *limits[joint])) {
+      torque_within_at_[joint] = now_;
+    } else if (now_ - torque_within_at_[joint] >= kLastingTorque) {
+      fail(Error::kTorqueTooLarge, joint);
+    }
+  }
+#endif
 }
 
 // The first cause is kept; what follows from it is not told.
@@ -134,6 +156,9 @@ std::optional<Error> Servo::take(const Command& command) {
       return begin(command.move);
     case CommandKind::kBeginSequence:
       in_sequence_ = true;
+#ifndef ARMSIG_SMALL_IMAGE
+      largest_torque_.fill(0);
+#endif
       break;
     case CommandKind::kEndSequence:
       in_sequence_ = false;
@@ -298,6 +323,10 @@ void Servo::publish(hal::Duration lateness) {
     if (status.warning) out.warning |= bit;
     if (status.unsupervised) out.unsupervised |= bit;
     if (status.has_position) out.known |= bit;
+#ifndef ARMSIG_SMALL_IMAGE
+    out.torque[joint] = status.torque;
+    out.largest_torque[joint] = largest_torque_[joint];
+#endif
     if (is_homing(joint)) {
       out.homing |= bit;
     } else if (hal::kMayHome && status.homed) {

@@ -22,6 +22,7 @@ class Servo {
   void supervise_drives();
   void wait_for_drives(const Result<void>& read);
   void supervise_following();
+  void supervise_torque();
   void take_commands();
   void follow_positions();
   [[nodiscard]] std::optional<Error> take(const Command& command);
@@ -68,6 +69,10 @@ class Servo {
   std::array<CommandResult, 8> results_{};
   Histogram lateness_;
   Histogram execution_;
+#ifndef ARMSIG_SMALL_IMAGE
+  std::array<hal::Instant, kMaxJoints> torque_within_at_{};  // last within its limit
+  std::array<double, kMaxJoints> largest_torque_{};          // in the last sequence
+#endif
   bool faults_told_ = false;  // the last that was published is not empty
 };
 

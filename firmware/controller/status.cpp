@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // `status`, `signature`, `candidate`, `log`: what the controller says about itself. A key whose
 // value is not known is left out.
+#include <algorithm>
+
 #include "core/base/error_name.hpp"
 #include "firmware/controller/fault_words.hpp"
 #include "firmware/controller/verbs.hpp"
@@ -45,6 +47,25 @@ void tell_faulted(Line& line, const Controls& controls) {
   }
 }
 
+// Where drives tell their torque: of each joint, "-" of one that does not.
+void tell_torque([[maybe_unused]] Line& line, [[maybe_unused]] const Snapshot& s) {
+#ifndef ARMSIG_SMALL_IMAGE
+  const std::size_t joints = s.positions.size();
+  const auto tell = [&](std::string_view key, const auto& shares) {
+    line.text(key);
+    for (std::size_t joint = 0; joint < joints; ++joint) {
+      if (joint > 0) line.text(",");
+      if (!s.torque[joint]) line.text("-");
+      if (s.torque[joint]) line.number(100 * shares(joint), 0);
+    }
+  };
+  if (std::ranges::none_of(s.torque, [](const hal::Torque& torque) { return bool(torque); }))
+    return;
+  tell(" torque_percent=", [&](std::size_t joint) { return *s.torque[joint]; });
+  tell(" largest_torque_percent=", [&](std::size_t joint) { return s.largest_torque[joint]; });
+#endif
+}
+
 void tell_arm(Line& line, const Controls& controls) {
   const Snapshot& s = controls.mover.now();
   line.text(" mode=").text(name(s.mode));
@@ -64,6 +85,7 @@ void tell_arm(Line& line, const Controls& controls) {
     line.text(" unreferenced=").numbers(joints);
   }
   tell_readings(line, controls.configuration.drawing, s.positions, 4, s.known);
+  tell_torque(line, s);
   if (s.X_RT) tell_point(line, s.X_RT->p, 3);
   const Model& model = controls.link.models[s.model];
   line.text(" model=").text(model.identified ? "signature" : "nominal");

@@ -23,14 +23,22 @@ struct RefiningRequest {
   double accuracy_mm = 0;  // 0: not asked for
   double minutes = 30;
   bool anew = false;
+  double pace = 1;
 };
 
 Result<RefiningRequest> refining_in(const Request& request, Line& out) {
   RefiningRequest asked;
+  bool paced = false;  // as any identification may be
   for (const auto& [key, text] : request.arguments) {
     if (key == "anew") {
       if (text != "yes" && text != "no") return std::unexpected(Error::kOutOfRange);
       asked.anew = text == "yes";
+      continue;
+    }
+    if (!hal::kSmallImage && key == "pace") {
+      ARMSIG_TRY(pace, pace_of(text, out));
+      asked.pace = pace;
+      paced = true;
       continue;
     }
     const bool accuracy = key == "accuracy_mm";
@@ -40,9 +48,8 @@ Result<RefiningRequest> refining_in(const Request& request, Line& out) {
     if (!(value > 0 && value <= most)) return std::unexpected(Error::kOutOfRange);
     (accuracy ? asked.accuracy_mm : asked.minutes) = value;
   }
-  if (asked.accuracy_mm == 0 && !request.arguments.empty()) {
-    return std::unexpected(Error::kUnknownRequest);
-  }
+  const std::size_t others = request.arguments.size() - (paced ? 1 : 0);
+  if (asked.accuracy_mm == 0 && others > 0) return std::unexpected(Error::kUnknownRequest);
   return asked;
 }
 
@@ -64,7 +71,7 @@ Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
         "send\"");
     return std::unexpected(Error::kUnsupported);
   }
-  ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
+  ARMSIG_TRY(answer, when_taken(controls.mover.begin_sequence(asked.pace)));
   const auto conditions = conditions_of(controls);
   if (kMayRefine && refines) {
     const auto time = std::chrono::duration_cast<hal::Duration>(
@@ -92,7 +99,7 @@ Result<Answer> touch_grid(Controls& controls, const Request& /*request*/, Line& 
     return std::unexpected(Error::kDrawingUnacknowledged);
   }
   if (auto begun = controls.grid.begin(); !begun) return std::unexpected(begun.error());
-  const auto answer = when_taken(controls.mover.send(CommandKind::kBeginSequence));
+  const auto answer = when_taken(controls.mover.begin_sequence());
   if (answer) {
     controls.grid.begun(answer->ticket);
   } else {
@@ -182,7 +189,7 @@ Result<Answer> compare(Controls& controls, const Request& /*request*/, Line& /*o
     if (auto may = may_measure(controls); !may) return std::unexpected(may.error());
   }
   if (!controls.identification.has_received()) return std::unexpected(Error::kNoCandidate);
-  ARMSIG_TRY(answer, when_taken(controls.mover.send(CommandKind::kBeginSequence)));
+  ARMSIG_TRY(answer, when_taken(controls.mover.begin_sequence()));
   controls.identification.begin_comparison(conditions_of(controls), answer.ticket);
   return answer;
 }
@@ -236,17 +243,19 @@ constexpr std::array kVerbsOfAll{
          .modes = kReady,
          .alone = true,
          .takes = Verb::Takes::kKeys},
-    Verb{.name = "identify",
-         .handler = identify,
-         .help = kMayRefine
-                     ? "measures all joints; ends with a candidate; accuracy_mm=0.15 minutes=30 "
-                       "finds gravity and joint error maps, too, from poses of its own "
-                       "choice; goes on where one was interrupted, but for anew=yes"
-                     : "measures all joints; ends with a candidate",
-         .modes = kReady,
-         .alone = true,
-         .referenced = true,
-         .takes = Verb::Takes::kKeys},
+    Verb{
+        .name = "identify",
+        .handler = identify,
+        .help = kMayRefine
+                    ? "measures all joints; ends with a candidate; accuracy_mm=0.15 minutes=30 "
+                      "finds gravity and joint error maps, too, from poses of its own "
+                      "choice; goes on where one was interrupted, but for anew=yes; pace=0.1 slows "
+                      "down"
+                    : "measures all joints; ends with a candidate",
+        .modes = kReady,
+        .alone = true,
+        .referenced = true,
+        .takes = Verb::Takes::kKeys},
     Verb{.name = "check",
          .handler = check_arm,
          .help = "measures a few poses: is the arm still as it was accepted",

@@ -75,6 +75,9 @@ struct Verb {
 // Null if there is none.
 [[nodiscard]] const Verb* find_verb(std::string_view name);
 
+// Of a request, in (0, 1]. Errors: kUnknownRequest (no number), kOutOfRange.
+[[nodiscard]] Result<double> pace_of(std::string_view text, Line& out);
+
 // ` modes=idle,holding`.
 void tell_modes(const Modes& modes, Line& out);
 

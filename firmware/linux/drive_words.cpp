@@ -70,6 +70,7 @@ constexpr std::array kWords{
     ObjectWords{0x607F, 0, "largest profile speed", ""},
     ObjectWords{0x6080, 0, "largest motor speed", ""},
     ObjectWords{0x6072, 0, "largest torque, 0.1 %", ""},
+    ObjectWords{0x6077, 0, "torque, 0.1 %", ""},
     ObjectWords{0x60E0, 0, "positive torque limit", ""},
     ObjectWords{0x60E1, 0, "negative torque limit", ""},
     ObjectWords{0x60FD, 0, "inputs", ""},

@@ -26,11 +26,22 @@ using tool::YamlNode;
 
 // Keys with the units of both types: a unit of the other type is told apart from an unknown key.
 std::vector<std::string> known_keys() {
-  std::vector<std::string> known{"type",          "node",     "counts_per_revolution",
-                                 "gear_ratio",    "reversed", "zero_counts",
-                                 "unsupervised",  "warning",  "reference",
-                                 "homing_method", "limits",   "mode",
-                                 "writes",        "axis",     "interface"};
+  std::vector<std::string> known{"type",
+                                 "node",
+                                 "counts_per_revolution",
+                                 "gear_ratio",
+                                 "reversed",
+                                 "zero_counts",
+                                 "unsupervised",
+                                 "warning",
+                                 "reference",
+                                 "homing_method",
+                                 "limits",
+                                 "mode",
+                                 "writes",
+                                 "axis",
+                                 "interface",
+                                 "sequence_torque_percent"};
   for (const char* angle : {"theta", "alpha", "sweep_arc"}) {
     add_names(known, angle, Dimension::kAngle);
   }
@@ -96,6 +107,14 @@ Read<std::optional<std::int8_t>> read_homing_method(const YamlMap& map,
   }
   ARMSIG_TRY(method, map.integer("homing_method", -128, 127));
   return static_cast<std::int8_t>(method);
+}
+
+// As a share of the rated torque; empty: not watched, nor told by the drive.
+Read<std::optional<double>> read_sequence_torque(const YamlMap& map) {
+  constexpr int kMostPercent = 300;
+  if (map.find("sequence_torque_percent") == nullptr) return std::nullopt;
+  ARMSIG_TRY(percent, map.integer("sequence_torque_percent", 1, kMostPercent));
+  return percent / 100.0;
 }
 
 // How far a revolute joint is swept; 0: as the section `sweeps` says for all.
@@ -164,6 +183,8 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(arc_rad, read_arc(map, type));
   ARMSIG_TRY(reference, read_reference(map));
   ARMSIG_TRY(homing_method, read_homing_method(map, reference));
+  ARMSIG_TRY(torque, read_sequence_torque(map));
+  axis.torque_told = torque.has_value();
   axis.bus = bus;
   axis.limits = limits;
   axis.homing_method = homing_method;
@@ -176,6 +197,7 @@ Read<void> read_joint(const YamlNode& node, DaemonConfiguration& c) {
   c.controller.limits.speed.push_back(speed);
   c.controller.limits.acceleration.push_back(acceleration);
   c.controller.supervision.following_error.push_back(following_error);
+  c.controller.supervision.sequence_torque.push_back(torque);
   c.controller.sweeps.configuration.push_back(sweep_at);
   c.controller.sweeps.arcs_rad.push_back(arc_rad);
   return {};

@@ -263,7 +263,9 @@ double periodic_load(const Configuration& configuration, BusNumber bus) {
   for (std::size_t axis = 0; axis < configuration.axes.size(); ++axis) {
     if (kMostBuses > 1 && configuration.axes[axis].bus != bus) continue;
     frames.push_back({kDrivePdoBytes, configuration.period});  // RPDO1
-    frames.push_back({kDrivePdoBytes, configuration.period});  // TPDO1
+    const bool has_torque = configuration.axes[axis].tells_torque();
+    const auto told = static_cast<std::uint8_t>(kDrivePdoBytes + (has_torque ? kTorqueBytes : 0));
+    frames.push_back({told, configuration.period});  // TPDO1
     if (is_first_of_node(configuration, axis)) frames.push_back({1, configuration.heartbeat});
   }
   const OtherDevices& others = configuration.others[bus];

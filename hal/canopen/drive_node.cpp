@@ -144,10 +144,15 @@ void DriveNode::release(hal::Instant now) {
 }
 
 bool DriveNode::take_feedback(const hal::ReceivedCanFrame& received) {
-  if (received.frame.length != kDrivePdoBytes) return false;
+  const bool has_torque = drive_.tells_torque();
+  if (received.frame.length != kDrivePdoBytes + (has_torque ? kTorqueBytes : 0)) return false;
   if (!is_started()) return true;
   drive_.hear(load<std::uint16_t>(received.frame, 0),
               static_cast<std::int32_t>(load<std::uint32_t>(received.frame, 2)), received.at);
+  if (has_torque) {
+    const auto per_mille = load<std::uint16_t>(received.frame, kDrivePdoBytes);
+    drive_.hear_torque(static_cast<std::int16_t>(per_mille));
+  }
   s_.answered = true;
   if (s_.phase == Phase::kStarted) enter(Phase::kRunning, received.at);
   return true;

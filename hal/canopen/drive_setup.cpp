@@ -29,6 +29,8 @@ constexpr std::uint32_t kTargetPositionEntry = 0x607A0020;
 constexpr std::uint32_t kInterpolationDataEntry = 0x60C10120;
 constexpr std::uint32_t kStatusWordEntry = 0x60410010;
 constexpr std::uint32_t kActualPositionEntry = 0x60640020;
+constexpr std::uint32_t kActualTorqueEntry = 0x60770010;
+constexpr std::uint32_t kNoEntry = 0;
 
 constexpr unsigned kEntryIndex = 16;     // in an entry, from this bit on
 constexpr std::uint16_t kOtherPdos = 3;  // PDO2 to PDO4, which may be on after power-up
@@ -40,6 +42,7 @@ struct Pdo {
   std::uint32_t flags;
   std::uint32_t first_entry;
   std::uint32_t second_entry;
+  std::uint32_t third_entry = kNoEntry;
 };
 
 void map(Setup& setup, const Pdo& pdo) {
@@ -48,7 +51,9 @@ void map(Setup& setup, const Pdo& pdo) {
   cia402::write(setup, pdo.mapping, 0, 1, 0);
   cia402::write(setup, pdo.mapping, 1, 4, pdo.first_entry);
   cia402::write(setup, pdo.mapping, 2, 4, pdo.second_entry);
-  cia402::write(setup, pdo.mapping, 0, 1, 2);
+  const bool has_third = hal::kTellsTorque && pdo.third_entry != kNoEntry;
+  if (has_third) cia402::write(setup, pdo.mapping, 3, 4, pdo.third_entry);
+  cia402::write(setup, pdo.mapping, 0, 1, has_third ? 3 : 2);
   cia402::write(setup, pdo.parameter, 1, 4, pdo.flags | pdo.id);
 }
 
@@ -102,7 +107,8 @@ void map_pdo1(Setup& setup, const AxisConfiguration& joint) {
               entry(interpolates ? kInterpolationDataEntry : kTargetPositionEntry)});
   map(setup,
       {kTransmitPdoParameter, kTransmitPdoMapping, pdo1_id(kTransmitPdo1Id, joint.node, joint.axis),
-       kNoRemote, entry(kStatusWordEntry), entry(kActualPositionEntry)});
+       kNoRemote, entry(kStatusWordEntry), entry(kActualPositionEntry),
+       joint.tells_torque() ? entry(kActualTorqueEntry) : kNoEntry});
 }
 
 }  // namespace

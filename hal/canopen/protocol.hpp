@@ -39,6 +39,7 @@ inline constexpr std::uint32_t kNoRemote = 1U << 30;
 
 // Lengths of the PDOs of this system: 6040h with 607Ah, 6041h with 6064h.
 inline constexpr std::uint8_t kDrivePdoBytes = 6;
+inline constexpr std::uint8_t kTorqueBytes = 2;  // behind them, of a drive that tells its torque
 
 // Network management commands (CiA 301, 7.2.8.3.1).
 enum class NmtCommand : std::uint8_t {

@@ -35,6 +35,7 @@ hal::DriveStatus Drive::status() const {
                           .has_torque = has_torque(s_.state),
                           .has_position = s_.heard,
                           .homed = s_.homed,
+                          .torque = s_.torque,
                           .information = 0};
   using enum hal::DriveCondition;
   if (s_.fault) {
@@ -80,8 +81,15 @@ void Drive::hear(std::uint16_t status_word, std::int32_t counts, hal::Instant at
   }
 }
 
+void Drive::hear_torque([[maybe_unused]] std::int16_t per_mille) {
+#ifndef ARMSIG_SMALL_IMAGE
+  s_.torque = per_mille / 1000.0;
+#endif
+}
+
 void Drive::forget() {
   s_.heard = false;
+  s_.torque = {};
   s_.hides_mode = false;
   s_.state = State::kNotReadyToSwitchOn;
   s_.leaving = false;

@@ -38,6 +38,7 @@ struct DriveState {
   State state = State::kNotReadyToSwitchOn;
   std::uint16_t status_word = 0;
   std::int32_t actual_counts = 0;
+  [[no_unique_address]] hal::Torque torque = {};
   double position = 0;
   hal::Instant position_at;
   std::array<hal::Instant, kStatusRules> well_at{};  // when each rule was last kept
@@ -89,6 +90,9 @@ class Drive {
 
   // A cycle brought objects 6041h and 6064h. Latches kFeedbackImplausible.
   void hear(std::uint16_t status_word, std::int32_t counts, hal::Instant at);
+  // The cycle brought object 6077h as well.
+  void hear_torque(std::int16_t per_mille);
+  [[nodiscard]] bool tells_torque() const { return settings_->tells_torque(); }
   // The transport begins anew with it: what it told counts no more.
   void forget();
 

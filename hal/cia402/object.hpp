@@ -33,10 +33,11 @@ inline constexpr std::uint32_t kAbortNoObject = 0x06020000;
 inline constexpr std::uint32_t kAbortNoSubindex = 0x06090011;
 
 // What a cycle carries, whichever way: from the master controlword and target, from the drive
-// statusword and position.
+// statusword and position, and its torque where that is watched.
 inline constexpr std::uint16_t kControlWord = 0x6040;
 inline constexpr std::uint16_t kStatusWord = 0x6041;
 inline constexpr std::uint16_t kActualPosition = 0x6064;
+inline constexpr std::uint16_t kActualTorque = 0x6077;  // of the rated torque, per mille
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
 inline constexpr std::uint16_t kInterpolationData = 0x60C1;  // sub-index 1: the next position
 

@@ -46,6 +46,8 @@ struct DriveSettings {
   bool unsupervised_known = false;
   // It is known that the drive warns (bit 7), for instance of its battery: no reason to stop.
   bool warning_known = false;
+  // Its torque (6077h) is told in every cycle.
+  bool torque_told = false;
   // Object 6098h, told before the drive homes; empty keeps its own.
   std::optional<std::int8_t> homing_method{};
   PositionMode mode = PositionMode::kCyclic;
@@ -61,6 +63,7 @@ struct DriveSettings {
   [[nodiscard]] constexpr PositionMode position_mode() const {
     return hal::kOtherModes ? mode : PositionMode::kCyclic;
   }
+  [[nodiscard]] constexpr bool tells_torque() const { return hal::kTellsTorque && torque_told; }
   [[nodiscard]] constexpr std::span<const ObjectRequest> further_writes() const {
     return {writes.data(), writes.size()};
   }

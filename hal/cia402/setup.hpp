@@ -43,7 +43,7 @@ inline constexpr std::uint32_t kAnyValue = 0xFFFFFFFF;
 // PDO2 to PDO4 of the first axis, whose identifiers another one takes.
 inline constexpr std::size_t kFirstAxisSteps = kMostAxes > 1 ? 6 : 0;
 inline constexpr std::size_t kMaxSetupSteps =
-    58 + kFirstAxisSteps + (hal::kOtherModes ? 2 + kMaxFurtherWrites : 0);
+    58 + kFirstAxisSteps + (hal::kOtherModes ? 4 + kMaxFurtherWrites : 0);
 using Setup = FixedVector<SetupStep, kMaxSetupSteps>;
 
 // One more step: writes an object, or reads one and holds it against `expected`.
@@ -56,7 +56,8 @@ void prefer(Setup& setup, const ObjectRequest& request, std::uint32_t safe,
             SetupRule rule = SetupRule::kOption);
 
 // The device, or its axis, is a drive of CiA 402 that knows the mode, if it tells its modes.
-// Polarity (607Eh) must be none, as the sense of a joint is ours to turn.
+// Polarity (607Eh) must be none, as the sense of a joint is ours to turn. It has the torque that it
+// is to tell.
 void append_profile_check(Setup& setup, const DriveSettings& settings);
 // Interpolation period, stop behaviour, window, mode; a position offset (60B0h) must be zero. A
 // drive that makes its own profiles must have a speed and accelerations for them. The quick stop

@@ -218,6 +218,8 @@ void Drive::publish() {
   const auto counts = static_cast<std::int32_t>(std::lround(motion_.counts() - origin_)) + jump_;
   dictionary_.set(0x6064, 0, static_cast<std::uint32_t>(counts));
   dictionary_.set(0x6041, 0, status_word());
+  const auto torque = static_cast<std::int16_t>(std::lround(1000 * motion_.torque()));
+  dictionary_.set(0x6077, 0, static_cast<std::uint16_t>(torque));
   if (configuration_.shows_mode_late) {
     const bool enabled = power_.state() == State::kOperationEnabled;
     dictionary_.set(0x6061, 0, enabled ? dictionary_.get(0x6060) : 0);

@@ -108,6 +108,7 @@ void DriveDictionary::add_profile() {
   add(0x6064, 0, 4, kMapsOut, 0);             // actual position
   add(0x6065, 0, 4, kReadWrite, 0xFFFFFFFF);  // following error window: off
   add(0x6066, 0, 2, kReadWrite, 10);          // following error time-out, ms
+  add(0x6077, 0, 2, kMapsOut, 0);             // actual torque, per mille of the rated one
   add(0x607A, 0, 4, kMapsIn, 0);              // target position
   add(0x607C, 0, 4, kReadWrite, 0);           // home offset
   add(0x607E, 0, 1, kReadWrite, 0);           // polarity
@@ -165,7 +166,9 @@ void DriveDictionary::add_pdos() {
       add(mapping, 0, 1, kReadWrite, 1);
       const auto further = static_cast<std::uint32_t>(kProfileOfAxis * (axis_.number - 1)) << 16;
       add(mapping, 1, 4, kReadWrite, (out ? 0x60410010 : 0x60400010) + further);
-      add(mapping, 2, 4, kReadWrite, 0);
+      for (std::uint8_t entry = 2; entry <= kMaxEntries; ++entry) {
+        add(mapping, entry, 4, kReadWrite, 0);
+      }
     }
   }
 }

@@ -61,8 +61,8 @@ using AbortCode = std::uint32_t;
 
 class DriveDictionary {
  public:
-  static constexpr std::size_t kMaxObjects = 112;
-  static constexpr std::size_t kMaxEntries = 2;  // of a PDO mapping
+  static constexpr std::size_t kMaxObjects = 120;
+  static constexpr std::size_t kMaxEntries = 3;  // of a PDO mapping
 
   // `encoder_counts` a motor revolution, told by the factor group; 0: the drive has none. `edits`
   // must outlive it.

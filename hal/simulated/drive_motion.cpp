@@ -22,7 +22,8 @@ MotionConfiguration honest_motion(double counts_per_radian) {
           .brake_delay = std::chrono::milliseconds(60),
           .brake_deceleration = 50 * counts_per_radian,
           .compliance_s2 = kCompliance_s2,
-          .play = radians(0.003) * counts_per_radian};
+          .play = radians(0.003) * counts_per_radian,
+          .rated_acceleration = 80 * counts_per_radian};
 }
 
 MotionConfiguration honest_slide(double counts_per_metre) {
@@ -32,7 +33,8 @@ MotionConfiguration honest_slide(double counts_per_metre) {
           .brake_delay = std::chrono::milliseconds(60),
           .brake_deceleration = 20 * counts_per_metre,
           .compliance_s2 = kCompliance_s2,
-          .play = 1e-5 * counts_per_metre};
+          .play = 1e-5 * counts_per_metre,
+          .rated_acceleration = 20 * counts_per_metre};
 }
 
 DriveMotion::DriveMotion(const MotionConfiguration& configuration, hal::Instant now)
@@ -60,6 +62,11 @@ double DriveMotion::reference_velocity(hal::Instant at) const {
 }
 
 double DriveMotion::following_error() const { return reference(s_.now) - s_.position; }
+
+double DriveMotion::torque() const {
+  if (configuration_.rated_acceleration <= 0) return 0;
+  return std::clamp(s_.effort / configuration_.rated_acceleration, -kLargestTorque, kLargestTorque);
+}
 
 void DriveMotion::follow() {
   if (s_.mode == Drivetrain::kBraked) s_.brake_at = s_.now + configuration_.brake_delay;
@@ -127,6 +134,7 @@ void DriveMotion::step_following(double dt) {
                         2 * w * (reference_velocity(s_.now) - s_.velocity);
   const double acceleration =
       std::clamp(wanted, -configuration_.largest_acceleration, configuration_.largest_acceleration);
+  s_.effort += acceleration;
   s_.velocity = std::clamp(s_.velocity + acceleration * dt, -configuration_.largest_speed,
                            configuration_.largest_speed);
   if (std::fabs(s_.velocity) < 1e-6) s_.velocity = 0;
@@ -134,6 +142,10 @@ void DriveMotion::step_following(double dt) {
 
 void DriveMotion::step() {
   const double dt = hal::seconds(kStep);
+  // The motor holds the limb, and what turns rubs.
+  s_.effort = -s_.gravity;
+  if (s_.velocity != 0) s_.effort += std::copysign(configuration_.friction, s_.velocity);
+  if (s_.mode == Drivetrain::kBraked) s_.effort = 0;
   switch (s_.mode) {
     case Drivetrain::kBraked:
       step_braked(dt);

@@ -25,15 +25,17 @@ struct MotionConfiguration {
   double droop = 0;                   // counts that the loop stays off its target for ever; signed
   double compliance_s2 = 0;           // the same, in counts for each count/s^2 of gravity
   double play = 0;                    // counts between motor and joint
+  double rated_acceleration = 0;      // counts/s^2 by the rated torque; 0: none is told
 };
 
 // A joint of a small arm: 180 deg/s^2 on its ramps, a limb that falls at 3 rad/s^2 until
 // set_gravity() says otherwise and coasts, a brake that takes 60 ms, a position loop that stays a
 // microradian off its target for each rad/s^2 of gravity, and 0.003 degrees of play: at a metre
-// half of the 0.1 mm within which a Puma 560 repeats. Precondition: counts_per_radian is positive.
+// half of the 0.1 mm within which a Puma 560 repeats. Its rated torque accelerates it by 20
+// rad/s^2. Precondition: counts_per_radian is positive.
 [[nodiscard]] MotionConfiguration honest_motion(double counts_per_radian);
-// A slide: 2 m/s^2 on its ramps, 10 micrometres of play. Precondition: counts_per_metre is
-// positive.
+// A slide: 2 m/s^2 on its ramps, 10 micrometres of play, 20 m/s^2 by its rated torque.
+// Precondition: counts_per_metre is positive.
 [[nodiscard]] MotionConfiguration honest_slide(double counts_per_metre);
 
 enum class Drivetrain : std::uint8_t {
@@ -53,6 +55,7 @@ struct MotionState {
   double to = 0;
   hal::Instant since;
   hal::Duration period{};
+  double effort = 0;      // counts/s^2 that the motor gives, what nothing moves included
   bool blocked = false;   // the motor cannot turn
   bool ignores = false;   // targets are not taken
   double ramp = 0;        // counts/s^2 of kStopping
@@ -67,6 +70,8 @@ class DriveMotion {
 
   DriveMotion(const MotionConfiguration& configuration, hal::Instant now);
 
+  static constexpr double kLargestTorque = 3;
+
   [[nodiscard]] const MotionState& state() const { return s_; }
   [[nodiscard]] const MotionConfiguration& configuration() const { return configuration_; }
   [[nodiscard]] std::int32_t counts() const;
@@ -77,6 +82,9 @@ class DriveMotion {
   }
   // Interpolated target less actual position, counts.
   [[nodiscard]] double following_error() const;
+
+  // What the motor gives, as a share of its rated torque; at most kLargestTorque either way.
+  [[nodiscard]] double torque() const;
 
   void follow();
   void stop(double ramp);

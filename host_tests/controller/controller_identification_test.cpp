@@ -101,6 +101,41 @@ TEST(Identification, that_is_begun_again_has_no_reason_to_pause) {
   EXPECT_EQ(sequence.pause_reason(), std::nullopt);
 }
 
+// Of the first move of a sequence.
+double first_move_s(PumaCabinet& puma, const std::string& request) {
+  EXPECT_EQ(puma.ask(request), "ok") << request;
+  for (int i = 0; i < 5000 && !puma.now().moving; ++i) puma.cabinet->step();
+  return puma.now().left_s;
+}
+
+TEST(Identification, moves_at_the_pace_that_is_asked_for_and_the_next_sequence_at_its_own) {
+  const auto begin_anew = [](PumaCabinet& puma) {
+    EXPECT_EQ(puma.ask("stop"), "ok");
+    EXPECT_EQ(puma.ask("reset"), "ok");
+    EXPECT_TRUE(puma.enable());
+    EXPECT_EQ(puma.ask("move q1_deg=0 q2_deg=-90 q3_deg=90 q4_deg=30 q5_deg=0 q6_deg=0"), "ok");
+    puma.run(20);
+    EXPECT_EQ(puma.mode(), Mode::kHolding);
+  };
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  const double full_s = first_move_s(puma, "identify");
+  begin_anew(puma);
+  EXPECT_NEAR(first_move_s(puma, "identify pace=0.1"), 10 * full_s, 0.05 * full_s);
+  begin_anew(puma);
+  EXPECT_NEAR(first_move_s(puma, "identify"), full_s, 0.05 * full_s);
+}
+
+TEST(Identification, refuses_a_pace_that_is_none) {
+  PumaCabinet puma;
+  ASSERT_TRUE(puma.enable());
+  for (const char* pace : {"0", "1.01", "-0.1"}) {
+    EXPECT_TRUE(puma.ask(std::string("identify pace=") + pace).starts_with("error OUT_OF_RANGE"));
+  }
+  EXPECT_TRUE(puma.ask("identify pace=slow").starts_with("error UNKNOWN_REQUEST"));
+  EXPECT_EQ(puma.mode(), Mode::kHolding);
+}
+
 TEST(Identification, tells_how_far_a_sweep_is_with_every_tenth_point) {
   PumaCabinet puma;
   ASSERT_TRUE(puma.enable());

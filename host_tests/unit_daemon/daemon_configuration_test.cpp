@@ -128,6 +128,26 @@ TEST(DaemonConfiguration, takes_a_drive_that_keeps_its_torque_for_known_in_one_w
                  "known, or no such key");
 }
 
+TEST(DaemonConfiguration, watches_the_torque_of_a_joint_in_sequences_where_it_says_so) {
+  const auto plain = read_configuration(ARMSIG_REFERENCE);
+  ASSERT_TRUE(plain);
+  EXPECT_FALSE(plain->drives.axes[0].torque_told);
+  EXPECT_FALSE(plain->controller.supervision.sequence_torque[0]);
+  const auto watched = parse_configuration(
+      change("joints:", "reversed: no", "reversed: no, sequence_torque_percent: 60").text,
+      "cabinet.yaml");
+  ASSERT_TRUE(watched) << tool::render(watched.error());
+  EXPECT_TRUE(watched->drives.axes[0].torque_told);
+  EXPECT_EQ(watched->controller.supervision.sequence_torque[0], 0.6);
+  EXPECT_FALSE(watched->drives.axes[1].torque_told);
+  EXPECT_FALSE(watched->controller.supervision.sequence_torque[1]);
+  for (const char* beyond : {"0", "301", "60.5"}) {
+    expect_refused("joints:", "reversed: no",
+                   "reversed: no, sequence_torque_percent: " + std::string(beyond),
+                   "sequence_torque_percent");
+  }
+}
+
 TEST(DaemonConfiguration, takes_a_warning_of_a_drive_for_known_in_one_word) {
   const auto known = parse_configuration(
       change("joints:", "reversed: no", "reversed: no, warning: known").text, "cabinet.yaml");

@@ -371,6 +371,7 @@ TEST(DriveScan, has_words_for_every_object_that_the_set_up_weighs) {
   canopen::Configuration drives = test::puma_drives(1);
   drives.axes[0].stop_deceleration = 10;
   drives.axes[0].following_window = 0.1;
+  drives.axes[0].torque_told = true;
   const auto checked = canopen::check(drives);
   ASSERT_TRUE(checked);
   for (const auto& step : canopen::drive_setup(*checked, 0)) {

@@ -107,6 +107,8 @@ void add_warnings(Status& status, Entries& out) {
   out.add("unsupervised",
           status.phrase("unsupervised", "joints ",
                         " keep torque if armsigd dies; the emergency stop must end it"));
+  out.add("torque", status.phrase("torque_percent", "", " % of the rated one, by joint"));
+  out.add("sequence torque", status.phrase("largest_torque_percent", "at most ", " %, by joint"));
   out.add("limits", status.phrase("limits_active", "the drives of joints ",
                                   " limit the motion by themselves"));
   const std::string store = status.take("store");

@@ -148,6 +148,7 @@ function showFacts({ status, candidate, sigmas }) {
   if (trouble || status.sensor) facts.push(['sensor', trouble ? markdown(adviceFor(trouble).words ?? trouble) : 'answers']);
   if (status.sensor_says) facts.push(['sensor says', status.sensor_says]);
   if (status.store) facts.push(['store', markdown(adviceFor(status.store).words ?? status.store)]);
+  if (status.torque_percent) facts.push(['torque by joint', `${status.torque_percent} %; in a sequence at most ${status.largest_torque_percent} %`]);
   if (status.limits_active) facts.push(['limited by its drive', `joint ${status.limits_active}`]);
   if (status.warning) facts.push(['its drive warns', `joint ${status.warning}`]);
   if (status.unsupervised) facts.push(['holds torque without this controller', `joint ${status.unsupervised}`]);
