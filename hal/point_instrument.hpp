@@ -25,7 +25,8 @@ class PointInstrument {
  public:
   // The newest reading, if one has arrived since; each is handed out once at most. Never blocks. An
   // error is told once and does not end anything, as those of RangeSensor::poll(): kSensorSilent,
-  // kSensorStale, kSensorMalformed, kSensorPortGone (nobody is connected, or nobody can be).
+  // kSensorStale, kSensorMalformed, kSensorException, kSensorWrongUnit (of a Modbus server),
+  // kSensorPortGone (nobody is connected, or nobody can be).
   [[nodiscard]] Result<std::optional<PointReading>> poll(Instant now) { return do_poll(now); }
 
   // What stands behind `error`, the last that poll() told, for the console; may be empty.

@@ -29,22 +29,6 @@ using Sensor = linux_hal::RtuRangeSensorConfiguration;
 
 Names field_names() { return {"unit", "function", "register", "format", "words"}; }
 
-Read<void> read_format(const YamlMap& map, Format& format) {
-  const YamlNode* node = map.find("format");
-  if (node == nullptr) return {};
-  constexpr std::pair<std::string_view, Format> kFormats[] = {{"u16", Format::kU16},
-                                                              {"i16", Format::kI16},
-                                                              {"u32", Format::kU32},
-                                                              {"i32", Format::kI32},
-                                                              {"f32", Format::kF32}};
-  for (const auto& [name, meant] : kFormats) {
-    if (node->text != name) continue;
-    format = meant;
-    return {};
-  }
-  return problem_at(*node, "format: " + tool::in_quotes(node->text), "u16, i16, u32, i32 or f32");
-}
-
 // What is absent keeps the value that it has.
 Read<void> read_field(const YamlMap& map, modbus::Field& field) {
   constexpr int kLargestUnit = 247;
@@ -295,6 +279,22 @@ Read<void> check_step(const YamlMap& map, const modbus::ChannelProfile& profile)
 }
 
 }  // namespace
+
+Read<void> read_format(const YamlMap& map, Format& format) {
+  const YamlNode* node = map.find("format");
+  if (node == nullptr) return {};
+  constexpr std::pair<std::string_view, Format> kFormats[] = {{"u16", Format::kU16},
+                                                              {"i16", Format::kI16},
+                                                              {"u32", Format::kU32},
+                                                              {"i32", Format::kI32},
+                                                              {"f32", Format::kF32}};
+  for (const auto& [name, meant] : kFormats) {
+    if (node->text != name) continue;
+    format = meant;
+    return {};
+  }
+  return problem_at(*node, "format: " + tool::in_quotes(node->text), "u16, i16, u32, i32 or f32");
+}
 
 Read<void> read_channels(const YamlMap& map, const controller::Sensor& array, Sensor& sensor) {
   modbus::ChannelProfile& profile = sensor.channels.emplace();

@@ -20,6 +20,7 @@
 #include "firmware/linux/self_calibrating.hpp"
 #include "firmware/linux/shut_down.hpp"
 #include "hal/canopen/master.hpp"
+#include "hal/linux/modbus_points.hpp"
 #include "hal/linux/point_server.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"
 #include "hal/linux/socket_can.hpp"
@@ -31,6 +32,7 @@ namespace {
 // What measures, however it is connected; nothing of it where nothing does.
 struct SensorBackend {
   std::unique_ptr<linux_hal::PointServer> points;
+  std::unique_ptr<linux_hal::ModbusPoints> registers;
   std::unique_ptr<linux_hal::RtuRangeSensor> serial;
   std::unique_ptr<CanSensor> can;
 
@@ -38,6 +40,7 @@ struct SensorBackend {
     if (serial) return *serial;
     if (can) return *can;
     if (points) return *points;
+    if (registers) return *registers;
     return {};
   }
 };
@@ -52,6 +55,11 @@ Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
   if (const auto* points =
           std::get_if<linux_hal::PointServerConfiguration>(&configuration.sensor)) {
     backend.points = std::make_unique<linux_hal::PointServer>(*points);
+    return backend;
+  }
+  if (const auto* points =
+          std::get_if<linux_hal::ModbusPointsConfiguration>(&configuration.sensor)) {
+    backend.registers = std::make_unique<linux_hal::ModbusPoints>(*points);
     return backend;
   }
   auto started = linux_hal::RtuRangeSensor::start(

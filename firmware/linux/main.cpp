@@ -126,6 +126,9 @@ std::string instrument_in_words(const DaemonConfiguration& c) {
   if (const auto* points = std::get_if<linux_hal::PointServerConfiguration>(&c.sensor)) {
     return fmt::format("points at {} port {}", points->address, points->port);
   }
+  if (const auto* points = std::get_if<linux_hal::ModbusPointsConfiguration>(&c.sensor)) {
+    return fmt::format("points of the Modbus server {} port {}", points->address, points->port);
+  }
   if (std::holds_alternative<std::monostate>(c.sensor)) return "no sensor";
   return fmt::format(
       "sensor on {} with {} receivers",

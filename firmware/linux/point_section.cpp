@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,6 +19,7 @@
 namespace armsig::daemon {
 namespace {
 
+namespace plausible = controller::plausible;
 using controller::plausible::kInstrumentSigma;
 using controller::plausible::kPointAge;
 using tool::add_names;
@@ -46,10 +50,100 @@ Read<void> read_connection(const YamlMap& map, linux_hal::PointServerConfigurati
   return read_address(map, "client", points.client);
 }
 
+// The registers of an instrument that is a Modbus TCP server.
+Read<void> read_registers(const YamlMap& map, modbus::PointProfile& profile) {
+  constexpr int kLargestUnit = 247;
+  constexpr int kLargestRegister = 0xFFFF;
+  if (auto format = read_format(map, profile.format); !format) return format;
+  if (auto words = read_word_order(map, profile.high_word_first); !words) return words;
+  for (const auto& [key, number] :
+       {std::pair("x", &profile.x), std::pair("y", &profile.y), std::pair("z", &profile.z)}) {
+    ARMSIG_TRY(first, map.integer(key, 0, kLargestRegister));
+    *number = static_cast<std::uint16_t>(first);
+  }
+  if (map.find("counter") != nullptr) {
+    ARMSIG_TRY(counter, map.integer("counter", 0, kLargestRegister));
+    profile.counter = static_cast<std::uint16_t>(counter);
+  }
+  ARMSIG_TRY(step, map.number("metres_a_step"));
+  profile.metres_a_step = step;
+  Settings settings(map);
+  settings.integer("unit", 1, kLargestUnit, profile.unit)
+      .integer("function", 3, 4, profile.function)
+      .share("metres_a_step", profile.metres_a_step)
+      .bound("metres_a_step", std::nullopt, profile.metres_a_step, plausible::kPointStep)
+      .time("update_period", profile.update_period);
+  if (map.find_quantity("update_period", Dimension::kTime)->has_value() ==
+      profile.counter.has_value()) {
+    return problem_at(map.node(), "nothing says when a point is new, or two keys do",
+                      "counter, or update_period_ms where there is none");
+  }
+  return settings.done();
+}
+
+Read<void> read_server(const YamlNode& node, const controller::Sensor& sensor,
+                       linux_hal::ModbusPointsConfiguration& points) {
+  std::vector<std::string> known{"address", "port", "unit", "function", "format",       "words",
+                                 "x",       "y",    "z",    "counter",  "metres_a_step"};
+  for (const char* time : {"update_period", "poll_period", "answer_timeout"}) {
+    add_names(known, time, Dimension::kTime);
+  }
+  ARMSIG_TRY(map, YamlMap::open(node, "modbus", known));
+  ARMSIG_TRY(address, map.require("address"));
+  (void)address;
+  if (auto read = read_address(map, "address", points.address); !read) return read;
+  if (auto read = read_registers(map, points.profile); !read) return read;
+  Settings settings(map);
+  settings.integer("port", 1, kLargestPort, points.port)
+      .time("poll_period", points.poll_period)
+      .time("answer_timeout", points.answer_timeout)
+      .bound("answer_timeout", Dimension::kTime, hal::seconds(points.answer_timeout),
+             plausible::kAnswerTimeout);
+  const bool by_time = points.profile.update_period > points.poll_period;
+  settings.bound(
+      by_time ? "update_period" : "poll_period", Dimension::kTime,
+      hal::seconds(std::max(points.profile.update_period, points.poll_period)),
+      {plausible::kPollPeriod.lowest,
+       std::min(plausible::kPollPeriod.highest, hal::seconds(sensor.reading_timeout) / 2),
+       "reading_timeout has to last for two readings"});
+  if (auto done = settings.done(); !done) return done;
+  if (const auto request = modbus::request_of(points.profile); !request) {
+    return problem_at(
+        map.node(), std::string(describe(request.error())),
+        fmt::format("x, y, z and counter in registers of their own, at most {} from the "
+                    "first to the last",
+                    modbus::kMaxRegisters));
+  }
+  return {};
+}
+
+// How old points may be, and when they are missed; of either kind.
+template <typename Instrument>
+Read<void> read_age(const YamlMap& map, controller::Sensor& sensor, Instrument& points) {
+  Settings settings(map);
+  settings.time("age", points.age)
+      .bound("age", Dimension::kTime, hal::seconds(points.age), kPointAge)
+      .time("reading_timeout", sensor.reading_timeout)
+      .time("silent_after", points.freshness.silent_after)
+      .time("stale_after", points.freshness.stale_after);
+  return settings.done();
+}
+
+// Of an instrument that armsigd asks, nobody connects.
+Read<void> refuse_connection(const YamlMap& map) {
+  for (const char* key : {"port", "address", "client"}) {
+    const YamlNode* const node = map.find(key);
+    if (node == nullptr) continue;
+    return problem_at(*node, fmt::format("{} beside modbus", key),
+                      "address and port of the server, in modbus");
+  }
+  return {};
+}
+
 }  // namespace
 
 Read<void> read_points(const YamlNode& node, DaemonConfiguration& c) {
-  std::vector<std::string> known{"target", "port", "address", "client"};
+  std::vector<std::string> known{"target", "port", "address", "client", "modbus"};
   add_names(known, "sigma", Dimension::kLength);
   for (const char* time : {"age", "reading_timeout", "silent_after", "stale_after"}) {
     add_names(known, time, Dimension::kTime);
@@ -58,21 +152,25 @@ Read<void> read_points(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(target, map.require("target"));
   ARMSIG_TRY(p_nT, read_target(*target, "the target"));
   c.p_nT = p_nT;
-  linux_hal::PointServerConfiguration points;
-  if (auto read = read_connection(map, points); !read) return read;
   controller::Sensor& sensor = c.controller.sensor;
   sensor.measures = controller::Measures::kPoints;
   ARMSIG_TRY(sigma, map.require_quantity("sigma", Dimension::kLength));
   (void)sigma;
   Settings settings(map);
   settings.quantity("sigma", Dimension::kLength, sensor.point_sigma_m)
-      .bound("sigma", Dimension::kLength, sensor.point_sigma_m, kInstrumentSigma)
-      .time("age", points.age)
-      .bound("age", Dimension::kTime, hal::seconds(points.age), kPointAge)
-      .time("reading_timeout", sensor.reading_timeout)
-      .time("silent_after", points.freshness.silent_after)
-      .time("stale_after", points.freshness.stale_after);
+      .bound("sigma", Dimension::kLength, sensor.point_sigma_m, kInstrumentSigma);
   if (auto done = settings.done(); !done) return done;
+  if (const YamlNode* const server = map.find("modbus")) {
+    if (auto alone = refuse_connection(map); !alone) return alone;
+    linux_hal::ModbusPointsConfiguration points;
+    if (auto read = read_age(map, sensor, points); !read) return read;
+    if (auto read = read_server(*server, sensor, points); !read) return read;
+    c.sensor = points;
+    return {};
+  }
+  linux_hal::PointServerConfiguration points;
+  if (auto read = read_connection(map, points); !read) return read;
+  if (auto read = read_age(map, sensor, points); !read) return read;
   c.sensor = points;
   return {};
 }

@@ -21,6 +21,9 @@ namespace armsig::daemon {
 // `path`: whether what is measured is there and back.
 [[nodiscard]] tool::Read<void> read_path(const tool::YamlMap& map, bool& echo);
 
+// `format`: of a number in registers.
+[[nodiscard]] tool::Read<void> read_format(const tool::YamlMap& map, modbus::Format& format);
+
 // `words`: of two registers.
 [[nodiscard]] tool::Read<void> read_word_order(const tool::YamlMap& map, bool& high_word_first);
 

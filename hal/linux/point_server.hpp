@@ -13,6 +13,7 @@
 #include "hal/freshness.hpp"
 #include "hal/linux/back_off.hpp"
 #include "hal/linux/file_descriptor.hpp"
+#include "hal/linux/internet_address.hpp"
 #include "hal/linux/point_line.hpp"
 #include "hal/point_instrument.hpp"
 
@@ -26,10 +27,6 @@ struct PointServerConfiguration {
   hal::Duration age = std::chrono::milliseconds(100);
   hal::FreshnessLimits freshness{};
 };
-
-// An address as it is told, in the form in which addresses are compared; empty: it is none.
-[[nodiscard]] std::string canonical_address(const std::string& told);
-[[nodiscard]] bool is_loopback(const std::string& canonical);
 
 // One connection, to which it is the server. A second one is refused, unless the first has told no
 // point for as long as an instrument may be silent: a bridge whose computer lost its power must not

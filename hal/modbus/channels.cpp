@@ -11,13 +11,7 @@
 namespace armsig::modbus {
 namespace {
 
-constexpr std::size_t kRegisters = 0x10000;
-
 using Fields = FixedVector<Field, kMaxFields>;
-
-std::size_t end_of(const Field& field) {
-  return std::size_t{field.first} + registers_in(field.format);
-}
 
 bool is_sane(const Field& field) {
   return field.unit >= 1 && field.unit <= kLargestUnit &&

@@ -32,6 +32,13 @@ struct Field {
   double step = 1;  // what 1 in the register is: seconds, metres or degrees Celsius
 };
 
+inline constexpr std::size_t kRegisters = 0x10000;  // of a unit, by one function
+
+// The register behind the last one of a field.
+[[nodiscard]] constexpr std::size_t end_of(const Field& field) {
+  return std::size_t{field.first} + registers_in(field.format);
+}
+
 // What one receiver heard.
 struct Channel {
   static constexpr std::size_t kMaxInvalid = 4;

@@ -7,8 +7,9 @@ namespace armsig::modbus {
 namespace {
 
 constexpr std::uint8_t kExceptionBit = 0x80;
-constexpr std::size_t kExceptionBytes = 5;  // unit, function, code, CRC
-constexpr std::size_t kOverheadBytes = 5;   // unit, function, byte count, CRC
+constexpr std::size_t kCrcBytes = 2;
+constexpr std::size_t kExceptionBody = 3;  // unit, function, code
+constexpr std::size_t kBodyOverhead = 3;   // unit, function, byte count
 
 std::uint8_t high(std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); }
 std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xFF); }
@@ -42,35 +43,43 @@ std::array<std::uint8_t, kReadRequestBytes> encode(const ReadRequest& request) {
 
 std::size_t answer_bytes(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < 2) return 0;
-  if ((bytes[1] & kExceptionBit) != 0) return kExceptionBytes;
+  if ((bytes[1] & kExceptionBit) != 0) return kExceptionBody + kCrcBytes;
   if (bytes.size() < 3) return 0;
-  return kOverheadBytes + bytes[2];
+  return kBodyOverhead + bytes[2] + kCrcBytes;
 }
 
 std::expected<Registers, Failure> decode(const ReadRequest& request,
                                          std::span<const std::uint8_t> answer) {
+  if (answer.size() < kExceptionBody + kCrcBytes) {
+    return std::unexpected(Failure{Error::kSensorMalformed});
+  }
+  const std::span body = answer.first(answer.size() - kCrcBytes);
+  const std::uint16_t crc = crc16(body);
+  if (answer[body.size()] != low(crc) || answer[body.size() + 1] != high(crc)) {
+    return std::unexpected(Failure{Error::kSensorBadCrc});
+  }
+  return decode_body(request, body);
+}
+
+std::expected<Registers, Failure> decode_body(const ReadRequest& request,
+                                              std::span<const std::uint8_t> body) {
   const auto fail = [](Error error, std::uint8_t exception = 0) {
     return std::unexpected(Failure{error, exception});
   };
-  if (answer.size() < kExceptionBytes) return fail(Error::kSensorMalformed);
-  const std::size_t body = answer.size() - 2;
-  const std::uint16_t crc = crc16(answer.first(body));
-  if (answer[body] != low(crc) || answer[body + 1] != high(crc)) {
-    return fail(Error::kSensorBadCrc);
+  if (body.size() < kExceptionBody) return fail(Error::kSensorMalformed);
+  if (body[0] != request.unit) return fail(Error::kSensorWrongUnit);
+  if (body[1] == (request.function | kExceptionBit)) {
+    if (body.size() != kExceptionBody) return fail(Error::kSensorMalformed);
+    return fail(Error::kSensorException, body[2]);
   }
-  if (answer[0] != request.unit) return fail(Error::kSensorWrongUnit);
-  if (answer[1] == (request.function | kExceptionBit)) {
-    if (answer.size() != kExceptionBytes) return fail(Error::kSensorMalformed);
-    return fail(Error::kSensorException, answer[2]);
-  }
-  if (answer[1] != request.function) return fail(Error::kSensorWrongUnit);
+  if (body[1] != request.function) return fail(Error::kSensorWrongUnit);
   const std::size_t data_bytes = std::size_t{2} * request.registers.count;
-  if (answer[2] != data_bytes || answer.size() != kOverheadBytes + data_bytes) {
+  if (body[2] != data_bytes || body.size() != kBodyOverhead + data_bytes) {
     return fail(Error::kSensorMalformed);
   }
   Registers registers;
   for (std::size_t i = 0; i < request.registers.count; ++i) {
-    registers.push_back(static_cast<std::uint16_t>((answer[3 + 2 * i] << 8) | answer[4 + 2 * i]));
+    registers.push_back(static_cast<std::uint16_t>((body[3 + 2 * i] << 8) | body[4 + 2 * i]));
   }
   return registers;
 }

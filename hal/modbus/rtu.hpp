@@ -48,6 +48,11 @@ struct Failure {
 [[nodiscard]] std::expected<Registers, Failure> decode(const ReadRequest& request,
                                                        std::span<const std::uint8_t> answer);
 
+// The same of what is between the frame's own parts on any line: unit, function, and what follows.
+// Errors: as above, but for kSensorBadCrc.
+[[nodiscard]] std::expected<Registers, Failure> decode_body(const ReadRequest& request,
+                                                            std::span<const std::uint8_t> body);
+
 // A short English phrase for a Modbus exception code.
 [[nodiscard]] std::string_view describe_exception(std::uint8_t code);
 

@@ -91,6 +91,65 @@ TEST(PointConfiguration, that_cannot_be_is_refused_in_its_place) {
   }
 }
 
+constexpr const char* kAsked =
+    "points:\n  target: {x_mm: 150, y_mm: 0, z_mm: 50}\n  sigma_mm: 0.05\n";
+
+// The part of the reference about a Modbus TCP server.
+std::string server_of_reference() {
+  std::ifstream file(ARMSIG_REFERENCE);
+  std::string server;
+  for (std::string line; std::getline(file, line);) {
+    if (!server.empty() && !line.starts_with("#     ")) break;
+    if (line.starts_with("#   modbus:") || !server.empty()) server += line.substr(2) + "\n";
+  }
+  return server;
+}
+
+TEST(PointConfiguration, of_a_Modbus_server_in_the_reference_is_read_whole) {
+  const auto read = parse_configuration(with(kAsked + server_of_reference()), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const auto* points = std::get_if<linux_hal::ModbusPointsConfiguration>(&read->sensor);
+  ASSERT_NE(points, nullptr);
+  EXPECT_EQ(points->address, "192.168.5.30");
+  EXPECT_EQ(points->port, 502);
+  EXPECT_EQ(points->profile.y, 2);
+  EXPECT_EQ(points->profile.counter, 6);
+  EXPECT_EQ(points->profile.format, modbus::Format::kF32);
+  EXPECT_DOUBLE_EQ(points->profile.metres_a_step, 1e-3);
+  EXPECT_EQ(points->poll_period, std::chrono::milliseconds(50));
+  EXPECT_EQ(points->answer_timeout, std::chrono::milliseconds(200));
+  EXPECT_EQ(read->controller.sensor.measures, controller::Measures::kPoints);
+}
+
+TEST(PointConfiguration, of_a_Modbus_server_that_cannot_be_is_refused_in_its_place) {
+  const std::string least =
+      std::string(kAsked) + "  modbus: {address: 10.0.0.3, x: 0, y: 2, z: 4, metres_a_step: 1.0, ";
+  const auto read = parse_configuration(with(least + "update_period_ms: 100}\n"), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  expect_refused(least + "counter: 6, update_period_ms: 100}\n", "when a point is new");
+  expect_refused(least + "unit: 1}\n", "when a point is new");
+  expect_refused(least + "counter: 5}\n", "the sensor profile contradicts itself");
+  expect_refused(least + "counter: 200}\n", "the sensor profile contradicts itself");
+  expect_refused(least + "counter: 6, unit: 0}\n", "unit");
+  expect_refused(least + "counter: 6, format: f64}\n", "f32");
+  expect_refused(least + "counter: 6, words: swapped}\n", "low-first");
+  expect_refused(least + "counter: 6, poll_period_ms: 501}\n", "two readings");
+  expect_refused(least + "counter: 6, answer_timeout_ms: 11000}\n", "no sensor answers");
+  expect_refused(least + "update_period_ms: 501}\n", "two readings");
+  expect_refused(least + "counter: 6}\n  port: 7047\n", "port beside modbus");
+  expect_refused(
+      std::string(kAsked) + "  modbus: {x: 0, y: 2, z: 4, metres_a_step: 1, counter: 6}\n",
+      "address");
+  expect_refused(std::string(kAsked) +
+                     "  modbus: {address: tracker, x: 0, y: 2, z: 4, "
+                     "metres_a_step: 1, counter: 6}\n",
+                 "in numbers");
+  expect_refused(std::string(kAsked) +
+                     "  modbus: {address: 10.0.0.3, x: 0, y: 2, z: 4, "
+                     "metres_a_step: 1000, counter: 6}\n",
+                 "millimetres as metres");
+}
+
 TEST(PointConfiguration, beside_a_sensor_is_refused) {
   std::ifstream file(ARMSIG_REFERENCE);
   const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+#include "hal/linux/modbus_points.hpp"
+
+#include <netinet/tcp.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "core/base/check.hpp"
+#include "hal/linux/internet_address.hpp"
+
+namespace armsig::linux_hal {
+namespace {
+
+// A server that is there takes a connection at once, another one never.
+constexpr hal::Duration kConnectTimeout = std::chrono::seconds(1);
+
+}  // namespace
+
+ModbusPoints::ModbusPoints(const ModbusPointsConfiguration& configuration)
+    : configuration_(configuration), freshness_(configuration.freshness) {
+  const auto request = modbus::request_of(configuration.profile);
+  ARMSIG_CHECK(request && address_of(configuration.address, configuration.port));
+  request_ = *request;
+}
+
+void ModbusPoints::connect(hal::Instant now) {
+  if (socket_.valid() || !reconnect_.due(now)) return;
+  const auto address = address_of(configuration_.address, configuration_.port);
+  FileDescriptor socket(
+      ::socket(address->storage.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  constexpr int kYes = 1;
+  const bool begun =
+      socket.valid() &&
+      ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &kYes, sizeof kYes) == 0 &&
+      (::connect(socket.get(), address->get(), address->size) == 0 || errno == EINPROGRESS);
+  if (!begun) {
+    drop(now, errno);
+    return;
+  }
+  socket_ = std::move(socket);
+  connecting_ = true;
+  connecting_since_ = now;
+  answer_.clear();
+  asked_at_.reset();
+  ask_at_ = now;
+}
+
+bool ModbusPoints::is_connected(hal::Instant now) {
+  if (!socket_.valid()) return false;
+  if (!connecting_) return true;
+  pollfd waits{.fd = socket_.get(), .events = POLLOUT, .revents = 0};
+  if (::poll(&waits, 1, 0) <= 0) {
+    if (now - connecting_since_ > kConnectTimeout) drop(now, ETIMEDOUT);
+    return false;
+  }
+  int reason = 0;
+  socklen_t size = sizeof reason;
+  if (::getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &reason, &size) != 0) reason = errno;
+  if (reason != 0) {
+    drop(now, reason);
+    return false;
+  }
+  connecting_ = false;
+  errno_ = 0;
+  return true;
+}
+
+void ModbusPoints::drop(hal::Instant now, int reason) {
+  socket_.reset();
+  connecting_ = false;
+  errno_ = reason;
+  reconnect_.fail(now);
+}
+
+// Nothing is sent before the answer to what was sent has come, or has not come in time.
+void ModbusPoints::ask(hal::Instant now) {
+  if (asked_at_) {
+    if (now - *asked_at_ > configuration_.answer_timeout) drop(now, ETIMEDOUT);
+    return;
+  }
+  if (now < ask_at_) return;
+  const auto request = modbus::encode_tcp(request_, ++transaction_);
+  const ssize_t sent =
+      ::send(socket_.get(), request.data(), request.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (sent != static_cast<ssize_t>(request.size())) {
+    drop(now, sent < 0 ? errno : ENOBUFS);
+    return;
+  }
+  asked_at_ = now;
+  ask_at_ = now + configuration_.poll_period;
+}
+
+ModbusPoints::Polled ModbusPoints::receive(hal::Instant now) {
+  std::array<std::uint8_t, modbus::kMostTcpBytes> bytes{};
+  for (;;) {  // a byte of one answer at least each time
+    const auto whole = modbus::tcp_answer_bytes({answer_.data(), answer_.size()});
+    if (!whole) {
+      drop(now, EPROTO);
+      return refuse(Error::kSensorMalformed, "what answers is no Modbus TCP server");
+    }
+    if (*whole > 0 && answer_.size() == *whole) break;
+    const std::size_t wanted = *whole > 0 ? *whole : modbus::kTcpHeaderBytes;
+    const ssize_t count =
+        ::recv(socket_.get(), bytes.data(), wanted - answer_.size(), MSG_DONTWAIT);
+    if (count < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;
+    if (count <= 0) {
+      drop(now, count < 0 ? errno : ECONNRESET);
+      return std::nullopt;
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) answer_.push_back(bytes[i]);
+  }
+  auto taken = take_answer({answer_.data(), answer_.size()}, now);
+  answer_.clear();
+  return taken;
+}
+
+// One that nobody waits for any more is passed over.
+ModbusPoints::Polled ModbusPoints::take_answer(std::span<const std::uint8_t> answer,
+                                               hal::Instant now) {
+  if (!asked_at_ || modbus::tcp_transaction(answer) != transaction_) return std::nullopt;
+  reconnect_.succeed();
+  const auto registers = modbus::decode_tcp(request_, answer);
+  const auto point =
+      registers ? modbus::point_in(configuration_.profile, request_,
+                                   {registers->data(), registers->size()}, kFarthestPoint_mm / 1e3)
+                : Result<modbus::RegisterPoint>(std::unexpected(registers.error().error));
+  std::optional<hal::PointReading> reading;
+  if (point) reading = take_point(*point, now);
+  asked_before_ = *asked_at_;
+  asked_at_.reset();
+  if (point) return reading;
+  const bool is_exception = point.error() == Error::kSensorException;
+  return refuse(point.error(), is_exception
+                                   ? modbus::describe_exception(registers.error().exception)
+                                   : "the registers hold no point");
+}
+
+// A counter that differs from that of the request before has changed since that was sent. Without
+// one the registers may have held the point for a period.
+std::optional<hal::PointReading> ModbusPoints::take_point(const modbus::RegisterPoint& point,
+                                                          hal::Instant now) {
+  const modbus::PointProfile& profile = configuration_.profile;
+  hal::Instant since = *asked_at_ - profile.update_period;
+  if (point.sequence) since = asked_before_;
+  const std::uint32_t sequence = point.sequence.value_or(unnumbered_);
+  if (!point.sequence) {
+    ask_at_ = std::max(ask_at_, *asked_at_ + profile.update_period);
+    ++unnumbered_;
+  }
+  if (!freshness_.take(sequence, now)) return std::nullopt;
+  return hal::PointReading{.p_S = point.p_S,
+                           .covariance_m2 = {},
+                           .at = since - configuration_.age,
+                           .sequence = sequence};
+}
+
+ModbusPoints::Polled ModbusPoints::refuse(Error error, std::string_view words) {
+  ++malformed_;
+  refused_words_ = words;
+  return std::unexpected(error);
+}
+
+ModbusPoints::Polled ModbusPoints::do_poll(hal::Instant now) {
+  connect(now);
+  if (is_connected(now)) {
+    auto received = receive(now);
+    if (socket_.valid()) ask(now);
+    if (!received || *received) return received;
+  }
+  if (const auto overdue = freshness_.overdue(now)) {
+    return std::unexpected(errno_ == 0 ? *overdue : Error::kSensorPortGone);
+  }
+  return std::nullopt;
+}
+
+std::string_view ModbusPoints::do_words(Error error) const {
+  if (error == Error::kSensorMalformed || error == Error::kSensorException) return refused_words_;
+  if (error != Error::kSensorPortGone || errno_ == 0) return {};
+  const char* const words = ::strerrordesc_np(errno_);
+  return words == nullptr ? std::string_view() : words;
+}
+
+}  // namespace armsig::linux_hal

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// An instrument that publishes points in the registers of a Modbus TCP server.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/base/fixed_vector.hpp"
+#include "hal/freshness.hpp"
+#include "hal/linux/back_off.hpp"
+#include "hal/linux/file_descriptor.hpp"
+#include "hal/linux/point_line.hpp"
+#include "hal/modbus/point_registers.hpp"
+#include "hal/modbus/tcp.hpp"
+#include "hal/point_instrument.hpp"
+
+namespace armsig::linux_hal {
+
+struct ModbusPointsConfiguration {
+  std::string address;       // of the server: IPv4 or IPv6, as numbers
+  std::uint16_t port = 502;  // of Modbus
+  modbus::PointProfile profile;
+  hal::Duration poll_period = std::chrono::milliseconds(50);
+  hal::Duration answer_timeout = std::chrono::milliseconds(200);  // then it is asked anew
+  // How long before it can be read a point can have been measured.
+  hal::Duration age = std::chrono::milliseconds(100);
+  hal::FreshnessLimits freshness{};
+};
+
+// The client of that server, without a thread: poll() sends what is due and takes what has arrived.
+// One request at a time; a connection on which an answer does not come, or is none, is made anew.
+// Pass poll() the time of SteadyClock.
+class ModbusPoints final : public hal::PointInstrument {
+ public:
+  // Preconditions: the address is one, and modbus::request_of(profile) succeeds.
+  explicit ModbusPoints(const ModbusPointsConfiguration& configuration);
+  ModbusPoints(const ModbusPoints&) = delete;
+  ModbusPoints& operator=(const ModbusPoints&) = delete;
+
+ private:
+  using Polled = Result<std::optional<hal::PointReading>>;
+
+  Polled do_poll(hal::Instant now) override;
+  [[nodiscard]] std::string_view do_words(Error error) const override;
+  [[nodiscard]] std::uint32_t do_malformed() const override { return malformed_; }
+
+  void connect(hal::Instant now);
+  [[nodiscard]] bool is_connected(hal::Instant now);
+  void drop(hal::Instant now, int reason);
+  void ask(hal::Instant now);
+  // What has come in, up to a whole answer.
+  Polled receive(hal::Instant now);
+  Polled take_answer(std::span<const std::uint8_t> answer, hal::Instant now);
+  std::optional<hal::PointReading> take_point(const modbus::RegisterPoint& point, hal::Instant now);
+  Polled refuse(Error error, std::string_view words);
+
+  ModbusPointsConfiguration configuration_;
+  modbus::ReadRequest request_;
+  FileDescriptor socket_;
+  BackOff reconnect_;
+  bool connecting_ = false;
+  hal::Instant connecting_since_;
+  int errno_ = 0;  // why there is no connection
+  hal::Freshness freshness_;
+  FixedVector<std::uint8_t, modbus::kMostTcpBytes> answer_;  // so far
+  std::uint16_t transaction_ = 0;
+  std::optional<hal::Instant> asked_at_;  // the request that is not answered yet
+  hal::Instant ask_at_;                   // when the next one is due
+  hal::Instant asked_before_;             // the last request that was answered
+  std::uint32_t unnumbered_ = 0;          // the number of the next point that has none
+  std::uint32_t malformed_ = 0;           // since the start
+  std::string_view refused_words_;
+};
+
+}  // namespace armsig::linux_hal
