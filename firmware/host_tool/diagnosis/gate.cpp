@@ -234,7 +234,9 @@ std::optional<Doubt> doubt_of_change(const Evidence& evidence, const Reference& 
   const bool swept =
       std::ranges::any_of(evidence.rows, [](const EvidenceRow& row) { return row.sweep != 0; });
   const Explaining& explaining = swept ? kOfSweeps : kOfPoses;
-  if (change->explains() < explaining.something) return std::nullopt;
+  // Rows that are rejected weigh little, and their misfit must have a cause.
+  const bool of_rejected = found && found->rejects_many;
+  if (!of_rejected && change->explains() < explaining.something) return std::nullopt;
   return Doubt{.what = in_words(*change, evidence.arm),
                .cause = fmt::format("with that corrected the rows fit within {}, instead of {}",
                                     short_length(change->after_m), short_length(change->before_m)),
