@@ -90,6 +90,8 @@ struct Wrong {
   std::function<void(Machine&, double share)> before = {};
   std::function<void(OtherRow&, double share)> after = {};
   std::function<void(std::vector<OtherRow>&)> at_last = {};
+  double lag = 0;      // share of the way from the row before that is left, of all joints
+  bool lasts = false;  // readings will be read so ever after
 };
 
 class Measurement {
@@ -143,7 +145,11 @@ class Measurement {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const double share = static_cast<double>(k) / count;
       if (wrong.before) wrong.before(machine_, share);
-      machine_.go_to(rows[k].q);
+      std::vector<double> there = rows[k].q;
+      for (std::size_t j = 0; j < there.size() && k > 0; ++j) {
+        there[j] += wrong.lag * (rows[k - 1].q[j] - there[j]);
+      }
+      machine_.go_to(there);
       rows[k].p = machine_.target(rows[k].target);
       if (!by_ranges()) see(rows[k]);
       if (wrong.after) wrong.after(rows[k], share);
@@ -159,12 +165,14 @@ class Measurement {
     std::string poses;
     std::vector<Vec> points;
   };
-  [[nodiscard]] Later later(std::size_t count) {
+  [[nodiscard]] Later later(std::size_t count, const Wrong& wrong = {}) {
     Later later{.poses = reading_names() + "\n", .points = {}};
     for (std::size_t k = 0; k < count; ++k) {
       const std::vector<double> q = traits_.poses > 0 ? anywhere() : within_sweeps();
       machine_.go_to(q);
-      later.poses += readings(q).substr(1) + "\n";
+      OtherRow row{.q = q, .sigma = sigmas()};
+      if (wrong.lasts) wrong.after(row, 1);
+      later.poses += readings(row.q).substr(1) + "\n";
       later.points.push_back(machine_.target(0));
     }
     return later;

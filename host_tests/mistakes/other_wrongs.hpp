@@ -47,11 +47,28 @@ inline Wrong growing(std::function<void(Machine&, double)> grow) {
 
 inline constexpr double kDegree = std::numbers::pi / 180;
 
+// Of a slide, 0.3 mm for every 0.1 degrees.
 inline Wrong zero_moves(std::size_t joint, double degrees, double share = 0.55) {
-  return from(share, [=](Machine& machine) { machine.joints[joint].theta += degrees * kDegree; });
+  return from(share, [=](Machine& machine) {
+    Joint& moved = machine.joints[joint];
+    (moved.turns ? moved.theta : moved.d) += degrees * (moved.turns ? kDegree : 3e-3);
+  });
+}
+// The third joint with the second, or where it slides the fifth with the fourth.
+inline Wrong coupled(double ratio) {
+  return always([=](Machine& machine) {
+    const std::size_t from = machine.joints[2].turns ? 1 : 3;
+    machine.couplings.push_back({from + 1, from, ratio});
+  });
+}
+// What a person reads, and will read so when the arm is used.
+inline Wrong read_as(std::function<void(OtherRow&)> edit) {
+  Wrong wrong = seen(std::move(edit));
+  wrong.lasts = true;
+  return wrong;
 }
 inline Wrong reading(std::size_t joint, double factor, double offset_degrees = 0) {
-  return seen(
+  return read_as(
       [=](OtherRow& row) { row.q[joint] = factor * row.q[joint] + offset_degrees * kDegree; });
 }
 inline Wrong positions(double x, double y, double z) {
@@ -89,15 +106,7 @@ inline std::vector<Unsound> changes_of_place() {
                       .before},
        {"target", "another place", "positions are"},
        false},
-      {"positions lag",
-       {.at_last =
-            [](std::vector<OtherRow>& rows) {
-              for (std::size_t k = rows.size() - 1; k > 0; --k) {
-                rows[k].p = sum(rows[k].p, sum(rows[k - 1].p, rows[k].p, -1), 0.004);
-              }
-            }},
-       {"lag", "late"},
-       false},
+      {"positions lag", {.lag = 0.004}, {"lag", "late"}, false},
       {"two targets under one number",
        {.before =
             [](Machine& m, double at) {
@@ -161,12 +170,14 @@ inline std::vector<Unsound> changes_of_arm() {
        always([](Machine& m) { m.couplings.push_back({4, 3, 0.005}); }),
        {"joint 5 follows joint 4"}},
       {"coupling 0.05",
-       always([](Machine& m) { m.couplings.push_back({2, 1, -0.05}); }),
-       {"joint 3 follows joint 2", "joint 3 is coupled to joint 2"}},
+       coupled(-0.05),
+       {"joint 3 follows joint 2", "joint 3 is coupled to joint 2", "joint 5 follows joint 4",
+        "joint 5 is coupled to joint 4"}},
       {"coupling 1",
-       always([](Machine& m) { m.couplings.push_back({2, 1, -1}); }),
+       coupled(-1),
        {"joint 3 follows joint 2", "joint 3 is coupled to joint 2",
-        "joint 3 seems to follow joint 2"}},
+        "joint 3 seems to follow joint 2", "joint 5 follows joint 4",
+        "joint 5 is coupled to joint 4", "joint 5 seems to follow joint 4"}},
   };
 }
 
@@ -193,7 +204,7 @@ inline std::vector<Unsound> wrong_columns() {
       {"joint 3 off by 90 deg", reading(2, 1, 90), {"joint 3", "zero"}},
       {"gear 2 off by 2 %", reading(1, 1.02), {"joint 2"}},
       {"readings 1 and 2 swapped",
-       every([](OtherRow& row) { std::swap(row.q[0], row.q[1]); }),
+       read_as([](OtherRow& row) { std::swap(row.q[0], row.q[1]); }),
        {"swapped"}},
       {"a row late",
        {.at_last =
