@@ -52,12 +52,19 @@ std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
     return chain.point(chain.motion(row.q), *target);
   };
   const double predicted_m = record.accuracy.predicted ? record.accuracy.predicted->rms_m : 0;
-  auto of_arm =
-      doubt(evidence, limits,
-            FoundArm{.predicted_S = predicted_S, .predicted_error_m = predicted_m / enlarged});
-  if (outcome == nullptr || (of_arm && of_arm->refuses)) return of_arm;
-  auto of_model = doubt_of_model(evidence, *outcome);
-  return of_model ? of_model : of_arm;
+  auto of_model = outcome == nullptr ? std::nullopt : doubt_of_model(evidence, *outcome);
+  const bool rejects_many =
+      outcome != nullptr && doubt_of_rejected(evidence, outcome->rejected_lines).has_value();
+  auto of_arm = doubt(evidence, limits,
+                      FoundArm{.predicted_S = predicted_S,
+                               .predicted_error_m = predicted_m / enlarged,
+                               .rejects_many = rejects_many});
+  if (!of_model || (of_arm && of_arm->refuses)) return of_arm;
+  if (of_arm && of_model->refuses && of_model->cause.empty()) {
+    of_model->cause = of_arm->what + ": " + of_arm->cause;
+    of_model->expected = of_arm->expected;
+  }
+  return of_model;
 }
 
 Problem explained(Problem problem, const Evidence& evidence, const ArmLimits& limits) {

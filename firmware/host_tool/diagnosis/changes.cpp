@@ -381,7 +381,9 @@ std::vector<Vector3> moved_by_change(const Change& change, const Evidence& evide
     const Vector3 from_base_S = J.col(chain.of_lengths().first);
     row.p_S = chain.X_SB().p + from_base_S;
     // The base goes along with what the sensor sees: of it only the arm's lengths are wrong.
-    whole << J, gravity.of(row, chain, J), by_gears(evidence.arm, chain, row), from_base_S;
+    // Of backlash nothing is known where no pose was before.
+    whole << J, gravity.of(row, chain, J), by_gears(evidence.arm, chain, row),
+        Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(row.q.size())), from_base_S;
     before.emplace_back(whole * change.before_it);
     after.emplace_back(whole * change.after_it);
   }

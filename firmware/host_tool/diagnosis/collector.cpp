@@ -13,12 +13,18 @@ constexpr std::size_t kRowsKept = 8192;
 }  // namespace
 
 EvidenceCollector::EvidenceCollector(const Arm& drawing, std::optional<SensorDescription> sensor)
-    : sensor_(std::move(sensor)), evidence_{drawing, {}, false} {}
+    : sensor_(std::move(sensor)), types_(types_of(drawing.joints)), evidence_{drawing, {}, false} {}
 
 void EvidenceCollector::add(const MeasurementRow& row) {
   phase_ = std::fmod(phase_ + kGoldenShare, 1.0);
-  EvidenceRow kept{
-      .line = row.line, .sweep = row.sweep, .target = row.target, .q = row.q, .earlier = earlier_};
+  approach_.go_to(types_, row.q);
+  EvidenceRow kept{.line = row.line,
+                   .sweep = row.sweep,
+                   .target = row.target,
+                   .q = row.q,
+                   .sides = approach_.sides(),
+                   .sided = approach_.sided(),
+                   .earlier = earlier_};
   if (row.p_S) {
     kept.p_S = *row.p_S;
     kept.covariance_m2 = std::pow(row.sigma_m.value_or(0), 2) * Matrix3::Identity();

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/calibration/approach_direction.hpp"
 #include "firmware/formats/measurements.hpp"
 #include "firmware/formats/sensor_file.hpp"
 #include "firmware/host_tool/diagnosis/evidence.hpp"
@@ -22,7 +23,9 @@ class EvidenceCollector {
 
  private:
   std::optional<SensorDescription> sensor_;
+  JointTypes types_;
   Evidence evidence_;
+  calibration::ApproachDirection approach_;
   std::array<EarlierRow, 2> earlier_ = {};
   // One of every 2^thinning_ rows is kept, chosen without a period.
   std::uint32_t thinning_ = 0;

@@ -59,6 +59,9 @@ struct EvidenceRow {
   // states none.
   Matrix3 covariance_m2 = Matrix3::Zero();
   bool moved = false;  // measured from the second of two places of the sensor
+  // From which side each joint came, as calibration::ApproachDirection tells it.
+  std::uint8_t sides = 0;
+  std::uint8_t sided = 0;
   // The row before it in the file, and the one before that; also where those were thinned out.
   std::array<EarlierRow, 2> earlier = {};
 

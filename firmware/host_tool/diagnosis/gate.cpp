@@ -54,6 +54,16 @@ void judge_by(const FoundArm& found, const Evidence& evidence, Reference& refere
   fit.best_rms_m = std::min(fit.best_rms_m, trimmed_rms(std::move(lengths_m)));
 }
 
+// Nor is what an arm does that stays as it is: gravity, gears and backlash are no mistakes.
+void judge_by_unchanging(const Evidence& evidence, Reference& reference) {
+  const UnchangingArm arm(evidence, reference.chain, reference.fit.residuals_S);
+  std::vector<double> lengths_m;
+  for (const Vector3& left_S : arm.left_S()) lengths_m.push_back(left_S.norm());
+  NearFit& fit = reference.fit;
+  fit.clipped_m = std::min(fit.clipped_m, clipped_rms(lengths_m, fit.reach_m));
+  fit.best_rms_m = std::min(fit.best_rms_m, trimmed_rms(std::move(lengths_m)));
+}
+
 // A group of rows that the nearest arm does not explain, while it explains the others.
 std::string objection_to_group(const Evidence& evidence, const NearFit& fit, double allowed_m) {
   std::vector<double> lengths_m;
@@ -70,14 +80,16 @@ bool states_too_much(const Reference& reference, const Evidence& evidence) {
          reference.stated_m > kSigmaTooLarge * scatter_m;
 }
 
-std::vector<Vector3> bent_S(const Evidence& evidence, const Reference& reference) {
-  return UnchangingArm(evidence, reference.chain, reference.fit.residuals_S).bent_S();
+UnchangingArm unchanging(const Evidence& evidence, const Reference& reference) {
+  return {evidence, reference.chain, reference.fit.residuals_S};
 }
 
 // What features may miss a row by because gravity bends the arm.
 double bent_m(const Evidence& evidence, const Reference& reference) {
   double most_m = 0;
-  for (const Vector3& bent : bent_S(evidence, reference)) most_m = std::max(most_m, bent.norm());
+  for (const Vector3& bent : unchanging(evidence, reference).bent_S()) {
+    most_m = std::max(most_m, bent.norm());
+  }
   return std::min(kBentElsewhere * most_m, kBentAtMost * reference.fit.reach_m);
 }
 
@@ -127,6 +139,9 @@ constexpr double kStrongEvidence = 9;
 constexpr double kLeastFactor = 2.5e-3;
 constexpr double kLeastSaid = 1e-3;
 
+constexpr const char* kMendOfLeads =
+    "look at the leads of the prismatic joints, and at the scale of the sensor";
+
 std::optional<CommonScale> fair_scale(const Evidence& evidence, const NearFit& fit,
                                       const ArmLimits& limits) {
   auto scale = common_scale(evidence, fit, limits);
@@ -135,24 +150,42 @@ std::optional<CommonScale> fair_scale(const Evidence& evidence, const NearFit& f
   return scale;
 }
 
-// Gravity shifts axes as well: the factor must be there without it.
+Evidence without(Evidence evidence, const std::vector<Vector3>& moved_S) {
+  for (std::size_t k = 0; k < moved_S.size(); ++k) evidence.rows[k].p_S -= moved_S[k];
+  return evidence;
+}
+
+std::optional<CommonScale> scale_of(const Evidence& evidence, const ArmLimits& limits) {
+  const auto fit = fit_near(evidence, limits);
+  return fit ? fair_scale(evidence, *fit, limits) : std::nullopt;
+}
+
+// What the leads of prismatic joints explain as well is not asserted of all lengths.
+std::string scale_in_words(double factor, bool leads_as_well) {
+  if (!leads_as_well) {
+    return fmt::format("all lengths seen are {:.4f} times those of the nominal model", factor);
+  }
+  return fmt::format(
+      "prismatic joints move {:.4f} times as far as they read, or all lengths seen are {:.4f} "
+      "times those of the nominal model",
+      factor, factor);
+}
+
+// Gravity and backlash shift axes as well: the factor must be there without them.
 std::optional<Doubt> doubt_of_scale(const Evidence& evidence, const Reference& reference,
                                     const ArmLimits& limits) {
   if (!fair_scale(evidence, reference.fit, limits)) return std::nullopt;
-  const std::vector<Vector3> bent = bent_S(evidence, reference);
-  Evidence weightless = evidence;
-  for (std::size_t k = 0; k < bent.size(); ++k) weightless.rows[k].p_S -= bent[k];
-  const auto fit = fit_near(weightless, limits);
-  if (!fit) return std::nullopt;
-  const auto scale = fair_scale(weightless, *fit, limits);
+  const UnchangingArm arm = unchanging(evidence, reference);
+  const Evidence weightless = without(evidence, arm.bent_S());
+  const auto scale = scale_of(weightless, limits);
   if (!scale) return std::nullopt;
   const double off = std::abs(scale->factor - 1);
-  return Doubt{.what = fmt::format("all lengths seen are {:.4f} times those of the nominal model",
-                                   scale->factor),
+  const bool leads_as_well = !scale_of(without(weightless, arm.by_leads_S()), limits);
+  return Doubt{.what = scale_in_words(scale->factor, leads_as_well),
                .cause = fmt::format(
                    "divided by it the axes are within {} of the nominal model's, instead of {}",
                    short_length(scale->after_m), short_length(scale->before_m)),
-               .expected = kMendOfScale,
+               .expected = leads_as_well ? kMendOfLeads : kMendOfScale,
                .refuses = scale->evidence > kStrongEvidence && off > kLeastFactor,
                .probability = 1 / (1 + std::exp(kFairEvidence - scale->evidence)),
                .lengths_factor = scale->factor};
@@ -201,7 +234,9 @@ std::optional<Doubt> doubt_of_change(const Evidence& evidence, const Reference& 
   const bool swept =
       std::ranges::any_of(evidence.rows, [](const EvidenceRow& row) { return row.sweep != 0; });
   const Explaining& explaining = swept ? kOfSweeps : kOfPoses;
-  if (change->explains() < explaining.something) return std::nullopt;
+  // Rows that are rejected weigh little, and their misfit must have a cause.
+  const bool of_rejected = found && found->rejects_many;
+  if (!of_rejected && change->explains() < explaining.something) return std::nullopt;
   return Doubt{.what = in_words(*change, evidence.arm),
                .cause = fmt::format("with that corrected the rows fit within {}, instead of {}",
                                     short_length(change->after_m), short_length(change->before_m)),
@@ -251,6 +286,7 @@ std::optional<Doubt> doubt(const Evidence& all, const ArmLimits& limits,
   const auto change = doubt_of_change(evidence, *reference, found);
   const auto& said = change ? change : scale;
   if (!refused) judge_by(*found, evidence, *reference);
+  if (!refused && is_suspicious(*reference)) judge_by_unchanging(evidence, *reference);
   if (!refused && !is_suspicious(*reference)) return said;
   if (const auto explanation = explain(evidence, *reference, limits, refused)) {
     if (result.what.empty() && !found && explanation->harmless) return std::nullopt;

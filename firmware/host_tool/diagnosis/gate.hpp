@@ -17,6 +17,7 @@ struct FoundArm {
   // Where it puts the target of a row, in the sensor frame; nothing for a target that it lacks.
   std::function<std::optional<Vector3>(const EvidenceRow&)> predicted_S;
   double predicted_error_m = 0;  // RMS that it states, 0 where it states none
+  bool rejects_many = false;     // rows, so that their misfit asks for a cause
 };
 
 struct Doubt {

@@ -17,6 +17,9 @@ constexpr double kUsualSag = 0.01;
 // else that it does: there an arm is taken to have the gears of its drawing.
 constexpr double kUsualGear = 0.01;
 constexpr double kGearInSweeps = 1e-6;
+// Half of a joint's backlash, 1 sigma.
+constexpr double kUsualBacklash_rad = 1e-3;
+constexpr double kUsualBacklash_m = 0.05e-3;
 
 }  // namespace
 
@@ -42,7 +45,12 @@ Eigen::Matrix3Xd by_gears(const Arm& arm, const DeviatingChain& chain, const Evi
 
 UnchangingArm::UnchangingArm(const Evidence& evidence, const DeviatingChain& chain,
                              const std::vector<Vector3>& residuals_S)
-    : evidence_(evidence), chain_(chain), residuals_(residuals_S), gravity_(evidence.arm) {
+    : evidence_(evidence),
+      chain_(chain),
+      residuals_(residuals_S),
+      gravity_(evidence.arm),
+      swept_alone_(std::ranges::none_of(evidence.rows,
+                                        [](const EvidenceRow& row) { return row.sweep == 0; })) {
   weigh();
   choose_unknowns();
   differentiate();
@@ -85,7 +93,7 @@ void UnchangingArm::choose_unknowns() {
   add(chain_.of_zero(evidence_.arm.joints.size() - 1));
   for (std::size_t t = 0; t < chain_.targets().size(); ++t) add(chain_.of_target(t));
   stiff_ = static_cast<Eigen::Index>(of_chain_.size());
-  size_ = first_gear() + gears() + 1;
+  size_ = first_backlash() + gears() + 1;
 }
 
 void UnchangingArm::differentiate() {
@@ -94,8 +102,20 @@ void UnchangingArm::differentiate() {
     chain_.derivatives(row, J);
     derivatives_.emplace_back(3, size_);
     derivatives_.back() << J(Eigen::all, of_chain_), gravity_.of(row, chain_, J),
-        by_gears(evidence_.arm, chain_, row), row.p_S;
+        by_gears(evidence_.arm, chain_, row), by_backlash(row), row.p_S;
   }
+}
+
+// Joints turn back between two sweeps, and backlash is a step there. Of free poses the refinement
+// finds it.
+Eigen::Matrix3Xd UnchangingArm::by_backlash(const EvidenceRow& row) const {
+  Eigen::Matrix3Xd columns = chain_.motions(row);
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+    const bool known = swept_alone_ && (row.sided >> j & 1) != 0;
+    const bool up = (row.sides >> j & 1) != 0;
+    columns.col(j) *= !known ? 0 : up ? -1 : 1;
+  }
+  return columns;
 }
 
 DeviatingChain::Columns UnchangingArm::place_of(const DeviatingChain::Columns& of_chain) const {
@@ -111,6 +131,16 @@ Eigen::VectorXd UnchangingArm::gear_weights() const {
   for (Eigen::Index j = 0; j < weights.size(); ++j) {
     const JointType type = evidence_.arm.joints[static_cast<std::size_t>(j)].type;
     const double sigma = swept && type == JointType::kRevolute ? kGearInSweeps : kUsualGear;
+    weights[j] = 1 / (sigma * sigma);
+  }
+  return weights;
+}
+
+Eigen::VectorXd UnchangingArm::backlash_weights() const {
+  Eigen::VectorXd weights(gears());
+  for (Eigen::Index j = 0; j < weights.size(); ++j) {
+    const JointType type = evidence_.arm.joints[static_cast<std::size_t>(j)].type;
+    const double sigma = type == JointType::kRevolute ? kUsualBacklash_rad : kUsualBacklash_m;
     weights[j] = 1 / (sigma * sigma);
   }
   return weights;
@@ -132,6 +162,7 @@ void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
   H.row(sight).setZero();
   H.diagonal().segment(stiff_, gravity_.count()).array() += kWeight;
   H.diagonal().segment(first_gear(), gears()) += gear_weights();
+  H.diagonal().segment(first_backlash(), gears()) += backlash_weights();
   stiff_inverse_ = inverse_of(H.topLeftCorner(stiff_, stiff_), H.diagonal().head(stiff_));
   inverse_ = inverse_of(H, H.diagonal());
   for (Eigen::MatrixXd* inverse : {&stiff_inverse_, &inverse_}) {
@@ -143,12 +174,36 @@ void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
 }
 
 std::vector<Vector3> UnchangingArm::bent_S() const {
-  const Eigen::VectorXd gravity = (inverse_ * pull_).segment(stiff_, gravity_.count());
+  const Eigen::VectorXd unknowns = inverse_ * pull_;
   std::vector<Vector3> bent_S;
   for (const Eigen::Matrix3Xd& J : derivatives_) {
-    bent_S.emplace_back(J.middleCols(stiff_, gravity.size()) * gravity);
+    const auto by = [&](Eigen::Index first, Eigen::Index count) -> Vector3 {
+      return J.middleCols(first, count) * unknowns.segment(first, count);
+    };
+    bent_S.emplace_back(by(stiff_, gravity_.count()) + by(first_backlash(), gears()));
   }
   return bent_S;
+}
+
+std::vector<Vector3> UnchangingArm::by_leads_S() const {
+  const Eigen::VectorXd unknowns = inverse_ * pull_;
+  std::vector<Vector3> moved_S(derivatives_.size(), Vector3::Zero());
+  for (std::size_t j = 0; j < evidence_.arm.joints.size(); ++j) {
+    if (evidence_.arm.joints[j].type != JointType::kPrismatic) continue;
+    const Eigen::Index lead = first_gear() + static_cast<Eigen::Index>(j);
+    for (std::size_t k = 0; k < moved_S.size(); ++k) {
+      moved_S[k] += derivatives_[k].col(lead) * unknowns[lead];
+    }
+  }
+  return moved_S;
+}
+
+std::vector<Vector3> UnchangingArm::left_S() const {
+  std::vector<Vector3> left_S;
+  for (std::size_t k = 0; k < derivatives_.size(); ++k) {
+    left_S.emplace_back(residuals_[k] - derivatives_[k] * step_);
+  }
+  return left_S;
 }
 
 Eigen::VectorXd UnchangingArm::without_gravity(const Eigen::VectorXd& score) const {

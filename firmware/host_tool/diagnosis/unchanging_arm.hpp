@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What an arm that stays as it is can do about the residuals of its rows: it deviates from its
-// drawing, its gears and leads are not quite those of the drawing, and gravity bends it, which a
-// drive from one end of a joint to the other shows as if something crept.
+// drawing, its gears and leads are not quite those of the drawing, its joints have backlash, and
+// gravity bends it, which a drive from one end of a joint to the other shows as if something crept.
 #pragma once
 
 #include <vector>
@@ -29,8 +29,9 @@ class UnchangingArm {
                 const std::vector<Vector3>& residuals_S);
 
   // Unknowns: those of the chain that may change or move any row, then gravity's, then of every
-  // joint by which share it turns farther than it reads, and by which share the sensor sees all
-  // too far from its origin. An unchanging arm does nothing by the last, nor by its lengths.
+  // joint by which share it turns farther than it reads and half of its backlash, and by which
+  // share the sensor sees all too far from its origin. An unchanging arm does nothing by the last,
+  // nor by its lengths.
   [[nodiscard]] Eigen::Index size() const { return size_; }
   // What is not the chain's, as if it were in its derivatives, behind all others.
   [[nodiscard]] DeviatingChain::Columns of_load() const {
@@ -58,8 +59,13 @@ class UnchangingArm {
   [[nodiscard]] const Eigen::VectorXd& step() const { return step_; }
   [[nodiscard]] double squares() const { return squares_; }
 
-  // What gravity moves each row's point by, as the rows tell it beside an arm near its drawing.
+  // What gravity and backlash move each row's point by, as the rows tell it beside an arm near its
+  // drawing; and what the leads of prismatic joints do.
   [[nodiscard]] std::vector<Vector3> bent_S() const;
+  [[nodiscard]] std::vector<Vector3> by_leads_S() const;
+
+  // The residuals that such an arm leaves.
+  [[nodiscard]] std::vector<Vector3> left_S() const;
 
   // All unknowns of the chain after a score, of a fit that knows nothing of gravity.
   [[nodiscard]] Eigen::VectorXd without_gravity(const Eigen::VectorXd& score) const;
@@ -69,7 +75,10 @@ class UnchangingArm {
     return static_cast<Eigen::Index>(evidence_.arm.joints.size());
   }
   [[nodiscard]] Eigen::Index first_gear() const { return stiff_ + gravity_.count(); }
+  [[nodiscard]] Eigen::Index first_backlash() const { return first_gear() + gears(); }
+  [[nodiscard]] Eigen::Matrix3Xd by_backlash(const EvidenceRow& row) const;
   [[nodiscard]] Eigen::VectorXd gear_weights() const;
+  [[nodiscard]] Eigen::VectorXd backlash_weights() const;
   void weigh();
   void choose_unknowns();
   void differentiate();
@@ -79,6 +88,7 @@ class UnchangingArm {
   const DeviatingChain& chain_;
   const std::vector<Vector3>& residuals_;
   GravityColumns gravity_;
+  bool swept_alone_;
   std::vector<Eigen::Index> of_chain_;  // the chain's unknowns among these
   Eigen::Index stiff_ = 0;              // their number
   Eigen::Index size_ = 0;
