@@ -13,7 +13,7 @@
 namespace armsig::tool {
 namespace {
 
-constexpr int kPlaceRounds = 6;
+constexpr int kPlaceRounds = 25;
 constexpr int kMostRounds = 25;
 // A richer model must be so much likelier, in nats.
 constexpr double kWorthGravity = 3;
@@ -36,6 +36,15 @@ PlaceState state_of_places(const PlaceTask& task) {
   find_places(task, start);
   constexpr PlaceParts kPlacesAlone{.geometry = false, .gravity = false, .maps = false};
   return fit_from(task, start, kPlacesAlone, nullptr, kPlaceRounds)->state();
+}
+
+std::unique_ptr<PlaceFit> geometry_alone(const PlaceTask& task) {
+  return fit_from(task, state_of_places(task), {.gravity = false, .maps = false}, nullptr,
+                  kMostRounds);
+}
+
+std::unique_ptr<PlaceFit> with_gravity(const PlaceTask& task, const PlaceFit& geometry) {
+  return fit_from(task, geometry.state(), {.maps = false}, nullptr, kMostRounds);
 }
 
 // Fewer rejected touches count before the evidence, which is about those kept.
@@ -147,10 +156,13 @@ void warn_of_rejected(PlaceCalibration& found) {
 
 }  // namespace
 
+std::unique_ptr<PlaceFit> fit_without_maps(const PlaceTask& task) {
+  return with_gravity(task, *geometry_alone(task));
+}
+
 std::unique_ptr<PlaceFit> fit_places(const PlaceTask& task) {
-  auto best = fit_from(task, state_of_places(task), {.gravity = false, .maps = false}, nullptr,
-                       kMostRounds);
-  auto bent = fit_from(task, best->state(), {.maps = false}, nullptr, kMostRounds);
+  auto best = geometry_alone(task);
+  auto bent = with_gravity(task, *best);
   auto full = fit_from(task, bent->state(), {}, &bent->scales(), kMostRounds);
   if (is_better(*bent, *best, kWorthGravity) && can_be_written(*bent, task.nominal)) {
     best = std::move(bent);

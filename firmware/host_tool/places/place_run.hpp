@@ -33,6 +33,9 @@ struct PlaceCalibration {
 // lengths are those of `task`.
 [[nodiscard]] std::unique_ptr<PlaceFit> fit_places(const PlaceTask& task);
 
+// That with geometry and gravity, from nothing: fit_places() goes on from it.
+[[nodiscard]] std::unique_ptr<PlaceFit> fit_without_maps(const PlaceTask& task);
+
 // `file` names the touches in problems. Refuses touches that are too few, that fit no places, known
 // lengths that contradict each other, and an arm that is not like its nominal model.
 [[nodiscard]] Read<PlaceCalibration> calibrate_by_places(PlaceTask task, const std::string& file);
