@@ -13,11 +13,11 @@
 namespace armsig::tool {
 namespace {
 
-constexpr int kPlaceRounds = 25;
 constexpr int kMostRounds = 25;
-// A richer model must be so much likelier, in nats.
-constexpr double kWorthGravity = 3;
-constexpr double kWorthMaps = 6;
+// A simpler model must be so much likelier, in nats: arms bend and gears run out of true, and what
+// few touches do not show is missed by what is stated where the model has no place for it.
+constexpr double kAgainstGravity = 3;
+constexpr double kAgainstMaps = 6;
 // No ball in a socket and no wire is worse; and no session has more outliers.
 constexpr double kWorstSigma_m = 1e-3;
 constexpr double kMostRejectedShare = 0.4;
@@ -35,7 +35,7 @@ PlaceState state_of_places(const PlaceTask& task) {
   PlaceState start = nominal_state(task);
   find_places(task, start);
   constexpr PlaceParts kPlacesAlone{.geometry = false, .gravity = false, .maps = false};
-  return fit_from(task, start, kPlacesAlone, nullptr, kPlaceRounds)->state();
+  return fit_from(task, start, kPlacesAlone, nullptr, kMostRounds)->state();
 }
 
 std::unique_ptr<PlaceFit> geometry_alone(const PlaceTask& task) {
@@ -48,9 +48,9 @@ std::unique_ptr<PlaceFit> with_gravity(const PlaceTask& task, const PlaceFit& ge
 }
 
 // Fewer rejected touches count before the evidence, which is about those kept.
-bool is_better(const PlaceFit& richer, const PlaceFit& other, double nats) {
-  if (richer.rejected() != other.rejected()) return richer.rejected() < other.rejected();
-  return richer.log_evidence() > other.log_evidence() + nats;
+bool is_better(const PlaceFit& one, const PlaceFit& other, double nats) {
+  if (one.rejected() != other.rejected()) return one.rejected() < other.rejected();
+  return one.log_evidence() > other.log_evidence() + nats;
 }
 
 bool can_be_written(const PlaceFit& fit, const Arm& nominal) {
@@ -161,15 +161,14 @@ std::unique_ptr<PlaceFit> fit_without_maps(const PlaceTask& task) {
 }
 
 std::unique_ptr<PlaceFit> fit_places(const PlaceTask& task) {
-  auto best = geometry_alone(task);
-  auto bent = with_gravity(task, *best);
-  auto full = fit_from(task, bent->state(), {}, &bent->scales(), kMostRounds);
-  if (is_better(*bent, *best, kWorthGravity) && can_be_written(*bent, task.nominal)) {
-    best = std::move(bent);
-  }
-  if (is_better(*full, *best, kWorthMaps) && can_be_written(*full, task.nominal)) {
-    best = std::move(full);
-  }
+  auto geometry = geometry_alone(task);
+  auto bent = with_gravity(task, *geometry);
+  auto best = fit_from(task, bent->state(), {}, &bent->scales(), kMostRounds);
+  const auto is_beaten_by = [&](const PlaceFit& simpler, double nats) {
+    return !can_be_written(*best, task.nominal) || is_better(simpler, *best, nats);
+  };
+  if (is_beaten_by(*bent, kAgainstMaps)) best = std::move(bent);
+  if (is_beaten_by(*geometry, kAgainstGravity)) best = std::move(geometry);
   return best;
 }
 

@@ -29,8 +29,8 @@ struct PlaceCalibration {
   RefinementOutcome outcome;  // for the signature
 };
 
-// The fit with geometry alone, with gravity or with maps too, whichever the evidence supports; the
-// lengths are those of `task`.
+// The fit with geometry, gravity and maps, without maps, or with geometry alone where the evidence
+// is against the rest; the lengths are those of `task`.
 [[nodiscard]] std::unique_ptr<PlaceFit> fit_places(const PlaceTask& task);
 
 // That with geometry and gravity, from nothing: fit_places() goes on from it.
