@@ -22,7 +22,7 @@ constexpr double kFarAway_m = 3;
 constexpr double kRotation = 2e-3;
 constexpr double kShift_m = 1e-3;
 constexpr double kZero = 10e-3;
-constexpr double kExactGain = 1e-9;
+constexpr double kExactGain = 1e-6;  // much less is rounding beside what touches tell
 // Lengths of the proximal term where the prior is no measure of a step.
 constexpr double kProximal_m = 5e-3;
 constexpr int kMostTries = 7;

@@ -21,6 +21,8 @@ constexpr double kAgainstMaps = 6;
 // No ball in a socket and no wire is worse; and no session has more outliers.
 constexpr double kWorstSigma_m = 1e-3;
 constexpr double kMostRejectedShare = 0.4;
+// So many neighbouring touches are not rejected by chance.
+constexpr std::size_t kNeighbours = 5;
 // Numbers beyond the unknowns that a sigma is found from.
 constexpr std::size_t kToFindSigma = 6;
 
@@ -142,6 +144,36 @@ void warn_of_single_touches(PlaceCalibration& found) {
   }
 }
 
+void warn_of_gains(PlaceCalibration& found) {
+  for (std::size_t i = 0; i < found.task->instruments.size(); ++i) {
+    const auto off = gain_off(*found.fit, i);
+    if (!off || std::abs(*off) <= kContradictingLength) continue;
+    found.warnings.push_back(fmt::format(
+        "{}: a gain of {:.3f} % is found, {:.1f} sigma from what is stated; measure "
+        "the wire beside a known length",
+        found.task->instruments[i].name, 100 * found.fit->state().scales[i].gain, std::abs(*off)));
+  }
+}
+
+// Neighbouring touches that are rejected say the same as a push that was found.
+void warn_of_pushes(PlaceCalibration& found) {
+  if (const auto push = find_push(*found.task, *found.fit)) {
+    found.warnings.push_back(
+        fmt::format("from line {} on the tool is {:.2f} mm from where it was before: the base or "
+                    "all places were pushed; measure again, or keep one part",
+                    push->line, 1e3 * push->moved_m));
+  }
+  std::size_t together = 0;
+  for (std::size_t k = 0; k < found.task->touches.size(); ++k) {
+    together = found.fit->weights()[k] > 0 ? 0 : together + 1;
+    if (together != kNeighbours) continue;
+    found.warnings.push_back(
+        fmt::format("line {} and those after it are rejected together: the base or a place was "
+                    "pushed, or a wire is off its pulley",
+                    found.task->touches[k + 1 - kNeighbours].line));
+  }
+}
+
 void warn_of_rejected(PlaceCalibration& found) {
   for (const RejectedTouch& touch : found.rejected) {
     const std::string& name = found.task->places[touch.place].name;
@@ -190,6 +222,8 @@ Read<PlaceCalibration> calibrate_by_places(PlaceTask task, const std::string& fi
   found.determined = determined(*found.fit);
   warn_of_rejected(found);
   warn_of_single_touches(found);
+  warn_of_gains(found);
+  warn_of_pushes(found);
   if (auto written = add_signature(found); !written) {
     return no_fit(file, refusal_in_words(written.error(), JointType::kRevolute),
                   remedy_in_words(written.error().error));
