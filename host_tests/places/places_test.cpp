@@ -19,19 +19,19 @@ unsigned seeds(unsigned sample) {
   return asked != nullptr ? static_cast<unsigned>(std::atoi(asked)) : sample;
 }
 
-// RMS over the seeds of what was observed and of what was stated, for 100 touches of four bars.
+// RMS over the seeds of what was observed and of what was stated, for touches of four bars.
 struct Accuracy {
   double observed_m = 0;
   double stated_m = 0;
 };
 
-Accuracy accuracy_of(const touching::Drawing& drawing) {
+Accuracy accuracy_of(const touching::Drawing& drawing, int touches = 100) {
   constexpr unsigned kSeeds = 12;  // of three the ratio to what is stated still varies by a fifth
   Accuracy squares;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     Session session(drawing, seed);
     session.add_bars(4, 0.3, 0.02e-3);
-    session.touch_sockets(100);
+    session.touch_sockets(touches);
     const auto found = calibrated(session);
     EXPECT_TRUE(found);
     if (!found) continue;
@@ -62,6 +62,13 @@ TEST(Sockets, find_a_puma_560_to_two_tenths_of_a_millimetre) {
 TEST(Sockets, find_an_iiwa_of_seven_joints) {
   const Accuracy found = accuracy_of(touching::iiwa());
   EXPECT_LT(found.observed_m, 0.15e-3);
+  expect_as_stated(found);
+}
+
+// So few show little of gravity and maps, which the predicted error has to know of all the same.
+TEST(Sockets, state_what_40_touches_leave) {
+  const Accuracy found = accuracy_of(touching::iiwa(), 40);
+  EXPECT_LT(found.observed_m, 0.2e-3);
   expect_as_stated(found);
 }
 

@@ -110,6 +110,12 @@ class TrueArm {
 
   [[nodiscard]] std::size_t size() const { return joints_.size(); }
   [[nodiscard]] const Drawing& drawing() const { return drawing_; }
+  // Of a joint, from the drawing: turn about and shift along x and y before it [rad, m], zero
+  // [rad].
+  [[nodiscard]] std::array<double, 5> deviations(std::size_t joint) const {
+    const Joint& of = joints_[joint];
+    return {of.tilt.x(), of.tilt.y(), of.shift.x(), of.shift.y(), of.zero};
+  }
 
   [[nodiscard]] Frame flange(const VectorXd& q) const {
     // What gravity does is found from where the arm is without it.
@@ -286,6 +292,7 @@ class Session {
   void touch_plane(const std::string& name, const Vector3d& middle, const Vector3d& normal,
                    int count) {
     kinds_[name] = "plate";
+    planes_[name] = {normal, normal.dot(middle)};
     const Vector3d first = normal.unitOrthogonal();
     std::uniform_real_distribution<double> along(-0.2, 0.2);
     while (count > 0) {
@@ -299,6 +306,9 @@ class Session {
   void read_wire(const std::string& name, const Vector3d& anchor, double gain, double zero_m,
                  int count) {
     kinds_[name] = "encoder";
+    anchors_[name] = anchor;
+    gain_ = gain;
+    zero_m_ = zero_m;
     std::uniform_real_distribution<double> share(-1, 1);
     while (count > 0) {
       const Vector3d at(0.65 * share(random_), 0.65 * share(random_),
@@ -413,6 +423,11 @@ class Session {
     return left.norm() / std::sqrt(static_cast<double>(found.cols()));
   }
 
+  struct Plane {
+    Vector3d normal;
+    double distance_m = 0;  // normal times any of its points
+  };
+
   struct Length {
     std::string from, to;
     double length_m = 0;
@@ -422,6 +437,12 @@ class Session {
   [[nodiscard]] std::vector<Reading>& readings() { return readings_; }
   [[nodiscard]] std::vector<Length>& lengths() { return lengths_; }
   [[nodiscard]] std::map<std::string, Vector3d>& sockets() { return sockets_; }
+  [[nodiscard]] const std::map<std::string, Plane>& planes() const { return planes_; }
+  [[nodiscard]] const std::map<std::string, Vector3d>& anchors() const { return anchors_; }
+  [[nodiscard]] double wire_gain() const { return gain_; }
+  [[nodiscard]] double wire_zero_m() const { return zero_m_; }
+  // Of everything that is touched, where the first joint is high.
+  [[nodiscard]] double lift_m() const { return lift_; }
   [[nodiscard]] Vector3d& tool() { return tool_; }
   [[nodiscard]] Vector3d& nominal_tool() { return nominal_tool_; }
   [[nodiscard]] std::mt19937& random() { return random_; }
@@ -451,6 +472,10 @@ class Session {
   Vector3d nominal_tool_ = Vector3d::Zero();
   std::map<std::string, Vector3d> sockets_;
   std::map<std::string, std::string> kinds_;  // of places that are no sockets
+  std::map<std::string, Plane> planes_;
+  std::map<std::string, Vector3d> anchors_;
+  double gain_ = 0;
+  double zero_m_ = 0;
   std::vector<Length> lengths_;
   std::vector<Reading> readings_;
 };

@@ -22,7 +22,7 @@ constexpr double kFarAway_m = 3;
 constexpr double kRotation = 2e-3;
 constexpr double kShift_m = 1e-3;
 constexpr double kZero = 10e-3;
-constexpr double kExactGain = 1e-9;
+constexpr double kExactGain = 1e-6;  // much less is rounding beside what touches tell
 // Lengths of the proximal term where the prior is no measure of a step.
 constexpr double kProximal_m = 5e-3;
 constexpr int kMostTries = 7;
@@ -31,7 +31,7 @@ constexpr double kPoorGain = 0.25;
 // When the rounds end.
 constexpr int kLeastRounds = 4;
 constexpr double kHarmlessStep = 0.03;
-constexpr double kHarmlessChange = 0.01;
+constexpr double kHarmlessChange = 0.002;
 
 constexpr double squared(double x) { return x * x; }
 
@@ -215,6 +215,8 @@ double PlaceFit::cost() const {
 void PlaceFit::descend() {
   const Eigen::VectorXd g = gradient();
   const double before = cost();
+  // Kept, for a step back is no way back: the directions in which a plane tilts turn with it.
+  const PlaceState kept = state_;
   for (int tries = 0; tries < kMostTries; ++tries) {
     const Eigen::LLT<Eigen::MatrixXd> factor(information_there(trust_));
     const Eigen::VectorXd step = factor.solve(g);
@@ -233,7 +235,7 @@ void PlaceFit::descend() {
       trust_ *= gain > kGoodGain ? 3 : gain < kPoorGain ? 0.5 : 1;
       break;
     }
-    rows_.move(step, -1);
+    state_ = kept;
     x_ -= step;
     trust_ /= 5;
   }

@@ -10,6 +10,42 @@ namespace armsig::tool {
 namespace {
 
 constexpr double kFits = 6;  // sigma, as of a touch that is not rejected
+// Of a push: the least advantage in nats, and the least touches before and after it.
+constexpr double kWorthPush = 40;
+constexpr std::size_t kTouchesBeside = 3;
+constexpr Eigen::Index kMotions = 6;
+
+using Motion = Eigen::Matrix<double, kMotions, 1>;
+using MotionSquares = Eigen::Matrix<double, kMotions, kMotions>;
+
+// How a turn and a shift of the arm move a point.
+Eigen::Matrix<double, 3, kMotions> moved_by(const Vector3& p_B) {
+  Eigen::Matrix<double, 3, kMotions> by;
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    by.col(c) = Vector3::Unit(c).cross(p_B);
+    by.col(3 + c) = Vector3::Unit(c);
+  }
+  return by;
+}
+
+// Sums over the touches after a step, whitened.
+struct AfterStep {
+  explicit AfterStep(Eigen::Index unknowns) : with_fit(Eigen::MatrixXd::Zero(unknowns, kMotions)) {}
+
+  void add(const PlaceScalar& scalar, const Motion& by_motion, double weight) {
+    squares += weight * by_motion * by_motion.transpose();
+    pull -= weight * scalar.residual * by_motion;
+    for (const auto& [c, value] : scalar.J) with_fit.row(c) += weight * value * by_motion;
+  }
+  // What the fit leaves of the squares.
+  [[nodiscard]] MotionSquares left(const Eigen::MatrixXd& covariance) const {
+    return squares - with_fit.transpose() * covariance * with_fit;
+  }
+
+  MotionSquares squares = MotionSquares::Zero();
+  Motion pull = Motion::Zero();
+  Eigen::MatrixXd with_fit;
+};
 
 double off_by(const PlaceTask& task, const PlaceFit& fit, const TouchRow& touch,
               std::size_t place) {
@@ -61,6 +97,53 @@ std::vector<RejectedTouch> rejected_touches(const PlaceTask& task, const PlaceFi
     rejected.push_back(found);
   }
   return rejected;
+}
+
+std::optional<BasePush> find_push(const PlaceTask& task, const PlaceFit& fit) {
+  AfterStep after(fit.columns().size);
+  double squares = 0;
+  double numbers = 0;
+  for (const PlaceScalar& scalar : fit.touches()) {
+    const double weight = fit.weights()[scalar.touch] / fit.variance_of(scalar);
+    squares += weight * scalar.residual * scalar.residual;
+    numbers += fit.weights()[scalar.touch];
+  }
+  std::optional<BasePush> found;
+  double most = kWorthPush;
+  std::size_t end = fit.touches().size();
+  MotionSquares moved = MotionSquares::Zero();
+  for (std::size_t k = task.touches.size(); k-- > kTouchesBeside;) {
+    const TouchRow& touch = task.touches[k];
+    const Vector3 p_B = fit.state().tool_at(touch.q);
+    const TouchedPlace& at = fit.state().places[touch.place];
+    const InstrumentRow row =
+        instrument_row(at, fit.state().scales[at.instrument], p_B, touch.length_m);
+    const Eigen::Matrix<double, 3, kMotions> by = moved_by(p_B);
+    moved += by.transpose() * by;
+    end -= static_cast<std::size_t>(row.scalars);
+    for (Eigen::Index i = 0; i < row.scalars && fit.weights()[k] > 0; ++i) {
+      const PlaceScalar& scalar = fit.touches()[end + static_cast<std::size_t>(i)];
+      after.add(scalar, (row.by_point.row(i) * by).transpose(), 1 / fit.variance_of(scalar));
+    }
+    const std::size_t count = task.touches.size() - k;
+    if (count < kTouchesBeside) continue;
+    const Motion step = after.left(fit.covariance()).ldlt().solve(after.pull);
+    const double gain = std::clamp(step.dot(after.pull) / squares, 0.0, 1 - 1e-9);
+    const double nats = -numbers / 2 * std::log(1 - gain) - kMotions / 2.0 * std::log(numbers) -
+                        std::log(static_cast<double>(task.touches.size()));
+    if (!(nats > most)) continue;
+    most = nats;
+    found = BasePush{touch.line, std::sqrt(step.dot(moved * step) / static_cast<double>(count))};
+  }
+  return found;
+}
+
+std::optional<double> gain_off(const PlaceFit& fit, std::size_t instrument) {
+  const Eigen::Index column = fit.columns().scales[instrument];
+  if (column < 0) return std::nullopt;
+  const double variance = fit.prior_variance(column) - fit.covariance()(column, column);
+  if (!(variance > 0)) return std::nullopt;
+  return fit.state().scales[instrument].gain / std::sqrt(variance);
 }
 
 std::vector<PredictedLength> predicted_lengths(const PlaceTask& task, const PlaceFit& free) {

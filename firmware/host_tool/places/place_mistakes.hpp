@@ -36,4 +36,17 @@ inline constexpr double kContradictingLength = 4;
 [[nodiscard]] std::vector<PredictedLength> predicted_lengths(const PlaceTask& task,
                                                              const PlaceFit& free);
 
+// The base, or all places at once, moved between two touches.
+struct BasePush {
+  std::size_t line = 0;  // of the first touch after it
+  double moved_m = 0;    // of the tool at the touches after it, RMS
+};
+// Where such a step explains the touches better than chance does, the most likely one: a turn and a
+// shift of everything after it, judged by the covariance of the fit (docs/model.md, section 13).
+[[nodiscard]] std::optional<BasePush> find_push(const PlaceTask& task, const PlaceFit& fit);
+
+// The gain of a wire as all else has it: found less stated, in sigma of both; nothing for other
+// instruments.
+[[nodiscard]] std::optional<double> gain_off(const PlaceFit& fit, std::size_t instrument);
+
 }  // namespace armsig::tool

@@ -13,14 +13,16 @@
 namespace armsig::tool {
 namespace {
 
-constexpr int kPlaceRounds = 6;
 constexpr int kMostRounds = 25;
-// A richer model must be so much likelier, in nats.
-constexpr double kWorthGravity = 3;
-constexpr double kWorthMaps = 6;
+// A simpler model must be so much likelier, in nats: arms bend and gears run out of true, and what
+// few touches do not show is missed by what is stated where the model has no place for it.
+constexpr double kAgainstGravity = 3;
+constexpr double kAgainstMaps = 6;
 // No ball in a socket and no wire is worse; and no session has more outliers.
 constexpr double kWorstSigma_m = 1e-3;
 constexpr double kMostRejectedShare = 0.4;
+// So many neighbouring touches are not rejected by chance.
+constexpr std::size_t kNeighbours = 5;
 // Numbers beyond the unknowns that a sigma is found from.
 constexpr std::size_t kToFindSigma = 6;
 
@@ -35,13 +37,22 @@ PlaceState state_of_places(const PlaceTask& task) {
   PlaceState start = nominal_state(task);
   find_places(task, start);
   constexpr PlaceParts kPlacesAlone{.geometry = false, .gravity = false, .maps = false};
-  return fit_from(task, start, kPlacesAlone, nullptr, kPlaceRounds)->state();
+  return fit_from(task, start, kPlacesAlone, nullptr, kMostRounds)->state();
+}
+
+std::unique_ptr<PlaceFit> geometry_alone(const PlaceTask& task) {
+  return fit_from(task, state_of_places(task), {.gravity = false, .maps = false}, nullptr,
+                  kMostRounds);
+}
+
+std::unique_ptr<PlaceFit> with_gravity(const PlaceTask& task, const PlaceFit& geometry) {
+  return fit_from(task, geometry.state(), {.maps = false}, nullptr, kMostRounds);
 }
 
 // Fewer rejected touches count before the evidence, which is about those kept.
-bool is_better(const PlaceFit& richer, const PlaceFit& other, double nats) {
-  if (richer.rejected() != other.rejected()) return richer.rejected() < other.rejected();
-  return richer.log_evidence() > other.log_evidence() + nats;
+bool is_better(const PlaceFit& one, const PlaceFit& other, double nats) {
+  if (one.rejected() != other.rejected()) return one.rejected() < other.rejected();
+  return one.log_evidence() > other.log_evidence() + nats;
 }
 
 bool can_be_written(const PlaceFit& fit, const Arm& nominal) {
@@ -133,6 +144,36 @@ void warn_of_single_touches(PlaceCalibration& found) {
   }
 }
 
+void warn_of_gains(PlaceCalibration& found) {
+  for (std::size_t i = 0; i < found.task->instruments.size(); ++i) {
+    const auto off = gain_off(*found.fit, i);
+    if (!off || std::abs(*off) <= kContradictingLength) continue;
+    found.warnings.push_back(fmt::format(
+        "{}: a gain of {:.3f} % is found, {:.1f} sigma from what is stated; measure "
+        "the wire beside a known length",
+        found.task->instruments[i].name, 100 * found.fit->state().scales[i].gain, std::abs(*off)));
+  }
+}
+
+// Neighbouring touches that are rejected say the same as a push that was found.
+void warn_of_pushes(PlaceCalibration& found) {
+  if (const auto push = find_push(*found.task, *found.fit)) {
+    found.warnings.push_back(
+        fmt::format("from line {} on the tool is {:.2f} mm from where it was before: the base or "
+                    "all places were pushed; measure again, or keep one part",
+                    push->line, 1e3 * push->moved_m));
+  }
+  std::size_t together = 0;
+  for (std::size_t k = 0; k < found.task->touches.size(); ++k) {
+    together = found.fit->weights()[k] > 0 ? 0 : together + 1;
+    if (together != kNeighbours) continue;
+    found.warnings.push_back(
+        fmt::format("line {} and those after it are rejected together: the base or a place was "
+                    "pushed, or a wire is off its pulley",
+                    found.task->touches[k + 1 - kNeighbours].line));
+  }
+}
+
 void warn_of_rejected(PlaceCalibration& found) {
   for (const RejectedTouch& touch : found.rejected) {
     const std::string& name = found.task->places[touch.place].name;
@@ -147,17 +188,19 @@ void warn_of_rejected(PlaceCalibration& found) {
 
 }  // namespace
 
+std::unique_ptr<PlaceFit> fit_without_maps(const PlaceTask& task) {
+  return with_gravity(task, *geometry_alone(task));
+}
+
 std::unique_ptr<PlaceFit> fit_places(const PlaceTask& task) {
-  auto best = fit_from(task, state_of_places(task), {.gravity = false, .maps = false}, nullptr,
-                       kMostRounds);
-  auto bent = fit_from(task, best->state(), {.maps = false}, nullptr, kMostRounds);
-  auto full = fit_from(task, bent->state(), {}, &bent->scales(), kMostRounds);
-  if (is_better(*bent, *best, kWorthGravity) && can_be_written(*bent, task.nominal)) {
-    best = std::move(bent);
-  }
-  if (is_better(*full, *best, kWorthMaps) && can_be_written(*full, task.nominal)) {
-    best = std::move(full);
-  }
+  auto geometry = geometry_alone(task);
+  auto bent = with_gravity(task, *geometry);
+  auto best = fit_from(task, bent->state(), {}, &bent->scales(), kMostRounds);
+  const auto is_beaten_by = [&](const PlaceFit& simpler, double nats) {
+    return !can_be_written(*best, task.nominal) || is_better(simpler, *best, nats);
+  };
+  if (is_beaten_by(*bent, kAgainstMaps)) best = std::move(bent);
+  if (is_beaten_by(*geometry, kAgainstGravity)) best = std::move(geometry);
   return best;
 }
 
@@ -179,6 +222,8 @@ Read<PlaceCalibration> calibrate_by_places(PlaceTask task, const std::string& fi
   found.determined = determined(*found.fit);
   warn_of_rejected(found);
   warn_of_single_touches(found);
+  warn_of_gains(found);
+  warn_of_pushes(found);
   if (auto written = add_signature(found); !written) {
     return no_fit(file, refusal_in_words(written.error(), JointType::kRevolute),
                   remedy_in_words(written.error().error));

@@ -29,9 +29,12 @@ struct PlaceCalibration {
   RefinementOutcome outcome;  // for the signature
 };
 
-// The fit with geometry alone, with gravity or with maps too, whichever the evidence supports; the
-// lengths are those of `task`.
+// The fit with geometry, gravity and maps, without maps, or with geometry alone where the evidence
+// is against the rest; the lengths are those of `task`.
 [[nodiscard]] std::unique_ptr<PlaceFit> fit_places(const PlaceTask& task);
+
+// That with geometry and gravity, from nothing: fit_places() goes on from it.
+[[nodiscard]] std::unique_ptr<PlaceFit> fit_without_maps(const PlaceTask& task);
 
 // `file` names the touches in problems. Refuses touches that are too few, that fit no places, known
 // lengths that contradict each other, and an arm that is not like its nominal model.

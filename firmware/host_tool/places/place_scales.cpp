@@ -107,7 +107,7 @@ void PlaceFit::update_scales() {
     groups[group].unknowns += 1;
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    calibration::update_scale(groups[g], *scales[g], g < 3 ? calibration::kUsualUnknowns : 0);
+    calibration::update_scale(groups[g], *scales[g], calibration::kUsualUnknowns);
   }
   const std::array<double, kSplines> Q = calibration::map_prior();
   for (const auto& [joint, first] : columns_.maps) {
@@ -121,7 +121,7 @@ void PlaceFit::update_scales() {
         group.trace += (d == 0 ? 1 : 2) * Q[d] * c;
       }
     }
-    calibration::update_scale(group, scales_.prior.map[joint]);
+    calibration::update_scale(group, scales_.prior.map[joint], calibration::kUsualUnknowns);
   }
 }
 

@@ -139,35 +139,57 @@ void find_plane(const SeenPlace& at, TouchedPlace& plane) {
   }
 }
 
-// |p|^2 - l^2 = 2 a p + 2 o l + const, l with the nominal zero, o what it is off by: linear.
+// What a wire's rows miss an anchor by, softly weighted, with the zero as it was stated.
+struct AnchorMisses {
+  Matrix3 squares = Matrix3::Zero();
+  Vector3 pull = Vector3::Zero();
+  double median_m = 0;
+};
+
+AnchorMisses misses_of(const SeenPlace& at, double zero_m, const Vector3& anchor) {
+  std::vector<double> misses_m;
+  std::vector<double> sizes_m;
+  for (std::size_t k = 0; k < at.points_B.size(); ++k) {
+    misses_m.push_back((at.points_B[k] - anchor).norm() - at.lengths_m[k] - zero_m);
+    sizes_m.push_back(std::abs(misses_m.back()));
+  }
+  AnchorMisses all;
+  all.median_m = median_of(sizes_m);
+  const double scale_m = std::max(all.median_m / kMedianLength1, kLeastScale_m);
+  for (std::size_t k = 0; k < at.points_B.size(); ++k) {
+    const Vector3 u = (at.points_B[k] - anchor).normalized();
+    const double weight = soft_weight(sizes_m[k], scale_m);
+    all.squares += weight * u * u.transpose();
+    all.pull += weight * misses_m[k] * u;
+  }
+  return all;
+}
+
+// The anchor from which the median miss of the lengths is least, of those that a few steps find
+// from all about the points: a wire near one plane of them fits beyond it almost as well.
 void find_anchor(const SeenPlace& at, double zero_m, TouchedPlace& wire) {
-  const auto count = static_cast<Eigen::Index>(at.points_B.size());
-  Eigen::MatrixXd A(count, 5);
-  Eigen::VectorXd b(count);
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(count);
+  const auto count = static_cast<double>(at.points_B.size());
   Vector3 middle = Vector3::Zero();
-  for (const Vector3& p : at.points_B) middle += p / static_cast<double>(count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Vector3 p = at.points_B[static_cast<std::size_t>(k)] - middle;
-    const double length_m = at.lengths_m[static_cast<std::size_t>(k)] + zero_m;
-    A.row(k) << 2 * p.transpose(), 2 * length_m, 1;
-    b[k] = p.squaredNorm() - length_m * length_m;
+  double length_m = zero_m;
+  for (std::size_t k = 0; k < at.points_B.size(); ++k) {
+    middle += at.points_B[k] / count;
+    length_m += at.lengths_m[k] / count;
   }
-  // A zero that a bar of one length does not tell stays where it was stated.
-  Eigen::VectorXd held = Eigen::VectorXd::Constant(5, 1e-9);
-  held[3] = 1e-2;
-  Eigen::VectorXd x;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    Eigen::MatrixXd normal = A.transpose() * weights.asDiagonal() * A;
-    normal += held.asDiagonal();
-    x = normal.ldlt().solve(A.transpose() * weights.asDiagonal() * b);
-    const Eigen::VectorXd r = A * x - b;
-    std::vector<double> sizes;
-    for (Eigen::Index k = 0; k < count; ++k) sizes.push_back(std::abs(r[k]));
-    const double scale = std::max(median_of(sizes) / kMedianLength1, kLeastScale_m);
-    for (Eigen::Index k = 0; k < count; ++k) weights[k] = soft_weight(std::abs(r[k]), scale);
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int direction = 0; direction < 27; ++direction) {
+    const Vector3 towards(direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1);
+    if (towards.isZero()) continue;
+    Vector3 anchor = middle + length_m * towards.normalized();
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const AnchorMisses misses = misses_of(at, zero_m, anchor);
+      const Matrix3 held = 1e-3 * count * Matrix3::Identity();
+      anchor += (misses.squares + held).ldlt().solve(misses.pull);
+    }
+    const double median_m = misses_of(at, zero_m, anchor).median_m;
+    if (!(median_m < least_m)) continue;
+    least_m = median_m;
+    wire.point_B = anchor;
   }
-  wire.point_B = middle + Vector3(x.head<3>());
 }
 
 }  // namespace
