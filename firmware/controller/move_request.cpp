@@ -12,9 +12,6 @@
 namespace armsig::controller {
 namespace {
 
-// A joint of 60 deg/s then takes an hour and a half for a turn: slower is a slip of the pen.
-constexpr double kLeastPace = 1e-3;
-
 std::optional<double> unit_factor(std::string_view unit) {
   if (unit == "deg") return kPi / 180;
   if (unit == "rad" || unit == "m") return 1.0;
@@ -194,18 +191,13 @@ Result<Answer> confirm(Controls& controls, const Request& request, Line& out) {
   return Answer();
 }
 
-Result<double> pace_of(std::string_view text, Line& out) {
-  ARMSIG_TRY(pace, needed_number("pace", text, out));
-  if (!(pace >= kLeastPace && pace <= 1)) return std::unexpected(Error::kOutOfRange);
-  return pace;
-}
-
 Result<Answer> move(Controls& controls, const Request& request, Line& out) {
   double pace = 1;
   bool joints = false;
   for (const auto& [key, value] : request.arguments) {
     if (key == "pace") {
-      ARMSIG_TRY(told, pace_of(value, out));
+      ARMSIG_TRY(told, needed_number(key, value, out));
+      if (!is_pace(told)) return std::unexpected(Error::kOutOfRange);
       pace = told;
     } else if (joint_of(split(key).name)) {
       joints = true;

@@ -23,8 +23,21 @@ struct RefiningRequest {
   double accuracy_mm = 0;  // 0: not asked for
   double minutes = 30;
   bool anew = false;
-  double pace = 1;
 };
+
+// The key `pace`, which a small image does not know.
+Result<double> pace_in([[maybe_unused]] const Request& request, [[maybe_unused]] Line& out) {
+  double pace = 1;
+  if constexpr (!hal::kSmallImage) {
+    for (const auto& [key, text] : request.arguments) {
+      if (key != "pace") continue;
+      ARMSIG_TRY(told, needed_number(key, text, out));
+      if (!is_pace(told)) return std::unexpected(Error::kOutOfRange);
+      pace = told;
+    }
+  }
+  return pace;
+}
 
 Result<RefiningRequest> refining_in(const Request& request, Line& out) {
   RefiningRequest asked;
@@ -36,8 +49,6 @@ Result<RefiningRequest> refining_in(const Request& request, Line& out) {
       continue;
     }
     if (!hal::kSmallImage && key == "pace") {
-      ARMSIG_TRY(pace, pace_of(text, out));
-      asked.pace = pace;
       paced = true;
       continue;
     }
@@ -63,6 +74,7 @@ Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
   if constexpr (kMayTakePoints) {
     if (auto may = may_measure(controls); !may) return std::unexpected(may.error());
   }
+  ARMSIG_TRY(pace, pace_in(request, out));
   ARMSIG_TRY(asked, refining_in(request, out));
   const bool refines = asked.accuracy_mm > 0;
   if (refines && !controls.identification.can_refine()) {
@@ -71,7 +83,7 @@ Result<Answer> identify(Controls& controls, const Request& request, Line& out) {
         "send\"");
     return std::unexpected(Error::kUnsupported);
   }
-  ARMSIG_TRY(answer, when_taken(controls.mover.begin_sequence(asked.pace)));
+  ARMSIG_TRY(answer, when_taken(controls.mover.begin_sequence(pace)));
   const auto conditions = conditions_of(controls);
   if (kMayRefine && refines) {
     const auto time = std::chrono::duration_cast<hal::Duration>(

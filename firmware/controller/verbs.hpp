@@ -75,8 +75,9 @@ struct Verb {
 // Null if there is none.
 [[nodiscard]] const Verb* find_verb(std::string_view name);
 
-// Of a request, in (0, 1]. Errors: kUnknownRequest (no number), kOutOfRange.
-[[nodiscard]] Result<double> pace_of(std::string_view text, Line& out);
+// The key `pace`. A joint of 60 deg/s takes an hour and a half for a turn at the least: slower is a
+// slip of the pen.
+[[nodiscard]] constexpr bool is_pace(double pace) { return pace >= 1e-3 && pace <= 1; }
 
 // ` modes=idle,holding`.
 void tell_modes(const Modes& modes, Line& out);
