@@ -41,10 +41,10 @@ Place<Story> story;
 
 void say_memory() {
   controller::Line line;
-  line.text("memory estimator=").integer(sizeof(Memory::fit) + sizeof(calibration::Engine));
+  line.text("memory fit=").integer(sizeof(Memory::fit) + sizeof(calibration::Engine));
   line.text(" model=").integer(sizeof(calibration::ArmModel));
   line.text(" points=").integer(sizeof(Memory) - sizeof(Memory::fit));
-  line.text(" self_calibration=").integer(sizeof(controller::SelfCalibration));
+  line.text(" whole=").integer(sizeof(controller::SelfCalibration));
   board::say(line.view());
 }
 
@@ -53,10 +53,8 @@ void say_answers(Story& told, selftest::Report& report) {
   for (int k = 1; k <= kJudged; ++k) {
     const Story::Answer answer = told.answer(k);
     controller::Line line;
-    line.text("answer ").integer(static_cast<std::uint64_t>(k));
-    line.text(" x_um=").number(1e6 * answer.found.x(), 6);
-    line.text(" y_um=").number(1e6 * answer.found.y(), 6);
-    line.text(" z_um=").number(1e6 * answer.found.z(), 6);
+    line.text("answer_um ").integer(static_cast<std::uint64_t>(k));
+    for (const double coordinate : answer.found) line.text(" ").number(1e6 * coordinate, 6);
     board::say(line.view());
     squares += (answer.found - answer.truth).squaredNorm();
   }

@@ -13,7 +13,7 @@ int main() {
   if (!run(*story, [](auto&& work) { work(); }, [](const armsig::controller::Line&) {})) return 1;
   for (int k = 1; k <= kJudged; ++k) {
     const armsig::Vector3 p_um = 1e6 * story->answer(k).found;
-    std::printf("answer %d x_um=%.6f y_um=%.6f z_um=%.6f\n", k, p_um.x(), p_um.y(), p_um.z());
+    std::printf("answer_um %d %.6f %.6f %.6f\n", k, p_um.x(), p_um.y(), p_um.z());
   }
   return 0;
 }
