@@ -8,6 +8,7 @@
 
 #include "host_tests/places/task_of_session.hpp"
 #include "host_tests/places/unknown_places.hpp"
+#include "host_tests/support/failure_of.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -164,7 +165,7 @@ TEST(PlaceMistakes, exchanged_bars_among_four_are_refused) {
   session.lengths()[3].length_m = 0.4;
   const auto found = calibrated(session);
   ASSERT_FALSE(found);
-  EXPECT_NE(found.error().what.find("contradict each other"), std::string::npos);
+  EXPECT_NE(test::failure_of(found).what.find("contradict each other"), std::string::npos);
 }
 
 }  // namespace

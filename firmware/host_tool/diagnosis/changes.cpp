@@ -121,12 +121,12 @@ struct Sums {
 class ScoreTest {
  public:
   ScoreTest(const Evidence& evidence, const DeviatingChain& chain,
-            const std::vector<Vector3>& residuals_S)
+            const std::vector<Vector3>& residuals_S, Backlash backlash)
       : evidence_(evidence),
         chain_(chain),
         residuals_(residuals_S),
         order_(evidence),
-        arm_(evidence, chain, residuals_S) {}
+        arm_(evidence, chain, residuals_S, backlash) {}
 
   // Whether an unchanging arm misses no more than what rounding leaves, of which nothing can be
   // said.
@@ -349,9 +349,9 @@ class ScoreTest {
 }  // namespace
 
 std::optional<Change> likeliest_change(const Evidence& evidence, const DeviatingChain& chain,
-                                       const std::vector<Vector3>& residuals_S) {
+                                       const std::vector<Vector3>& residuals_S, Backlash backlash) {
   if (evidence.rows.size() < kFewestRows) return std::nullopt;
-  ScoreTest test(evidence, chain, residuals_S);
+  ScoreTest test(evidence, chain, residuals_S, backlash);
   if (test.is_computed()) return std::nullopt;
   auto change = test.run(candidates_of(evidence, chain, test.arm()));
   const auto take = [&](const Change& other) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/host_tool/diagnosis/near_fit.hpp"
+#include "firmware/host_tool/diagnosis/unchanging_arm.hpp"
 
 namespace armsig::tool {
 
@@ -61,7 +62,8 @@ using Strains = Eigen::Matrix<double, kStrains, 1>;
 // found, a row each. Nothing for fewer than 24 rows, or where no change has evidence.
 [[nodiscard]] std::optional<Change> likeliest_change(const Evidence& evidence,
                                                      const DeviatingChain& chain,
-                                                     const std::vector<Vector3>& residuals_S);
+                                                     const std::vector<Vector3>& residuals_S,
+                                                     Backlash backlash);
 
 // How far a target on the last link is off if there was this change and nobody knew of it: of the
 // unchanging arm from the one before it or the one after it, whichever is farther; at

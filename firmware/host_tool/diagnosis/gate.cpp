@@ -205,15 +205,15 @@ constexpr Explaining kOfSweeps{1.4, 1.6};
 constexpr double kMissesNothing = 1e-4;  // of the reach
 
 std::optional<Change> change_of(const Evidence& evidence, const Reference& reference,
-                                const std::optional<FoundArm>& found) {
-  auto likeliest = likeliest_change(evidence, reference.chain, reference.fit.residuals_S);
+                                const std::optional<FoundArm>& found, Backlash backlash) {
+  auto likeliest = likeliest_change(evidence, reference.chain, reference.fit.residuals_S, backlash);
   if (!found) return likeliest;
   std::vector<Vector3> residuals_S = reference.fit.residuals_S;
   for (std::size_t k = 0; k < residuals_S.size(); ++k) {
     const EvidenceRow& row = evidence.rows[k];
     if (const auto p_S = found->predicted_S(row)) residuals_S[k] = row.p_S - *p_S;
   }
-  auto of_found = likeliest_change(evidence, reference.chain, residuals_S);
+  auto of_found = likeliest_change(evidence, reference.chain, residuals_S, backlash);
   // What the arm that was found does not miss has not changed. Of sweeps alone maps may have taken
   // a change, and of any rows part of a strain; and backlash part of a lag.
   const bool all_along =
@@ -229,22 +229,30 @@ std::optional<Change> change_of(const Evidence& evidence, const Reference& refer
 
 std::optional<Doubt> doubt_of_change(const Evidence& evidence, const Reference& reference,
                                      const std::optional<FoundArm>& found) {
-  const auto change = change_of(evidence, reference, found);
+  const auto change = change_of(evidence, reference, found, Backlash::kNone);
   if (!change || change->evidence < kEvidenceOfChange) return std::nullopt;
+  // Backlash is a step between two sweeps: what it explains wholly has no other cause, and what it
+  // explains for the most part may have either.
+  const auto beside = change_of(evidence, reference, found, Backlash::kPossible);
+  if (!beside || beside->evidence < kEvidenceOfChange) return std::nullopt;
   const bool swept =
       std::ranges::any_of(evidence.rows, [](const EvidenceRow& row) { return row.sweep != 0; });
   const Explaining& explaining = swept ? kOfSweeps : kOfPoses;
   // Rows that are rejected weigh little, and their misfit must have a cause.
   const bool of_rejected = found && found->rejects_many;
   if (!of_rejected && change->explains() < explaining.something) return std::nullopt;
-  return Doubt{.what = in_words(*change, evidence.arm),
-               .cause = fmt::format("with that corrected the rows fit within {}, instead of {}",
-                                    short_length(change->after_m), short_length(change->before_m)),
-               .expected = mend_of(*change),
-               .refuses = change->explains() > explaining.too_much &&
-                          change->before_m > kMissesNothing * reference.fit.reach_m,
-               .probability = 1,
-               .tool_off_m = moved_by_change(*change, evidence, reference.chain)};
+  const bool or_backlash =
+      change->explains() >= explaining.something && beside->explains() < explaining.something;
+  return Doubt{
+      .what = (or_backlash ? "joints have backlash, or " : "") + in_words(*change, evidence.arm),
+      .cause = fmt::format("with that corrected the rows fit within {}, instead of {}",
+                           short_length(change->after_m), short_length(change->before_m)),
+      .expected = mend_of(*change) +
+                  (or_backlash ? "; free poses beside the sweeps tell backlash from it" : ""),
+      .refuses = !or_backlash && change->explains() > explaining.too_much &&
+                 change->before_m > kMissesNothing * reference.fit.reach_m,
+      .probability = 1,
+      .tool_off_m = moved_by_change(*change, evidence, reference.chain)};
 }
 
 // Of measurements that no method takes: what is wrong with them is known to the caller.

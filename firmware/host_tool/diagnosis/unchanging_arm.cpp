@@ -44,13 +44,14 @@ Eigen::Matrix3Xd by_gears(const Arm& arm, const DeviatingChain& chain, const Evi
 }
 
 UnchangingArm::UnchangingArm(const Evidence& evidence, const DeviatingChain& chain,
-                             const std::vector<Vector3>& residuals_S)
+                             const std::vector<Vector3>& residuals_S, Backlash backlash)
     : evidence_(evidence),
       chain_(chain),
       residuals_(residuals_S),
       gravity_(evidence.arm),
-      swept_alone_(std::ranges::none_of(evidence.rows,
-                                        [](const EvidenceRow& row) { return row.sweep == 0; })) {
+      has_backlash_(backlash == Backlash::kPossible &&
+                    std::ranges::none_of(evidence.rows,
+                                         [](const EvidenceRow& row) { return row.sweep == 0; })) {
   weigh();
   choose_unknowns();
   differentiate();
@@ -111,7 +112,7 @@ void UnchangingArm::differentiate() {
 Eigen::Matrix3Xd UnchangingArm::by_backlash(const EvidenceRow& row) const {
   Eigen::Matrix3Xd columns = chain_.motions(row);
   for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-    const bool known = swept_alone_ && (row.sided >> j & 1) != 0;
+    const bool known = has_backlash_ && (row.sided >> j & 1) != 0;
     const bool up = (row.sides >> j & 1) != 0;
     columns.col(j) *= !known ? 0 : up ? -1 : 1;
   }

@@ -4,6 +4,7 @@
 // gravity bends it, which a drive from one end of a joint to the other shows as if something crept.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,11 +23,14 @@ namespace armsig::tool {
 [[nodiscard]] Eigen::Matrix3Xd by_gears(const Arm& arm, const DeviatingChain& chain,
                                         const EvidenceRow& row);
 
+// Whether its joints may have backlash, which sweeps alone show as a step between two of them.
+enum class Backlash : std::uint8_t { kNone, kPossible };
+
 class UnchangingArm {
  public:
   // All are kept as references.
   UnchangingArm(const Evidence& evidence, const DeviatingChain& chain,
-                const std::vector<Vector3>& residuals_S);
+                const std::vector<Vector3>& residuals_S, Backlash backlash = Backlash::kPossible);
 
   // Unknowns: those of the chain that may change or move any row, then gravity's, then of every
   // joint by which share it turns farther than it reads and half of its backlash, and by which
@@ -88,7 +92,7 @@ class UnchangingArm {
   const DeviatingChain& chain_;
   const std::vector<Vector3>& residuals_;
   GravityColumns gravity_;
-  bool swept_alone_;
+  bool has_backlash_;
   std::vector<Eigen::Index> of_chain_;  // the chain's unknowns among these
   Eigen::Index stiff_ = 0;              // their number
   Eigen::Index size_ = 0;
