@@ -155,10 +155,7 @@ std::optional<Error> Servo::take(const Command& command) {
       if (command.of_sequence && !in_sequence_) return Error::kWrongMode;
       return begin(command.move);
     case CommandKind::kBeginSequence:
-      in_sequence_ = true;
-#ifndef ARMSIG_SMALL_IMAGE
-      largest_torque_.fill(0);
-#endif
+      begin_sequence();
       break;
     case CommandKind::kEndSequence:
       in_sequence_ = false;
@@ -171,6 +168,13 @@ std::optional<Error> Servo::take(const Command& command) {
       return hal::kMayHome ? home(command.index) : Error::kUnsupported;
   }
   return std::nullopt;
+}
+
+void Servo::begin_sequence() {
+  in_sequence_ = true;
+#ifndef ARMSIG_SMALL_IMAGE
+  largest_torque_.fill(0);
+#endif
 }
 
 void Servo::halt() {
@@ -299,6 +303,15 @@ void Servo::publish_tool(Snapshot& out) const {
   if (const auto X_RT = tool_pose(link_.models[model_], out.positions)) out.X_RT = *X_RT;
 }
 
+void Servo::publish_torque([[maybe_unused]] Snapshot& out) const {
+#ifndef ARMSIG_SMALL_IMAGE
+  for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
+    out.torque[joint] = drives_.status(joint).torque;
+  }
+  out.largest_torque = largest_torque_;
+#endif
+}
+
 void Servo::publish(hal::Duration lateness) {
   Snapshot& out = link_.snapshot.writing();
   out.mode = mode_;
@@ -323,10 +336,6 @@ void Servo::publish(hal::Duration lateness) {
     if (status.warning) out.warning |= bit;
     if (status.unsupervised) out.unsupervised |= bit;
     if (status.has_position) out.known |= bit;
-#ifndef ARMSIG_SMALL_IMAGE
-    out.torque[joint] = status.torque;
-    out.largest_torque[joint] = largest_torque_[joint];
-#endif
     if (is_homing(joint)) {
       out.homing |= bit;
     } else if (hal::kMayHome && status.homed) {
@@ -334,6 +343,7 @@ void Servo::publish(hal::Duration lateness) {
     }
   }
   if constexpr (!hal::kSmallImage) publish_words();
+  publish_torque(out);
   publish_tool(out);
   lateness_.add(lateness);
   out.lateness = lateness_;

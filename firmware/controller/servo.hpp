@@ -29,6 +29,7 @@ class Servo {
   void disable();
   void halt();
   [[nodiscard]] std::optional<Error> begin(const Move& move);
+  void begin_sequence();
   void step_mode();
   void step_move();
   [[nodiscard]] std::optional<Error> home(std::size_t joint);
@@ -39,6 +40,7 @@ class Servo {
   void command_drives();
   void publish(hal::Duration lateness);
   void publish_tool(Snapshot& out) const;
+  void publish_torque(Snapshot& out) const;
   void publish_machine();
   void publish_gaps();
   void publish_words();
