@@ -49,6 +49,12 @@ std::string share_in_words(const Change& change, const Arm& arm) {
                      change.size[0] > 0 ? "grow" : "shrink", 1e6 * std::abs(change.size[0]));
 }
 
+std::string both_in_words(const Change& change) {
+  return fmt::format(" the positions are shifted by {}, and target {} is another point, {} away",
+                     short_length(change.parts_m[0]), change.index,
+                     short_length(change.parts_m[1]));
+}
+
 std::string change_in_words(const Change& change, const Arm& arm) {
   const std::string by = short_length(change.shift_m);
   const std::string at = when(change);
@@ -61,9 +67,7 @@ std::string change_in_words(const Change& change, const Arm& arm) {
                  ? fmt::format("target {} creeps by {} {}", change.index, by, at)
                  : fmt::format("{} target {} is another point, {} away", at, change.index, by);
     case Change::Of::kSensorAndTarget:
-      return fmt::format(
-          "{} the positions are shifted by {}, and target {} is another point, {} away", at,
-          short_length(change.parts_m[0]), change.index, short_length(change.parts_m[1]));
+      return at + both_in_words(change);
     case Change::Of::kZeros:
       return fmt::format("{} several readings are off: {}", at, of_readings(change, arm));
     case Change::Of::kZero: {
