@@ -177,8 +177,9 @@ void find_anchor(const SeenPlace& at, double zero_m, TouchedPlace& wire) {
   }
   double least_m = std::numeric_limits<double>::infinity();
   for (int direction = 0; direction < 27; ++direction) {
-    const Vector3 towards(direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1);
-    if (towards.isZero()) continue;
+    const Eigen::Vector3i cell(direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1);
+    if (cell.isZero()) continue;
+    const Vector3 towards = cell.cast<double>();
     Vector3 anchor = middle + length_m * towards.normalized();
     for (int pass = 0; pass < kPasses; ++pass) {
       const AnchorMisses misses = misses_of(at, zero_m, anchor);
