@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "core/base/check.hpp"
 #include "hal/linux/internet_address.hpp"
@@ -122,39 +123,34 @@ ModbusPoints::Polled ModbusPoints::take_answer(std::span<const std::uint8_t> ans
                                                hal::Instant now) {
   if (!asked_at_ || modbus::tcp_transaction(answer) != transaction_) return std::nullopt;
   reconnect_.succeed();
+  const hal::Instant asked_at = *std::exchange(asked_at_, std::nullopt);
   const auto registers = modbus::decode_tcp(request_, answer);
+  if (!registers) {
+    const modbus::Failure& failure = registers.error();
+    const bool says_why = failure.error == Error::kSensorException;
+    return refuse(failure.error, says_why ? modbus::describe_exception(failure.exception) : "");
+  }
   const auto point =
-      registers ? modbus::point_in(configuration_.profile, request_,
-                                   {registers->data(), registers->size()}, kFarthestPoint_mm / 1e3)
-                : Result<modbus::RegisterPoint>(std::unexpected(registers.error().error));
-  std::optional<hal::PointReading> reading;
-  if (point) reading = take_point(*point, now);
-  asked_before_ = *asked_at_;
-  asked_at_.reset();
-  if (point) return reading;
-  const bool is_exception = point.error() == Error::kSensorException;
-  return refuse(point.error(), is_exception
-                                   ? modbus::describe_exception(registers.error().exception)
-                                   : "the registers hold no point");
+      modbus::point_in(configuration_.profile, request_, {registers->data(), registers->size()},
+                       kFarthestPoint_mm / 1e3);
+  if (!point) return refuse(point.error(), "the registers hold no point");
+  return take_point(*point, asked_at, now);
 }
 
-// A counter that differs from that of the request before has changed since that was sent. Without
-// one the registers may have held the point for a period.
+// A counter that is not as it was read last has changed since that was asked for. Without one the
+// registers may have held the point for a period.
 std::optional<hal::PointReading> ModbusPoints::take_point(const modbus::RegisterPoint& point,
-                                                          hal::Instant now) {
-  const modbus::PointProfile& profile = configuration_.profile;
-  hal::Instant since = *asked_at_ - profile.update_period;
-  if (point.sequence) since = asked_before_;
-  const std::uint32_t sequence = point.sequence.value_or(unnumbered_);
-  if (!point.sequence) {
-    ask_at_ = std::max(ask_at_, *asked_at_ + profile.update_period);
-    ++unnumbered_;
-  }
+                                                          hal::Instant asked_at, hal::Instant now) {
+  const hal::Duration period = configuration_.profile.update_period;
+  const hal::Instant asked_before = std::exchange(point_asked_at_, asked_at);
+  if (!point.sequence) ask_at_ = std::max(ask_at_, asked_at + period);
+  const std::uint32_t sequence = point.sequence ? *point.sequence : unnumbered_++;
   if (!freshness_.take(sequence, now)) return std::nullopt;
-  return hal::PointReading{.p_S = point.p_S,
-                           .covariance_m2 = {},
-                           .at = since - configuration_.age,
-                           .sequence = sequence};
+  return hal::PointReading{
+      .p_S = point.p_S,
+      .covariance_m2 = {},
+      .at = (point.sequence ? asked_before : asked_at - period) - configuration_.age,
+      .sequence = sequence};
 }
 
 ModbusPoints::Polled ModbusPoints::refuse(Error error, std::string_view words) {

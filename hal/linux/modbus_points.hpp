@@ -55,7 +55,8 @@ class ModbusPoints final : public hal::PointInstrument {
   // What has come in, up to a whole answer.
   Polled receive(hal::Instant now);
   Polled take_answer(std::span<const std::uint8_t> answer, hal::Instant now);
-  std::optional<hal::PointReading> take_point(const modbus::RegisterPoint& point, hal::Instant now);
+  std::optional<hal::PointReading> take_point(const modbus::RegisterPoint& point,
+                                              hal::Instant asked_at, hal::Instant now);
   Polled refuse(Error error, std::string_view words);
 
   ModbusPointsConfiguration configuration_;
@@ -70,7 +71,7 @@ class ModbusPoints final : public hal::PointInstrument {
   std::uint16_t transaction_ = 0;
   std::optional<hal::Instant> asked_at_;  // the request that is not answered yet
   hal::Instant ask_at_;                   // when the next one is due
-  hal::Instant asked_before_;             // the last request that was answered
+  hal::Instant point_asked_at_;           // the last request that brought a point
   std::uint32_t unnumbered_ = 0;          // the number of the next point that has none
   std::uint32_t malformed_ = 0;           // since the start
   std::string_view refused_words_;

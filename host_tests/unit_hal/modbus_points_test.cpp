@@ -161,6 +161,22 @@ TEST(ModbusPoints, are_handed_out_once_each_with_the_earliest_time_they_can_be_o
   EXPECT_EQ(asked.points.malformed(), 0U);
 }
 
+// Its number may have changed as soon as it was read last.
+TEST(ModbusPoints, are_as_old_as_the_last_answer_that_had_a_point) {
+  Server server;
+  Asked asked(configured(server.port()));
+  ASSERT_NO_FATAL_FAILURE(asked.begin(server));
+  server.point(1, 2, 3, 7);
+  const hal::Instant read_at = asked.now;
+  ASSERT_TRUE(asked.exchange(server));
+  server.point(std::nanf(""), 2, 3, 8);
+  for (int i = 0; i < 3; ++i) ASSERT_FALSE(asked.exchange(server));
+  server.point(4, 5, 6, 8);
+  const auto polled = asked.exchange(server);
+  ASSERT_TRUE(polled && *polled);
+  EXPECT_EQ((*polled)->at, read_at - milliseconds(100));
+}
+
 TEST(ModbusPoints, without_a_counter_are_new_once_a_period) {
   Server server;
   ModbusPointsConfiguration configuration = configured(server.port());
