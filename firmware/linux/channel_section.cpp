@@ -186,11 +186,7 @@ Read<void> read_times(const YamlMap& map, const controller::Sensor& array, Senso
                                           : "nothing says when a reading is new",
                       "update_period_ms, how often the sensor measures, or a counter");
   }
-  ARMSIG_TRY(stale, map.find_quantity("stale_after", Dimension::kTime));
-  if (stale && !profile.counter) {
-    return problem_at(*stale->key, "no reading is stale where nothing counts them",
-                      "no stale_after, or a counter");
-  }
+  if (auto counts = refuse_stale(map, profile.counter.has_value()); !counts) return counts;
   Settings settings(map);
   settings.time("update_period", profile.update_period);
   const char* const name = profile.counter ? "poll_period" : "update_period";
@@ -199,7 +195,8 @@ Read<void> read_times(const YamlMap& map, const controller::Sensor& array, Senso
                  {plausible::kPollPeriod.lowest,
                   std::min(plausible::kPollPeriod.highest, hal::seconds(array.reading_timeout) / 2),
                   "reading_timeout has to last for two readings"});
-  read_freshness(settings, name, longest, profile.counter.has_value(), sensor.freshness);
+  read_freshness(settings, longest, profile.counter.has_value(), sensor.freshness);
+  bound_period(settings, name, longest, sensor.freshness);
   return settings.done();
 }
 
@@ -279,6 +276,13 @@ Read<void> check_step(const YamlMap& map, const modbus::ChannelProfile& profile)
 }
 
 }  // namespace
+
+Read<void> refuse_stale(const YamlMap& map, bool counts) {
+  ARMSIG_TRY(stale, map.find_quantity("stale_after", Dimension::kTime));
+  if (!stale || counts) return {};
+  return problem_at(*stale->key, "no reading is stale where nothing counts them",
+                    "no stale_after, or a counter");
+}
 
 Read<void> read_format(const YamlMap& map, Format& format) {
   const YamlNode* node = map.find("format");

@@ -121,7 +121,8 @@ Read<void> read_map(const YamlMap& map, std::size_t receivers,
   Settings settings(map);
   read_profile(settings, profile);
   set_bounds(settings, profile);
-  read_freshness(settings, "poll_period", sensor.poll_period, true, sensor.freshness);
+  read_freshness(settings, sensor.poll_period, true, sensor.freshness);
+  bound_period(settings, "poll_period", sensor.poll_period, sensor.freshness);
   if (auto done = settings.done(); !done) return done;
   if (auto order = read_word_order(map, profile.high_word_first); !order) return order;
   if (auto path = read_path(map, profile.echo); !path) return path;
@@ -133,6 +134,9 @@ Read<void> read_map(const YamlMap& map, std::size_t receivers,
   }
   return {};
 }
+
+constexpr std::string_view kNeverHeard =
+    "a sensor that is given less time than two readings take is never heard";
 
 }  // namespace
 
@@ -156,12 +160,16 @@ Read<void> read_word_order(const YamlMap& map, bool& high_word_first) {
   return {};
 }
 
-void read_freshness(Settings& settings, std::string_view period_name, hal::Duration period,
-                    bool counts, hal::FreshnessLimits& freshness) {
-  constexpr std::string_view kReason =
-      "a sensor that is given less time than two readings take is never heard";
+void bound_period(Settings& settings, std::string_view name, hal::Duration period,
+                  const hal::FreshnessLimits& freshness) {
+  const double least_s = hal::seconds(std::min(freshness.silent_after, freshness.stale_after));
+  settings.bound(name, Dimension::kTime, hal::seconds(period), {0, least_s / 2, kNeverHeard});
+}
+
+void read_freshness(Settings& settings, hal::Duration period, bool counts,
+                    hal::FreshnessLimits& freshness) {
   constexpr double kDay_s = 86'400;
-  const controller::Bounds patience{2 * hal::seconds(period), kDay_s, kReason};
+  const controller::Bounds patience{2 * hal::seconds(period), kDay_s, kNeverHeard};
   settings.time("silent_after", freshness.silent_after)
       .bound("silent_after", Dimension::kTime, hal::seconds(freshness.silent_after), patience);
   if (counts) {
@@ -170,8 +178,6 @@ void read_freshness(Settings& settings, std::string_view period_name, hal::Durat
   } else {
     freshness.stale_after = freshness.silent_after;
   }
-  const double least_s = hal::seconds(std::min(freshness.silent_after, freshness.stale_after));
-  settings.bound(period_name, Dimension::kTime, hal::seconds(period), {0, least_s / 2, kReason});
 }
 
 Read<void> read_modbus(const YamlNode& node, DaemonConfiguration& c) {

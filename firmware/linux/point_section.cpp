@@ -52,7 +52,6 @@ Read<void> read_connection(const YamlMap& map, linux_hal::PointServerConfigurati
 
 // The registers of an instrument that is a Modbus TCP server.
 Read<void> read_registers(const YamlMap& map, modbus::PointProfile& profile) {
-  constexpr int kLargestUnit = 247;
   constexpr int kLargestRegister = 0xFFFF;
   if (auto format = read_format(map, profile.format); !format) return format;
   if (auto words = read_word_order(map, profile.high_word_first); !words) return words;
@@ -68,20 +67,46 @@ Read<void> read_registers(const YamlMap& map, modbus::PointProfile& profile) {
   ARMSIG_TRY(step, map.number("metres_a_step"));
   profile.metres_a_step = step;
   Settings settings(map);
-  settings.integer("unit", 1, kLargestUnit, profile.unit)
+  settings.integer("unit", 1, modbus::kLargestUnit, profile.unit)
       .integer("function", 3, 4, profile.function)
       .share("metres_a_step", profile.metres_a_step)
       .bound("metres_a_step", std::nullopt, profile.metres_a_step, plausible::kPointStep)
       .time("update_period", profile.update_period);
-  if (map.find_quantity("update_period", Dimension::kTime)->has_value() ==
-      profile.counter.has_value()) {
+  ARMSIG_TRY(period, map.find_quantity("update_period", Dimension::kTime));
+  if (period.has_value() == profile.counter.has_value()) {
     return problem_at(map.node(), "nothing says when a point is new, or two keys do",
                       "counter, or update_period_ms where there is none");
   }
   return settings.done();
 }
 
-Read<void> read_server(const YamlNode& node, const controller::Sensor& sensor,
+// How often it is asked, and when it counts as silent. `server`: what `modbus` of `points` has.
+Read<void> read_times(const YamlMap& map, const YamlMap& server, const controller::Sensor& sensor,
+                      linux_hal::ModbusPointsConfiguration& points) {
+  const bool counts = points.profile.counter.has_value();
+  if (auto stale = refuse_stale(map, counts); !stale) return stale;
+  Settings of_server(server);
+  of_server.time("poll_period", points.poll_period)
+      .time("answer_timeout", points.answer_timeout)
+      .bound("answer_timeout", Dimension::kTime, hal::seconds(points.answer_timeout),
+             plausible::kAnswerTimeout);
+  const bool by_time = points.profile.update_period > points.poll_period;
+  const char* const name = by_time ? "update_period" : "poll_period";
+  const hal::Duration longest = std::max(points.poll_period, points.profile.update_period);
+  Settings settings(map);
+  read_freshness(settings, longest, counts, points.freshness);
+  if (auto done = settings.done(); !done) return done;
+  of_server.bound(
+      name, Dimension::kTime, hal::seconds(longest),
+      {plausible::kPollPeriod.lowest,
+       std::min(plausible::kPollPeriod.highest, hal::seconds(sensor.reading_timeout) / 2),
+       "reading_timeout has to last for two readings"});
+  bound_period(of_server, name, longest, points.freshness);
+  return of_server.done();
+}
+
+// `modbus` of `points`, which has the other keys in `whole`.
+Read<void> read_server(const YamlNode& node, const YamlMap& whole, const controller::Sensor& sensor,
                        linux_hal::ModbusPointsConfiguration& points) {
   std::vector<std::string> known{"address", "port", "unit", "function", "format",       "words",
                                  "x",       "y",    "z",    "counter",  "metres_a_step"};
@@ -94,18 +119,7 @@ Read<void> read_server(const YamlNode& node, const controller::Sensor& sensor,
   if (auto read = read_address(map, "address", points.address); !read) return read;
   if (auto read = read_registers(map, points.profile); !read) return read;
   Settings settings(map);
-  settings.integer("port", 1, kLargestPort, points.port)
-      .time("poll_period", points.poll_period)
-      .time("answer_timeout", points.answer_timeout)
-      .bound("answer_timeout", Dimension::kTime, hal::seconds(points.answer_timeout),
-             plausible::kAnswerTimeout);
-  const bool by_time = points.profile.update_period > points.poll_period;
-  settings.bound(
-      by_time ? "update_period" : "poll_period", Dimension::kTime,
-      hal::seconds(std::max(points.profile.update_period, points.poll_period)),
-      {plausible::kPollPeriod.lowest,
-       std::min(plausible::kPollPeriod.highest, hal::seconds(sensor.reading_timeout) / 2),
-       "reading_timeout has to last for two readings"});
+  settings.integer("port", 1, kLargestPort, points.port);
   if (auto done = settings.done(); !done) return done;
   if (const auto request = modbus::request_of(points.profile); !request) {
     return problem_at(
@@ -114,18 +128,15 @@ Read<void> read_server(const YamlNode& node, const controller::Sensor& sensor,
                     "first to the last",
                     modbus::kMaxRegisters));
   }
-  return {};
+  return read_times(whole, map, sensor, points);
 }
 
-// How old points may be, and when they are missed; of either kind.
-template <typename Instrument>
-Read<void> read_age(const YamlMap& map, controller::Sensor& sensor, Instrument& points) {
+// How old a point may be, and when it is missed; of either kind.
+Read<void> read_age(const YamlMap& map, controller::Sensor& sensor, hal::Duration& age) {
   Settings settings(map);
-  settings.time("age", points.age)
-      .bound("age", Dimension::kTime, hal::seconds(points.age), kPointAge)
-      .time("reading_timeout", sensor.reading_timeout)
-      .time("silent_after", points.freshness.silent_after)
-      .time("stale_after", points.freshness.stale_after);
+  settings.time("age", age)
+      .bound("age", Dimension::kTime, hal::seconds(age), kPointAge)
+      .time("reading_timeout", sensor.reading_timeout);
   return settings.done();
 }
 
@@ -163,14 +174,17 @@ Read<void> read_points(const YamlNode& node, DaemonConfiguration& c) {
   if (const YamlNode* const server = map.find("modbus")) {
     if (auto alone = refuse_connection(map); !alone) return alone;
     linux_hal::ModbusPointsConfiguration points;
-    if (auto read = read_age(map, sensor, points); !read) return read;
-    if (auto read = read_server(*server, sensor, points); !read) return read;
+    if (auto read = read_age(map, sensor, points.age); !read) return read;
+    if (auto read = read_server(*server, map, sensor, points); !read) return read;
     c.sensor = points;
     return {};
   }
   linux_hal::PointServerConfiguration points;
   if (auto read = read_connection(map, points); !read) return read;
-  if (auto read = read_age(map, sensor, points); !read) return read;
+  if (auto read = read_age(map, sensor, points.age); !read) return read;
+  settings.time("silent_after", points.freshness.silent_after)
+      .time("stale_after", points.freshness.stale_after);
+  if (auto done = settings.done(); !done) return done;
   c.sensor = points;
   return {};
 }

@@ -27,10 +27,17 @@ namespace armsig::daemon {
 // `words`: of two registers.
 [[nodiscard]] tool::Read<void> read_word_order(const tool::YamlMap& map, bool& high_word_first);
 
-// `silent_after` and, of a sensor that `counts` its readings, `stale_after`. `period_name`: of the
-// setting that says how often there is a reading, and `period` is.
-void read_freshness(Settings& settings, std::string_view period_name, hal::Duration period,
-                    bool counts, hal::FreshnessLimits& freshness);
+// `silent_after` and, of a sensor that `counts` its readings, `stale_after`: each lasts for two
+// readings, one every `period`.
+void read_freshness(Settings& settings, hal::Duration period, bool counts,
+                    hal::FreshnessLimits& freshness);
+
+// The same of the setting `name` that says how often there is a reading, which `period` is.
+void bound_period(Settings& settings, std::string_view name, hal::Duration period,
+                  const hal::FreshnessLimits& freshness);
+
+// `stale_after` where nothing counts.
+[[nodiscard]] tool::Read<void> refuse_stale(const tool::YamlMap& map, bool counts);
 
 // `modbus` of a sensor.
 [[nodiscard]] tool::Read<void> read_modbus(const tool::YamlNode& node, DaemonConfiguration& c);

@@ -54,7 +54,8 @@ Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
   hal::Duration period = std::chrono::milliseconds(20);
   Settings settings(map);
   settings.time("reading_period", period);
-  read_freshness(settings, "reading_period", period, true, sensor.freshness);
+  read_freshness(settings, period, true, sensor.freshness);
+  bound_period(settings, "reading_period", period, sensor.freshness);
   if (auto done = settings.done(); !done) return done;
   if (auto path = read_path(map, sensor.echo); !path) return path;
   if (!canopen::check(sensor)) {

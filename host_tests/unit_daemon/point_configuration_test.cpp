@@ -136,6 +136,12 @@ TEST(PointConfiguration, of_a_Modbus_server_that_cannot_be_is_refused_in_its_pla
   expect_refused(least + "counter: 6, poll_period_ms: 501}\n", "two readings");
   expect_refused(least + "counter: 6, answer_timeout_ms: 11000}\n", "no sensor answers");
   expect_refused(least + "update_period_ms: 501}\n", "two readings");
+  expect_refused(least + "update_period_ms: 1, update_period_s: 1}\n", "update_period");
+  expect_refused(least + "update_period_ms: often}\n", "update_period_ms");
+  expect_refused(least + "update_period_ms: 300}\n", "update_period: 0.3");
+  expect_refused(least + "counter: 6}\n  silent_after_ms: 90\n", "silent_after");
+  expect_refused(least + "counter: 6}\n  stale_after_ms: 90\n", "stale_after");
+  expect_refused(least + "update_period_ms: 100}\n  stale_after_ms: 500\n", "nothing counts them");
   expect_refused(least + "counter: 6}\n  port: 7047\n", "port beside modbus");
   expect_refused(
       std::string(kAsked) + "  modbus: {x: 0, y: 2, z: 4, metres_a_step: 1, counter: 6}\n",
