@@ -13,9 +13,6 @@ namespace {
 // A move is planned from where the arm is commanded to be; one planned from elsewhere would jump.
 constexpr double kSameReading = 1e-9;
 
-// What stands in the way takes torque for longer; a reading alone may be noise.
-[[maybe_unused]] constexpr hal::Duration kLastingTorque = std::chrono::milliseconds(20);
-
 }  // namespace
 
 Servo::Servo(const Configuration& configuration, hal::JointDrives& drives, hal::Clock& clock,
@@ -28,6 +25,7 @@ Servo::Servo(const Configuration& configuration, hal::JointDrives& drives, hal::
 void Servo::tick(hal::Duration lateness) {
   now_ = clock_.now();
   const Result<void> read = drives_.read(now_);
+  read_torque();
   supervise(read, lateness);
   take_commands();
   step_mode();
@@ -82,17 +80,28 @@ void Servo::supervise_following() {
   }
 }
 
-// An arm that touches something in a sequence is stopped by it long before it lags.
-void Servo::supervise_torque() {
+// Of the drives that tell it, as their joints have a limit.
+void Servo::read_torque() {
 #ifndef ARMSIG_SMALL_IMAGE
   const auto& limits = configuration_.supervision.sequence_torque;
   for (std::size_t joint = 0; joint < limits.size(); ++joint) {
-    const hal::Torque told = drives_.status(joint).torque;
-    const double torque = in_sequence_ && told ? std::abs(*told) : 0;
+    if (limits[joint]) torque_[joint] = drives_.status(joint).torque;
+  }
+#endif
+}
+
+// An arm that touches something in a sequence is stopped by it long before it lags.
+void Servo::supervise_torque() {
+#ifndef ARMSIG_SMALL_IMAGE
+  // What stands in the way takes torque for longer; a reading alone may be noise.
+  constexpr hal::Duration kLasting = std::chrono::milliseconds(20);
+  const auto& limits = configuration_.supervision.sequence_torque;
+  for (std::size_t joint = 0; joint < limits.size(); ++joint) {
+    const double torque = in_sequence_ && torque_[joint] ? std::abs(*torque_[joint]) : 0;
     largest_torque_[joint] = std::max(largest_torque_[joint], torque);
     if (!limits[joint] || !(torque > *limits[joint])) {
       torque_within_at_[joint] = now_;
-    } else if (now_ - torque_within_at_[joint] >= kLastingTorque) {
+    } else if (now_ - torque_within_at_[joint] >= kLasting) {
       fail(Error::kTorqueTooLarge, joint);
     }
   }
@@ -305,9 +314,7 @@ void Servo::publish_tool(Snapshot& out) const {
 
 void Servo::publish_torque([[maybe_unused]] Snapshot& out) const {
 #ifndef ARMSIG_SMALL_IMAGE
-  for (std::size_t joint = 0; joint < drives_.count(); ++joint) {
-    out.torque[joint] = drives_.status(joint).torque;
-  }
+  out.torque = torque_;
   out.largest_torque = largest_torque_;
 #endif
 }

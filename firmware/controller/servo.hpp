@@ -22,6 +22,7 @@ class Servo {
   void supervise_drives();
   void wait_for_drives(const Result<void>& read);
   void supervise_following();
+  void read_torque();
   void supervise_torque();
   void take_commands();
   void follow_positions();
@@ -72,6 +73,7 @@ class Servo {
   Histogram lateness_;
   Histogram execution_;
 #ifndef ARMSIG_SMALL_IMAGE
+  std::array<hal::Torque, kMaxJoints> torque_{};             // of the joints that have a limit
   std::array<hal::Instant, kMaxJoints> torque_within_at_{};  // last within its limit
   std::array<double, kMaxJoints> largest_torque_{};          // in the last sequence
 #endif

@@ -94,8 +94,8 @@ void append_profile_check(Setup& setup, const DriveSettings& settings) {
   }
   expect(setup, kSupportedModes, SetupRule::kEqualIfPresent, supports, supports);
   expect(setup, kPolarity, SetupRule::kEqualIfPresent, kPositionReversed, 0);
-  if (settings.tells_torque())
-    expect(setup, kActualTorque, SetupRule::kMustEqual, 0, 0);  // any value
+  // Of any value.
+  if (settings.tells_torque()) expect(setup, kActualTorque, SetupRule::kMustEqual, 0, 0);
 }
 
 namespace {
