@@ -3,7 +3,6 @@
 // SocketCAN, a real serial line. Run it by host_tests/bench/run.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -162,9 +161,9 @@ TEST(Bench, another_program_starts_and_resets_its_own_node_beside_the_arm) {
   BenchProcess arm;
   BenchMaster master;
   ASSERT_TRUE(master.enable());
-  ASSERT_EQ(std::system("for f in 000#0128 000#8128 000#8228; do cansend vcan0 $f; done"), 0);
+  ASSERT_TRUE(master.run_beside("for f in 000#0128 000#8128 000#8228; do cansend vcan0 $f; done"));
   master.run(50);
-  EXPECT_TRUE(master.master.all(DriveCondition::kEnabled));
+  EXPECT_TRUE(master.master.all(DriveCondition::kEnabled)) << master.conditions();
   EXPECT_EQ(master.master.counters().foreign, 0U);
   EXPECT_GE(master.master.counters().unknown, 3U);
 }
@@ -176,7 +175,7 @@ TEST(Bench, an_interface_and_drives_that_come_late_are_waited_for) {
   BenchMaster master(configuration);
   master.run(50);
   EXPECT_EQ(test::failure_of(master.read), Error::kBusDown);
-  ASSERT_EQ(std::system("ip link set vcan0 up"), 0);
+  ASSERT_TRUE(master.run_beside("ip link set vcan0 up"));
   EXPECT_TRUE(
       master.run_until([&] { return master.master.status(0).fault == Error::kDriveAbsent; }));
   const BenchProcess arm;  // is switched on now
@@ -350,12 +349,12 @@ TEST(Bench, an_interface_that_goes_down_faults_the_drives_and_they_come_back_wit
   BenchProcess arm;
   BenchMaster master;
   ASSERT_TRUE(master.enable());
-  ASSERT_EQ(std::system("ip link set vcan0 down"), 0);
+  ASSERT_TRUE(master.run_beside("ip link set vcan0 down"));
   master.run(5);
   EXPECT_FALSE(master.read);
   EXPECT_EQ(test::failure_of(master.read), Error::kBusDown);
   EXPECT_TRUE(master.faulted());
-  ASSERT_EQ(std::system("ip link set vcan0 up"), 0);
+  ASSERT_TRUE(master.run_beside("ip link set vcan0 up"));
   EXPECT_TRUE(master.run_until([&] { return master.read.has_value(); }));
   EXPECT_FALSE(master.master.all(DriveCondition::kEnabled));
   EXPECT_TRUE(master.recover());
@@ -378,7 +377,7 @@ TEST(Bench, drives_on_two_interfaces_at_1_kHz_stop_together_when_one_goes_down) 
     EXPECT_EQ(master.master.counters(bus).unknown, 0U);
     EXPECT_EQ(master.master.counters(bus).malformed, 0U);
   }
-  ASSERT_EQ(std::system("ip link set vcan1 down"), 0);
+  ASSERT_TRUE(master.run_beside("ip link set vcan1 down"));
   EXPECT_TRUE(master.run_until([&] {
     return master.master.status(0).condition == DriveCondition::kStopped &&
            master.master.status(2).condition == DriveCondition::kStopped;
@@ -387,7 +386,7 @@ TEST(Bench, drives_on_two_interfaces_at_1_kHz_stop_together_when_one_goes_down) 
   EXPECT_EQ(master.master.status(3).fault, Error::kBusDown);
   EXPECT_EQ(master.master.status(3).words, "vcan1");
   EXPECT_FALSE(master.master.status(0).fault);
-  ASSERT_EQ(std::system("ip link set vcan1 up"), 0);
+  ASSERT_TRUE(master.run_beside("ip link set vcan1 up"));
   EXPECT_TRUE(master.run_until([&] { return master.read.has_value(); }));
   EXPECT_TRUE(master.recover());
 }
@@ -445,13 +444,7 @@ TEST(Bench, no_frame_of_others_does_lasting_harm) {
       "(for f in 000#0200 000#8100 080# 201#0F00FFFFFF7F 601#2B40600000000000 77F#05 703#00 "
       "181#11 083#1023000000000000 701#7F 12345678#0102 123#R 7FF#0102030405060708; do "
       "cansend vcan0 $f; done; cangen vcan0 -n 400 -g 2 -I r -L r -D r) >/dev/null 2>&1";
-  std::atomic<bool> ended{false};
-  std::thread others([&] {
-    EXPECT_EQ(std::system(frames), 0);
-    ended = true;
-  });
-  EXPECT_TRUE(master.run_until([&] { return ended.load(); }));
-  others.join();
+  EXPECT_TRUE(master.run_beside(frames));
   master.run(50);
   for (std::size_t i = 0; i < master.master.count(); ++i) {
     const hal::DriveStatus status = master.master.status(i);

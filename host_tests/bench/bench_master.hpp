@@ -3,9 +3,12 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <functional>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -67,6 +70,19 @@ class BenchMaster {
   }
   void run(unsigned ticks) {
     for (unsigned i = 0; i < ticks; ++i) tick();
+  }
+  // Ticks while a shell runs `command`, which takes longer than drives wait for a SYNC.
+  testing::AssertionResult run_beside(const std::string& command) {
+    std::atomic<bool> ended{false};
+    int status = 0;
+    std::thread shell([&] {
+      status = std::system(command.c_str());
+      ended = true;
+    });
+    run_until([&] { return ended.load(); });
+    shell.join();
+    if (status == 0) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << "exit status " << status << " of: " << command;
   }
 
   // From power-up to every drive enabled and holding.
