@@ -55,7 +55,10 @@ struct Sensor {
   // 1 sigma along each axis of a point that does not tell its own.
   double point_sigma_m = 0;
 #endif
-  measurement::ReceiverArray receivers;  // of ranges
+  measurement::ReceiverArray receivers;  // of ranges; of lengths that tell points: their anchors
+#ifndef ARMSIG_SMALL_IMAGE
+  FixedVector<double, kMaxReceivers> length_offset_m;  // of lengths: what is added to each
+#endif
   double lowest_air_celsius = 0;
   double highest_air_celsius = 45;
   // Air that warms faster than this between two readings is a broken thermometer.

@@ -32,7 +32,6 @@ Names field_names() { return {"unit", "function", "register", "format", "words"}
 // What is absent keeps the value that it has.
 Read<void> read_field(const YamlMap& map, modbus::Field& field) {
   constexpr int kLargestUnit = 247;
-  constexpr int kLargestRegister = 0xFFFF;
   Settings settings(map);
   settings.integer("unit", 1, kLargestUnit, field.unit)
       .integer("function", 3, 4, field.function)

@@ -304,15 +304,23 @@ Read<void> take_drives(const YamlNode& node, DaemonConfiguration& c) {
   return {};
 }
 
-// A sensor of ranges, an instrument of points, or neither: then signatures come from elsewhere.
+// A sensor of ranges, an instrument of points or of lengths, or none of them: then signatures come
+// from elsewhere.
 Read<void> read_instrument(const YamlMap& root, DaemonConfiguration& c) {
-  const YamlNode* const sensor = root.find("sensor");
-  const YamlNode* const points = root.find("points");
-  if (sensor != nullptr && points != nullptr) {
-    return problem_at(*points, "points beside a sensor", "sensor, points, or neither");
+  constexpr std::array kOfOne{std::pair("sensor", &read_sensor), std::pair("points", &read_points),
+                              std::pair("lengths", &read_lengths)};
+  const char* one = nullptr;
+  for (const auto& [name, read] : kOfOne) {
+    const YamlNode* const node = root.find(name);
+    if (node == nullptr) continue;
+    if (one != nullptr) {
+      return problem_at(*node, fmt::format("{} beside {}", name, one),
+                        "one of sensor, points and lengths, or none");
+    }
+    one = name;
+    if (auto done = read(*node, c); !done) return done;
   }
-  if (sensor != nullptr) return read_sensor(*sensor, c);
-  if (points != nullptr) return read_points(*points, c);
+  if (one != nullptr) return {};
   c.sensor = std::monostate();
   c.controller.sensor.measures = controller::Measures::kNothing;
   return {};
@@ -350,12 +358,12 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
   }
-  std::vector<std::string> known{"armsig", "accept_sent", "name",      "console",
-                                 "store",  "priority",    "black_box", "joints",
-                                 "can",    "sensor",      "motion",    "supervision",
-                                 "dwell",  "points",      "sweeps",    "check",
-                                 "grid",   "coupling",    "workspace", "reporting_console",
-                                 "virtual"};
+  std::vector<std::string> known{"armsig",  "accept_sent", "name",      "console",
+                                 "store",   "priority",    "black_box", "joints",
+                                 "can",     "sensor",      "motion",    "supervision",
+                                 "dwell",   "points",      "sweeps",    "check",
+                                 "grid",    "coupling",    "workspace", "reporting_console",
+                                 "virtual", "lengths"};
   add_names(known, "period", Dimension::kTime);
   tool::add_mounting_keys(known);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));

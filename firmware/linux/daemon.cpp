@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "firmware/controller/controller.hpp"
+#include "firmware/controller/length_points.hpp"
 #include "firmware/linux/attendance.hpp"
 #include "firmware/linux/can_sensor.hpp"
 #include "firmware/linux/check_file.hpp"
@@ -20,8 +21,8 @@
 #include "firmware/linux/self_calibrating.hpp"
 #include "firmware/linux/shut_down.hpp"
 #include "hal/canopen/master.hpp"
-#include "hal/linux/modbus_points.hpp"
-#include "hal/linux/point_server.hpp"
+#include "hal/linux/line_server.hpp"
+#include "hal/linux/register_client.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"
 #include "hal/linux/socket_can.hpp"
 #include "hal/linux/steady_clock.hpp"
@@ -32,7 +33,10 @@ namespace {
 // What measures, however it is connected; nothing of it where nothing does.
 struct SensorBackend {
   std::unique_ptr<linux_hal::PointServer> points;
-  std::unique_ptr<linux_hal::ModbusPoints> registers;
+  std::unique_ptr<linux_hal::ModbusPoints> point_registers;
+  std::unique_ptr<linux_hal::LengthServer> lengths;
+  std::unique_ptr<linux_hal::ModbusLengths> length_registers;
+  std::unique_ptr<controller::LengthPoints> of_lengths;
   std::unique_ptr<linux_hal::RtuRangeSensor> serial;
   std::unique_ptr<CanSensor> can;
 
@@ -40,11 +44,26 @@ struct SensorBackend {
     if (serial) return *serial;
     if (can) return *can;
     if (points) return *points;
-    if (registers) return *registers;
+    if (point_registers) return *point_registers;
+    if (of_lengths) return *of_lengths;
     return {};
   }
 };
 
+// One of points, or one of lengths where `sensor` has anchors.
+template <typename Points, typename Lengths>
+void start_instrument(const auto& configuration, const controller::Sensor& sensor,
+                      std::unique_ptr<Points>& points, std::unique_ptr<Lengths>& lengths,
+                      std::unique_ptr<controller::LengthPoints>& of_lengths) {
+  if (sensor.length_offset_m.empty()) {
+    points = std::make_unique<Points>(configuration);
+    return;
+  }
+  lengths = std::make_unique<Lengths>(configuration);
+  of_lengths = std::make_unique<controller::LengthPoints>(sensor, *lengths);
+}
+
+// `configuration` outlives it.
 Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
   SensorBackend backend;
   if (const auto* node = std::get_if<canopen::RangeNodeConfiguration>(&configuration.sensor)) {
@@ -52,14 +71,15 @@ Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
     return backend;
   }
   if (std::holds_alternative<std::monostate>(configuration.sensor)) return backend;
-  if (const auto* points =
-          std::get_if<linux_hal::PointServerConfiguration>(&configuration.sensor)) {
-    backend.points = std::make_unique<linux_hal::PointServer>(*points);
+  const controller::Sensor& sensor = configuration.controller.sensor;
+  if (const auto* told = std::get_if<linux_hal::LineServerConfiguration>(&configuration.sensor)) {
+    start_instrument(*told, sensor, backend.points, backend.lengths, backend.of_lengths);
     return backend;
   }
-  if (const auto* points =
-          std::get_if<linux_hal::ModbusPointsConfiguration>(&configuration.sensor)) {
-    backend.registers = std::make_unique<linux_hal::ModbusPoints>(*points);
+  if (const auto* asked =
+          std::get_if<linux_hal::RegisterClientConfiguration>(&configuration.sensor)) {
+    start_instrument(*asked, sensor, backend.point_registers, backend.length_registers,
+                     backend.of_lengths);
     return backend;
   }
   auto started = linux_hal::RtuRangeSensor::start(

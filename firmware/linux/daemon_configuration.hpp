@@ -15,8 +15,8 @@
 #include "firmware/formats/problem.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/range_sensor.hpp"
-#include "hal/linux/modbus_points.hpp"
-#include "hal/linux/point_server.hpp"
+#include "hal/linux/line_server.hpp"
+#include "hal/linux/register_client.hpp"
 #include "hal/linux/rtu_range_sensor.hpp"
 
 namespace armsig::daemon {
@@ -30,7 +30,7 @@ struct DaemonConfiguration {
   std::vector<std::string> can_interfaces;  // one or two
   // What measures; std::monostate: nothing does.
   std::variant<linux_hal::RtuRangeSensorConfiguration, canopen::RangeNodeConfiguration,
-               linux_hal::PointServerConfiguration, linux_hal::ModbusPointsConfiguration,
+               linux_hal::LineServerConfiguration, linux_hal::RegisterClientConfiguration,
                std::monostate>
       sensor;
   Vector3 p_nT = Vector3::Zero();  // the target in the frame of the last link, by the drawing

@@ -123,11 +123,14 @@ void tell_surroundings(const DaemonConfiguration& c) {
 }
 
 std::string instrument_in_words(const DaemonConfiguration& c) {
-  if (const auto* points = std::get_if<linux_hal::PointServerConfiguration>(&c.sensor)) {
-    return fmt::format("points at {} port {}", points->address, points->port);
+  const std::size_t anchors = c.controller.sensor.length_offset_m.size();
+  const std::string what =
+      anchors > 0 ? fmt::format("lengths from {} anchors", anchors) : std::string("points");
+  if (const auto* told = std::get_if<linux_hal::LineServerConfiguration>(&c.sensor)) {
+    return fmt::format("{} at {} port {}", what, told->address, told->port);
   }
-  if (const auto* points = std::get_if<linux_hal::ModbusPointsConfiguration>(&c.sensor)) {
-    return fmt::format("points of the Modbus server {} port {}", points->address, points->port);
+  if (const auto* asked = std::get_if<linux_hal::RegisterClientConfiguration>(&c.sensor)) {
+    return fmt::format("{} of the Modbus server {} port {}", what, asked->address, asked->port);
   }
   if (std::holds_alternative<std::monostate>(c.sensor)) return "no sensor";
   return fmt::format(

@@ -56,7 +56,6 @@ void read_line(Settings& settings, linux_hal::RtuRangeSensorConfiguration& senso
 // Where in its registers is what.
 void read_profile(Settings& settings, modbus::Profile& profile) {
   constexpr int kLargestUnit = 247;
-  constexpr int kLargestRegister = 0xFFFF;
   settings.integer("unit", 1, kLargestUnit, profile.unit)
       .integer("function", 3, 4, profile.function)
       .integer("status", 0, kLargestRegister, profile.status)

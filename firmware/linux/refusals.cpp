@@ -57,7 +57,9 @@ const YamlNode& place_of(const controller::ConfigurationRefusal& refusal, const 
   std::string_view section = refusal.setting.substr(0, dot);
   std::string_view name = refusal.setting.substr(dot + 1);
   if (section == "limits") section = "motion";
-  if (section == "sensor" && root.find(section) == nullptr) section = "points";
+  for (const std::string_view other : {"points", "lengths"}) {
+    if (section == "sensor" && root.find(section) == nullptr) section = other;
+  }
   if (name == "taught") name = "corners";
   const YamlNode* found = root.find(section);
   return found == nullptr ? root : value_of(*found, name);

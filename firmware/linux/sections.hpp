@@ -13,8 +13,9 @@ namespace armsig::daemon {
 // `sensor`: its receivers, and the bus that it is on.
 [[nodiscard]] tool::Read<void> read_sensor(const tool::YamlNode& node, DaemonConfiguration& c);
 
-// `points`: the instrument that tells them.
+// `points` or `lengths`: the instrument that tells them.
 [[nodiscard]] tool::Read<void> read_points(const tool::YamlNode& node, DaemonConfiguration& c);
+[[nodiscard]] tool::Read<void> read_lengths(const tool::YamlNode& node, DaemonConfiguration& c);
 
 // `virtual`: where the arm of `armsigd --virtual` stands.
 [[nodiscard]] tool::Read<void> read_virtual(const tool::YamlNode& node, DaemonConfiguration& c);

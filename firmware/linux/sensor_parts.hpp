@@ -15,8 +15,17 @@
 
 namespace armsig::daemon {
 
+inline constexpr int kLargestRegister = 0xFFFF;  // of a Modbus unit
+
 // Where in the frame of the last link `name` is, by the drawing.
 [[nodiscard]] tool::Read<Vector3> read_target(const tool::YamlNode& node, const std::string& name);
+
+// A place in the frame of the sensor or of a link: x, y and z.
+[[nodiscard]] tool::Read<Vector3> read_point(const tool::YamlNode& node, const std::string& name);
+
+// `facing`, where it is there. Refused: places, which `node` tells, that locate no target.
+[[nodiscard]] tool::Read<void> finish_array(const tool::YamlMap& map, const tool::YamlNode& node,
+                                            measurement::ReceiverArray& array);
 
 // `path`: whether what is measured is there and back.
 [[nodiscard]] tool::Read<void> read_path(const tool::YamlMap& map, bool& echo);

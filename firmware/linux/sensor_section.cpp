@@ -29,16 +29,6 @@ using tool::YamlNode;
 
 constexpr double kKelvin = 1;
 
-Read<Vector3> read_point(const YamlNode& node, const std::string& name) {
-  std::vector<std::string> known;
-  for (const char* axis : {"x", "y", "z"}) add_names(known, axis, Dimension::kLength);
-  ARMSIG_TRY(map, YamlMap::open(node, name, known));
-  ARMSIG_TRY(x_m, map.quantity("x", Dimension::kLength));
-  ARMSIG_TRY(y_m, map.quantity("y", Dimension::kLength));
-  ARMSIG_TRY(z_m, map.quantity("z", Dimension::kLength));
-  return Vector3(x_m, y_m, z_m);
-}
-
 Read<void> read_can(const YamlNode& node, DaemonConfiguration& c) {
   std::vector<std::string> known{"node", "path", "interface"};
   for (const char* time : {"reading_period", "silent_after", "stale_after"}) {
@@ -98,10 +88,6 @@ Read<void> read_array(const YamlMap& map, DaemonConfiguration& c) {
       .share("largest_air_step_k", sensor.largest_air_step_kelvin)
       .time("reading_timeout", sensor.reading_timeout);
   if (auto done = settings.done(); !done) return done;
-  if (const YamlNode* facing = map.find("facing")) {
-    ARMSIG_TRY(facing_S, tool::read_vector3(*facing, "facing"));
-    sensor.receivers.facing_S = facing_S;
-  }
   if (const YamlNode* air = map.find("air_c")) {
     ARMSIG_TRY(bounds, tool::read_numbers(*air, "air_c", 2));
     if (!(bounds[0] + kKelvin <= bounds[1])) {
@@ -111,14 +97,33 @@ Read<void> read_array(const YamlMap& map, DaemonConfiguration& c) {
     sensor.lowest_air_celsius = bounds[0];
     sensor.highest_air_celsius = bounds[1];
   }
-  if (const auto array = measurement::check(sensor.receivers); !array) {
-    return problem_at(*node, std::string(describe(array.error())),
-                      "receivers, and where they need it `facing`, that tell where a target is");
-  }
-  return {};
+  return finish_array(map, *node, sensor.receivers);
 }
 
 }  // namespace
+
+Read<Vector3> read_point(const YamlNode& node, const std::string& name) {
+  std::vector<std::string> known;
+  for (const char* axis : {"x", "y", "z"}) add_names(known, axis, Dimension::kLength);
+  ARMSIG_TRY(map, YamlMap::open(node, name, known));
+  ARMSIG_TRY(x_m, map.quantity("x", Dimension::kLength));
+  ARMSIG_TRY(y_m, map.quantity("y", Dimension::kLength));
+  ARMSIG_TRY(z_m, map.quantity("z", Dimension::kLength));
+  return Vector3(x_m, y_m, z_m);
+}
+
+Read<void> finish_array(const YamlMap& map, const YamlNode& node,
+                        measurement::ReceiverArray& array) {
+  if (const YamlNode* facing = map.find("facing")) {
+    ARMSIG_TRY(facing_S, tool::read_vector3(*facing, "facing"));
+    array.facing_S = facing_S;
+  }
+  if (const auto checked = measurement::check(array); !checked) {
+    return problem_at(node, std::string(describe(checked.error())),
+                      "places, and where they need it `facing`, that tell where a target is");
+  }
+  return {};
+}
 
 Read<Vector3> read_target(const YamlNode& node, const std::string& name) {
   ARMSIG_TRY(p_nT, read_point(node, name));

@@ -66,6 +66,7 @@ std::uint32_t crc_of(const Configuration& configuration) {
                          static_cast<double>(sweeps.target)});
   if (configuration.sensor.measures == Measures::kPoints) {
     print.real(configuration.sensor.point_sigma_m);
+    print.reals(configuration.sensor.length_offset_m);
   }
   const measurement::ReceiverArray& receivers = configuration.sensor.receivers;
   for (const Vector3& p_S : receivers.p_S) print.reals(p_S);

@@ -75,6 +75,27 @@ Result<std::optional<hal::PointReading>> VirtualTracker::do_poll(hal::Instant no
       .p_S = sighting.p_S, .covariance_m2 = {}, .at = now, .sequence = ++sequence_};
 }
 
+VirtualWires::VirtualWires(const World& world, VirtualSensor& sensor,
+                           const FixedVector<double, kMaxReceivers>& offsets_m)
+    : world_(world),
+      sensor_(sensor),
+      offsets_m_(offsets_m),
+      wires_(world.sensor, simulated::Random(world.seed)) {}
+
+Result<std::optional<hal::LengthReading>> VirtualWires::do_poll(hal::Instant now) {
+  if (read_at_ && now - *read_at_ < world_.ping_period) return std::nullopt;
+  read_at_ = now;
+  if (sensor_.error()) return std::unexpected(*sensor_.error());
+  wires_.config() = sensor_.field();
+  const simulated::Sounding sounding = wires_.measure(sensor_.target(now));
+  hal::LengthReading reading{.lengths_m = {}, .at = now, .sequence = sounding.sequence};
+  for (std::size_t i = 0; i < offsets_m_.size(); ++i) {
+    reading.lengths_m.push_back(
+        sounding.valid[i] ? std::optional(sounding.range_m[i] - offsets_m_[i]) : std::nullopt);
+  }
+  return reading;
+}
+
 VirtualGravity::VirtualGravity(const World& world, const canopen::CheckedConfiguration& drives,
                                const VirtualSensor& sensor,
                                std::span<std::optional<simulated::Drive>> motors)
@@ -175,14 +196,18 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
   clock_.add(*sensor_);
   gravity_.emplace(world_, drives_, *sensor_, motors_);
   clock_.add(*gravity_);
-  controller_.emplace(configuration, *master_, instrument(configuration.sensor.measures), clock_,
-                      memory, consoles, refinement, checks);
+  controller_.emplace(configuration, *master_, instrument(configuration.sensor), clock_, memory,
+                      consoles, refinement, checks);
 }
 
-controller::Instrument VirtualCabinet::instrument(controller::Measures measures) {
-  if (measures == controller::Measures::kRanges) return *sensor_;
-  if (measures == controller::Measures::kNothing) return {};
+controller::Instrument VirtualCabinet::instrument(const controller::Sensor& sensor) {
+  if (sensor.measures == controller::Measures::kRanges) return *sensor_;
+  if (sensor.measures == controller::Measures::kNothing) return {};
   if (world_.points != nullptr) return *world_.points;
+  if (!sensor.length_offset_m.empty()) {
+    wires_.emplace(world_, *sensor_, sensor.length_offset_m);
+    return of_wires_.emplace(sensor, *wires_);
+  }
   return tracker_.emplace(world_, *sensor_);
 }
 

@@ -9,9 +9,11 @@
 
 #include "firmware/controller/controller.hpp"
 #include "firmware/controller/latest_value.hpp"
+#include "firmware/controller/length_points.hpp"
 #include "firmware/virtual_cabinet/bent_arm.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/master.hpp"
+#include "hal/length_instrument.hpp"
 #include "hal/point_instrument.hpp"
 #include "hal/simulated/arm.hpp"
 #include "hal/simulated/cartesian_sensor.hpp"
@@ -99,6 +101,24 @@ class VirtualTracker final : public hal::PointInstrument {
   std::uint32_t sequence_ = 0;
 };
 
+// Wires from anchors at the places of the receivers to the same target, with the faults of the
+// sensor: what is a reflection there is a wire off its pulley here.
+class VirtualWires final : public hal::LengthInstrument {
+ public:
+  // `offsets_m` are what the controller adds to each length.
+  VirtualWires(const World& world, VirtualSensor& sensor,
+               const FixedVector<double, kMaxReceivers>& offsets_m);
+
+ private:
+  Result<std::optional<hal::LengthReading>> do_poll(hal::Instant now) override;
+
+  const World& world_;
+  VirtualSensor& sensor_;
+  FixedVector<double, kMaxReceivers> offsets_m_;
+  simulated::UltrasonicField wires_;
+  std::optional<hal::Instant> read_at_;
+};
+
 // Gravity, by the pose that the motors have brought the arm into.
 class VirtualGravity final : public simulated::TimeDriven {
  public:
@@ -155,7 +175,7 @@ class VirtualCabinet {
   [[nodiscard]] std::optional<calibration::ArmModel>& bent() { return world_.bent; }
 
  private:
-  [[nodiscard]] controller::Instrument instrument(controller::Measures measures);
+  [[nodiscard]] controller::Instrument instrument(const controller::Sensor& sensor);
 
   World world_;
   canopen::CheckedConfiguration drives_;
@@ -168,6 +188,8 @@ class VirtualCabinet {
   std::optional<canopen::Master> master_;
   std::optional<VirtualSensor> sensor_;
   std::optional<VirtualTracker> tracker_;
+  std::optional<VirtualWires> wires_;
+  std::optional<controller::LengthPoints> of_wires_;
   std::optional<VirtualGravity> gravity_;
   std::optional<controller::Controller> controller_;
   hal::Instant next_;

@@ -13,25 +13,25 @@
 #include <string_view>
 
 #include "core/base/pose.hpp"
+#include "hal/linux/keyed_line.hpp"
+#include "hal/point_instrument.hpp"
 
 namespace armsig::linux_hal {
 
-inline constexpr double kFarthestPoint_mm = 100e3;  // along an axis
 inline constexpr double kLeastPointSigma_mm = 1e-3;
 inline constexpr double kLargestPointSigma_mm = 50;
 
 struct PointLine {
+  using Reading = hal::PointReading;
+
   Vector3 p_S = Vector3::Zero();
   std::optional<Matrix3> covariance_m2;
   std::optional<std::uint32_t> sequence;
-};
 
-// What is wrong with a line: "z_mm" and "is not a number"; nothing of the line itself.
-struct PointLineProblem {
-  std::string_view key;
-  std::string_view what;
+  [[nodiscard]] static std::expected<PointLine, LineProblem> parse(std::string_view line);
+  [[nodiscard]] Reading reading(hal::Instant at, std::uint32_t number) const {
+    return {.p_S = p_S, .covariance_m2 = covariance_m2, .at = at, .sequence = number};
+  }
 };
-
-[[nodiscard]] std::expected<PointLine, PointLineProblem> parse_point_line(std::string_view line);
 
 }  // namespace armsig::linux_hal

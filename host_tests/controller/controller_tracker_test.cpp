@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/linux/point_server.hpp"
+#include "hal/linux/line_server.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/point_client.hpp"
 #include "host_tests/support/sent_signature.hpp"
@@ -91,6 +91,26 @@ TEST(Tracker, that_sends_lines_identifies_and_is_accepted) {
   const auto& active = connected.puma.cabinet->state().active();
   ASSERT_TRUE(active);
   EXPECT_LT(active->accuracy.validated->rms_m, 0.05e-3);
+}
+
+// Four wires from known anchors, as good as a draw-wire encoder is.
+TEST(Wires, identify_and_are_accepted_and_checked) {
+  Configuration c = test::puma_controller();
+  c.sensor.measures = Measures::kPoints;
+  c.sensor.point_sigma_m = c.sensor.receivers.range_sigma_m = 0.1e-3;
+  c.sensor.receivers.p_S.resize(5);
+  c.sensor.length_offset_m = {0.0355, 0, -0.002, 0, 0.4};
+  ASSERT_TRUE(check(c));
+  PumaCabinet puma(1, c);
+  ASSERT_TRUE(test::identify_and_accept(puma)) << puma.console.told.back();
+  const auto& active = puma.cabinet->state().active();
+  ASSERT_TRUE(active);
+  EXPECT_LT(active->accuracy.validated->rms_m, 0.3e-3);
+  EXPECT_TRUE(puma.ask("status").contains(" sensor=well")) << puma.ask("status");
+  ASSERT_EQ(puma.ask("check"), "ok");
+  puma.run_until(Mode::kSweeping, 1);
+  ASSERT_TRUE(puma.run_until(Mode::kHolding, 600));
+  EXPECT_EQ(puma.cabinet->state().check().last()->verdict, CheckVerdict::kAsAccepted);
 }
 
 TEST(Tracker, that_is_disconnected_pauses_and_goes_on_where_another_connects) {

@@ -8,6 +8,7 @@
 #include "hal/canopen/emergency.hpp"
 #include "hal/canopen/range_sensor.hpp"
 #include "hal/canopen/sdo_client.hpp"
+#include "hal/linux/length_line.hpp"
 #include "hal/linux/point_line.hpp"
 #include "hal/modbus/range_sensor.hpp"
 #include "host_tests/fuzz/fuzz.hpp"
@@ -40,16 +41,30 @@ void fuzz_rtu(Bytes bytes) {
 // A point that is taken is a place, and its covariance is one.
 void fuzz_points(Bytes bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const auto point = linux_hal::parse_point_line(text);
+  const auto point = linux_hal::PointLine::parse(text);
   if (!point) {
     FUZZ_CHECK(!point.error().key.empty() && !point.error().what.empty());
     return;
   }
   FUZZ_CHECK(point->p_S.allFinite());
-  FUZZ_CHECK(point->p_S.cwiseAbs().maxCoeff() <= 1e-3 * linux_hal::kFarthestPoint_mm);
+  FUZZ_CHECK(point->p_S.cwiseAbs().maxCoeff() <= 1e-3 * linux_hal::kFarthest_mm);
   if (!point->covariance_m2) return;
   FUZZ_CHECK(point->covariance_m2->allFinite());
   FUZZ_CHECK(point->covariance_m2->diagonal().minCoeff() > 0);
+}
+
+// Lengths that are taken are lengths.
+void fuzz_lengths(Bytes bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto line = linux_hal::LengthLine::parse(text);
+  if (!line) {
+    FUZZ_CHECK(!line.error().key.empty() && !line.error().what.empty());
+    return;
+  }
+  FUZZ_CHECK(!line->lengths_m.empty() && line->lengths_m.size() <= hal::kMaxLengths);
+  for (const auto& length_m : line->lengths_m) {
+    FUZZ_CHECK(!length_m || (*length_m > 0 && *length_m <= 1e-3 * linux_hal::kFarthest_mm));
+  }
 }
 
 // What the tape brings, a piece a poll; its checksum mended now and then, or the fuzzer would never
@@ -246,6 +261,7 @@ void fuzz_can_master(Bytes bytes) {
 
 constexpr std::array kTargets{Target{"rtu", fuzz_rtu},
                               Target{"points", fuzz_points},
+                              Target{"lengths", fuzz_lengths},
                               Target{"modbus_sensor", fuzz_modbus_sensor},
                               Target{"modbus_channels", fuzz_modbus_channels},
                               Target{"can_sensor", fuzz_can_sensor},

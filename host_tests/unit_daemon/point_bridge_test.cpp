@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/linux/point_server.hpp"
+#include "hal/linux/line_server.hpp"
 #include "hal/linux/steady_clock.hpp"
 #include "host_tests/support/temporary.hpp"
 

@@ -22,11 +22,11 @@ std::string with(const std::string& instrument) {
 }
 
 // The key that the reference explains in remarks.
-std::string points_of_reference() {
+std::string of_reference(const std::string& key) {
   std::ifstream file(ARMSIG_REFERENCE);
   std::string points;
   for (std::string line; std::getline(file, line);) {
-    const bool begins = line == "# points:";
+    const bool begins = line == "# " + key + ":";
     if (begins || (!points.empty() && line.starts_with("#   "))) points += line.substr(2) + "\n";
     if (!points.empty() && line.empty()) break;
   }
@@ -46,9 +46,9 @@ void expect_refused(const std::string& instrument, const std::string& words) {
 }
 
 TEST(PointConfiguration, of_the_reference_is_read_whole) {
-  const auto read = parse_configuration(with(points_of_reference()), "cabinet.yaml");
+  const auto read = parse_configuration(with(of_reference("points")), "cabinet.yaml");
   ASSERT_TRUE(read) << tool::render(read.error());
-  const auto* points = std::get_if<linux_hal::PointServerConfiguration>(&read->sensor);
+  const auto* points = std::get_if<linux_hal::LineServerConfiguration>(&read->sensor);
   ASSERT_NE(points, nullptr);
   EXPECT_EQ(points->address, "127.0.0.1");
   EXPECT_EQ(points->port, 7047);
@@ -63,10 +63,10 @@ TEST(PointConfiguration, of_the_reference_is_read_whole) {
 TEST(PointConfiguration, is_only_for_this_computer_by_default) {
   const auto read = parse_configuration(with(kLeast), "cabinet.yaml");
   ASSERT_TRUE(read) << tool::render(read.error());
-  const auto& points = std::get<linux_hal::PointServerConfiguration>(read->sensor);
+  const auto& points = std::get<linux_hal::LineServerConfiguration>(read->sensor);
   EXPECT_TRUE(linux_hal::is_loopback(points.address));
   EXPECT_TRUE(points.client.empty());
-  const linux_hal::PointServerConfiguration defaults;
+  const linux_hal::LineServerConfiguration defaults;
   EXPECT_EQ(points.age, defaults.age);
 }
 
@@ -108,11 +108,12 @@ std::string server_of_reference() {
 TEST(PointConfiguration, of_a_Modbus_server_in_the_reference_is_read_whole) {
   const auto read = parse_configuration(with(kAsked + server_of_reference()), "cabinet.yaml");
   ASSERT_TRUE(read) << tool::render(read.error());
-  const auto* points = std::get_if<linux_hal::ModbusPointsConfiguration>(&read->sensor);
+  const auto* points = std::get_if<linux_hal::RegisterClientConfiguration>(&read->sensor);
   ASSERT_NE(points, nullptr);
   EXPECT_EQ(points->address, "192.168.5.30");
   EXPECT_EQ(points->port, 502);
-  EXPECT_EQ(points->profile.y, 2);
+  ASSERT_EQ(points->profile.registers.size(), 3U);
+  EXPECT_EQ(points->profile.registers[1], 2);
   EXPECT_EQ(points->profile.counter, 6);
   EXPECT_EQ(points->profile.format, modbus::Format::kF32);
   EXPECT_DOUBLE_EQ(points->profile.metres_a_step, 1e-3);
@@ -156,12 +157,79 @@ TEST(PointConfiguration, of_a_Modbus_server_that_cannot_be_is_refused_in_its_pla
                  "millimetres as metres");
 }
 
+TEST(LengthConfiguration, of_the_reference_is_read_whole) {
+  const auto read = parse_configuration(with(of_reference("lengths")), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const auto* lengths = std::get_if<linux_hal::LineServerConfiguration>(&read->sensor);
+  ASSERT_NE(lengths, nullptr);
+  EXPECT_EQ(lengths->port, 7048);
+  const controller::Sensor& sensor = read->controller.sensor;
+  EXPECT_EQ(sensor.measures, controller::Measures::kPoints);
+  ASSERT_EQ(sensor.receivers.p_S.size(), 4U);
+  EXPECT_DOUBLE_EQ(sensor.receivers.p_S[3].z(), 0.3);
+  EXPECT_DOUBLE_EQ(sensor.receivers.range_sigma_m, 1e-4);
+  EXPECT_DOUBLE_EQ(sensor.receivers.facing_S.z(), 1);
+  ASSERT_EQ(sensor.length_offset_m.size(), 4U);
+  EXPECT_DOUBLE_EQ(sensor.length_offset_m[0], 0.0355);
+  EXPECT_DOUBLE_EQ(sensor.length_offset_m[1], 0);
+}
+
+constexpr const char* kWires =
+    "lengths:\n  target: {x_mm: 150, y_mm: 0, z_mm: 50}\n  sigma_mm: 0.1\n  facing: [0, 0, 1]\n";
+constexpr const char* kAnchors =
+    "  anchors: [{x_m: 0, y_m: 0, z_m: 0}, {x_m: 2, y_m: 0, z_m: 0}, {x_m: 0, y_m: 2, z_m: 0}]\n";
+
+TEST(LengthConfiguration, of_a_Modbus_server_is_read_whole) {
+  const std::string text = std::string(kWires) + kAnchors +
+                           "  modbus: {address: 10.0.0.3, registers: [8, 10, 12], "
+                           "metres_a_step: 0.001, update_period_ms: 100}\n";
+  const auto read = parse_configuration(with(text), "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const auto* lengths = std::get_if<linux_hal::RegisterClientConfiguration>(&read->sensor);
+  ASSERT_NE(lengths, nullptr);
+  ASSERT_EQ(lengths->profile.registers.size(), 3U);
+  EXPECT_EQ(lengths->profile.registers[2], 12);
+}
+
+TEST(LengthConfiguration, that_cannot_be_is_refused_in_its_place) {
+  const std::string wires = kWires;
+  const std::string told = wires + "  port: 7048\n";
+  expect_refused(told, "anchors");
+  expect_refused(wires + kAnchors, "port");
+  const auto with_anchors = [&](const std::string& list) {
+    return told + "  anchors: [" + list + "]\n";
+  };
+  const std::string two = "{x_m: 0, y_m: 0, z_m: 0}, {x_m: 2, y_m: 0, z_m: 0}";
+  expect_refused(with_anchors(two), "3 to 8");
+  expect_refused(with_anchors(two + ", {x_m: 4, y_m: 0, z_m: 0}"), "on one line");
+  expect_refused(with_anchors(two + ", {x_m: 0, y_m: 2}"), "z");
+  expect_refused(with_anchors(two + ", {x_m: 0, y_m: 2000, z_m: 0}"), "millimetres as metres");
+  expect_refused(with_anchors(two + ", {x_m: 0, y_m: 2, z_m: 0, offset_m: 300}"),
+                 "millimetres as metres");
+  expect_refused(with_anchors(two + ", {x_m: 0, y_m: 2, z_m: 0, gain: 1}"), "gain");
+  std::string nowhere = told + kAnchors;
+  const std::string facing = "  facing: [0, 0, 1]\n";
+  nowhere.erase(nowhere.find(facing), facing.size());
+  expect_refused(nowhere, "facing");
+  const std::string asked =
+      wires + kAnchors + "  modbus: {address: 10.0.0.3, metres_a_step: 0.001, counter: 6, ";
+  expect_refused(asked + "x: 0, y: 2, z: 4}\n", "x");
+  expect_refused(asked + "registers: [0, 2]}\n", "registers");
+  expect_refused(asked + "registers: [0, 2, 5]}\n", "lengths and counter in registers");
+  expect_refused(asked + "registers: [0, 2, 65536]}\n", "registers");
+}
+
+TEST(LengthConfiguration, beside_points_is_refused) {
+  expect_refused(std::string(kLeast) + kWires + kAnchors + "  port: 7048\n",
+                 "lengths beside points");
+}
+
 TEST(PointConfiguration, beside_a_sensor_is_refused) {
   std::ifstream file(ARMSIG_REFERENCE);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const auto read = parse_configuration(text + "\n" + kLeast, "cabinet.yaml");
   ASSERT_FALSE(read);
-  EXPECT_NE(tool::render(test::failure_of(read)).find("points beside a sensor"), std::string::npos);
+  EXPECT_NE(tool::render(test::failure_of(read)).find("points beside sensor"), std::string::npos);
 }
 
 TEST(PointConfiguration, of_neither_leaves_signatures_to_others) {

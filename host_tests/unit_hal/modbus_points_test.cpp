@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Points in the registers of a Modbus TCP server, over a real connection in a time that the test
 // makes; the server is libmodbus, or a few lines that answer wrongly.
-#include "hal/linux/modbus_points.hpp"
-
 #include <poll.h>
 
 #include <array>
@@ -18,6 +16,7 @@
 #include <modbus.h>
 
 #include "hal/linux/internet_address.hpp"
+#include "hal/linux/register_client.hpp"
 #include "host_tests/support/failure_of.hpp"
 
 namespace armsig::linux_hal {
@@ -51,11 +50,11 @@ class Listener {
   FileDescriptor socket_;
 };
 
-ModbusPointsConfiguration configured(std::uint16_t port) {
-  ModbusPointsConfiguration c;
+RegisterClientConfiguration configured(std::uint16_t port) {
+  RegisterClientConfiguration c;
   c.address = "127.0.0.1";
   c.port = port;
-  c.profile = {.metres_a_step = 1e-3, .x = 0, .y = 2, .z = 4, .counter = 6};
+  c.profile = {.metres_a_step = 1e-3, .registers = {0, 2, 4}, .counter = 6};
   return c;
 }
 
@@ -108,7 +107,7 @@ class Server {
 };
 
 struct Asked {
-  explicit Asked(ModbusPointsConfiguration configuration) : points(configuration) {}
+  explicit Asked(RegisterClientConfiguration configuration) : points(configuration) {}
   Polled poll(int later_ms = 50) {
     now += milliseconds(later_ms);
     return points.poll(now);
@@ -179,7 +178,7 @@ TEST(ModbusPoints, are_as_old_as_the_last_answer_that_had_a_point) {
 
 TEST(ModbusPoints, without_a_counter_are_new_once_a_period) {
   Server server;
-  ModbusPointsConfiguration configuration = configured(server.port());
+  RegisterClientConfiguration configuration = configured(server.port());
   configuration.profile.counter.reset();
   configuration.profile.update_period = milliseconds(200);
   Asked asked(configuration);
@@ -198,8 +197,8 @@ TEST(ModbusPoints, without_a_counter_are_new_once_a_period) {
 
 TEST(ModbusPoints, tell_what_the_server_refuses) {
   Server server;
-  ModbusPointsConfiguration configuration = configured(server.port());
-  configuration.profile.x = 40;
+  RegisterClientConfiguration configuration = configured(server.port());
+  configuration.profile.registers[0] = 40;
   Asked asked(configuration);
   ASSERT_NO_FATAL_FAILURE(asked.begin(server));
   const auto polled = asked.exchange(server);
@@ -213,10 +212,12 @@ TEST(ModbusPoints, tell_registers_that_hold_no_point) {
   Server server;
   Asked asked(configured(server.port()));
   ASSERT_NO_FATAL_FAILURE(asked.begin(server));
-  server.point(std::nanf(""), 2, 3, 1);
-  const auto polled = asked.exchange(server);
-  EXPECT_EQ(test::failure_of(polled), Error::kSensorMalformed);
-  EXPECT_EQ(asked.points.words(Error::kSensorMalformed), "the registers hold no point");
+  for (const float wrong : {std::nanf(""), INFINITY, 100'001.0F, -100'001.0F}) {
+    server.point(1, 2, wrong, 1);
+    const auto polled = asked.exchange(server);
+    EXPECT_EQ(test::failure_of(polled), Error::kSensorMalformed) << wrong;
+    EXPECT_EQ(asked.points.words(Error::kSensorMalformed), "the registers hold no point");
+  }
   server.point(1, 2, 3, 2);
   const auto well = asked.exchange(server);
   EXPECT_TRUE(well && *well) << "nothing ended";
@@ -254,7 +255,7 @@ TEST(ModbusPoints, connect_anew_where_an_answer_does_not_come) {
 
 TEST(ModbusPoints, tell_a_server_that_is_silent_from_one_that_is_gone) {
   Server server;
-  ModbusPointsConfiguration configuration = configured(server.port());
+  RegisterClientConfiguration configuration = configured(server.port());
   configuration.answer_timeout = milliseconds(2000);
   Asked asked(configuration);
   ASSERT_NO_FATAL_FAILURE(asked.begin(server));
@@ -292,6 +293,37 @@ TEST(ModbusPoints, without_a_server_say_why_and_try_again) {
   for (int i = 0; i < 50 && polled; ++i) polled = asked.poll(20);
   EXPECT_EQ(test::failure_of(polled), Error::kSensorPortGone);
   EXPECT_EQ(asked.points.words(Error::kSensorPortGone), "Connection refused");
+}
+
+// One that is no length is not read; the others count.
+TEST(ModbusLengths, are_read_by_one_request) {
+  Server server;
+  ModbusLengths lengths(configured(server.port()));
+  hal::Instant now{milliseconds(10'000)};
+  (void)lengths.poll(now);
+  ASSERT_TRUE(server.accept());
+  const auto exchange = [&] {
+    for (int i = 0; i < 100 && !Asked::is_asking(server); ++i) (void)lengths.poll(now);
+    EXPECT_TRUE(server.answer());
+    now += milliseconds(51);
+    auto polled = lengths.poll(now);
+    for (int i = 0; i < 1000 && polled && !*polled; ++i) {
+      std::this_thread::yield();
+      polled = lengths.poll(now);
+    }
+    return polled;
+  };
+  server.point(812.5F, std::nanf(""), 455, 8);
+  const auto polled = exchange();
+  ASSERT_TRUE(polled && *polled);
+  ASSERT_EQ((*polled)->lengths_m.size(), 3U);
+  EXPECT_EQ((*polled)->lengths_m[0], 0.8125);
+  EXPECT_FALSE((*polled)->lengths_m[1]);
+  EXPECT_EQ((*polled)->lengths_m[2], 0.455);
+  EXPECT_EQ((*polled)->sequence, 8U);
+  server.point(0, -1, 100'001.0F, 9);
+  EXPECT_EQ(test::failure_of(exchange()), Error::kSensorMalformed);
+  EXPECT_EQ(lengths.words(Error::kSensorMalformed), "the registers hold no length");
 }
 
 }  // namespace

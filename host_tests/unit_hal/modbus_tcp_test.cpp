@@ -3,12 +3,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "hal/modbus/point_registers.hpp"
+#include "hal/modbus/number_registers.hpp"
 #include "hal/modbus/tcp.hpp"
 #include "host_tests/support/failure_of.hpp"
 
@@ -79,7 +78,7 @@ TEST(ModbusTcp, names_what_an_answer_lacks) {
             Error::kSensorMalformed);
 }
 
-PointProfile floats() { return {.metres_a_step = 1e-3, .x = 10, .y = 12, .z = 14, .counter = 16}; }
+NumberProfile floats() { return {.metres_a_step = 1e-3, .registers = {10, 12, 14}, .counter = 16}; }
 
 void put(std::vector<std::uint16_t>& registers, std::size_t at, float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
@@ -87,8 +86,8 @@ void put(std::vector<std::uint16_t>& registers, std::size_t at, float value) {
   registers[at + 1] = static_cast<std::uint16_t>(bits);
 }
 
-TEST(PointRegisters, are_read_by_one_request) {
-  PointProfile profile = floats();
+TEST(NumberRegisters, are_read_by_one_request) {
+  NumberProfile profile = floats();
   const auto request = request_of(profile);
   ASSERT_TRUE(request);
   EXPECT_EQ(request->registers.first, 10);
@@ -98,21 +97,23 @@ TEST(PointRegisters, are_read_by_one_request) {
   EXPECT_EQ(request_of(profile)->registers.count, 13);
 }
 
-TEST(PointRegisters, hold_millimetres_in_floats_and_their_number) {
-  const PointProfile profile = floats();
+TEST(NumberRegisters, hold_millimetres_in_floats_and_their_number) {
+  const NumberProfile profile = floats();
   std::vector<std::uint16_t> registers(7);
   put(registers, 0, 812.5F);
   put(registers, 2, -31.25F);
   put(registers, 4, 455.0F);
   registers[6] = 65535;
-  const auto point = point_in(profile, *request_of(profile), registers, 100);
-  ASSERT_TRUE(point);
-  EXPECT_EQ(point->p_S, Vector3(0.8125, -0.03125, 0.455));
-  EXPECT_EQ(point->sequence, 65535U);
+  const auto numbers = numbers_in(profile, *request_of(profile), registers);
+  ASSERT_EQ(numbers.metres.size(), 3U);
+  EXPECT_DOUBLE_EQ(numbers.metres[0], 0.8125);
+  EXPECT_DOUBLE_EQ(numbers.metres[1], -0.03125);
+  EXPECT_DOUBLE_EQ(numbers.metres[2], 0.455);
+  EXPECT_EQ(numbers.sequence, 65535U);
 }
 
-TEST(PointRegisters, hold_micrometres_in_integers_low_word_first) {
-  PointProfile profile = floats();
+TEST(NumberRegisters, hold_micrometres_in_integers_low_word_first) {
+  NumberProfile profile = floats();
   profile.format = Format::kI32;
   profile.high_word_first = false;
   profile.metres_a_step = 1e-6;
@@ -120,45 +121,35 @@ TEST(PointRegisters, hold_micrometres_in_integers_low_word_first) {
   profile.update_period = std::chrono::milliseconds(100);
   // 812,500; -31,250; 455,000.
   const std::vector<std::uint16_t> registers{0x65D4, 0x000C, 0x85EE, 0xFFFF, 0xF158, 0x0006};
-  const auto point = point_in(profile, *request_of(profile), registers, 100);
-  ASSERT_TRUE(point);
-  EXPECT_LT((point->p_S - Vector3(0.8125, -0.03125, 0.455)).norm(), 1e-12);
-  EXPECT_FALSE(point->sequence);
+  const auto numbers = numbers_in(profile, *request_of(profile), registers);
+  ASSERT_EQ(numbers.metres.size(), 3U);
+  EXPECT_NEAR(numbers.metres[0], 0.8125, 1e-12);
+  EXPECT_NEAR(numbers.metres[1], -0.03125, 1e-12);
+  EXPECT_NEAR(numbers.metres[2], 0.455, 1e-12);
+  EXPECT_FALSE(numbers.sequence);
 }
 
-TEST(PointRegisters, hold_no_point_where_a_coordinate_is_no_number_or_far_away) {
-  const PointProfile profile = floats();
-  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(),
-                            std::numeric_limits<float>::infinity(), 100'001.0F, -100'001.0F}) {
-    for (const std::size_t at : {0U, 2U, 4U}) {
-      std::vector<std::uint16_t> registers(7);
-      put(registers, at, wrong);
-      EXPECT_EQ(test::failure_of(point_in(profile, *request_of(profile), registers, 100)),
-                Error::kSensorMalformed);
-    }
-  }
-}
-
-TEST(PointRegisters, are_refused_where_they_cannot_be) {
-  const auto refused = [](void (*change)(PointProfile&)) {
-    PointProfile profile = floats();
+TEST(NumberRegisters, are_refused_where_they_cannot_be) {
+  const auto refused = [](void (*change)(NumberProfile&)) {
+    NumberProfile profile = floats();
     change(profile);
     const auto request = request_of(profile);
     return !request && test::failure_of(request) == Error::kProfileInvalid;
   };
-  EXPECT_FALSE(refused([](PointProfile&) {}));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.unit = 0; }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.unit = 248; }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.function = 5; }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.y = 11; }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.counter = 15; }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.z = 65535; }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.z = 10 + 124; }));
-  EXPECT_FALSE(refused([](PointProfile& p) { p.z = 10 + 123; }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.metres_a_step = 0; }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.metres_a_step = std::nan(""); }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.counter.reset(); }));
-  EXPECT_TRUE(refused([](PointProfile& p) { p.update_period = std::chrono::milliseconds(1); }));
+  EXPECT_FALSE(refused([](NumberProfile&) {}));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.registers.clear(); }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.unit = 0; }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.unit = 248; }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.function = 5; }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.registers[1] = 11; }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.counter = 15; }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.registers[2] = 65535; }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.registers[2] = 10 + 124; }));
+  EXPECT_FALSE(refused([](NumberProfile& p) { p.registers[2] = 10 + 123; }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.metres_a_step = 0; }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.metres_a_step = std::nan(""); }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.counter.reset(); }));
+  EXPECT_TRUE(refused([](NumberProfile& p) { p.update_period = std::chrono::milliseconds(1); }));
 }
 
 }  // namespace

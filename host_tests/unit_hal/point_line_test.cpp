@@ -10,13 +10,13 @@ namespace armsig::linux_hal {
 namespace {
 
 std::string refusal(std::string_view line) {
-  const auto point = parse_point_line(line);
+  const auto point = PointLine::parse(line);
   if (point) return "taken";
   return std::string(point.error().key) + " " + std::string(point.error().what);
 }
 
 TEST(PointLine, tells_a_place_in_millimetres) {
-  const auto point = parse_point_line("point x_mm=812.5 y_mm=-31 z_mm=4.55e2");
+  const auto point = PointLine::parse("point x_mm=812.5 y_mm=-31 z_mm=4.55e2");
   ASSERT_TRUE(point);
   EXPECT_DOUBLE_EQ(point->p_S.x(), 0.8125);
   EXPECT_DOUBLE_EQ(point->p_S.y(), -0.031);
@@ -26,7 +26,7 @@ TEST(PointLine, tells_a_place_in_millimetres) {
 }
 
 TEST(PointLine, tells_its_sigma_and_its_number_in_any_order) {
-  const auto point = parse_point_line("point seq=4294967295 sigma_mm=0.02  z_mm=3 y_mm=2 x_mm=1 ");
+  const auto point = PointLine::parse("point seq=4294967295 sigma_mm=0.02  z_mm=3 y_mm=2 x_mm=1 ");
   ASSERT_TRUE(point);
   ASSERT_TRUE(point->covariance_m2);
   EXPECT_NEAR((*point->covariance_m2)(1, 1), 4e-10, 1e-22);
@@ -35,7 +35,7 @@ TEST(PointLine, tells_its_sigma_and_its_number_in_any_order) {
 }
 
 TEST(PointLine, tells_a_whole_covariance) {
-  const auto point = parse_point_line(
+  const auto point = PointLine::parse(
       "point x_mm=1 y_mm=2 z_mm=3 cxx_mm2=0.04 cxy_mm2=0.01 cxz_mm2=0 cyy_mm2=0.09 cyz_mm2=-0.02 "
       "czz_mm2=0.16");
   ASSERT_TRUE(point);

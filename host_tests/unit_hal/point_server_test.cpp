@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Points over a real TCP connection, in a time that the test makes: which are handed out, how old
 // they can be, and what becomes of connections and lines that are none.
-#include "hal/linux/point_server.hpp"
-
 #include <chrono>
 #include <memory>
 #include <string>
@@ -10,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/linux/line_server.hpp"
 #include "host_tests/support/failure_of.hpp"
 #include "host_tests/support/point_client.hpp"
 
@@ -186,7 +185,7 @@ TEST(PointServer, tells_silence_from_nobody_being_there) {
 }
 
 TEST(PointServer, hears_only_the_client_that_the_configuration_names) {
-  PointServerConfiguration configuration;
+  LineServerConfiguration configuration;
   configuration.client = "192.0.2.7";
   PointServer server(configuration);
   hal::Instant now{milliseconds(1000)};
@@ -198,12 +197,12 @@ TEST(PointServer, hears_only_the_client_that_the_configuration_names) {
 }
 
 TEST(PointServer, that_cannot_listen_says_why_and_tries_again) {
-  auto first = std::make_unique<PointServer>(PointServerConfiguration{});
+  auto first = std::make_unique<PointServer>(LineServerConfiguration{});
   hal::Instant now{milliseconds(1000)};
   (void)first->poll(now);
   const std::uint16_t port = first->port();
   ASSERT_NE(port, 0);
-  PointServerConfiguration same;
+  LineServerConfiguration same;
   same.port = port;
   PointServer second(same);
   (void)second.poll(now);
@@ -223,6 +222,27 @@ TEST(PointServer, compares_addresses_by_what_they_are) {
   EXPECT_EQ(canonical_address("192.168.5"), "");
   EXPECT_TRUE(is_loopback("127.0.0.1"));
   EXPECT_FALSE(is_loopback("0.0.0.0"));
+}
+
+TEST(LengthServer, hands_out_lengths_and_says_what_is_wrong_with_a_line) {
+  LengthServer server{{}};
+  hal::Instant now{milliseconds(1000)};
+  (void)server.poll(now);
+  const PointClient client(server.port());
+  now += milliseconds(10);
+  (void)server.poll(now);
+  ASSERT_TRUE(client.say("lengths l1_mm=812.5 l3_mm=955 seq=3\npoint x_mm=1 y_mm=2 z_mm=3\n"));
+  const hal::Instant looked_at = now;
+  now += milliseconds(10);
+  const auto polled = server.poll(now);
+  ASSERT_TRUE(polled && *polled);
+  ASSERT_EQ((*polled)->lengths_m.size(), 3U);
+  EXPECT_EQ((*polled)->lengths_m[0], 0.8125);
+  EXPECT_FALSE((*polled)->lengths_m[1]);
+  EXPECT_EQ((*polled)->sequence, 3U);
+  EXPECT_EQ((*polled)->at, looked_at - milliseconds(100));
+  EXPECT_EQ(server.malformed(), 1U);
+  EXPECT_EQ(client.heard(), "error why=\"line 2: the line does not begin with lengths\"\n");
 }
 
 }  // namespace

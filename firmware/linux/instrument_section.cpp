@@ -43,22 +43,37 @@ Read<void> read_address(const YamlMap& map, std::string_view key, std::string& a
                     "an IPv4 or IPv6 address in numbers, such as 192.168.5.10");
 }
 
-Read<void> read_connection(const YamlMap& map, linux_hal::PointServerConfiguration& points) {
+Read<void> read_connection(const YamlMap& map, linux_hal::LineServerConfiguration& points) {
   ARMSIG_TRY(port, map.integer("port", kLeastPort, kLargestPort));
   points.port = static_cast<std::uint16_t>(port);
   if (auto read = read_address(map, "address", points.address); !read) return read;
   return read_address(map, "client", points.client);
 }
 
-// The registers of an instrument that is a Modbus TCP server.
-Read<void> read_registers(const YamlMap& map, modbus::PointProfile& profile) {
-  constexpr int kLargestRegister = 0xFFFF;
+// `registers`: one for each of `anchors` lengths.
+Read<void> read_length_registers(const YamlMap& map, std::size_t anchors,
+                                 modbus::NumberProfile& profile) {
+  ARMSIG_TRY(node, map.require("registers"));
+  ARMSIG_TRY(list, tool::read_list(*node, "registers", anchors, anchors));
+  for (const YamlNode& item : *list) {
+    ARMSIG_TRY(first, tool::read_integer(item, "registers", 0, kLargestRegister));
+    profile.registers.push_back(static_cast<std::uint16_t>(first));
+  }
+  return {};
+}
+
+// The registers of an instrument that is a Modbus TCP server: of x, y and z, or of the lengths from
+// so many anchors.
+Read<void> read_registers(const YamlMap& map, std::size_t anchors, modbus::NumberProfile& profile) {
   if (auto format = read_format(map, profile.format); !format) return format;
   if (auto words = read_word_order(map, profile.high_word_first); !words) return words;
-  for (const auto& [key, number] :
-       {std::pair("x", &profile.x), std::pair("y", &profile.y), std::pair("z", &profile.z)}) {
-    ARMSIG_TRY(first, map.integer(key, 0, kLargestRegister));
-    *number = static_cast<std::uint16_t>(first);
+  if (anchors > 0) {
+    if (auto read = read_length_registers(map, anchors, profile); !read) return read;
+  } else {
+    for (const char* key : {"x", "y", "z"}) {
+      ARMSIG_TRY(first, map.integer(key, 0, kLargestRegister));
+      profile.registers.push_back(static_cast<std::uint16_t>(first));
+    }
   }
   if (map.find("counter") != nullptr) {
     ARMSIG_TRY(counter, map.integer("counter", 0, kLargestRegister));
@@ -80,9 +95,9 @@ Read<void> read_registers(const YamlMap& map, modbus::PointProfile& profile) {
   return settings.done();
 }
 
-// How often it is asked, and when it counts as silent. `server`: what `modbus` of `points` has.
+// How often it is asked, and when it counts as silent. `server`: what `modbus` has.
 Read<void> read_times(const YamlMap& map, const YamlMap& server, const controller::Sensor& sensor,
-                      linux_hal::ModbusPointsConfiguration& points) {
+                      linux_hal::RegisterClientConfiguration& points) {
   const bool counts = points.profile.counter.has_value();
   if (auto stale = refuse_stale(map, counts); !stale) return stale;
   Settings of_server(server);
@@ -105,11 +120,17 @@ Read<void> read_times(const YamlMap& map, const YamlMap& server, const controlle
   return of_server.done();
 }
 
-// `modbus` of `points`, which has the other keys in `whole`.
+// `modbus` of an instrument, which has the other keys in `whole`.
 Read<void> read_server(const YamlNode& node, const YamlMap& whole, const controller::Sensor& sensor,
-                       linux_hal::ModbusPointsConfiguration& points) {
-  std::vector<std::string> known{"address", "port", "unit", "function", "format",       "words",
-                                 "x",       "y",    "z",    "counter",  "metres_a_step"};
+                       linux_hal::RegisterClientConfiguration& points) {
+  const std::size_t anchors = sensor.receivers.p_S.size();
+  std::vector<std::string> known{"address", "port",  "unit",    "function",
+                                 "format",  "words", "counter", "metres_a_step"};
+  if (anchors > 0) {
+    known.emplace_back("registers");
+  } else {
+    known.insert(known.end(), {"x", "y", "z"});
+  }
   for (const char* time : {"update_period", "poll_period", "answer_timeout"}) {
     add_names(known, time, Dimension::kTime);
   }
@@ -117,21 +138,21 @@ Read<void> read_server(const YamlNode& node, const YamlMap& whole, const control
   ARMSIG_TRY(address, map.require("address"));
   (void)address;
   if (auto read = read_address(map, "address", points.address); !read) return read;
-  if (auto read = read_registers(map, points.profile); !read) return read;
+  if (auto read = read_registers(map, anchors, points.profile); !read) return read;
   Settings settings(map);
   settings.integer("port", 1, kLargestPort, points.port);
   if (auto done = settings.done(); !done) return done;
   if (const auto request = modbus::request_of(points.profile); !request) {
     return problem_at(
         map.node(), std::string(describe(request.error())),
-        fmt::format("x, y, z and counter in registers of their own, at most {} from the "
-                    "first to the last",
-                    modbus::kMaxRegisters));
+        fmt::format("{} and counter in registers of their own, at most {} from the first to the "
+                    "last",
+                    anchors > 0 ? "lengths" : "x, y, z", modbus::kMaxRegisters));
   }
   return read_times(whole, map, sensor, points);
 }
 
-// How old a point may be, and when it is missed; of either kind.
+// How old a reading may be, and when it is missed; of either kind.
 Read<void> read_age(const YamlMap& map, controller::Sensor& sensor, hal::Duration& age) {
   Settings settings(map);
   settings.time("age", age)
@@ -151,15 +172,75 @@ Read<void> refuse_connection(const YamlMap& map) {
   return {};
 }
 
-}  // namespace
+// Where a length is measured from, and what is added to it.
+Read<void> read_anchor(const YamlNode& item, controller::Sensor& sensor) {
+  const std::string name = fmt::format("anchor {}", sensor.receivers.p_S.size() + 1);
+  std::vector<std::string> known;
+  for (const char* key : {"x", "y", "z", "offset"}) add_names(known, key, Dimension::kLength);
+  ARMSIG_TRY(map, YamlMap::open(item, name, known));
+  Vector3 p_S;
+  double offset_m = 0;
+  Settings settings(map);
+  Eigen::Index axis = 0;
+  for (const char* key : {"x", "y", "z"}) {
+    ARMSIG_TRY(value_m, map.quantity(key, Dimension::kLength));
+    p_S[axis++] = value_m;
+    settings.bound(key, Dimension::kLength, value_m, plausible::kAnchor);
+  }
+  settings.quantity("offset", Dimension::kLength, offset_m, false)
+      .bound("offset", Dimension::kLength, offset_m, plausible::kAnchor);
+  if (auto done = settings.done(); !done) return done;
+  sensor.receivers.p_S.push_back(p_S);
+  sensor.length_offset_m.push_back(offset_m);
+  return {};
+}
 
-Read<void> read_points(const YamlNode& node, DaemonConfiguration& c) {
-  std::vector<std::string> known{"target", "port", "address", "client", "modbus"};
+Read<void> read_anchors(const YamlMap& map, controller::Sensor& sensor) {
+  ARMSIG_TRY(node, map.require("anchors"));
+  ARMSIG_TRY(list, tool::read_list(*node, "anchors", 3, hal::kMaxLengths));
+  for (const YamlNode& item : *list) {
+    if (auto read = read_anchor(item, sensor); !read) return read;
+  }
+  sensor.receivers.range_sigma_m = sensor.point_sigma_m;
+  return finish_array(map, *node, sensor.receivers);
+}
+
+// Whether armsigd asks the instrument, or is connected to.
+Read<void> read_link(const YamlMap& map, DaemonConfiguration& c) {
+  controller::Sensor& sensor = c.controller.sensor;
+  if (const YamlNode* const server = map.find("modbus")) {
+    if (auto alone = refuse_connection(map); !alone) return alone;
+    linux_hal::RegisterClientConfiguration asked;
+    if (auto read = read_age(map, sensor, asked.age); !read) return read;
+    if (auto read = read_server(*server, map, sensor, asked); !read) return read;
+    c.sensor = asked;
+    return {};
+  }
+  linux_hal::LineServerConfiguration told;
+  if (auto read = read_connection(map, told); !read) return read;
+  if (auto read = read_age(map, sensor, told.age); !read) return read;
+  Settings settings(map);
+  settings.time("silent_after", told.freshness.silent_after)
+      .time("stale_after", told.freshness.stale_after);
+  if (auto done = settings.done(); !done) return done;
+  c.sensor = told;
+  return {};
+}
+
+Read<YamlMap> open_instrument(const YamlNode& node, const char* name,
+                              std::vector<std::string> known) {
+  for (const char* key : {"target", "port", "address", "client", "modbus"}) {
+    known.emplace_back(key);
+  }
   add_names(known, "sigma", Dimension::kLength);
   for (const char* time : {"age", "reading_timeout", "silent_after", "stale_after"}) {
     add_names(known, time, Dimension::kTime);
   }
-  ARMSIG_TRY(map, YamlMap::open(node, "points", known));
+  return YamlMap::open(node, name, known);
+}
+
+// What is measured, and how well.
+Read<void> read_target_and_sigma(const YamlMap& map, DaemonConfiguration& c) {
   ARMSIG_TRY(target, map.require("target"));
   ARMSIG_TRY(p_nT, read_target(*target, "the target"));
   c.p_nT = p_nT;
@@ -170,23 +251,22 @@ Read<void> read_points(const YamlNode& node, DaemonConfiguration& c) {
   Settings settings(map);
   settings.quantity("sigma", Dimension::kLength, sensor.point_sigma_m)
       .bound("sigma", Dimension::kLength, sensor.point_sigma_m, kInstrumentSigma);
-  if (auto done = settings.done(); !done) return done;
-  if (const YamlNode* const server = map.find("modbus")) {
-    if (auto alone = refuse_connection(map); !alone) return alone;
-    linux_hal::ModbusPointsConfiguration points;
-    if (auto read = read_age(map, sensor, points.age); !read) return read;
-    if (auto read = read_server(*server, map, sensor, points); !read) return read;
-    c.sensor = points;
-    return {};
-  }
-  linux_hal::PointServerConfiguration points;
-  if (auto read = read_connection(map, points); !read) return read;
-  if (auto read = read_age(map, sensor, points.age); !read) return read;
-  settings.time("silent_after", points.freshness.silent_after)
-      .time("stale_after", points.freshness.stale_after);
-  if (auto done = settings.done(); !done) return done;
-  c.sensor = points;
-  return {};
+  return settings.done();
+}
+
+}  // namespace
+
+Read<void> read_points(const YamlNode& node, DaemonConfiguration& c) {
+  ARMSIG_TRY(map, open_instrument(node, "points", {}));
+  if (auto read = read_target_and_sigma(map, c); !read) return read;
+  return read_link(map, c);
+}
+
+Read<void> read_lengths(const YamlNode& node, DaemonConfiguration& c) {
+  ARMSIG_TRY(map, open_instrument(node, "lengths", {"anchors", "facing"}));
+  if (auto read = read_target_and_sigma(map, c); !read) return read;
+  if (auto read = read_anchors(map, c.controller.sensor); !read) return read;
+  return read_link(map, c);
 }
 
 }  // namespace armsig::daemon

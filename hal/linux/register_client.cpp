@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
-#include "hal/linux/modbus_points.hpp"
+#include "hal/linux/register_client.hpp"
 
 #include <netinet/tcp.h>
 #include <poll.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "core/base/check.hpp"
 #include "hal/linux/internet_address.hpp"
+#include "hal/linux/keyed_line.hpp"
 
 namespace armsig::linux_hal {
 namespace {
@@ -18,16 +20,37 @@ namespace {
 // A server that is there takes a connection at once, another one never.
 constexpr hal::Duration kConnectTimeout = std::chrono::seconds(1);
 
+// What numbers of registers are; what they are not, in words, or nothing.
+std::string_view take(std::span<const double> metres, hal::PointReading& point) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(std::abs(metres[axis]) <= kFarthest_mm / 1e3)) return "the registers hold no point";
+    point.p_S[static_cast<Eigen::Index>(axis)] = metres[axis];
+  }
+  return {};
+}
+
+std::string_view take(std::span<const double> metres, hal::LengthReading& reading) {
+  bool any = false;
+  for (const double length_m : metres) {
+    const bool is_one = length_m > 0 && length_m <= kFarthest_mm / 1e3;
+    reading.lengths_m.push_back(is_one ? std::optional(length_m) : std::nullopt);
+    any = any || is_one;
+  }
+  return any ? "" : "the registers hold no length";
+}
+
 }  // namespace
 
-ModbusPoints::ModbusPoints(const ModbusPointsConfiguration& configuration)
+template <typename Reading>
+RegisterClient<Reading>::RegisterClient(const RegisterClientConfiguration& configuration)
     : configuration_(configuration), freshness_(configuration.freshness) {
   const auto request = modbus::request_of(configuration.profile);
   ARMSIG_CHECK(request && address_of(configuration.address, configuration.port));
   request_ = *request;
 }
 
-void ModbusPoints::connect(hal::Instant now) {
+template <typename Reading>
+void RegisterClient<Reading>::connect(hal::Instant now) {
   if (socket_.valid() || !reconnect_.due(now)) return;
   const auto address = address_of(configuration_.address, configuration_.port);
   FileDescriptor socket(
@@ -49,7 +72,8 @@ void ModbusPoints::connect(hal::Instant now) {
   ask_at_ = now;
 }
 
-bool ModbusPoints::is_connected(hal::Instant now) {
+template <typename Reading>
+bool RegisterClient<Reading>::is_connected(hal::Instant now) {
   if (!socket_.valid()) return false;
   if (!connecting_) return true;
   pollfd waits{.fd = socket_.get(), .events = POLLOUT, .revents = 0};
@@ -69,7 +93,8 @@ bool ModbusPoints::is_connected(hal::Instant now) {
   return true;
 }
 
-void ModbusPoints::drop(hal::Instant now, int reason) {
+template <typename Reading>
+void RegisterClient<Reading>::drop(hal::Instant now, int reason) {
   socket_.reset();
   connecting_ = false;
   errno_ = reason;
@@ -77,7 +102,8 @@ void ModbusPoints::drop(hal::Instant now, int reason) {
 }
 
 // Nothing is sent before the answer to what was sent has come, or has not come in time.
-void ModbusPoints::ask(hal::Instant now) {
+template <typename Reading>
+void RegisterClient<Reading>::ask(hal::Instant now) {
   if (asked_at_) {
     if (now - *asked_at_ > configuration_.answer_timeout) drop(now, ETIMEDOUT);
     return;
@@ -94,7 +120,8 @@ void ModbusPoints::ask(hal::Instant now) {
   ask_at_ = now + configuration_.poll_period;
 }
 
-ModbusPoints::Polled ModbusPoints::receive(hal::Instant now) {
+template <typename Reading>
+RegisterClient<Reading>::Polled RegisterClient<Reading>::receive(hal::Instant now) {
   std::array<std::uint8_t, modbus::kMostTcpBytes> bytes{};
   for (;;) {  // a byte of one answer at least each time
     const auto whole = modbus::tcp_answer_bytes({answer_.data(), answer_.size()});
@@ -119,8 +146,9 @@ ModbusPoints::Polled ModbusPoints::receive(hal::Instant now) {
 }
 
 // One that nobody waits for any more is passed over.
-ModbusPoints::Polled ModbusPoints::take_answer(std::span<const std::uint8_t> answer,
-                                               hal::Instant now) {
+template <typename Reading>
+RegisterClient<Reading>::Polled RegisterClient<Reading>::take_answer(
+    std::span<const std::uint8_t> answer, hal::Instant now) {
   if (!asked_at_ || modbus::tcp_transaction(answer) != transaction_) return std::nullopt;
   reconnect_.succeed();
   const hal::Instant asked_at = *std::exchange(asked_at_, std::nullopt);
@@ -130,36 +158,40 @@ ModbusPoints::Polled ModbusPoints::take_answer(std::span<const std::uint8_t> ans
     const bool says_why = failure.error == Error::kSensorException;
     return refuse(failure.error, says_why ? modbus::describe_exception(failure.exception) : "");
   }
-  const auto point =
-      modbus::point_in(configuration_.profile, request_, {registers->data(), registers->size()},
-                       kFarthestPoint_mm / 1e3);
-  if (!point) return refuse(point.error(), "the registers hold no point");
-  return take_point(*point, asked_at, now);
+  return take_numbers(
+      modbus::numbers_in(configuration_.profile, request_, {registers->data(), registers->size()}),
+      asked_at, now);
 }
 
 // A counter that is not as it was read last has changed since that was asked for. Without one the
-// registers may have held the point for a period.
-std::optional<hal::PointReading> ModbusPoints::take_point(const modbus::RegisterPoint& point,
-                                                          hal::Instant asked_at, hal::Instant now) {
+// registers may have held the reading for a period.
+template <typename Reading>
+RegisterClient<Reading>::Polled RegisterClient<Reading>::take_numbers(
+    const modbus::RegisterNumbers& numbers, hal::Instant asked_at, hal::Instant now) {
+  Reading reading;
+  if (const std::string_view why = take({numbers.metres.data(), numbers.metres.size()}, reading);
+      !why.empty()) {
+    return refuse(Error::kSensorMalformed, why);
+  }
   const hal::Duration period = configuration_.profile.update_period;
-  const hal::Instant asked_before = std::exchange(point_asked_at_, asked_at);
-  if (!point.sequence) ask_at_ = std::max(ask_at_, asked_at + period);
-  const std::uint32_t sequence = point.sequence ? *point.sequence : unnumbered_++;
-  if (!freshness_.take(sequence, now)) return std::nullopt;
-  return hal::PointReading{
-      .p_S = point.p_S,
-      .covariance_m2 = {},
-      .at = (point.sequence ? asked_before : asked_at - period) - configuration_.age,
-      .sequence = sequence};
+  const hal::Instant asked_before = std::exchange(used_asked_at_, asked_at);
+  if (!numbers.sequence) ask_at_ = std::max(ask_at_, asked_at + period);
+  reading.sequence = numbers.sequence ? *numbers.sequence : unnumbered_++;
+  if (!freshness_.take(reading.sequence, now)) return std::nullopt;
+  reading.at = (numbers.sequence ? asked_before : asked_at - period) - configuration_.age;
+  return reading;
 }
 
-ModbusPoints::Polled ModbusPoints::refuse(Error error, std::string_view words) {
+template <typename Reading>
+RegisterClient<Reading>::Polled RegisterClient<Reading>::refuse(Error error,
+                                                                std::string_view words) {
   ++malformed_;
   refused_words_ = words;
   return std::unexpected(error);
 }
 
-ModbusPoints::Polled ModbusPoints::do_poll(hal::Instant now) {
+template <typename Reading>
+RegisterClient<Reading>::Polled RegisterClient<Reading>::do_poll(hal::Instant now) {
   connect(now);
   if (is_connected(now)) {
     auto received = receive(now);
@@ -172,11 +204,15 @@ ModbusPoints::Polled ModbusPoints::do_poll(hal::Instant now) {
   return std::nullopt;
 }
 
-std::string_view ModbusPoints::do_words(Error error) const {
+template <typename Reading>
+std::string_view RegisterClient<Reading>::do_words(Error error) const {
   if (error == Error::kSensorMalformed || error == Error::kSensorException) return refused_words_;
   if (error != Error::kSensorPortGone || errno_ == 0) return {};
   const char* const words = ::strerrordesc_np(errno_);
   return words == nullptr ? std::string_view() : words;
 }
+
+template class RegisterClient<hal::PointReading>;
+template class RegisterClient<hal::LengthReading>;
 
 }  // namespace armsig::linux_hal

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "hal/linux/point_server.hpp"
+#include "hal/linux/line_server.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -10,7 +10,7 @@ namespace armsig::linux_hal {
 namespace {
 
 constexpr int kMostWaiting = 8;
-// In one call; an instrument that sends more has its points counted as old.
+// In one call; an instrument that sends more has its readings counted as old.
 constexpr std::size_t kMostBytes = std::size_t{16} * 1024;
 constexpr std::size_t kWords = 160;
 
@@ -21,7 +21,8 @@ void tell(const FileDescriptor& socket, std::string_view words) {
 
 }  // namespace
 
-PointServer::PointServer(const PointServerConfiguration& configuration)
+template <typename Line>
+LineServer<Line>::LineServer(const LineServerConfiguration& configuration)
     : configuration_(configuration),
       nobody_("nobody is connected to " + configuration.address + " port " +
               std::to_string(configuration.port)),
@@ -31,7 +32,8 @@ PointServer::PointServer(const PointServerConfiguration& configuration)
   reply_.reserve(kWords);
 }
 
-std::uint16_t PointServer::port() const {
+template <typename Line>
+std::uint16_t LineServer<Line>::port() const {
   SocketAddress address;
   address.size = sizeof address.storage;
   if (!listener_.valid() ||
@@ -44,7 +46,8 @@ std::uint16_t PointServer::port() const {
   return ntohs(v4.sin_port);
 }
 
-void PointServer::listen(hal::Instant now) {
+template <typename Line>
+void LineServer<Line>::listen(hal::Instant now) {
   if (listener_.valid() || !reopen_.due(now)) return;
   const auto address = address_of(configuration_.address, configuration_.port);
   listen_errno_ = EAFNOSUPPORT;
@@ -65,21 +68,24 @@ void PointServer::listen(hal::Instant now) {
   listener_ = std::move(socket);
 }
 
-bool PointServer::is_in_use(hal::Instant now) const {
-  return client_.valid() && now - pointed_at_ <= configuration_.freshness.silent_after;
+template <typename Line>
+bool LineServer<Line>::is_in_use(hal::Instant now) const {
+  return client_.valid() && now - read_at_ <= configuration_.freshness.silent_after;
 }
 
-void PointServer::take_client(FileDescriptor socket, hal::Instant now) {
+template <typename Line>
+void LineServer<Line>::take_client(FileDescriptor socket, hal::Instant now) {
   if (client_.valid()) tell(client_, "error why=\"another instrument has connected\"\n");
   client_ = std::move(socket);
   line_.clear();
   discarding_ = false;
   lines_ = 0;
   newest_.reset();
-  pointed_at_ = now;
+  read_at_ = now;
 }
 
-void PointServer::accept_all(hal::Instant now) {
+template <typename Line>
+void LineServer<Line>::accept_all(hal::Instant now) {
   for (int i = 0; i < kMostWaiting; ++i) {
     SocketAddress peer;
     peer.size = sizeof peer.storage;
@@ -96,7 +102,8 @@ void PointServer::accept_all(hal::Instant now) {
   }
 }
 
-bool PointServer::receive(hal::Instant now) {
+template <typename Line>
+bool LineServer<Line>::receive(hal::Instant now) {
   std::array<char, 2048> bytes{};
   for (std::size_t taken = 0; taken < kMostBytes;) {
     const ssize_t count = ::recv(client_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
@@ -112,7 +119,8 @@ bool PointServer::receive(hal::Instant now) {
   return false;
 }
 
-void PointServer::take_bytes(std::string_view bytes, hal::Instant now) {
+template <typename Line>
+void LineServer<Line>::take_bytes(std::string_view bytes, hal::Instant now) {
   for (const char c : bytes) {
     if (c == '\n') {
       end_line(now);
@@ -125,7 +133,8 @@ void PointServer::take_bytes(std::string_view bytes, hal::Instant now) {
   }
 }
 
-void PointServer::end_line(hal::Instant now) {
+template <typename Line>
+void LineServer<Line>::end_line(hal::Instant now) {
   std::string_view line(line_.data(), line_.size());
   if (line.ends_with('\r')) line.remove_suffix(1);
   const bool is_told = !line.empty() && !line.starts_with('#');
@@ -135,22 +144,21 @@ void PointServer::end_line(hal::Instant now) {
   ++lines_;
 }
 
-void PointServer::take_line(std::string_view line, hal::Instant now) {
-  const auto point = parse_point_line(line);
-  if (!point) {
-    refuse_line(point.error());
+template <typename Line>
+void LineServer<Line>::take_line(std::string_view line, hal::Instant now) {
+  const auto told = Line::parse(line);
+  if (!told) {
+    refuse_line(told.error());
     return;
   }
-  pointed_at_ = now;
-  const std::uint32_t sequence = point->sequence.value_or(unnumbered_++);
+  read_at_ = now;
+  const std::uint32_t sequence = told->sequence.value_or(unnumbered_++);
   if (!freshness_.take(sequence, now)) return;
-  newest_ = {.p_S = point->p_S,
-             .covariance_m2 = point->covariance_m2,
-             .at = std::min(drained_at_, now) - configuration_.age,
-             .sequence = sequence};
+  newest_ = told->reading(std::min(drained_at_, now) - configuration_.age, sequence);
 }
 
-void PointServer::refuse_line(const PointLineProblem& problem) {
+template <typename Line>
+void LineServer<Line>::refuse_line(const LineProblem& problem) {
   ++malformed_;
   spoilt_ = true;
   // Both have room: nothing is allocated while an arm is measured.
@@ -160,7 +168,8 @@ void PointServer::refuse_line(const PointLineProblem& problem) {
   tell(client_, reply_);
 }
 
-Result<std::optional<hal::PointReading>> PointServer::do_poll(hal::Instant now) {
+template <typename Line>
+Result<std::optional<typename Line::Reading>> LineServer<Line>::do_poll(hal::Instant now) {
   listen(now);
   if (listener_.valid()) accept_all(now);
   spoilt_ = false;
@@ -173,12 +182,16 @@ Result<std::optional<hal::PointReading>> PointServer::do_poll(hal::Instant now) 
   return std::nullopt;
 }
 
-std::string_view PointServer::do_words(Error error) const {
+template <typename Line>
+std::string_view LineServer<Line>::do_words(Error error) const {
   if (error == Error::kSensorMalformed) return malformed_words_;
   if (error != Error::kSensorPortGone) return {};
   if (listen_errno_ == 0) return nobody_;
   const char* const words = ::strerrordesc_np(listen_errno_);
   return words == nullptr ? std::string_view() : words;
 }
+
+template class LineServer<PointLine>;
+template class LineServer<LengthLine>;
 
 }  // namespace armsig::linux_hal
