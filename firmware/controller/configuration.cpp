@@ -82,7 +82,7 @@ Checked check_motion(const Configuration& c) {
   return {};
 }
 
-#ifndef ARMSIG_SMALL_IMAGE
+#ifndef ARMSIG_RANGES_ALONE
 // Of an instrument of points, or where there is none.
 Checked check_points(const Configuration& c) {
   if (c.sensor.measures == Measures::kNothing) {
@@ -100,7 +100,7 @@ Checked check_points(const Configuration& c) {
 #endif
 
 Checked check_sensor(const Configuration& c) {
-#ifndef ARMSIG_SMALL_IMAGE
+#ifndef ARMSIG_RANGES_ALONE
   if (c.sensor.measures != Measures::kRanges) return check_points(c);
 #endif
   if (const auto array = measurement::check(c.sensor.receivers); !array) {

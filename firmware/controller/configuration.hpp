@@ -50,15 +50,14 @@ enum class Measures : std::uint8_t {
 };
 
 struct Sensor {
-#ifndef ARMSIG_SMALL_IMAGE  // which measures ranges
+#ifndef ARMSIG_RANGES_ALONE
   Measures measures = Measures::kRanges;
   // 1 sigma along each axis of a point that does not tell its own.
   double point_sigma_m = 0;
+  // Of everything else that the configuration says of it: its readings mean others where it differs.
+  std::uint32_t settings_crc = 0;
 #endif
   measurement::ReceiverArray receivers;  // of ranges; of lengths that tell points: their anchors
-#ifndef ARMSIG_SMALL_IMAGE
-  FixedVector<double, kMaxReceivers> length_offset_m;  // of lengths: what is added to each
-#endif
   double lowest_air_celsius = 0;
   double highest_air_celsius = 45;
   // Air that warms faster than this between two readings is a broken thermometer.

@@ -8,22 +8,25 @@
 
 namespace armsig::controller {
 
-// A small image has a range sensor and nothing else.
-inline constexpr bool kMayTakePoints = !hal::kSmallImage;
+#ifdef ARMSIG_RANGES_ALONE
+inline constexpr bool kMayTakePoints = false;
+#else
+inline constexpr bool kMayTakePoints = true;
+#endif
 
 class Instrument {
  public:
   Instrument() = default;  // nothing
   // NOLINTNEXTLINE(google-explicit-constructor): reads like the sensor that it is
   Instrument(hal::RangeSensor& sensor) : ranges_(&sensor) {}
-#ifndef ARMSIG_SMALL_IMAGE
+#ifndef ARMSIG_RANGES_ALONE
   // NOLINTNEXTLINE(google-explicit-constructor): reads like the instrument that it is
   Instrument(hal::PointInstrument& instrument) : points_(&instrument) {}
 #endif
 
   // Null: it has none.
   [[nodiscard]] hal::RangeSensor* ranges() const { return ranges_; }
-#ifdef ARMSIG_SMALL_IMAGE
+#ifdef ARMSIG_RANGES_ALONE
   [[nodiscard]] static hal::PointInstrument* points() { return nullptr; }
 #else
   [[nodiscard]] hal::PointInstrument* points() const { return points_; }
@@ -31,7 +34,7 @@ class Instrument {
 
  private:
   hal::RangeSensor* ranges_ = nullptr;
-#ifndef ARMSIG_SMALL_IMAGE
+#ifndef ARMSIG_RANGES_ALONE
   hal::PointInstrument* points_ = nullptr;
 #endif
 };

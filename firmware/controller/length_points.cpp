@@ -31,16 +31,16 @@ std::unexpected<Error> LengthPoints::refuse(std::string_view words) {
 }
 
 Result<void> LengthPoints::begin(const hal::LengthReading& reading) {
-  const std::size_t anchors = sensor_.receivers.p_S.size();
+  const std::size_t anchors = anchors_.p_S.size();
   if (reading.lengths_m.size() > anchors) return refuse("more lengths than anchors");
   measurement::Ranges ranges;
   for (std::size_t i = 0; i < anchors; ++i) {
     const auto length_m = i < reading.lengths_m.size() ? reading.lengths_m[i] : std::nullopt;
-    const double metres = length_m.value_or(0) + sensor_.length_offset_m[i];
+    const double metres = length_m.value_or(0) + offsets_m_[i];
     ranges.push_back({.metres = metres, .valid = length_m.has_value() && metres > 0});
   }
   reading_ = reading;
-  trilateration_.emplace(sensor_.receivers, ranges);
+  trilateration_.emplace(anchors_, ranges);
   return {};
 }
 

@@ -7,18 +7,20 @@
 #include <string_view>
 
 #include "core/measurement/trilateration.hpp"
-#include "firmware/controller/configuration.hpp"
 #include "hal/length_instrument.hpp"
 #include "hal/point_instrument.hpp"
 
 namespace armsig::controller {
 
+using LengthOffsets = FixedVector<double, hal::kMaxLengths>;
+
 class LengthPoints final : public hal::PointInstrument {
  public:
-  // `lengths` outlives it. Preconditions: the receivers of `sensor` are the anchors, have passed
-  // measurement::check(), are hal::kMaxLengths at most, and have one offset each.
-  LengthPoints(const Sensor& sensor, hal::LengthInstrument& lengths)
-      : sensor_(sensor), lengths_(lengths) {}
+  // `offsets_m` are added to the lengths; `lengths` outlives it. Preconditions: the anchors have
+  // passed measurement::check(), and have one offset each.
+  LengthPoints(const measurement::ReceiverArray& anchors, const LengthOffsets& offsets_m,
+               hal::LengthInstrument& lengths)
+      : anchors_(anchors), offsets_m_(offsets_m), lengths_(lengths) {}
   // What it is working on refers to its own anchors.
   LengthPoints(const LengthPoints&) = delete;
   LengthPoints& operator=(const LengthPoints&) = delete;
@@ -36,7 +38,8 @@ class LengthPoints final : public hal::PointInstrument {
   [[nodiscard]] Result<std::optional<hal::PointReading>> locate();
   [[nodiscard]] std::unexpected<Error> refuse(std::string_view words);
 
-  const Sensor sensor_;
+  const measurement::ReceiverArray anchors_;
+  const LengthOffsets offsets_m_;
   hal::LengthInstrument& lengths_;
   std::optional<measurement::Trilateration> trilateration_;  // of the reading that is looked at
   hal::LengthReading reading_;

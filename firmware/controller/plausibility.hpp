@@ -61,7 +61,8 @@ inline constexpr Bounds kInstrumentSigma{1e-6, 0.05,
                                          "of a point, in metres: millimetres as metres?"};
 inline constexpr Bounds kPointAge{0, 60, "no instrument tells a point as late"};
 inline constexpr Bounds kReceiver{-100, 100, "a receiver a hundred metres away hears nothing"};
-inline constexpr Bounds kAnchor{-100, 100, "no length is as far or as long: millimetres as metres?"};
+inline constexpr Bounds kAnchor{-100, 100,
+                                "no length is as far or as long: millimetres as metres?"};
 inline constexpr Bounds kEmitter{-10, 10,
                                  "no target is as far from a flange: millimetres as metres?"};
 inline constexpr Bounds kPollPeriod{1e-3, 10, "no sensor measures as often or as seldom"};

@@ -31,7 +31,7 @@ void PointMeasurement::begin(hal::Instant now) {
   began_ = heard_at_ = now;
   errors_in_a_row_ = 0;
   trilateration_.reset();
-#ifndef ARMSIG_SMALL_IMAGE
+#ifndef ARMSIG_RANGES_ALONE
   if (instrument_.ranges() == nullptr) {
     points_.begin();
     return;
@@ -131,7 +131,7 @@ Result<std::optional<MeasuredPoint>> PointMeasurement::locate(hal::Instant now) 
   return std::unexpected(position.error());
 }
 
-#ifndef ARMSIG_SMALL_IMAGE
+#ifndef ARMSIG_RANGES_ALONE
 Result<std::optional<MeasuredPoint>> PointMeasurement::step_points(hal::Instant now) {
   if (instrument_.points() == nullptr) return std::optional<MeasuredPoint>();
   const auto polled = instrument_.points()->poll(now);

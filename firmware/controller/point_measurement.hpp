@@ -21,7 +21,7 @@ struct MeasuredPoint {
 };
 
 // What an instrument of points has measured of the pose.
-#ifdef ARMSIG_SMALL_IMAGE
+#ifdef ARMSIG_RANGES_ALONE
 struct PointsOfPose {
   static constexpr void end() {}
   [[nodiscard]] static constexpr bool is_measuring() { return false; }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "firmware/formats/arm_file.hpp"
+#include "firmware/formats/canonical.hpp"
 #include "firmware/formats/mounting.hpp"
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/text_file.hpp"
@@ -318,6 +319,7 @@ Read<void> read_instrument(const YamlMap& root, DaemonConfiguration& c) {
                         "one of sensor, points and lengths, or none");
     }
     one = name;
+    c.controller.sensor.settings_crc = tool::content_crc32(*node);
     if (auto done = read(*node, c); !done) return done;
   }
   if (one != nullptr) return {};

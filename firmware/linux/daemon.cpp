@@ -50,20 +50,20 @@ struct SensorBackend {
   }
 };
 
-// One of points, or one of lengths where `sensor` has anchors.
+// One of points, or one of lengths where the configuration has anchors.
 template <typename Points, typename Lengths>
-void start_instrument(const auto& configuration, const controller::Sensor& sensor,
+void start_instrument(const auto& link, const DaemonConfiguration& c,
                       std::unique_ptr<Points>& points, std::unique_ptr<Lengths>& lengths,
                       std::unique_ptr<controller::LengthPoints>& of_lengths) {
-  if (sensor.length_offset_m.empty()) {
-    points = std::make_unique<Points>(configuration);
+  if (c.length_offsets_m.empty()) {
+    points = std::make_unique<Points>(link);
     return;
   }
-  lengths = std::make_unique<Lengths>(configuration);
-  of_lengths = std::make_unique<controller::LengthPoints>(sensor, *lengths);
+  lengths = std::make_unique<Lengths>(link);
+  of_lengths = std::make_unique<controller::LengthPoints>(c.controller.sensor.receivers,
+                                                          c.length_offsets_m, *lengths);
 }
 
-// `configuration` outlives it.
 Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
   SensorBackend backend;
   if (const auto* node = std::get_if<canopen::RangeNodeConfiguration>(&configuration.sensor)) {
@@ -71,14 +71,13 @@ Result<SensorBackend> start_sensor(const DaemonConfiguration& configuration) {
     return backend;
   }
   if (std::holds_alternative<std::monostate>(configuration.sensor)) return backend;
-  const controller::Sensor& sensor = configuration.controller.sensor;
   if (const auto* told = std::get_if<linux_hal::LineServerConfiguration>(&configuration.sensor)) {
-    start_instrument(*told, sensor, backend.points, backend.lengths, backend.of_lengths);
+    start_instrument(*told, configuration, backend.points, backend.lengths, backend.of_lengths);
     return backend;
   }
   if (const auto* asked =
           std::get_if<linux_hal::RegisterClientConfiguration>(&configuration.sensor)) {
-    start_instrument(*asked, sensor, backend.point_registers, backend.length_registers,
+    start_instrument(*asked, configuration, backend.point_registers, backend.length_registers,
                      backend.of_lengths);
     return backend;
   }

@@ -11,6 +11,7 @@
 
 #include "core/base/pose.hpp"
 #include "firmware/controller/configuration.hpp"
+#include "firmware/controller/length_points.hpp"
 #include "firmware/formats/mounting.hpp"
 #include "firmware/formats/problem.hpp"
 #include "hal/canopen/configuration.hpp"
@@ -33,6 +34,7 @@ struct DaemonConfiguration {
                linux_hal::LineServerConfiguration, linux_hal::RegisterClientConfiguration,
                std::monostate>
       sensor;
+  controller::LengthOffsets length_offsets_m;  // of an instrument of lengths, else empty
   Vector3 p_nT = Vector3::Zero();  // the target in the frame of the last link, by the drawing
   std::string console;             // path of the Unix socket
   std::string reporting_console;   // path of one that answers what changes nothing; empty: none

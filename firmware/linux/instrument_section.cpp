@@ -173,8 +173,9 @@ Read<void> refuse_connection(const YamlMap& map) {
 }
 
 // Where a length is measured from, and what is added to it.
-Read<void> read_anchor(const YamlNode& item, controller::Sensor& sensor) {
-  const std::string name = fmt::format("anchor {}", sensor.receivers.p_S.size() + 1);
+Read<void> read_anchor(const YamlNode& item, DaemonConfiguration& c) {
+  auto& anchors = c.controller.sensor.receivers.p_S;
+  const std::string name = fmt::format("anchor {}", anchors.size() + 1);
   std::vector<std::string> known;
   for (const char* key : {"x", "y", "z", "offset"}) add_names(known, key, Dimension::kLength);
   ARMSIG_TRY(map, YamlMap::open(item, name, known));
@@ -190,17 +191,18 @@ Read<void> read_anchor(const YamlNode& item, controller::Sensor& sensor) {
   settings.quantity("offset", Dimension::kLength, offset_m, false)
       .bound("offset", Dimension::kLength, offset_m, plausible::kAnchor);
   if (auto done = settings.done(); !done) return done;
-  sensor.receivers.p_S.push_back(p_S);
-  sensor.length_offset_m.push_back(offset_m);
+  anchors.push_back(p_S);
+  c.length_offsets_m.push_back(offset_m);
   return {};
 }
 
-Read<void> read_anchors(const YamlMap& map, controller::Sensor& sensor) {
+Read<void> read_anchors(const YamlMap& map, DaemonConfiguration& c) {
   ARMSIG_TRY(node, map.require("anchors"));
   ARMSIG_TRY(list, tool::read_list(*node, "anchors", 3, hal::kMaxLengths));
   for (const YamlNode& item : *list) {
-    if (auto read = read_anchor(item, sensor); !read) return read;
+    if (auto read = read_anchor(item, c); !read) return read;
   }
+  controller::Sensor& sensor = c.controller.sensor;
   sensor.receivers.range_sigma_m = sensor.point_sigma_m;
   return finish_array(map, *node, sensor.receivers);
 }
@@ -265,7 +267,7 @@ Read<void> read_points(const YamlNode& node, DaemonConfiguration& c) {
 Read<void> read_lengths(const YamlNode& node, DaemonConfiguration& c) {
   ARMSIG_TRY(map, open_instrument(node, "lengths", {"anchors", "facing"}));
   if (auto read = read_target_and_sigma(map, c); !read) return read;
-  if (auto read = read_anchors(map, c.controller.sensor); !read) return read;
+  if (auto read = read_anchors(map, c); !read) return read;
   return read_link(map, c);
 }
 

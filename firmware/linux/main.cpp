@@ -123,7 +123,7 @@ void tell_surroundings(const DaemonConfiguration& c) {
 }
 
 std::string instrument_in_words(const DaemonConfiguration& c) {
-  const std::size_t anchors = c.controller.sensor.length_offset_m.size();
+  const std::size_t anchors = c.length_offsets_m.size();
   const std::string what =
       anchors > 0 ? fmt::format("lengths from {} anchors", anchors) : std::string("points");
   if (const auto* told = std::get_if<linux_hal::LineServerConfiguration>(&c.sensor)) {

@@ -64,10 +64,12 @@ std::uint32_t crc_of(const Configuration& configuration) {
                          sweeps.validation_reach, static_cast<double>(sweeps.points),
                          static_cast<double>(sweeps.most_points),
                          static_cast<double>(sweeps.target)});
+#ifndef ARMSIG_RANGES_ALONE
   if (configuration.sensor.measures == Measures::kPoints) {
     print.real(configuration.sensor.point_sigma_m);
-    print.reals(configuration.sensor.length_offset_m);
   }
+  print.real(configuration.sensor.settings_crc);
+#endif
   const measurement::ReceiverArray& receivers = configuration.sensor.receivers;
   for (const Vector3& p_S : receivers.p_S) print.reals(p_S);
   print.reals(receivers.facing_S);

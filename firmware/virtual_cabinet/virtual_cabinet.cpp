@@ -76,7 +76,7 @@ Result<std::optional<hal::PointReading>> VirtualTracker::do_poll(hal::Instant no
 }
 
 VirtualWires::VirtualWires(const World& world, VirtualSensor& sensor,
-                           const FixedVector<double, kMaxReceivers>& offsets_m)
+                           const controller::LengthOffsets& offsets_m)
     : world_(world),
       sensor_(sensor),
       offsets_m_(offsets_m),
@@ -204,9 +204,9 @@ controller::Instrument VirtualCabinet::instrument(const controller::Sensor& sens
   if (sensor.measures == controller::Measures::kRanges) return *sensor_;
   if (sensor.measures == controller::Measures::kNothing) return {};
   if (world_.points != nullptr) return *world_.points;
-  if (!sensor.length_offset_m.empty()) {
-    wires_.emplace(world_, *sensor_, sensor.length_offset_m);
-    return of_wires_.emplace(sensor, *wires_);
+  if (!world_.length_offsets_m.empty()) {
+    wires_.emplace(world_, *sensor_, world_.length_offsets_m);
+    return of_wires_.emplace(sensor.receivers, world_.length_offsets_m, *wires_);
   }
   return tracker_.emplace(world_, *sensor_);
 }

@@ -48,6 +48,9 @@ struct World {
   // Where the configuration says that points are measured: what tells them instead of an emulated
   // tracker, and outlives the cabinet.
   hal::PointInstrument* points = nullptr;
+  // The same where it says that lengths are measured, from the places of the receivers: what the
+  // controller adds to each. Empty: an emulated tracker tells points.
+  controller::LengthOffsets length_offsets_m;
   std::uint64_t seed = 1;
   std::uint32_t first_serial = 1001;  // of the drives, one after the other
 };
@@ -107,14 +110,14 @@ class VirtualWires final : public hal::LengthInstrument {
  public:
   // `offsets_m` are what the controller adds to each length.
   VirtualWires(const World& world, VirtualSensor& sensor,
-               const FixedVector<double, kMaxReceivers>& offsets_m);
+               const controller::LengthOffsets& offsets_m);
 
  private:
   Result<std::optional<hal::LengthReading>> do_poll(hal::Instant now) override;
 
   const World& world_;
   VirtualSensor& sensor_;
-  FixedVector<double, kMaxReceivers> offsets_m_;
+  controller::LengthOffsets offsets_m_;
   simulated::UltrasonicField wires_;
   std::optional<hal::Instant> read_at_;
 };

@@ -99,9 +99,10 @@ TEST(Wires, identify_and_are_accepted_and_checked) {
   c.sensor.measures = Measures::kPoints;
   c.sensor.point_sigma_m = c.sensor.receivers.range_sigma_m = 0.1e-3;
   c.sensor.receivers.p_S.resize(5);
-  c.sensor.length_offset_m = {0.0355, 0, -0.002, 0, 0.4};
   ASSERT_TRUE(check(c));
-  PumaCabinet puma(1, c);
+  PumaCabinet puma;
+  puma.length_offsets_m = {0.0355, 0, -0.002, 0, 0.4};
+  puma.start(c, 1);
   ASSERT_TRUE(test::identify_and_accept(puma)) << puma.console.told.back();
   const auto& active = puma.cabinet->state().active();
   ASSERT_TRUE(active);

@@ -20,13 +20,15 @@ using Polled = Result<std::optional<hal::PointReading>>;
 constexpr hal::Instant kNow{std::chrono::seconds(10)};
 
 // Three anchors on the axes at 1, 2 and 2 m, and one at the origin.
-Sensor four_wires() {
-  Sensor sensor;
-  sensor.measures = Measures::kPoints;
-  sensor.receivers.p_S = {Vector3(1, 0, 0), Vector3(0, 2, 0), Vector3(0, 0, 2), Vector3(0, 0, 0)};
-  sensor.receivers.range_sigma_m = 1e-4;
-  sensor.length_offset_m = {0.0, 0.0, 0.0, 0.0};
-  return sensor;
+measurement::ReceiverArray four_anchors() {
+  return {.p_S = {Vector3(1, 0, 0), Vector3(0, 2, 0), Vector3(0, 0, 2), Vector3(0, 0, 0)},
+          .range_sigma_m = 1e-4};
+}
+
+LengthOffsets none_of(const measurement::ReceiverArray& anchors) {
+  LengthOffsets offsets_m;
+  for (std::size_t i = 0; i < anchors.p_S.size(); ++i) offsets_m.push_back(0);
+  return offsets_m;
 }
 
 // To the point (1, 1, 1): by hand.
@@ -52,7 +54,10 @@ class Told final : public hal::LengthInstrument {
 };
 
 struct Located {
-  explicit Located(const Sensor& sensor = four_wires()) : points(sensor, told) {}
+  explicit Located(const measurement::ReceiverArray& anchors = four_anchors())
+      : Located(anchors, none_of(anchors)) {}
+  Located(const measurement::ReceiverArray& anchors, const LengthOffsets& offsets_m)
+      : points(anchors, offsets_m, told) {}
   // What comes of a reading, within the ticks that eight lengths need at most.
   Polled take(const Result<std::optional<LengthReading>>& reading) {
     told.next.push_back(reading);
@@ -82,7 +87,7 @@ TEST(LengthPoints, are_where_the_lengths_meet_with_what_is_known_of_it) {
   // The inverse of the sum of u u' / sigma^2 over the directions u of the four wires.
   ASSERT_TRUE((*polled)->covariance_m2);
   Matrix3 information = Matrix3::Zero();
-  for (const Vector3& p_S : four_wires().receivers.p_S) {
+  for (const Vector3& p_S : four_anchors().p_S) {
     const Vector3 u = (Vector3(1, 1, 1) - p_S).normalized();
     information += u * u.transpose() / 1e-8;
   }
@@ -90,20 +95,19 @@ TEST(LengthPoints, are_where_the_lengths_meet_with_what_is_known_of_it) {
 }
 
 TEST(LengthPoints, add_the_offset_of_each_length) {
-  Sensor sensor = four_wires();
-  sensor.length_offset_m = {0.1, -0.2, 0.3, 0.0};
-  Located located(sensor);
+  const LengthOffsets offsets_m{0.1, -0.2, 0.3, 0.0};
+  Located located(four_anchors(), offsets_m);
   LengthReading reading = to_one_one_one();
-  for (std::size_t i = 0; i < 4; ++i) *reading.lengths_m[i] -= sensor.length_offset_m[i];
+  for (std::size_t i = 0; i < 4; ++i) *reading.lengths_m[i] -= offsets_m[i];
   const Polled polled = located.take(reading);
   ASSERT_TRUE(polled && *polled);
   EXPECT_LT(((*polled)->p_S - Vector3(1, 1, 1)).norm(), 1e-12);
 }
 
 TEST(LengthPoints, need_three_of_the_lengths) {
-  Sensor sensor = four_wires();
-  sensor.receivers.facing_S = Vector3(1, 1, 1);
-  Located located(sensor);
+  measurement::ReceiverArray anchors = four_anchors();
+  anchors.facing_S = Vector3(1, 1, 1);
+  Located located(anchors);
   LengthReading reading = to_one_one_one();
   reading.lengths_m[1].reset();
   const Polled polled = located.take(reading);
@@ -131,11 +135,10 @@ TEST(LengthPoints, that_are_none_are_counted_and_named) {
 }
 
 TEST(LengthPoints, beside_the_plane_of_their_anchors_are_none) {
-  Sensor sensor = four_wires();
-  sensor.receivers.p_S = {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(-1, 0, 0)};
-  sensor.receivers.facing_S = Vector3(0, 0, 1);
-  sensor.length_offset_m = {0.0, 0.0, 0.0};
-  Located located(sensor);
+  measurement::ReceiverArray anchors = four_anchors();
+  anchors.p_S = {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(-1, 0, 0)};
+  anchors.facing_S = Vector3(0, 0, 1);
+  Located located(anchors);
   const double r2 = std::sqrt(2.0);
   const LengthReading in_plane{.lengths_m = {r2, 2.0, r2}, .at = kNow, .sequence = 1};
   EXPECT_EQ(located.words_of(in_plane),
@@ -143,10 +146,9 @@ TEST(LengthPoints, beside_the_plane_of_their_anchors_are_none) {
 }
 
 TEST(LengthPoints, give_up_one_of_five_lengths_that_contradicts_the_others) {
-  Sensor sensor = four_wires();
-  sensor.receivers.p_S.push_back(Vector3(2, 2, 2));
-  sensor.length_offset_m.push_back(0);
-  Located located(sensor);
+  measurement::ReceiverArray anchors = four_anchors();
+  anchors.p_S.push_back(Vector3(2, 2, 2));
+  Located located(anchors);
   LengthReading reading = to_one_one_one();
   reading.lengths_m.push_back(std::sqrt(3.0));
   reading.lengths_m[2] = 2.0;

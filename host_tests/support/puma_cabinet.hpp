@@ -106,6 +106,7 @@ struct PumaCabinet {
       world.sensor.range_sigma_m = configuration.sensor.point_sigma_m;
     }
     world.points = points;
+    world.length_offsets_m = length_offsets_m;
     world.first_serial = first_serial;
     cabinet = std::make_unique<cabinet::VirtualCabinet>(configuration, puma_bus(), world, *device,
                                                         consoles, nullptr, nullptr, checks);
@@ -158,6 +159,7 @@ struct PumaCabinet {
   std::uint32_t first_serial = 1001;  // of the drives
   controller::CheckMemory* checks = nullptr;
   hal::PointInstrument* points = nullptr;
+  LengthOffsets length_offsets_m;
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 

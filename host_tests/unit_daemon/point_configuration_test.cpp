@@ -169,9 +169,9 @@ TEST(LengthConfiguration, of_the_reference_is_read_whole) {
   EXPECT_DOUBLE_EQ(sensor.receivers.p_S[3].z(), 0.3);
   EXPECT_DOUBLE_EQ(sensor.receivers.range_sigma_m, 1e-4);
   EXPECT_DOUBLE_EQ(sensor.receivers.facing_S.z(), 1);
-  ASSERT_EQ(sensor.length_offset_m.size(), 4U);
-  EXPECT_DOUBLE_EQ(sensor.length_offset_m[0], 0.0355);
-  EXPECT_DOUBLE_EQ(sensor.length_offset_m[1], 0);
+  ASSERT_EQ(read->length_offsets_m.size(), 4U);
+  EXPECT_DOUBLE_EQ(read->length_offsets_m[0], 0.0355);
+  EXPECT_DOUBLE_EQ(read->length_offsets_m[1], 0);
 }
 
 constexpr const char* kWires =
