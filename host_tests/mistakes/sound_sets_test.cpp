@@ -144,7 +144,7 @@ TEST(SoundSets, of_other_machines_are_neither_refused_nor_accused) {
 
 // Between two sweeps the joints turn back: backlash is a step there, of the reading or the target.
 TEST(SoundSets, of_sweeps_with_backlash_are_not_accused_of_a_change) {
-  for (const std::size_t k : {3U, 4U, 200U, 210U}) {
+  for (const std::size_t k : {3U, 4U, 49U, 117U, 167U, 200U, 210U, 268U, 289U, 442U}) {
     const Verdict verdict = judged_sound(k);
     EXPECT_FALSE(is_accused(verdict)) << k << ": " << verdict.words;
   }
