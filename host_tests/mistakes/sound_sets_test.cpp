@@ -150,6 +150,12 @@ TEST(SoundSets, of_sweeps_with_backlash_are_not_accused_of_a_change) {
   }
 }
 
+// Nobody knows from which side the joints came to it: it contradicts the others, and tells nothing.
+TEST(SoundSets, of_poses_with_backlash_are_not_accused_by_their_first) {
+  const Verdict verdict = judged_sound(263);
+  EXPECT_FALSE(is_accused(verdict)) << verdict.words;
+}
+
 TEST(SoundSets, of_a_prismatic_joint_with_another_lead_are_not_accused_of_a_scale) {
   for (const std::size_t k : {68U, 173U}) {
     const Verdict verdict = judged_sound(k);
