@@ -78,7 +78,9 @@ Verdict judge(other::Measurement& set, const other::Wrong* wrong = nullptr) {
   }
   if (verdict.status != 0) return verdict;
   const auto json = nlohmann::json::parse(identified.out);
-  verdict.stated_m = json["predicted_tool_error_m"];
+  // Of poses anywhere within the joint limits, as those that follow are.
+  verdict.stated_m =
+      json.value("predicted_over_limits_m", json["predicted_tool_error_m"].get<double>());
   verdict.region = json["predicted_region"];
   if (json.contains("refinement")) verdict.rejected = json["refinement"].value("rows_rejected", 0);
   verdict.observed_m = observed_m(folder, set, wrong);
