@@ -29,7 +29,7 @@ Doubt doubt_of_coupling(const FoundCoupling& found) {
 
 // What the rows say against the refinement's model beside what they say against the arm.
 std::optional<Doubt> doubt_of_model(const Evidence& evidence, const RefinementOutcome& outcome) {
-  auto rejected = doubt_of_rejected(evidence, outcome.rejected_lines);
+  auto rejected = doubt_of_rejected(evidence, outcome.outlying_lines);
   if (!outcome.coupling) return rejected;
   Doubt coupling = doubt_of_coupling(*outcome.coupling);
   if (!rejected) return coupling;
@@ -54,7 +54,7 @@ std::optional<Doubt> doubt_of(const Evidence& evidence, const ArmLimits& limits,
   const double predicted_m = record.accuracy.predicted ? record.accuracy.predicted->rms_m : 0;
   auto of_model = outcome == nullptr ? std::nullopt : doubt_of_model(evidence, *outcome);
   const bool rejects_many =
-      outcome != nullptr && doubt_of_rejected(evidence, outcome->rejected_lines).has_value();
+      outcome != nullptr && doubt_of_rejected(evidence, outcome->outlying_lines).has_value();
   auto of_arm = doubt(evidence, limits,
                       FoundArm{.predicted_S = predicted_S,
                                .predicted_error_m = predicted_m / enlarged,

@@ -274,7 +274,7 @@ class ScoreTest {
 
   // What moves the rows by far more than they miss is hardly told from the arm itself.
   [[nodiscard]] bool is_told(double shift_m) const {
-    return shift_m <= kFarthest * std::sqrt(arm_.squares() / arm_.weight());
+    return shift_m <= kFarthest * arm_.missed_m();
   }
 
   [[nodiscard]] Change change_of(const Scored& scored) const {
@@ -282,7 +282,7 @@ class ScoreTest {
     change.last_line = evidence_.rows.back().line;
     change.size = scored.size;
     change.sigma = scored.sigma;
-    change.before_m = std::sqrt(arm_.squares() / arm_.weight());
+    change.before_m = arm_.missed_m();
     change.after_m = std::sqrt((arm_.squares() - scored.gain) / arm_.weight());
     change.evidence = scored.evidence;
     change.before_it = Eigen::VectorXd::Zero(chain_.all().count + arm_.beyond_chain());
@@ -373,6 +373,8 @@ std::vector<Vector3> moved_by_change(const Change& change, const Evidence& evide
   const GravityColumns gravity(evidence.arm);
   Eigen::Matrix3Xd J(3, chain.all().count);
   Eigen::Matrix3Xd whole(3, change.before_it.size());
+  const Eigen::Index known =
+      J.cols() + gravity.count() + static_cast<Eigen::Index>(evidence.arm.joints.size());
   std::vector<Vector3> before;
   std::vector<Vector3> after;
   for (int k = 1; k <= kJudgedConfigurations; ++k) {
@@ -382,8 +384,9 @@ std::vector<Vector3> moved_by_change(const Change& change, const Evidence& evide
     row.p_S = chain.X_SB().p + from_base_S;
     // The base goes along with what the sensor sees: of it only the arm's lengths are wrong.
     // Of backlash nothing is known where no pose was before.
-    whole << J, gravity.of(row, chain, J), by_gears(evidence.arm, chain, row),
-        Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(row.q.size())), from_base_S;
+    whole.setZero();
+    whole.leftCols(known) << J, gravity.of(row, chain, J), by_gears(evidence.arm, chain, row);
+    whole.rightCols<1>() = from_base_S;
     before.emplace_back(whole * change.before_it);
     after.emplace_back(whole * change.after_it);
   }

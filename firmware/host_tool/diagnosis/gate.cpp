@@ -84,13 +84,16 @@ UnchangingArm unchanging(const Evidence& evidence, const Reference& reference) {
   return {evidence, reference.chain, reference.fit.residuals_S};
 }
 
-// What features may miss a row by because gravity bends the arm.
+// What features may miss a row by because gravity bends the arm, or because its joints came from
+// the other side of their backlash.
 double bent_m(const Evidence& evidence, const Reference& reference) {
+  const std::vector<Vector3> bent_S = unchanging(evidence, reference).bent_S();
   double most_m = 0;
-  for (const Vector3& bent : unchanging(evidence, reference).bent_S()) {
-    most_m = std::max(most_m, bent.norm());
+  for (const Vector3& one_S : bent_S) {
+    most_m = std::max(most_m, kBentElsewhere * one_S.norm());
+    for (const Vector3& other_S : bent_S) most_m = std::max(most_m, (one_S - other_S).norm());
   }
-  return std::min(kBentElsewhere * most_m, kBentAtMost * reference.fit.reach_m);
+  return std::min(most_m, kBentAtMost * reference.fit.reach_m);
 }
 
 // What is wrong with the nearest arm, or with the method's against it; empty where nothing is.

@@ -94,7 +94,7 @@ void UnchangingArm::choose_unknowns() {
   add(chain_.of_zero(evidence_.arm.joints.size() - 1));
   for (std::size_t t = 0; t < chain_.targets().size(); ++t) add(chain_.of_target(t));
   stiff_ = static_cast<Eigen::Index>(of_chain_.size());
-  size_ = first_backlash() + gears() + 1;
+  size_ = first_backlash() + backlashes() + 1;
 }
 
 void UnchangingArm::differentiate() {
@@ -107,14 +107,16 @@ void UnchangingArm::differentiate() {
   }
 }
 
-// Joints turn back between two sweeps, and backlash is a step there. Of free poses the refinement
-// finds it.
+// Joints turn back between two sweeps, and backlash is a step there. From which side a joint came
+// before its first move nobody knows. Of free poses the refinement finds it.
 Eigen::Matrix3Xd UnchangingArm::by_backlash(const EvidenceRow& row) const {
-  Eigen::Matrix3Xd columns = chain_.motions(row);
-  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-    const bool known = has_backlash_ && (row.sided >> j & 1) != 0;
+  Eigen::Matrix3Xd columns = Eigen::Matrix3Xd::Zero(3, backlashes());
+  if (columns.cols() == 0) return columns;
+  const Eigen::Matrix3Xd motions = chain_.motions(row);
+  for (Eigen::Index j = 0; j < gears(); ++j) {
+    const bool known = (row.sided >> j & 1) != 0;
     const bool up = (row.sides >> j & 1) != 0;
-    columns.col(j) *= !known ? 0 : up ? -1 : 1;
+    columns.col(known ? j : gears() + j) = (known && up ? -1 : 1) * motions.col(j);
   }
   return columns;
 }
@@ -138,11 +140,11 @@ Eigen::VectorXd UnchangingArm::gear_weights() const {
 }
 
 Eigen::VectorXd UnchangingArm::backlash_weights() const {
-  Eigen::VectorXd weights(gears());
-  for (Eigen::Index j = 0; j < weights.size(); ++j) {
-    const JointType type = evidence_.arm.joints[static_cast<std::size_t>(j)].type;
+  Eigen::VectorXd weights(backlashes());
+  for (Eigen::Index k = 0; k < weights.size(); ++k) {
+    const JointType type = evidence_.arm.joints[static_cast<std::size_t>(k % gears())].type;
     const double sigma = type == JointType::kRevolute ? kUsualBacklash_rad : kUsualBacklash_m;
-    weights[j] = 1 / (sigma * sigma);
+    weights[k] = 1 / (sigma * sigma);
   }
   return weights;
 }
@@ -163,7 +165,7 @@ void UnchangingArm::invert(const Eigen::MatrixXd& squares) {
   H.row(sight).setZero();
   H.diagonal().segment(stiff_, gravity_.count()).array() += kWeight;
   H.diagonal().segment(first_gear(), gears()) += gear_weights();
-  H.diagonal().segment(first_backlash(), gears()) += backlash_weights();
+  H.diagonal().segment(first_backlash(), backlashes()) += backlash_weights();
   stiff_inverse_ = inverse_of(H.topLeftCorner(stiff_, stiff_), H.diagonal().head(stiff_));
   inverse_ = inverse_of(H, H.diagonal());
   for (Eigen::MatrixXd* inverse : {&stiff_inverse_, &inverse_}) {
@@ -181,7 +183,7 @@ std::vector<Vector3> UnchangingArm::bent_S() const {
     const auto by = [&](Eigen::Index first, Eigen::Index count) -> Vector3 {
       return J.middleCols(first, count) * unknowns.segment(first, count);
     };
-    bent_S.emplace_back(by(stiff_, gravity_.count()) + by(first_backlash(), gears()));
+    bent_S.emplace_back(by(stiff_, gravity_.count()) + by(first_backlash(), backlashes()));
   }
   return bent_S;
 }

@@ -4,6 +4,7 @@
 // gravity bends it, which a drive from one end of a joint to the other shows as if something crept.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -33,9 +34,9 @@ class UnchangingArm {
                 const std::vector<Vector3>& residuals_S, Backlash backlash = Backlash::kPossible);
 
   // Unknowns: those of the chain that may change or move any row, then gravity's, then of every
-  // joint by which share it turns farther than it reads and half of its backlash, and by which
-  // share the sensor sees all too far from its origin. An unchanging arm does nothing by the last,
-  // nor by its lengths.
+  // joint by which share it turns farther than it reads, where backlash is possible half of it and
+  // the same before the joint's first move, and by which share the sensor sees all too far from its
+  // origin. An unchanging arm does nothing by the last, nor by its lengths.
   [[nodiscard]] Eigen::Index size() const { return size_; }
   // What is not the chain's, as if it were in its derivatives, behind all others.
   [[nodiscard]] DeviatingChain::Columns of_load() const {
@@ -62,6 +63,7 @@ class UnchangingArm {
   // What the arm would still do about the residuals, and their weighted squares after that.
   [[nodiscard]] const Eigen::VectorXd& step() const { return step_; }
   [[nodiscard]] double squares() const { return squares_; }
+  [[nodiscard]] double missed_m() const { return std::sqrt(squares_ / weight_); }
 
   // What gravity and backlash move each row's point by, as the rows tell it beside an arm near its
   // drawing; and what the leads of prismatic joints do.
@@ -80,6 +82,7 @@ class UnchangingArm {
   }
   [[nodiscard]] Eigen::Index first_gear() const { return stiff_ + gravity_.count(); }
   [[nodiscard]] Eigen::Index first_backlash() const { return first_gear() + gears(); }
+  [[nodiscard]] Eigen::Index backlashes() const { return has_backlash_ ? 2 * gears() : 0; }
   [[nodiscard]] Eigen::Matrix3Xd by_backlash(const EvidenceRow& row) const;
   [[nodiscard]] Eigen::VectorXd gear_weights() const;
   [[nodiscard]] Eigen::VectorXd backlash_weights() const;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "firmware/host_tool/identification/undone.hpp"
 
+#include <algorithm>
 #include <span>
 
 #include <Eigen/Dense>
+
+#include "firmware/host_tool/refinement/candidates.hpp"
 
 namespace armsig::tool {
 namespace {
@@ -27,6 +30,14 @@ Vector3 moved_by_offsets(const Vector3& p_S, const SensorDescription& sensor,
 Evidence undone(const Evidence& evidence, const RefinementOutcome& outcome,
                 const std::optional<SensorDescription>& sensor) {
   Evidence unscaled = evidence;
+  std::uint8_t with_backlash = 0;
+  for (std::size_t j = 0; j < outcome.half_plays.size(); ++j) {
+    if (is_certain(outcome.half_plays[j])) with_backlash |= static_cast<std::uint8_t>(1U << j);
+  }
+  std::erase_if(unscaled.rows, [&](const EvidenceRow& row) {
+    return row.sweep == 0 && (with_backlash & ~row.sided) != 0 &&
+           std::ranges::binary_search(outcome.rejected_lines, row.line);
+  });
   const std::size_t offsets =
       outcome.fitted.receiver_offsets && sensor ? sensor->receivers_S.size() : 0;
   for (EvidenceRow& row : unscaled.rows) {

@@ -10,7 +10,9 @@
 
 namespace armsig::tool {
 
-// Offsets of the ranges and a scale that were asked for are undone, so that the rest can be judged.
+// Offsets of the ranges and a scale that were asked for are undone, and backlash that was found, so
+// that the rest can be judged. A rejected free pose to which a joint with backlash came from an
+// unknown side is left out: nobody knows by how much the backlash moved it.
 [[nodiscard]] Evidence undone(const Evidence& evidence, const RefinementOutcome& outcome,
                               const std::optional<SensorDescription>& sensor);
 

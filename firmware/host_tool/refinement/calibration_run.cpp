@@ -166,6 +166,7 @@ class CalibrationFit {
     found_.refined = std::move(best.refined);
     found_.summary = best.summary;
     if (best.left_out) found_.left_out = best.left_out->score;
+    if (best.left_out) found_.left_out_m = std::move(best.left_out->length_m);
     found_.tried = candidates_.tried();
     if (best.left_out) found_.tried[best.tried].written = true;
     if (choice.geometry.left_out) found_.geometry = choice.geometry.left_out->score;

@@ -57,6 +57,7 @@ struct Calibrated {
   calibration::ParameterRequest request;  // corrections found
   std::optional<OfferedCorrections> offered;
   std::optional<calibration::HeldOutScore> left_out;  // none of too few poses
+  std::vector<float> left_out_m;  // errors of every row of the log; 0 of those not left out
   std::optional<calibration::HeldOutScore> geometry;  // the same of geometry alone
   NoiseStatement noise;
   // Gravity and joint error maps, where poses left out are predicted better with them; the

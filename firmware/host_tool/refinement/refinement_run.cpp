@@ -31,6 +31,8 @@ constexpr double kNotableShift = 0.05;
 constexpr double kNotableVertical = 0.0175;  // rad
 // Numbers beyond the unknowns from which a noise that nobody stated can be told at all.
 constexpr std::size_t kToTellNoise = 3;
+// A rejected row within so many times the RMS of those left out is predicted like any other.
+constexpr double kLikeOthers = 3;
 // Backlash of joints, as one angle: so many of them, and by which factor they differ at most.
 constexpr std::size_t kFewestOfOneAngle = 4;
 constexpr double kOneAngle = 1.1;
@@ -73,6 +75,7 @@ class Run {
   [[nodiscard]] Read<void> check_counts(const std::optional<Signature>& start) const;
   void note_zeros(const JointVector& shifts);
   void note_gears(const calibration::Refined& refined);
+  [[nodiscard]] std::vector<std::size_t> outlying_lines() const;
   void take_out_rejected(RefinementOutcome& outcome);
   [[nodiscard]] std::vector<std::size_t> still_joints() const;
   void name_open(RefinementOutcome& outcome) const;
@@ -288,6 +291,18 @@ std::unexpected<Problem> Run::refuse_start(const Refusal& refusal) const {
                   : "rows in which three receivers or more heard it, at four poses or more"});
 }
 
+// A model that errs elsewhere fits the rows of sweeps closely, and by their scatter rejects good
+// poses. What a fit without them predicts like other poses is no evidence against the arm.
+std::vector<std::size_t> Run::outlying_lines() const {
+  std::vector<calibration::RowOutcome> outlying = verdicts_;
+  const double most_m = calibrated_.left_out ? kLikeOthers * calibrated_.left_out->rms_kept_m : 0;
+  for (std::size_t k = 0; k < outlying.size() && most_m > 0; ++k) {
+    const auto left_out_m = static_cast<double>(calibrated_.left_out_m[k]);
+    if (left_out_m > 0 && left_out_m <= most_m) outlying[k].rejected = false;
+  }
+  return log_.rejected_lines(outlying);
+}
+
 // Rows that were rejected have no part in what follows.
 void Run::take_out_rejected(RefinementOutcome& outcome) {
   auto& rows = log_.observations();
@@ -346,6 +361,7 @@ Read<RefinementOutcome> Run::operator()(const std::optional<Signature>& start,
   RefinementOutcome outcome{.refined = nullptr,
                             .fitted = calibrated_.request,
                             .rejected_lines = log_.rejected_lines(verdicts_),
+                            .outlying_lines = outlying_lines(),
                             .free_poses_rejected = 0,
                             .undetermined = {},
                             .cross_validation = {},

@@ -30,6 +30,7 @@ struct RefinementOutcome {
   std::unique_ptr<calibration::Refined> refined;      // too large for a stack
   calibration::ParameterRequest fitted;               // beside axes and targets
   std::vector<std::size_t> rejected_lines;            // gross outliers
+  std::vector<std::size_t> outlying_lines;            // of them, those that validation confirms
   std::size_t free_poses_rejected = 0;                // rows with sweep 0 among them
   std::vector<std::string> undetermined;              // in words
   std::optional<CrossValidation> cross_validation;    // none of too few rows
