@@ -338,6 +338,9 @@ Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfig
   if (const YamlNode* emulated = root.find("virtual")) {
     if (auto ok = read_virtual(*emulated, c); !ok) return ok;
   }
+  if (const YamlNode* touches = root.find("touches")) {
+    if (auto ok = read_touch_files(*touches, c); !ok) return ok;
+  }
   if (const YamlNode* grid = root.find("grid")) {
     if (auto ok = read_grid(*grid, c); !ok) return ok;
   }
@@ -350,12 +353,12 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
   if (auto tag = tool::check_tag(node, kConfigurationTag); !tag) {
     return std::unexpected(std::move(tag).error());
   }
-  std::vector<std::string> known{"armsig", "accept_sent", "name",      "console",
-                                 "store",  "priority",    "black_box", "joints",
-                                 "can",    "sensor",      "motion",    "supervision",
-                                 "dwell",  "points",      "sweeps",    "check",
-                                 "grid",   "coupling",    "workspace", "reporting_console",
-                                 "virtual"};
+  std::vector<std::string> known{"armsig",  "accept_sent", "name",      "console",
+                                 "store",   "priority",    "black_box", "joints",
+                                 "can",     "sensor",      "motion",    "supervision",
+                                 "dwell",   "points",      "sweeps",    "check",
+                                 "grid",    "coupling",    "workspace", "reporting_console",
+                                 "virtual", "touches"};
   add_names(known, "period", Dimension::kTime);
   tool::add_mounting_keys(known);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));

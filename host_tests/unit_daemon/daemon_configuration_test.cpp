@@ -58,6 +58,28 @@ TEST(DaemonConfiguration, places_the_arm_of_a_virtual_controller) {
   EXPECT_FALSE(read_configuration(ARMSIG_REFERENCE)->virtual_base);
 }
 
+TEST(DaemonConfiguration, names_the_files_of_touches) {
+  const Changed changed =
+      change("accept_sent", "accept_sent", "touches: {file: t.csv, plan: p.csv}\naccept_sent");
+  const auto read = parse_configuration(changed.text, "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  EXPECT_EQ(read->touches.file, "t.csv");
+  EXPECT_EQ(read->touches.plan, "p.csv");
+  EXPECT_TRUE(read_configuration(ARMSIG_REFERENCE)->touches.file.empty());
+}
+
+TEST(DaemonConfiguration, refuses_touches_without_a_file_of_their_own) {
+  const auto refused = [](const std::string& touches, const std::string& words) {
+    expect_refused("accept_sent", "accept_sent", "touches: " + touches + "\naccept_sent", words);
+  };
+  refused("{plan: p.csv}", "file");
+  refused("{file: \"\"}", "file");
+  refused("{file: [a, b]}", "file");
+  refused("{file: t.csv, plan: t.csv}", "plan: the file of the touches");
+  refused("{file: t.csv, places: [A1]}", "places");
+  refused("t.csv", "touches");
+}
+
 TEST(DaemonConfiguration, turns_a_virtual_base_about_x_then_y_then_z_of_the_sensor) {
   const std::string place =
       "virtual: {base: {x_mm: 0, y_mm: 0, z_mm: 0, rx_deg: 90, ry_deg: 90, rz_deg: 90}}\nmotion:";
