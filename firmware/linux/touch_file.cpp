@@ -53,7 +53,7 @@ Touched<void> check_touches(const std::string& path, const std::vector<Touch>& t
   }
   std::vector<std::string_view> places;
   for (const Touch& touch : touches) {
-    if (!is_place(touch.place)) {
+    if (!is_place_name(touch.place)) {
       return refused(Error::kOutOfRange, fmt::format("{}: line {}: the name of a place needs {}",
                                                      path, touch.line, kPlaceExpected));
     }
@@ -138,17 +138,8 @@ std::string first_lines(const std::string& text, std::size_t lines) {
 
 }  // namespace
 
-bool is_place(std::string_view name) {
-  const auto begins = [](char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-  };
-  const auto follows = [&](char c) { return begins(c) || c == '_' || c == '-' || c == '.'; };
-  return !name.empty() && name.size() <= kLongestPlace && begins(name.front()) &&
-         std::ranges::all_of(name, follows);
-}
-
 Told TouchFile::add(std::string_view place, const JointVector& readings) const {
-  if (!is_place(place)) {
+  if (!is_place_name(place)) {
     return refused(Error::kOutOfRange, fmt::format("place needs {}", kPlaceExpected));
   }
   ARMSIG_TRY(plan, read_plan(files_.plan, types_));

@@ -11,8 +11,13 @@
 
 #include "core/base/arm.hpp"
 #include "core/base/error.hpp"
+#include "firmware/formats/touches.hpp"
 
 namespace armsig::daemon {
+
+using tool::is_place_name;
+using tool::kLongestPlace;
+using tool::kPlaceExpected;
 
 struct TouchFiles {
   std::string file;  // empty: no touches are taken
@@ -21,13 +26,6 @@ struct TouchFiles {
 
 inline constexpr std::size_t kMostTouches = 1000;  // of one file; a plan has 200 at most
 inline constexpr std::size_t kMostPlaces = 32;     // so that a reply names them all
-inline constexpr std::size_t kLongestPlace = 32;   // characters
-
-// Whether a place may have this name, which neither a CSV file, nor a spreadsheet, nor a line of
-// the console takes for anything else: a letter or digit, then letters, digits, `_`, `-` and `.`.
-[[nodiscard]] bool is_place(std::string_view name);
-inline constexpr std::string_view kPlaceExpected =
-    "a letter or digit, then letters, digits, _, - and ., at most 32 in all";
 
 struct TouchRefusal {
   Error error = Error::kStorageFault;

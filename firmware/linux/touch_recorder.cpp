@@ -98,7 +98,7 @@ Result<void> TouchRecorder::begin_look(const TouchVerb& verb, const controller::
     out.text(" why=\"touch place=A1\"");
     return std::unexpected(Error::kUnknownRequest);
   }
-  if (!is_place(request.arguments[0].second)) {
+  if (!is_place_name(request.arguments[0].second)) {
     out.text(" why=\"place needs ").text(kPlaceExpected).text("\"");
     return std::unexpected(Error::kOutOfRange);
   }

@@ -64,6 +64,7 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
   world.sensor.range_sigma_m = c.sensor.measures == controller::Measures::kPoints
                                    ? c.sensor.point_sigma_m
                                    : c.sensor.receivers.range_sigma_m;
+  world.sockets = configuration.virtual_sockets;
   world.seed = options.seed;
   return world;
 }

@@ -10,6 +10,7 @@
 #include "firmware/controller/controller.hpp"
 #include "firmware/controller/latest_value.hpp"
 #include "firmware/virtual_cabinet/bent_arm.hpp"
+#include "firmware/virtual_cabinet/hand_leading.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/master.hpp"
 #include "hal/point_instrument.hpp"
@@ -46,6 +47,7 @@ struct World {
   // Where the configuration says that points are measured: what tells them instead of an emulated
   // tracker, and outlives the cabinet.
   hal::PointInstrument* points = nullptr;
+  EmulatedSockets sockets;  // none: nobody leads the arm
   std::uint64_t seed = 1;
   std::uint32_t first_serial = 1001;  // of the drives, one after the other
 };
@@ -65,6 +67,8 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   [[nodiscard]] simulated::UltrasonicConfig& field() { return field_.config(); }
   // Exact readings of the joints, which the drives only round.
   [[nodiscard]] JointVector true_readings() const;
+  // The arm `now`, as warm as it is.
+  [[nodiscard]] simulated::SimulatedArm arm_at(hal::Instant now);
   // Where the target truly is, `now`: with the arm's bends, and as warm as it is.
   [[nodiscard]] Vector3 target(hal::Instant now);
 
@@ -148,6 +152,8 @@ class VirtualCabinet {
   }
   [[nodiscard]] std::size_t bus_count() const { return drives_->buses.count; }
   [[nodiscard]] VirtualSensor& sensor() { return *sensor_; }
+  // To be asked of by the thread that steps.
+  [[nodiscard]] HandLeading& hand() { return *hand_; }
   // A link that bends, a foot or a sensor that is pushed: changed between two steps, and not while
   // the threads of a real time run.
   [[nodiscard]] simulated::SimulatedArm& arm() { return world_.arm; }
@@ -169,6 +175,7 @@ class VirtualCabinet {
   std::optional<VirtualSensor> sensor_;
   std::optional<VirtualTracker> tracker_;
   std::optional<VirtualGravity> gravity_;
+  std::optional<HandLeading> hand_;
   std::optional<controller::Controller> controller_;
   hal::Instant next_;
 };

@@ -118,11 +118,11 @@ TEST(TouchFile, takes_no_name_that_is_more_than_a_name) {
   const TouchFile file = file_in(folder);
   for (const char* name : {"", "A,1", "A 1", "\"A\"", "A\n1", "=1+1", "-A", "@A", "../A", "A:1",
                            "A/1", "A\t", "\xC3\xA9", "A\\", "a23456789012345678901234567890123"}) {
-    EXPECT_FALSE(is_place(name)) << name;
+    EXPECT_FALSE(is_place_name(name)) << name;
     expect_refused(file.add(name, {0, 0}), Error::kOutOfRange, "a letter or digit");
   }
   for (const char* name : {"A1", "1", "z", "Bar-2.left_end", "a2345678901234567890123456789012"}) {
-    EXPECT_TRUE(is_place(name)) << name;
+    EXPECT_TRUE(is_place_name(name)) << name;
     EXPECT_TRUE(file.add(name, {0, 0})) << name;
   }
 }
