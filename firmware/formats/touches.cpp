@@ -54,6 +54,15 @@ Read<std::vector<Touch>> touches_from(LineReader lines, const JointTypes& types,
 
 }  // namespace
 
+bool is_place_name(std::string_view name) {
+  const auto begins = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+  };
+  const auto follows = [&](char c) { return begins(c) || c == '_' || c == '-' || c == '.'; };
+  return !name.empty() && name.size() <= kLongestPlace && begins(name.front()) &&
+         std::ranges::all_of(name, follows);
+}
+
 Read<std::vector<Touch>> read_touches(const std::string& path, const JointTypes& types,
                                       const InstrumentDescription& description) {
   ARMSIG_TRY(lines, LineReader::open(path));

@@ -22,6 +22,13 @@ struct Touch {
   double length_m = 0;  // of a wire
 };
 
+// Whether a place has a name that a console, a spreadsheet and a live page take for nothing else: a
+// letter or digit, then letters, digits, `_`, `-` and `.`. A file may have other names.
+inline constexpr std::size_t kLongestPlace = 32;  // characters
+[[nodiscard]] bool is_place_name(std::string_view name);
+inline constexpr std::string_view kPlaceExpected =
+    "a letter or digit, then letters, digits, _, - and ., at most 32 in all";
+
 // Refuses a place without a name, a wire without a length, a length where none belongs, and a file
 // without any row.
 [[nodiscard]] Read<std::vector<Touch>> read_touches(const std::string& path,

@@ -3,13 +3,16 @@
 
 #include "firmware/controller/text.hpp"
 #include "firmware/controller/verbs.hpp"
+#include "firmware/linux/touch_recorder.hpp"
 
 namespace armsig::daemon {
 
 bool only_asks(std::string_view request) {
   const std::string_view name = request.substr(0, request.find_first_of(" \t"));
   const controller::Verb* verb = controller::find_verb(name);
-  return verb != nullptr ? verb->only_asks : name == "system";
+  if (verb != nullptr) return verb->only_asks;
+  const TouchVerb* touching = find_touch_verb(name);
+  return touching != nullptr ? touching->only_asks : name == "system";
 }
 
 // At most one line is looked at each time: a flood of refused requests costs a tick no more than

@@ -26,21 +26,30 @@ BlackBoxConfiguration box_of(const DaemonConfiguration& c) {
 
 Attendance::Attendance(const DaemonConfiguration& configuration, hal::Console& console,
                        hal::Console* reporting)
-    : box_(box_of(configuration), journal_),
-      logged_(console, journal_),
-      system_(logged_, watch_, box_) {
-  consoles_.push_back(&system_);
-  if (reporting == nullptr) return;
-  consoles_.push_back(&reporting_.emplace(asking_.emplace(*reporting, journal_), watch_, box_));
+    : box_(box_of(configuration), journal_), logged_(console, journal_) {
+  if (!configuration.touches.file.empty()) {
+    touches_.emplace(configuration.controller, configuration.touches);
+  }
+  add(logged_);
+  if (reporting != nullptr) add(asking_.emplace(*reporting, journal_));
+}
+
+void Attendance::add(hal::Console& console) {
+  const std::size_t place = consoles_.size();
+  hal::Console* inner = &console;
+  if (touches_) inner = &touching_[place].emplace(console, *touches_);
+  consoles_.push_back(&system_[place].emplace(*inner, watch_, box_));
 }
 
 void Attendance::begin(controller::Controller& controller) {
+  if (touches_) touches_->attend(controller.state());
   controller.observe(box_);
   journal_.begin([this] { attend(); });
 }
 
 void Attendance::attend() {
   box_.write_if_due();
+  if (touches_) touches_->write_if_due();
   if (watch_.progressed()) manager_.alive(linux_hal::monotonic_now());
 }
 

@@ -3,6 +3,7 @@
 // which they hear of it.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,8 @@
 #include "firmware/linux/process_watch.hpp"
 #include "firmware/linux/service_manager.hpp"
 #include "firmware/linux/system_console.hpp"
+#include "firmware/linux/touch_console.hpp"
+#include "firmware/linux/touch_recorder.hpp"
 
 namespace armsig::daemon {
 
@@ -46,14 +49,17 @@ class Attendance {
 
  private:
   void attend();
+  // What answers beside the controller, before `console`.
+  void add(hal::Console& console);
 
   Journal journal_;
   ProcessWatch watch_;
   BlackBox box_;
+  std::optional<TouchRecorder> touches_;
   JournalConsole logged_;
-  SystemConsole system_;
   std::optional<AskingConsole> asking_;
-  std::optional<SystemConsole> reporting_;
+  std::array<std::optional<TouchConsole>, 2> touching_;
+  std::array<std::optional<SystemConsole>, 2> system_;
   FixedVector<hal::Console*, 2> consoles_;
   ServiceManager manager_;
 };

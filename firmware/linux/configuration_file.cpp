@@ -348,6 +348,9 @@ Read<void> read_settings(const YamlMap& root, const YamlNode& node, DaemonConfig
   if (const YamlNode* emulated = root.find("virtual")) {
     if (auto ok = read_virtual(*emulated, c); !ok) return ok;
   }
+  if (const YamlNode* touches = root.find("touches")) {
+    if (auto ok = read_touch_files(*touches, c); !ok) return ok;
+  }
   if (const YamlNode* grid = root.find("grid")) {
     if (auto ok = read_grid(*grid, c); !ok) return ok;
   }
@@ -365,7 +368,7 @@ Read<DaemonConfiguration> configuration_from(const YamlNode& node) {
                                  "can",     "sensor",      "motion",    "supervision",
                                  "dwell",   "points",      "sweeps",    "check",
                                  "grid",    "coupling",    "workspace", "reporting_console",
-                                 "virtual", "lengths"};
+                                 "virtual", "lengths",     "touches"};
   add_names(known, "period", Dimension::kTime);
   tool::add_mounting_keys(known);
   ARMSIG_TRY(root, YamlMap::open(node, "the controller", known));

@@ -14,6 +14,8 @@
 #include "firmware/controller/length_points.hpp"
 #include "firmware/formats/mounting.hpp"
 #include "firmware/formats/problem.hpp"
+#include "firmware/linux/touch_file.hpp"
+#include "firmware/virtual_cabinet/hand_leading.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/range_sensor.hpp"
 #include "hal/linux/line_server.hpp"
@@ -40,11 +42,13 @@ struct DaemonConfiguration {
   std::string reporting_console;   // path of one that answers what changes nothing; empty: none
   std::string store;               // path of the file that keeps the signatures
   std::string black_box;           // folder of its files; empty: black-box beside the store
-  int priority = 80;               // of the servo thread, SCHED_FIFO; 0: ordinary scheduling
+  TouchFiles touches;
+  int priority = 80;  // of the servo thread, SCHED_FIFO; 0: ordinary scheduling
   // Of a virtual controller: frame 0 of the arm in the sensor frame; none: by the arm's reach.
   std::optional<Pose> virtual_base;
-  tool::LengthWords lengths;      // in what the file tells `workspace`
-  std::vector<double> bus_loads;  // of each CAN bus at worst, 1 being all of it
+  cabinet::EmulatedSockets virtual_sockets;  // of a virtual controller, into which it is led
+  tool::LengthWords lengths;                 // in what the file tells `workspace`
+  std::vector<double> bus_loads;             // of each CAN bus at worst, 1 being all of it
 };
 
 // "can0", or "can0 and can1".

@@ -37,11 +37,11 @@ std::optional<hal::ConsoleLine> JournalConsole::do_read_line() {
   return line;
 }
 
-// A reply that carries values answers a question, but for what a line of the tool misses; a refusal
-// is told whatever was asked.
+// A reply that carries values answers a question, but for what a line of the tool misses and for a
+// touch; a refusal is told whatever was asked.
 Result<void> JournalConsole::do_write_line(hal::ConsoleClient client, std::string_view text) {
   if (text == "ok" || text.starts_with("ok orientation_missed_deg=") ||
-      text.starts_with("error ")) {
+      text.starts_with("ok place=") || text.starts_with("error ")) {
     journal_.say(Priority::kNotice, controller::Line()
                                         .text("console ")
                                         .integer(client)

@@ -20,6 +20,9 @@ namespace armsig::daemon {
 // `virtual`: where the arm of `armsigd --virtual` stands.
 [[nodiscard]] tool::Read<void> read_virtual(const tool::YamlNode& node, DaemonConfiguration& c);
 
+// `touches`: the files of touches.
+[[nodiscard]] tool::Read<void> read_touch_files(const tool::YamlNode& node, DaemonConfiguration& c);
+
 // `grid`: the grid-touching task. Precondition: the limits have passed canopen::check().
 [[nodiscard]] tool::Read<void> read_grid(const tool::YamlNode& node, DaemonConfiguration& c);
 

@@ -65,6 +65,7 @@ cabinet::World world_of(const DaemonConfiguration& configuration, const VirtualO
                                    ? c.sensor.point_sigma_m
                                    : c.sensor.receivers.range_sigma_m;
   world.length_offsets_m = configuration.length_offsets_m;
+  world.sockets = configuration.virtual_sockets;
   world.seed = options.seed;
   return world;
 }

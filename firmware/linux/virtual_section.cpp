@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "core/base/pose.hpp"
 #include "firmware/controller/plausibility.hpp"
+#include "firmware/formats/text.hpp"
 #include "firmware/formats/yaml_map.hpp"
 #include "firmware/linux/sections.hpp"
 #include "firmware/linux/settings.hpp"
@@ -12,6 +16,7 @@ namespace armsig::daemon {
 namespace {
 
 using tool::Dimension;
+using tool::problem_at;
 using tool::Read;
 using tool::YamlMap;
 using tool::YamlNode;
@@ -41,14 +46,85 @@ Read<Pose> read_base(const YamlNode& node) {
   return X_S0;
 }
 
+// x, y and z, of a map that may have other keys.
+Read<Vector3> read_point(const YamlMap& map, const controller::Bounds& bounds) {
+  Vector3 point;
+  Settings settings(map);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const std::string_view name = std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1);
+    ARMSIG_TRY(value_m, map.quantity(name, Dimension::kLength));
+    point[axis] = value_m;
+    settings.bound(name, Dimension::kLength, value_m, bounds);
+  }
+  if (auto done = settings.done(); !done) return std::unexpected(done.error());
+  return point;
+}
+
+std::vector<std::string> point_keys() {
+  std::vector<std::string> known;
+  for (const char* axis : {"x", "y", "z"}) tool::add_names(known, axis, Dimension::kLength);
+  return known;
+}
+
+Read<cabinet::EmulatedSocket> read_socket(const YamlNode& node) {
+  std::vector<std::string> known = point_keys();
+  known.emplace_back("place");
+  ARMSIG_TRY(map, YamlMap::open(node, "a socket", known));
+  ARMSIG_TRY(place, map.text("place"));
+  if (!is_place_name(place)) {
+    return problem_at(*map.find("place"), "place: " + tool::in_quotes(place),
+                      std::string(kPlaceExpected));
+  }
+  ARMSIG_TRY(p_0, read_point(map, controller::plausible::kWorkspace));
+  cabinet::EmulatedSocket socket{.place = {}, .p_0 = p_0};
+  for (const char c : place) socket.place.push_back(c);
+  return socket;
+}
+
+// `sockets`, `ball` and `seat_sigma_mm`.
+Read<void> read_sockets(const YamlMap& map, const YamlNode& list, cabinet::EmulatedSockets& into) {
+  ARMSIG_TRY(ball, map.require("ball"));
+  ARMSIG_TRY(ball_map, YamlMap::open(*ball, "ball", point_keys()));
+  ARMSIG_TRY(ball_F, read_point(ball_map, controller::plausible::kEmitter));
+  into.ball_F = ball_F;
+  ARMSIG_TRY(items, tool::read_list(list, "sockets", 1, into.all.capacity()));
+  for (const YamlNode& item : *items) {
+    ARMSIG_TRY(socket, read_socket(item));
+    if (std::ranges::count(into.all, socket.name(), &cabinet::EmulatedSocket::name) != 0) {
+      return problem_at(item, fmt::format("place: {} twice", socket.name()),
+                        "each socket under a name of its own");
+    }
+    into.all.push_back(socket);
+  }
+  return Settings(map)
+      .quantity("seat_sigma", Dimension::kLength, into.seat_sigma_m)
+      .bound("seat_sigma", Dimension::kLength, into.seat_sigma_m,
+             controller::plausible::kInstrumentSigma)
+      .done();
+}
+
 }  // namespace
 
 Read<void> read_virtual(const YamlNode& node, DaemonConfiguration& c) {
-  ARMSIG_TRY(map, YamlMap::open(node, "virtual", {"base"}));
-  ARMSIG_TRY(base, map.require("base"));
-  ARMSIG_TRY(X_S0, read_base(*base));
-  c.virtual_base = X_S0;
-  return {};
+  std::vector<std::string> known{"base", "ball", "sockets"};
+  tool::add_names(known, "seat_sigma", Dimension::kLength);
+  ARMSIG_TRY(map, YamlMap::open(node, "virtual", known));
+  const YamlNode* const sockets = map.find("sockets");
+  if (sockets == nullptr) {
+    ARMSIG_TRY(base, map.require("base"));
+    ARMSIG_TRY(X_S0, read_base(*base));
+    c.virtual_base = X_S0;
+    for (const YamlNode& key : node.keys) {
+      if (key.text == "base") continue;
+      return problem_at(key, key.text + " without sockets", "sockets, or no such key");
+    }
+    return {};
+  }
+  if (const YamlNode* const base = map.find("base")) {
+    ARMSIG_TRY(X_S0, read_base(*base));
+    c.virtual_base = X_S0;
+  }
+  return read_sockets(map, *sockets, c.virtual_sockets);
 }
 
 }  // namespace armsig::daemon

@@ -18,7 +18,7 @@ using controller::Request;
 
 constexpr std::string_view kVerb = "emulate";
 constexpr std::string_view kExample =
-    " joint=2 fault=blocked, joint=2 push_deg=3, sensor=silent, air_c=30, can=down";
+    " joint=2 fault=blocked, joint=2 push_deg=3, sensor=silent, air_c=30, can=down, place=A1";
 constexpr std::string_view kHelpReply = "ok verbs=";
 
 struct SensorFault {
@@ -45,7 +45,8 @@ constexpr std::array kKeys{
     std::string_view("joint"),     std::string_view("fault"),    std::string_view("code"),
     std::string_view("push_deg"),  std::string_view("push_mm"),  std::string_view("sensor"),
     std::string_view("air_c"),     std::string_view("sigma_mm"), std::string_view("dropout"),
-    std::string_view("multipath"), std::string_view("can"),      std::string_view("can2")};
+    std::string_view("multipath"), std::string_view("can"),      std::string_view("can2"),
+    std::string_view("place"),     std::string_view("slip_mm")};
 constexpr std::array<std::string_view, canopen::kMostBuses> kBusKeys{"can", "can2"};
 
 class Values {
@@ -169,6 +170,26 @@ Result<void> read_buses(const VirtualCabinet& cabinet, const Values& values, Lin
   return {};
 }
 
+// Into a socket, by hand.
+Result<void> lead(VirtualCabinet& cabinet, const Request& request, const Values& values,
+                  std::string_view place, Line& out) {
+  constexpr double kLargestSlip_mm = 100;
+  const auto slip_mm = values.number("slip_mm", 0, kLargestSlip_mm, out);
+  if (!slip_mm) return std::unexpected(slip_mm.error());
+  if (request.arguments.size() > (*slip_mm ? 2U : 1U)) {
+    return refused(out, "place", " goes with slip_mm alone");
+  }
+  const EmulatedSocket* const socket = cabinet.hand().find(place);
+  if (socket == nullptr) return refused(out, place, " is no socket of the emulated world");
+  const controller::Mode mode = cabinet.state().snapshot().mode;
+  if (mode != controller::Mode::kIdle || cabinet.hand().is_leading()) {
+    out.text(" mode=").text(name(mode));
+    if (mode == controller::Mode::kIdle) out.text(" why=\"the arm is being led\"");
+    return std::unexpected(Error::kWrongMode);
+  }
+  return cabinet.hand().begin(*socket, 1e-3 * slip_mm->value_or(0), cabinet.clock().now());
+}
+
 void change_bus(simulated::VirtualCanPort& port, std::string_view state) {
   if (state == "off") port.go_bus_off();
   if (state == "up" || state == "down") port.set_up(state == "up");
@@ -198,6 +219,10 @@ Result<void> emulate(VirtualCabinet& cabinet, const Request& request, Line& out)
   if (const auto key = values.unknown(); !key.empty()) {
     return refused(out, key, " is no key of emulate");
   }
+  if (const auto place = values.text("place")) {
+    return lead(cabinet, request, values, *place, out);
+  }
+  if (values.text("slip_mm")) return refused(out, "slip_mm", " needs place=A1");
   Changes changes;
   changes.field = cabinet.sensor().field();
   if (auto read = read_joint(cabinet, values, out, changes); !read) return read;
@@ -208,6 +233,7 @@ Result<void> emulate(VirtualCabinet& cabinet, const Request& request, Line& out)
 }
 
 std::optional<hal::ConsoleLine> EmulationConsole::do_read_line() {
+  watch_hand();
   auto line = inner_->read_line();
   if (!line || line->error) return line;
   const auto request = controller::parse_request(line->text());
@@ -242,14 +268,37 @@ void EmulationConsole::answer(hal::ConsoleClient client, const Request& request)
   Line details;
   Result<void> done = std::unexpected(Error::kUnsupported);
   if (cabinet_ != nullptr) done = emulate(*cabinet_, request, details);
-  Line reply;
-  if (done) {
-    reply.text("ok");
+  const bool leads = Values(request).text("place").has_value();
+  if (done && leads) {
+    led_for_ = client;
   } else {
-    reply.text("error ").text(name(done.error())).text(" ").text(describe(done.error()));
-    reply.text(details.view());
+    reply(client, done, details);
   }
-  (void)inner_->write_line(client, reply.view());
+}
+
+void EmulationConsole::reply(hal::ConsoleClient client, const Result<void>& done,
+                             const Line& details) {
+  Line line;
+  if (done) {
+    line.text("ok");
+  } else {
+    line.text("error ").text(name(done.error())).text(" ").text(describe(done.error()));
+    line.text(details.view());
+  }
+  (void)inner_->write_line(client, line.view());
+}
+
+// Whoever had the arm led is answered when the ball sits, or the arm has got torque meanwhile.
+void EmulationConsole::watch_hand() {
+  if (!led_for_) return;
+  const controller::Mode mode = cabinet_->state().snapshot().mode;
+  const bool has_torque = mode != controller::Mode::kIdle;
+  if (cabinet_->hand().is_leading() && !has_torque) return;
+  cabinet_->hand().let_go();
+  Line details;
+  if (has_torque) details.text(" mode=").text(name(mode));
+  reply(*led_for_, has_torque ? std::unexpected(Error::kWrongMode) : Result<void>(), details);
+  led_for_.reset();
 }
 
 }  // namespace armsig::cabinet

@@ -18,6 +18,9 @@ namespace armsig::cabinet {
 //   sigma_mm=0.4 emulate can=down                     or up, or off: bus-off;
 //   can2 of a second bus
 // Errors: kUnknownRequest, kOutOfRange.
+//   emulate place=A1                     leads the arm without torque into that socket; with
+//   slip_mm=3, beside its seat. It is done when VirtualCabinet::hand() no longer leads.
+// Errors of that besides: kWrongMode (the arm has torque, or is being led), kOutOfReach.
 Result<void> emulate(VirtualCabinet& cabinet, const controller::Request& request,
                      controller::Line& out);
 
@@ -37,9 +40,13 @@ class EmulationConsole final : public hal::Console {
 
   void help(hal::ConsoleClient client);
   void answer(hal::ConsoleClient client, const controller::Request& request);
+  void reply(hal::ConsoleClient client, const Result<void>& done, const controller::Line& details);
 
   hal::Console* inner_;
+  void watch_hand();
+
   VirtualCabinet* cabinet_ = nullptr;
+  std::optional<hal::ConsoleClient> led_for_;  // who is answered when the ball sits
 };
 
 }  // namespace armsig::cabinet

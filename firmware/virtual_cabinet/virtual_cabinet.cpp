@@ -32,13 +32,17 @@ JointVector VirtualSensor::true_readings() const {
   return q;
 }
 
-Vector3 VirtualSensor::target(hal::Instant now) {
+simulated::SimulatedArm VirtualSensor::arm_at(hal::Instant now) {
   if (!powered_at_) powered_at_ = now;
-  const JointVector& readings = readings_.read();
-  const JointVector q = world_.bent ? turned(*world_.bent, readings) : readings;
   const double part =
       1 - std::exp(-hal::seconds(now - *powered_at_) / hal::seconds(world_.warming));
-  const simulated::SimulatedArm arm = simulated::grown(world_.arm, world_.growth * part);
+  return simulated::grown(world_.arm, world_.growth * part);
+}
+
+Vector3 VirtualSensor::target(hal::Instant now) {
+  const JointVector& readings = readings_.read();
+  const JointVector q = world_.bent ? turned(*world_.bent, readings) : readings;
+  const simulated::SimulatedArm arm = arm_at(now);
   return simulated::target_position(arm, q, arm.targets[arm.targets.size() - 1]);
 }
 
@@ -196,6 +200,8 @@ VirtualCabinet::VirtualCabinet(const controller::Configuration& configuration,
   clock_.add(*sensor_);
   gravity_.emplace(world_, drives_, *sensor_, motors_);
   clock_.add(*gravity_);
+  hand_.emplace(world_, drives_, *sensor_, motors_);
+  clock_.add(*hand_);
   controller_.emplace(configuration, *master_, instrument(configuration.sensor), clock_, memory,
                       consoles, refinement, checks);
 }

@@ -11,6 +11,7 @@
 #include "firmware/controller/latest_value.hpp"
 #include "firmware/controller/length_points.hpp"
 #include "firmware/virtual_cabinet/bent_arm.hpp"
+#include "firmware/virtual_cabinet/hand_leading.hpp"
 #include "hal/canopen/configuration.hpp"
 #include "hal/canopen/master.hpp"
 #include "hal/length_instrument.hpp"
@@ -51,6 +52,7 @@ struct World {
   // The same where it says that lengths are measured, from the places of the receivers: what the
   // controller adds to each. Empty: an emulated tracker tells points.
   controller::LengthOffsets length_offsets_m;
+  EmulatedSockets sockets;  // none: nobody leads the arm
   std::uint64_t seed = 1;
   std::uint32_t first_serial = 1001;  // of the drives, one after the other
 };
@@ -70,6 +72,8 @@ class VirtualSensor final : public hal::RangeSensor, public simulated::TimeDrive
   [[nodiscard]] simulated::UltrasonicConfig& field() { return field_.config(); }
   // Exact readings of the joints, which the drives only round.
   [[nodiscard]] JointVector true_readings() const;
+  // The arm `now`, as warm as it is.
+  [[nodiscard]] simulated::SimulatedArm arm_at(hal::Instant now);
   // Where the target truly is, `now`: with the arm's bends, and as warm as it is.
   [[nodiscard]] Vector3 target(hal::Instant now);
 
@@ -171,6 +175,8 @@ class VirtualCabinet {
   }
   [[nodiscard]] std::size_t bus_count() const { return drives_->buses.count; }
   [[nodiscard]] VirtualSensor& sensor() { return *sensor_; }
+  // To be asked of by the thread that steps.
+  [[nodiscard]] HandLeading& hand() { return *hand_; }
   // A link that bends, a foot or a sensor that is pushed: changed between two steps, and not while
   // the threads of a real time run.
   [[nodiscard]] simulated::SimulatedArm& arm() { return world_.arm; }
@@ -194,6 +200,7 @@ class VirtualCabinet {
   std::optional<VirtualWires> wires_;
   std::optional<controller::LengthPoints> of_wires_;
   std::optional<VirtualGravity> gravity_;
+  std::optional<HandLeading> hand_;
   std::optional<controller::Controller> controller_;
   hal::Instant next_;
 };

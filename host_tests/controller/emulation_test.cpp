@@ -18,6 +18,9 @@ struct EmulatedPuma : PumaCabinet {
     cabinet.reset();
     cabinet::World world = test::puma_world();
     world.drive = drives;
+    world.sockets.ball_F = {0.15, 0, 0.05};
+    world.sockets.all.push_back({.place = {'A', '1'}, .p_0 = {0.4, 0.2, 0.1}});
+    world.sockets.all.push_back({.place = {'F'}, .p_0 = {9, 0, 0}});
     cabinet = std::make_unique<cabinet::VirtualCabinet>(test::puma_controller(), test::puma_bus(),
                                                         world, memory, outer);
     emulation.attend(*cabinet);
@@ -139,6 +142,60 @@ TEST(Emulation, without_a_cabinet_is_refused) {
   EXPECT_FALSE(emulation.read_line());
   ASSERT_EQ(console.replies.size(), 1U);
   EXPECT_TRUE(console.replies[0].starts_with("error UNSUPPORTED "));
+}
+
+// Where the ball is, from the socket.
+double off_m(EmulatedPuma& puma) {
+  const simulated::SimulatedArm& arm = puma.cabinet->arm();
+  const Pose X_SF = simulated::link_pose(arm, puma.cabinet->sensor().true_readings(), 6);
+  return (X_SF * Vector3(0.15, 0, 0.05) - arm.X_S0 * Vector3(0.4, 0.2, 0.1)).norm();
+}
+
+// The reply, which comes when the ball sits.
+std::string led(EmulatedPuma& puma, const std::string& request) {
+  const std::size_t before = puma.console.replies.size();
+  puma.console.requests.push_back(request);
+  for (int i = 0; i < 10'000 && puma.console.replies.size() == before; ++i) puma.run(0.002);
+  return puma.console.replies.size() == before ? "" : puma.console.replies.back();
+}
+
+TEST(Emulation, leads_the_ball_into_a_socket_each_time_from_another_side) {
+  EmulatedPuma puma;
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  JointVector before = puma.now().positions;
+  for (int touch = 0; touch < 5; ++touch) {
+    ASSERT_EQ(led(puma, "emulate place=A1"), "ok");
+    EXPECT_LT(off_m(puma), 0.25e-3);
+    EXPECT_EQ(puma.mode(), Mode::kIdle);
+    EXPECT_EQ(puma.cabinet->state().unreferenced(), 0U);
+    puma.run(0.1);
+    double farthest = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      farthest = std::max(farthest, std::abs(puma.now().positions[i] - before[i]));
+    }
+    EXPECT_GT(farthest, 0.1);
+    before = puma.now().positions;
+  }
+  ASSERT_EQ(led(puma, "emulate place=A1 slip_mm=5"), "ok");
+  EXPECT_NEAR(off_m(puma), 5e-3, 0.25e-3);
+}
+
+TEST(Emulation, leads_no_arm_that_has_torque_is_led_already_or_cannot_get_there) {
+  EmulatedPuma puma;
+  ASSERT_TRUE(puma.run_until(Mode::kIdle));
+  puma.expect_refused("emulate place=B1", "B1 is no socket of the emulated world");
+  puma.expect_refused("emulate place=A1 air_c=30", "place goes with slip_mm alone");
+  puma.expect_refused("emulate place=A1 slip_mm=101", "OUT_OF_RANGE");
+  puma.expect_refused("emulate slip_mm=1", "slip_mm needs place=A1");
+  puma.expect_refused("emulate place=F", "OUT_OF_REACH");
+  puma.console.requests.emplace_back("emulate place=A1");
+  puma.run(0.1);
+  puma.expect_refused("emulate place=A1", "WRONG_MODE");
+  EXPECT_EQ(puma.ask("enable"), "ok");
+  puma.run(0.1);
+  EXPECT_TRUE(puma.console.replies.back().starts_with("error WRONG_MODE "));
+  ASSERT_TRUE(puma.run_until(Mode::kHolding));
+  puma.expect_refused("emulate place=A1", "mode=holding");
 }
 
 }  // namespace

@@ -129,15 +129,17 @@ TEST(JournalConsole, logs_commands_answers_and_what_the_controller_says_but_no_q
     }
     (void)console.write_line(1, "ok mode=holding");
     (void)console.write_line(1, "ok");
+    (void)console.write_line(1, "ok place=A1 at_place=1 touches=1");
     (void)console.write_line(1, "error WRONG_MODE the present mode does not allow it");
     console.broadcast("# mode faulted error=DRIVE_EMERGENCY joint=4 code=0x2310");
   });
   EXPECT_EQ(log,
             "armsigd: console 1: move q1_deg=10\n"
             "armsigd: console 1 is answered: ok\n"
+            "armsigd: console 1 is answered: ok place=A1 at_place=1 touches=1\n"
             "armsigd: console 1 is answered: error WRONG_MODE the present mode does not allow it\n"
             "armsigd: mode faulted error=DRIVE_EMERGENCY joint=4 code=0x2310\n");
-  EXPECT_EQ(person.replies.size(), 3U);
+  EXPECT_EQ(person.replies.size(), 4U);
   EXPECT_EQ(person.told.size(), 1U);
 }
 
@@ -147,7 +149,7 @@ TEST(AskingConsole, passes_on_what_changes_nothing_with_its_replies_and_what_is_
     AskingConsole asking(reporter, journal);
     hal::Console& console = asking;
     for (const char* request :
-         {"status", "signature", "fetch what=signature part=1", "log row=3", "system"}) {
+         {"status", "signature", "fetch what=signature part=1", "log row=3", "system", "touches"}) {
       reporter.requests.emplace_back(request);
       const auto line = console.read_line();
       ASSERT_TRUE(line) << request;
@@ -157,7 +159,7 @@ TEST(AskingConsole, passes_on_what_changes_nothing_with_its_replies_and_what_is_
     console.broadcast("# mode holding");
   });
   EXPECT_EQ(log, "");
-  EXPECT_EQ(reporter.replies.size(), 5U);
+  EXPECT_EQ(reporter.replies.size(), 6U);
   EXPECT_EQ(reporter.told, std::vector<std::string>{"# mode holding"});
 }
 
@@ -172,12 +174,13 @@ TEST(AskingConsole, refuses_every_request_that_changes_something_and_says_so_in_
       EXPECT_EQ(console.read_line().has_value(), verb.only_asks) << verb.name;
       refused += verb.only_asks ? 0 : 1;
     }
-    for (const char* request : {"", "nonsense", "statusx", "send part=1 bytes=3956 hex=00ff"}) {
+    for (const char* request : {"", "nonsense", "statusx", "send part=1 bytes=3956 hex=00ff",
+                                "touch place=A1", "drop-touch"}) {
       reporter.requests.emplace_back(request);
       EXPECT_FALSE(console.read_line()) << request;
     }
   });
-  EXPECT_EQ(reporter.replies.size(), refused + 4);
+  EXPECT_EQ(reporter.replies.size(), refused + 6);
   for (const std::string& reply : reporter.replies)
     EXPECT_TRUE(reply.starts_with("error NOT_PERMITTED \""));
   EXPECT_NE(log.find("armsigd: reporting console 1 is refused: enable\n"), std::string::npos)

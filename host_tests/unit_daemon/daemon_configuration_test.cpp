@@ -58,6 +58,64 @@ TEST(DaemonConfiguration, places_the_arm_of_a_virtual_controller) {
   EXPECT_FALSE(read_configuration(ARMSIG_REFERENCE)->virtual_base);
 }
 
+TEST(DaemonConfiguration, names_the_files_of_touches) {
+  const Changed changed =
+      change("accept_sent", "accept_sent", "touches: {file: t.csv, plan: p.csv}\naccept_sent");
+  const auto read = parse_configuration(changed.text, "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  EXPECT_EQ(read->touches.file, "t.csv");
+  EXPECT_EQ(read->touches.plan, "p.csv");
+  EXPECT_TRUE(read_configuration(ARMSIG_REFERENCE)->touches.file.empty());
+}
+
+TEST(DaemonConfiguration, refuses_touches_without_a_file_of_their_own) {
+  const auto refused = [](const std::string& touches, const std::string& words) {
+    expect_refused("accept_sent", "accept_sent", "touches: " + touches + "\naccept_sent", words);
+  };
+  refused("{plan: p.csv}", "file");
+  refused("{file: \"\"}", "file");
+  refused("{file: [a, b]}", "file");
+  refused("{file: t.csv, plan: t.csv}", "plan: the file of the touches");
+  refused("{file: t.csv, places: [A1]}", "places");
+  refused("t.csv", "touches");
+}
+
+TEST(DaemonConfiguration, has_sockets_for_a_virtual_controller) {
+  const Changed changed = change(
+      "\nmotion:", "motion:",
+      "virtual: {ball: {x_mm: 1, y_mm: 2, z_mm: 150}, sockets: [{place: A1, x_mm: 400, y_mm: 0, "
+      "z_mm: 50}, {place: A2, x_m: 0.1, y_mm: 0, z_mm: 50}], seat_sigma_mm: 0.1}\nmotion:");
+  const auto read = parse_configuration(changed.text, "cabinet.yaml");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const cabinet::EmulatedSockets& sockets = read->virtual_sockets;
+  ASSERT_EQ(sockets.all.size(), 2U);
+  EXPECT_EQ(sockets.all[1].name(), "A2");
+  EXPECT_TRUE(sockets.all[1].p_0.isApprox(Vector3(0.1, 0, 0.05)));
+  EXPECT_TRUE(sockets.ball_F.isApprox(Vector3(0.001, 0.002, 0.15)));
+  EXPECT_DOUBLE_EQ(sockets.seat_sigma_m, 0.1e-3);
+  EXPECT_FALSE(read->virtual_base);
+}
+
+TEST(DaemonConfiguration, refuses_sockets_that_no_ball_can_be_led_into) {
+  const auto refused = [](const std::string& keys, const std::string& words) {
+    expect_refused("\nmotion:", "motion:", "virtual: {" + keys + "}\nmotion:", words);
+  };
+  const std::string ball = "ball: {x_mm: 0, y_mm: 0, z_mm: 150}, ";
+  refused("sockets: [{place: A1, x_mm: 1, y_mm: 1, z_mm: 1}]", "ball");
+  refused(ball + "sockets: []", "sockets");
+  refused(ball + "sockets: [{place: A1, x_mm: 1, y_mm: 1}]", "z");
+  refused(ball + "sockets: [{place: \"A,1\", x_mm: 1, y_mm: 1, z_mm: 1}]", "place");
+  refused(ball + "sockets: [{place: A1, x_m: 1000, y_mm: 1, z_mm: 1}]", "x: 1000");
+  refused(ball +
+              "sockets: [{place: A1, x_mm: 1, y_mm: 1, z_mm: 1}, {place: A1, x_mm: 1, y_mm: 1, "
+              "z_mm: 1}]",
+          "place: A1 twice");
+  refused(ball + "sockets: [{place: A1, x_mm: 1, y_mm: 1, z_mm: 1}], seat_sigma_m: 5",
+          "seat_sigma: 5");
+  refused("base: {x_mm: 0, y_mm: 0, z_mm: 0}, " + ball.substr(0, ball.size() - 2),
+          "ball without sockets");
+}
+
 TEST(DaemonConfiguration, turns_a_virtual_base_about_x_then_y_then_z_of_the_sensor) {
   const std::string place =
       "virtual: {base: {x_mm: 0, y_mm: 0, z_mm: 0, rx_deg: 90, ry_deg: 90, rz_deg: 90}}\nmotion:";

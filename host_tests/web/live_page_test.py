@@ -383,6 +383,32 @@ class LivePage(unittest.TestCase):
         homing = "import('./meaning.js').then((it) => it.situation({ status: { mode: 'homing', sequence: 'none' }, candidate: null }, '', 6))"
         self.assertEqual([self.tab.ask(f"{homing}.then((it) => it.{word})") for word in ("headline", "next")], ["A joint is being homed", "halt"])
 
+    @with_cabinet({"accept_sent: ": "touches: {file: touches.csv}\nvirtual: {ball: {x_mm: 150, y_mm: 0, z_mm: 50}, "
+                                    "sockets: [{place: A1, x_mm: 400, y_mm: 200, z_mm: 100}]}\naccept_sent: "})
+    def test_an_arm_that_is_led_by_hand_is_touched(self):
+        self.mode("idle")
+        self.assertTrue(self.shown("touching"))
+        for count in (1, 2):
+            self.assertEqual(self.cabinet.ask("emulate place=A1"), ["ok"])
+            self.type("place", "A1")
+            self.press("touch")
+            self.tab.wait(f"document.getElementById('answer').textContent === 'Touched A1: {count} there, {count} in all.'", kSlow)
+        self.draw("touches")
+        self.type("place", "A 1")
+        self.press("touch")
+        self.tab.wait("document.getElementById('answer').textContent.includes('place needs a letter or digit')", kSlow)
+        self.press("drop-touch")
+        self.press_sure("drop-touch")
+        self.tab.wait("document.getElementById('answer').textContent === 'Dropped a touch of A1: 1 there, 1 in all.'", kSlow)
+        self.assertEqual(self.cabinet.ask("touches"), ["ok touches=1 places=A1:1"])
+        with open(os.path.join(self.folder.name, "touches.csv")) as file:
+            self.assertEqual([line.split(",")[0] for line in file], ["place", "A1"])
+        self.assertEqual(self.tab.complaints(), [])
+
+    def test_without_a_file_of_touches_there_is_no_button_for_them(self):
+        self.mode("idle")
+        self.assertFalse(self.shown("touching"))
+
     def test_a_second_viewer_looks_on_until_it_takes_over(self):
         self.mode("idle")
         second = Tab(self.browser, self.page.address)

@@ -332,7 +332,8 @@ class LiveServer(Served):
 
 class Requests(Served):
     """Of an arm whose third joint is prismatic, and whose first is unreferenced."""
-    changes = kPrismatic | {"gear_ratio: 100, zero_counts: 0, reversed: no,": "gear_ratio: 100, reference: none,"}
+    changes = kPrismatic | {"gear_ratio: 100, zero_counts: 0, reversed: no,": "gear_ratio: 100, reference: none,",
+                            "accept_sent: ": "touches: {file: touches.csv}\naccept_sent: "}
 
     @classmethod
     def console(cls):
@@ -391,6 +392,13 @@ class Requests(Served):
         self.refuses("revolute", '"verb":"move","joint":3,"step_deg":1')
         self.refuses("prismatic", '"verb":"move","joint":2,"step_mm":1')
 
+    def test_takes_no_place_but_a_name(self):
+        for value in ('""', "1", "null", "true", '["A1"]', '"A 1"', '"A1\\nstop"', '"A,1"', '"=A1"', '"-A"', '"../A"', '"\\u00e9"', '"A1 place=B1"',
+                      '"A1\\u0000"', '"' + 33 * "A" + '"'):
+            self.refuses("place needs a letter or digit", f'"verb":"touch","place":{value}')
+        self.refuses("takes place\n", '"verb":"touch"', '"verb":"touch","place":"A1","joint":1')
+        self.refuses("takes nothing\n", '"verb":"drop-touch","place":"A1"')
+
     def test_takes_exactly_the_keys_of_a_verb(self):
         self.refuses("takes nothing\n", *(f'"verb":"{verb}","{key}":1' for verb in ("enable", "stop", "check", "accept", "halt", "take-over")
                                           for key in ("joint", "accuracy_mm", "", "x y", "step_deg\\nstop")))
@@ -427,7 +435,10 @@ class Requests(Served):
         self.assertIn("UNREFERENCED", self.answer_to("identify", accuracy_mm=0.15, minutes=30))
         self.assertIn("UNREFERENCED", self.answer_to("identify", accuracy_mm=1e-5))
         self.assertIn("UNREFERENCED", self.answer_to("check"))
-        self.assertEqual(self.tap.commands()[sent + 5:], ["home joint=1", "identify accuracy_mm=0.15 minutes=30", "identify accuracy_mm=1e-05", "check"])
+        self.assertIn("UNREFERENCED", self.answer_to("touch", place="Bar-2.left_end"))
+        self.assertIn("there is no touch to drop", self.answer_to("drop-touch"))
+        self.assertEqual(self.tap.commands()[sent + 5:], ["home joint=1", "identify accuracy_mm=0.15 minutes=30", "identify accuracy_mm=1e-05", "check",
+                                                          "touch place=Bar-2.left_end", "drop-touch"])
 
     def test_learns_from_the_controller_what_is_possible_when(self):
         late = self.open("late")

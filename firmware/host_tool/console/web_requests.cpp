@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "firmware/formats/touches.hpp"
+
 namespace armsig::tool {
 namespace {
 
@@ -20,7 +22,14 @@ using JointKinds = std::vector<bool>;  // of each joint whether it is revolute
 constexpr std::size_t kLongestViewer = 64;
 constexpr std::size_t kMostKeys = 2;
 
-enum class Wanted : std::uint8_t { kPositive, kStep, kJoint, kRevoluteJoint, kPrismaticJoint };
+enum class Wanted : std::uint8_t {
+  kPositive,
+  kStep,
+  kJoint,
+  kRevoluteJoint,
+  kPrismaticJoint,
+  kPlace
+};
 
 struct PageKey {
   std::string_view name;  // empty: there is none
@@ -45,6 +54,7 @@ constexpr PageKey kRevoluteKey{"joint", Wanted::kRevoluteJoint};
 constexpr PageKey kPrismaticKey{"joint", Wanted::kPrismaticJoint};
 constexpr PageKey kAngleKey{"step_deg", Wanted::kStep, 5};
 constexpr PageKey kLengthKey{"step_mm", Wanted::kStep, 5};
+constexpr PageKey kPlaceKey{"place", Wanted::kPlace};
 
 // All that a page may ask for. A request has exactly the keys of one form of its verb.
 constexpr std::array kForms{
@@ -63,6 +73,8 @@ constexpr std::array kForms{
     plain("accept"),
     plain("rollback"),
     plain("acknowledge"),
+    PageForm{"touch", "touch place={}", {kPlaceKey}},
+    plain("drop-touch"),
     PageForm{"home", "home joint={}", {kAnyJointKey}},
     PageForm{"move", "move dq{}_deg={} pace=0.1", {kRevoluteKey, kAngleKey}},
     PageForm{"move", "move dq{}_mm={} pace=0.1", {kPrismaticKey, kLengthKey}},
@@ -87,8 +99,13 @@ bool is_joint(double number, Wanted wanted, const JointKinds& revolute) {
   return wanted == Wanted::kJoint || turns == (wanted == Wanted::kRevoluteJoint);
 }
 
-std::optional<double> value_of(const PageKey& key, const PageJson& value,
-                               const JointKinds& revolute) {
+// As it stands in the line.
+std::optional<std::string> value_of(const PageKey& key, const PageJson& value,
+                                    const JointKinds& revolute) {
+  if (key.wanted == Wanted::kPlace) {
+    const auto* const name = value.get_ptr<const std::string*>();
+    return name != nullptr && is_place_name(*name) ? std::optional(*name) : std::nullopt;
+  }
   if (!value.is_number()) return std::nullopt;
   const double number = value.get<double>();
   const double size = key.wanted == Wanted::kStep ? std::abs(number) : number;
@@ -96,7 +113,7 @@ std::optional<double> value_of(const PageKey& key, const PageJson& value,
   // A number that is not finite is in no range.
   const bool good =
       is_number ? size > 0 && size <= key.most : is_joint(number, key.wanted, revolute);
-  return good ? std::optional(number) : std::nullopt;
+  return good ? std::optional(fmt::format("{}", number)) : std::nullopt;
 }
 
 std::string needs(const PageKey& key, const JointKinds& revolute) {
@@ -109,6 +126,8 @@ std::string needs(const PageKey& key, const JointKinds& revolute) {
       return fmt::format("{} needs the number of a revolute joint of the arm", key.name);
     case Wanted::kPrismaticJoint:
       return fmt::format("{} needs the number of a prismatic joint of the arm", key.name);
+    case Wanted::kPlace:
+      return fmt::format("{} needs {}", key.name, kPlaceExpected);
     default:
       return fmt::format("{} needs the number of a joint, 1 to {}", key.name, revolute.size());
   }
@@ -130,12 +149,12 @@ std::string takes(std::string_view verb) {
 
 std::expected<std::string, std::string> line_of(const PageForm& form, const PageJson& json,
                                                 const JointKinds& revolute) {
-  std::array<double, kMostKeys> values{};
+  std::array<std::string, kMostKeys> values;
   for (std::size_t i = 0; i < count_of(form); ++i) {
     const PageKey& key = form.keys[i];
-    const auto value = value_of(key, json[key.name], revolute);
+    auto value = value_of(key, json[key.name], revolute);
     if (!value) return std::unexpected(needs(key, revolute));
-    values[i] = *value;
+    values[i] = std::move(*value);
   }
   return fmt::format(fmt::runtime(form.line), values[0], values[1]);
 }

@@ -16,7 +16,8 @@ struct PageRequest {
 };
 
 // What `body` asks for, or why it is no request of the page. `revolute`: of each joint of the arm.
-// The line is formatted from the table and from numbers: no text of the browser gets into it.
+// The line is formatted from the table, from numbers, and from the name of a place, which has
+// letters and digits: no other text of the browser gets into it.
 [[nodiscard]] std::expected<PageRequest, std::string> page_request(
     std::string_view body, const std::vector<bool>& revolute);
 

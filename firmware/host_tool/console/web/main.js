@@ -203,7 +203,16 @@ function showAnswer({ answer }) {
   const [, name, rest] = /^error (\S+) (.*)$/.exec(answer.words) ?? [];
   const own = / why="([^"]*)"/.exec(rest ?? '');  // of the controller, which knows more than the table of messages
   const why = own ? `${rest.replace(own[0], '')}: ${own[1]}` : name ? `${rest}. ${markdown(adviceFor(name).todo ?? '')}` : answer.words;
-  say(answer.verb, answer.ok ? `The controller took ${answer.verb}.` : `${answer.verb}: ${why}`, answer.ok);
+  say(answer.verb, answer.ok ? touchWords(answer) ?? `The controller took ${answer.verb}.` : `${answer.verb}: ${why}`, answer.ok);
+}
+
+// What the controller counts of touches.
+function touchWords({ verb, words }) {
+  const [, place, here, all] = / place=(\S+) at_place=(\d+) touches=(\d+)/.exec(words) ?? [];
+  if (!place) return null;
+  const [, left, next] = / left=(\d+)(?: next=(\S+))?/.exec(words) ?? [];
+  const plan = left ? `, ${left} left of the plan${next ? `, next ${next}` : ''}` : '';
+  return `${verb === 'touch' ? 'Touched' : 'Dropped a touch of'} ${place}: ${here} there, ${all} in all${plan}.`;
 }
 
 // What became of a request; of a jog beside its buttons, too.
@@ -232,6 +241,7 @@ function showButtons(next) {
     button.hidden = !can && ['pause', 'resume', 'acknowledge', 'reset'].includes(button.dataset.verb);
     button.classList.toggle('next', button.dataset.verb === next && can);
   }
+  byId('touching').hidden = !verbs.touch;
   const away = state !== null && !state.holds;
   byId('read-only').hidden = !away;
   if (away) tell('read-only-words', state.free ? 'Nobody holds the controls.' : 'You are looking on: another viewer holds the controls. Quick stop is yours all the same.');
@@ -293,7 +303,7 @@ function typedValues() {
 }
 
 function ask({ verb, joint }) {
-  const values = verb === 'identify' ? typedValues() : joint ? { joint: Number(joint) } : {};
+  const values = verb === 'identify' ? typedValues() : verb === 'touch' ? { place: byId('place').value } : joint ? { joint: Number(joint) } : {};
   if (values === null) say(verb, `${verb}: what is typed is no number`, false);
   else request(verb, values);
 }
