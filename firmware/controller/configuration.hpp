@@ -54,7 +54,8 @@ struct Sensor {
   Measures measures = Measures::kRanges;
   // 1 sigma along each axis of a point that does not tell its own.
   double point_sigma_m = 0;
-  // Of everything else that the configuration says of it: its readings mean others where it differs.
+  // Of everything else that the configuration says of it: its readings mean others where it
+  // differs.
   std::uint32_t settings_crc = 0;
 #endif
   measurement::ReceiverArray receivers;  // of ranges; of lengths that tell points: their anchors
