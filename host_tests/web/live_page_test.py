@@ -394,6 +394,7 @@ class LivePage(unittest.TestCase):
             self.press("touch")
             self.tab.wait(f"document.getElementById('answer').textContent === 'Touched A1: {count} there, {count} in all.'", kSlow)
         self.draw("touches")
+        self.assertEqual(self.tab.complaints(), [])
         self.type("place", "A 1")
         self.press("touch")
         self.tab.wait("document.getElementById('answer').textContent.includes('place needs a letter or digit')", kSlow)
@@ -403,7 +404,6 @@ class LivePage(unittest.TestCase):
         self.assertEqual(self.cabinet.ask("touches"), ["ok touches=1 places=A1:1"])
         with open(os.path.join(self.folder.name, "touches.csv")) as file:
             self.assertEqual([line.split(",")[0] for line in file], ["place", "A1"])
-        self.assertEqual(self.tab.complaints(), [])
 
     def test_without_a_file_of_touches_there_is_no_button_for_them(self):
         self.mode("idle")

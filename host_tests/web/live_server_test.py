@@ -446,8 +446,9 @@ class Requests(Served):
         self.assertEqual(verbs["move"], {"modes": ["holding"], "alone": True})
         self.assertEqual(verbs["enable"], {"modes": ["idle"], "alone": False})
         self.assertEqual(verbs["accept"], {"modes": ["idle", "holding"], "alone": True})
+        self.assertEqual(verbs["touch"], {"modes": ["idle", "holding"], "alone": False})
         self.assertEqual(set(verbs), {"stop", "enable", "disable", "halt", "reset", "identify", "pause", "resume", "check", "accept", "rollback",
-                                      "acknowledge", "home", "move"})
+                                      "acknowledge", "home", "move", "touch", "drop-touch"})
         late.close()
 
 
