@@ -182,7 +182,7 @@ void TouchRecorder::write_if_due() {
     Told told;
     if (job->verb->only_asks) {
       told = file_.tell();
-    } else if (job->place.size() > 0) {
+    } else if (!job->place.empty()) {
       told = file_.add({job->place.data(), job->place.size()}, job->readings);
     } else {
       told = file_.drop();
