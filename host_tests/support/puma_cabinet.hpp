@@ -159,7 +159,7 @@ struct PumaCabinet {
   std::uint32_t first_serial = 1001;  // of the drives
   controller::CheckMemory* checks = nullptr;
   hal::PointInstrument* points = nullptr;
-  LengthOffsets length_offsets_m;
+  controller::LengthOffsets length_offsets_m;
   std::unique_ptr<cabinet::VirtualCabinet> cabinet;
 };
 
