@@ -51,8 +51,8 @@ struct World {
   hal::PointInstrument* points = nullptr;
   // The same where it says that lengths are measured, from the places of the receivers: what the
   // controller adds to each. Empty: an emulated tracker tells points.
-  controller::LengthOffsets length_offsets_m;
-  EmulatedSockets sockets;  // none: nobody leads the arm
+  controller::LengthOffsets length_offsets_m{};
+  EmulatedSockets sockets{};  // none: nobody leads the arm
   std::uint64_t seed = 1;
   std::uint32_t first_serial = 1001;  // of the drives, one after the other
 };
