@@ -57,8 +57,8 @@ const YamlNode& place_of(const controller::ConfigurationRefusal& refusal, const 
   std::string_view section = refusal.setting.substr(0, dot);
   std::string_view name = refusal.setting.substr(dot + 1);
   if (section == "limits") section = "motion";
-  for (const std::string_view other : {"points", "lengths"}) {
-    if (section == "sensor" && root.find(section) == nullptr) section = other;
+  if (section == "sensor" && root.find(section) == nullptr) {
+    section = root.find("points") != nullptr ? "points" : "lengths";
   }
   if (name == "taught") name = "corners";
   const YamlNode* found = root.find(section);
