@@ -176,18 +176,12 @@ Read<void> refuse_connection(const YamlMap& map) {
 Read<void> read_anchor(const YamlNode& item, DaemonConfiguration& c) {
   auto& anchors = c.controller.sensor.receivers.p_S;
   const std::string name = fmt::format("anchor {}", anchors.size() + 1);
-  std::vector<std::string> known;
-  for (const char* key : {"x", "y", "z", "offset"}) add_names(known, key, Dimension::kLength);
+  std::vector<std::string> known = point_keys();
+  add_names(known, "offset", Dimension::kLength);
   ARMSIG_TRY(map, YamlMap::open(item, name, known));
-  Vector3 p_S;
+  ARMSIG_TRY(p_S, read_point(map, plausible::kAnchor));
   double offset_m = 0;
   Settings settings(map);
-  Eigen::Index axis = 0;
-  for (const char* key : {"x", "y", "z"}) {
-    ARMSIG_TRY(value_m, map.quantity(key, Dimension::kLength));
-    p_S[axis++] = value_m;
-    settings.bound(key, Dimension::kLength, value_m, plausible::kAnchor);
-  }
   settings.quantity("offset", Dimension::kLength, offset_m, false)
       .bound("offset", Dimension::kLength, offset_m, plausible::kAnchor);
   if (auto done = settings.done(); !done) return done;

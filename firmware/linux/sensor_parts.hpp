@@ -5,8 +5,10 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/controller/configuration.hpp"
+#include "firmware/controller/plausibility.hpp"
 #include "firmware/formats/yaml_map.hpp"
 #include "firmware/linux/daemon_configuration.hpp"
 #include "firmware/linux/settings.hpp"
@@ -20,8 +22,10 @@ inline constexpr int kLargestRegister = 0xFFFF;  // of a Modbus unit
 // Where in the frame of the last link `name` is, by the drawing.
 [[nodiscard]] tool::Read<Vector3> read_target(const tool::YamlNode& node, const std::string& name);
 
-// A place in the frame of the sensor or of a link: x, y and z.
-[[nodiscard]] tool::Read<Vector3> read_point(const tool::YamlNode& node, const std::string& name);
+// The keys x, y and z of a place, each with its unit; and the place, in a map that may have others.
+[[nodiscard]] std::vector<std::string> point_keys();
+[[nodiscard]] tool::Read<Vector3> read_point(const tool::YamlMap& map,
+                                             const controller::Bounds& bounds);
 
 // `facing`, where it is there. Refused: places, which `node` tells, that locate no target.
 [[nodiscard]] tool::Read<void> finish_array(const tool::YamlMap& map, const tool::YamlNode& node,

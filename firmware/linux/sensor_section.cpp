@@ -19,7 +19,6 @@
 namespace armsig::daemon {
 namespace {
 
-using controller::plausible::kEmitter;
 using tool::add_names;
 using tool::Dimension;
 using tool::problem_at;
@@ -78,7 +77,9 @@ Read<void> read_array(const YamlMap& map, DaemonConfiguration& c) {
   if (auto enough = check_count(*node); !enough) return enough;
   ARMSIG_TRY(list, tool::read_list(*node, "receivers", 3, kMaxReceivers));
   for (const YamlNode& item : *list) {
-    ARMSIG_TRY(p_S, read_point(item, fmt::format("receiver {}", sensor.receivers.p_S.size() + 1)));
+    const std::string name = fmt::format("receiver {}", sensor.receivers.p_S.size() + 1);
+    ARMSIG_TRY(map_of_one, YamlMap::open(item, name, point_keys()));
+    ARMSIG_TRY(p_S, read_point(map_of_one, controller::plausible::kReceiver));
     sensor.receivers.p_S.push_back(p_S);
   }
   ARMSIG_TRY(sigma, map.require_quantity("range_sigma", Dimension::kLength));
@@ -102,14 +103,23 @@ Read<void> read_array(const YamlMap& map, DaemonConfiguration& c) {
 
 }  // namespace
 
-Read<Vector3> read_point(const YamlNode& node, const std::string& name) {
+std::vector<std::string> point_keys() {
   std::vector<std::string> known;
   for (const char* axis : {"x", "y", "z"}) add_names(known, axis, Dimension::kLength);
-  ARMSIG_TRY(map, YamlMap::open(node, name, known));
-  ARMSIG_TRY(x_m, map.quantity("x", Dimension::kLength));
-  ARMSIG_TRY(y_m, map.quantity("y", Dimension::kLength));
-  ARMSIG_TRY(z_m, map.quantity("z", Dimension::kLength));
-  return Vector3(x_m, y_m, z_m);
+  return known;
+}
+
+Read<Vector3> read_point(const YamlMap& map, const controller::Bounds& bounds) {
+  Vector3 point;
+  Settings settings(map);
+  Eigen::Index axis = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    ARMSIG_TRY(value_m, map.quantity(name, Dimension::kLength));
+    point[axis++] = value_m;
+    settings.bound(name, Dimension::kLength, value_m, bounds);
+  }
+  if (auto done = settings.done(); !done) return std::unexpected(std::move(done).error());
+  return point;
 }
 
 Read<void> finish_array(const YamlMap& map, const YamlNode& node,
@@ -126,11 +136,8 @@ Read<void> finish_array(const YamlMap& map, const YamlNode& node,
 }
 
 Read<Vector3> read_target(const YamlNode& node, const std::string& name) {
-  ARMSIG_TRY(p_nT, read_point(node, name));
-  const double farthest_m = p_nT.cwiseAbs().maxCoeff();
-  if (farthest_m <= kEmitter.highest) return p_nT;
-  return problem_at(node, fmt::format("{} at {:.6g} m", name, farthest_m),
-                    fmt::format("within {} m: {}", kEmitter.highest, kEmitter.reason));
+  ARMSIG_TRY(map, YamlMap::open(node, name, point_keys()));
+  return read_point(map, controller::plausible::kEmitter);
 }
 
 Read<void> read_sensor(const YamlNode& node, DaemonConfiguration& c) {

@@ -10,6 +10,7 @@
 #include "firmware/formats/text.hpp"
 #include "firmware/formats/yaml_map.hpp"
 #include "firmware/linux/sections.hpp"
+#include "firmware/linux/sensor_parts.hpp"
 #include "firmware/linux/settings.hpp"
 
 namespace armsig::daemon {
@@ -44,26 +45,6 @@ Read<Pose> read_base(const YamlNode& node) {
   if (auto done = settings.done(); !done) return std::unexpected(done.error());
   X_S0.R = rotation_z(rz_rad) * rotation_about(Vector3::UnitY(), ry_rad) * rotation_x(rx_rad);
   return X_S0;
-}
-
-// x, y and z, of a map that may have other keys.
-Read<Vector3> read_point(const YamlMap& map, const controller::Bounds& bounds) {
-  Vector3 point;
-  Settings settings(map);
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const std::string_view name = std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1);
-    ARMSIG_TRY(value_m, map.quantity(name, Dimension::kLength));
-    point[axis] = value_m;
-    settings.bound(name, Dimension::kLength, value_m, bounds);
-  }
-  if (auto done = settings.done(); !done) return std::unexpected(done.error());
-  return point;
-}
-
-std::vector<std::string> point_keys() {
-  std::vector<std::string> known;
-  for (const char* axis : {"x", "y", "z"}) tool::add_names(known, axis, Dimension::kLength);
-  return known;
 }
 
 Read<cabinet::EmulatedSocket> read_socket(const YamlNode& node) {
