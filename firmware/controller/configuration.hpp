@@ -54,8 +54,7 @@ struct Sensor {
   Measures measures = Measures::kRanges;
   // 1 sigma along each axis of a point that does not tell its own.
   double point_sigma_m = 0;
-  // Of everything else that the configuration says of it: its readings mean others where it
-  // differs.
+  // Of all that the configuration file says of it: where that differs, readings mean others.
   std::uint32_t settings_crc = 0;
 #endif
   measurement::ReceiverArray receivers;  // of ranges; of lengths that tell points: their anchors

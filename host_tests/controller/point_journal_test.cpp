@@ -122,6 +122,15 @@ TEST_F(PointJournalTest, refuses_by_name_what_is_of_another_machine_or_configura
   EXPECT_EQ(again.begin(2).value_or(99), 0U) << "it began anew";
 }
 
+// Another offset or register: what was measured before is another point.
+TEST_F(PointJournalTest, refuses_by_name_what_an_instrument_with_other_settings_told) {
+  interrupted_after(3);
+  KeptRun changed(memory);
+  changed.configuration.sensor.settings_crc = 1;
+  EXPECT_EQ(test::failure_of(changed.begin()), Error::kRecordUnsuitable);
+  EXPECT_EQ(changed.recalled(), 0);
+}
+
 TEST_F(PointJournalTest, refuses_a_foreign_header_by_name_and_begins_anew) {
   interrupted_after(3);
   memory.bytes[9] ^= 1;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What measures, in the configuration file: a sensor, an instrument of points, or nothing.
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -217,6 +220,72 @@ TEST(LengthConfiguration, that_cannot_be_is_refused_in_its_place) {
   expect_refused(asked + "registers: [0, 2]}\n", "registers");
   expect_refused(asked + "registers: [0, 2, 5]}\n", "lengths and counter in registers");
   expect_refused(asked + "registers: [0, 2, 65536]}\n", "registers");
+}
+
+TEST(LengthConfiguration, that_the_controller_refuses_is_refused_in_its_place) {
+  const std::string text =
+      with(std::string(kWires) + kAnchors + "  port: 7048\n  reading_timeout_s: 61\n");
+  const auto read = parse_configuration(text, "cabinet.yaml");
+  ASSERT_FALSE(read);
+  const auto before = text.substr(0, text.find("reading_timeout_s"));
+  EXPECT_EQ(test::failure_of(read).line, 1 + std::ranges::count(before, '\n'))
+      << tool::render(test::failure_of(read));
+}
+
+TEST(LengthConfiguration, that_differs_anywhere_has_another_fingerprint) {
+  const auto crc_of = [](std::string text, const std::string& old, const std::string& put) {
+    text.replace(text.find(old), old.size(), put);
+    const auto read = parse_configuration(with(text), "cabinet.yaml");
+    EXPECT_TRUE(read) << put;
+    return read ? read->controller.sensor.settings_crc : 0;
+  };
+  const std::string text = of_reference("lengths");
+  const std::uint32_t crc = crc_of(text, "7048", "7048");
+  EXPECT_EQ(crc_of(text, "# 1 sigma", "# one sigma"), crc) << "a remark";
+  EXPECT_NE(crc_of(text, "offset_mm: 35.5", "offset_mm: 35.6"), crc);
+  EXPECT_NE(crc_of(text, "y_mm: 2000", "y_mm: 2001"), crc);
+}
+
+std::filesystem::path guide_path() {
+  return std::filesystem::path(ARMSIG_REFERENCE).parent_path() / "../../docs/sensors.md";
+}
+
+// The indented block of the guide that begins with `key`, and its line that begins with `word`.
+std::string of_guide(const std::string& key) {
+  std::ifstream file(guide_path());
+  std::string block;
+  for (std::string line; std::getline(file, line);) {
+    if (block.empty() && line != "    " + key + ":") continue;
+    if (!line.starts_with("    ")) break;
+    block += line.substr(4) + "\n";
+  }
+  return block;
+}
+std::string line_of_guide(const std::string& word) {
+  std::ifstream file(guide_path());
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("    " + word + " ")) return line.substr(4);
+  }
+  return {};
+}
+
+TEST(PointConfiguration, of_the_guide_is_taken_with_its_line) {
+  const auto read = parse_configuration(with(of_guide("points")), "sensors.md");
+  EXPECT_TRUE(read) << tool::render(read.error());
+  EXPECT_TRUE(linux_hal::PointLine::parse(line_of_guide("point")));
+}
+
+TEST(LengthConfiguration, of_the_guide_is_taken_and_its_lengths_meet) {
+  const auto read = parse_configuration(with(of_guide("lengths")), "sensors.md");
+  ASSERT_TRUE(read) << tool::render(read.error());
+  const auto line = linux_hal::LengthLine::parse(line_of_guide("lengths"));
+  ASSERT_TRUE(line);
+  ASSERT_EQ(line->lengths_m.size(), 4U);
+  const Vector3 p_S(0.9, 0.7, 0.63);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double length_m = line->lengths_m[i].value_or(0) + read->length_offsets_m[i];
+    EXPECT_NEAR((p_S - read->controller.sensor.receivers.p_S[i]).norm(), length_m, 0.05e-3) << i;
+  }
 }
 
 TEST(LengthConfiguration, beside_points_is_refused) {
